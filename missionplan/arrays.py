@@ -30,9 +30,11 @@ def row_and_next(grid: Array, row: NDArray[np.intp]) -> tuple[Array, Array]:
 
 
 def take_trials(value: Value, trials: NDArray[np.intp]) -> Value:
-    """Select trials of an array, whose last axis they are, or of every array in a data class; numbers stay."""
+    """Select trials of an array, whose last axis they are, or of every array in a data class or tuple; numbers stay."""
     if isinstance(value, np.ndarray) and value.ndim:
         return cast("Value", value[..., trials])
+    if isinstance(value, tuple):
+        return cast("Value", tuple(take_trials(item, trials) for item in value))
     if is_dataclass(value) and not isinstance(value, type):
         return replace(
             value, **{field.name: take_trials(getattr(value, field.name), trials) for field in fields(value)}

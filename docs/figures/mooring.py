@@ -8,7 +8,8 @@ from matplotlib.figure import Figure as MatplotlibFigure
 
 import missionplan
 from missionplan.physics.current_above import LayersAbove
-from missionplan.physics.held_body import HeldLine
+from missionplan.physics.held_line import HeldLine, line_drag_factor
+from missionplan.physics.line_materials import LINE_MATERIALS
 from missionplan.physics.line_statics import held_pose
 from missionplan.report.held_vehicle import hold_figure
 from missionplan.report.page import Figure, style, to_figure
@@ -35,13 +36,15 @@ def against_current() -> Figure:
     figure = MatplotlibFigure(figsize=(6.0, 3.4))
     axes = figure.subplots()
     cases = [
-        ("as it is", body.net_buoyancy, 0.0, "-"),
-        ("line of 4 mm", body.net_buoyancy, 0.004, "--"),
+        ("line without weight and drag", body.net_buoyancy, 0.0, "-"),
+        ("4 mm of polyester", body.net_buoyancy, 0.004, "--"),
         ("5 N of net buoyancy", 5.0, 0.0, "-."),
     ]
     for label, buoyancy, width, dashes in cases:
+        weight = LINE_MATERIALS["polyester"].wet_weight(width, body.density)
+        line = HeldLine(5.0, line_drag_factor(width, body.density), wet_weight=weight)
         held = type(body)(**{**vars(body), "net_buoyancy": buoyancy, "raising_moment": 0.5 * body.length * buoyancy})
-        pose = held_pose(held, HeldLine(5.0, width), current)
+        pose = held_pose(held, line, current)
         axes.plot(speed, pose.nose[2], dashes, label=label)
     axes.plot([0.2 * 0.514444, 0.4 * 0.514444, 0.9], [4.0, 2.5, 0.6], "o", label="independent estimate", zorder=5)
     axes.set(xlabel="Current (m/s)", ylabel="Nose above the seafloor (m)", xlim=(0.0, 1.0), ylim=(0.0, 5.2))

@@ -23,14 +23,12 @@ class FallingFunctions(Protocol):
         ...
 
 
-def bracketed_roots(
-    functions: FallingFunctions, low: Array, high: Array, start: Array, *, tolerance: float, patience: int = 3
-) -> Array:
+def bracketed_roots(functions: FallingFunctions, low: Array, high: Array, start: Array, *, tolerance: float) -> Array:
     """Find where functions cross zero.
 
-    A proposed step (Newton's, or that of a fixed point) is taken where it stays within the bracket; now and then the
-    bracket is halved instead, so that a poor proposal costs time but no root. Roots that are found are not evaluated
-    again.
+    A proposed step (Newton's, or that of a fixed point) is taken where it stays within the bracket and is at most half
+    of the last one; else the bracket is halved, so that a poor proposal costs time but no root (Press et al. 2007,
+    Numerical Recipes, sect. 9.4). Roots that are found are not evaluated again.
 
     Parameters
     ----------
@@ -41,16 +39,14 @@ def bracketed_roots(
         First places.
     tolerance : float
         Of the places.
-    patience : int
-        The bracket is halved each time that so many steps have been tried; more for smooth functions.
 
     Returns
     -------
     array, shape (n,)
     """
     found = np.clip(start, low, high)
-    left, place = np.arange(found.size), found
-    for count in range(_MOST):
+    left, place, moved = np.arange(found.size), found, high - low
+    for _ in range(_MOST):
         value, step = functions.evaluate(place)
         low, high = np.where(value >= 0.0, place, low), np.where(value <= 0.0, place, high)
         proposed = np.clip(place + step, low, high)
@@ -58,10 +54,11 @@ def bracketed_roots(
         found[left] = np.where(open_, place, proposed)
         if not open_.any():
             break
-        halved = (proposed <= low) | (proposed >= high) | (count % patience == patience - 1)
-        place = np.where(halved, 0.5 * (low + high), proposed)
+        halved = (proposed <= low) | (proposed >= high) | (np.abs(step) > 0.5 * moved)
+        onward = np.where(halved, 0.5 * (low + high), proposed)
+        moved, place = np.abs(onward - place), onward
         if not open_.all():
             kept = np.flatnonzero(open_)
             functions, left = functions.take(kept), left[kept]
-            place, low, high = place[kept], low[kept], high[kept]
+            place, low, high, moved = place[kept], low[kept], high[kept], moved[kept]
     return found

@@ -26,11 +26,6 @@ class LayersAbove:
     tops: Array
     velocity: Array
 
-    @property
-    def patience(self) -> int:
-        """Steps that are tried before a bracket is halved: few where a layer's edge makes the pull jump."""
-        return 3
-
     def at(self, altitude: Array) -> Array:
         """Velocity at altitudes of shape (m, n) [m], shape (2, m, n) [m/s]."""
         found = np.broadcast_to(self.velocity[-1][:, None], (2, *altitude.shape))
@@ -39,15 +34,22 @@ class LayersAbove:
             found = velocity[:, None] + (found - velocity[:, None]) * share
         return np.asarray(found)
 
+    def with_shear(self, altitude: Array) -> tuple[Array, Array]:
+        """Velocity as `at` gives it, and how it changes with the altitude, shape (2, m, n) [1/s]."""
+        found = np.broadcast_to(self.velocity[-1][:, None], (2, *altitude.shape))
+        shear = np.zeros((2, 1, 1))
+        for top, velocity in zip(self.tops[-2::-1], self.velocity[-2::-1], strict=True):
+            share = (altitude - top) / _EDGE + 0.5
+            between, rise = (share > 0.0) & (share < 1.0), found - velocity[:, None]
+            share = np.clip(share, 0.0, 1.0)
+            shear = shear * share + rise * (between / _EDGE)
+            found = velocity[:, None] + rise * share
+        return np.asarray(found), shear
+
 
 @dataclass(frozen=True)
 class ProfileAbove(LayersAbove):
     """A current that is linear between altitudes at equal distances, `tops`, the first of them 0."""
-
-    @property
-    @override
-    def patience(self) -> int:
-        return 6
 
     @override
     def at(self, altitude: Array) -> Array:
@@ -57,8 +59,8 @@ class ProfileAbove(LayersAbove):
         rise += below
         return rise
 
+    @override
     def with_shear(self, altitude: Array) -> tuple[Array, Array]:
-        """Velocity as `at` gives it, and how it changes with the altitude, shape (2, m, n) [1/s]."""
         below, rise, share = self._between(altitude)
         return below + rise * share, rise / self.tops[1]
 

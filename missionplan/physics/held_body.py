@@ -9,9 +9,6 @@ from missionplan.physics.vehicle_drag import DragLaw
 
 CROSSFLOW_COEFFICIENT = 1.1
 """C_d of a long round body across the flow, on length × diameter, below the drag crisis (Hoerner 1965, ch. III)."""
-LINE_COEFFICIENT = 1.2
-"""C_d of a line across the flow, on its diameter: a smooth cylinder at Re 10³ to 10⁵ (Hoerner 1965, ch. III); one that
-is set swinging by its wake has up to twice as much."""
 _SECTIONS = 10
 """Of the body, each with the current at its middle."""
 
@@ -57,12 +54,3 @@ class HeldBody:
         """Middles of the body's sections from its nose, shape (m, 1) or (m, n) [m]."""
         middles = (np.arange(_SECTIONS) + 0.5) / _SECTIONS
         return np.asarray(middles[:, None] * self.length)
-
-
-@dataclass(frozen=True)
-class HeldLine:
-    """The line: its length and diameter, each a float or an array of shape (n,) [m]; 0 across has no drag."""
-
-    length: Scalars
-    diameter: Scalars = 0.0
-    coefficient: Scalars = LINE_COEFFICIENT

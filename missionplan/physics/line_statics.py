@@ -1,8 +1,8 @@
 """Statics of a buoyant slender body that hangs by its nose on a line in a layered current.
 
-Hoerner's cross-flow principle (Fluid-Dynamic Drag, 1965, ch. III): the drag across a slender body, or a line, is that
-of the velocity's component across its axis, the drag along it that of the component along it. The line has no weight
-and does not stretch; the body turns freely about its nose. `docs/mooring.md` has the equations and their limits.
+Hoerner's cross-flow principle (Fluid-Dynamic Drag, 1965, ch. III): the drag across a slender body is that of the
+velocity's component across its axis, the drag along it that of the component along it. The body turns freely about its
+nose, from which `held_line` follows the line. `docs/mooring.md` has the equations and their limits.
 
 Vectors are east, north and up from the anchor; trials are the last axis.
 """
@@ -14,13 +14,15 @@ from numpy.typing import NDArray
 
 from missionplan.arrays import Array, Scalars, over_trials, take_trials
 from missionplan.physics.bracketed_roots import bracketed_roots
-from missionplan.physics.current_above import LayersAbove, ProfileAbove
-from missionplan.physics.held_balance import balanced
-from missionplan.physics.held_body import HeldBody, HeldLine
+from missionplan.physics.current_above import LayersAbove
+from missionplan.physics.held_body import HeldBody
+from missionplan.physics.held_line import HeldLine, HungLine, hang
 
-_LINE_SECTIONS = 20
-_TOLERANCE = 1e-7
-"""Of angles [rad] and of the nose's altitude, in line lengths."""
+_TOLERANCE = 1e-5
+"""Step of angles [rad] and of the nose's altitude, in line lengths, after which there is no other; the next of Newton's
+method, or the secant's, would be a hundredth of it or less."""
+_STEPS, _LONG = 100, 12.0
+"""Of the way to a pose, and the time of it in those of its end's decay: what is left then is a hundred-thousandth."""
 _WEAKEST = 1e-12
 """Tension that keeps a slack line's direction finite [N]."""
 
@@ -87,18 +89,24 @@ def held_pose(body: HeldBody, line: HeldLine, current: LayersAbove, near: HeldPo
     HeldPose
     """
     trials = current.velocity.shape[-1]
-    length = over_trials(line.length, trials)
-    pitch, start = (near.pitch, near.nose[2]) if near else (np.full(trials, 0.25 * np.pi), 0.8 * length)
-    if isinstance(current, ProfileAbove):
-
-        def height(altitude: Array, pull: Array) -> Array:
-            return np.asarray(_follow_line(line, body.density, current, altitude, pull)[0][-1, 2])
-
-        pitch, start = balanced(body, current, height, length, (pitch, start))
+    length = over_trials(_highest(body, line, current), trials)
+    start = near.nose[2] if near else 0.8 * length
+    pitch = near.pitch if near else _Turning(body, current, start).first_guess()
     standing = _Standing(body, line, current, pitch)
-    tolerance, patience = _TOLERANCE * float(np.max(length)), current.patience
-    altitude = bracketed_roots(standing, np.zeros(trials), length, start, tolerance=tolerance, patience=patience)
+    tolerance = _TOLERANCE * float(np.max(length))
+    altitude = bracketed_roots(standing, np.zeros(trials), length, start, tolerance=tolerance)
     return standing.pose(altitude)
+
+
+def _highest(body: HeldBody, line: HeldLine, current: LayersAbove) -> Scalars:
+    """Length of the line under more than the greatest tension that there can be [m]."""
+    if not np.any(line.compliance):
+        return line.length
+    fastest = np.sqrt((current.velocity**2).sum(axis=1).max(axis=0))
+    across = body.section_drag * len(body.sections) + line.drag_factor * line.length
+    tension = np.abs(body.net_buoyancy) + body.axial_drag(fastest) + across * fastest**2
+    tension = tension + np.abs(line.wet_weight) * line.length + sum(item.buoyancy for item in line.floats)
+    return np.asarray(line.length * (1.0 + line.compliance * tension))
 
 
 @dataclass
@@ -115,7 +123,7 @@ class _Standing:
     before: Array | None = None
 
     def evaluate(self, altitude: Array) -> tuple[Array, Array]:
-        excess = self._hanging(altitude)[1][2] - altitude
+        excess = self._hanging(altitude)[1].deepest - altitude
         step = excess  # in a uniform current the altitude does not matter, and this step is the last
         if self.before is not None:
             moved, changed = altitude - self.before[0], excess - self.before[1]
@@ -129,15 +137,14 @@ class _Standing:
 
     def pose(self, altitude: Array) -> HeldPose:
         """Pose with the nose at its altitude [m]."""
-        axis, nose, pull, load = self._hanging(altitude)
-        return HeldPose(np.concatenate((nose[:2], altitude[None])), axis, pull, load)
+        axis, hung, pull = self._hanging(altitude)
+        return HeldPose(np.concatenate((hung.fallen[-1, :2], altitude[None])), axis, pull, hung.load)
 
-    def _hanging(self, altitude: Array) -> tuple[Array, Array, Array, Array]:
-        """Axis, vector from anchor to nose that the line makes [m], and the tensions at nose and anchor [N]."""
+    def _hanging(self, altitude: Array) -> tuple[Array, HungLine, Array]:
+        """Axis, the line below the nose, and the tension at the nose [N]."""
         body, quarter = self.body, np.full(altitude.size, 0.5 * np.pi)
         turning = _Turning(body, self.current, altitude)
-        patience = self.current.patience
-        self.pitch = bracketed_roots(turning, -quarter, quarter, self.pitch, tolerance=_TOLERANCE, patience=patience)
+        self.pitch = bracketed_roots(turning, -quarter, quarter, self.pitch, tolerance=_TOLERANCE)
         course, speeds = turning.flow(self.pitch)
         sine, cosine = np.sin(self.pitch), np.cos(self.pitch)
         axis = np.stack((course[0] * cosine, course[1] * cosine, sine))
@@ -145,8 +152,7 @@ class _Standing:
         normal = body.section_drag * (speeds * np.abs(speeds)).sum(axis=0) * sine * np.abs(sine)
         pull = axis * body.axial_drag(speeds.mean(axis=0) * cosine) + across * normal
         pull[2] += body.net_buoyancy
-        places, load = _follow_line(self.line, body.density, self.current, altitude, pull)
-        return axis, places[-1], pull, load
+        return axis, hang(self.line, self.current, altitude, pull), pull
 
 
 @dataclass(frozen=True)
@@ -163,12 +169,22 @@ class _Turning:
     def evaluate(self, pitch: Array) -> tuple[Array, Array]:
         """Moment [N m], and Newton's step [rad]."""
         body, sine, cosine = self.body, np.sin(pitch), np.cos(pitch)
-        _, speeds = self.flow(pitch)
-        drag = body.section_drag * (body.sections * speeds * np.abs(speeds)).sum(axis=0)
-        righting = np.abs(body.righting_moment)
-        moment = body.raising_moment * cosine - righting * sine - drag * sine * np.abs(sine)
-        slope = body.raising_moment * sine + righting * cosine + 2.0 * drag * np.abs(sine) * cosine
+        velocity, shear = self.current.with_shear(self.altitude + body.sections * sine)
+        course = self._course(velocity)
+        speeds, shears = (part[0] * course[0] + part[1] * course[1] for part in (velocity, shear))
+        levers = body.section_drag * body.sections * np.abs(speeds)
+        drag, steeper = (levers * speeds).sum(axis=0), 2.0 * (levers * body.sections * shears).sum(axis=0) * cosine
+        righting, steep = np.abs(body.righting_moment), sine * np.abs(sine)
+        moment = body.raising_moment * cosine - righting * sine - drag * steep
+        slope = body.raising_moment * sine + righting * cosine + 2.0 * drag * np.abs(sine) * cosine + steeper * steep
         return moment, moment / np.maximum(np.abs(slope), _WEAKEST)
+
+    def first_guess(self) -> Array:
+        """Pitch in the uniform current at mid-body, without the righting moment: R cos θ = D sin² θ [rad]."""
+        _, speeds = self.flow(np.full(self.altitude.size, 0.25 * np.pi))
+        drag = self.body.section_drag * (self.body.sections * speeds * np.abs(speeds)).sum(axis=0)
+        ratio = np.maximum(self.body.raising_moment, 0.0) / np.maximum(drag, _WEAKEST)
+        return np.asarray(np.arccos(2.0 / (np.sqrt(ratio**2 + 4.0) + ratio)))
 
     def flow(self, pitch: Array) -> tuple[Array, Array]:
         """Direction in which the body trails, shape (2, n), and the current along it at the sections [m/s].
@@ -176,44 +192,60 @@ class _Turning:
         It is the direction of the drag's moment about the nose; what flows across it is left out.
         """
         velocity = self.current.at(self.altitude + self.body.sections * np.sin(pitch))
-        turning = (self.body.sections * np.hypot(velocity[0], velocity[1]) * velocity).sum(axis=1)
+        course = self._course(velocity)
+        return course, velocity[0] * course[0] + velocity[1] * course[1]
+
+    def _course(self, velocity: Array) -> Array:
+        turning = (self.body.sections * np.sqrt(velocity[0] ** 2 + velocity[1] ** 2) * velocity).sum(axis=1)
         size = np.hypot(turning[0], turning[1])
         course = turning / np.where(size > 0.0, size, 1.0)
         course[0] += size <= 0.0  # in still water any direction will do
-        return course, velocity[0] * course[0] + velocity[1] * course[1]
+        return np.asarray(course)
 
 
-def line_shape(line: HeldLine, density: Scalars, current: LayersAbove, pose: HeldPose) -> Array:
+def settling_nose(pose: HeldPose, length: Scalars, speed: Array, time: Scalars) -> Array:
+    """Where the nose is a time after it stood above its anchor, on the way to a pose, shape (3, n) [m].
+
+    Without inertia: the body turns about the anchor by the drag of what flows past it, u cos α − r α′, against its
+    buoyancy. Drag goes with the square, and buoyancy balances it at the pose's angle A to the vertical, so that
+    r α′ = u (cos α − cos A √(sin α/sin A)). After 5 r sin A/u that is within a tenth of A (`docs/mooring.md`).
+
+    Parameters
+    ----------
+    pose : HeldPose
+    length : float or array, shape (n,)
+        Of the line [m].
+    speed : array, shape (n,)
+        u, of the current past the body [m/s].
+    time : float or array, shape (n,)
+        [s]
+    """
+    reach = np.maximum(np.hypot(pose.excursion, pose.nose[2]), _WEAKEST)
+    sine, cosine = np.maximum(pose.excursion / reach, _WEAKEST), pose.nose[2] / reach
+    turn = speed / reach
+    settled = _LONG / np.maximum(0.5 * turn * (sine + 1.0 / sine), _WEAKEST)
+    under_way = time < settled
+    if not under_way.any():
+        return pose.nose
+    last = np.arctan2(sine, cosine)
+
+    def rate(angle: Array) -> Array:
+        flowing = cosine * np.sqrt(np.maximum(np.sin(angle), 0.0) / sine)
+        return np.asarray(turn * (np.cos(angle) - flowing))
+
+    angle, step = np.zeros(speed.size), np.where(under_way, time, 0.0) / _STEPS
+    for _ in range(_STEPS):
+        half = angle + 0.5 * step * rate(angle)
+        angle = np.minimum(angle + step * rate(half), last)
+    share = np.where(under_way, angle / last, 1.0)
+    radius, angle = length + share * (reach - length), share * last
+    across = radius * np.sin(angle) / np.maximum(pose.excursion, _WEAKEST)
+    nose = np.stack((pose.nose[0] * across, pose.nose[1] * across, radius * np.cos(angle)))
+    return np.where(under_way, nose, pose.nose)
+
+
+def line_shape(line: HeldLine, current: LayersAbove, pose: HeldPose) -> Array:
     """Points of the line from the anchor to the nose of a pose, shape (k, 3, n) [m]."""
-    down, _ = _follow_line(line, density, current, pose.nose[2], pose.tension_at_nose)
-    return np.asarray(down[-1] - np.concatenate((down[::-1], np.zeros((1, *pose.nose.shape)))))
-
-
-def _follow_line(
-    line: HeldLine, density: Scalars, current: LayersAbove, altitude: Array, pull: Array
-) -> tuple[Array, Array]:
-    """How far points of the line lie below the nose, shape (k, 3, n) [m], and its pull at the anchor, (3, n) [N]."""
-    factor = 0.5 * density * line.coefficient * line.diameter * line.length / _LINE_SECTIONS
-    if not np.any(factor):
-        return (line.length * _direction(pull))[None], pull
-    step = line.length / _LINE_SECTIONS
-
-    def drag(velocity: Array, along: Array) -> Array:
-        across = -along * (velocity * along[:2]).sum(axis=0)
-        across[:2] += velocity
-        return np.asarray(factor * np.sqrt((across**2).sum(axis=0)) * across)
-
-    fallen = np.zeros_like(pull)
-    places = np.empty((_LINE_SECTIONS, *pull.shape))
-    for section in range(_LINE_SECTIONS):
-        middle = altitude - fallen[2] - 0.5 * step * _direction(pull)[2]
-        velocity = current.at(middle[None])[:, 0]
-        along = _direction(pull + 0.5 * drag(velocity, _direction(pull)))
-        pull = pull + drag(velocity, along)
-        fallen = places[section] = fallen + step * along
-    return places, pull
-
-
-def _direction(vector: Array) -> Array:
-    """Unit vector, shape (3, n)."""
-    return np.asarray(vector / np.maximum(np.sqrt((vector**2).sum(axis=0)), _WEAKEST))
+    fallen = hang(line, current, pose.nose[2], pose.tension_at_nose).fallen
+    down = np.concatenate((np.zeros((1, *pose.nose.shape)), fallen))
+    return np.asarray((pose.nose - down)[::-1])

@@ -40,6 +40,13 @@ def _assumptions(held: HeldVehicle) -> Iterator[str]:
             f"The holding factor of {held.friction:g} is assumed (0.2 on clay to 0.6 on sand); with "
             "“anchor.holding_factor” in the vehicle file an anchor that drags fails the mission."
         )
+    if held.if_polyester is not None:
+        worst = held.states[-1]
+        yield (
+            f"The line is taken as weightless: “line_material” or “line_wet_weight” says what it weighs. Of polyester, "
+            f"the nose would stand {quantity(held.if_polyester, 'm', '.2f')} instead of "
+            f"{quantity(worst.nose_altitude, 'm', '.2f')} above the bottom in the {worst.current}."
+        )
     if not held.centres_given:
         yield (
             "The net buoyancy is assumed to act at mid-length, on the axis: “centre_of_gravity” and "

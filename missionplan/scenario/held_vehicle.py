@@ -7,7 +7,9 @@ from missionplan.mission.schema.phases import MoorPhase
 from missionplan.mission.schema.vehicle import Vehicle
 from missionplan.phases.mooring.hold import Hold
 from missionplan.physics.buoyancy import STANDARD_GRAVITY
-from missionplan.physics.held_body import CROSSFLOW_COEFFICIENT, HeldBody, HeldLine
+from missionplan.physics.held_body import CROSSFLOW_COEFFICIENT, HeldBody
+from missionplan.physics.held_line import Float, HeldLine, line_drag_factor
+from missionplan.physics.line_materials import LINE_MATERIALS
 from missionplan.physics.seafloor import FRICTION, ROUGHNESS, LyingAnchor, Slope
 from missionplan.scenario.anchor_weight import anchor_length
 from missionplan.scenario.scenario import Scenario
@@ -18,7 +20,7 @@ def hold_of(scenario: Scenario, phase: MoorPhase[Scalars], weight: Scalars) -> H
     anchor, site = scenario.mooring.anchor, scenario.mooring.site
     return Hold(
         body=held_body(scenario),
-        line=HeldLine(phase.line_length, phase.line_diameter),
+        line=held_line(phase, scenario.water.density),
         anchor=LyingAnchor(
             wet_weight=weight,
             diameter=anchor.diameter,
@@ -29,6 +31,34 @@ def hold_of(scenario: Scenario, phase: MoorPhase[Scalars], weight: Scalars) -> H
         slope=Slope(site.slope.angle, site.slope.toward) if site.slope is not None else Slope(0.0, 0.0),
         roughness=ROUGHNESS if site.roughness is None else site.roughness,
     )
+
+
+def held_line(phase: MoorPhase[Scalars], density: Scalars) -> HeldLine:
+    """Return the line of a mooring in water of a density [kg/m³]; without weight where the mission says none."""
+    weight, stiffness = phase.line_wet_weight, line_stiffness(phase)
+    if weight is None and phase.line_material is not None:
+        weight = LINE_MATERIALS[phase.line_material].wet_weight(phase.line_diameter, density)
+    return HeldLine(
+        length=phase.line_length,
+        drag_factor=line_drag_factor(phase.line_diameter, density),
+        wet_weight=0.0 if weight is None else weight,
+        compliance=0.0 if stiffness is None else 1.0 / (stiffness * phase.line_length),
+        floats=tuple(Float(item.distance, item.buoyancy) for item in phase.line_floats),
+    )
+
+
+def line_stiffness(phase: MoorPhase[Scalars]) -> Scalars | None:
+    """Stiffness of a mooring's whole line [N/m]: the mission's, else its material's; None where neither is given."""
+    if phase.line_stiffness is not None or phase.line_material is None:
+        return phase.line_stiffness
+    return LINE_MATERIALS[phase.line_material].stiffness * phase.line_diameter * phase.line_diameter / phase.line_length
+
+
+def line_strength(phase: MoorPhase[Scalars]) -> Scalars | None:
+    """Breaking load of a mooring's line [N]: the mission's, else its material's; None where neither is given."""
+    if phase.line_strength is not None or phase.line_material is None:
+        return phase.line_strength
+    return LINE_MATERIALS[phase.line_material].strength * phase.line_diameter * phase.line_diameter
 
 
 def crossflow_coefficient(vehicle: Vehicle[Scalars]) -> Scalars:

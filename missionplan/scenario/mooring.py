@@ -14,7 +14,7 @@ from missionplan.physics.seafloor import lateral_coefficient
 from missionplan.physics.snatch import LineSpring, PitchingBody, mass_at_nose
 from missionplan.physics.vehicle_drag import anchor_drag
 from missionplan.scenario.anchor_weight import anchor_flooded_mass, anchor_length, wet_weight_of
-from missionplan.scenario.held_vehicle import crossflow_coefficient, hold_of
+from missionplan.scenario.held_vehicle import crossflow_coefficient, hold_of, line_stiffness, line_strength
 from missionplan.scenario.scenario import Scenario
 from missionplan.scenario.vehicle import surge_added_mass, sway_added_mass
 
@@ -86,15 +86,16 @@ def _pitching(scenario: Scenario) -> PitchingBody | None:
 
 
 def _spring(scenario: Scenario, phase: MoorPhase[Scalars]) -> LineSpring | None:
-    """Return what bears the snatch of a line; None where the mission does not give its stiffness."""
-    if phase.line_stiffness is None:
+    """Return what bears the snatch of a line; None where its stiffness is not known."""
+    stiffness, strength = line_stiffness(phase), line_strength(phase)
+    if stiffness is None:
         return None
     hull, vehicle, mass = scenario.vehicle_drag.hull, scenario.mooring.vehicle, scenario.mooring.mass
     lateral = mass + sway_added_mass(hull, vehicle, mass)
     return LineSpring(
-        stiffness=phase.line_stiffness,
+        stiffness=stiffness,
         nose_mass=mass_at_nose(lateral, hull.length, vehicle.centres[0].from_nose if vehicle.centres else None),
-        strength=np.inf if phase.line_strength is None else phase.line_strength,
+        strength=np.inf if strength is None else strength,
     )
 
 

@@ -13,6 +13,7 @@ from missionplan.mission.schema.phases import MoorPhase
 from missionplan.phases.currents import Current, LayeredCurrent
 from missionplan.phases.mooring.hold import Hold, HoldRecord, extreme_moments, layers_above, lifted, record_at_once
 from missionplan.physics.current_above import LayersAbove
+from missionplan.physics.line_materials import LINE_MATERIALS
 from missionplan.physics.line_statics import held_pose, line_shape
 from missionplan.results.mooring.held_vehicle import HeldState, HeldVehicle
 from missionplan.scenario.anchor_weight import anchor_length, design_current
@@ -49,9 +50,18 @@ def held_vehicle(means: Scenario, phase: MoorPhase[Scalars], weight: float) -> H
         friction=float(hold.anchor.friction),
         friction_given=given.anchor.holding_factor is not None,
         centres_given=given.vehicle.centres is not None,
+        if_polyester=_if_polyester(hold, phase, worst),
         states=tuple(_state(hold, name, layers) for name, layers in currents.items()),
         remedies=tuple(_remedies(hold, means, worst, _faults(means.mission.requirements, phase))),
     )
+
+
+def _if_polyester(hold: Hold, phase: MoorPhase[Scalars], layers: LayersAbove) -> float | None:
+    """Altitude of the nose were the line of polyester [m]; None where its weight is given, or no diameter."""
+    if not phase.line_diameter or phase.line_material is not None or phase.line_wet_weight is not None:
+        return None
+    weight = LINE_MATERIALS["polyester"].wet_weight(phase.line_diameter, hold.body.density)
+    return float(hold.altitude(held_pose(hold.body, replace(hold.line, wet_weight=weight), layers))[0])
 
 
 def _currents(means: Scenario, phase: MoorPhase[Scalars], hold: Hold) -> Iterator[tuple[str, LayersAbove]]:
@@ -93,7 +103,7 @@ def _state(hold: Hold, name: str, layers: LayersAbove) -> HeldState:
     pull, drag = hold.loads(pose, layers)
     distance = float(pose.excursion[0])
     downstream = pose.nose[:2, 0] / distance if distance > 1e-6 else np.array([1.0, 0.0])
-    line = line_shape(hold.line, hold.body.density, layers, pose)[..., 0]
+    line = line_shape(hold.line, layers, pose)[..., 0]
     tail = pose.nose[:, 0] + float(hold.body.length) * pose.axis[:, 0]
     fall = hold.slope.fall(np.stack((tail[:2], downstream), axis=1).reshape(2, -1))
     into = float(hold.anchor.wet_weight - pull[2, 0])

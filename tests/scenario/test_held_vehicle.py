@@ -45,7 +45,7 @@ def test_what_no_file_gives_is_assumed():
     assert held.body.righting_moment == 0.0
     assert held.body.crossflow_coefficient == CROSSFLOW_COEFFICIENT
     assert held.anchor.friction == FRICTION
-    assert (held.roughness, held.slope.angle, held.line.diameter) == (ROUGHNESS, 0.0, 0.0)
+    assert (held.roughness, held.slope.angle, held.line.drag_factor) == (ROUGHNESS, 0.0, 0.0)
 
 
 def test_what_the_files_give_is_used():
@@ -61,7 +61,10 @@ def test_what_the_files_give_is_used():
     assert held.body.raising_moment == pytest.approx((weight + buoyancy) * 0.559 - weight * 0.56)
     assert held.body.righting_moment == pytest.approx(-weight * 0.008)
     assert (held.body.crossflow_coefficient, held.anchor.friction) == (0.9, 0.3)
-    assert (held.line.diameter, held.roughness) == (pytest.approx(0.003), pytest.approx(0.006))
+    assert (held.line.drag_factor, held.roughness) == (
+        pytest.approx(0.6 * 0.003 * 1013.9, rel=1e-3),
+        pytest.approx(0.006),
+    )
     assert held.slope.angle == pytest.approx(np.radians(5.0))
 
 

@@ -53,13 +53,13 @@ def test_a_line_that_is_too_weak_parts_and_the_trial_fails():
     assert np.isfinite(found.quantities["offset_m"][~parts]).all()
 
 
-def test_a_strong_line_changes_nothing():
+def test_a_strong_line_changes_nothing_but_its_stretch():
     plain, strong = (
         mooring(chesapeake(**keys)) for keys in ({}, {"line_stiffness": "10 kN/m", "line_strength": "5 kN"})
     )
     assert not np.any(strong[1].events["line_parts"])
     for name, values in plain[1].quantities.items():
-        assert np.array_equal(values, strong[1].quantities[name], equal_nan=True), name
+        assert strong[1].quantities[name] == pytest.approx(values, abs=2e-3, nan_ok=True), name
 
 
 @pytest.mark.parametrize(

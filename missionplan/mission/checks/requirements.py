@@ -49,7 +49,7 @@ QUANTITIES: dict[str, dict[str, str]] = {
 """Quantities by kind of phase, with the SI unit in which they are compared."""
 
 _NEEDED = {"snatch_tension": "line_stiffness", "line_parts": "line_strength"}
-"""Keys of a mooring without which it has no such quantity or event."""
+"""Keys of a mooring without which, and without `line_material`, it has no such quantity or event."""
 _BOUNDS = ("at_most", "at_least")
 
 
@@ -148,9 +148,9 @@ def _with_bound(requirement: Requirement, phases: Sequence[Phase]) -> Requiremen
     """
     unit = quantity_unit(requirement.quantity, phases)
     owner, _, name = requirement.quantity.rpartition(".")
-    needed = _NEEDED.get(name, "name")
-    if any(phase.name == owner and getattr(phase, needed) is None for phase in phases):
-        raise QuantityError(f"{name} needs {needed} in {owner}", ("quantity",))
+    needed = (_NEEDED.get(name, "name"), "line_material") if name in _NEEDED else ("name",)
+    if any(phase.name == owner and all(getattr(phase, key) is None for key in needed) for phase in phases):
+        raise QuantityError(f"{name} needs {' or '.join(needed)} in {owner}", ("quantity",))
     given = [key for key in _BOUNDS if getattr(requirement, key) is not None]
     if unit is None:
         if given:

@@ -82,6 +82,17 @@ DesignCurrent = Annotated[
 ]
 
 
+class LineFloat(FileSection, Generic[V]):
+    """A float on the line."""
+
+    distance: Annotated[q.Distance[V], Doc("from the vehicle along the line")]
+    buoyancy: Annotated[
+        q.Force[V],
+        Doc("buoyancy less weight"),
+        Limit((1e-3, 1e5), (0.05, 2000.0), "a trawl float of 100 mm lifts 3 N, one of 200 mm 28 N"),
+    ]
+
+
 class MoorPhase(PhaseSection, Generic[V]):
     """Anchor release, descent, hold, galvanic release and ascent."""
 
@@ -113,9 +124,19 @@ class MoorPhase(PhaseSection, Generic[V]):
         Doc("diameter of the line; 0 without drag"),
         Limit((0.0, 0.5), (5e-4, 0.05), "fishing line has 0.5 mm, a ship's mooring 50 mm"),
     ] = q.default(0.0)
+    line_material: Annotated[
+        Literal["polyester", "nylon", "aramid", "polyethylene", "steel-wire"] | None,
+        Doc("what the line is made of, from which weight, stiffness and strength follow"),
+    ] = None
+    line_wet_weight: Annotated[
+        q.WeightPerLength[V] | None,
+        Doc("weight in water of a metre of line, negative where it floats; over the material's"),
+        Limit((-100.0, 1000.0), (-1.0, 20.0), "4 mm of polyester 0.05 N/m, of wire rope 0.55 N/m"),
+    ] = None
+    line_floats: Annotated[tuple[LineFloat[V], ...], Doc("floats on the line, from the vehicle down")] = ()
     line_stiffness: Annotated[
         q.Stiffness[V] | None,
-        Doc("force for a metre of stretch, from which the snatch follows"),
+        Doc("force for a metre of stretch of the whole line; over the material's"),
         Limit(
             (0.1, 1e9),
             (50.0, 1e6),
@@ -124,7 +145,7 @@ class MoorPhase(PhaseSection, Generic[V]):
     ] = None
     line_strength: Annotated[
         q.Force[V] | None,
-        Doc("force at which the line parts"),
+        Doc("force at which the line parts; over the material's"),
         Limit((0.1, 1e8), (20.0, 1e6), "2 mm cord bears 0.5 to 4 kN, a galvanic link 0.1 to 3 kN"),
     ] = None
     release_time: Annotated[

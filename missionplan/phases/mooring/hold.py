@@ -1,6 +1,6 @@
 """The hold: how the vehicle stands on its line while the current changes, and whether the anchor stays.
 
-Quasi-static: vehicle and line follow the current at once, as they do within seconds to a minute.
+Quasi-static: after the minute or two in which they settle from touchdown on, vehicle and line follow the current.
 """
 
 from collections.abc import Iterable
@@ -14,8 +14,9 @@ from missionplan.phases.currents import Current, LayeredCurrent
 from missionplan.phases.hooks import DescentEffect
 from missionplan.phases.mooring.forces import DescentHooks
 from missionplan.physics.current_above import LayersAbove, ProfileAbove
-from missionplan.physics.held_body import HeldBody, HeldLine
-from missionplan.physics.line_statics import HeldPose, held_pose
+from missionplan.physics.held_body import HeldBody
+from missionplan.physics.held_line import HeldLine
+from missionplan.physics.line_statics import HeldPose, held_pose, settling_nose
 from missionplan.physics.seafloor import (
     ROUGHNESS,
     LyingAnchor,
@@ -55,6 +56,11 @@ class Hold:
     site_depth: Scalars
     slope: Slope = field(default_factory=Slope)
     roughness: Scalars = ROUGHNESS
+
+    def after(self, pose: HeldPose, layers: LayersAbove, time: Scalars) -> HeldPose:
+        """The pose on the way to which the nose is a time after touchdown [s], the rest as it will be."""
+        speed = np.hypot(*layers.at(pose.nose[2][None])[:, 0])
+        return replace(pose, nose=settling_nose(pose, self.line.length, speed, time))
 
     def clearance(self, pose: HeldPose) -> Array:
         """Height of the lowest point of the hull above the seafloor, shape (n,) [m]; its ends are hemispheres."""
@@ -133,16 +139,17 @@ def hold_vehicle(hold: Hold, current: Current, anchor: Array, start: Array, dura
         Until the line parts [s].
     """
     lasting = over_trials(duration, start.size)
-    record, pose = _at(hold, current, anchor, start)
+    record, pose = _at(hold, current, anchor, start, lasting)
     if isinstance(current, LayeredCurrent) or not np.any(lasting):
         return record
     for moment in extreme_moments(hold, current, anchor, start, lasting):
         between = np.flatnonzero((moment > start) & (moment < start + lasting))  # not the start or the end once more
         if between.size:
             part, near = take_trials(hold, between), take_trials(pose, between)
-            now, _ = _at(part, current.take(between), anchor[:, between], moment[between], near)
+            when = moment[between], lasting[between]
+            now, _ = _at(part, current.take(between), anchor[:, between], *when, near)
             record = _with(record, between, _envelope(take_trials(record, between), now))
-    return _envelope(record, _at(hold, current, anchor, start + lasting, pose)[0])
+    return _envelope(record, _at(hold, current, anchor, start + lasting, lasting, pose)[0])
 
 
 def lifted(hold: Hold, effects: Iterable[DescentEffect]) -> Hold:
@@ -194,12 +201,16 @@ def record_at_once(hold: Hold, pose: HeldPose, layers: LayersAbove) -> HoldRecor
 
 
 def _at(
-    hold: Hold, current: Current, anchor: Array, moment: Array, near: HeldPose | None = None
+    hold: Hold, current: Current, anchor: Array, moment: Array, lasting: Array, near: HeldPose | None = None
 ) -> tuple[HoldRecord, HeldPose]:
-    """Record and pose of one moment; the search begins `near` a pose."""
+    """Record and pose of one moment of a hold that lasts for a time [s]; the search begins `near` a pose.
+
+    A hold that does not last, as the mission gives no time, is one in which the vehicle settles.
+    """
     layers = layers_above(hold, current, anchor, moment)
     pose = held_pose(hold.body, hold.line, layers, near)
-    return record_at_once(hold, pose, layers), pose
+    time = np.where(lasting > 0.0, lasting, np.inf)
+    return record_at_once(hold, hold.after(pose, layers, time), layers), pose
 
 
 def _with(record: HoldRecord, trials: NDArray[np.intp], part: HoldRecord) -> HoldRecord:

@@ -98,6 +98,9 @@ class HeldVehicle:
         Holding factor.
     friction_given, centres_given : bool
         Whether the vehicle file says how the anchor holds, and where the centres of gravity and buoyancy are.
+    if_polyester : float or None
+        Altitude of the nose in the worst current were the line, taken as weightless, of polyester [m]; None where its
+        weight is known, or it has no diameter.
     states : tuple of HeldState
         In the mean and in the worst current.
     remedies : tuple of str
@@ -114,6 +117,7 @@ class HeldVehicle:
     friction: float
     friction_given: bool
     centres_given: bool
+    if_polyester: float | None
     states: tuple[HeldState, ...]
     remedies: tuple[str, ...]
 
@@ -124,6 +128,8 @@ class HeldVehicle:
             "holding_factor": self.friction,
             "holding_factor_assumed": not self.friction_given,
             "centres_assumed": not self.centres_given,
+            "line_weight_assumed": self.if_polyester is not None,
+            "nose_altitude_if_polyester_m": self.if_polyester,
             "states": [state.summary() for state in self.states],
             "remedies": list(self.remedies),
         }

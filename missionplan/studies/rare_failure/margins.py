@@ -7,6 +7,7 @@ import numpy as np
 from missionplan.arrays import Array, Scalars
 from missionplan.mission.schema.phases import MoorPhase, Phase, TransitPhase
 from missionplan.physics.energy import JOULES_PER_WATT_HOUR
+from missionplan.scenario.held_vehicle import line_strength
 from missionplan.scenario.scenario import Scenario
 from missionplan.studies.rare_failure.event import RareEvent
 from missionplan.studies.simulation.mission_trials import MissionTrials
@@ -90,9 +91,10 @@ def _of_mooring(phase: MoorPhase[Scalars], done: PhaseTrials, scenario: Scenario
     yield _STRUCK, found["lowest_altitude_m"]
     yield _DRAGGED, found["holding_margin"]
     yield _GROUNDED, found["nose_altitude_m"]
-    if phase.line_strength is not None:
+    strength = line_strength(phase)
+    if strength is not None:
         tension = np.fmax(found["line_tension_n"], found.get("snatch_tension_n", found["line_tension_n"]))
-        yield LINE_PARTED, phase.line_strength - tension
+        yield LINE_PARTED, strength - tension
 
 
 def _each(values: Scalars, done: PhaseTrials) -> Array:

@@ -11,6 +11,7 @@ from missionplan.phases.currents import Current, Span
 from missionplan.phases.mooring.mooring import MoorPlan, MoorRecord, moor
 from missionplan.phases.state import TrialState
 from missionplan.physics.energy import JOULES_PER_WATT_HOUR
+from missionplan.scenario.held_vehicle import line_strength
 from missionplan.scenario.mooring import is_too_shallow, moor_plan
 from missionplan.scenario.scenario import STILL_WATER
 from missionplan.scenario.transit_streams import fix_normals
@@ -120,9 +121,9 @@ def _snatch(plan: MoorPlan, record: MoorRecord, taut: Flags) -> dict[str, Array]
 def _line_events(
     block: TrialBlock, phase: MoorPhase[Scalars], record: MoorRecord, taut: Flags, moored: Flags
 ) -> dict[str, Flags]:
-    """Events of the line and of what hangs on it; that the line parts where the mission gives its strength."""
+    """Events of the line and of what hangs on it; that the line parts where its strength is known."""
     events = {"anchor_holds": moored & record.hold.anchor_holds, "grounded": moored & record.hold.grounded}
-    if phase.line_strength is not None:
+    if line_strength(phase) is not None:
         events["line_parts"] = taut & record.line_parted
     return events
 

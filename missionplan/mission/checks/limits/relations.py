@@ -16,6 +16,7 @@ from missionplan.mission.schema.vehicle import EnergyBudget, Vehicle
 from missionplan.montecarlo.distributions import mean_of
 from missionplan.physics.buoyancy import LEAD_DENSITY, STANDARD_GRAVITY, wet_weight
 from missionplan.physics.energy import JOULES_PER_WATT_HOUR
+from missionplan.physics.line_materials import LINE_MATERIALS
 
 FARTHEST = 500_000.0
 """Farthest from the origin [m]: there the plane stretches distances across by (D/R)²/6 = 0.1 %."""
@@ -53,7 +54,8 @@ def check_relations(
             found += _transit(phase, depth, navigation)
         elif isinstance(phase, MoorPhase):
             found += _mooring(phase, depth, vehicle)
-            notices += [notice.within(phase_path(index, phase)) for notice in _cover(phase, depth, vehicle)]
+            asked = (*_cover(phase, depth, vehicle), *_weightless(phase))
+            notices += [notice.within(phase_path(index, phase)) for notice in asked]
         problems += [problem.within(phase_path(index, phase)) for problem in found]
     problems += _way(phases, site, navigation)
     problems += _layers(site, depth)
@@ -85,9 +87,7 @@ def _mooring(phase: MoorPhase, depth: float, vehicle: Vehicle | None) -> Iterato
         words = f"{line:.4g} m of line" + (f" and {length:.4g} m of vehicle" if length else "")
         message = f"{words} are longer than the water is deep, {depth:.4g} m: the anchor cannot draw the vehicle under"
         yield LocalProblem(("line_length",), message)
-    if phase.line_strength is not None and phase.line_stiffness is None:
-        message = "says nothing without line_stiffness, from which the load of the snatch follows"
-        yield LocalProblem(("line_strength",), message)
+    yield from _line(phase, line)
     if vehicle is None or isinstance(phase.anchor_wet_weight, str):
         return
     weight, buoyancy = mean_of(phase.anchor_wet_weight), mean_of(vehicle.net_buoyancy)
@@ -98,6 +98,34 @@ def _mooring(phase: MoorPhase, depth: float, vehicle: Vehicle | None) -> Iterato
     if flooded is not None and weight > (most := float(wet_weight(mean_of(flooded), LEAD_DENSITY, _FRESH_WATER))):
         message = f"{weight:.4g} N is more than vehicle.anchor.flooded_mass, {mean_of(flooded):.4g} kg, weighs in water"
         yield LocalProblem(("anchor_wet_weight",), message, f"of lead it would weigh {most:.3g} N")
+
+
+def _line(phase: MoorPhase, length: float) -> Iterator[LocalProblem]:
+    if phase.line_strength is not None and phase.line_stiffness is None and phase.line_material is None:
+        message = "says nothing without line_stiffness, from which the load of the snatch follows, or line_material"
+        yield LocalProblem(("line_strength",), message)
+    if phase.line_material is not None and mean_of(phase.line_diameter) == 0.0:
+        yield LocalProblem(("line_diameter",), "missing; what a line of this material weighs and bears follows from it")
+    before = 0.0
+    for index, item in enumerate(phase.line_floats):
+        distance = mean_of(item.distance)
+        if not before <= distance <= length:
+            message = f"{distance:.4g} m; expected {before:.4g} m to the line's length, {length:.4g} m: floats in order"
+            yield LocalProblem(("line_floats", index, "distance"), message)
+        before = distance
+
+
+def _weightless(phase: MoorPhase) -> Iterator[LocalProblem]:
+    """Say what is assumed of a line that has a diameter and neither material nor weight."""
+    diameter = mean_of(phase.line_diameter)
+    if diameter == 0.0 or phase.line_material is not None or phase.line_wet_weight is not None:
+        return
+    weight = float(LINE_MATERIALS["polyester"].wet_weight(diameter, _SEA_WATER)) * mean_of(phase.line_length)
+    message = (
+        "the line is taken as weightless: neither line_material nor line_wet_weight is given. "
+        f"Of polyester it would pull the vehicle down with {weight:.2g} N"
+    )
+    yield LocalProblem(("line_diameter",), message)
 
 
 def _cover(phase: MoorPhase, depth: float, vehicle: Vehicle | None) -> Iterator[LocalProblem]:

@@ -1,0 +1,220 @@
+"""Statics of a line between a body that pulls it and its anchor: weight, stretch, floats, drag, and the seafloor.
+
+The line is followed down from the body in pieces along each of which weight and drag per length are taken as constant,
+so that a piece is an elastic catenary in closed form, whatever its slack (Irvine 1981, *Cable Structures*, sect. 1.4).
+Drag is that of the current's component across it (Hoerner 1965, ch. III). What hangs deeper than the anchor lies on
+the seafloor, straight, level and without friction. `docs/mooring.md` has the equations and their limits.
+
+Vectors are east, north and up; trials are the last axis.
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from missionplan.arrays import Array, Scalars
+from missionplan.physics.current_above import LayersAbove
+
+LINE_COEFFICIENT = 1.2
+"""C_d of a line across the flow, on its diameter: a smooth cylinder at Re 10³ to 10⁵ (Hoerner 1965, ch. III); one that
+is set swinging by its wake has up to twice as much."""
+_PIECES = 8
+"""In which a line with drag is followed, between its ends and floats; without drag one is exact."""
+_WEAKEST = 1e-12
+"""Tension that keeps a slack line's direction finite [N]."""
+_CURVED = 0.01
+"""Square of the bend (see `_span`) below which five terms of the series are exact to 1e-11."""
+
+
+@dataclass(frozen=True)
+class Float:
+    """Buoyancy on the line; each number is a float or an array over trials.
+
+    Attributes
+    ----------
+    distance : float or array
+        From the body along the line [m].
+    buoyancy : float or array
+        In water [N].
+    """
+
+    distance: Scalars
+    buoyancy: Scalars
+
+
+@dataclass(frozen=True)
+class HeldLine:
+    """The line; each number is a float or an array over trials, shape (n,).
+
+    Attributes
+    ----------
+    length : float or array
+        Unstretched [m].
+    drag_factor : float or array
+        ½ ρ C_d d: drag per length across the flow over the speed squared; see `line_drag_factor` [kg/m²].
+    wet_weight : float or array
+        Per length in water; negative where it floats [N/m].
+    compliance : float or array
+        1/EA, stretch per length and tension [1/N].
+    floats : tuple of Float
+        From the body on.
+    """
+
+    length: Scalars
+    drag_factor: Scalars = 0.0
+    wet_weight: Scalars = 0.0
+    compliance: Scalars = 0.0
+    floats: tuple[Float, ...] = ()
+
+
+def line_drag_factor(diameter: Scalars, density: Scalars) -> Scalars:
+    """Return ½ ρ C_d d [kg/m²] of a line from its diameter [m] and the water's density [kg/m³]."""
+    return 0.5 * density * LINE_COEFFICIENT * diameter
+
+
+@dataclass(frozen=True)
+class HungLine:
+    """A line that was followed from the body.
+
+    Attributes
+    ----------
+    fallen : array, shape (k, 3, n)
+        From points of the line, the anchor last, to the body [m].
+    load : array, shape (3, n)
+        With which it pulls the anchor [N].
+    deepest : array, shape (n,)
+        How far the lowest point below the body hangs: the body's altitude where that point is on the seafloor [m].
+    """
+
+    fallen: Array
+    load: Array
+    deepest: Array
+
+
+def hang(line: HeldLine, current: LayersAbove, altitude: Array, pull: Array) -> HungLine:
+    """Follow a line down from a body.
+
+    Parameters
+    ----------
+    line : HeldLine
+    current : LayersAbove
+    altitude : array, shape (n,)
+        Of the body, for the current along the line [m].
+    pull : array, shape (3, n)
+        With which the body pulls [N].
+
+    Returns
+    -------
+    HungLine
+        Where the line comes to lie level and no float is beyond, its rest lies on the seafloor.
+    """
+    loads = _Loads(line, current, altitude)
+    tension, fallen, deepest = pull, np.zeros_like(pull), np.zeros(altitude.size)
+    lies = np.zeros(altitude.size, dtype=bool)
+    places = []
+    for length, lift, is_last in _segments(line):
+        count = _PIECES if loads.has_drag else 1
+        for _ in range(count):
+            moved, tension, sag, level = _piece(loads, tension, fallen, lies, length / count, is_last=is_last)
+            lies |= level & is_last
+            deepest = np.maximum(deepest, fallen[2] + sag)
+            fallen = fallen + moved
+            places.append(fallen)
+        tension = tension + np.array([[0.0], [0.0], [1.0]]) * lift
+    return HungLine(np.stack(places), tension, np.maximum(deepest, fallen[2]))
+
+
+def _segments(line: HeldLine) -> Iterator[tuple[Scalars, Scalars, bool]]:
+    """Yield the lengths between body, floats and anchor, the lift at the end of each [m, N], and whether it is last."""
+    before: Scalars = 0.0
+    for item in line.floats:
+        after = np.clip(item.distance, before, line.length)
+        yield after - before, item.buoyancy, False
+        before = after
+    yield line.length - before, 0.0, True
+
+
+def _piece(
+    loads: "_Loads", tension: Array, fallen: Array, lies: NDArray[np.bool_], step: Scalars, *, is_last: bool
+) -> tuple[Array, Array, Array, NDArray[np.bool_]]:
+    """Follow one piece of the line, of which what `lies` bears no load.
+
+    Returns how far its end lies below its beginning, shape (3, n) [m], the tension there, how far its lowest point lies
+    below its beginning [m], and whether it becomes level. In the last segment it then lies from there on.
+    """
+    load = np.where(lies, 0.0, loads.per_length(tension, fallen, step))
+    end = tension + load * step
+    levels = (end[2] <= 0.0) & (load[2] <= 0.0) & (tension[2] >= end[2])
+    if not is_last:
+        levels &= tension[2] > 0.0
+    if not levels.any():
+        moved = _span(tension, end, step, loads.line.compliance)
+        return moved, end, moved[2], levels
+    until = np.where(levels, np.maximum(tension[2], 0.0) / np.maximum(tension[2] - end[2], _WEAKEST), 1.0)
+    level = tension + load * (until * step)
+    level[2] = np.where(levels, 0.0, level[2])
+    onward = np.where(levels, level, end) if is_last else end
+    moved = _span(tension, level, until * step, loads.line.compliance)
+    rest = _span(level, onward, (1.0 - until) * step, loads.line.compliance)
+    return moved + rest, onward, moved[2], levels
+
+
+@dataclass(frozen=True)
+class _Loads:
+    """Weight and drag along a line below a body at an altitude [m]."""
+
+    line: HeldLine
+    current: LayersAbove
+    altitude: Array
+
+    @property
+    def has_drag(self) -> bool:
+        return bool(np.any(self.line.drag_factor))
+
+    def per_length(self, tension: Array, fallen: Array, step: Scalars) -> Array:
+        """Load along a piece as it is at its middle, shape (3, n) [N/m]."""
+        weight = np.zeros_like(tension)
+        weight[2] = -self.line.wet_weight
+        if not self.has_drag:
+            return weight
+        along = _direction(tension)
+        velocity = self.current.at((self.altitude - fallen[2] - 0.5 * step * along[2])[None])[:, 0]
+        middle = tension + 0.5 * step * (weight + self._drag(velocity, along))
+        return np.asarray(weight + self._drag(velocity, _direction(middle)))
+
+    def _drag(self, velocity: Array, along: Array) -> Array:
+        across = -along * (velocity * along[:2]).sum(axis=0)
+        across[:2] += velocity
+        return np.asarray(self.line.drag_factor * np.sqrt((across**2).sum(axis=0)) * across)
+
+
+def _span(start: Array, end: Array, length: Scalars, compliance: Scalars) -> Array:
+    """Vector along a piece whose tension changes evenly between its ends, shape (3, n) [m].
+
+    The integral of the tension's direction, and of the stretch: an elastic catenary. With the tensions' sum s, their
+    difference as a share x of it, and g = artanh(x)/x, the direction's mean is 2/s (g T − (g − 1)/x² T·Δ Δ/s²), where T
+    is the mean tension and Δ the change.
+    """
+    first, last = _size(start), _size(end)
+    total = np.maximum(first + last, _WEAKEST)
+    change, mean = end - start, 0.5 * (start + end)
+    bend = np.minimum((change * change).sum(axis=0) / total**2, 1.0 - 1e-14)
+    g = 1.0 + bend * (1 / 3 + bend * (1 / 5 + bend * (1 / 7 + bend / 9)))
+    h = 1 / 3 + bend * (1 / 5 + bend * (1 / 7 + bend * (1 / 9 + bend / 11)))
+    if np.max(bend) > _CURVED:
+        x = np.sqrt(np.maximum(bend, _CURVED))
+        g = np.where(bend > _CURVED, np.arctanh(x) / x, g)
+        h = np.where(bend > _CURVED, (g - 1.0) / np.maximum(bend, _CURVED), h)
+    direction = 2.0 / total * (g * mean - h * (last - first) / (2.0 * total) * change)
+    return np.asarray(length * (direction + compliance * mean))
+
+
+def _size(vector: Array) -> Array:
+    return np.asarray(np.sqrt((vector * vector).sum(axis=0)))
+
+
+def _direction(vector: Array) -> Array:
+    """Unit vector, shape (3, n)."""
+    return np.asarray(vector / np.maximum(_size(vector), _WEAKEST))
