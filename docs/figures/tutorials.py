@@ -1,9 +1,10 @@
-"""Draw the pictures of the tutorials and of ``docs/diagnosis.md``: ``python docs/figures/tutorials.py [FOLDER]``.
+"""Draw the pictures of README, home and tutorials: ``python docs/figures/tutorials.py [FOLDER]``.
 
-Runs the commands that the pages print, in FOLDER or a temporary one, and copies figures of their reports.
+Runs the commands that the pages print, in FOLDER or a temporary one, and copies figures of their reports, on white so
+that they are legible on any page.
 """
 
-import shutil
+import re
 import subprocess
 import sys
 import tempfile
@@ -11,6 +12,7 @@ from pathlib import Path
 
 HERE = Path(__file__).parent
 MISSIONS = HERE.parent.parent / "missions"
+WHITE = '<rect width="100%" height="100%" fill="#ffffff"/>'
 
 COMMANDS = {
     "plan": "simulate trial/mission.yaml --trials 4000",
@@ -42,7 +44,10 @@ def main(folder: Path) -> None:
             sys.exit(done.returncode)
     for name, figure in FIGURES.items():
         report, _, stem = figure.partition("/")
-        shutil.copy(folder / report / "figures" / f"{stem}.svg", HERE / f"tutorial-{name}.svg")
+        svg = (folder / report / "figures" / f"{stem}.svg").read_text(encoding="utf-8")
+        (HERE / f"tutorial-{name}.svg").write_text(
+            re.sub(r"(<svg[^>]*>)", rf"\1{WHITE}", svg, count=1), encoding="utf-8"
+        )
 
 
 if __name__ == "__main__":

@@ -1,4 +1,4 @@
-"""Draw the README's picture: ``python docs/figures/readme.py``."""
+"""Draw the cost of Fig. 8 of Briggs et al.: ``python docs/figures/fig8.py``."""
 
 import re
 from pathlib import Path
