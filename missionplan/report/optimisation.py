@@ -170,7 +170,7 @@ def _with_unit(value: float, unit: Unit) -> str:
 def _binding_words(found: Optimised) -> str:
     buying = sorted((each for each in found.relaxations if each.saved > 0.0), key=lambda each: -each.saved)
     if not buying and found.ruled_out is not None:
-        quantity, gain, _ = found.ruled_out
+        quantity, gain = found.ruled_out.quantity, found.ruled_out.saves
         shown = _unit(found)
         about = f"{number(shown(gain), shown(0.1 * gain))}{shown.suffix}"
         words = f"without that on the {in_words(quantity)}, at least about {about} less would do"

@@ -12,7 +12,7 @@ from functools import cached_property
 from importlib import import_module
 from importlib.metadata import version
 from pathlib import Path
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING, Annotated, ClassVar
 
 import yaml
 
@@ -20,6 +20,7 @@ from missionplan.errors import InputError, Problem, did_you_mean, shown
 from missionplan.identity import Identity
 from missionplan.packages import how_to_install
 from missionplan.rendering import Plot, presenter, render
+from missionplan.results.entries import Entry, Record, summary_of
 from missionplan.store.folder import check_holds_no_input, new_folder, write_atomically
 from missionplan.store.paths import as_path
 
@@ -38,42 +39,32 @@ _LIBRARIES = ("numpy", "scipy", "pandas", "matplotlib", "joblib", "pydantic", "p
 
 
 @dataclass(frozen=True)
-class Provenance:
+class Provenance(Record):
     """Where a result comes from: enough to reproduce it.
 
     Attributes
     ----------
-    command : str
-        Name of the study on the command line.
-    mission : str
-        The mission's name.
-    file : str
-        Mission file, as given.
-    seed, trials : int
-        Of the Monte Carlo; zero trials where none were run.
-    options : Mapping
-        The study's options.
     elapsed_s : float
         Wall time of the study [s].
     data : Mapping
         The mission file's data with includes in place.
-    notices : tuple of str
-        Notes on the input: truncated distributions, values outside a model's range.
     inputs : Mapping
         What it depends on: plain data and digests of files by what they are; default: `data`.
     created : datetime
         When the study ended, UTC.
     """
 
-    command: str
-    mission: str
-    file: str
-    seed: int
-    trials: int
-    options: Mapping[str, object]
+    command: Annotated[str, Entry("name of the study on the command line")]
+    mission: Annotated[str, Entry("the mission's name")]
+    file: Annotated[str, Entry("mission file, as given")]
+    seed: Annotated[int, Entry("of the Monte Carlo")]
+    trials: Annotated[int, Entry("of the Monte Carlo; zero where none were run")]
+    options: Annotated[Mapping[str, object], Entry("the study's options")]
     elapsed_s: float
     data: Mapping[str, object]
-    notices: tuple[str, ...] = ()
+    notices: Annotated[
+        tuple[str, ...], Entry("notes on the input: truncated distributions, values outside a model's range")
+    ] = ()
     inputs: Mapping[str, object] = field(default_factory=dict)
     created: datetime = field(default_factory=lambda: datetime.now(UTC))
 
@@ -84,25 +75,45 @@ class Provenance:
         kept = {"command": self.command, **options, "trials": self.trials}
         return Identity.of(self.inputs or {"data": self.data}, kept, self.seed)
 
-    def summary(self) -> dict[str, object]:
-        """Fields that every `summary.json` has."""
-        return {
-            "schema": SCHEMA,
-            "command": self.command,
-            "mission": self.mission,
-            "seed": self.seed,
-            "trials": self.trials,
-            "version": version("missionplan"),
-            "options": dict(self.options),
-            "elapsed_s": round(self.elapsed_s, 3),
-            "file": self.file,
-            "created_utc": self.created.isoformat(timespec="seconds"),
-            "python": platform.python_version(),
-            "libraries": {name: version(name) for name in _LIBRARIES},
-            "identity": self.identity.digest,
-            "identity_parts": self.identity.parts(),
-            "notices": list(self.notices),
-        }
+    @property
+    def schema(self) -> Annotated[str, Entry()]:
+        """Name and version of the schema that the summary follows."""
+        return SCHEMA
+
+    @property
+    def version(self) -> Annotated[str, Entry()]:
+        """Version of missionplan."""
+        return version("missionplan")
+
+    @property
+    def wall_time(self) -> Annotated[float, Entry(unit="s", key="elapsed")]:
+        """Wall time of the study."""
+        return round(self.elapsed_s, 3)
+
+    @property
+    def created_utc(self) -> Annotated[str, Entry()]:
+        """When the study ended, UTC (ISO 8601)."""
+        return self.created.isoformat(timespec="seconds")
+
+    @property
+    def python(self) -> Annotated[str, Entry()]:
+        """Version of Python."""
+        return platform.python_version()
+
+    @property
+    def libraries(self) -> Annotated[Mapping[str, str], Entry()]:
+        """Versions of the libraries that numbers may depend on."""
+        return {name: version(name) for name in _LIBRARIES}
+
+    @property
+    def digest(self) -> Annotated[str, Entry(key="identity")]:
+        """Hash of all that the result depends on."""
+        return self.identity.digest
+
+    @property
+    def identity_parts(self) -> Annotated[Mapping[str, object], Entry()]:
+        """What that hash is computed from."""
+        return self.identity.parts()
 
 
 OF_THE_RUN = frozenset(
@@ -117,16 +128,16 @@ def without_run(summary: Mapping[str, object]) -> dict[str, object]:
     return {key: value for key, value in summary.items() if key not in OF_THE_RUN}
 
 
-class Result(ABC):
+class Result(Record, ABC):
     """A study's answer. Subclasses are frozen data classes with a field `provenance`."""
 
     report: ClassVar[str]
     """Module that renders the result (`report.render.ReportModule`), imported when it is shown."""
     provenance: Provenance
 
-    @abstractmethod
     def summary(self) -> dict[str, object]:
-        """Contents of `summary.json`: SI values, keys that end with the unit."""
+        """Return the contents of `summary.json`: SI values, keys that end with the unit."""
+        return {**self.provenance.summary(), **summary_of(self)}
 
     @abstractmethod
     def to_frame(self) -> "pd.DataFrame":

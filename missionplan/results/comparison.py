@@ -2,11 +2,12 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import ClassVar, Literal
+from typing import Annotated, ClassVar, Literal
 
 import pandas as pd
 
 from missionplan.results.base import Provenance, Result, to_csv
+from missionplan.results.entries import Entry, Record
 from missionplan.results.task import parts_of_task, phase_names
 
 MOST_CHANGES = 40
@@ -15,111 +16,64 @@ ChangeVerdict = Literal["changed", "within noise", "same", "not judged", "only f
 
 
 @dataclass(frozen=True)
-class ComparedRun:
-    """One of the two runs.
+class ComparedRun(Record):
+    """One of the two runs."""
 
-    Attributes
-    ----------
-    folder, mission, version, created : str
-        Report folder as given; the mission's name; version of missionplan; when the report was made, UTC.
-    seed, trials : int
-    """
-
-    folder: str
-    mission: str
-    version: str
-    created: str
-    seed: int
-    trials: int
+    folder: Annotated[str, Entry("report folder as given")]
+    mission: Annotated[str, Entry("the mission's name")]
+    version: Annotated[str, Entry("of missionplan")]
+    created: Annotated[str, Entry("when the report was made, UTC")]
+    seed: Annotated[int, Entry("of the Monte Carlo")]
+    trials: Annotated[int, Entry("of the Monte Carlo")]
 
 
 @dataclass(frozen=True)
-class ChangedValue:
+class ChangedValue(Record):
     """A value of the mission file, or an option of the run, that differs; empty where a run does not have it."""
 
-    path: str
-    first: str
-    second: str
+    path: Annotated[str, Entry("key path, or name of the option")]
+    first: Annotated[str, Entry("of the first run")]
+    second: Annotated[str, Entry("of the second run")]
 
 
 @dataclass(frozen=True)
-class ComparedNumber:
-    """A number of the results in both runs.
+class ComparedNumber(Record):
+    """A number of the results in both runs; a plain number has no standard error.
 
-    Attributes
-    ----------
-    group, key : str
-        Such as ``moor`` and ``offset_m``.
-    kind : 'mean', 'probability' or 'number'
-        A plain number has no standard error.
-    first, second : float or None
-        None where a run does not have the number.
-    standard_error : float or None
-        Of second − first, treating the two runs as independent.
-    p_value : float or None
-        Probability of a difference at least as large by Monte-Carlo noise alone.
-    verdict : str
-        ``changed``: beyond noise, at 5 % for all numbers together (Holm's correction), or any difference where there
-        is no noise; ``not judged``: a noisy number whose standard error is not known.
+    It is ``changed`` where it differs by more than noise, at 5 % for all numbers together (Holm's correction), or at
+    all where there is no noise; ``not judged`` where it is noisy and its standard error is not known.
     """
 
-    group: str
-    key: str
-    kind: Literal["mean", "probability", "number"]
-    first: float | None
-    second: float | None
-    standard_error: float | None
-    p_value: float | None
-    verdict: ChangeVerdict
+    group: Annotated[str, Entry("such as ``moor``")]
+    key: Annotated[str, Entry("such as ``offset_m``")]
+    kind: Annotated[Literal["mean", "probability", "number"], Entry("what it is")]
+    first: Annotated[float | None, Entry("of the first run; null where it does not have the number")]
+    second: Annotated[float | None, Entry("of the second run; null where it does not have the number")]
+    standard_error: Annotated[float | None, Entry("of the change, treating the two runs as independent")]
+    p_value: Annotated[float | None, Entry("probability of a difference at least as large by Monte-Carlo noise alone")]
+    verdict: Annotated[ChangeVerdict, Entry("whether it changed")]
 
     @property
-    def change(self) -> float | None:
+    def change(self) -> Annotated[float | None, Entry(after="second")]:
         """Second minus first; None where a run does not have the number."""
         return None if self.first is None or self.second is None else self.second - self.first
-
-    def row(self) -> dict[str, object]:
-        """Return the entry of `summary.json`, which is also the row of the table."""
-        return {
-            "group": self.group,
-            "key": self.key,
-            "kind": self.kind,
-            "first": self.first,
-            "second": self.second,
-            "change": self.change,
-            "standard_error": self.standard_error,
-            "p_value": self.p_value,
-            "verdict": self.verdict,
-        }
 
 
 @dataclass(frozen=True)
 class Comparison(Result):
-    """Two runs of one command, side by side.
-
-    Attributes
-    ----------
-    provenance : Provenance
-        Its `data` holds both missions.
-    compared : str
-        The command that made both reports.
-    runs : (ComparedRun, ComparedRun)
-    mission_changes, option_changes : tuple of ChangedValue
-        Values by key path; and seeds, trials, versions and options.
-    differences : tuple of ComparedNumber
-        In the order of the first summary.
-    requirement_changes : tuple of ChangedValue
-        Requirements that one run meets and the other does not, or does not have.
-    """
+    """Two runs of one command, side by side; the `data` of its provenance holds both missions."""
 
     report: ClassVar[str] = "missionplan.report.compared.two_runs"
 
     provenance: Provenance
-    compared: str
-    runs: tuple[ComparedRun, ComparedRun]
-    mission_changes: tuple[ChangedValue, ...]
-    option_changes: tuple[ChangedValue, ...]
-    differences: tuple[ComparedNumber, ...]
-    requirement_changes: tuple[ChangedValue, ...]
+    compared: Annotated[str, Entry("the command that made both reports")]
+    runs: Annotated[tuple[ComparedRun, ComparedRun], Entry("the first and the second")]
+    mission_changes: Annotated[tuple[ChangedValue, ...], Entry("values of the missions that differ, by key path")]
+    option_changes: Annotated[tuple[ChangedValue, ...], Entry("seeds, trials, versions and options that differ")]
+    differences: Annotated[tuple[ComparedNumber, ...], Entry("in the order of the first summary")]
+    requirement_changes: Annotated[
+        tuple[ChangedValue, ...], Entry("requirements that one run meets and the other does not, or does not have")
+    ]
 
     @property
     def changed(self) -> tuple[ComparedNumber, ...]:
@@ -155,18 +109,10 @@ class Comparison(Result):
         first, second = self.phases
         return first == second and len(self.mission_changes) <= MOST_CHANGES
 
-    def summary(self) -> dict[str, object]:
-        """Return the contents of `summary.json`."""
-        return {
-            **self.provenance.summary(),
-            "compared": self.compared,
-            "runs": [vars(run) for run in self.runs],
-            "mission_changes": [vars(change) for change in self.mission_changes],
-            "task_differs": list(self.task_differs),
-            "option_changes": [vars(change) for change in self.option_changes],
-            "differences": [difference.row() for difference in self.differences],
-            "requirement_changes": [vars(change) for change in self.requirement_changes],
-        }
+    @property
+    def parts_that_differ(self) -> Annotated[tuple[str, ...], Entry(key="task_differs")]:
+        """Parts in which the tasks of the missions differ."""
+        return tuple(self.task_differs)
 
     def to_frame(self) -> pd.DataFrame:
         """One row per number of the results."""

@@ -2,53 +2,26 @@
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from typing import Annotated
 
 from missionplan.montecarlo.statistics import Probability, Statistic
+from missionplan.results.entries import Entry, Record
 
 Causes = tuple[str, ...]
 
 
 @dataclass(frozen=True)
-class ExplainedOutcome:
-    """The trials of a simulation in which one explanation holds.
+class ExplainedOutcome(Record):
+    """The trials of a simulation in which one explanation holds."""
 
-    Attributes
-    ----------
-    place : str
-        Key path of the `one-of`.
-    number : int
-        Of the explanation there; how many there are, for none.
-    causes : tuple of str
-        Its effects; empty for none.
-    probability : float
-        Of the explanation, as the mission gives it.
-    success : Probability
-    duration, energy : Statistic
-        Of the whole mission [s, W h].
-    trials : int
-    """
-
-    place: str
-    number: int
-    causes: Causes
-    probability: float
-    success: Probability
-    duration: Statistic
-    energy: Statistic
-    trials: int
-
-    def summary(self) -> dict[str, object]:
-        """Return the entry of `summary.json`."""
-        return {
-            "place": self.place,
-            "number": self.number,
-            "causes": list(self.causes),
-            "probability": self.probability,
-            "trials": self.trials,
-            "success": self.success.summary(),
-            "duration_s": self.duration.summary(),
-            "energy_wh": self.energy.summary(),
-        }
+    place: Annotated[str, Entry("key path of the `one-of`")]
+    number: Annotated[int, Entry("of the explanation there; how many there are, for none")]
+    causes: Annotated[Causes, Entry("its effects; empty for none")]
+    probability: Annotated[float, Entry("of the explanation, as the mission gives it")]
+    success: Annotated[Probability, Entry("of the whole mission in these trials")]
+    duration: Annotated[Statistic, Entry("of the whole mission", "s")]
+    energy: Annotated[Statistic, Entry("of the whole mission", "W h")]
+    trials: Annotated[int, Entry("in which it holds")]
 
 
 def success_differs(explained: Sequence[ExplainedOutcome]) -> bool:

@@ -3,21 +3,30 @@
 import re
 from collections import Counter
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass, field
-from typing import ClassVar
+from dataclasses import dataclass, field
+from typing import Annotated, ClassVar
 
 import pandas as pd
 
 from missionplan.arrays import Array
 from missionplan.results.base import Provenance, Result, to_csv, to_json, to_yaml
+from missionplan.results.entries import Entry, Record
 
 
 @dataclass(frozen=True)
-class SourceEntry:
-    """A file that was read: its name, without its folder, and SHA-256."""
+class SourceEntry(Record):
+    """A file that was read."""
 
-    name: str
-    sha256: str
+    name: Annotated[str, Entry("without its folder")]
+    sha256: Annotated[str, Entry("of its contents")]
+
+
+@dataclass(frozen=True)
+class Ability(Record):
+    """What a diagnosis of the data can find, or not."""
+
+    what: Annotated[str, Entry("that is to be found")]
+    verdict: Annotated[str, Entry("whether it can be, and what is lacking if not")]
 
 
 @dataclass(frozen=True)
@@ -113,28 +122,20 @@ class ImportedData(Result):
 
     Attributes
     ----------
-    kind, name, format : str
-        Of the data set, and of the logs.
     dataset : Mapping
         Contents of ``dataset.yaml``.
     table : DataFrame
         The data set's CSV.
     dives : DataFrame
         Every dive that was found, with `ok` and `reason`.
-    sources : tuple of SourceEntry
-    passed_over : tuple of str
-        Files that were not read, with the reason.
-    reckoning : str
-        Where dead-reckoned positions come from, in words.
     rejected_fixes : DataFrame
         Fixes that do not count, with the reason.
     mission_text : str
         The starter mission, as written.
-    can_show : tuple of (str, str)
-        What a diagnosis of this data can find, and what it lacks for the rest.
-    next_commands : tuple of str
     figures : Mapping
         Numbers of the summary: fixes, lengths, speeds, errors.
+    can_show : tuple of (str, str)
+        What a diagnosis of this data can find, and what it lacks for the rest.
     lines : TrackLines
     extra_files : Mapping
         Further files, by name: the starter's vehicle.
@@ -146,27 +147,27 @@ class ImportedData(Result):
 
     report: ClassVar[str] = "missionplan.report.imported"
     provenance: Provenance
-    kind: str
-    name: str
-    format: str
+    kind: Annotated[str, Entry("of the data set")]
+    name: Annotated[str, Entry("of the data set", key="dataset")]
+    format: Annotated[str, Entry("of the logs")]
     dataset: Mapping[str, object]
     table: pd.DataFrame = field(repr=False)
     dives: pd.DataFrame = field(repr=False)
-    sources: tuple[SourceEntry, ...]
-    passed_over: tuple[str, ...]
-    reckoning: str
+    sources: Annotated[tuple[SourceEntry, ...], Entry("files that were read")]
+    passed_over: Annotated[tuple[str, ...], Entry("files that were not read, with the reason")]
+    reckoning: Annotated[str, Entry("where dead-reckoned positions come from, in words")]
     rejected_fixes: pd.DataFrame = field(repr=False)
     mission_text: str
     can_show: tuple[tuple[str, str], ...]
-    next_commands: tuple[str, ...]
+    next_commands: Annotated[tuple[str, ...], Entry("commands that may follow", key="next")]
     figures: Mapping[str, float]
     lines: TrackLines = field(repr=False)
     extra_files: Mapping[str, str] = field(default_factory=dict, repr=False)
-    basis: Basis | None = None
+    basis: Annotated[Basis | None, Entry("what the legs rest on", key="legs_rest_on", optional=True)] = None
     pictures: tuple[LegPicture, ...] = ()
 
     @property
-    def counted(self) -> int:
+    def counted(self) -> Annotated[int, Entry()]:
         """Number of dives that count."""
         return int(self.dives["ok"].sum())
 
@@ -176,35 +177,29 @@ class ImportedData(Result):
         return (self.dives["t_end_s"] - self.dives["t_start_s"]).to_numpy()
 
     @property
-    def rejected_reasons(self) -> dict[str, int]:
+    def rejected_reasons(self) -> Annotated[dict[str, int], Entry(key="rejected_fixes")]:
         """Why fixes do not count, with how many."""
         return _counts(self.rejected_fixes["reason"])
 
     @property
-    def reasons(self) -> dict[str, int]:
+    def reasons(self) -> Annotated[dict[str, int], Entry(key="left_out")]:
         """Why dives do not count, with how many."""
         return _counts(self.dives.loc[self.dives["ok"] == 0, "reason"])
 
+    @property
+    def abilities(self) -> Annotated[list[Ability], Entry(key="can_show")]:
+        """What a diagnosis of this data can find, and what it lacks for the rest."""
+        return [Ability(what, verdict) for what, verdict in self.can_show]
+
+    @property
+    def number_of_dives(self) -> Annotated[int, Entry(key="dives")]:
+        """Number of dives that were found."""
+        return len(self.dives)
+
     def summary(self) -> dict[str, object]:
         """Return the contents of `summary.json` and `import.json`."""
-        return {
-            **self.provenance.summary(),
-            "kind": self.kind,
-            "dataset": self.name,
-            "format": self.format,
-            "reckoning": self.reckoning,
-            "dives": len(self.dives),
-            "legs" if self.kind == "transit" else "runs": len(self.table.groupby(self.table.columns[0])),
-            "counted": self.counted,
-            "left_out": self.reasons,
-            "rejected_fixes": self.rejected_reasons,
-            **({"legs_rest_on": asdict(self.basis)} if self.basis else {}),
-            "passed_over": list(self.passed_over),
-            **self.figures,
-            "can_show": [{"what": what, "verdict": verdict} for what, verdict in self.can_show],
-            "next": list(self.next_commands),
-            "sources": [{"name": each.name, "sha256": each.sha256} for each in self.sources],
-        }
+        groups = len(self.table.groupby(self.table.columns[0]))
+        return {**super().summary(), "legs" if self.kind == "transit" else "runs": groups, **self.figures}
 
     def to_frame(self) -> pd.DataFrame:
         """The data set's table."""

@@ -2,30 +2,19 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Annotated
 
 from missionplan.montecarlo.statistics import Probability
+from missionplan.results.entries import Entry, Record
 
 
 @dataclass(frozen=True)
-class MemberOutcome:
-    """What a plan does in one member.
+class MemberOutcome(Record):
+    """What a plan does in one member."""
 
-    Attributes
-    ----------
-    name : str
-    probability : float
-        Of the member.
-    good : Probability
-        Of what the plan is for, where the member comes true: success, arrival, a dive within the radius.
-    """
-
-    name: str
-    probability: float
-    good: Probability
-
-    def summary(self) -> dict[str, object]:
-        """Return the entry of `summary.json`."""
-        return {"member": self.name, "probability": self.probability, "good": self.good.summary()}
+    name: Annotated[str, Entry("name of the member", key="member")]
+    probability: Annotated[float, Entry("of the member")]
+    good: Annotated[Probability, Entry("success, arrival or a dive within the radius, where the member comes true")]
 
 
 def members_differ(members: Sequence[MemberOutcome]) -> bool:

@@ -2,78 +2,50 @@
 
 import math
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import Annotated, ClassVar
 
 import pandas as pd
 
 from missionplan.montecarlo.statistics import Probability
 from missionplan.results.base import Provenance, Result, to_csv
+from missionplan.results.entries import Entry, Record
 
 
 @dataclass(frozen=True)
-class Cause:
-    """An input that is not as usual where a mission fails.
+class Cause(Record):
+    """An input that is not as usual where a mission fails; numbers in SI."""
 
-    Attributes
-    ----------
-    source : str
-        Such as ``moor.release_time``.
-    mean : float
-        Of the trials that fail so [SI].
-    usual, usual_sd : float
-        Mean and standard deviation of all trials [SI].
-    """
-
-    source: str
-    mean: float
-    usual: float
-    usual_sd: float
+    source: Annotated[str, Entry("such as ``moor.release_time``")]
+    mean: Annotated[float, Entry("of the trials that fail so")]
+    usual: Annotated[float, Entry("mean of all trials")]
+    usual_sd: Annotated[float, Entry("standard deviation of all trials")]
 
     @property
-    def shift(self) -> float:
+    def shift(self) -> Annotated[float, Entry()]:
         """How far it lies from usual, in standard deviations of all trials."""
         return (self.mean - self.usual) / self.usual_sd
 
 
 @dataclass(frozen=True)
-class FailureMode:
-    """A way in which the failure comes about.
+class FailureMode(Record):
+    """A way in which the failure comes about."""
 
-    Attributes
-    ----------
-    step : str
-        Where such missions fail first, ``moor: anchor outside the radius``; empty where they succeed all the same.
-    share : float
-        Of the failures.
-    causes : tuple of Cause
-        What is not as usual in them, the most unusual first.
-    """
-
-    step: str
-    share: float
-    causes: tuple[Cause, ...]
+    step: Annotated[
+        str,
+        Entry("where such missions fail first, ``moor: anchor outside the radius``; empty where they succeed yet"),
+    ]
+    share: Annotated[float, Entry("of the failures")]
+    causes: Annotated[tuple[Cause, ...], Entry("what is not as usual in them, the most unusual first")]
 
 
 @dataclass(frozen=True)
-class WayDriven:
-    """A way to fail towards which trials were driven by its own margin.
+class WayDriven(Record):
+    """A way to fail towards which trials were driven by its own margin."""
 
-    Attributes
-    ----------
-    way : str
-        Such as ``moor: anchor outside the radius``; empty for failures that no margin tells.
-    probability : float
-        Of failing so, alone or with others; zero where no failure was found.
-    nearest : float
-        Probability, roughly, of coming as near to it as the nearest trials.
-    bound : float
-        Upper end of the 95 % interval by plain trials.
-    """
-
-    way: str
-    probability: float
-    nearest: float
-    bound: float
+    way: Annotated[str, Entry("such as ``moor: anchor outside the radius``; empty for failures that no margin tells")]
+    probability: Annotated[float, Entry("of failing so, alone or with others; zero where no failure was found")]
+    nearest: Annotated[float, Entry("probability, roughly, of coming as near to it as the nearest trials")]
+    bound: Annotated[float, Entry("upper end of the 95 % interval by plain trials")]
 
 
 @dataclass(frozen=True)
@@ -82,22 +54,8 @@ class RareFailure(Result):
 
     Attributes
     ----------
-    event : str
-        Such as ``not total.success``.
-    probability : Probability
-        With its 95 % interval.
-    variation : float
-        Coefficient of variation of the probability, from the scatter of the repetitions; infinite without failures.
-    repetitions, levels : int
-        Independent repetitions, and the most levels of one.
-    reached : bool
-        Whether a failure was found.
     nearest : float
-        Where none was found: probability, roughly, of coming as near to one as the nearest trials.
-    ways : tuple of WayDriven
-        Every way to fail towards which trials were driven.
-    modes : tuple of FailureMode
-        The commonest first.
+        Where no failure was found: probability, roughly, of coming as near to one as the nearest trials.
     sample : DataFrame
         Trials that fail: their weight, the step at which they fail, what was drawn, and what came of it.
     """
@@ -105,54 +63,32 @@ class RareFailure(Result):
     report: ClassVar[str] = "missionplan.report.simulation.rare_failure"
 
     provenance: Provenance
-    event: str
-    probability: Probability
-    variation: float
-    repetitions: int
-    levels: int
-    reached: bool
+    event: Annotated[str, Entry("such as ``not total.success``", key="rare.event")]
+    probability: Annotated[Probability, Entry("with its 95 % interval", key="rare.probability")]
+    variation: Annotated[
+        float,
+        Entry(
+            "of the probability, from the scatter of the repetitions; infinite without failures",
+            key="rare.coefficient_of_variation",
+        ),
+    ]
+    repetitions: Annotated[int, Entry("independent repetitions", key="rare.repetitions")]
+    levels: Annotated[int, Entry("the most levels of one repetition", key="rare.levels")]
+    reached: Annotated[bool, Entry("whether a failure was found", key="rare.found")]
     nearest: float
-    ways: tuple[WayDriven, ...]
-    modes: tuple[FailureMode, ...]
+    ways: Annotated[tuple[WayDriven, ...], Entry("ways to fail towards which trials were driven", key="rare.ways")]
+    modes: Annotated[tuple[FailureMode, ...], Entry("the commonest first", key="rare.modes")]
     sample: pd.DataFrame
 
     @property
-    def plain_trials(self) -> float:
+    def plain_trials(self) -> Annotated[float, Entry(key="rare.plain_trials")]:
         """Trials after which a plain Monte Carlo knows the probability as well; infinite without failures."""
         value = self.probability.value
         return (1.0 - value) / (value * self.variation**2) if value > 0.0 and self.variation > 0.0 else math.inf
 
-    def summary(self) -> dict[str, object]:
-        """Return the contents of `summary.json`."""
-        return {
-            **self.provenance.summary(),
-            "rare": {
-                "event": self.event,
-                "probability": self.probability.summary(),
-                "coefficient_of_variation": self.variation,
-                "repetitions": self.repetitions,
-                "levels": self.levels,
-                "found": self.reached,
-                "plain_trials": self.plain_trials,
-                "ways": [vars(way) for way in self.ways],
-                "modes": [
-                    {
-                        "step": mode.step,
-                        "share": mode.share,
-                        "causes": [{**vars(cause), "shift": cause.shift} for cause in mode.causes],
-                    }
-                    for mode in self.modes
-                ],
-            },
-        }
-
     def to_frame(self) -> pd.DataFrame:
         """One row per way to fail and unusual input."""
-        rows = [
-            {"step": mode.step, "share": mode.share, **vars(cause), "shift": cause.shift}
-            for mode in self.modes
-            for cause in mode.causes
-        ]
+        rows = [{"step": mode.step, "share": mode.share, **cause.row()} for mode in self.modes for cause in mode.causes]
         return pd.DataFrame(rows, columns=["step", "share", "source", "mean", "usual", "usual_sd", "shift"])
 
     def files(self) -> dict[str, str | bytes]:

@@ -3,7 +3,7 @@
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import ClassVar, Literal
+from typing import Annotated, ClassVar, Literal
 
 import numpy as np
 import pandas as pd
@@ -13,6 +13,7 @@ from missionplan.arrays import Array
 from missionplan.montecarlo.sensitivity import Influence
 from missionplan.montecarlo.statistics import Probability, Statistic, trials_to_decide
 from missionplan.results.base import Provenance, Result, to_csv
+from missionplan.results.entries import Entry, Record
 from missionplan.results.explained import ExplainedOutcome
 from missionplan.results.mooring.held_vehicle import HeldVehicle
 from missionplan.results.mooring.sized_anchor import MooringAnchor
@@ -38,61 +39,48 @@ class Histogram:
 
 
 @dataclass(frozen=True)
-class PhaseOutcome:
-    """One phase over all trials.
+class PhaseOutcome(Record):
+    """One phase over all trials, or the whole mission, ``total``.
 
     Attributes
     ----------
-    name, kind : str
-        As in key paths; the whole mission is ``total``.
-    quantities : mapping of str to Statistic
-        By the keys of `summary.json`, which end with the unit.
-    events : mapping of str to Probability
-        Such as ``arrived``; of all trials, so that a trial that never reached the phase counts as no.
+    name : str
+        As in key paths.
     histograms : mapping of str to Histogram
         Of the quantities.
     start, end : Statistic
         Mission time at which the phase began and ended, of the trials that reached it [s].
-    label : str
-        Name as the mission's file has it, for people to read.
     """
 
     name: str
-    kind: str
-    quantities: Mapping[str, Statistic]
-    events: Mapping[str, Probability]
+    kind: Annotated[str, Entry("such as ``transit``")]
+    quantities: Annotated[Mapping[str, Statistic], Entry("by names that end with the unit")]
+    events: Annotated[
+        Mapping[str, Probability],
+        Entry("such as ``arrived``; of all trials, so that a trial that never reached the phase counts as no"),
+    ]
     histograms: Mapping[str, Histogram]
     start: Statistic
     end: Statistic
-    label: str
+    label: Annotated[str, Entry("as the mission's file has it", key="name")]
 
-    def quantities_and_events(self) -> dict[str, object]:
-        """Return the part of `summary.json` that phases and the whole mission have in common."""
-        return {
-            "quantities": {name: statistic.summary() for name, statistic in self.quantities.items()},
-            "events": {name: probability.summary() for name, probability in self.events.items()},
-        }
+    @property
+    def key(self) -> Annotated[str | None, Entry(optional=True)]:
+        """Name in key paths, where the name of the file cannot serve."""
+        return self.name if self.name != self.label else None
 
 
 @dataclass(frozen=True)
-class Attrition:
-    """One step on the way to P(success): the trials that fail at it, and those that have not failed by then.
+class Attrition(Record):
+    """One step on the way to P(success): the trials that fail at it, and those that have not failed by then."""
 
-    Attributes
-    ----------
-    step : str
-        Such as ``ingress: not arrived`` or ``moor: struck the seafloor``.
-    lost, surviving : Probability
-        Of all trials.
-    """
-
-    step: str
-    lost: Probability
-    surviving: Probability
+    step: Annotated[str, Entry("such as ``ingress: not arrived`` or ``moor: struck the seafloor``")]
+    lost: Annotated[Probability, Entry("of all trials")]
+    surviving: Annotated[Probability, Entry("of all trials")]
 
 
 @dataclass(frozen=True)
-class RequirementOutcome:
+class RequirementOutcome(Record):
     """A requirement of the mission and whether it is met.
 
     Attributes
@@ -105,12 +93,6 @@ class RequirementOutcome:
         In SI.
     unit : str
         SI unit of the limit.
-    required : float
-        Probability required.
-    probability : Probability
-        Probability reached, with its interval.
-    met, undecided : bool
-        Whether value ≥ required; whether the required probability lies inside the interval.
     trials : int
         From which the probability is taken.
     written : str
@@ -121,15 +103,30 @@ class RequirementOutcome:
     bound: Literal["at_most", "at_least"] | None
     limit: float | None
     unit: str
-    required: float
-    probability: Probability
-    met: bool
-    undecided: bool
+    required: Annotated[float, Entry("probability required")]
+    probability: Annotated[Probability, Entry("probability reached, with its interval")]
+    met: Annotated[bool, Entry("whether it is as high as required")]
+    undecided: Annotated[bool, Entry("whether the required probability lies inside the interval")]
     trials: int = 0
     written: str = ""
 
     @property
-    def trials_to_decide(self) -> int | None:
+    def label(self) -> Annotated[str, Entry(key="quantity")]:
+        """The quantity or event, such as ``moor.offset``, as the mission's file has it."""
+        return self.written or self.quantity
+
+    @property
+    def at_most(self) -> Annotated[float | None, Entry(optional=True)]:
+        """Upper bound [SI]."""
+        return self.limit if self.bound == "at_most" else None
+
+    @property
+    def at_least(self) -> Annotated[float | None, Entry(optional=True)]:
+        """Lower bound [SI]."""
+        return self.limit if self.bound == "at_least" else None
+
+    @property
+    def trials_to_decide(self) -> Annotated[int | None, Entry(when="undecided")]:
         """Trials that would decide an undecided requirement if the probability stays as it is, where any would."""
         return trials_to_decide(self.probability.value, self.required) if self.undecided else None
 
@@ -137,19 +134,6 @@ class RequirementOutcome:
     def margin(self) -> int:
         """Trials more than required that do as the requirement asks; negative where they are too few."""
         return round(self.probability.value * self.trials) - math.ceil(self.required * self.trials - 1e-9)
-
-    def summary(self) -> dict[str, object]:
-        """Return the entry of `summary.json`."""
-        bound = {str(self.bound): self.limit} if self.bound else {}
-        return {
-            "quantity": self.written or self.quantity,
-            **bound,
-            "required": self.required,
-            "probability": self.probability.summary(),
-            "met": self.met,
-            "undecided": self.undecided,
-            **({"trials_to_decide": self.trials_to_decide} if self.undecided else {}),
-        }
 
 
 Sensitivity = Influence
@@ -191,35 +175,13 @@ class Outcome(Result):
 
     Attributes
     ----------
-    phases : tuple of PhaseOutcome
-        In the mission's order.
-    total : PhaseOutcome
-        The whole mission, with the event ``success``.
-    requirements : tuple of RequirementOutcome
-    attrition : tuple of Attrition
-        Ways to fail, in the mission's order; the last `surviving` is P(success).
-    sensitivities : tuple of Sensitivity
-        By key figure, the most important first.
     tracks : Tracks
     arrivals : mapping of str to array, shape (2, m)
         True end position of each phase relative to its goal, of the first trials, for CEP circles [m].
-    limits : mapping of str to Probability
-        Trials that met a limit of the world, failed or not: ``current_faster`` than the vehicle, ``left_record``
-        of the current; without those that cannot be.
-    anchors : tuple of MooringAnchor
-        Of the moorings whose anchor is sized, or cannot be built.
-    held : tuple of HeldVehicle
-        How the vehicle of each mooring stands on its line, distributions at their means.
-    failed_blocks : tuple of str
-        Blocks of trials that failed numerically, with seed and block; left out of everything above.
     trials_table : bytes or None
         Parquet, one row per trial, on request.
     plan : Plan or None
         As vehicles take it; None where the mission has no transit, or more legs than it allows.
-    overdue : Overdue or None
-        What to know if the vehicle does not come back; None where too few trials come back.
-    explanations : tuple of ExplainedOutcome
-        The same trials by the explanation that holds in each; empty for a mission without doubts.
     members : tuple of ExplainedOutcome
         The same trials by the member of the current's ensemble that each sails in; empty without an ensemble.
     """
@@ -227,21 +189,47 @@ class Outcome(Result):
     report: ClassVar[str] = "missionplan.report.simulation.page"
 
     provenance: Provenance
-    phases: tuple[PhaseOutcome, ...]
-    total: PhaseOutcome
-    requirements: tuple[RequirementOutcome, ...]
-    attrition: tuple[Attrition, ...]
-    sensitivities: tuple[Sensitivity, ...]
+    phases: Annotated[tuple[PhaseOutcome, ...], Entry("in the mission's order")]
+    total: Annotated[
+        PhaseOutcome, Entry("the whole mission, with the event ``success``", parts=("quantities", "events"))
+    ]
+    requirements: Annotated[tuple[RequirementOutcome, ...], Entry("in the mission's order")]
+    attrition: Annotated[
+        tuple[Attrition, ...], Entry("ways to fail, in the mission's order; the last `surviving` is P(success)")
+    ]
+    sensitivities: Annotated[
+        tuple[Sensitivity, ...], Entry("uncertain inputs that matter, by key figure, the most important first")
+    ]
     tracks: Tracks
     arrivals: Mapping[str, Array]
-    limits: Mapping[str, Probability] = field(default_factory=dict)
-    anchors: tuple[MooringAnchor, ...] = ()
-    held: tuple[HeldVehicle, ...] = ()
-    failed_blocks: tuple[str, ...] = ()
+    limits: Annotated[
+        Mapping[str, Probability],
+        Entry(
+            "trials that met a limit of the world, failed or not: ``current_faster`` than the vehicle, "
+            "``left_record`` of the current; without those that cannot be"
+        ),
+    ] = field(default_factory=dict)
+    anchors: Annotated[
+        tuple[MooringAnchor, ...], Entry("of the moorings whose anchor is sized, or cannot be built")
+    ] = ()
+    held: Annotated[
+        tuple[HeldVehicle, ...],
+        Entry("how the vehicle of each mooring stands on its line, distributions at their means", key="holds"),
+    ] = ()
+    failed_blocks: Annotated[
+        tuple[str, ...],
+        Entry("blocks of trials that failed numerically, with seed and block; left out of everything else"),
+    ] = ()
     trials_table: bytes | None = None
     plan: Plan | None = None
-    overdue: Overdue | None = None
-    explanations: tuple[ExplainedOutcome, ...] = ()
+    overdue: Annotated[
+        Overdue | None,
+        Entry("what to know if the vehicle does not come back; null where too few trials come back"),
+    ] = None
+    explanations: Annotated[
+        tuple[ExplainedOutcome, ...],
+        Entry("the same trials by the explanation that holds in each; empty for a mission without doubts"),
+    ] = ()
     members: tuple[ExplainedOutcome, ...] = ()
 
     @property
@@ -259,38 +247,14 @@ class Outcome(Result):
         """Whether no anchor is known to be impossible with its parts."""
         return not any(anchor.failures for anchor in self.anchors)
 
-    def summary(self) -> dict[str, object]:
-        """Return the contents of `summary.json`."""
-        return {
-            **self.provenance.summary(),
-            "phases": [
-                {
-                    "name": phase.label,
-                    **({"key": phase.name} if phase.name != phase.label else {}),
-                    "kind": phase.kind,
-                    **phase.quantities_and_events(),
-                }
-                for phase in self.phases
-            ],
-            "total": self.total.quantities_and_events(),
-            "requirements": [requirement.summary() for requirement in self.requirements],
-            "attrition": [
-                {"step": step.step, "lost": step.lost.summary(), "surviving": step.surviving.summary()}
-                for step in self.attrition
-            ],
-            "limits": {name: share.summary() for name, share in self.limits.items()},
-            "anchors": [anchor.summary() for anchor in self.anchors],
-            "holds": [held.summary() for held in self.held],
-            "sensitivities": [vars(sensitivity) for sensitivity in self.sensitivities],
-            "failed_blocks": list(self.failed_blocks),
-            "overdue": self.overdue.summary() if self.overdue else None,
-            "explanations": [each.summary() for each in self.explanations],
-            "members": [
-                {("member" if key == "causes" else key): value for key, value in each.summary().items()}
-                | {"member": each.causes[0]}
-                for each in self.members
-            ],
-        }
+    @property
+    def of_members(self) -> Annotated[list[dict[str, object]], Entry(key="members")]:
+        """The same trials by the member of the current's ensemble that each sails in."""
+        entries = [(each.causes[0], each.summary()) for each in self.members]
+        return [
+            {"member": name, **{key: value for key, value in entry.items() if key != "causes"}}
+            for name, entry in entries
+        ]
 
     def to_frame(self) -> pd.DataFrame:
         """One row per quantity of each phase and of the whole mission."""

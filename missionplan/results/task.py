@@ -3,7 +3,9 @@
 import re
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
+from typing import Annotated
 
+from missionplan.results.entries import Entry, Record
 from missionplan.results.plain_data import mapping, mappings
 
 _PARTS = {
@@ -19,19 +21,11 @@ _PARTS = {
 
 
 @dataclass(frozen=True)
-class DifferingValue:
-    """A value in which missions differ.
+class DifferingValue(Record):
+    """A value in which missions differ."""
 
-    Attributes
-    ----------
-    path : str
-        With phases by name.
-    values : tuple of str
-        In the order of the missions; empty where one does not have it.
-    """
-
-    path: str
-    values: tuple[str, ...]
+    path: Annotated[str, Entry("key path, with phases by name")]
+    values: Annotated[tuple[str, ...], Entry("in the order of the missions; empty where one does not have it")]
 
 
 def parts_of_task(paths: Iterable[str]) -> dict[str, list[str]]:

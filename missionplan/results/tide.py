@@ -3,101 +3,94 @@
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import Annotated, ClassVar
 
 import pandas as pd
 from typing_extensions import override
 
 from missionplan.arrays import Array
 from missionplan.results.base import Provenance, Result, to_csv, to_yaml
+from missionplan.results.entries import Entry, Record
 
 
 @dataclass(frozen=True)
-class Constituent:
-    """A tidal ellipse.
+class Constituent(Record):
+    """A tidal ellipse; standard errors are nan where the constituent is inferred.
 
     Attributes
     ----------
     name : str
         Such as ``M2``.
-    major, minor : float
-        Semi-axes; a negative minor axis turns clockwise [m/s].
-    toward : float
-        Of the major axis, clockwise from north, below π [rad].
-    phase : float
-        Lag behind the equilibrium tide at Greenwich [rad].
-    major_error, minor_error, toward_error, phase_error : float
-        Standard errors [m/s, m/s, rad, rad]; nan where the constituent is inferred.
     inferred_from : str
         The constituent from which it is inferred; empty where it is fitted.
     """
 
     name: str
-    major: float
-    minor: float
-    toward: float
-    phase: float
-    major_error: float = math.nan
-    minor_error: float = math.nan
-    toward_error: float = math.nan
-    phase_error: float = math.nan
+    major: Annotated[float, Entry("major semi-axis", "m/s")]
+    minor: Annotated[float, Entry("minor semi-axis; negative where the current turns clockwise", "m/s")]
+    toward: Annotated[float, Entry("direction of the major axis, clockwise from north, below π", "rad")]
+    phase: Annotated[float, Entry("lag behind the equilibrium tide at Greenwich", "rad")]
+    major_error: Annotated[float, Entry("standard error of the major semi-axis", "m/s")] = math.nan
+    minor_error: Annotated[float, Entry("standard error of the minor semi-axis", "m/s")] = math.nan
+    toward_error: Annotated[float, Entry("standard error of the direction", "rad")] = math.nan
+    phase_error: Annotated[float, Entry("standard error of the phase", "rad")] = math.nan
     inferred_from: str = ""
 
+    @property
+    def fitted_constituent(self) -> Annotated[str | None, Entry(key="inferred_from")]:
+        """The constituent from which it is inferred; None where it is fitted."""
+        return self.inferred_from or None
 
-@dataclass(frozen=True)
-class HeldOut:
-    """How the tide of the first part of a record forecast the rest.
-
-    Attributes
-    ----------
-    samples : int
-        Of one component in the rest.
-    coverage : float
-        Share of them within the stated 90 % interval.
-    error : float
-        Root mean square of one component [m/s].
-    """
-
-    samples: int
-    coverage: float
-    error: float
+    def in_degrees(self) -> dict[str, object]:
+        """Return the row of the table, angles in degrees."""
+        row = {**self.row(), "inferred_from": self.inferred_from}
+        return {
+            key.replace("_rad", "_deg"): math.degrees(value) if key.endswith("_rad") else value
+            for key, value in row.items()
+        }
 
 
 @dataclass(frozen=True)
-class DepthTide:
+class HeldOut(Record):
+    """How the tide of the first part of a record forecast the rest."""
+
+    samples: Annotated[int, Entry("of one component in the rest")]
+    coverage: Annotated[float, Entry("share of them within the stated 90 % interval", key="coverage_90")]
+    error: Annotated[float, Entry("root mean square of one component", "m/s")]
+
+
+@dataclass(frozen=True)
+class DepthTide(Record):
     """The tide at one depth.
 
     Attributes
     ----------
-    depth : float
-        [m]
-    samples : int
-        Moments at which the current was measured.
-    east, north, mean_error : float
-        Mean current, and the standard error of either component [m/s].
     constituents : tuple of Constituent
         The largest first.
-    residual : float
-        Standard deviation of one component about the tide and the mean, what the fit does not know of them included
-        [m/s].
-    residual_time : float
-        Coherence time of what is left [s].
-    tidal_share : float
-        Share of the current's variance that the tide explains.
-    held_out : HeldOut or None
-        None where the record is too short to hold some of it out.
     """
 
-    depth: float
-    samples: int
-    east: float
-    north: float
-    mean_error: float
+    depth: Annotated[float, Entry("below the surface", "m")]
+    samples: Annotated[int, Entry("moments at which the current was measured")]
+    east: Annotated[float, Entry("mean current towards the east", "m/s")]
+    north: Annotated[float, Entry("mean current towards the north", "m/s")]
+    mean_error: Annotated[float, Entry("standard error of either component of the mean", "m/s")]
     constituents: tuple[Constituent, ...]
-    residual: float
-    residual_time: float
-    tidal_share: float
-    held_out: HeldOut | None
+    residual: Annotated[
+        float,
+        Entry(
+            "standard deviation of one component about the tide and the mean, "
+            "what the fit does not know of them included",
+            "m/s",
+        ),
+    ]
+    residual_time: Annotated[float, Entry("coherence time of what is left", "s")]
+    tidal_share: Annotated[float, Entry("share of the current's variance that the tide explains")]
+    held_out: Annotated[HeldOut | None, Entry("null where the record is too short to hold some of it out")]
+
+    @property
+    def by_name(self) -> Annotated[dict[str, Constituent], Entry(key="constituents")]:
+        """Constituents by name, the largest first."""
+        return {wave.name: wave for wave in self.constituents}
 
 
 @dataclass(frozen=True)
@@ -106,32 +99,24 @@ class TideResult(Result):
 
     Attributes
     ----------
-    depths : tuple of DepthTide
-        From the surface down.
-    latitude : float
-        [rad]
-    begins, days : float
-        Of the record: since 1970 [s], and its length [d].
     time, measured, fitted : array, shapes (k,), (2, k) and (2, k)
         At the depth of the picture: since 1970 [s], east and north; nan in gaps [m/s].
     shown_depth : float
         [m]
-    unresolved : tuple of str
-        What the record is too short for, in words.
     """
 
     report: ClassVar[str] = "missionplan.report.tide"
 
     provenance: Provenance
-    depths: tuple[DepthTide, ...]
-    latitude: float
-    begins: float
-    days: float
+    depths: Annotated[tuple[DepthTide, ...], Entry("from the surface down")]
+    latitude: Annotated[float, Entry("of the record", "rad")]
+    begins: Annotated[float, Entry("begin of the record, since 1970", "s")]
+    days: Annotated[float, Entry("length of the record [d]")]
     time: Array
     measured: Array
     fitted: Array
     shown_depth: float
-    unresolved: tuple[str, ...]
+    unresolved: Annotated[tuple[str, ...], Entry("what the record is too short for, in words")]
 
     @property
     def forecast_error(self) -> str:
@@ -146,37 +131,13 @@ class TideResult(Result):
         return next(each for each in self.depths if each.depth == self.shown_depth)
 
     @override
-    def summary(self) -> dict[str, object]:
-        return {
-            **self.provenance.summary(),
-            "latitude_rad": self.latitude,
-            "begins_s": self.begins,
-            "days": self.days,
-            "unresolved": list(self.unresolved),
-            "depths": [_summary(each) for each in self.depths],
-        }
-
-    @override
     def to_frame(self) -> pd.DataFrame:
-        return pd.DataFrame(
-            [
-                {
-                    "depth_m": each.depth,
-                    "constituent": wave.name,
-                    "major_m_s": wave.major,
-                    "minor_m_s": wave.minor,
-                    "toward_deg": math.degrees(wave.toward),
-                    "phase_deg": math.degrees(wave.phase),
-                    "major_error_m_s": wave.major_error,
-                    "minor_error_m_s": wave.minor_error,
-                    "toward_error_deg": math.degrees(wave.toward_error),
-                    "phase_error_deg": math.degrees(wave.phase_error),
-                    "inferred_from": wave.inferred_from,
-                }
-                for each in self.depths
-                for wave in each.constituents
-            ]
-        )
+        rows = [
+            {"depth_m": each.depth, "constituent": wave.name, **wave.in_degrees()}
+            for each in self.depths
+            for wave in each.constituents
+        ]
+        return pd.DataFrame(rows)
 
     @override
     def files(self) -> dict[str, str | bytes]:
@@ -189,35 +150,6 @@ class TideResult(Result):
             f"# site: {{current: {{tide: tide.yaml, error: {self.forecast_error}}}}}\n"
         )
         return head + to_yaml({"depths": [_of_mission(each) for each in self.depths]})
-
-
-def _summary(tide: DepthTide) -> dict[str, object]:
-    held = tide.held_out
-    return {
-        "depth_m": tide.depth,
-        "samples": tide.samples,
-        "east_m_s": tide.east,
-        "north_m_s": tide.north,
-        "mean_error_m_s": tide.mean_error,
-        "residual_m_s": tide.residual,
-        "residual_time_s": tide.residual_time,
-        "tidal_share": tide.tidal_share,
-        "held_out": {"samples": held.samples, "coverage_90": held.coverage, "error_m_s": held.error} if held else None,
-        "constituents": {
-            wave.name: {
-                "major_m_s": wave.major,
-                "minor_m_s": wave.minor,
-                "toward_rad": wave.toward,
-                "phase_rad": wave.phase,
-                "major_error_m_s": wave.major_error,
-                "minor_error_m_s": wave.minor_error,
-                "toward_error_rad": wave.toward_error,
-                "phase_error_rad": wave.phase_error,
-                "inferred_from": wave.inferred_from or None,
-            }
-            for wave in tide.constituents
-        },
-    }
 
 
 def _of_mission(tide: DepthTide) -> Mapping[str, object]:

@@ -2,12 +2,13 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING, Annotated, ClassVar
 
 import pandas as pd
 
 from missionplan.arrays import Array
 from missionplan.results.base import Provenance, Result, to_csv, to_grid
+from missionplan.results.entries import Entry
 
 if TYPE_CHECKING:
     import xarray
@@ -43,14 +44,10 @@ class TransitionSweep(Result):
         run of the set hovers), `energy_to_hover_wh` (option (b)), `energy_out_of_range` (share).
     unassisted : TimeHistory
         Without thrusters (Fig. 3).
-    saturation_speed : float
-        Speed at which the sternplanes reach their limit in level flight, point A [m/s]; nan if they never do.
     by_mid_speed, by_steepness : tuple of TimeHistory
         One thruster, force alone, at the shown deceleration (Figs. 6 to 9).
     by_variant : tuple of TimeHistory
         The variants at the shown deceleration, steepness and mid-transition speed (Fig. 14).
-    hover : mapping
-        `thrust_n`, `revolutions_per_s`, `power_w` of one thruster and `pair_power_w` at hover.
     """
 
     report: ClassVar[str] = "missionplan.report.transition"
@@ -58,11 +55,17 @@ class TransitionSweep(Result):
     cells: pd.DataFrame
     shown_deceleration: float
     unassisted: TimeHistory
-    saturation_speed: float
+    saturation_speed: Annotated[
+        float,
+        Entry("at which the sternplanes reach their limit in level flight, point A; null if they never do", "m/s"),
+    ]
     by_mid_speed: tuple[TimeHistory, ...]
     by_steepness: tuple[TimeHistory, ...]
     by_variant: tuple[TimeHistory, ...]
-    hover: Mapping[str, float]
+    hover: Annotated[
+        Mapping[str, float],
+        Entry("`thrust_n`, `revolutions_per_s`, `power_w` of one thruster and `pair_power_w` at hover"),
+    ]
 
     def shown(self, variant: str) -> pd.DataFrame:
         """Cells of a variant at the shown deceleration."""
@@ -75,22 +78,21 @@ class TransitionSweep(Result):
         return self.shown(variant).pivot(index="mid_speed_m_s", columns="steepness_m_s", values=column)
 
     @property
-    def best(self) -> dict[str, float]:
+    def best(self) -> Annotated[dict[str, float], Entry(key="least_energy")]:
         """Cell of least energy by option (a), one thruster, force alone, at the shown deceleration."""
         cells = self.shown(FORCE).drop(columns="variant")
         least = int(cells["energy_common_wh"].to_numpy(dtype=float).argmin())
         return {str(name): float(value) for name, value in cells.iloc[least].items()}
 
-    def summary(self) -> dict[str, object]:
-        """Return the contents of `summary.json`."""
-        return {
-            **self.provenance.summary(),
-            "saturation_speed_m_s": self.saturation_speed,
-            "hover": dict(self.hover),
-            "runs": len(self.cells),
-            "least_energy": self.best,
-            "cells": self.cells.to_dict(orient="records"),
-        }
+    @property
+    def runs(self) -> Annotated[int, Entry()]:
+        """Number of runs."""
+        return len(self.cells)
+
+    @property
+    def rows(self) -> Annotated[list[dict[str, object]], Entry(key="cells")]:
+        """The runs, as rows of the table."""
+        return [{str(name): value for name, value in row.items()} for row in self.cells.to_dict(orient="records")]
 
     def to_frame(self) -> pd.DataFrame:
         """One run per row."""

@@ -129,7 +129,7 @@ def _against_one_leg(sweep: Sweep, curve: SweepCurve) -> str:
     """Write what the recommended d_max saves against a single leg, where both arrive as often as required."""
     if not curve.reaches(curve.one_leg):
         return f"; in one leg {share(curve.one_leg.arrived)} arrive"
-    saved = sweep.saving(curve, curve.recommended)
+    saved = curve.saving(curve.recommended)
     if saved > 2.0 * _saving_error(sweep, curve):
         return f", {time_in_words(saved)} less than in one leg"
     return "; one leg does as well"
@@ -142,7 +142,7 @@ def _verdict(sweep: Sweep) -> str:
 def _numbers(sweep: Sweep) -> list[tuple[str, str]]:
     curve = sweep.middle
     chosen = curve.recommended
-    saved = with_error(sweep.saving(curve, chosen), _saving_error(sweep, curve), _MINUTES)
+    saved = with_error(curve.saving(chosen), _saving_error(sweep, curve), _MINUTES)
     what = "Recommended d_max" if curve.reaches(chosen) else "d_max that is likeliest to arrive"
     return [
         (what, f"{length_in_words(chosen.d_max)} ({number(chosen.d_max_over_distance)} of the distance)"),
@@ -187,7 +187,7 @@ def _chosen_rows(sweep: Sweep) -> tuple[list[str], list[list[str]]]:
             share(curve.recommended.arrived),
             _without_unit(curve.recommended.cost, curve.recommended.standard_error, _PERCENT),
             _without_unit(curve.one_leg.cost, curve.one_leg.standard_error, _PERCENT),
-            _without_unit(sweep.saving(curve, curve.recommended), _saving_error(sweep, curve), _MINUTES),
+            _without_unit(curve.saving(curve.recommended), _saving_error(sweep, curve), _MINUTES),
         ]
         for curve in sweep.curves
     ]

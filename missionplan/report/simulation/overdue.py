@@ -134,7 +134,7 @@ def _name_hours(axes: Axes, found: Overdue) -> None:
     """Write the hours at the ellipses of the drift, one above the other where ellipses crowd."""
     width = float(np.ptp(np.concatenate([area.line[0] for area in found.areas])))
     placed: list[Array] = []
-    for area in sorted((area for area in found.areas if area.overdue > 0.0), key=lambda area: area.centre[0]):
+    for area in sorted((area for area in found.areas if area.overdue > 0.0), key=lambda area: area.centre_east):
         top = area.line[:, np.argmax(area.line[1])]
         level = sum(bool(np.all(np.abs(top - other) < _CROWDED * width)) for other in placed)
         placed.append(top)
@@ -180,8 +180,8 @@ def _size(area: SearchArea) -> str:
 def _place(outcome: Outcome, area: SearchArea) -> str:
     origin = outcome.tracks.origin
     if origin is None:
-        return f"{quantity(area.centre[0], 'm', '.0f')} E, {quantity(area.centre[1], 'm', '.0f')} N"
-    ((longitude, latitude),) = longitudes_latitudes(np.array(area.centre)[:, None], origin)
+        return f"{quantity(area.centre_east, 'm', '.0f')} E, {quantity(area.centre_north, 'm', '.0f')} N"
+    ((longitude, latitude),) = longitudes_latitudes(np.array([[area.centre_east], [area.centre_north]]), origin)
     return f"{latitude:.4f}°, {longitude:.4f}°"
 
 

@@ -2,13 +2,14 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import Annotated, ClassVar
 
 import pandas as pd
 
 from missionplan.montecarlo.statistics import Probability
 from missionplan.results.base import Provenance, Result, to_csv
 from missionplan.results.choosing.axis import Aim
+from missionplan.results.entries import Entry, Record
 from missionplan.results.simulation import RequirementOutcome
 from missionplan.results.task import DifferingValue, parts_of_task, phase_names
 
@@ -19,23 +20,13 @@ Estimate = tuple[float, float]
 
 
 @dataclass(frozen=True)
-class Contrast:
-    """How an alternative differs from the best in one number.
+class Contrast(Record):
+    """How an alternative differs from the best in one number."""
 
-    Attributes
-    ----------
-    difference, error : float
-        Alternative minus best, and the standard error.
-    differs : bool
-        Whether that is more than chance at 5 % for all alternatives together.
-    paired : bool
-        Whether both were run on the same random numbers.
-    """
-
-    difference: float
-    error: float
-    differs: bool
-    paired: bool
+    difference: Annotated[float, Entry("alternative minus best")]
+    error: Annotated[float, Entry("standard error")]
+    differs: Annotated[bool, Entry("whether that is more than chance at 5 % for all alternatives together")]
+    paired: Annotated[bool, Entry("whether both were run on the same random numbers")]
 
 
 @dataclass(frozen=True)
@@ -80,35 +71,54 @@ class Chosen:
 
 
 @dataclass(frozen=True)
-class Alternative:
+class Alternative(Record):
     """A mission, or a report: of one mission, or of the best of several.
 
     Attributes
     ----------
-    name : str
-        Short, unlike the others'.
-    source : str
-        File or folder as given.
-    success : Probability
     quantities : mapping of str to Estimate
         ``duration_s`` and ``energy_wh``, where known.
-    requirements : tuple of RequirementOutcome
-    trials, seed : int
-    contrasts : mapping of str to Contrast
-        Against the best: ``success``, ``duration_s``, ``energy_wh``; empty for the best itself.
     chosen : Chosen or None
         Of a report of `explore` or `optimise`.
     """
 
-    name: str
-    source: str
-    success: Probability
+    name: Annotated[str, Entry("short, unlike the others'")]
+    source: Annotated[str, Entry("file or folder as given")]
+    success: Annotated[Probability, Entry("of the whole mission")]
     quantities: Mapping[str, Estimate]
-    requirements: tuple[RequirementOutcome, ...]
-    trials: int
-    seed: int
-    contrasts: Mapping[str, Contrast]
+    requirements: Annotated[tuple[RequirementOutcome, ...], Entry("in the mission's order")]
+    trials: Annotated[int, Entry("of the Monte Carlo")]
+    seed: Annotated[int, Entry("of the Monte Carlo")]
+    contrasts: Annotated[
+        Mapping[str, Contrast],
+        Entry("``success``, ``duration_s``, ``energy_wh``; empty for the best itself", key="against_best"),
+    ]
     chosen: Chosen | None = None
+
+    @property
+    def means(self) -> Annotated[dict[str, dict[str, float]], Entry(key="quantities")]:
+        """Means of ``duration_s`` and ``energy_wh``, where known."""
+        return {name: {"mean": mean, "standard_error": error} for name, (mean, error) in self.quantities.items()}
+
+    @property
+    def choice(self) -> Annotated[Mapping[str, str] | None, Entry(key="chosen", when="is_choice")]:
+        """What a report of `explore` or `optimise` chose, by key."""
+        return None if self.chosen is None else self.chosen.values
+
+    @property
+    def choices(self) -> Annotated[int | None, Entry(when="is_choice")]:
+        """Cells or combinations to choose from."""
+        return None if self.chosen is None else self.chosen.count
+
+    @property
+    def windows(self) -> Annotated[list[dict[str, str]], Entry(when="is_choice")]:
+        """Ranges of the only key in which all requirements are met, ``from`` and ``to``."""
+        return [{"from": first, "to": last} for first, last in (self.chosen.windows if self.chosen else ())]
+
+    @property
+    def is_choice(self) -> bool:
+        """Whether it is what a report of `explore` or `optimise` chose."""
+        return self.chosen is not None
 
     @property
     def missed(self) -> tuple[RequirementOutcome, ...]:
@@ -118,31 +128,24 @@ class Alternative:
 
 @dataclass(frozen=True, repr=False)
 class Alternatives(Result):
-    """Missions, or what was chosen of each, side by side.
+    """Missions, or what was chosen of each, side by side; the `data` of its provenance holds the missions by name.
 
     Attributes
     ----------
-    provenance : Provenance
-        Its `data` holds the missions by name.
-    alternatives : tuple of Alternative
-        In the order given.
     best : int
         The one that misses the fewest requirements, then is first in what is aimed at, then takes the least energy.
-    compared : str
-        ``simulate`` of missions and its reports; ``explore`` or ``optimise`` of reports of these.
-    aim : 'success', 'energy' or 'duration'
-    differing : tuple of DifferingValue
-        Values in which the missions differ.
     """
 
     report: ClassVar[str] = "missionplan.report.compared.alternatives"
 
     provenance: Provenance
-    alternatives: tuple[Alternative, ...]
+    alternatives: Annotated[tuple[Alternative, ...], Entry("in the order given")]
     best: int
-    compared: str = "simulate"
-    aim: Aim = "success"
-    differing: tuple[DifferingValue, ...] = ()
+    compared: Annotated[
+        str, Entry("``simulate`` of missions and its reports; ``explore`` or ``optimise`` of reports of these")
+    ] = "simulate"
+    aim: Annotated[Aim, Entry("what is compared first")] = "success"
+    differing: Annotated[tuple[DifferingValue, ...], Entry("values in which the missions differ")] = ()
 
     @property
     def task_differs(self) -> Mapping[str, Sequence[str]]:
@@ -160,17 +163,15 @@ class Alternatives(Result):
         """All but the best."""
         return tuple(each for each in self.alternatives if each is not self.best_one)
 
-    def summary(self) -> dict[str, object]:
-        """Return the contents of `summary.json`."""
-        return {
-            **self.provenance.summary(),
-            "compared": self.compared,
-            "aim": self.aim,
-            "best": self.best_one.name,
-            "task_differs": list(self.task_differs),
-            "differing": [{"path": each.path, "values": list(each.values)} for each in self.differing],
-            "alternatives": [_entry(each) for each in self.alternatives],
-        }
+    @property
+    def name_of_best(self) -> Annotated[str, Entry(key="best")]:
+        """Name of the best."""
+        return self.best_one.name
+
+    @property
+    def parts_that_differ(self) -> Annotated[list[str], Entry(key="task_differs")]:
+        """Parts in which the tasks of the missions differ."""
+        return list(self.task_differs)
 
     def to_frame(self) -> pd.DataFrame:
         """One row per alternative."""
@@ -179,27 +180,6 @@ class Alternatives(Result):
     def files(self) -> dict[str, str | bytes]:
         """Return `alternatives.csv`."""
         return {"alternatives.csv": to_csv(self.to_frame())}
-
-
-def _entry(each: Alternative) -> dict[str, object]:
-    return {
-        "name": each.name,
-        "source": each.source,
-        "trials": each.trials,
-        "seed": each.seed,
-        "success": each.success.summary(),
-        "quantities": {
-            name: {"mean": mean, "standard_error": error} for name, (mean, error) in each.quantities.items()
-        },
-        "requirements": [item.summary() for item in each.requirements],
-        "against_best": {name: vars(contrast) for name, contrast in each.contrasts.items()},
-        **({} if each.chosen is None else _chosen(each.chosen)),
-    }
-
-
-def _chosen(chosen: Chosen) -> dict[str, object]:
-    windows = [{"from": first, "to": last} for first, last in chosen.windows]
-    return {"chosen": dict(chosen.values), "choices": chosen.count, "windows": windows}
 
 
 def _row(each: Alternative) -> dict[str, object]:

@@ -2,34 +2,37 @@
 
 from dataclasses import dataclass
 from datetime import UTC, datetime
-from typing import Literal
+from typing import Annotated, Literal
+
+from missionplan.results.entries import Entry, Record
 
 Aim = Literal["success", "energy", "duration"]
 
 
 @dataclass(frozen=True)
-class Axis:
+class Axis(Record):
     """What is varied along one axis.
 
     Attributes
     ----------
-    keys : tuple of str
-        Key paths that take the same value.
     values : tuple
         As the mission file takes them.
     labels : tuple of str
         As people read them, without the unit.
     numbers : tuple of float or None
         In `unit`, or for `start` seconds since 1970; None where the values are no numbers.
-    unit : str
-        As given; ``UTC`` for `start`; empty for bare numbers and for what has no number.
     """
 
-    keys: tuple[str, ...]
+    keys: Annotated[tuple[str, ...], Entry("key paths that take the same value")]
     values: tuple[object, ...]
     labels: tuple[str, ...]
     numbers: tuple[float, ...] | None = None
-    unit: str = ""
+    unit: Annotated[str, Entry("as given; ``UTC`` for `start`; empty for bare numbers and for what has no number")] = ""
+
+    @property
+    def exact_values(self) -> Annotated[list[str], Entry(key="values")]:
+        """Values as a script reads them."""
+        return [self.exact(index) for index in range(len(self.values))]
 
     @property
     def name(self) -> str:

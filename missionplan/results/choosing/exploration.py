@@ -2,13 +2,14 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, ClassVar, Literal
+from typing import TYPE_CHECKING, Annotated, ClassVar, Literal
 
 import pandas as pd
 
 from missionplan.montecarlo.statistics import Probability, Statistic
 from missionplan.results.base import Provenance, Result, to_csv, to_grid
 from missionplan.results.choosing.axis import Aim, Axis
+from missionplan.results.entries import Entry, Record
 from missionplan.results.members import MemberOutcome
 from missionplan.results.simulation import RequirementOutcome
 
@@ -21,7 +22,7 @@ Status = Literal["met", "undecided", "missed", "none", "invalid"]
 
 
 @dataclass(frozen=True)
-class Cell:
+class Cell(Record):
     """The mission with one value of each key.
 
     Attributes
@@ -30,41 +31,39 @@ class Cell:
         Index along each axis.
     reason : str
         Why it cannot be run; empty where it can. The other attributes then say nothing.
-    success : Probability
-    requirements : tuple of RequirementOutcome
-    quantities : mapping of str to Statistic
-        Such as ``total.energy_wh``, of the trials that reach them.
-    events : mapping of str to Probability
-        Such as ``ingress.arrived``.
-    worse : float
-        Mean of what the aim asks for, less that of the best cell, trial by trial on common random numbers, positive
-        where this cell is worse [share, W h or s]; nan where it is not compared.
-    worse_error : float
-        Standard error of that difference.
-    as_good : bool
-        Whether the trials cannot tell the cell from the best.
-    on_front : bool
-        Whether no other cell is at least as good in P(success), mean energy and mean duration, and better in one.
-    trials : int
-    dropped : bool
-        Whether a race ended before the cell had all trials, because it cannot be the best.
     """
 
     place: tuple[int, ...]
     reason: str = ""
-    success: Probability = NOT_RUN
-    requirements: tuple[RequirementOutcome, ...] = ()
-    quantities: Mapping[str, Statistic] = field(default_factory=dict)
-    events: Mapping[str, Probability] = field(default_factory=dict)
-    worse: float = float("nan")
-    worse_error: float = float("nan")
-    as_good: bool = False
-    on_front: bool = False
-    trials: int = 0
-    dropped: bool = False
+    success: Annotated[Probability, Entry("of the whole mission")] = NOT_RUN
+    requirements: Annotated[tuple[RequirementOutcome, ...], Entry("in the mission's order")] = ()
+    quantities: Annotated[
+        Mapping[str, Statistic], Entry("such as ``total.energy_wh``, of the trials that reach them")
+    ] = field(default_factory=dict)
+    events: Annotated[Mapping[str, Probability], Entry("such as ``ingress.arrived``")] = field(default_factory=dict)
+    worse: Annotated[
+        float,
+        Entry(
+            "mean of what the aim asks for, less that of the best cell, trial by trial on common random numbers, "
+            "positive where this cell is worse [share, W h or s]; null where it is not compared",
+            key="worse_than_best",
+        ),
+    ] = float("nan")
+    worse_error: Annotated[float, Entry("of that difference", key="standard_error_of_worse")] = float("nan")
+    as_good: Annotated[bool, Entry("whether the trials cannot tell the cell from the best")] = False
+    on_front: Annotated[
+        bool,
+        Entry(
+            "whether no other cell is at least as good in P(success), mean energy and mean duration, and better in one"
+        ),
+    ] = False
+    trials: Annotated[int, Entry("of the cell")] = 0
+    dropped: Annotated[
+        bool, Entry("whether a race ended before the cell had all trials, because it cannot be the best")
+    ] = False
 
     @property
-    def status(self) -> Status:
+    def status(self) -> Annotated[Status, Entry()]:
         """Whether all requirements are met; undecided where none is certainly missed."""
         if self.reason:
             return "invalid"
@@ -94,29 +93,28 @@ class Exploration(Result):
 
     Attributes
     ----------
-    provenance : Provenance
     axes : tuple of Axis
         One or two.
     cells : tuple of Cell
         The last axis runs fastest.
-    aim : 'success', 'energy' or 'duration'
     best : int or None
         Number of the best cell; None where no cell can be compared.
     constrained : bool
         Whether the best is among the cells that meet all requirements.
-    members : tuple of MemberOutcome
-        How often the best succeeds in each member of the current's ensemble; empty without one.
     """
 
     report: ClassVar[str] = "missionplan.report.exploration.page"
 
     provenance: Provenance
-    axes: tuple[Axis, ...]
+    axes: Annotated[tuple[Axis, ...], Entry("the keys that are varied", key="vary")]
     cells: tuple[Cell, ...]
-    aim: Aim
+    aim: Annotated[Aim, Entry("what is best")]
     best: int | None
     constrained: bool
-    members: tuple[MemberOutcome, ...] = ()
+    members: Annotated[
+        tuple[MemberOutcome, ...],
+        Entry("how often the best succeeds in each member of the current's ensemble", optional=True),
+    ] = ()
 
     @property
     def valid(self) -> tuple[Cell, ...]:
@@ -160,44 +158,35 @@ class Exploration(Result):
         """Return a cell's value of each axis, exactly."""
         return {axis.name: axis.exact(index) for axis, index in zip(self.axes, cell.place, strict=True)}
 
-    def summary(self) -> dict[str, object]:
-        """Return the contents of `summary.json`."""
-        best = self.best_cell
-        return {
-            **self.provenance.summary(),
-            "aim": self.aim,
-            "vary": [
-                {"keys": list(axis.keys), "unit": axis.unit, "values": [axis.exact(i) for i in range(len(axis.values))]}
-                for axis in self.axes
-            ],
-            "best": None if best is None else self._entry(best),
-            **({"members": [each.summary() for each in self.members]} if self.members else {}),
-            "as_good": [self.values_of(cell) for cell in self.cells if cell.as_good],
-            "windows": [
-                {"from": self.axes[0].exact(window.first), "to": self.axes[0].exact(window.last)}
-                for window in self.windows
-            ],
-            "front": [self.values_of(cell) for cell in self.cells if cell.on_front],
-            "cells": [self._entry(cell) for cell in self.cells],
-        }
+    @property
+    def best_entry(self) -> Annotated[dict[str, object] | None, Entry(key="best")]:
+        """The best cell."""
+        return None if self.best is None else self._entry(self.cells[self.best])
+
+    @property
+    def values_as_good(self) -> Annotated[list[dict[str, str]], Entry(key="as_good")]:
+        """Values of the cells that cannot be told from the best."""
+        return [self.values_of(cell) for cell in self.cells if cell.as_good]
+
+    @property
+    def exact_windows(self) -> Annotated[list[dict[str, str]], Entry(key="windows")]:
+        """Ranges of the only key in which all requirements are met, ``from`` and ``to``."""
+        exact = self.axes[0].exact
+        return [{"from": exact(window.first), "to": exact(window.last)} for window in self.windows]
+
+    @property
+    def values_on_front(self) -> Annotated[list[dict[str, str]], Entry(key="front")]:
+        """Values of the cells on the front."""
+        return [self.values_of(cell) for cell in self.cells if cell.on_front]
+
+    @property
+    def entries(self) -> Annotated[list[dict[str, object]], Entry(key="cells")]:
+        """The cells with their values; of those that cannot be run the reason alone."""
+        return [self._entry(cell) for cell in self.cells]
 
     def _entry(self, cell: Cell) -> dict[str, object]:
-        if cell.reason:
-            return {"values": self.values_of(cell), "status": cell.status, "reason": cell.reason}
-        return {
-            "values": self.values_of(cell),
-            "status": cell.status,
-            "success": cell.success.summary(),
-            "quantities": {name: statistic.summary() for name, statistic in cell.quantities.items()},
-            "events": {name: event.summary() for name, event in cell.events.items()},
-            "requirements": [item.summary() for item in cell.requirements],
-            "worse_than_best": cell.worse,
-            "standard_error_of_worse": cell.worse_error,
-            "as_good": cell.as_good,
-            "on_front": cell.on_front,
-            "trials": cell.trials,
-            "dropped": cell.dropped,
-        }
+        told = {"status": cell.status, "reason": cell.reason} if cell.reason else cell.summary()
+        return {"values": self.values_of(cell), **told}
 
     def to_frame(self) -> pd.DataFrame:
         """One row per cell."""

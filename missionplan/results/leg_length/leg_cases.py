@@ -1,55 +1,41 @@
 """Costs of plans of legs on common trials: when errors are not as planned, and of each candidate plan."""
 
 from dataclasses import dataclass
+from typing import Annotated
 
 import numpy as np
 
 from missionplan.montecarlo.statistics import Probability, Statistic
 from missionplan.physics.energy import JOULES_PER_WATT_HOUR
+from missionplan.results.entries import Entry, Record
 
 
 @dataclass(frozen=True)
-class SampledCost:
-    """Cost of a plan in the mission's Monte Carlo.
+class SampledCost(Record):
+    """Cost of a plan in the mission's Monte Carlo, of the trials that arrived by both plans."""
 
-    Attributes
-    ----------
-    cost, standard_error : float
-        Mean of c (Briggs et al., Eq. 25) of the trials that arrived by both plans.
-    surfacings : float
-        Mean number, the arrival's included.
-    arrived : Probability
-    """
-
-    cost: float
-    standard_error: float
-    surfacings: float
-    arrived: Probability
-
-    def summary(self) -> dict[str, object]:
-        """Return the entry of ``summary.json``."""
-        return {
-            "cost": self.cost,
-            "standard_error": self.standard_error,
-            "surfacings": self.surfacings,
-            "arrived": self.arrived.summary(),
-        }
+    cost: Annotated[float, Entry("mean of c (Briggs et al., Eq. 25)")]
+    standard_error: Annotated[float, Entry("of the cost")]
+    surfacings: Annotated[float, Entry("mean number, the arrival's included")]
+    arrived: Annotated[Probability, Entry("of arriving")]
 
 
 @dataclass(frozen=True)
-class LegCase:
+class MeanAndError(Record):
+    """A mean difference of paired trials, and its standard error."""
+
+    mean: Annotated[float, Entry("mean difference")]
+    standard_error: Annotated[float, Entry("of the mean")]
+
+
+@dataclass(frozen=True)
+class LegCase(Record):
     """Both plans on the same trials: in the mission as it is, or with a navigation error that is not as planned.
 
     Attributes
     ----------
     name : str
         How the case differs from the mission; empty for the mission itself.
-    sigma : float
-        σ_v of the trials [m/s].
-    mean_error, surface_drift : tuple of float
-        Velocity under way and at the surface in addition to the mission's, east and north [m/s].
-    fixed, adaptive : SampledCost
-        With the best fixed d_max and with the table of legs.
     saving, saving_error : float
         Mean time that the table saves, and its standard error, paired trial by trial [s].
     energy_saving, energy_saving_error : float
@@ -57,23 +43,49 @@ class LegCase:
     late_saving, late_saving_error : float
         For the aim ``p95`` alone: by how much sooner 95 % of all trials arrive, and its standard error [s]; where the
         mission has a deadline, by how much its probability is greater.
-    probability : float or None
-        Of the mission's explanation that the case takes to hold; None for other cases.
     """
 
     name: str
-    sigma: float
-    mean_error: tuple[float, float]
-    surface_drift: tuple[float, float]
-    fixed: SampledCost
-    adaptive: SampledCost
+    sigma: Annotated[float, Entry("σ_v of the trials", "m/s")]
+    mean_error: Annotated[
+        tuple[float, float], Entry("velocity under way in addition to the mission's, east and north", "m/s")
+    ]
+    surface_drift: Annotated[
+        tuple[float, float], Entry("velocity at the surface in addition to the mission's, east and north", "m/s")
+    ]
+    fixed: Annotated[SampledCost, Entry("with the best fixed d_max")]
+    adaptive: Annotated[SampledCost, Entry("with the table of legs")]
     saving: float
     saving_error: float
     energy_saving: float
     energy_saving_error: float
     late_saving: float = float("nan")
     late_saving_error: float = float("nan")
-    probability: float | None = None
+    probability: Annotated[
+        float | None,
+        Entry("of the explanation that the case takes to hold", key="explanation", optional=True),
+    ] = None
+
+    @property
+    def title(self) -> Annotated[str, Entry(key="name")]:
+        """How the case differs from the mission."""
+        return self.name or "as the mission"
+
+    @property
+    def saved_time(self) -> Annotated[MeanAndError, Entry(unit="s", key="saving")]:
+        """Mean time that the table saves, paired trial by trial."""
+        return MeanAndError(self.saving, self.saving_error)
+
+    @property
+    def saved_energy(self) -> Annotated[MeanAndError, Entry(unit="W h", key="energy_saving")]:
+        """Mean energy that the table saves; null where the mission has no energy budget."""
+        return MeanAndError(self.energy_saving / JOULES_PER_WATT_HOUR, self.energy_saving_error / JOULES_PER_WATT_HOUR)
+
+    @property
+    def gain_p95(self) -> Annotated[MeanAndError | None, Entry(optional=True)]:
+        """By how much sooner 95 % of all trials arrive [s], or how much likelier in time, for the aim ``p95``."""
+        late = np.isfinite(self.late_saving_error)
+        return MeanAndError(self.late_saving, self.late_saving_error) if late else None
 
     def saving_for(self, aim: str) -> tuple[float, float]:
         """Return what the table saves by an aim, and its standard error [J for energy, s, or a probability]."""
@@ -83,60 +95,31 @@ class LegCase:
             return self.late_saving, self.late_saving_error
         return self.saving, self.saving_error
 
-    def summary(self) -> dict[str, object]:
-        """Return the entry of ``summary.json``."""
-        late = np.isfinite(self.late_saving_error)
-        return {
-            "name": self.name or "as the mission",
-            **({} if self.probability is None else {"explanation": self.probability}),
-            "sigma_m_s": self.sigma,
-            "mean_error_m_s": list(self.mean_error),
-            "surface_drift_m_s": list(self.surface_drift),
-            "fixed": self.fixed.summary(),
-            "adaptive": self.adaptive.summary(),
-            "saving_s": {"mean": self.saving, "standard_error": self.saving_error},
-            "energy_saving_wh": {
-                "mean": self.energy_saving / JOULES_PER_WATT_HOUR,
-                "standard_error": self.energy_saving_error / JOULES_PER_WATT_HOUR,
-            },
-            **({"gain_p95": {"mean": self.late_saving, "standard_error": self.late_saving_error}} if late else {}),
-        }
-
 
 @dataclass(frozen=True)
-class CandidatePlan:
+class CandidatePlan(Record):
     """A plan of legs judged by its aim, on trials other than those on which it was chosen.
 
     Attributes
     ----------
-    name : str
-    speed : float
-        [m/s]
-    duration : Statistic
-        Of the transit, of the trials that arrived, the arrival's surfacing included [s].
     energy : Statistic
         [J]
-    on_time : Probability
-        Of arriving by the deadline; of arriving where there is none.
     value, standard_error : float
         What the aim minimises [s, or J]; for a deadline the probability of meeting it, which is maximised.
     """
 
-    name: str
-    speed: float
-    duration: Statistic
+    name: Annotated[str, Entry("of the plan")]
+    speed: Annotated[float, Entry("through the water", "m/s")]
+    duration: Annotated[
+        Statistic, Entry("of the transit, of the trials that arrived, the arrival's surfacing included", "s")
+    ]
     energy: Statistic
-    on_time: Probability
+    on_time: Annotated[Probability, Entry("of arriving by the deadline; of arriving where there is none")]
     value: float
     standard_error: float
 
-    def summary(self) -> dict[str, object]:
-        """Return the entry of ``summary.json``."""
+    @property
+    def energy_in_wh(self) -> Annotated[dict[str, float | None], Entry(unit="W h", key="energy")]:
+        """Energy of the transit, of the trials that arrived."""
         energy = self.energy.summary().items()
-        return {
-            "name": self.name,
-            "speed_m_s": self.speed,
-            "duration_s": self.duration.summary(),
-            "energy_wh": {key: value if value is None else value / JOULES_PER_WATT_HOUR for key, value in energy},
-            "on_time": self.on_time.summary(),
-        }
+        return {key: value if value is None else value / JOULES_PER_WATT_HOUR for key, value in energy}

@@ -1,13 +1,14 @@
 """Result of `plan-legs`: how long a leg should be at each distance left, and what that saves."""
 
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import Annotated, ClassVar
 
 import numpy as np
 import pandas as pd
 
 from missionplan.arrays import Array
 from missionplan.results.base import Provenance, Result, to_csv, to_yaml
+from missionplan.results.entries import Entry, Record
 from missionplan.results.leg_length.leg_cases import CandidatePlan, LegCase, SampledCost
 from missionplan.results.members import MemberOutcome
 
@@ -18,49 +19,29 @@ LEAST_ERRORS = 3.0
 
 
 @dataclass(frozen=True)
+class LegKnot(Record):
+    """A knot of a table of legs."""
+
+    distance_left: Annotated[float, Entry("distance left", "m")]
+    leg: Annotated[float, Entry("length of the leg", "m")]
+
+
+@dataclass(frozen=True)
 class LegPlan(Result):
     """Legs that adapt to the distance left, beside the best fixed d_max.
 
     Attributes
     ----------
-    provenance : Provenance
-    phase : str
-        Name of the transit.
     phase_index : int
-        Its place among the mission's phases.
-    aim : str
-        What the legs minimise: ``mean``, the expected time; ``p95``, the time that 95 % of the trials keep (or, with
-        a deadline of the mission, the risk of missing it); ``energy``.
-    how_found : str
-        How the table was found, in a sentence.
-    deadline : float
-        For the end of the transit, for ``p95``; infinite without one [s].
-    required_arrival : float
-        Probability of arriving that legs must have to be recommended: the mission's requirement on it.
-    distance, speed, arrival_radius, surfacing_time, sigma : float
-        Of the transit, distributions at their means; the speed is chosen for ``energy`` [m, m/s, m, s, m/s].
+        Place of the transit among the mission's phases.
+    arrival_radius, surfacing_time : float
+        Of the transit, distributions at their means [m, s].
     mission_speed : float
         The mission's own [m/s].
-    planned_sigma, base_spread : float
-        Spread that the table is planned for: of a leg's velocity, and of a leg's end whatever its length [m/s, m].
     goal : tuple of float
         Of the transit, east and north [m].
     left, leg : array, shape (k,)
         Knots of the table: distance left and leg length [m].
-    expected_cost : float
-        Of the table, from the integral equation.
-    least_cost : float
-        Least expected cost of any legs.
-    expected_surfacings : float
-        Of the table, the arrival's included.
-    fixed_d_max : float
-        Best fixed d_max [m].
-    fixed_cost, one_leg_cost : float
-        Expected cost with that d_max, and of a single leg.
-    cases : tuple of LegCase
-        The mission itself, then others for robustness.
-    candidates : tuple of CandidatePlan
-        The best fixed d_max, the best legs for the mean time, and the table; empty for the aim ``mean``.
     fixed_tracks, adaptive_tracks : array, shape (2, m, j)
         The same few trials by both plans: the start, then where they surfaced and dived; nan after arrival [m].
     members : tuple of LegCase
@@ -70,42 +51,56 @@ class LegPlan(Result):
     report: ClassVar[str] = "missionplan.report.leg_length.plan"
 
     provenance: Provenance
-    phase: str
+    phase: Annotated[str, Entry("name of the transit")]
     phase_index: int
-    aim: str
-    how_found: str
-    deadline: float
-    distance: float
-    speed: float
+    aim: Annotated[
+        str,
+        Entry(
+            "what the legs minimise: ``mean``, the expected time; ``p95``, the time that 95 % of the trials keep "
+            "(or, with a deadline of the mission, the risk of missing it); ``energy``"
+        ),
+    ]
+    how_found: Annotated[str, Entry("how the table was found, in a sentence", key="machinery")]
+    deadline: Annotated[float, Entry("for the end of the transit, for ``p95``; null without one", "s")]
+    distance: Annotated[float, Entry("length of the transit", "m")]
+    speed: Annotated[float, Entry("of the transit; chosen for ``energy``", "m/s")]
     mission_speed: float
     arrival_radius: float
-    required_arrival: float
+    required_arrival: Annotated[
+        float, Entry("probability of arriving that legs must have to be recommended: the mission's requirement on it")
+    ]
     surfacing_time: float
-    sigma: float
-    planned_sigma: float
-    base_spread: float
+    sigma: Annotated[float, Entry("velocity error of the transit", "m/s")]
+    planned_sigma: Annotated[float, Entry("of a leg's velocity, planned for", "m/s", "planned.sigma")]
+    base_spread: Annotated[float, Entry("of a leg's end whatever its length, planned for", "m", "planned.base_spread")]
     goal: tuple[float, float]
     left: Array
     leg: Array
-    expected_cost: float
-    least_cost: float
-    expected_surfacings: float
-    fixed_d_max: float
-    fixed_cost: float
-    one_leg_cost: float
-    cases: tuple[LegCase, ...]
-    candidates: tuple[CandidatePlan, ...]
+    expected_cost: Annotated[float, Entry("of the table, from the integral equation", key="adaptive.cost")]
+    least_cost: Annotated[float, Entry("least expected cost of any legs", key="adaptive.least_cost")]
+    expected_surfacings: Annotated[float, Entry("of the table, the arrival's included", key="adaptive.surfacings")]
+    fixed_d_max: Annotated[float, Entry("best fixed d_max", "m", "fixed.d_max")]
+    fixed_cost: Annotated[float, Entry("expected cost with that d_max", key="fixed.cost")]
+    one_leg_cost: Annotated[float, Entry("expected cost of a single leg", key="one_leg.cost")]
+    cases: Annotated[tuple[LegCase, ...], Entry("the mission itself, then others for robustness")]
+    candidates: Annotated[
+        tuple[CandidatePlan, ...],
+        Entry(
+            "the best fixed d_max, the best legs for the mean time, and the table; empty for the aim ``mean``",
+            key="contenders",
+        ),
+    ]
     fixed_tracks: Array
     adaptive_tracks: Array
     members: tuple[LegCase, ...] = ()
 
     @property
-    def nominal_time(self) -> float:
+    def nominal_time(self) -> Annotated[float, Entry(unit="s")]:
         """t_nom = ‖x_f − x_0‖/U [s]."""
         return self.distance / self.speed
 
     @property
-    def saving(self) -> float:
+    def saving(self) -> Annotated[float, Entry(unit="s")]:
         """Expected time that the legs save against the best fixed d_max [s]."""
         return (self.fixed_cost - self.expected_cost) * self.nominal_time
 
@@ -154,7 +149,7 @@ class LegPlan(Result):
         return self.cases[0].adaptive if self.recommended else self.cases[0].fixed
 
     @property
-    def arrivals(self) -> tuple[MemberOutcome, ...]:
+    def arrivals(self) -> Annotated[tuple[MemberOutcome, ...], Entry(key="members")]:
         """How often the plan that is recommended arrives in each member of the current's ensemble."""
         return tuple(
             MemberOutcome(
@@ -164,7 +159,7 @@ class LegPlan(Result):
         )
 
     @property
-    def reaches(self) -> bool:
+    def reaches(self) -> Annotated[bool, Entry(key="reaches_required_arrival")]:
         """Whether the plan that is recommended arrives as often as required."""
         return self.chosen.arrived.value >= self.required_arrival
 
@@ -211,37 +206,12 @@ class LegPlan(Result):
             "mission-with-legs.yaml": to_yaml(self.mission_with_legs()),
         }
 
-    def summary(self) -> dict[str, object]:
-        """Return the contents of ``summary.json``."""
-        return {
-            **self.provenance.summary(),
-            "aim": self.aim,
-            "machinery": self.how_found,
-            "deadline_s": self.deadline,
-            "phase": self.phase,
-            "distance_m": self.distance,
-            "nominal_time_s": self.nominal_time,
-            "speed_m_s": self.speed,
-            "sigma_m_s": self.sigma,
-            "planned": {"sigma_m_s": self.planned_sigma, "base_spread_m": self.base_spread},
-            "fixed": {"d_max_m": self.fixed_d_max, "cost": self.fixed_cost},
-            "one_leg": {"cost": self.one_leg_cost},
-            "adaptive": {
-                "cost": self.expected_cost,
-                "least_cost": self.least_cost,
-                "surfacings": self.expected_surfacings,
-                "table": self._knots(),
-            },
-            "saving_s": self.saving,
-            "recommended": "adaptive" if self.recommended else "fixed",
-            "required_arrival": self.required_arrival,
-            "reaches_required_arrival": self.reaches,
-            "cases": [case.summary() for case in self.cases],
-            "members": [each.summary() for each in self.arrivals],
-            "contenders": [candidate.summary() for candidate in self.candidates],
-        }
+    @property
+    def choice(self) -> Annotated[str, Entry(key="recommended")]:
+        """``adaptive`` or ``fixed``."""
+        return "adaptive" if self.recommended else "fixed"
 
-    def _knots(self) -> list[dict[str, float]]:
-        return [
-            {"distance_left_m": float(left), "leg_m": float(leg)} for left, leg in zip(self.left, self.leg, strict=True)
-        ]
+    @property
+    def knots(self) -> Annotated[tuple[LegKnot, ...], Entry(key="adaptive.table")]:
+        """Knots of the table."""
+        return tuple(LegKnot(float(left), float(leg)) for left, leg in zip(self.left, self.leg, strict=True))

@@ -1,15 +1,15 @@
 """Result of `sweep-dmax`: cost against the maximum leg length d_max, for each velocity error."""
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING, Annotated, ClassVar
 
 import numpy as np
 import pandas as pd
 
 from missionplan.montecarlo.statistics import Probability
 from missionplan.results.base import Provenance, Result, to_csv, to_grid
+from missionplan.results.entries import Entry, Record
 from missionplan.results.members import MemberOutcome
 
 if TYPE_CHECKING:
@@ -21,101 +21,74 @@ SAME_COST = 0.01
 
 
 @dataclass(frozen=True)
-class SweepPoint:
-    """One d_max.
+class SweepPoint(Record):
+    """One d_max."""
 
-    Attributes
-    ----------
-    d_max : float
-        Maximum leg length [m].
-    d_max_over_distance : float
-    cost : float
-        Mean of c = (t_f − t_nom)/t_nom (Briggs et al., Eq. 25) over the trials that arrived, the surfacing on arrival
-        not charged; the analytic cost where no trials were run. nan where no trial arrived.
-    standard_error : float
-        Of `cost`; 0 where no trials were run.
-    sd : float
-        Of the cost, from trial to trial.
-    surfacings : float
-        Mean number, that on arrival included, over the trials that arrived.
-    arrived : Probability
-        Of arriving within the mission's `max_legs`.
-    cost_analytic : float or None
-        From the integral equation; None where it does not apply.
-    excess_error : float
-        Standard error of the difference between this cost and the best one, on the same trials.
-    as_good : bool
-        Whether the cost exceeds the best one by no more than two such standard errors.
-    """
+    d_max: Annotated[float, Entry("maximum leg length", "m")]
+    d_max_over_distance: Annotated[float, Entry("as a share of the transit's length")]
+    cost: Annotated[
+        float,
+        Entry(
+            "mean of c = (t_f − t_nom)/t_nom (Briggs et al., Eq. 25) over the trials that arrived, the surfacing on "
+            "arrival not charged; the analytic cost where no trials were run; null where no trial arrived"
+        ),
+    ]
+    standard_error: Annotated[float, Entry("of the cost; 0 where no trials were run")]
+    sd: Annotated[float, Entry("of the cost, from trial to trial")]
+    surfacings: Annotated[float, Entry("mean number, that on arrival included, over the trials that arrived")]
+    arrived: Annotated[Probability, Entry("of arriving within the mission's `max_legs`")]
+    cost_analytic: Annotated[
+        float | None, Entry("from the integral equation; absent where it does not apply", optional=True)
+    ]
+    excess_error: Annotated[
+        float,
+        Entry("of the difference between this cost and the best one, on the same trials", key="excess_standard_error"),
+    ]
+    as_good: Annotated[
+        bool,
+        Entry("whether the cost exceeds the best one by no more than two such standard errors", key="as_good_as_best"),
+    ]
 
-    d_max: float
-    d_max_over_distance: float
-    cost: float
-    standard_error: float
-    sd: float
-    surfacings: float
-    arrived: Probability
-    cost_analytic: float | None
-    excess_error: float
-    as_good: bool
 
-    def row(self) -> dict[str, object]:
-        """Return the row of the table."""
-        return {
-            "d_max_m": self.d_max,
-            "d_max_over_distance": self.d_max_over_distance,
-            "cost": self.cost,
-            "standard_error": self.standard_error,
-            "sd": self.sd,
-            "surfacings": self.surfacings,
-            "arrived": self.arrived.value,
-            "cost_analytic": np.nan if self.cost_analytic is None else self.cost_analytic,
-            "excess_standard_error": self.excess_error,
-            "as_good_as_best": self.as_good,
-        }
-
-    def summary(self) -> dict[str, object]:
-        """Return the entry of ``summary.json``."""
-        entry = {**self.row(), "arrived": self.arrived.summary()}
-        if self.cost_analytic is None:
-            del entry["cost_analytic"]
-        return entry
-
-    def cost_summary(self) -> dict[str, object]:
-        """Return the entry of ``summary.json`` for a d_max of the curve or for one leg: the cost alone."""
-        row = self.row()
-        return {key: row[key] for key in ("d_max_m", "d_max_over_distance", "cost", "standard_error")}
+_COST = "d_max_m", "d_max_over_distance", "cost", "standard_error"
+_ARRIVING = *_COST, "arrived"
+_OF_TABLE = (
+    *("cost", "standard_error", "sd", "surfacings", "arrived", "cost_analytic"),
+    *("excess_standard_error", "as_good_as_best"),
+)
 
 
 @dataclass(frozen=True)
-class SweepCurve:
+class SweepCurve(Record):
     """Cost against d_max for one velocity error.
 
     Attributes
     ----------
-    sigma : float
-        σ_v [m/s]; of an anisotropic Σ_v the root mean of its variances.
-    points : tuple of SweepPoint
-        By increasing d_max.
     best_index : int
         Index of the point of least cost, among those where practically as many trials arrive as anywhere.
-    one_leg : SweepPoint
-        The naive choice: d_max equal to the whole distance.
-    table : SweepPoint or None
-        The transit's own table of legs, where it has one; its `d_max` is nan.
-    required_arrival : float
-        Probability of arriving that a d_max must have to be recommended: the mission's requirement on it.
+    nominal_time : float
+        t_nom of the transit [s].
     """
 
-    sigma: float
-    points: tuple[SweepPoint, ...]
+    sigma: Annotated[float, Entry("σ_v; of an anisotropic Σ_v the root mean of its variances", "m/s")]
+    points: Annotated[tuple[SweepPoint, ...], Entry("by increasing d_max", key="curve")]
     best_index: int
-    one_leg: SweepPoint
-    table: SweepPoint | None
-    required_arrival: float
+    one_leg: Annotated[SweepPoint, Entry("the naive choice: d_max equal to the whole distance", parts=_COST)]
+    table: Annotated[
+        SweepPoint | None,
+        Entry("the transit's own table of legs, where it has one", optional=True, parts=_OF_TABLE),
+    ]
+    required_arrival: Annotated[
+        float,
+        Entry(
+            "probability of arriving that a d_max must have to be recommended: the mission's requirement on it",
+            key="recommended.required_arrival",
+        ),
+    ]
+    nominal_time: float
 
     @property
-    def best(self) -> SweepPoint:
+    def best(self) -> Annotated[SweepPoint, Entry(parts=_COST)]:
         """The point of least cost."""
         return self.points[self.best_index]
 
@@ -128,9 +101,33 @@ class SweepCurve:
         return max(range(len(self.points)), key=lambda index: self._likeliest(self.points[index]))
 
     @property
-    def recommended(self) -> SweepPoint:
+    def recommended(self) -> Annotated[SweepPoint, Entry(parts=_ARRIVING)]:
         """The point to choose."""
         return self.points[self.recommended_index]
+
+    @property
+    def reaches_required_arrival(self) -> Annotated[bool, Entry(key="recommended.reaches_required_arrival")]:
+        """Whether it arrives as often as required."""
+        return self.reaches(self.recommended)
+
+    @property
+    def recommended_saves(self) -> Annotated[float, Entry(unit="s", key="recommended.saving")]:
+        """Mean time that it saves against a single leg."""
+        return self.saving(self.recommended)
+
+    @property
+    def best_saves(self) -> Annotated[float, Entry(unit="s", key="saving")]:
+        """Mean time that the point of least cost saves against a single leg."""
+        return self.saving(self.best)
+
+    @property
+    def d_max_as_good(self) -> Annotated[list[float], Entry(key="as_good_as_best")]:
+        """Lengths that the trials cannot distinguish from the best [m]."""
+        return [point.d_max for point in self.as_good]
+
+    def saving(self, point: SweepPoint) -> float:
+        """Mean time that a d_max saves against a single leg [s]."""
+        return (self.one_leg.cost - point.cost) * self.nominal_time
 
     def reaches(self, point: SweepPoint) -> bool:
         """Whether a plan arrives as often as required."""
@@ -147,46 +144,29 @@ class SweepCurve:
 
 
 @dataclass(frozen=True)
-class ExplainedSweep:
-    """Costs of every d_max when one explanation holds.
+class ExplainedSweep(Record):
+    """Costs of every d_max when one explanation holds."""
 
-    Attributes
-    ----------
-    causes : tuple of str
-        Its effects; empty for none.
-    probability : float
-    curve : SweepCurve
-    chosen : SweepPoint
-        What is recommended over all explanations.
-    """
-
-    causes: tuple[str, ...]
-    probability: float
+    causes: Annotated[tuple[str, ...], Entry("effects of the explanation; empty for none")]
+    probability: Annotated[float, Entry("of the explanation")]
     curve: SweepCurve
-    chosen: SweepPoint
+    chosen: Annotated[SweepPoint, Entry("what is recommended over all explanations", parts=_ARRIVING)]
 
     @property
-    def excess(self) -> float:
+    def recommended(self) -> Annotated[SweepPoint, Entry(parts=_ARRIVING)]:
+        """What is recommended for this one alone."""
+        return self.curve.recommended
+
+    @property
+    def excess(self) -> Annotated[float, Entry()]:
         """Duration that the choice over all explanations loses against the best for this one, as a share of it."""
         return (1.0 + self.chosen.cost) / (1.0 + self.curve.recommended.cost) - 1.0
 
     @property
-    def keeps_choice(self) -> bool:
+    def keeps_choice(self) -> Annotated[bool, Entry()]:
         """Whether the choice over all explanations is as good as this one's own, and arrives as often as required."""
         reaches = self.curve.reaches(self.chosen) or not self.curve.reaches(self.curve.recommended)
         return reaches and self.excess <= SAME_COST
-
-    def summary(self) -> dict[str, object]:
-        """Return the entry of ``summary.json``."""
-        own = self.curve.recommended
-        return {
-            "causes": list(self.causes),
-            "probability": self.probability,
-            "recommended": {**own.cost_summary(), "arrived": own.arrived.summary()},
-            "chosen": {**self.chosen.cost_summary(), "arrived": self.chosen.arrived.summary()},
-            "excess": self.excess,
-            "keeps_choice": self.keeps_choice,
-        }
 
 
 @dataclass(frozen=True)
@@ -195,36 +175,32 @@ class Sweep(Result):
 
     Attributes
     ----------
-    provenance : Provenance
-    phase : str
-        Name of the transit.
-    method : str
-        ``both``, ``analytic`` or ``monte-carlo``.
-    distance, speed, surfacing_time, arrival_radius : float
-        Of the transit, distributions at their means [m, m/s, s, m].
-    curves : tuple of SweepCurve
-    members : tuple of MemberOutcome
-        Arrival with the recommended d_max in each member of the current's ensemble; empty without one.
-    explanations : tuple of ExplainedSweep
-        The middle curve under each explanation of the mission; empty for a mission without doubts.
+    speed, surfacing_time, arrival_radius : float
+        Of the transit, distributions at their means [m/s, s, m].
     """
 
     report: ClassVar[str] = "missionplan.report.leg_length.sweep"
 
     provenance: Provenance
-    phase: str
-    method: str
-    distance: float
+    phase: Annotated[str, Entry("name of the transit")]
+    method: Annotated[str, Entry("``both``, ``analytic`` or ``monte-carlo``")]
+    distance: Annotated[float, Entry("length of the transit", "m")]
     speed: float
     surfacing_time: float
     arrival_radius: float
-    curves: tuple[SweepCurve, ...]
-    explanations: tuple[ExplainedSweep, ...] = ()
-    members: tuple[MemberOutcome, ...] = ()
+    curves: Annotated[tuple[SweepCurve, ...], Entry("a curve for each velocity error", key="sweep")]
+    explanations: Annotated[
+        tuple[ExplainedSweep, ...],
+        Entry("the middle curve under each explanation of a mission that has doubts", optional=True),
+    ] = ()
+    members: Annotated[
+        tuple[MemberOutcome, ...],
+        Entry("arrival with the recommended d_max in each member of the current's ensemble", optional=True),
+    ] = ()
 
     @property
-    def nominal_time(self) -> float:
-        """t_nom = ‖x_f − x_0‖/U [s]."""
+    def nominal_time(self) -> Annotated[float, Entry(unit="s")]:
+        """t_nom = ‖x_f − x_0‖/U."""
         return self.distance / self.speed
 
     @property
@@ -237,10 +213,6 @@ class Sweep(Result):
         """The d_max/L = 1/a (Briggs et al., Eq. 27) within the range swept."""
         ratios = [point.d_max_over_distance for curve in self.curves for point in curve.points]
         return tuple(1.0 / a for a in range(1, int(1.0 / min(ratios)) + 1) if 1.0 / a <= max(ratios) + 1e-12)
-
-    def saving(self, curve: SweepCurve, point: SweepPoint) -> float:
-        """Mean time that a d_max saves against a single leg [s]."""
-        return (curve.one_leg.cost - point.cost) * self.nominal_time
 
     def to_frame(self) -> pd.DataFrame:
         """One row per velocity error and d_max."""
@@ -256,38 +228,3 @@ class Sweep(Result):
     def files(self) -> dict[str, str | bytes]:
         """Return ``sweep.csv``."""
         return {"sweep.csv": to_csv(self.to_frame())}
-
-    def summary(self) -> dict[str, object]:
-        """Return the contents of ``summary.json``."""
-        return {
-            **self.provenance.summary(),
-            "method": self.method,
-            "phase": self.phase,
-            "distance_m": self.distance,
-            "nominal_time_s": self.nominal_time,
-            "sweep": [self._curve_summary(curve) for curve in self.curves],
-            **({"members": [each.summary() for each in self.members]} if self.members else {}),
-            **({"explanations": [each.summary() for each in self.explanations]} if self.explanations else {}),
-        }
-
-    def _curve_summary(self, curve: SweepCurve) -> dict[str, object]:
-        return {
-            "sigma_m_s": curve.sigma,
-            "curve": [point.summary() for point in curve.points],
-            "best": curve.best.cost_summary(),
-            "recommended": {
-                **curve.recommended.cost_summary(),
-                "arrived": curve.recommended.arrived.summary(),
-                "required_arrival": curve.required_arrival,
-                "reaches_required_arrival": curve.reaches(curve.recommended),
-                "saving_s": self.saving(curve, curve.recommended),
-            },
-            "one_leg": curve.one_leg.cost_summary(),
-            "as_good_as_best": [point.d_max for point in curve.as_good],
-            "saving_s": self.saving(curve, curve.best),
-            **({} if curve.table is None else {"table": _without_d_max(curve.table.summary())}),
-        }
-
-
-def _without_d_max(summary: Mapping[str, object]) -> dict[str, object]:
-    return {key: value for key, value in summary.items() if not key.startswith("d_max")}

@@ -2,14 +2,15 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import Annotated, ClassVar
 
 import numpy as np
 import pandas as pd
 
 from missionplan.arrays import Array
-from missionplan.montecarlo.statistics import wilson
+from missionplan.montecarlo.statistics import Probability, wilson
 from missionplan.results.base import Provenance, Result, to_csv, to_json
+from missionplan.results.entries import Entry, Record, summary_of
 
 STATED = 0.9
 """Probability of the intervals by which a mission is judged."""
@@ -17,32 +18,45 @@ PIT_BINS = 10
 
 
 @dataclass(frozen=True)
-class Yardstick:
-    """Another way to predict the same values.
+class Yardstick(Record):
+    """Another way to predict the same values."""
 
-    Attributes
-    ----------
-    rmse, log_score, crps : float
-        As in `Prediction`.
-    """
-
-    rmse: float
-    log_score: float
-    crps: float
+    rmse: Annotated[float, Entry("as that of the mission", "m", ending=False)]
+    log_score: Annotated[float, Entry("as that of the mission")]
+    crps: Annotated[float, Entry("as that of the mission", "m", ending=False)]
 
 
 @dataclass(frozen=True)
-class Prediction:
+class Gain(Yardstick):
+    """A yardstick with what the mission is better by."""
+
+    skill: Annotated[float, Entry("part of its root mean square error that the mission avoids")]
+    log_score_gain: Annotated[float, Entry("of the mission")]
+    crps_skill: Annotated[float, Entry("part of its CRPS that the mission avoids")]
+
+
+@dataclass(frozen=True)
+class Interval(Record):
+    """A range of shares."""
+
+    low: Annotated[float, Entry("lower end")]
+    high: Annotated[float, Entry("upper end")]
+
+
+@dataclass(frozen=True)
+class Spread(Record):
+    """Mean and standard deviation."""
+
+    mean: Annotated[float, Entry("mean")]
+    sd: Annotated[float, Entry("standard deviation")]
+
+
+@dataclass(frozen=True)
+class Prediction(Record):
     """Predictions of all values of a record, scored.
 
     Attributes
     ----------
-    rmse : float
-        Root mean square error: of a leg in two dimensions, of a reading of the depth [m].
-    log_score : float
-        Mean ln density of a value, greater is better [nats; density per metre].
-    crps : float
-        Mean continuous ranked probability score, less is better [m].
     inside_50, inside_90 : int
         Values inside their central intervals.
     chance_90 : tuple of float
@@ -53,9 +67,11 @@ class Prediction:
         By name.
     """
 
-    rmse: float
-    log_score: float
-    crps: float
+    rmse: Annotated[
+        float, Entry("root mean square error: of a leg in two dimensions, of a reading of the depth", "m", ending=False)
+    ]
+    log_score: Annotated[float, Entry("mean ln density of a value, greater is better [nats; density per metre]")]
+    crps: Annotated[float, Entry("mean continuous ranked probability score, less is better", "m", ending=False)]
     inside_50: int
     inside_90: int
     chance_90: tuple[float, float]
@@ -71,7 +87,7 @@ class Prediction:
         return self.inside_90 / len(self.z)
 
     @property
-    def is_within_chance(self) -> bool:
+    def is_within_chance(self) -> Annotated[bool, Entry(key="within_chance")]:
         """Whether the coverage of the 90 % intervals is one that chance allows."""
         return self.chance_90[0] <= self.coverage_90 <= self.chance_90[1]
 
@@ -80,30 +96,44 @@ class Prediction:
         other = self.yardsticks[yardstick].rmse
         return 1.0 - self.rmse / other if other > 0.0 else 0.0
 
-    def summary(self, uses: str) -> dict[str, object]:
-        """Return the entry of ``predictions``."""
+    @property
+    def share_inside_50(self) -> Annotated[Probability, Entry(key="coverage_50")]:
+        """Share of values inside their 50 % intervals."""
+        return _share(self.inside_50, len(self.z))
+
+    @property
+    def share_inside_90(self) -> Annotated[Probability, Entry(key="coverage_90")]:
+        """Share of values inside their 90 % intervals."""
+        return _share(self.inside_90, len(self.z))
+
+    @property
+    def chance(self) -> Annotated[Interval, Entry(key="chance_90")]:
+        """Coverages of the 90 % intervals that chance allows, were the mission true."""
+        return Interval(*self.chance_90)
+
+    @property
+    def spread(self) -> Annotated[Spread, Entry(key="z")]:
+        """Of errors over their standard deviations."""
+        return Spread(float(np.mean(self.z)), float(np.std(self.z)))
+
+    @property
+    def pit_histogram(self) -> Annotated[list[int], Entry()]:
+        """Values in each of the equal bins of their probability integral transforms."""
+        return [int(count) for count in pit_counts(self.pit)]
+
+    @property
+    def gains(self) -> Annotated[dict[str, Gain], Entry(key="yardsticks")]:
+        """Other ways to predict the same values, with what the mission is better by."""
         return {
-            "uses": uses,
-            "rmse": self.rmse,
-            "log_score": self.log_score,
-            "crps": self.crps,
-            "coverage_50": _probability(self.inside_50, len(self.z)),
-            "coverage_90": _probability(self.inside_90, len(self.z)),
-            "chance_90": {"low": self.chance_90[0], "high": self.chance_90[1]},
-            "within_chance": self.is_within_chance,
-            "z": {"mean": float(np.mean(self.z)), "sd": float(np.std(self.z))},
-            "pit_histogram": pit_counts(self.pit).tolist(),
-            "yardsticks": {
-                name: {
-                    "rmse": each.rmse,
-                    "log_score": each.log_score,
-                    "crps": each.crps,
-                    "skill": self.skill(name),
-                    "log_score_gain": self.log_score - each.log_score,
-                    "crps_skill": 1.0 - self.crps / each.crps if each.crps > 0.0 else 0.0,
-                }
-                for name, each in self.yardsticks.items()
-            },
+            name: Gain(
+                each.rmse,
+                each.log_score,
+                each.crps,
+                skill=self.skill(name),
+                log_score_gain=self.log_score - each.log_score,
+                crps_skill=1.0 - self.crps / each.crps if each.crps > 0.0 else 0.0,
+            )
+            for name, each in self.yardsticks.items()
         }
 
 
@@ -112,9 +142,9 @@ def pit_counts(pit: Array) -> Array:
     return np.asarray(np.histogram(pit, bins=PIT_BINS, range=(0.0, 1.0))[0])
 
 
-def _probability(inside: int, count: int) -> dict[str, float]:
+def _share(inside: int, count: int) -> Probability:
     interval = wilson(inside, count)
-    return {"value": inside / count, "low": interval.low, "high": interval.high}
+    return Probability(inside / count, interval.low, interval.high)
 
 
 USES = {
@@ -125,38 +155,53 @@ USES = {
 
 
 @dataclass(frozen=True)
-class DatasetScore:
+class DatasetScore(Record):
     """How one data set was predicted.
 
     Attributes
     ----------
-    name, kind : str
-        Of the data set.
-    groups : int
-        Legs or dives.
     labels, places : array, shape (v,)
         Group of each value, and which of its values it is: ``east``, ``north``, or the time [s].
     measured : array, shape (v,)
         Position error of a leg, or depth [m].
     one_step, whole : Prediction
-    effective : float
-        Effective number of draws of the sizes of random errors at the end of the record.
     notices : tuple of str
-    learned : int
-        Legs or dives from which the mission has learned: to it they are no data held out.
     """
 
-    name: str
-    kind: str
-    groups: int
+    name: Annotated[str, Entry("of the data set")]
+    kind: Annotated[str, Entry("of the data set")]
+    groups: Annotated[int, Entry("legs or dives")]
     labels: Array
     places: Array
     measured: Array
     one_step: Prediction
     whole: Prediction
-    effective: float
+    effective: Annotated[
+        float,
+        Entry(
+            "effective number of draws of the sizes of random errors at the end of the record", key="effective_draws"
+        ),
+    ]
     notices: tuple[str, ...] = ()
-    learned: int = 0
+    learned: Annotated[
+        int,
+        Entry("legs or dives from which the mission has learned: to it they are no data held out", key="learned_from"),
+    ] = 0
+
+    @property
+    def unit(self) -> Annotated[str, Entry()]:
+        """Unit of the errors."""
+        return "m"
+
+    @property
+    def values(self) -> Annotated[int, Entry()]:
+        """Number of values."""
+        return len(self.measured)
+
+    @property
+    def stated_predictions(self) -> Annotated[dict[str, dict[str, object]], Entry(key="predictions")]:
+        """Both predictions by name, and what each ``uses`` of the record."""
+        return {name: {"uses": USES[name], **each.summary()} for name, each in self.predictions.items()}
 
     @property
     def predictions(self) -> dict[str, Prediction]:
@@ -164,23 +209,9 @@ class DatasetScore:
         return {"one_step": self.one_step, "whole": self.whole}
 
     @property
-    def is_within_chance(self) -> bool:
+    def is_within_chance(self) -> Annotated[bool, Entry(key="within_chance")]:
         """Whether both coverages are ones that chance allows."""
         return all(prediction.is_within_chance for prediction in self.predictions.values())
-
-    def summary(self) -> dict[str, object]:
-        """Return the entry of ``datasets``."""
-        return {
-            "name": self.name,
-            "kind": self.kind,
-            "unit": "m",
-            "groups": self.groups,
-            "learned_from": self.learned,
-            "values": len(self.measured),
-            "within_chance": self.is_within_chance,
-            "effective_draws": self.effective,
-            "predictions": {name: each.summary(USES[name]) for name, each in self.predictions.items()},
-        }
 
     def residuals(self) -> pd.DataFrame:
         """One row a value."""
@@ -203,36 +234,21 @@ class DatasetScore:
 
 @dataclass(frozen=True)
 class Score(Result):
-    """How well a mission as it stands predicts data sets.
-
-    Attributes
-    ----------
-    provenance : Provenance
-    datasets : tuple of DatasetScore
-    """
+    """How well a mission as it stands predicts data sets."""
 
     report: ClassVar[str] = "missionplan.report.scoring"
 
     provenance: Provenance
-    datasets: tuple[DatasetScore, ...]
+    datasets: Annotated[tuple[DatasetScore, ...], Entry("in the order given")]
 
     @property
-    def is_within_chance(self) -> bool:
+    def is_within_chance(self) -> Annotated[bool, Entry(key="within_chance")]:
         """Whether the coverage of the 90 % intervals is one that chance allows on every data set."""
         return all(each.is_within_chance for each in self.datasets)
 
     def score(self) -> dict[str, object]:
         """Return the dictionary of ``score.json``."""
-        return {
-            "command": "score",
-            "mission": self.provenance.mission,
-            "within_chance": self.is_within_chance,
-            "datasets": [each.summary() for each in self.datasets],
-        }
-
-    def summary(self) -> dict[str, object]:
-        """Return the dictionary of ``summary.json``."""
-        return {**self.provenance.summary(), **self.score()}
+        return {"command": "score", "mission": self.provenance.mission, **summary_of(self)}
 
     def to_frame(self) -> pd.DataFrame:
         """One row a data set and prediction."""

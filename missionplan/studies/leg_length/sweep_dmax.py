@@ -234,7 +234,13 @@ def _curve(scenario: SweepScenario, index: int, sampled: CellTotals | None, anal
     points = [_point(scenario, number, costs, analytic) for number in range(len(costs.cost))]
     table = points[-1] if scenario.table is not None else None
     return SweepCurve(
-        scenario.sigma(index), tuple(points[:grid]), costs.best, points[grid], table, scenario.required_arrival
+        sigma=scenario.sigma(index),
+        points=tuple(points[:grid]),
+        best_index=costs.best,
+        one_leg=points[grid],
+        table=table,
+        required_arrival=scenario.required_arrival,
+        nominal_time=scenario.distance / scenario.speed,
     )
 
 

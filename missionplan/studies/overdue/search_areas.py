@@ -103,7 +103,7 @@ def search_areas(clouds: list[Cloud], drift: FloatingVehicle, worry: float, reac
             overdue = 3600.0 * hours
             places = drift.carried(cloud, worry + overdue) if moves else cloud.position
             centre, axes, line = circle_of(places, reach) if cloud.way == "not released" else ellipse_of(places)
-            yield SearchArea(cloud.way, overdue, line, centre, *axes, trials=places.shape[1], assumed=cloud.assumed)
+            yield SearchArea(cloud.way, overdue, line, *centre, *axes, trials=places.shape[1], assumed=cloud.assumed)
 
 
 def circle_of(points: Array, more: float) -> tuple[tuple[float, float], tuple[float, float], Array]:

@@ -1,6 +1,7 @@
 """`schema`: the JSON schema of a kind of file, from the models that read it."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
+from functools import partial
 from typing import Literal, get_args
 
 from pydantic import BaseModel
@@ -17,9 +18,10 @@ from missionplan.mission.schema.section import IDENTITY
 from missionplan.mission.schema.vehicle import Vehicle
 from missionplan.studies.schemas.effects import effects
 from missionplan.studies.schemas.sections import TEXT_OR_NUMBER, Sections
+from missionplan.studies.schemas.summaries import summaries
 from missionplan.studies.schemas.values import Schema
 
-Kind = Literal["mission", "vehicle", "dataset"]
+Kind = Literal["mission", "vehicle", "dataset", "summary"]
 KINDS: tuple[Kind, ...] = get_args(Kind)
 _DRAFT = "http://json-schema.org/draft-07/schema#"
 _FORMATS: tuple[DatasetFormat, ...] = (  # type: ignore[type-arg]
@@ -54,7 +56,7 @@ def schema(kind: Kind) -> dict[str, object]:
 
     Parameters
     ----------
-    kind : {'mission', 'vehicle', 'dataset'}
+    kind : {'mission', 'vehicle', 'dataset', 'summary'}
 
     Raises
     ------
@@ -65,7 +67,7 @@ def schema(kind: Kind) -> dict[str, object]:
         message = f"given {shown(kind)}, expected one of {', '.join(KINDS)}"
         raise InputError([Problem(message, key="kind", hint=did_you_mean(str(kind), KINDS))])
     head: Schema = {"$schema": _DRAFT, "title": f"missionplan {kind} file"}
-    return {**head, **(_of_datasets() if kind == "dataset" else _of_model(Mission if kind == "mission" else Vehicle))}
+    return {**head, **_WRITTEN[kind]()}
 
 
 def _of_model(model: type[BaseModel]) -> Schema:
@@ -96,3 +98,11 @@ def _of_datasets() -> Schema:
         "allOf": kinds,
         "definitions": sections.definitions,
     }
+
+
+_WRITTEN: Mapping[Kind, Callable[[], Schema]] = {
+    "mission": partial(_of_model, Mission),
+    "vehicle": partial(_of_model, Vehicle),
+    "dataset": _of_datasets,
+    "summary": summaries,
+}

@@ -82,7 +82,7 @@ def test_a_deadline_that_binds_says_what_a_later_one_would_buy(found):
 
 
 def test_a_requirement_that_rules_out_what_costs_less_is_named_where_one_percent_saves_nothing(found):
-    quantity, saved, values = found.ruled_out
+    quantity, saved, values = found.ruled_out.quantity, found.ruled_out.saves, found.ruled_out.values
     assert quantity == "total.duration", "slower would cost less"
     slower = Mission.from_data(with_values(transit().raw, values))
     energy = missionplan.simulate(slower).total.quantities["energy_wh"].mean
@@ -152,7 +152,7 @@ def test_a_search_that_was_cut_short_is_resumed_to_the_same_numbers(mission, tmp
     resumed = missionplan.optimise(mission, **kept, resume=True)
     whole = missionplan.optimise(mission, choose=CHOOSE[:1], trials=400)
     assert resumed.tried == whole.tried
-    assert resumed.checked.total.quantities_and_events() == whole.checked.total.quantities_and_events()
+    assert resumed.checked.total.summary() == whole.checked.total.summary()
     assert resumed.relaxations == whole.relaxations
     assert resumed.search_trials == whole.search_trials
     assert {path: path.stat().st_mtime_ns for path in finished} == finished  # none was run again

@@ -1,0 +1,148 @@
+"""JSON schema of `summary.json`: the entries that the fields of each result state, command by command."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, is_dataclass
+from types import NoneType, UnionType
+from typing import Annotated, Any, Literal, Union, get_args, get_origin, get_type_hints
+
+from missionplan.montecarlo.statistics import Probability, Statistic
+from missionplan.results.base import SCHEMA, Provenance, Result
+from missionplan.results.choosing.alternatives import Alternatives
+from missionplan.results.choosing.exploration import Exploration
+from missionplan.results.choosing.optimisation import Optimised
+from missionplan.results.comparison import Comparison
+from missionplan.results.entries import Record, StatedField, stated
+from missionplan.results.imported import ImportedData
+from missionplan.results.learned.diagnosis import Diagnosis
+from missionplan.results.learned.identification import Identification
+from missionplan.results.leg_length.legs import LegPlan
+from missionplan.results.leg_length.sweep import Sweep
+from missionplan.results.log_book.campaign import Campaign
+from missionplan.results.log_book.history import History
+from missionplan.results.log_book.score import Score
+from missionplan.results.mooring.sizing import AnchorSizing
+from missionplan.results.rare_failure import RareFailure
+from missionplan.results.simulation import Outcome
+from missionplan.results.tide import TideResult
+from missionplan.results.transition import TransitionSweep
+from missionplan.studies.schemas.values import Schema
+
+_RESULTS: Mapping[str, tuple[type[Result], ...]] = {
+    "compare": (Comparison, Alternatives),
+    "diagnose": (Diagnosis, Campaign),
+    "explore": (Exploration,),
+    "history": (History,),
+    "identify": (Identification,),
+    "import": (ImportedData,),
+    "optimise": (Optimised,),
+    "plan-legs": (LegPlan,),
+    "score": (Score,),
+    "simulate": (Outcome, RareFailure),
+    "size-anchor": (AnchorSizing,),
+    "sweep-dmax": (Sweep,),
+    "sweep-transition": (TransitionSweep,),
+    "tide": (TideResult,),
+}
+"""What each command may answer with."""
+_NUMBER: Schema = {"type": ["number", "null"]}
+_PLAIN: Mapping[object, Schema] = {
+    str: {"type": "string"},
+    int: {"type": "integer"},
+    float: _NUMBER,
+    bool: {"type": "boolean"},
+    NoneType: {"type": "null"},
+}
+_OF_TRIALS: Mapping[type, tuple[str, ...]] = {
+    Statistic: ("mean", "sd", "p05", "p50", "p95", "standard_error"),
+    Probability: ("value", "low", "high"),
+}
+
+
+@dataclass
+class _Records:
+    """Definitions of records by name, as they are met."""
+
+    definitions: dict[str, Schema] = field(default_factory=dict)
+
+    def of(self, kind: type[Any], parts: tuple[str, ...] = ()) -> Schema:
+        """Return a reference to a record, which is defined where it is not yet; or some of its entries."""
+        if parts:
+            whole = self.written(kind)
+            required = [key for key in parts if key in whole["required"]]
+            return _object({key: whole["properties"][key] for key in parts}, required)
+        name = kind.__name__
+        if name not in self.definitions:
+            self.definitions[name] = {}  # records may hold themselves
+            self.definitions[name] = self.written(kind)
+        return {"$ref": f"#/definitions/{name}"}
+
+    def written(self, kind: type[Any]) -> dict[str, Any]:
+        """Write a record out; one that makes its summary otherwise is left open."""
+        if kind in _OF_TRIALS:
+            return _object(dict.fromkeys(_OF_TRIALS[kind], _NUMBER))
+        if not issubclass(kind, Record):
+            hints = {} if hasattr(kind, "summary") else get_type_hints(kind)
+            return _object({name: self._value(hint) for name, hint in hints.items()}) if hints else {"type": "object"}
+        top = self.written(Provenance) if issubclass(kind, Result) else _object({})
+        for item in stated(kind):  # type: ignore[arg-type]  # a class is hashable
+            self._put(top, item)
+        return top if kind.summary in (Record.summary, Result.summary) else {**top, "additionalProperties": True}
+
+    def _put(self, top: dict[str, Any], item: StatedField) -> None:
+        group, entry = top, item.entry
+        for name in item.groups:
+            group = group["properties"].setdefault(name, _object({}))
+        schema = self._value(item.kind, entry.parts)
+        before = group["properties"].get(item.key)
+        if before and "properties" in schema:  # other entries stand in this one
+            schema = _object(before["properties"] | schema["properties"], before["required"] + schema["required"])
+        unit = {"unit": entry.unit} if entry.unit else {}
+        if "$ref" in schema:  # beside a reference nothing counts
+            schema = {"allOf": [schema]}
+        group["properties"][item.key] = {"description": entry.meaning, **unit, **schema}
+        if not entry.optional and not entry.when:
+            group["required"].append(item.key)
+
+    def _value(self, annotation: object, parts: tuple[str, ...] = ()) -> Schema:
+        origin, arguments = get_origin(annotation), get_args(annotation)
+        if origin is Annotated:
+            return self._value(arguments[0], parts)
+        if origin in (Union, UnionType):
+            return {"anyOf": [self._value(each, parts) for each in arguments]}
+        if origin is Literal:
+            return {"enum": list(arguments)}
+        if origin in (tuple, list):
+            return {"type": "array", "items": self._value(arguments[0], parts)}
+        if isinstance(origin, type) and issubclass(origin, Mapping):
+            return {"type": "object", "additionalProperties": self._value(arguments[1], parts)}
+        if isinstance(annotation, type) and is_dataclass(annotation):
+            return self.of(annotation, parts)
+        return dict(_PLAIN.get(annotation, {}))
+
+
+def _object(properties: Mapping[str, Schema], required: Sequence[str] | None = None) -> dict[str, Any]:
+    return {
+        "type": "object",
+        "properties": dict(properties),
+        "required": list(properties if required is None else required),
+        "additionalProperties": False,
+    }
+
+
+def summaries() -> Schema:
+    """Return the schema of the summaries of all commands."""
+    records = _Records()
+    answers = {
+        command: {"anyOf": [records.of(kind) for kind in kinds]} if len(kinds) > 1 else records.of(kinds[0])
+        for command, kinds in _RESULTS.items()
+    }
+    return {
+        "type": "object",
+        "properties": {"schema": {"const": SCHEMA}, "command": {"enum": list(_RESULTS)}},
+        "required": ["schema", "command"],
+        "allOf": [
+            {"if": {"properties": {"command": {"const": command}}}, "then": answer}
+            for command, answer in answers.items()
+        ],
+        "definitions": records.definitions,
+    }
