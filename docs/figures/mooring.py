@@ -13,7 +13,7 @@ from missionplan.physics.line_materials import LINE_MATERIALS
 from missionplan.physics.line_statics import held_pose
 from missionplan.report.held_vehicle import hold_figure
 from missionplan.report.page import Figure, style, to_figure
-from missionplan.scenario.anchor_weight import wet_weight_of
+from missionplan.scenario.anchors import wet_weight_of
 from missionplan.scenario.held_vehicle import held_body
 from missionplan.scenario.scenario import Scenario
 from missionplan.studies.held_vehicle import held_vehicle

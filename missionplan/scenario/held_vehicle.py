@@ -11,12 +11,13 @@ from missionplan.physics.held_body import CROSSFLOW_COEFFICIENT, HeldBody
 from missionplan.physics.held_line import Float, HeldLine, line_drag_factor
 from missionplan.physics.line_materials import LINE_MATERIALS
 from missionplan.physics.seafloor import FRICTION, ROUGHNESS, LyingAnchor, Slope
-from missionplan.scenario.anchor_weight import anchor_length
+from missionplan.scenario.anchors import anchor_length, laden
 from missionplan.scenario.scenario import Scenario
 
 
 def hold_of(scenario: Scenario, phase: MoorPhase[Scalars], weight: Scalars) -> Hold:
     """Return the vehicle on its line, above an anchor of a wet weight [N]."""
+    scenario = laden(scenario, phase)
     anchor, site = scenario.mooring.anchor, scenario.mooring.site
     return Hold(
         body=held_body(scenario),

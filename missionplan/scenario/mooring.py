@@ -13,7 +13,7 @@ from missionplan.physics.buoyancy import STANDARD_GRAVITY
 from missionplan.physics.seafloor import lateral_coefficient
 from missionplan.physics.snatch import LineSpring, PitchingBody, mass_at_nose
 from missionplan.physics.vehicle_drag import anchor_drag
-from missionplan.scenario.anchor_weight import anchor_flooded_mass, anchor_length, wet_weight_of
+from missionplan.scenario.anchors import anchor_flooded_mass, anchor_length, laden, wet_weight_of
 from missionplan.scenario.held_vehicle import crossflow_coefficient, hold_of, line_stiffness, line_strength
 from missionplan.scenario.scenario import Scenario
 from missionplan.scenario.vehicle import surge_added_mass, sway_added_mass
@@ -41,11 +41,11 @@ def dive_of(scenario: Scenario, phase: MoorPhase[Scalars], weight: Scalars | Non
 
     An anchor that the mission describes by its construction is built once, from the means of its parts.
     """
-    water, drag, needed = scenario.water, scenario.vehicle_drag, scenario.mooring
-    vehicle, anchor = needed.vehicle, needed.anchor
     if weight is None:
         weight = wet_weight_of(scenario, phase)
-    anchor_mass = anchor_flooded_mass(scenario, weight)
+    scenario, anchor_mass = laden(scenario, phase), anchor_flooded_mass(scenario, weight)
+    water, drag, needed = scenario.water, scenario.vehicle_drag, scenario.mooring
+    vehicle, anchor = needed.vehicle, needed.anchor
     return Dive(
         wet_weight=weight,
         anchor_mass=anchor_mass,
@@ -119,9 +119,12 @@ def _tied(scenario: Scenario, weight: Scalars, anchor_mass: Scalars) -> TiedBodi
     )
 
 
-def is_too_shallow(scenario: Scenario, dive: Dive) -> NDArray[np.bool_]:
-    """Whether the anchor lies on the seafloor before line and vehicle are under water, shape broadcasting to (n,)."""
-    return np.atleast_1d(dive.line_length + scenario.mooring.vehicle.hull.length >= dive.site_depth)
+def is_too_shallow(dive: Dive, length: Scalars) -> NDArray[np.bool_]:
+    """Whether the anchor lies on the seafloor before line and vehicle, of a length [m], are under water.
+
+    Of a shape that broadcasts to (n,).
+    """
+    return np.atleast_1d(dive.line_length + length >= dive.site_depth)
 
 
 def start_of(scenario: Scenario, phase: MoorPhase[Scalars]) -> tuple[Array, float]:

@@ -20,7 +20,7 @@ from missionplan.phases.transit.kalman_filter import DriftFilter
 from missionplan.phases.transit.leg_table import LegTable
 from missionplan.phases.transit.plan import Environment, TransitPlan
 from missionplan.physics.energy import propulsive_power
-from missionplan.scenario.carried_anchor import carried_anchor
+from missionplan.scenario.anchors import carried_anchors
 from missionplan.scenario.currents.drawn_current import MEMBER, error_statistics, with_error, with_member
 from missionplan.scenario.drawn_mission import DrawnMission
 from missionplan.scenario.drift_model import DriftSample, drift_model
@@ -167,13 +167,13 @@ class Scenario(DrawnMission):
             return propelled.power(speed)
         if self.mission.vehicle is None or self.mission.site is None or self.mission.site.water is None:
             return float("nan")
-        anchor = carried_anchor(self, phase)
+        anchor = carried_anchors(self, phase)
         drag = self.vehicle_drag if anchor is None else anchor.lengthened(self.vehicle_drag)
         return propulsive_power(drag(speed), speed, self.budget.propulsive_efficiency)
 
     def _propelled(self, phase: TransitPhase[Scalars]) -> PropelledVehicle | None:
         """The vehicle with its propeller, as it is on a transit."""
-        anchor = carried_anchor(self, phase) if self.propelled is not None else None
+        anchor = carried_anchors(self, phase) if self.propelled is not None else None
         if self.propelled is None or anchor is None:
             return self.propelled
         return replace(self.propelled, drag=anchor.lengthened(self.vehicle_drag), carried_mass=anchor.mass)

@@ -16,7 +16,7 @@ from missionplan.physics.current_above import LayersAbove
 from missionplan.physics.line_materials import LINE_MATERIALS
 from missionplan.physics.line_statics import held_pose, line_shape
 from missionplan.results.mooring.held_vehicle import HeldState, HeldVehicle
-from missionplan.scenario.anchor_weight import anchor_length, design_current
+from missionplan.scenario.anchors import anchor_length, design_current
 from missionplan.scenario.held_vehicle import hold_of
 from missionplan.scenario.mooring import start_of
 from missionplan.scenario.scenario import STILL_WATER, Scenario

@@ -16,7 +16,7 @@ from missionplan.effects.vertical_current import VerticalCurrent
 from missionplan.mission import load
 from missionplan.phases.currents import layers
 from missionplan.phases.mooring.descent import descend
-from missionplan.scenario.anchor_weight import worst_case_weight
+from missionplan.scenario.anchors import worst_case_weight
 from missionplan.scenario.mooring import dive_of
 from missionplan.scenario.scenario import Scenario
 

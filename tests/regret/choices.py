@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from missionplan.mission import Mission
-from missionplan.scenario.anchor_weight import worst_case_weight
+from missionplan.scenario.anchors import worst_case_weight
 from missionplan.scenario.scenario import Scenario
 from missionplan.studies.anchor.dive_trials import AnchorTrials
 from missionplan.studies.anchor.lightest_anchor import lightest_anchor

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from missionplan import Mission, simulate
-from missionplan.scenario.anchor_weight import worst_case_weight
+from missionplan.scenario.anchors import worst_case_weight
 from missionplan.scenario.scenario import Scenario
 from missionplan.studies.simulation.simulate import simulate_block
 

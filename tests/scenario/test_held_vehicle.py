@@ -11,7 +11,7 @@ from missionplan.errors import InputError
 from missionplan.mission import Mission
 from missionplan.physics.held_body import CROSSFLOW_COEFFICIENT
 from missionplan.physics.seafloor import FRICTION, ROUGHNESS
-from missionplan.scenario.anchor_weight import anchor_length
+from missionplan.scenario.anchors import anchor_length
 from missionplan.scenario.held_vehicle import held_body, hold_of
 from missionplan.scenario.mooring import moor_plan
 from missionplan.scenario.scenario import Scenario
@@ -30,7 +30,8 @@ def changed(file="chesapeake.yaml", *, vehicle=None, anchor=None, moor=None, sit
     data["vehicle"] |= vehicle or {}
     data["vehicle"]["anchor"] |= anchor or {}
     data["site"] |= site or {}
-    next(phase["moor"] for phase in data["phases"] if "moor" in phase).update(moor or {})
+    section = next(phase["moor"] for phase in data["phases"] if "moor" in phase)
+    section |= {"line_material": None, "line_diameter": "0 m", **(moor or {})}
     return Mission.from_data(data)
 
 
@@ -62,7 +63,7 @@ def test_what_the_files_give_is_used():
     assert held.body.righting_moment == pytest.approx(-weight * 0.008)
     assert (held.body.crossflow_coefficient, held.anchor.friction) == (0.9, 0.3)
     assert (held.line.drag_factor, held.roughness) == (
-        pytest.approx(0.6 * 0.003 * 1013.9, rel=1e-3),
+        pytest.approx(0.6 * 0.003 * held.body.density),
         pytest.approx(0.006),
     )
     assert held.slope.angle == pytest.approx(np.radians(5.0))

@@ -16,6 +16,7 @@ MISSIONS = Path(__file__).parents[2] / "missions"
 
 def chesapeake(requirements=None, **moor):
     data = copy.deepcopy(dict(missionplan.load(MISSIONS / "chesapeake.yaml").raw))
+    del data["phases"][1]["moor"]["line_material"]
     data["phases"][1]["moor"].update(moor)
     data["requirements"] = requirements or []
     return Mission.from_data(data)

@@ -27,7 +27,8 @@ def stands(file="chesapeake.yaml", weight=11.8, *, recorded=None, requirements=(
     data["requirements"] = list(requirements)
     data["vehicle"] |= vehicle or {}
     data["site"] |= {"slope": slope} if slope else {}
-    next(phase["moor"] for phase in data["phases"] if "moor" in phase).update(moor or {})
+    section = next(phase["moor"] for phase in data["phases"] if "moor" in phase)
+    section |= {"line_material": None, "line_diameter": "0 m", **(moor or {})}
     mission = Mission.from_data(data)
     means = Scenario.at_means(mission, recorded)
     return held_vehicle(means, means.moor(), weight)
@@ -39,6 +40,16 @@ def test_the_independent_estimate_for_both_missions():
     assert (worst.nose_altitude, worst.excursion) == pytest.approx((2.5, 4.4), abs=0.06)
     fast, _ = stands("anchor-design.yaml").states
     assert (fast.nose_altitude, fast.excursion) == pytest.approx((0.6, 5.0), abs=0.06)
+
+
+def test_a_line_of_which_only_the_diameter_is_known_is_told_with_what_polyester_would_change():
+    held = stands(moor={"line_diameter": "4 mm"})
+    assert held.if_polyester == pytest.approx(1.35, abs=0.02)
+    assert "Of polyester, the nose would stand 1.35" in "".join(map(str, hold_section(held).blocks))
+    assert held.summary()["line_weight_assumed"]
+    heavy = stands(moor={"line_diameter": "4 mm", "line_material": "polyester"})
+    assert heavy.if_polyester is None
+    assert heavy.states[1].nose_altitude == pytest.approx(held.if_polyester, abs=1e-3)
 
 
 def test_the_worst_current_is_the_design_current():

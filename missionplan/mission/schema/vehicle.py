@@ -196,6 +196,9 @@ class Vehicle(FileSection, Generic[V]):
     centre_of_gravity: Centre[V] | None = None
     centre_of_buoyancy: Centre[V] | None = None
     anchor: Anchor[V] | None = None
+    anchors: Annotated[
+        int, Field(ge=1, le=100), Doc("anchors aboard at the start, one for each mooring; those left stay on the nose")
+    ] = 1
     energy: EnergyBudget[V] | None = Field(default=None)
     manoeuvring: Manoeuvring[V] | None = None
     drag: MeasuredDrag[V] | None = None

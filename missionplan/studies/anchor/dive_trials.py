@@ -15,6 +15,7 @@ from missionplan.phases.hooks import surface_velocity
 from missionplan.phases.mooring.descent import descend
 from missionplan.phases.mooring.hold import hold_vehicle, lifted
 from missionplan.results.mooring.sized_anchor import DiveProbabilities
+from missionplan.scenario.anchors import laden
 from missionplan.scenario.held_vehicle import hold_of
 from missionplan.scenario.mooring import dive_of, is_too_shallow, start_of
 from missionplan.scenario.scenario import STILL_WATER, Scenario
@@ -127,7 +128,7 @@ def _block(study: AnchorTrials, weight: float, line_length: float | None, block:
         step=STEP,
     )
     fix_error = scenario.fix_error * stream(study.seed, f"{study.phase}.fix", block).standard_normal((2, size))
-    landed = record.touched_down & ~is_too_shallow(scenario, dive)
+    landed = record.touched_down & ~is_too_shallow(dive, laden(scenario, phase).mooring.vehicle.hull.length)
     offset = np.where(landed, np.hypot(*(record.offset - fix_error)), np.nan)
     within = offset <= phase.radius
     struck, holds = record.struck & landed, landed

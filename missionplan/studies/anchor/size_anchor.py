@@ -13,7 +13,7 @@ from missionplan.results.base import Provenance
 from missionplan.results.members import MemberOutcome
 from missionplan.results.mooring.sized_anchor import SizedAnchor
 from missionplan.results.mooring.sizing import AnchorSizing, ExplainedAnchor, ProbableAnchor
-from missionplan.scenario.anchor_weight import worst_case_weight
+from missionplan.scenario.anchors import laden, worst_case_weight
 from missionplan.scenario.currents.members import members_of, trials_of_each, under_each_member
 from missionplan.scenario.scenario import Scenario
 from missionplan.scenario.site_current import recorded_current
@@ -73,6 +73,7 @@ def size_anchor(
         mission, moor.name, recorded, trials, seed, ParallelOptions(jobs, backend, scheduler, progress)
     )
     means = Scenario.at_means(mission, recorded)
+    means = laden(means, means.moor(moor.name))
     sizer = AnchorSizer(means.moor(moor.name), means, dives)
     try:
         weight = worst_case_weight(sizer.means, sizer.moor)
@@ -177,6 +178,6 @@ def worst_case_anchor(mission: Mission) -> float:
     """
     means = Scenario.at_means(mission, recorded_current(mission))
     try:
-        return float(worst_case_weight(means, means.moor()))
+        return float(worst_case_weight(laden(means, means.moor()), means.moor()))
     except ValueError as error:
         raise InputError([Problem(str(error), mission.file, key="vehicle.anchor")]) from error

@@ -14,7 +14,7 @@ from missionplan.physics.mooring import required_terminal_velocity, required_ter
 from missionplan.physics.vehicle_drag import DragBuildUp, QuadraticDrag, anchor_drag, range_notes, terminal_velocity
 from missionplan.results.mooring.sized_anchor import SizedAnchor
 from missionplan.results.mooring.sizing import DesignLayer, ProbableAnchor
-from missionplan.scenario.anchor_weight import anchor_problem, design_current
+from missionplan.scenario.anchors import anchor_problem, design_current
 from missionplan.scenario.mooring import dive_of, start_of
 from missionplan.scenario.scenario import STILL_WATER, Scenario
 from missionplan.studies.anchor.dive_trials import AnchorTrials

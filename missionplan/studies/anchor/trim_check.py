@@ -5,8 +5,7 @@ from missionplan.mission.schema.vehicle import Centre
 from missionplan.physics.anchor import AnchorDesign, wet_centre
 from missionplan.physics.buoyancy import STANDARD_GRAVITY
 from missionplan.physics.trim import TrimState, Weight, trim
-from missionplan.scenario.anchor_weight import anchor_length
-from missionplan.scenario.carried_anchor import overlap_height
+from missionplan.scenario.anchors import anchor_length, overlap_height
 from missionplan.scenario.scenario import Scenario
 
 

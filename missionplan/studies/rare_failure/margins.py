@@ -7,6 +7,7 @@ import numpy as np
 from missionplan.arrays import Array, Scalars
 from missionplan.mission.schema.phases import MoorPhase, Phase, TransitPhase
 from missionplan.physics.energy import JOULES_PER_WATT_HOUR
+from missionplan.scenario.anchors import laden
 from missionplan.scenario.held_vehicle import line_strength
 from missionplan.scenario.scenario import Scenario
 from missionplan.studies.rare_failure.event import RareEvent
@@ -84,6 +85,7 @@ def _of_transit(phase: TransitPhase[Scalars], done: PhaseTrials, scenario: Scena
 
 def _of_mooring(phase: MoorPhase[Scalars], done: PhaseTrials, scenario: Scenario) -> Iterator[tuple[str, Array]]:
     found = done.quantities
+    scenario = laden(scenario, phase)
     above_line = scenario.mooring.depth - phase.line_length
     yield TOO_SHALLOW, _each(above_line - scenario.mooring.vehicle.hull.length, done)
     yield TOO_LIGHT, found["terminal_velocity_m_s"]

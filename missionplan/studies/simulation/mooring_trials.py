@@ -99,7 +99,7 @@ def mooring_trials(
 
 def _prevented(block: TrialBlock, phase: MoorPhase[Scalars], plan: MoorPlan, begun: Flags) -> dict[str, Flags]:
     """Trials in which the dive cannot be, by what prevents it."""
-    prevented = {TOO_SHALLOW: begun & is_too_shallow(block.scenario, plan.dive)}
+    prevented = {TOO_SHALLOW: begun & is_too_shallow(plan.dive, plan.held.body.length)}
     anchor = block.scenario.mooring.anchor
     if anchor.premature_flooding > 0.0:
         normals = block.source.once(f"{phase.name}.premature_flooding")[: begun.size]

@@ -5,7 +5,7 @@ from pathlib import Path
 from missionplan.errors import InputError, Problem
 from missionplan.mission import Mission
 from missionplan.mission.views import TransitionMission, TransitMission
-from missionplan.scenario.anchor_weight import design_current
+from missionplan.scenario.anchors import design_current
 from missionplan.scenario.scenario import Scenario
 from missionplan.scenario.site_current import recorded_current
 from missionplan.studies.leg_length.sweep_scenario import SweepScenario

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from missionplan import Mission
-from missionplan.scenario.anchor_weight import anchor_flooded_mass
+from missionplan.scenario.anchors import anchor_flooded_mass
 from missionplan.scenario.scenario import Scenario
 from missionplan.studies.anchor.dive_trials import AnchorTrials
 

@@ -12,8 +12,7 @@ from missionplan.errors import InputError, RunError
 from missionplan.mission import load
 from missionplan.montecarlo.streams import BLOCK
 from missionplan.phases.mooring import mooring as moored
-from missionplan.scenario.anchor_weight import wet_weight_of
-from missionplan.scenario.carried_anchor import carried_anchor
+from missionplan.scenario.anchors import carried_anchors, wet_weight_of
 from missionplan.scenario.mooring import dive_of
 from missionplan.scenario.scenario import Scenario
 from missionplan.studies.simulation import mooring_trials
@@ -56,7 +55,7 @@ def test_energy_is_hotel_propulsion_and_surfacings(tmp_path):
     mission = chesapeake(tmp_path, {**EXACT, "vehicle.energy.surfacing": "100 J"})
     found = simulate(mission, trials=20)
     scenario = Scenario.at_means(mission)
-    carrying = carried_anchor(scenario, scenario.transit()).lengthened(scenario.vehicle_drag)
+    carrying = carried_anchors(scenario, scenario.transit()).lengthened(scenario.vehicle_drag)
     for name, drag in (("ingress", carrying), ("egress", scenario.vehicle_drag)):
         phase, propulsion = means(found, name), float(drag(1.5)) * 1.5 / 0.45
         joules = 8.0 * phase["duration_s"] + propulsion * phase["distance_m"] / 1.5 + 100.0 * phase["surfacings"]

@@ -57,6 +57,7 @@ def check_relations(
             asked = (*_cover(phase, depth, vehicle), *_weightless(phase))
             notices += [notice.within(phase_path(index, phase)) for notice in asked]
         problems += [problem.within(phase_path(index, phase)) for problem in found]
+    problems += _anchors(phases, vehicle)
     problems += _way(phases, site, navigation)
     problems += _layers(site, depth)
     if vehicle is not None:
@@ -98,6 +99,18 @@ def _mooring(phase: MoorPhase, depth: float, vehicle: Vehicle | None) -> Iterato
     if flooded is not None and weight > (most := float(wet_weight(mean_of(flooded), LEAD_DENSITY, _FRESH_WATER))):
         message = f"{weight:.4g} N is more than vehicle.anchor.flooded_mass, {mean_of(flooded):.4g} kg, weighs in water"
         yield LocalProblem(("anchor_wet_weight",), message, f"of lead it would weigh {most:.3g} N")
+
+
+def _anchors(phases: Sequence[Phase], vehicle: Vehicle | None) -> Iterator[LocalProblem]:
+    """Refuse moorings for which no anchor is left."""
+    moors = [(index, phase) for index, phase in enumerate(phases) if isinstance(phase, MoorPhase)]
+    if vehicle is not None and len(moors) > vehicle.anchors:
+        index, phase = moors[vehicle.anchors]
+        message = (
+            f"no anchor is left for {phase.name}: {len(moors)} moorings take as many anchors, and vehicle.anchors is "
+            f"{vehicle.anchors}"
+        )
+        yield LocalProblem(phase_path(index, phase), message, f"anchors: {len(moors)} in the vehicle file")
 
 
 def _line(phase: MoorPhase, length: float) -> Iterator[LocalProblem]:

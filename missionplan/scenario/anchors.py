@@ -1,18 +1,118 @@
-"""The anchor of a mooring: its wet weight for the worst current, and its mass once it is built and flooded."""
+"""The anchors of a mission: wet weight for the worst current, mass once built and flooded, and those still aboard.
+
+The vehicle carries its anchors one before the other on its nose, the next to be moored foremost, sealed and neutral
+(Briggs et al., Eq. 17). Each stays aboard until its own mooring.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import TypeVar
 
 import numpy as np
 
 from missionplan.arrays import Array, Scalars
 from missionplan.errors import InputError, Problem
-from missionplan.mission.schema.phases import MoorPhase
-from missionplan.mission.views import MooringMission, required
+from missionplan.mission.schema.phases import MoorPhase, TransitPhase
+from missionplan.mission.schema.vehicle import Centre, Vehicle
+from missionplan.mission.views import MooringMission, missing_for_moorings, required
 from missionplan.montecarlo.distributions import mean_of, sd_of
 from missionplan.phases.mooring.forces import DescentHooks, SteadyDescent
-from missionplan.physics.anchor import AnchorProblem, Construction, Part, cylinder_and_trim, dry_mass
+from missionplan.physics.anchor import AnchorProblem, Construction, Part, cap_height, cylinder_and_trim, dry_mass
 from missionplan.physics.buoyancy import STANDARD_GRAVITY, flooded_mass, lead_mass
+from missionplan.physics.measured_drag import MeasuredVehicleDrag
 from missionplan.physics.mooring import layer_thicknesses, required_terminal_velocity
-from missionplan.physics.vehicle_drag import anchor_drag
+from missionplan.physics.vehicle_drag import VehicleDrag, anchor_drag
 from missionplan.scenario.drawn_mission import DrawnMission
+
+_Drawn = TypeVar("_Drawn", bound=DrawnMission)
+
+
+@dataclass(frozen=True)
+class CarriedAnchors:
+    """What the anchors that are attached, sealed and neutral add to the vehicle.
+
+    Attributes
+    ----------
+    length : float or array, shape (n,)
+        By which they lengthen the hull [m].
+    mass : float or array, shape (n,)
+        Dry [kg].
+    """
+
+    length: Scalars
+    mass: Scalars
+
+    def lengthened(self, drag: VehicleDrag) -> VehicleDrag:
+        """Drag of the vehicle with the anchors on its nose; one that was measured in a tank stays as it is."""
+        if isinstance(drag, MeasuredVehicleDrag):
+            return drag
+        return replace(drag, hull=replace(drag.hull, length=drag.hull.length + self.length))
+
+
+def carried_anchors(drawn: DrawnMission, phase: TransitPhase[Scalars] | MoorPhase[Scalars]) -> CarriedAnchors | None:
+    """Return the anchors that stay aboard in a phase, a mooring's own not among them.
+
+    None where there are none left, or the mission does not give its anchor.
+    """
+    moors = _aboard(drawn, phase)
+    if not moors or missing_for_moorings(drawn.mission):
+        return None
+    overlap = overlap_height(drawn.means)
+    length: Scalars = 0.0
+    mass: Scalars = 0.0
+    try:
+        for moor in moors:
+            weight = wet_weight_of(drawn, moor)
+            length = length + np.maximum(anchor_length(drawn, weight) - overlap, 0.0)
+            dry = anchor_flooded_mass(drawn, weight) - weight / STANDARD_GRAVITY
+            mass = mass + np.maximum(dry, 0.0)
+    except (InputError, ValueError):
+        return None  # said by who sizes the anchor: a study of the transits alone needs none
+    return CarriedAnchors(length, mass)
+
+
+def _aboard(drawn: DrawnMission, phase: TransitPhase[Scalars] | MoorPhase[Scalars]) -> Sequence[MoorPhase[Scalars]]:
+    """The moorings of the anchors that are aboard in a phase; one more than the mission moors is as the last."""
+    moors, vehicle = drawn.drawn.moors, drawn.drawn.vehicle
+    names = [other.name for other in drawn.mission.phases]
+    if not moors or vehicle is None or phase.name not in names:
+        return ()
+    until = names.index(phase.name) + isinstance(phase, MoorPhase)
+    gone = sum(isinstance(other, MoorPhase) for other in drawn.mission.phases[:until])
+    left = max(vehicle.anchors - gone, 0)
+    return (*moors[gone:], *[moors[-1]] * vehicle.anchors)[:left]
+
+
+def laden(drawn: _Drawn, phase: TransitPhase[Scalars] | MoorPhase[Scalars]) -> _Drawn:
+    """Return the mission with the vehicle of a phase: longer and heavier by the anchors that it keeps aboard."""
+    carried, vehicle = carried_anchors(drawn, phase), drawn.drawn.vehicle
+    if carried is None or vehicle is None or vehicle.mass is None:
+        return drawn
+    hull = vehicle.hull.model_copy(update={"length": vehicle.hull.length + carried.length})
+    changed = {"hull": hull, "mass": vehicle.mass + carried.mass, **_centres(vehicle, vehicle.mass, carried)}
+    changed |= {"anchors": 0}  # they are a part of it now
+    return replace(drawn, drawn=drawn.drawn.model_copy(update={"vehicle": vehicle.model_copy(update=changed)}))
+
+
+def _centres(vehicle: Vehicle[Scalars], mass: Scalars, carried: CarriedAnchors) -> dict[str, Centre[Scalars]]:
+    """Centres of gravity and of buoyancy from the foremost anchor's tip, where the file gives them."""
+    if vehicle.centres is None:
+        return {}
+    found = {}
+    own = (mass, mass + vehicle.net_buoyancy / STANDARD_GRAVITY)
+    for key, centre, weight in zip(("centre_of_gravity", "centre_of_buoyancy"), vehicle.centres, own, strict=True):
+        total = weight + carried.mass
+        moment = weight * (centre.from_nose + carried.length) + carried.mass * 0.5 * carried.length
+        found[key] = centre.model_copy(
+            update={"from_nose": moment / total, "below_axis": centre.below_axis * weight / total}
+        )
+    return found
+
+
+def overlap_height(means: DrawnMission) -> float:
+    """How far the vehicle's nose reaches into the anchor [m]."""
+    needed = means.mooring
+    return cap_height(float(needed.anchor.overlap_volume), float(needed.vehicle.hull.diameter) / 2.0)
 
 
 def design_current(means: DrawnMission, phase: MoorPhase[Scalars]) -> tuple[Array, Array]:
@@ -94,7 +194,8 @@ def wet_weight_of(drawn: DrawnMission, phase: MoorPhase[Scalars]) -> Scalars:
     given = phase.anchor_wet_weight
     if not isinstance(given, str):
         return given
-    return worst_case_weight(drawn.means, drawn.means.moor(phase.name))
+    means = drawn.means
+    return worst_case_weight(laden(means, phase), means.moor(phase.name))
 
 
 def anchor_problem(means: DrawnMission) -> AnchorProblem:
