@@ -235,6 +235,9 @@ def _simulate(made: _Made, **extra: Any) -> "Result":
     from missionplan.studies.simulation.simulate import simulate
 
     options = made.options
+    if options.get("searched"):
+        message = "was made with --searched, whose file a report does not keep: run simulate with it again"
+        raise InputError([Problem(message, str(made.folder))])
     if options.get("rare"):
         chosen = {"event": options["rare"], "trials": options.get("trials"), "precision": options.get("precision")}
         return find_rare_failure(made.mission(), **chosen, **made.seeded)

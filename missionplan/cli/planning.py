@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from enum import StrEnum
+from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
@@ -11,8 +12,6 @@ from missionplan.cli.resuming import run_resumable
 from missionplan.cli.running import Progress, run_study
 
 if TYPE_CHECKING:
-    from pathlib import Path
-
     from missionplan.mission import Mission
     from missionplan.results.base import Result
     from missionplan.results.simulation import Outcome
@@ -138,6 +137,15 @@ _Precision = Annotated[
 ]
 _Resume = Annotated[bool, typer.Option("--resume", help="Go on with the finished blocks of a run cut short.")]
 _KeepTrials = Annotated[bool, typer.Option("--keep-trials", help="Write trials.parquet, one row per trial.")]
+_Searched = Annotated[
+    Path | None,
+    typer.Option(
+        metavar="GEOJSON",
+        help="Areas that were searched in vain: polygons with the properties probability_of_detection and time. The "
+        "search areas are those of what is left.",
+        show_default=False,
+    ),
+]
 
 
 _Rare = Annotated[
@@ -173,12 +181,13 @@ def simulate(
     precision: _Precision = None,
     resume: _Resume = False,
     keep_trials: _KeepTrials = False,
+    searched: _Searched = None,
     output: o.OutputOptions,
     allow_outside: o.AllowOutside = False,
 ) -> None:
     """Simulate the whole mission: will it work, how long will it take, how much energy, and what makes it fail."""
     if rare is not None:
-        _refuse_with_rare(resume=resume, keep_trials=keep_trials)
+        _refuse_with_rare(resume=resume, keep_trials=keep_trials, searched=searched is not None)
 
         def study(loaded: "Mission", progress: Progress) -> "Result":
             from missionplan.studies.rare_failure.find_rare_failure import find_rare_failure
@@ -197,6 +206,7 @@ def simulate(
             checkpoint=kept,
             resume=resume,
             keep_trials=keep_trials,
+            searched=searched,
             progress=progress,
             **run.arguments(),
         )
@@ -208,11 +218,11 @@ def simulate(
         raise typer.Exit(REQUIREMENT_NOT_MET)
 
 
-def _refuse_with_rare(*, resume: bool, keep_trials: bool) -> None:
+def _refuse_with_rare(*, resume: bool, keep_trials: bool, searched: bool) -> None:
     """Refuse options of the plain simulation that a search for a rare failure does not have."""
     from missionplan.errors import InputError, Problem
 
-    given = {"resume": resume, "keep_trials": keep_trials}
+    given = {"resume": resume, "keep_trials": keep_trials, "searched": searched}
     problems = [
         Problem("does not go with --rare, which writes failures.csv and starts anew", key=name)
         for name, is_given in given.items()

@@ -33,7 +33,7 @@ from missionplan.mission.schema.navigation import Navigation
 from missionplan.mission.schema.phases import MoorPhase, Phase, PhaseEntry, TransitPhase
 from missionplan.mission.schema.section import FileSection, Identity, V
 from missionplan.mission.schema.shared_sections import SHARED, ValueInForce, joined, name_in_force, values_in_force
-from missionplan.mission.schema.site import CurrentFile, Site
+from missionplan.mission.schema.site import Site
 from missionplan.mission.schema.sweep import OptimiseSection, SweepSection
 from missionplan.mission.schema.transition import TransitionPhase
 from missionplan.mission.schema.vehicle import EnergyBudget, Vehicle
@@ -172,13 +172,7 @@ class Mission(FileSection, Generic[V]):
         mission._raw, mission._file = document.data, file
         mission._text = MissionText.of(document, written, folder)
         mission._unusual = tuple(f"{key_path(notice.path)}: {notice.message}" for notice in limits.notices)
-        current = mission.site.current if mission.site else None
-        named = (
-            [name for member in current.members for name in matching(member)]
-            if isinstance(current, CurrentFile)
-            else []
-        )
-        named += [mission.site.chart] if mission.site and mission.site.chart else []
+        named = [path for name in (mission.site.files if mission.site else ()) for path in matching(name)]
         mission._sources = tuple(Path(name) for name in (*document.files, *named) if not name.startswith(REMOTE))
         return mission
 
@@ -330,8 +324,7 @@ class Mission(FileSection, Generic[V]):
         InputError
             When one of the files can no longer be read.
         """
-        current, chart = (self.site.current, self.site.chart) if self.site else (None, None)
-        named = [*(current.members if isinstance(current, CurrentFile) else ()), *([chart] if chart else ())]
+        named = self.site.files if self.site else ()
         contents = {name: _by_contents(name) for name in named if not name.startswith(REMOTE)}
         return {key: _replaced(value, contents) for key, value in self.raw.items()}
 

@@ -3,15 +3,33 @@
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Annotated
+from enum import Enum
+from typing import Annotated, Final, Literal, get_args
 
+import numpy as np
 import pandas as pd
 
 from missionplan.arrays import Array
 from missionplan.results.entries import Entry, Record
 
-SHARE = 0.95
-"""Of the trials that a search area holds."""
+SHARES = (0.5, 0.9, 0.95)
+"""Of the trials that search areas hold."""
+AFLOAT: Final = "adrift at the surface"
+Way = Literal["not released", "adrift at the surface", "on the seafloor", "still under way"]
+"""To be lost."""
+WAYS: tuple[Way, ...] = get_args(Way)
+
+
+class Assumption(Enum):
+    """What search areas take for granted, and what that means."""
+
+    NO_WIND = "The mission has no wind: a vehicle afloat goes with the water alone (site.wind)."
+    ERROR_OF_CURRENT = (
+        "The mission does not say how far its current may be off: 0.1 m/s on each axis, forgotten over half a day."
+    )
+    STEADY_LAYERS = "The layers of the current stay as they are: where there is a tide they do not last for six hours."
+    BEYOND_RECORD = "Beyond the record of the current, or of the wind, its last values are held."
+    NO_LAND = "Nothing stops a vehicle that drifts ashore."
 
 
 @dataclass(frozen=True)
@@ -34,32 +52,49 @@ class ExpectedTime(Record):
 
 @dataclass(frozen=True)
 class SearchArea(Record):
-    """Where the vehicle is with `SHARE` certainty, if it failed in one way: within an ellipse.
+    """The smallest area that holds the vehicle with some probability, if it was lost in one way.
 
     Attributes
     ----------
-    line : array, shape (2, k)
-        Its outline, closed, east and north of the origin [m].
+    polygons : tuple of tuple of array, shape (2, k)
+        Its parts: closed rings east and north of the origin, the outer one first, then holes [m].
     """
 
-    way: Annotated[
-        str, Entry("``not released``, ``adrift at the surface``, ``on the seafloor`` or ``still under way``")
-    ]
+    way: Annotated[Way, Entry("of being lost")]
+    after: Annotated[str, Entry("mooring at which it lies, or after which it drifts; empty for other ways")]
     overdue: Annotated[float, Entry("after the time at which to worry", "s")]
-    line: Array
-    centre_east: Annotated[float, Entry("centre, east of the origin", "m")]
-    centre_north: Annotated[float, Entry("centre, north of the origin", "m")]
-    half_length: Annotated[float, Entry("major half axis, or the radius of a circle", "m")]
-    half_width: Annotated[float, Entry("minor half axis, or the radius of a circle", "m")]
+    share: Annotated[float, Entry("of the trials that it holds")]
+    polygons: tuple[tuple[Array, ...], ...]
+    centre_east: Annotated[float, Entry("mean of the places, east of the origin", "m")]
+    centre_north: Annotated[float, Entry("mean of the places, north of the origin", "m")]
+    densest_east: Annotated[float, Entry("where they are densest: where a search begins, east of the origin", "m")]
+    densest_north: Annotated[float, Entry("where they are densest, north of the origin", "m")]
+    half_length: Annotated[
+        float, Entry("long half axis of the ellipse that would hold the share of a normal cloud, or radius", "m")
+    ]
+    half_width: Annotated[float, Entry("short half axis of that ellipse, or radius", "m")]
+    toward: Annotated[float, Entry("direction of the long axis, clockwise from north", "rad")]
+    missed: Annotated[float, Entry("probability that the searches so far would have missed it", key="missed_by_searches")]
     trials: Annotated[int, Entry("from which it is taken")]
-    assumed: Annotated[
-        bool, Entry("whether these are trials that did not fail so: too few did, and the others are assumed to")
+    is_assumed: Annotated[
+        bool,
+        Entry("whether these are trials that did not fail so: too few did, and the others are assumed to", key="assumed"),
     ]
 
     @property
-    def area(self) -> Annotated[float, Entry(unit="m2", after="half_width")]:
-        """Area of the ellipse."""
-        return math.pi * self.half_length * self.half_width
+    def area(self) -> Annotated[float, Entry(unit="m2", after="toward")]:
+        """Area, without its holes."""
+        return sum(_ring_area(rings[0]) - sum(map(_ring_area, rings[1:])) for rings in self.polygons)
+
+    @property
+    def points(self) -> Array:
+        """All points of its outlines, shape (2, k) [m]."""
+        return np.hstack([ring for rings in self.polygons for ring in rings])
+
+
+def _ring_area(ring: Array) -> float:
+    east, north = ring - ring[:, :1]
+    return 0.5 * abs(float(np.sum(east * np.roll(north, -1) - np.roll(east, -1) * north)))
 
 
 @dataclass(frozen=True)
@@ -68,14 +103,20 @@ class Overdue(Record):
 
     Attributes
     ----------
-    beyond_record : bool
-        Whether the drift goes beyond the record of the current, whose last values are held.
+    assumptions : tuple of Assumption
+        On which the areas rest.
     """
 
     times: Annotated[tuple[ExpectedTime, ...], Entry("of the surfacings in their order, the return last")]
     missing: Annotated[Mapping[str, float], Entry("share of the trials that never end, by the step at which they fail")]
     areas: Annotated[tuple[SearchArea, ...], Entry("way by way, by hours overdue")]
-    beyond_record: bool = False
+    searches: Annotated[int, Entry("searches that found nothing and are allowed for")] = 0
+    assumptions: tuple[Assumption, ...] = ()
+
+    @property
+    def assumed(self) -> Annotated[list[str], Entry(key="assumptions")]:
+        """What the areas rest on, in words."""
+        return [assumption.value for assumption in self.assumptions]
 
     @property
     def worry_share(self) -> Annotated[float, Entry()]:

@@ -15,6 +15,7 @@ from missionplan.phases.currents import Current, LayeredCurrent, layers
 from missionplan.phases.fields.ensemble import Ensemble
 from missionplan.phases.fields.forecast_error import ErringCurrent
 from missionplan.phases.hooks import TransitEffect
+from missionplan.phases.leeway import Leeway
 from missionplan.phases.transit.compensation import Compensation, Forecast, compensation_named
 from missionplan.phases.transit.kalman_filter import DriftFilter
 from missionplan.phases.transit.leg_table import LegTable
@@ -25,6 +26,7 @@ from missionplan.scenario.currents.drawn_current import MEMBER, error_statistics
 from missionplan.scenario.drawn_mission import DrawnMission
 from missionplan.scenario.drift_model import DriftSample, drift_model
 from missionplan.scenario.propulsion import PropelledVehicle
+from missionplan.scenario.wind import leeway, recorded_wind
 
 STILL_WATER = LayeredCurrent(np.ones(1), np.zeros(1), np.zeros(1))
 """For phases that need a current where the mission has none."""
@@ -49,17 +51,25 @@ class Scenario(DrawnMission):
         The recorded current with what was drawn of it, one a trial; None at the means.
     member : array, shape (n,), or None
         Number of the member of the current's ensemble that each trial sails in; None where it is none.
+    wind : Current or None
+        Where the mission reads it from a file.
+    leeway : Leeway or None
+        Of the vehicle afloat; None in a mission without wind.
     """
 
     recorded: Current | None = None
     expected: "Scenario | None" = None
     sailed: Current | None = None
     member: Array | None = None
+    wind: Current | None = None
+    leeway: Leeway | None = None
 
     @classmethod
     def at_means(cls, mission: Mission, recorded: Current | None = None) -> "Scenario":
         """Return the mission with every distribution at its mean."""
-        return cls(mission, mission.at_means(), recorded)._with_shaft_speeds()
+        means, wind = mission.at_means(), recorded_wind(mission)
+        made = cls(mission, means, recorded, wind=wind, leeway=leeway(means, wind, None, 1))
+        return made._with_shaft_speeds()
 
     def sampled(self, *, seed: int, block: int, size: int = BLOCK) -> "Scenario":
         """Draw a block of trials, `self` being at the means; what blocks share is computed once and kept in `self`."""
@@ -68,7 +78,8 @@ class Scenario(DrawnMission):
     def sampled_from(self, source: NormalSource, size: int) -> "Scenario":
         """Draw trials from a source of normals; as `sampled`."""
         values = self.drawn.at(self._joint.draw_from(source, size))
-        drawn = replace(self, drawn=values, expected=self)._with_shaft_speeds()
+        blown = leeway(values, self.wind, source, size)
+        drawn = replace(self, drawn=values, expected=self, leeway=blown)._with_shaft_speeds()
         if self.recorded is None:
             return drawn
         member = with_member(self.recorded, source, size)
@@ -156,9 +167,12 @@ class Scenario(DrawnMission):
     def effects_under_way(self, phase: TransitPhase[Scalars]) -> tuple[TransitEffect, ...]:
         """Return the effects on one transit: the mission's, and the error of a speed inferred from the shaft rate."""
         propelled = self._propelled(phase)
-        if propelled is None:
-            return self.transit_effects
-        return (*self.transit_effects, *propelled.inferred_speed(phase.speed))
+        return (*self.effects_afloat, *(propelled.inferred_speed(phase.speed) if propelled else ()))
+
+    @property
+    def effects_afloat(self) -> tuple[TransitEffect, ...]:
+        """The mission's effects on transits, and the leeway."""
+        return (*self.transit_effects, *((self.leeway,) if self.leeway else ()))
 
     def propulsion_power(self, phase: TransitPhase[Scalars]) -> Scalars:
         """Power of propulsion on a transit [W]; nan without the vehicle or the water that its drag depends on."""

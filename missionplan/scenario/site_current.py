@@ -90,7 +90,7 @@ def _read(
 
     origin = required_origin(mission, "a NetCDF current is placed by it")
     start = np.datetime64(round(mission.start.timestamp() * 1e6), "us").astype("datetime64[ns]")
-    places = _places(mission, origin)
+    places = mission_places(mission, origin)
     places = places if also is None else np.hstack((places, also))
     return read_field(matching(name), Area(origin, start, places, written.projection), name, member)
 
@@ -105,8 +105,8 @@ def _read_csv(mission: Mission, written: CurrentFile, name: str) -> SeriesCurren
     return SeriesCurrent(series.time, series.depth, series.east, series.north)
 
 
-def _places(mission: Mission, origin: Geographic) -> Array:
-    """Where the mission's transits begin and end, and its origin, shape (2, k) [m]."""
+def mission_places(mission: Mission[object], origin: Geographic) -> Array:
+    """Return where a mission's transits begin and end, and its origin, shape (2, k) [m]."""
     found = [np.zeros(2)]
     for phase in mission.transits:
         for place in (phase.start, phase.to):

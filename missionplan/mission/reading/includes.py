@@ -36,6 +36,9 @@ def include_files(document: Document, folder: Path, *, allow_outside: bool) -> l
     site = document.data.get("site")
     if isinstance(site, dict) and isinstance(site.get("chart"), str):
         site["chart"] = str(files.resolve(site["chart"], ("site", "chart")) or site["chart"])
+    wind = site.get("wind") if isinstance(site, dict) else None
+    if isinstance(wind, dict) and isinstance(wind.get("file"), str):
+        wind["file"] = files.resolve_many(wind["file"], ("site", "wind", "file")) or wind["file"]
     current = site.get("current") if isinstance(site, dict) else None
     if isinstance(current, dict):
         _resolve_current(current, files)

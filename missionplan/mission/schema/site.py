@@ -13,6 +13,7 @@ from missionplan.mission.schema.limits import Limit
 from missionplan.mission.schema.moment import Moment
 from missionplan.mission.schema.quantity_parser import QuantityParser
 from missionplan.mission.schema.section import FileSection, ReadBy, V, invalid
+from missionplan.mission.schema.wind import SteadyWind, WindFile, wind_tag
 
 _FixedSignedSpeed = Annotated[float, ReadBy(QuantityParser("m/s", low=-12.0, high=12.0, fixed=True))]
 _LATITUDE = QuantityParser("rad", low=-1.5707964, high=1.5707964, fixed=True)
@@ -206,6 +207,12 @@ class Site(FileSection, Generic[V]):
         | Annotated[TidalCurrent[V], Tag("<tide>")],
         Discriminator(_current_tag),
     ] = ()
+    wind: (
+        Annotated[
+            Annotated[SteadyWind[V], Tag("<steady>")] | Annotated[WindFile, Tag("<file>")], Discriminator(wind_tag)
+        ]
+        | None
+    ) = None
     slope: SlopeSection[V] | None = None
     roughness: Annotated[
         q.PositiveLength[V] | None,
@@ -213,6 +220,13 @@ class Site(FileSection, Generic[V]):
         Limit((1e-7, 1.0), (1e-5, 0.03), "Soulsby 1997: 0.05 mm silt, 6 mm rippled sand"),
     ] = None
     chart: str | None = None
+
+    @property
+    def files(self) -> tuple[str, ...]:
+        """Files that the site is read from, patterns and addresses too, besides those that the mission includes."""
+        current = self.current.members if isinstance(self.current, CurrentFile) else ()
+        wind = (self.wind.file,) if isinstance(self.wind, WindFile) else ()
+        return (*current, *wind, *((self.chart,) if self.chart else ()))
 
     @model_validator(mode="after")
     def _chart_has_a_place(self) -> Self:

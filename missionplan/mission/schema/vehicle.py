@@ -12,6 +12,7 @@ from missionplan.mission.schema.limits import Limit
 from missionplan.mission.schema.quantity_parser import QuantityParser
 from missionplan.mission.schema.section import FileSection, V, invalid
 from missionplan.mission.schema.transition import Manoeuvring, TunnelThrusterSection
+from missionplan.mission.schema.wind import LeewaySection
 
 _FORM_FACTOR = QuantityParser("", low=0.0, open_low=True)
 
@@ -200,6 +201,7 @@ class Vehicle(FileSection, Generic[V]):
         int, Field(ge=1, le=100), Doc("anchors aboard at the start, one for each mooring; those left stay on the nose")
     ] = 1
     energy: EnergyBudget[V] | None = Field(default=None)
+    leeway: LeewaySection[V] | None = None
     manoeuvring: Manoeuvring[V] | None = None
     drag: MeasuredDrag[V] | None = None
     added_mass: MeasuredAddedMass[V] | None = None

@@ -17,10 +17,10 @@ from missionplan.report.axes import name_axis
 from missionplan.report.geography.plan_view import frame
 from missionplan.report.numbers import number
 from missionplan.report.page import BLUE, GREEN, INK, ORANGE, PINK, Block, Figure, PageSection, Table, to_figure
-from missionplan.report.quantities import quantity
+from missionplan.report.quantities import quantity, reader_system
 from missionplan.report.simulation.figures import WIDTH
 from missionplan.report.simulation.quantities import failure_in_words
-from missionplan.results.overdue import ExpectedTime, Overdue, SearchArea
+from missionplan.results.overdue import SHARES, ExpectedTime, Overdue, SearchArea
 from missionplan.results.simulation import Outcome
 
 _COLOURS = {
@@ -39,7 +39,7 @@ def overdue_section(outcome: Outcome) -> Iterator[PageSection]:
     if found is None:
         return
     start = _start(outcome)
-    blocks: list[Block] = [_why(found, start), _times(found, start), _map(found), _areas(outcome, found)]
+    blocks: list[Block] = [_why(found, start), _times(found, start), _map(outcome, found), _areas(outcome, found)]
     yield PageSection(
         f"If it does not come back: worry after {_clock(found.worry_after, start)}",
         [*blocks, _notes(found)],
@@ -65,7 +65,7 @@ def _clock(seconds: float, start: datetime | None) -> str:
         return ""
     minutes = math.ceil(seconds / 60.0)
     words = f"{minutes // 60}:{minutes % 60:02d}\u00a0h"
-    return words if start is None else f"{words} ({start + timedelta(minutes=minutes):%d %b %H:%M})"
+    return words if start is None else f"{words} ({start + timedelta(minutes=minutes):%d %b %H:%M} UTC)"
 
 
 def _why(found: Overdue, start: datetime | None) -> str:
@@ -104,38 +104,45 @@ def _time_row(time: ExpectedTime, start: datetime | None, *, has_energy: bool) -
     return (time.name, f"{100.0 * time.share:.0f}\u00a0%", *clocks, _clock(time.p999, start), *energy)
 
 
-def _map(found: Overdue) -> Figure:
+def _map(outcome: Outcome, found: Overdue) -> Figure:
     """Draw the search areas; of the drift, one for each number of hours overdue."""
-    shown = frame([], [area.line for area in found.areas])
+    drawn = [area for area in found.areas if area.share == SHARES[-1]]
+    shown = frame([], [area.points for area in found.areas])
     figure = MatplotlibFigure(figsize=(WIDTH, 1.3 + (WIDTH - 0.9) * shown.shape))
     axes = figure.add_subplot()
     named: set[str] = set()
     for area in found.areas:
-        label = None if area.way in named else area.way
-        named.add(area.way)
-        axes.plot(*(area.line / 1000.0), color=_COLOURS[area.way], linewidth=1.3, label=label)
-    _name_hours(axes, found)
+        label = None if area.way in named or area not in drawn else area.way
+        named |= {label} if label else set()
+        for ring in (ring for rings in area.polygons for ring in rings):
+            style = {"linewidth": 1.3} if area in drawn else {"linewidth": 0.7, "linestyle": ":"}
+            if area in drawn or area.share == SHARES[0]:
+                axes.plot(*(ring / 1000.0), color=_COLOURS[area.way], label=label, **style)
+                label = None
+    _name_hours(axes, drawn)
+    for position in outcome.tracks.targets.values():
+        axes.plot(*(np.array(position[0]) / 1000.0), "+", color=INK, markersize=7)  # an area may be too small to see
     limits = shown.limits / 1000.0
     axes.set(xlim=limits[0], ylim=limits[1], aspect="equal")
     name_axis(axes.xaxis, "east", "km")
     name_axis(axes.yaxis, "north", "km")
     figure.legend(loc="outside upper center", ncols=2)
-    words = "; ".join(f"{area.way}, {_hours(area)}: {_size(area)}" for area in found.areas)
+    words = "; ".join(f"{_where(area)}, {_hours(area)}: {_area(area)}" for area in drawn)
     return to_figure(
         figure,
         "search-areas",
         f"Map of search areas, each of which holds 95 % of the trials: {words}.",
-        "Each line holds 95 % of the trials. A vehicle adrift is carried by the surface current; its ellipses are for "
-        "the hours overdue.",
+        "Each line holds 95 % of the trials, each dotted one 50 %. A vehicle adrift is carried by the surface current "
+        "and the wind; its areas are for the hours overdue. Crosses: goals and moorings.",
     )
 
 
-def _name_hours(axes: Axes, found: Overdue) -> None:
-    """Write the hours at the ellipses of the drift, one above the other where ellipses crowd."""
-    width = float(np.ptp(np.concatenate([area.line[0] for area in found.areas])))
+def _name_hours(axes: Axes, drawn: Sequence[SearchArea]) -> None:
+    """Write the hours at the areas of the drift, one above the other where these crowd."""
+    width = float(np.ptp(np.concatenate([area.points[0] for area in drawn])))
     placed: list[Array] = []
-    for area in sorted((area for area in found.areas if area.overdue > 0.0), key=lambda area: area.centre_east):
-        top = area.line[:, np.argmax(area.line[1])]
+    for area in sorted((area for area in drawn if area.overdue > 0.0), key=lambda area: area.centre_east):
+        top = area.points[:, np.argmax(area.points[1])]
         level = sum(bool(np.all(np.abs(top - other) < _CROWDED * width)) for other in placed)
         placed.append(top)
         axes.annotate(
@@ -151,19 +158,35 @@ def _name_hours(axes: Axes, found: Overdue) -> None:
 
 
 def _areas(outcome: Outcome, found: Overdue) -> Table:
+    """One row a way and hour: where to begin, and how large the areas of 50 and of 95 % are."""
+    halves = {(area.way, area.after, area.overdue): area for area in found.areas if area.share == SHARES[0]}
     rows = [
         (
-            area.way,
-            "assumed" if area.assumed else f"{area.trials} trials failed so",
+            _where(area),
+            "assumed" if area.is_assumed else f"{area.trials} trials failed so",
             _hours(area),
-            _place(outcome, area),
+            _place(outcome, (area.densest_east, area.densest_north)),
             _size(area),
-            number(area.area / 1e6, 0.05 * area.area / 1e6),
+            f"{math.degrees(area.toward):.0f}°" if area.half_length > area.half_width else "",
+            _area(halves[(area.way, area.after, area.overdue)]),
+            _area(area),
+            *([f"{100.0 * area.missed:.0f} %"] if found.searches else []),
         )
         for area in found.areas
+        if area.share == SHARES[-1]
     ]
-    columns = ("way to fail", "from", "overdue", "centre", "half axes", "area (km²)")
-    return Table(columns, rows, "Overdue: hours after the time at which to worry.", text_columns=2)
+    columns = ["way to fail", "from", "overdue", "begin at", "half axes", "long axis", "50 % in", "95 % in"]
+    caption = "Overdue: hours after the time at which to worry. Begin at: where the vehicle is most likely."
+    if found.searches:
+        columns.append("missed by searches")
+        caption += f" What is left after {found.searches} searched areas in which nothing was found."
+    return Table(columns, rows, caption, text_columns=2)
+
+
+def _where(area: SearchArea) -> str:
+    if not area.after:
+        return area.way
+    return f"{area.way} ({'at' if area.way == 'not released' else 'after'} {area.after})"
 
 
 def _hours(area: SearchArea) -> str:
@@ -177,12 +200,29 @@ def _size(area: SearchArea) -> str:
     return f"{quantity(area.half_length, 'm', '.0f')} × {quantity(area.half_width, 'm', '.0f')}"
 
 
-def _place(outcome: Outcome, area: SearchArea) -> str:
+def _area(area: SearchArea) -> str:
+    """Write an area in squares of the reader's unit of distance."""
+    if reader_system() in ("nautical", "imperial"):
+        unit, size = ("nmi²", 1852.0**2) if reader_system() == "nautical" else ("mi²", 1609.344**2)
+    else:
+        unit, size = "km²", 1e6
+    return f"{number(area.area / size, 0.05 * area.area / size)}\u00a0{unit}"
+
+
+def _place(outcome: Outcome, place: tuple[float, float]) -> str:
+    """Write a place in degrees and minutes, as charts have them."""
     origin = outcome.tracks.origin
     if origin is None:
-        return f"{quantity(area.centre_east, 'm', '.0f')} E, {quantity(area.centre_north, 'm', '.0f')} N"
-    ((longitude, latitude),) = longitudes_latitudes(np.array([[area.centre_east], [area.centre_north]]), origin)
-    return f"{latitude:.4f}°, {longitude:.4f}°"
+        return f"{quantity(place[0], 'm', '.0f')} E, {quantity(place[1], 'm', '.0f')} N"
+    ((longitude, latitude),) = longitudes_latitudes(np.array(place)[:, None], origin)
+    return f"{in_minutes(latitude, 'NS')}, {in_minutes(longitude, 'EW')}"
+
+
+def in_minutes(angle: float, signs: str) -> str:
+    """Write an angle [deg] in degrees and minutes with the sign's letter: ``60° 06.05′ N``."""
+    hundredths = round(abs(angle) * 6000.0)
+    degrees, minutes = divmod(hundredths, 6000)
+    return f"{degrees}°\u00a0{minutes / 100.0:05.2f}′\u00a0{signs[angle < 0.0]}"
 
 
 def _notes(found: Overdue) -> str:
@@ -190,12 +230,9 @@ def _notes(found: Overdue) -> str:
         "Not released: within the circle about the mooring, line and all. Adrift: from a surfacing after the mooring "
         "on (from any where there is none), or from where the trials that failed were last at a fix. On the "
         "seafloor, and still under way: on the legs. “Assumed”: too few trials failed so, and all are assumed "
-        "to, at a moment as likely as any other. Wind and waves are not in the drift unless the mission "
-        "has an effect for them."
+        "to, at a moment as likely as any other. The shares are those of the model, which assumes: "
     )
-    if found.beyond_record:
-        words += " Beyond the record of the current its last values are held."
-    return words
+    return words + " ".join(assumption.value for assumption in found.assumptions)
 
 
 def search_areas_geojson(outcome: Outcome) -> str | None:
@@ -205,10 +242,10 @@ def search_areas_geojson(outcome: Outcome) -> str | None:
         return None
     features = [
         feature(
-            "Polygon",
-            [longitudes_latitudes(area.line, origin)],
+            "MultiPolygon",
+            [[longitudes_latitudes(ring, origin) for ring in rings] for rings in area.polygons],
             "search area",
-            name=f"{area.way}, {_hours(area)}",
+            name=f"{_where(area)}, {_hours(area)}, {100.0 * area.share:.0f} %",
             **area.row(),
         )
         for area in found.areas

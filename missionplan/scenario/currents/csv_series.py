@@ -1,6 +1,7 @@
 """A current at one place from a CSV file: a series against time and depth. Arrays out, in SI."""
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass
 from datetime import datetime
 from pathlib import Path
@@ -17,9 +18,13 @@ from missionplan.moments import utc
 
 MAX_BYTES = 200_000_000
 """Of a CSV file of a current."""
-CSV_COLUMNS = ("t_s", "depth_m", "east_m_s", "north_m_s")
-_MOST = {"t_s": 1e11, "depth_m": 11_000.0, "east_m_s": 12.0, "north_m_s": 12.0}
-"""Sizes beyond which a number of the file is impossible: three thousand years, the deepest sea, Saltstraumen."""
+_LONGEST = 1e11
+"""Times larger than three thousand years are impossible [s]."""
+CURRENT_LIMITS = {"t_s": _LONGEST, "depth_m": 11_000.0, "east_m_s": 12.0, "north_m_s": 12.0}
+"""Columns of a current, with sizes beyond which a number is impossible: the deepest sea, Saltstraumen."""
+WIND_LIMITS = {"t_s": _LONGEST, "east_m_s": 90.0, "north_m_s": 90.0}
+"""Columns of a wind; no hurricane is faster."""
+CSV_COLUMNS = tuple(CURRENT_LIMITS)
 
 
 @dataclass(frozen=True)
@@ -41,11 +46,20 @@ class CurrentSeries:
 
 
 def read_current_csv(path: Path, start: datetime | None = None, epoch: datetime | None = None) -> CurrentSeries:
-    """Read a CSV file with the columns ``t_s, depth_m, east_m_s, north_m_s``, every depth at every time.
+    """Read a current, with every depth at every time; see `read_series_csv`."""
+    return read_series_csv(path, CURRENT_LIMITS, start, epoch)
+
+
+def read_series_csv(
+    path: Path, limits: Mapping[str, float], start: datetime | None = None, epoch: datetime | None = None
+) -> CurrentSeries:
+    """Read a CSV file of east and north components against time and, where it is among the columns, depth.
 
     Parameters
     ----------
     path : Path
+    limits : mapping of str to float
+        Columns, and the size beyond which a number of each is impossible.
     start : datetime, optional
         Of the mission: times by ISO 8601 count from it.
     epoch : datetime, optional
@@ -63,24 +77,27 @@ def read_current_csv(path: Path, start: datetime | None = None, epoch: datetime 
             frame = pd.read_csv(stream, encoding="utf-8-sig", skipinitialspace=True)
     except (OSError, ValueError) as error:
         raise InputError([Problem(f"cannot be read as CSV: {str(error).strip()}", shown)]) from None
-    missing = [name for name in CSV_COLUMNS if name not in frame]
+    missing = [name for name in limits if name not in frame]
     if missing:
-        message = f"lacks the column {', '.join(missing)}; a current has {', '.join(CSV_COLUMNS)}"
+        message = f"lacks the column {', '.join(missing)}; expected {', '.join(limits)}"
         raise InputError([Problem(message, shown, 1)])
-    twice = [name for name in CSV_COLUMNS if f"{name}.1" in frame]
+    twice = [name for name in limits if f"{name}.1" in frame]
     if twice or frame.empty:
         message = f"the column {twice[0]} stands twice" if twice else "has no rows of data"
         raise InputError([Problem(message, shown, 1)])
-    values = frame[list(CSV_COLUMNS)].apply(pd.to_numeric, errors="coerce")
+    values = frame[list(limits)].apply(pd.to_numeric, errors="coerce")
     if not pd.api.types.is_numeric_dtype(frame["t_s"]):
         if epoch is not None:
             message = "its times are dates, which site.current.start does not shift: leave it out, or give seconds"
             raise InputError([Problem(message, shown)])
         values["t_s"] = values["t_s"].fillna(_since(start, frame["t_s"], shown))
     bad = np.flatnonzero(~np.isfinite(values.to_numpy(dtype=float)).all(axis=1))
-    problems = [Problem("expected four numbers", shown, int(row) + 2) for row in bad[:20]] or _impossible(values, shown)
+    problems = [Problem(f"expected {len(limits)} numbers", shown, int(row) + 2) for row in bad[:20]]
+    problems = problems or _impossible(values, limits, shown)
     if problems:
         raise InputError(problems)
+    if "depth_m" not in limits:
+        values["depth_m"] = 0.0
     table = values.pivot_table(index="t_s", columns="depth_m", values=["east_m_s", "north_m_s"], aggfunc="mean")
     if values.duplicated(["t_s", "depth_m"]).any():
         row = int(np.flatnonzero(values.duplicated(["t_s", "depth_m"]))[0])
@@ -104,11 +121,11 @@ def _lead(start: datetime | None, epoch: datetime | None, shown: str) -> float:
     return (utc(epoch) - utc(start)).total_seconds()
 
 
-def _impossible(values: pd.DataFrame, shown: str) -> list[Problem]:
+def _impossible(values: pd.DataFrame, limits: Mapping[str, float], shown: str) -> list[Problem]:
     """Rows with a current, a depth or a time that no sea has: a fill value, or another unit."""
-    too_much = [values[name].abs() > most for name, most in _MOST.items()]
+    too_much = [values[name].abs() > most for name, most in limits.items()]
     rows = np.flatnonzero(np.any(too_much, axis=0))
-    expected = ", ".join(f"{name} at most {most:g} in size" for name, most in _MOST.items())
+    expected = ", ".join(f"{name} at most {most:g} in size" for name, most in limits.items())
     return [Problem(f"is impossible; expected {expected}", shown, int(row) + 2) for row in rows[:20]]
 
 

@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator, Sequence
 from contextlib import ExitStack, contextmanager
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -11,17 +12,19 @@ from missionplan.packages import how_to_install
 from missionplan.phases.fields.gridded_current import GriddedCurrent
 from missionplan.scenario.currents.area import Area
 from missionplan.scenario.currents.attributes import FieldAttributeError, tidied
-from missionplan.scenario.currents.files import FieldFiles
+from missionplan.scenario.currents.files import SEA, WIND, Carried, FieldFiles
 from missionplan.scenario.currents.fvcom import read_fvcom
 from missionplan.scenario.currents.regular import LATITUDE, LONGITUDE, read_regular
-from missionplan.scenario.currents.roms import EAST, read_curved
+from missionplan.scenario.currents.roms import read_curved
 from missionplan.scenario.currents.ugrid import read_ugrid, topology
 
 if TYPE_CHECKING:
     from xarray import Dataset
 
 
-def read_field(names: Sequence[str], area: Area, shown: str, member: int | None = None) -> GriddedCurrent:
+def read_field(
+    names: Sequence[str], area: Area, shown: str, member: int | None = None, carries: Carried = SEA
+) -> GriddedCurrent:
     """Read the field that some files hold together.
 
     Parameters
@@ -33,13 +36,17 @@ def read_field(names: Sequence[str], area: Area, shown: str, member: int | None 
         How messages name them.
     member : int, optional
         Of an ensemble along a dimension of the files, from 0.
+    carries : Carried
+        Whether it is a current or a wind.
 
     Raises
     ------
     InputError
         When they cannot be read, are of no grid that is known, or do not hold the mission's area.
     """
-    with opened(names, shown) as files:
+    with opened(names, shown) as opened_files:
+        files = replace(opened_files, carries=carries)
+        files = files.at_one_height() if carries is WIND else files
         dimension = files.members()
         if dimension is not None:
             files = files.member(dimension, member or 0)
@@ -112,7 +119,9 @@ def _read(files: FieldFiles, area: Area) -> GriddedCurrent:
     position = files.named("lon_rho", "x_rho", *LATITUDE, "nav_lat", standard=("latitude",))
     if position is None:
         looked = ", ".join((*LATITUDE, *LONGITUDE, "lon_rho", "nv"))
-        raise files.problem(f"is no grid that is known: no variable for latitude; looked for {looked}, {EAST[0]}")
+        raise files.problem(
+            f"is no grid that is known: no variable for latitude; looked for {looked}, {files.carries.east[0]}"
+        )
     if files.variable(position).ndim == 2:
         return read_curved(files, area)
     return read_regular(files, area)

@@ -1,7 +1,7 @@
 """NetCDF files that together hold one field: joined in time, variables by the names that models give them."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -13,6 +13,7 @@ from missionplan.moments import moment_of
 from missionplan.scenario.currents.attributes import (
     FieldAttributeError,
     depths,
+    is_vertical,
     moments,
     scale,
     speed_factor,
@@ -26,8 +27,47 @@ if TYPE_CHECKING:
 Moments = NDArray[np.datetime64]
 Window = Mapping[str, slice]
 
-FASTEST = 12.0
-"""Currents faster than this are no sea's [m/s]: Saltstraumen reaches 10."""
+
+@dataclass(frozen=True)
+class Carried:
+    """What a field moves, by the names that models give its velocity.
+
+    Attributes
+    ----------
+    name : str
+        How messages name it.
+    east, north : tuple of str
+        Variables toward east and north, or along rows and columns.
+    standard_east, standard_north : tuple of str
+        CF's names.
+    fastest : float
+        Faster than this is none [m/s].
+    """
+
+    name: str
+    east: tuple[str, ...]
+    north: tuple[str, ...]
+    standard_east: tuple[str, ...]
+    standard_north: tuple[str, ...]
+    fastest: float
+
+
+SEA = Carried(
+    "current",
+    ("u_eastward", "water_u", "u_east", "uo", "u", "u_sur", "u_sur_eastward"),
+    ("v_northward", "water_v", "v_north", "vo", "v", "v_sur", "v_sur_northward"),
+    ("eastward_sea_water_velocity", "surface_eastward_sea_water_velocity"),
+    ("northward_sea_water_velocity", "surface_northward_sea_water_velocity"),
+    12.0,  # Saltstraumen reaches 10 m/s
+)
+WIND = Carried(
+    "wind",
+    ("u10", "10u", "uwnd", "u10m", "Uwind", "x_wind_10m", "eastward_wind", "wind_u", "u_wind", "u"),
+    ("v10", "10v", "vwnd", "v10m", "Vwind", "y_wind_10m", "northward_wind", "wind_v", "v_wind", "v"),
+    ("eastward_wind",),
+    ("northward_wind",),
+    90.0,
+)
 _MODELS_SPEEDS = ("horizontalVelX", "horizontalVelY")
 """Velocities of SCHISM, which writes them in m/s and without `units`."""
 MEMBER_DIMENSIONS = ("member", "ensemble", "ensemble_member", "realization", "number", "ens")
@@ -43,10 +83,13 @@ class FieldFiles:
         In the order of their names; of what two of them hold of the same time, the last counts (a later forecast).
     shown : str
         How messages name them.
+    carries : Carried
+        What moves.
     """
 
     datasets: "Sequence[Dataset]"
     shown: str
+    carries: Carried = SEA
 
     def problem(self, message: str, hint: str = "") -> InputError:
         """Return the error of the files."""
@@ -189,10 +232,27 @@ class FieldFiles:
         dims = {str(dim) for dataset in self.datasets for dim in dataset.dims}
         return next((name for name in MEMBER_DIMENSIONS if name in dims), None)
 
+    def at_one_height(self) -> "FieldFiles":
+        """Return a wind without the axis of its one height.
+
+        Raises
+        ------
+        InputError
+            When it has several.
+        """
+        chosen = []
+        for dataset in self.datasets:
+            axes = [dim for dim in dataset.sizes if dim in dataset.variables and is_vertical(dataset[dim])]
+            several = [str(dim) for dim in axes if dataset.sizes[dim] > 1]
+            if several:
+                raise self.problem(f"has several heights along {several[0]}; expected the wind 10 m above the sea")
+            chosen.append(dataset.isel(dict.fromkeys(axes, 0)))
+        return replace(self, datasets=chosen)
+
     def member(self, dimension: str, number: int) -> "FieldFiles":
         """Return one member of an ensemble."""
         chosen = [d.isel({dimension: number}) if dimension in d.dims else d for d in self.datasets]
-        return FieldFiles(chosen, f"{self.shown}, {dimension} {number}")
+        return replace(self, datasets=chosen, shown=f"{self.shown}, {dimension} {number}")
 
 
 def velocities(
@@ -208,10 +268,13 @@ def velocities(
     scaled = [part * np.float32(files.speed_factor(name)) for name, part in zip(names, parts, strict=True)]
     for name, part in zip(names, scaled, strict=True):
         known = part[np.isfinite(part)]
-        if known.size and float(np.abs(known).max()) > FASTEST:
+        fastest = files.carries.fastest
+        if known.size and float(np.abs(known).max()) > fastest:
             worst = float(known[np.argmax(np.abs(known))])
             hint = "is its attribute `units` right, and `_FillValue` declared?"
-            raise files.problem(f"{name} reaches {worst:.6g} m/s; no sea is faster than {FASTEST:g} m/s", hint)
+            raise files.problem(
+                f"{name} reaches {worst:.6g} m/s; no {files.carries.name} is faster than {fastest:g} m/s", hint
+            )
     joined = np.empty(scaled[0].shape, dtype=np.complex64)
     joined.real, joined.imag = scaled
     joined[~np.isfinite(joined)] = np.nan

@@ -10,7 +10,6 @@ from missionplan.phases.fields.triangles import Indices
 from missionplan.scenario.currents.area import Area, in_degrees
 from missionplan.scenario.currents.building import assembled, at_columns, layer_depths
 from missionplan.scenario.currents.files import FieldFiles, velocities
-from missionplan.scenario.currents.roms import EAST, NORTH, STANDARD_EAST, STANDARD_NORTH
 
 LATITUDE = ("latitude", "lat", "Latitude")
 LONGITUDE = ("longitude", "lon", "Longitude")
@@ -33,8 +32,9 @@ def read_regular(files: FieldFiles, area: Area) -> GriddedCurrent:
         files.required(what, *names, standard=(what,))
         for what, names in (("latitude", LATITUDE), ("longitude", LONGITUDE))
     )
-    u = files.required("the current toward east", *EAST, standard=STANDARD_EAST)
-    v = files.required("the current toward north", *NORTH, standard=STANDARD_NORTH)
+    carries = files.carries
+    u = files.required(f"the {carries.name} toward east", *carries.east, standard=carries.standard_east)
+    v = files.required(f"the {carries.name} toward north", *carries.north, standard=carries.standard_north)
     dims = [str(dim) for dim in files.variable(u).dims]
     rows, columns = (str(files.variable(name).dims[0]) for name in (latitude, longitude))
     across = [dim for dim in dims[1:] if dim not in (rows, columns)]

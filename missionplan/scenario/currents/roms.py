@@ -13,10 +13,6 @@ from missionplan.scenario.currents.attributes import word
 from missionplan.scenario.currents.building import assembled, at_columns, layer_depths
 from missionplan.scenario.currents.files import FieldFiles, Moments, Window, velocities
 
-EAST = ("u_eastward", "water_u", "u_east", "uo", "u", "u_sur", "u_sur_eastward")
-NORTH = ("v_northward", "water_v", "v_north", "vo", "v", "v_sur", "v_sur_northward")
-STANDARD_EAST = ("eastward_sea_water_velocity", "surface_eastward_sea_water_velocity")
-STANDARD_NORTH = ("northward_sea_water_velocity", "surface_northward_sea_water_velocity")
 _ANGLE_OFF = 0.2
 """By which the angle of a grid may differ from the direction of its rows [rad]."""
 
@@ -60,8 +56,9 @@ def read_curved(files: FieldFiles, area: Area) -> GriddedCurrent:
     InputError
         When something is missing or impossible, or lies elsewhere.
     """
-    u = files.required("the velocity toward east or along the rows", *EAST, standard=STANDARD_EAST)
-    v = files.required("the velocity toward north or along the columns", *NORTH, standard=STANDARD_NORTH)
+    carries = files.carries
+    u = files.required(f"the {carries.name} toward east", *carries.east, standard=carries.standard_east)
+    v = files.required(f"the {carries.name} toward north", *carries.north, standard=carries.standard_north)
     moments = area.kept(files.moments(u))
     shapes = [files.variable(name).shape[-2:] for name in (u, v)]
     staggered = shapes[0] != shapes[1]

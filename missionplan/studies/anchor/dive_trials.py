@@ -124,7 +124,7 @@ def _block(study: AnchorTrials, weight: float, line_length: float | None, block:
         current=scenario.current or STILL_WATER,
         position=position,
         t_start=start,
-        surface_velocity=surface_velocity(scenario.transit_effects, start, release, position),
+        surface_velocity=surface_velocity(scenario.effects_afloat, start, release, position),
         step=STEP,
     )
     fix_error = scenario.fix_error * stream(study.seed, f"{study.phase}.fix", block).standard_normal((2, size))

@@ -21,7 +21,7 @@ def analytic_obstacle(scenario: SweepScenario) -> str:
         "a current": bool(mission.site and mission.site.current),
         "drift compensation": navigation.drift_compensation != "none",
         "a fix error": navigation.fix_error != 0.0,
-        "effects": bool(scenario.means.transit_effects),
+        "effects": bool(scenario.means.effects_afloat),
         "a propeller, which takes time to gather way": scenario.plan(0, scenario.means).length_lost is not None,
         "uncertain speed, error, surfacing time or place": any(
             isinstance(quantity, Distribution) for quantity in (*uncertain, *own_error)

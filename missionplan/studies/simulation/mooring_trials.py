@@ -56,7 +56,7 @@ def mooring_trials(
         fix_normals(f"{phase.name}.fix", block.source, state.trials),
         current,
         effects=scenario.descent_effects,
-        surface_effects=scenario.transit_effects,
+        surface_effects=scenario.effects_afloat,
     )
     moored = taut & record.descent.touched_down
     left = moored & ~_is_covered(plan, current, state, after, record)

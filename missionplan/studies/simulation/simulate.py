@@ -5,7 +5,7 @@ from collections.abc import Generator, Sequence
 from dataclasses import replace
 from pathlib import Path
 
-from missionplan.identity import Identity
+from missionplan.identity import Identity, digest_of_files
 from missionplan.mission import Mission, MissionOrPath
 from missionplan.montecarlo.parallel.blocks import Backend, Progress, run_blocks
 from missionplan.montecarlo.statistics import Probability
@@ -21,6 +21,7 @@ from missionplan.studies.arguments import check_arguments, identified, made_by
 from missionplan.studies.mission_plan.build import plan_if_any
 from missionplan.studies.nominal_dive import check_dives
 from missionplan.studies.overdue.overdue import overdue
+from missionplan.studies.overdue.searches import Search, read_searches
 from missionplan.studies.simulation.block_sequence import BlockItem, BlockOutcome, BlockSequence, MergedBlocks
 from missionplan.studies.simulation.block_statistics import LIMIT
 from missionplan.studies.simulation.checks import (
@@ -53,6 +54,7 @@ def simulate(
     checkpoint: str | Path | None = None,
     resume: bool = False,
     keep_trials: bool = False,
+    searched: str | Path | None = None,
     progress: Progress | None = None,
 ) -> Outcome:
     """Run the whole mission many times.
@@ -73,6 +75,8 @@ def simulate(
         Continue with the blocks in that folder.
     keep_trials : bool
         Keep a table with one row a trial.
+    searched : str or Path, optional
+        GeoJSON of areas that were searched in vain, which the search areas allow for (`read_searches`).
     progress : callable, optional
         Called with the trials done and their total.
 
@@ -87,6 +91,7 @@ def simulate(
     mission = check_arguments(mission, trials=trials, seed=seed, jobs=jobs, text={"precision": precision})
     folder = as_path(checkpoint, "checkpoint") if checkpoint is not None else None
     check_complete(mission)
+    searches = read_searches(as_path(searched, "searched"), mission) if searched is not None else ()
     seed = mission.monte_carlo.seed if seed is None else seed
     goal = Precision.parse(precision, mission) if precision else None
     means = _checked_means(mission)
@@ -106,6 +111,7 @@ def simulate(
     _check_record(means, merged)
     tracks = merged.tracks or task.tracks(*merged.first)  # block 0 has them, unless it failed
     options: dict[str, object] = {"jobs": jobs, "backend": backend, "precision": precision, "keep_trials": keep_trials}
+    options |= {} if searched is None else {"searched": digest_of_files([as_path(searched, "searched")])}
     provenance = made_by(
         "simulate",
         mission,
@@ -119,7 +125,7 @@ def simulate(
     anchors, held = mooring_anchors(mission, means), held_vehicles(means)
     builder = OutcomeBuilder(mission, merged.totals, tracks, merged.failures, table, anchors, held, task.members)
     built = builder.outcome(provenance)
-    return replace(built, plan=plan_if_any(mission, means, seed), overdue=_overdue(task, merged.first))
+    return replace(built, plan=plan_if_any(mission, means, seed), overdue=_overdue(task, merged.first, searches))
 
 
 def event_probabilities(mission: Mission, *, trials: int, seed: int) -> dict[str, Probability]:
@@ -157,11 +163,12 @@ def _check_record(means: Scenario, merged: MergedBlocks) -> None:
     check_trials(means.mission, means.recorded, left.probability() if left else None)
 
 
-def _overdue(task: BlockTask, first: BlockItem) -> Overdue | None:
+def _overdue(task: BlockTask, first: BlockItem, searches: Sequence[Search]) -> Overdue | None:
     """Run the first block once more for the tracks of all its trials, and see where those are that do not end."""
     block, size = first
     scenario = task.means.sampled(seed=task.seed, block=block, size=size)
-    return overdue(scenario, run_block(scenario, task.seed, block, size, tracked=size, inputs=False), task.seed)
+    trials = run_block(scenario, task.seed, block, size, tracked=size, inputs=False)
+    return overdue(scenario, trials, task.seed, searches)
 
 
 def _items(trials: int) -> list[BlockItem]:

@@ -130,7 +130,7 @@ def test_outside_in_space_time_and_depth_is_told(tmp_path):
     [
         ({"angle": np.full((9, 11), 20.0)}, "its rows run .* from east, `angle` says .*degrees or radians"),
         ({"units": "furlong"}, "u is in 'furlong'; expected a speed"),
-        ({"u": np.full((5, 5, 9, 10), 9999.0)}, "u reaches 9999 m/s; no sea is faster"),
+        ({"u": np.full((5, 5, 9, 10), 9999.0)}, "u reaches 9999 m/s; no current is faster"),
         ({"u": np.full((5, 5, 9, 10), np.nan), "v": np.full((5, 5, 8, 11), np.nan)}, "a time without any value"),
         ({"longitude": bent_grid()[0] + 5.0}, "holds nothing within 20 km of the mission"),
         ({"s": np.arange(5.0)}, "do not lie between -1 and 0"),

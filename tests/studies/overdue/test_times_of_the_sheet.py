@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from missionplan.physics.energy import JOULES_PER_WATT_HOUR
-from missionplan.studies.overdue.overdue import _assumed, _clouds, _last_known, _reach, _spent, _surfacings, _time
+from missionplan.studies.overdue.losses import _last_fix, losses
+from missionplan.studies.overdue.overdue import _reach, _spent, _surfacings, _time
 from missionplan.studies.simulation.mission_trials import MissionTrials
 from missionplan.studies.simulation.phase_trials import PhaseTrials
 
@@ -91,7 +92,7 @@ def test_where_and_when_it_was_last_at_a_fix():
     made.phases[2].track_time[:, 5] = np.nan
     for each in made.phases:
         each.track_time[:, 7] = np.nan
-    place, time = _last_known(list(made.phases))
+    place, time = _last_fix(made.phases)
     assert (place[:, 0], time[0]) == (pytest.approx([2.0, 1.0]), 3600.0)
     assert (place[:, 3], time[3]) == (pytest.approx([720.0, 20.0]), 3003.0)
     assert (place[:, 5], time[5]) == (pytest.approx([700.0, 9.0]), 1005.0)
@@ -100,20 +101,21 @@ def test_where_and_when_it_was_last_at_a_fix():
 
 def test_each_way_to_fail_is_assumed_where_and_when_it_would_be():
     """Held on its anchor since the dive; adrift from a fix after it; on the seafloor or under way between two fixes."""
-    found = _assumed(list(trials().phases), np.random.default_rng(1))
-    at, when = found["not released"]
+    found = {each.way: each for each in losses(trials().phases, {}, np.random.default_rng(1))}
+    assert all(each.is_assumed for each in found.values())
+    at, when = found["not released"].position, found["not released"].clock
     assert at == pytest.approx(np.repeat([[706.0], [12.0]], N, axis=1))
     assert when == pytest.approx(1100.0 + LATER)
-    at, when = found["adrift at the surface"]
+    at, when = found["adrift at the surface"].position, found["adrift at the surface"].clock
     assert set(np.round(when - LATER)) == {1200.0, 3000.0, 3600.0}
     fixes = {(705.0, 11.0), (720.0, 20.0), (2.0, 1.0)}
     assert set(zip(*at.tolist(), strict=True)) == fixes
-    at, when = found["still under way"]
+    at, when = found["still under way"].position, found["still under way"].clock
     share = (when - LATER - 3000.0) / 600.0
     assert np.all((share >= 0.0) & (share <= 1.0))
     assert np.ptp(share) > 0.5
     assert at == pytest.approx(np.stack((720.0 - 718.0 * share, 20.0 - 19.0 * share)))
-    at, when = found["on the seafloor"]
+    at, when = found["on the seafloor"].position, found["on the seafloor"].clock
     under = when - LATER
     legs = [(under >= low) & (under <= high) for low, high in ((0.0, 400.0), (460.0, 1000.0), (3000.0, 3600.0))]
     assert np.sum(legs, axis=0).tolist() == [1] * N, "not at the surface, and not between transits"
@@ -124,12 +126,11 @@ def test_each_way_to_fail_is_assumed_where_and_when_it_would_be():
 
 
 def test_those_that_failed_are_taken_where_there_are_enough():
-    made = list(trials().phases)
     some, few = np.arange(N) < 25, np.arange(N) >= 35
-    steps = {"back: out of energy": some, "moor: did not surface": few}
-    clouds = {each.way: each for each in _clouds(trials(), steps, made, np.random.default_rng(1))}
-    adrift, held = clouds["adrift at the surface"], clouds["not released"]
-    assert (adrift.assumed, held.assumed) == (False, True)
+    failed = {("back", "out of energy"): some, ("moor", "did not surface"): few}
+    found = {each.way: each for each in losses(trials().phases, failed, np.random.default_rng(1))}
+    adrift, held = found["adrift at the surface"], found["not released"]
+    assert (adrift.is_assumed, held.is_assumed) == (False, True)
     assert adrift.trials.tolist() == list(range(25))
     assert adrift.position == pytest.approx(np.repeat([[2.0], [1.0]], 25, axis=1))
     assert len(held.trials) == N
@@ -138,3 +139,31 @@ def test_those_that_failed_are_taken_where_there_are_enough():
 def test_how_far_it_hangs_from_its_anchor_is_a_high_quantile():
     assert _reach(trials().phases[1]) == pytest.approx(np.quantile(np.linspace(0.0, 8.0, N), 0.95))
     assert _reach(PhaseTrials(**{**vars(trials().phases[1]), "quantities": {}})) == 0.0
+
+
+def test_each_mooring_has_areas_of_its_own():
+    made = trials().phases
+    second = phase("deep", "moor", 3700.0, 5000.0, [3700, 3800, 5000], [(2, 1), (3, 1), (9, 9)], 4.0, (4.0, 1.0))
+    home = phase("home", "transit", 5000.0, 5600.0, [5000, 5600], [(9, 9), (0, 0)], 6.0)
+    found = losses((*made, second, home), {}, np.random.default_rng(1))
+    named = [(each.way, each.after) for each in found]
+    assert named[:4] == [
+        ("not released", "moor"),
+        ("not released", "deep"),
+        ("adrift at the surface", "moor"),
+        ("adrift at the surface", "deep"),
+    ]
+    by_name = {(each.way, each.after): each for each in found}
+    assert by_name["not released", "moor"].position[:, 0] == pytest.approx([706.0, 12.0])
+    assert by_name["not released", "deep"].position[:, 0] == pytest.approx([4.0, 1.0])
+    after_first, after_second = (by_name["adrift at the surface", name].clock - LATER for name in ("moor", "deep"))
+    assert (after_first.min(), after_first.max()) == (1200.0, 3600.0)
+    assert after_second.min() == 3800.0
+
+
+def test_those_lost_before_the_first_mooring_have_an_area_where_there_are_enough():
+    failed = {("out", "not arrived"): np.arange(N) < 30}
+    found = losses(trials().phases, failed, np.random.default_rng(1))
+    before, after = (each for each in found if each.way == "adrift at the surface")
+    assert (before.after, before.is_assumed, before.trials.size) == ("", False, 30)
+    assert (after.after, after.is_assumed) == ("moor", True)

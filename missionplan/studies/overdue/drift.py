@@ -1,0 +1,123 @@
+"""The drift of a vehicle afloat: with the surface current, the effects at the surface and the wind."""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import scipy
+
+from missionplan.arrays import Array
+from missionplan.mission import Mission
+from missionplan.mission.views import forecast_error
+from missionplan.montecarlo.distributions import Distribution
+from missionplan.montecarlo.streams import BlockStreams
+from missionplan.phases.currents import Current
+from missionplan.phases.fields.ensemble import Ensemble
+from missionplan.phases.fields.forecast_error import Statistics
+from missionplan.phases.hooks import TransitEffect, surface_velocity
+from missionplan.scenario.currents.drawn_current import with_error
+from missionplan.scenario.scenario import STILL_WATER, Scenario
+
+UNSTATED_ERROR = 0.1
+"""Standard deviation on each axis of a current whose error the mission does not state [m/s].
+
+Drifters differ by about as much from maps of the surface current that radar measures there and then (Ullman et al.
+2006, J. Geophys. Res. 111, C12005, whose search areas take it as a random flight).
+"""
+UNSTATED_TIME = 12.0 * 3600.0
+"""Time over which that error is forgotten [s]: half a day, as tides and inertial motion are what a mean leaves out."""
+_FIRST_STEP, _LONGEST_STEP = 300.0, 3600.0
+"""Of the integration [s]: no tide and no forecast turns within less than the longest."""
+_PLACE_ERROR = 0.05
+"""Of a step, over all trials [m]."""
+
+
+@dataclass(frozen=True)
+class Drift:
+    """What carries each trial of a block while it is afloat.
+
+    Attributes
+    ----------
+    current : Current
+    effects : tuple of TransitEffect
+        Leeway too.
+    trials : int
+        Of the block.
+    is_error_assumed : bool
+        Whether the current's error is not the mission's.
+    """
+
+    current: Current
+    effects: tuple[TransitEffect, ...]
+    trials: int = 1
+    is_error_assumed: bool = False
+
+    @classmethod
+    def of(cls, scenario: Scenario, seed: int, size: int) -> "Drift":
+        """Return the drift of a block of trials; a current without stated error has the default one."""
+        current = scenario.current or STILL_WATER
+        is_stated = states_error(scenario.mission, current)
+        if not is_stated:
+            source = BlockStreams(seed, 0)
+            current = with_error(current, Statistics(UNSTATED_ERROR, UNSTATED_TIME, None), source, size)
+        return cls(current, scenario.effects_afloat, size, not is_stated)
+
+    def velocity(self, t: Array, place: Array) -> Array:
+        """Velocity over the ground, shape (2, n) [m/s].
+
+        Parameters
+        ----------
+        t : array, shape (n,)
+            Since the mission's start [s].
+        place : array, shape (2, n)
+            [m]
+        """
+        return self.current.velocity(t, 0.0, place) + surface_velocity(self.effects, t, np.zeros(t.size), place)
+
+    def places(self, place: Array, clock: Array, times: Sequence[float]) -> Iterator[Array]:
+        """Yield where trials are at some times, shape (2, n) each [m].
+
+        Parameters
+        ----------
+        place : array, shape (2, n)
+            Where they begin to drift [m].
+        clock : array, shape (n,)
+            When [s]. Until then a trial is where it begins.
+        times : sequence of float
+            Increasing, since the mission's start [s].
+        """
+        for time in times:
+            lasting = np.maximum(time - clock, 0.0)
+            place = self._carried(place, clock, lasting)
+            clock = clock + lasting
+            yield place
+
+    def _carried(self, place: Array, clock: Array, lasting: Array) -> Array:
+        """Integrate by the Runge–Kutta method of Dormand and Prince (1980), each trial over its own time."""
+        longest = float(lasting.max(initial=0.0))
+        if longest == 0.0:
+            return place
+
+        def rate(share: float, flat: Array) -> Array:
+            velocity = self.velocity(clock + share * lasting, flat.reshape(2, -1))
+            return np.asarray((velocity * lasting).reshape(-1))
+
+        solved = scipy.integrate.solve_ivp(
+            rate,
+            (0.0, 1.0),
+            place.reshape(-1),
+            first_step=min(_FIRST_STEP / longest, 1.0),
+            max_step=min(_LONGEST_STEP / longest, 1.0),
+            atol=_PLACE_ERROR,
+            rtol=1e-9,
+            t_eval=(1.0,),
+        )
+        return np.asarray(solved.y[:, -1].reshape(2, -1))
+
+
+def states_error(mission: Mission, current: Current) -> bool:
+    """Whether a mission says how far its current may be off: by an error, an ensemble, or uncertain layers."""
+    written = mission.site.current if mission.site else ()
+    if isinstance(written, tuple):
+        return bool(written) and isinstance(written[0].speed, Distribution)
+    return forecast_error(mission) is not None or isinstance(current, Ensemble)

@@ -1,0 +1,192 @@
+"""The drift afloat: exact in eddies, with the wind, with the error of a current, and found by searches."""
+
+import json
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import missionplan
+from missionplan.phases.currents import Current, layers
+from missionplan.phases.leeway import Leeway, leeway_velocity
+from missionplan.results.overdue import Assumption
+from missionplan.scenario.scenario import Scenario
+from missionplan.studies.overdue.drift import UNSTATED_ERROR, UNSTATED_TIME, Drift
+from missionplan.studies.overdue.losses import Losses
+from missionplan.studies.overdue.search_areas import search_areas
+from missionplan.studies.overdue.searches import Search, encloses, read_searches
+
+DAY = 86_400.0
+WINDY = """
+name: Windy
+start: 2026-06-01T08:00Z
+site:
+  origin: {latitude: 37.25 deg, longitude: -76.38 deg}
+  depth: 30 m
+  current: [{down_to: 30 m, speed: %s, toward: 60 deg}]
+  wind: %s
+navigation: {velocity_error: {sigma: 0.02 m/s}, surfacing_time: 60 s}
+phases:
+  - transit: {from: [0 m, 0 m], to: [800 m, 0 m], depth: 2 m, speed: 1.5 m/s, d_max: 300 m, arrival_radius: 30 m}
+monte_carlo: {trials: 400, seed: 1}
+"""
+
+
+@dataclass(frozen=True)
+class Eddy(Current):
+    """Solid rotation about the origin, once a period [s]."""
+
+    period: float
+
+    def velocity(self, t, depth, position):
+        return 2.0 * np.pi / self.period * np.stack((-position[1], position[0]))
+
+
+def test_in_a_steady_eddy_it_stays_at_its_distance():
+    """A day in an eddy of 3 km that turns in five hours: midpoints of 900 s carry it 1.4 km out."""
+    begin = np.array([[3000.0, 0.0, -1500.0], [0.0, 3000.0, 1500.0]])
+    (end,) = Drift(Eddy(5.0 * 3600.0), ()).places(begin, np.zeros(3), (DAY,))
+    assert np.hypot(*end) == pytest.approx(np.hypot(*begin), abs=1.0)
+    turned = np.exp(2j * np.pi * DAY / (5.0 * 3600.0)) * (begin[0] + 1j * begin[1])
+    assert end == pytest.approx(np.stack((turned.real, turned.imag)), abs=3.0)
+
+
+def test_leeway_goes_down_the_wind_and_to_its_right():
+    wind = np.array([[0.0], [10.0]])  # blows toward north
+    assert leeway_velocity(wind, 0.01, 0.004, 0.05, 0.0) == pytest.approx(np.array([[0.04], [0.15]]))
+    assert leeway_velocity(np.zeros((2, 1)), 0.01, 0.004, 0.05, 0.02) == pytest.approx(0.0)
+
+
+def test_a_wind_from_the_south_drives_it_north():
+    drift = Drift(
+        layers([1.0], [0.0], [0.0]), (Leeway(layers([np.inf], [10.0], [np.pi + np.pi]), 0.02, 0.0, 0.0, 0.0),)
+    )
+    (end,) = drift.places(np.zeros((2, 1)), np.zeros(1), (1000.0,))
+    assert end == pytest.approx(np.array([[0.0], [200.0]]), abs=1e-9)
+
+
+@pytest.fixture
+def windy(tmp_path: Path):
+    def load(speed: str, wind: str):
+        path = tmp_path / "windy.yaml"
+        path.write_text(WINDY % (speed, wind), encoding="utf-8")
+        return missionplan.load(path)
+
+    return load
+
+
+def test_the_scatter_of_leeway_is_that_of_the_file_and_its_side_is_by_chance(windy):
+    mission = windy("0 m/s", "{speed: 8 m/s, from: 180 deg}")
+    blown = Scenario.at_means(mission).sampled(seed=3, block=0).leeway
+    velocity = blown.surface_velocity(np.zeros(4096), np.zeros(4096), np.zeros((2, 4096)))
+    assert velocity[1].mean() == pytest.approx(0.0107 * 8.0 + 0.0447, abs=4 * 0.054 / 64)
+    assert velocity[1].std() == pytest.approx(0.054, rel=0.05)
+    assert velocity[0].mean() == pytest.approx(0.0, abs=4 * 0.063 / 64)
+    assert velocity[0].std() == pytest.approx(np.hypot(0.054, 0.0041 * 8.0), rel=0.05)
+    assert Scenario.at_means(mission).leeway.surface_velocity(np.zeros(1), np.zeros(1), np.zeros((2, 1)))[
+        :, 0
+    ] == pytest.approx([0.0, 0.0107 * 8.0 + 0.0447], abs=1e-12)
+
+
+def test_the_wind_moves_the_vehicle_while_it_waits_for_a_fix(windy):
+    calm, blown = (windy("0 m/s", f"{{speed: {speed} m/s, from: 270 deg}}") for speed in (0, 20))
+    miss = [missionplan.simulate(each).phases[0].quantities["arrival_error_m"].mean for each in (calm, blown)]
+    assert miss[1] > miss[0] + 5.0
+
+
+def test_a_wind_is_read_from_a_record_with_dates(windy, tmp_path):
+    (tmp_path / "wind.csv").write_text(
+        "t_s,east_m_s,north_m_s\n2026-06-01T08:00Z,0,6\n2026-06-01T09:00Z,6,0\n", encoding="utf-8"
+    )
+    wind = Scenario.at_means(windy("0 m/s", "{file: wind.csv}")).wind
+    assert wind.velocity(np.array([0.0, 1800.0, 9999.0]), 0.0, np.zeros((2, 3))) == pytest.approx(
+        np.array([[0.0, 3.0, 6.0], [6.0, 3.0, 0.0]])
+    )
+
+
+def test_a_wind_is_read_from_a_field_at_one_height(windy, tmp_path):
+    xarray = pytest.importorskip("xarray")
+    times, lat, lon = np.arange(3), np.array([37.0, 37.5]), np.array([-77.0, -76.0])
+    shape = (3, 1, 2, 2)
+    data = {
+        "u10": (("time", "height", "lat", "lon"), np.full(shape, 3.0), {"units": "m s-1"}),
+        "v10": (("time", "height", "lat", "lon"), np.full(shape, -4.0), {"units": "m s-1"}),
+    }
+    axes = {
+        "time": ("time", times, {"units": "hours since 2026-06-01T08:00Z"}),
+        "height": ("height", [10.0], {"units": "m", "positive": "up"}),
+        "lat": ("lat", lat, {"units": "degrees_north"}),
+        "lon": ("lon", lon, {"units": "degrees_east"}),
+    }
+    xarray.Dataset(data, axes).to_netcdf(tmp_path / "wind.nc")
+    wind = Scenario.at_means(windy("0 m/s", "{file: wind.nc}")).wind
+    assert wind.velocity(np.array([60.0]), 0.0, np.zeros((2, 1)))[:, 0] == pytest.approx([3.0, -4.0])
+
+
+def test_a_current_without_error_has_the_stated_one_on_the_sheet(windy):
+    calm = "{speed: 0 m/s, from: 0 deg}"
+    exact, uncertain = (windy(speed, calm) for speed in ("0.3 m/s", "{mean: 0.3 m/s, sd: 0.1 m/s}"))
+    drifts = [Drift.of(Scenario.at_means(each).sampled(seed=1, block=0), 1, 4096) for each in (exact, uncertain)]
+    assert [drift.is_error_assumed for drift in drifts] == [True, False]
+    still = Drift(drifts[0].current, (), 4096)
+    (end,) = still.places(np.zeros((2, 4096)), np.zeros(4096), (DAY,))
+    x = DAY / UNSTATED_TIME
+    variance = 2.0 * UNSTATED_ERROR**2 * UNSTATED_TIME**2 * (x - 1.0 + np.exp(-x))  # Taylor 1921
+    assert end.std(axis=1) == pytest.approx(np.sqrt(variance), rel=0.06)
+    assert Assumption.ERROR_OF_CURRENT in missionplan.simulate(exact).overdue.assumptions
+    assert Assumption.ERROR_OF_CURRENT not in missionplan.simulate(uncertain).overdue.assumptions
+
+
+SQUARE = ((np.array([[0.0, 100.0, 100.0, 0.0, 0.0], [-100.0, -100.0, 100.0, 100.0, -100.0]]),),)
+
+
+def test_a_ring_encloses_what_is_inside():
+    places = np.array([[50.0, -1.0, 101.0, 50.0], [0.0, 0.0, 0.0, 120.0]])
+    assert encloses(SQUARE[0][0], places).tolist() == [True, False, False, False]
+
+
+def test_a_search_in_vain_leaves_what_it_would_have_missed():
+    """Half of those adrift were in the square at its time, and four of five there would have been seen."""
+    rng = np.random.default_rng(4)
+    place = rng.uniform(-100.0, 100.0, (2, 4000))
+    lost = Losses("adrift at the surface", "", np.arange(4000), place, np.zeros(4000), is_assumed=False)
+    drift = Drift(layers([1.0], [0.0], [0.0]), (), 4000)
+    areas = list(search_areas([lost], drift, 7200.0, {}, [Search(SQUARE, 0.8, 3600.0)]))
+    share = np.mean(place[0] > 0.0)
+    assert areas[-1].missed == pytest.approx(1.0 - 0.8 * share)
+    assert areas[-1].densest[0] < 0.0
+    earlier = list(search_areas([lost], drift, 7200.0, {}, [Search(SQUARE, 0.8, -10.0)]))
+    assert earlier[-1].missed == 1.0, "nothing was lost yet"
+    sonar = list(search_areas([lost], drift, 7200.0, {}, [Search(SQUARE, 0.8, 3600.0, "on the seafloor")]))
+    assert sonar[-1].missed == 1.0
+
+
+def test_searches_are_read_with_every_problem(windy, tmp_path):
+    mission = windy("0.1 m/s", "{speed: 5 m/s, from: 0 deg}")
+    path = tmp_path / "searched.geojson"
+    ring = "[[-76.39,37.24],[-76.37,37.24],[-76.37,37.26],[-76.39,37.24]]"
+
+    def collection(*features: tuple[float, str, str]) -> str:
+        return json.dumps(
+            {
+                "type": "FeatureCollection",
+                "features": [
+                    {
+                        "type": "Feature",
+                        "properties": {"probability_of_detection": detection, "time": time},
+                        "geometry": {"type": "Polygon", "coordinates": [json.loads(ring)]},
+                    }
+                    for detection, time, ring in features
+                ],
+            }
+        )
+
+    path.write_text(collection((0.7, "2026-06-01T12:00Z", ring)), encoding="utf-8")
+    (search,) = read_searches(path, mission)
+    assert (search.time, search.detection) == (4.0 * 3600.0, 0.7)
+    wrong = (70.0, "2026-06-01T12:00Z", ring), (0.7, "2026-06-01T12:00Z", "[[0, 0]]")
+    path.write_text(collection(*wrong), encoding="utf-8")
+    with pytest.raises(missionplan.InputError) as caught:
+        missionplan.simulate(mission, searched=path)
+    assert [problem.key for problem in caught.value.problems] == ["features[0]", "features[1]"]
