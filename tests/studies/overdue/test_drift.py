@@ -6,11 +6,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from matplotlib.path import Path as Outline
 
 import missionplan
 from missionplan.phases.currents import Current, layers
 from missionplan.phases.leeway import Leeway, leeway_velocity
-from missionplan.results.overdue import Assumption
+from missionplan.results.overdue import AFLOAT, Assumption
 from missionplan.scenario.scenario import Scenario
 from missionplan.studies.overdue.drift import UNSTATED_ERROR, UNSTATED_TIME, Drift
 from missionplan.studies.overdue.losses import Losses
@@ -28,7 +29,7 @@ site:
   wind: %s
 navigation: {velocity_error: {sigma: 0.02 m/s}, surfacing_time: 60 s}
 phases:
-  - transit: {from: [0 m, 0 m], to: [800 m, 0 m], depth: 2 m, speed: 1.5 m/s, d_max: 300 m, arrival_radius: 30 m}
+  - transit: {from: [0 m, 0 m], to: [800 m, 0 m], depth: 2 m, speed: 1.5 m/s, d_max: 300 m, arrival_radius: 150 m}
 monte_carlo: {trials: 400, seed: 1}
 """
 
@@ -190,3 +191,34 @@ def test_searches_are_read_with_every_problem(windy, tmp_path):
     with pytest.raises(missionplan.InputError) as caught:
         missionplan.simulate(mission, searched=path)
     assert [problem.key for problem in caught.value.problems] == ["features[0]", "features[1]"]
+
+
+@pytest.mark.parametrize("wind", ["{low: 3 m/s, high: 8 m/s}", "{mean: 12 m/s, sd: 2 m/s}"])
+def test_areas_hold_losses_that_drift_by_the_published_equations(windy, wind):
+    """A thousand losses carried a minute at a time, with draws of their own: current, wind, leeway to the left or right."""
+    mission = windy("{mean: 0.2 m/s, sd: 0.08 m/s}", f"{{speed: {wind}, from: {{mean: 200 deg, sd: 25 deg}}}}")
+    sheet = missionplan.simulate(mission, trials=3000).overdue
+    rng, n = np.random.default_rng(99), 1000
+    speed = rng.uniform(3.0, 8.0, n) if "low" in wind else rng.normal(12.0, 2.0, n)
+    course = np.radians(20.0 + rng.normal(0.0, 25.0, n))
+    down = 0.0107 * speed + 0.0447 + rng.normal(0.0, 0.054, n)
+    right = np.where(rng.random(n) < 0.5, 1.0, -1.0) * 0.0041 * speed + rng.normal(0.0, 0.054, n)
+    water = np.maximum(rng.normal(0.2, 0.08, n), -1.0)
+    east = water * np.sin(np.radians(60.0)) + down * np.sin(course) + right * np.cos(course)
+    north = water * np.cos(np.radians(60.0)) + down * np.cos(course) - right * np.sin(course)
+    for hours in (6.0, 24.0):
+        areas = {area.share: area for area in sheet.areas if area.way == AFLOAT and area.overdue == 3600.0 * hours}
+        x, y = rng.uniform(0.0, 800.0, n), np.zeros(n)
+        for _ in range(int((sheet.worry_after - 600.0 * rng.random() + 3600.0 * hours) / 60.0)):
+            x, y = x + 60.0 * east, y + 60.0 * north
+        inside = {share: np.mean(_holds(area, np.stack((x, y)))) for share, area in areas.items()}
+        assert 0.44 < inside[0.5] < 0.56
+        assert 0.87 < inside[0.9] < 0.93
+        assert 0.925 < inside[0.95] < 0.975
+
+
+def _holds(area, places):
+    return np.any(
+        [np.logical_xor.reduce([Outline(r.T).contains_points(places.T) for r in rings]) for rings in area.polygons],
+        axis=0,
+    )
