@@ -74,11 +74,11 @@ class SearchArea(Record):
     ]
     half_width: Annotated[float, Entry("short half axis of that ellipse, or radius", "m")]
     toward: Annotated[float, Entry("direction of the long axis, clockwise from north", "rad")]
-    missed: Annotated[float, Entry("probability that the searches so far would have missed it", key="missed_by_searches")]
+    missed: Annotated[float, Entry("probability that the searches so far miss it", key="missed_by_searches")]
     trials: Annotated[int, Entry("from which it is taken")]
     is_assumed: Annotated[
         bool,
-        Entry("whether these are trials that did not fail so: too few did, and the others are assumed to", key="assumed"),
+        Entry("whether trials are assumed to be lost so, as too few are", key="assumed"),
     ]
 
     @property

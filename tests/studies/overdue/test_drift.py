@@ -156,7 +156,7 @@ def test_a_search_in_vain_leaves_what_it_would_have_missed():
     areas = list(search_areas([lost], drift, 7200.0, {}, [Search(SQUARE, 0.8, 3600.0)]))
     share = np.mean(place[0] > 0.0)
     assert areas[-1].missed == pytest.approx(1.0 - 0.8 * share)
-    assert areas[-1].densest[0] < 0.0
+    assert areas[-1].densest_east < 0.0
     earlier = list(search_areas([lost], drift, 7200.0, {}, [Search(SQUARE, 0.8, -10.0)]))
     assert earlier[-1].missed == 1.0, "nothing was lost yet"
     sonar = list(search_areas([lost], drift, 7200.0, {}, [Search(SQUARE, 0.8, 3600.0, "on the seafloor")]))

@@ -113,7 +113,7 @@ def test_the_circle_of_a_vehicle_not_released_holds_the_anchors_of_a_mooring() -
     anchors = run_block(Scenario.at_means(mission).sampled(seed=9, block=0, size=512), 9, 0, 512).phases[1].anchor
     anchors = anchors[:, np.isfinite(anchors[0])]
     held = areas["not released"]
-    inside = np.hypot(anchors[0] - held.centre[0], anchors[1] - held.centre[1]) <= held.half_length
+    inside = np.hypot(anchors[0] - held.centre_east, anchors[1] - held.centre_north) <= held.half_length
     assert np.mean(inside) >= 0.92
     assert set(areas) == {"not released", "adrift at the surface", "on the seafloor", "still under way"}
     names = [time.name for time in found.overdue.times]
