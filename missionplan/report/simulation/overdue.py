@@ -107,18 +107,15 @@ def _time_row(time: ExpectedTime, start: datetime | None, *, has_energy: bool) -
 def _map(outcome: Outcome, found: Overdue) -> Figure:
     """Draw the search areas; of the drift, one for each number of hours overdue."""
     drawn = [area for area in found.areas if area.share == SHARES[-1]]
-    shown = frame([], [area.points for area in found.areas])
+    shown = frame([], [area.points for area in drawn])
     figure = MatplotlibFigure(figsize=(WIDTH, 1.3 + (WIDTH - 0.9) * shown.shape))
     axes = figure.add_subplot()
     named: set[str] = set()
-    for area in found.areas:
-        label = None if area.way in named or area not in drawn else area.way
-        named |= {label} if label else set()
+    for area in drawn:
         for ring in (ring for rings in area.polygons for ring in rings):
-            style = {"linewidth": 1.3} if area in drawn else {"linewidth": 0.7, "linestyle": ":"}
-            if area in drawn or area.share == SHARES[0]:
-                axes.plot(*(ring / 1000.0), color=_COLOURS[area.way], label=label, **style)
-                label = None
+            label = None if area.way in named else area.way
+            named.add(area.way)
+            axes.plot(*(ring / 1000.0), color=_COLOURS[area.way], linewidth=1.3, label=label)
     _name_hours(axes, drawn)
     for position in outcome.tracks.targets.values():
         axes.plot(*(np.array(position[0]) / 1000.0), "+", color=INK, markersize=7)  # an area may be too small to see
@@ -132,8 +129,8 @@ def _map(outcome: Outcome, found: Overdue) -> Figure:
         figure,
         "search-areas",
         f"Map of search areas, each of which holds 95 % of the trials: {words}.",
-        "Each line holds 95 % of the trials, each dotted one 50 %. A vehicle adrift is carried by the surface current "
-        "and the wind; its areas are for the hours overdue. Crosses: goals and moorings.",
+        "Each line holds 95 % of the trials. A vehicle adrift is carried by the surface current and the wind; its "
+        "areas are for the hours overdue. Crosses: goals and moorings.",
     )
 
 
@@ -158,29 +155,29 @@ def _name_hours(axes: Axes, drawn: Sequence[SearchArea]) -> None:
 
 
 def _areas(outcome: Outcome, found: Overdue) -> Table:
-    """One row a way and hour: where to begin, and how large the areas of 50 and of 95 % are."""
-    halves = {(area.way, area.after, area.overdue): area for area in found.areas if area.share == SHARES[0]}
+    """One row a way and hour: where to begin, and how large the area of 95 % is."""
     rows = [
         (
-            _where(area),
-            "assumed" if area.is_assumed else f"{area.trials} trials failed so",
+            f"{_where(area)}{', assumed' if area.is_assumed else f', {area.trials} trials'}",
             _hours(area),
             _place(outcome, (area.densest_east, area.densest_north)),
             _size(area),
-            f"{math.degrees(area.toward):.0f}°" if area.half_length > area.half_width else "",
-            _area(halves[(area.way, area.after, area.overdue)]),
             _area(area),
             *([f"{100.0 * area.missed:.0f} %"] if found.searches else []),
         )
         for area in found.areas
         if area.share == SHARES[-1]
     ]
-    columns = ["way to fail", "from", "overdue", "begin at", "half axes", "long axis", "50 % in", "95 % in"]
-    caption = "Overdue: hours after the time at which to worry. Begin at: where the vehicle is most likely."
+    columns = ["way to fail", "overdue", "begin at", "half axes", "area"]
+    caption = (
+        "Overdue: hours after the time at which to worry. Begin at: where the vehicle is most likely. Half axes: of the ellipse "
+        "that is like the area, and the course of the longer one. Areas hold 95 %; "
+        "search-areas.csv and the GeoJSON have those of 50 and 90 % too."
+    )
     if found.searches:
         columns.append("missed by searches")
         caption += f" What is left after {found.searches} searched areas in which nothing was found."
-    return Table(columns, rows, caption, text_columns=2)
+    return Table(columns, rows, caption)
 
 
 def _where(area: SearchArea) -> str:
@@ -197,7 +194,8 @@ def _hours(area: SearchArea) -> str:
 def _size(area: SearchArea) -> str:
     if area.half_length == area.half_width:
         return f"{quantity(area.half_length, 'm', '.0f')} (circle)"
-    return f"{quantity(area.half_length, 'm', '.0f')} × {quantity(area.half_width, 'm', '.0f')}"
+    sizes = f"{quantity(area.half_length, 'm', '.0f')} × {quantity(area.half_width, 'm', '.0f')}"
+    return f"{sizes}, {math.degrees(area.toward):.0f}°"
 
 
 def _area(area: SearchArea) -> str:
@@ -205,7 +203,7 @@ def _area(area: SearchArea) -> str:
     if reader_system() in ("nautical", "imperial"):
         unit, size = ("nmi²", 1852.0**2) if reader_system() == "nautical" else ("mi²", 1609.344**2)
     else:
-        unit, size = "km²", 1e6
+        unit, size = ("m²", 1.0) if area.area < 1e4 else ("km²", 1e6)
     return f"{number(area.area / size, 0.05 * area.area / size)}\u00a0{unit}"
 
 
