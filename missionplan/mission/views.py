@@ -210,7 +210,7 @@ def missing_for_moorings(mission: Mission[object], *, depth: bool = True) -> lis
     vehicle, site = mission.vehicle, mission.site
     anchor = vehicle.anchor if vehicle else None
     needed = {
-        "site.depth": (site.depth if site else None) if depth else True,
+        "site.depth": _depth_of(site) if depth else True,
         "site.water": site.water if site else None,
         "vehicle": vehicle,
         "vehicle.mass": vehicle.mass if vehicle else None,
@@ -221,6 +221,11 @@ def missing_for_moorings(mission: Mission[object], *, depth: bool = True) -> lis
         reason = "a descent needs it where no construction is given"
         problems += _missing(mission, reason, {"vehicle.anchor.flooded_mass": None})
     return problems
+
+
+def _depth_of(site: Site[object] | None) -> object:
+    """Return what says how deep a site is; None where nothing does."""
+    return None if site is None else site.bathymetry if site.depth is None else site.depth
 
 
 def missing_for_transitions(mission: Mission[object]) -> list[Problem]:

@@ -18,6 +18,7 @@ from missionplan.results.explained import ExplainedOutcome
 from missionplan.results.mooring.held_vehicle import HeldVehicle
 from missionplan.results.mooring.sized_anchor import MooringAnchor
 from missionplan.results.overdue import Overdue
+from missionplan.results.place import PlaceContact
 from missionplan.results.plan import Plan
 from missionplan.store.trials_table import read_trials
 
@@ -231,6 +232,10 @@ class Outcome(Result):
         Entry("the same trials by the explanation that holds in each; empty for a mission without doubts"),
     ] = ()
     members: tuple[ExplainedOutcome, ...] = ()
+    contacts: Annotated[
+        tuple[PlaceContact, ...],
+        Entry("what missions meet of ground, coast and zones kept out of; empty where they meet nothing"),
+    ] = ()
 
     @property
     def trials(self) -> pd.DataFrame:

@@ -15,7 +15,7 @@ from missionplan.mission.geodesy import to_plane
 from missionplan.mission.schema.effect_list import EffectEntry
 from missionplan.mission.schema.navigation import Navigation
 from missionplan.mission.schema.phases import MoorPhase, TransitPhase
-from missionplan.mission.schema.site import Geographic, Position
+from missionplan.mission.schema.site import Geographic, Position, SlopeSection
 from missionplan.mission.schema.vehicle import EnergyBudget
 from missionplan.mission.views import MooringMission, TransitMission, required, required_origin
 from missionplan.phases.hooks import DescentEffect, TransitEffect
@@ -94,6 +94,11 @@ class DrawnMission:
         site = required(self.drawn.site, self.mission, "site", "a mooring needs it")
         changed = self.drawn.model_copy(update={"site": site.model_copy(update={"depth": depth})})
         return replace(self, drawn=changed)
+
+    def on_slope(self, slope: SlopeSection[Scalars]) -> Self:
+        """Return the mission over ground of this slope."""
+        site = required(self.drawn.site, self.mission, "site", "a mooring needs it")
+        return replace(self, drawn=self.drawn.model_copy(update={"site": site.model_copy(update={"slope": slope})}))
 
     @property
     def latitude(self) -> float:

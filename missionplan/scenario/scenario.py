@@ -8,7 +8,7 @@ import numpy as np
 
 from missionplan.arrays import Array, Scalars
 from missionplan.mission import Mission
-from missionplan.mission.schema.phases import LegTableSection, TransitPhase
+from missionplan.mission.schema.phases import LegTableSection, MoorPhase, TransitPhase
 from missionplan.montecarlo.draws import JointDistribution
 from missionplan.montecarlo.streams import BLOCK, BlockStreams, NormalSource
 from missionplan.phases.currents import Current, LayeredCurrent, layers
@@ -16,6 +16,7 @@ from missionplan.phases.fields.ensemble import Ensemble
 from missionplan.phases.fields.forecast_error import ErringCurrent
 from missionplan.phases.hooks import TransitEffect
 from missionplan.phases.leeway import Leeway
+from missionplan.phases.place.place import Place
 from missionplan.phases.transit.compensation import Compensation, Forecast, compensation_named
 from missionplan.phases.transit.kalman_filter import DriftFilter
 from missionplan.phases.transit.leg_table import LegTable
@@ -25,6 +26,7 @@ from missionplan.scenario.anchors import carried_anchors
 from missionplan.scenario.currents.drawn_current import MEMBER, error_statistics, with_error, with_member
 from missionplan.scenario.drawn_mission import DrawnMission
 from missionplan.scenario.drift_model import DriftSample, drift_model
+from missionplan.scenario.place.building import drawn_place, read_place
 from missionplan.scenario.propulsion import PropelledVehicle
 from missionplan.scenario.wind import leeway, recorded_wind
 
@@ -55,6 +57,8 @@ class Scenario(DrawnMission):
         Where the mission reads it from a file.
     leeway : Leeway or None
         Of the vehicle afloat; None in a mission without wind.
+    place : Place or None
+        Ground, coast and sea level; None where the mission names no file of them.
     """
 
     recorded: Current | None = None
@@ -63,13 +67,18 @@ class Scenario(DrawnMission):
     member: Array | None = None
     wind: Current | None = None
     leeway: Leeway | None = None
+    place: Place | None = None
 
     @classmethod
     def at_means(cls, mission: Mission, recorded: Current | None = None) -> "Scenario":
-        """Return the mission with every distribution at its mean."""
+        """Return the mission with every distribution at its mean; files of wind and place are read.
+
+        On a grid of depths `site.depth` is the depth at the first mooring, else at the last goal.
+        """
         means, wind = mission.at_means(), recorded_wind(mission)
-        made = cls(mission, means, recorded, wind=wind, leeway=leeway(means, wind, None, 1))
-        return made._with_shaft_speeds()
+        afloat = leeway(means, wind, None, 1)
+        made = cls(mission, means, recorded, wind=wind, leeway=afloat, place=read_place(mission))
+        return made._with_depth()._with_shaft_speeds()
 
     def sampled(self, *, seed: int, block: int, size: int = BLOCK) -> "Scenario":
         """Draw a block of trials, `self` being at the means; what blocks share is computed once and kept in `self`."""
@@ -78,8 +87,8 @@ class Scenario(DrawnMission):
     def sampled_from(self, source: NormalSource, size: int) -> "Scenario":
         """Draw trials from a source of normals; as `sampled`."""
         values = self.drawn.at(self._joint.draw_from(source, size))
-        blown = leeway(values, self.wind, source, size)
-        drawn = replace(self, drawn=values, expected=self, leeway=blown)._with_shaft_speeds()
+        blown, place = leeway(values, self.wind, source, size), self.place and drawn_place(self.place, values)
+        drawn = replace(self, drawn=values, expected=self, leeway=blown, place=place)._with_shaft_speeds()
         if self.recorded is None:
             return drawn
         member = with_member(self.recorded, source, size)
@@ -98,6 +107,19 @@ class Scenario(DrawnMission):
             for key in entry.parameters
         }
         return JointDistribution.of(self.mission.quantities(), self.mission.correlated, streams)
+
+    def _with_depth(self) -> "Scenario":
+        """Say how deep it is where the mission moors first, else at its last goal, where a grid of depths tells it."""
+        if self.place is None or self.place.ground is None:
+            return self
+        here = np.zeros(2)
+        for phase in self.drawn.phases:
+            if isinstance(phase, MoorPhase):
+                break
+            if isinstance(phase, TransitPhase):
+                here = self.position(phase.to)
+        depth = float(self.place.water_at(here.reshape(2, 1), np.zeros(1))[0])
+        return self.at_depth(depth) if np.isfinite(depth) else self
 
     def _with_shaft_speeds(self) -> "Scenario":
         """Add the speeds of the transits that give a shaft rate."""
@@ -162,7 +184,7 @@ class Scenario(DrawnMission):
 
     def environment(self, phase: TransitPhase[Scalars]) -> Environment:
         """Return the current, the drift compensation and the effects of one transit."""
-        return Environment(self.current, self.compensation(phase), self.effects_under_way(phase))
+        return Environment(self.current, self.compensation(phase), self.effects_under_way(phase), self.place)
 
     def effects_under_way(self, phase: TransitPhase[Scalars]) -> tuple[TransitEffect, ...]:
         """Return the effects on one transit: the mission's, and the error of a speed inferred from the shaft rate."""

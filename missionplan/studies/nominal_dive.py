@@ -36,7 +36,7 @@ def check_dives(means: Scenario) -> None:
     for phase in means.drawn.moors:
         if isinstance(phase.anchor_wet_weight, str):
             continue
-        fastest = _terminal_velocity(dive_of(means, phase))
+        fastest = sinking_speed(dive_of(means, phase))
         if fastest > FASTEST:
             message = f"{phase.name} goes down at {fastest:.3g} m/s; expected at most {FASTEST:g} m/s"
             key = f"{phase.name}.anchor_wet_weight"
@@ -45,7 +45,7 @@ def check_dives(means: Scenario) -> None:
         raise InputError(problems)
 
 
-def _terminal_velocity(dive: Dive) -> float:
+def sinking_speed(dive: Dive) -> float:
     """Speed at which anchor and vehicle sink together [m/s]; 0 where they do not."""
 
     def drag(speed: Scalars) -> Scalars:

@@ -39,6 +39,10 @@ def include_files(document: Document, folder: Path, *, allow_outside: bool) -> l
     wind = site.get("wind") if isinstance(site, dict) else None
     if isinstance(wind, dict) and isinstance(wind.get("file"), str):
         wind["file"] = files.resolve_many(wind["file"], ("site", "wind", "file")) or wind["file"]
+    for key in ("bathymetry", "land", "keep_out", "tide_height"):
+        section = site.get(key) if isinstance(site, dict) else None
+        if isinstance(section, dict) and isinstance(section.get("file"), str):
+            section["file"] = str(files.resolve(section["file"], ("site", key, "file")) or section["file"])
     current = site.get("current") if isinstance(site, dict) else None
     if isinstance(current, dict):
         _resolve_current(current, files)

@@ -50,6 +50,10 @@ class TransitPhase(PhaseSection, Generic[V]):
         default=None, alias="from"
     )
     to: Annotated[Position[V], Doc("goal, east and north of the origin, or by latitude and longitude")]
+    via: Annotated[
+        tuple[Position[V], ...] | Literal["auto"],
+        Doc("points on the way to the goal, each reached as the goal is; auto: the shortest way clear of land"),
+    ] = ()
     depth: Annotated[q.Distance[V], Doc("depth of the transit"), limits.DEPTH] = q.default(0.0)
     speed: Annotated[q.PositiveSpeed[V], Doc("speed through the water"), limits.SPEED] = q.default(math.nan)
     shaft_rate: Annotated[
@@ -67,6 +71,11 @@ class TransitPhase(PhaseSection, Generic[V]):
         Doc("distance from the goal at which the transit has arrived"),
         Limit((0.01, 50_000.0), (1.0, 2000.0), "a fix is good to 3 to 10 m"),
     ]
+
+    @property
+    def ways(self) -> "tuple[Position[V], ...]":
+        """Points on the way that the file gives."""
+        return () if isinstance(self.via, str) else self.via
 
     @model_validator(mode="after")
     def _one_of_speed_and_shaft_rate(self) -> Self:

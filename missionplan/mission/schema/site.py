@@ -7,12 +7,14 @@ from typing import Annotated, Generic, Literal, Self
 from pydantic import Discriminator, Tag, model_validator
 from typing_extensions import Doc
 
+from missionplan.errors import LocalProblem
 from missionplan.mission.schema import limits
 from missionplan.mission.schema import quantities as q
 from missionplan.mission.schema.limits import Limit
 from missionplan.mission.schema.moment import Moment
+from missionplan.mission.schema.place import BathymetryFile, PlaceFile, TideHeight, TideOrHeight
 from missionplan.mission.schema.quantity_parser import QuantityParser
-from missionplan.mission.schema.section import FileSection, ReadBy, V, invalid
+from missionplan.mission.schema.section import FileSection, ReadBy, V, all_invalid, invalid
 from missionplan.mission.schema.wind import SteadyWind, WindFile, wind_tag
 
 _FixedSignedSpeed = Annotated[float, ReadBy(QuantityParser("m/s", low=-12.0, high=12.0, fixed=True))]
@@ -192,7 +194,10 @@ class SlopeSection(FileSection, Generic[V]):
 
 
 class Site(FileSection, Generic[V]):
-    """Site of the mission; `chart` is a file drawn behind the map."""
+    """Site of the mission; `chart` is a file drawn behind the map.
+
+    `land` and `keep_out` are polygons that no trial may touch; `bathymetry` stands in the place of `depth`.
+    """
 
     origin: Geographic | None = None
     depth: Annotated[
@@ -220,13 +225,48 @@ class Site(FileSection, Generic[V]):
         Limit((1e-7, 1.0), (1e-5, 0.03), "Soulsby 1997: 0.05 mm silt, 6 mm rippled sand"),
     ] = None
     chart: str | None = None
+    bathymetry: BathymetryFile | None = None
+    depth_datum: str | None = None
+    tide_height: Annotated[
+        TideOrHeight[V] | None,
+        Doc("height of the sea level over the datum of the depths"),
+        Limit((-30.0, 30.0), (-10.0, 10.0), "the Bay of Fundy has 16 m between low and high water"),
+    ] = None
+    clearance: Annotated[
+        q.Distance[V],
+        Doc("water that is to stay under the hull"),
+        Limit((0.0, 1000.0), (0.0, 50.0), "vehicles keep 1 to 10 m over charted ground"),
+    ] = q.default(0.0)
+    land: PlaceFile | None = None
+    keep_out: PlaceFile | None = None
+
+    @property
+    def place_files(self) -> dict[str, PlaceFile]:
+        """Files of the ground and the coast, by their keys."""
+        named = {"bathymetry": self.bathymetry, "land": self.land, "keep_out": self.keep_out}
+        return {key: file for key, file in named.items() if file is not None}
+
+    @model_validator(mode="after")
+    def _one_depth(self) -> Self:
+        problems = []
+        if self.bathymetry is not None and self.depth is not None:
+            message = "given beside site.bathymetry, which says how deep it is: leave one of them out"
+            problems.append(LocalProblem(("depth",), message))
+        for key, file in self.place_files.items():
+            if self.origin is None and file.projection != "local":
+                problems.append(LocalProblem(("origin",), f"missing; site.{key} is placed by it"))
+        if problems:
+            raise all_invalid(problems)
+        return self
 
     @property
     def files(self) -> tuple[str, ...]:
         """Files that the site is read from, patterns and addresses too, besides those that the mission includes."""
         current = self.current.members if isinstance(self.current, CurrentFile) else ()
         wind = (self.wind.file,) if isinstance(self.wind, WindFile) else ()
-        return (*current, *wind, *((self.chart,) if self.chart else ()))
+        tide = self.tide_height.file if isinstance(self.tide_height, TideHeight) else None
+        named = (self.chart, tide, *(file.file for file in self.place_files.values()))
+        return (*current, *wind, *(name for name in named if name))
 
     @model_validator(mode="after")
     def _chart_has_a_place(self) -> Self:

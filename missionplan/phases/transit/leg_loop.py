@@ -9,7 +9,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from missionplan.arrays import Array
+from missionplan.arrays import Array, Scalars
+from missionplan.phases.place.place import Contact, Lookout, Way
 from missionplan.phases.state import TrialState, select_trials
 from missionplan.phases.transit.compensation import Compensation, CompletedLeg, Memory, PlannedLeg
 from missionplan.phases.transit.ground_velocity import GroundVelocity, leg_normals
@@ -37,6 +38,14 @@ class FinalState(NamedTuple):
     under_way: NDArray[np.bool_]
     outrun: NDArray[np.bool_]
     left_record: NDArray[np.bool_]
+    cause: NDArray[np.int8]
+    leg: NDArray[np.int64]
+    where: Array
+
+    @property
+    def contact(self) -> Contact:
+        """What each trial met first."""
+        return Contact(self.cause, self.leg, self.where)
 
 
 class _Aim(NamedTuple):
@@ -73,6 +82,7 @@ class LegLoop:
         self._memory: Memory = self._compensation.begin(state.trials) if self._compensation else ()
         self._legs_begun = None if plan.length_lost is None else 0.0 * self._distance
         self._moving: Array | None = None  # 1 for a trial under way, 0 for one that is not; None while all are
+        self._lookout = Lookout(environment.place, Contact.none(state.trials)) if environment.place else None
         self._count = state.trials  # trials under way
         self._set_moving(state.alive & (self._left >= plan.arrival_radius))
         self._tracked = tracked
@@ -93,13 +103,16 @@ class LegLoop:
         aim = None
         if self._compensation is not None:
             length, aim = self._aim_off(self._compensation, length, course)
+        begun = None if self._lookout is None else (self._x + self._goal, self._now())
         self._move(number, length, course)
         self._distance += length
         if self._legs_begun is not None:
             self._legs_begun += 1.0 if moving is None else moving
+        begun = self._look_out(number, begun, self._plan.depth)
         self._mark(moving)
         surfaced = self._surface(number)
         self._surfacings += 1.0 if moving is None else moving
+        self._look_out(number, begun, 0.0)
         self._mark(moving)
         if self._compensation is not None and aim is not None:
             duration = self._duration(length, moving)
@@ -110,8 +123,18 @@ class LegLoop:
     def final_state(self) -> FinalState:
         """Return the final state of all trials of the block."""
         moved = self._ground_velocity
+        met = Contact.none(self._left.size) if self._lookout is None else self._lookout.contact
         now = FinalState(
-            self._distance, self._surfacings, self._x, self._fix, self._far, moved.outrun, moved.left_record
+            self._distance,
+            self._surfacings,
+            self._x,
+            self._fix,
+            self._far,
+            moved.outrun,
+            moved.left_record,
+            met.cause,
+            met.leg,
+            met.where,
         )
         if self._done is None:
             return now
@@ -191,6 +214,17 @@ class LegLoop:
             np.copyto(self._fix, fix, where=self._moving > 0.0)
         return surfaced
 
+    def _look_out(self, number: int, begun: tuple[Array, Array] | None, depth: Scalars) -> tuple[Array, Array] | None:
+        """See what the trials met since a place and time, at a depth, and stop them there; where and when they are."""
+        if self._lookout is None or begun is None:
+            return None
+        place, now = self._x + self._goal, self._now()
+        self._lookout.watch(number + 1, Way(begun[0], place, begun[1], now, depth, depth), self._moving)
+        stopped = self._lookout.contact.met
+        if stopped.any():
+            self._x[:, stopped] = (self._lookout.contact.where - self._goal)[:, stopped]
+        return place, now
+
     def _fix_noise(self, source: Normals | None, number: int) -> Array:
         if source is None:
             raise ValueError("fixes have errors: TransitNormals needs fix_on_surfacing and fix_on_diving")
@@ -206,6 +240,8 @@ class LegLoop:
         far = self._left >= self._plan.arrival_radius
         if self._moving is not None:
             far &= self._moving > 0.0
+        if self._lookout is not None and (stopped := self._lookout.contact.met).any():
+            far &= ~stopped
         self._set_moving(far)
         if not self._keeps_all and 2 * self._count <= far.size and far.size > _MIN_TRIALS_TO_DROP:
             self._drop_all_but(np.flatnonzero(far))
@@ -235,6 +271,7 @@ class LegLoop:
         self._legs_begun = None if self._legs_begun is None else self._legs_begun[kept]
         self._memory = tuple(array[..., kept] for array in self._memory)
         self._plan = self._plan.take(kept)
+        self._lookout = None if self._lookout is None else self._lookout.take(kept)
         self._ground_velocity = self._ground_velocity.take(self._plan, kept)
         self._fix_sd = select_trials(self._fix_sd, kept)
         self._moving, self._far = None, np.ones(kept.size, dtype=bool)

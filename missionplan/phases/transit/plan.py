@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from missionplan.arrays import Array, Scalars
 from missionplan.phases.currents import Current
 from missionplan.phases.hooks import TransitEffect
+from missionplan.phases.place.place import Contact, Place
 from missionplan.phases.state import select_trials
 from missionplan.phases.transit.compensation import Compensation
 from missionplan.phases.transit.leg_table import LegTable, LegTables
@@ -201,11 +202,14 @@ class Environment:
         None to aim straight at the target.
     effects : tuple of TransitEffect
         Effects that the base model leaves out.
+    place : Place or None
+        Ground and coast; None where the mission says nothing of them.
     """
 
     current: Current | None = None
     compensation: Compensation | None = None
     effects: tuple[TransitEffect, ...] = ()
+    place: Place | None = None
 
     @property
     def is_still(self) -> bool:
@@ -234,6 +238,8 @@ class TransitRecord:
         Whether on some leg the current, with the mean velocity error and the effects, was as fast as the vehicle.
     left_record : array of bool
         Whether the trial left the record of the current, but for those that could not stem the current.
+    contact : Contact
+        What of ground, coast and zones each trial met first, where it stopped.
     track : array, shape (2, m, k), or None
         True positions of the first k trials: the start, then for each leg where the vehicle surfaced and dived again;
         nan after arrival [m].
@@ -249,5 +255,6 @@ class TransitRecord:
     arrived: NDArray[np.bool_]
     outrun: NDArray[np.bool_]
     left_record: NDArray[np.bool_]
+    contact: Contact
     track: Array | None = field(default=None, repr=False)
     track_time: Array | None = field(default=None, repr=False)

@@ -24,7 +24,7 @@ def transit(
     """Take a block of trials through a transit.
 
     Trials that have failed before stay where they are and do not arrive; trials that start within the arrival radius
-    have arrived without a leg.
+    have arrived without a leg. A trial that meets ground, land or a zone stops there.
 
     Parameters
     ----------
@@ -52,7 +52,7 @@ def transit(
     energy += end.surfacings * plan.surfacing_energy
     lost = end.left_record & ~(end.under_way & end.outrun)  # what cannot stem the current drifts off any record
     current = environment.current if environment is not None else None
-    arrived = state.alive & ~end.under_way
+    arrived = state.alive & ~end.under_way & ~end.contact.met
     if current is not None and current.is_binding:
         arrived &= ~lost
     record = TransitRecord(
@@ -64,6 +64,7 @@ def transit(
         arrived=arrived,
         outrun=end.outrun,
         left_record=lost,
+        contact=end.contact,
         track=legs.track(),
         track_time=legs.track_time(),
     )

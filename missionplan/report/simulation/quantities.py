@@ -23,7 +23,11 @@ _FAILURES = {
     "out of energy": "empty batteries",
     "left the record of the current": "missions that leave the record of the current",
     "current faster than the vehicle": "currents faster than the vehicle",
-    "ran aground": "vehicles that run aground",
+    "aground": "vehicles that run aground",
+    "on-land": "vehicles that end on land",
+    "keep-out": "vehicles in zones to keep out of",
+    "equipment": "equipment that fails",
+    "left the grid of depths": "missions that leave the grid of depths",
     "line and vehicle longer than the water is deep": "lines too long for the depth of the water",
     "anchor too light to sink the vehicle": "anchors too light to sink the vehicle",
 }

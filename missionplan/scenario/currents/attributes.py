@@ -128,10 +128,11 @@ def depths(variable: "DataArray", values: Array, otherwise: str = "") -> Array:
         raise FieldAttributeError(f"{name} is a {standard or 'coordinate with formula_terms'}; expected depths")
     expected = "depths in units such as m; of pressures give the depths"
     size = scale(variable, "m", expected, otherwise) * np.asarray(values, dtype=float)
-    return -size if _counts_up(variable, size) else size
+    return -size if counts_up(variable, size) else size
 
 
-def _counts_up(variable: "DataArray", values: Array) -> bool:
+def counts_up(variable: "DataArray", values: Array) -> bool:
+    """Whether a vertical axis or the seafloor counts up; see `depths`."""
     positive, standard = word(variable, "positive").lower(), word(variable, "standard_name").lower()
     if positive:
         if positive not in ("up", "down"):

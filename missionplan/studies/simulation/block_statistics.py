@@ -1,7 +1,7 @@
 """Statistics and counts of a block of missions, which merge block by block, and the first trials in full."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, field, fields
 from typing import Literal, TypeVar
 
 import numpy as np
@@ -17,7 +17,7 @@ from missionplan.montecarlo.statistics import Count, Moments
 from missionplan.physics.energy import JOULES_PER_WATT_HOUR
 from missionplan.scenario.currents.drawn_current import MEMBER
 from missionplan.studies.simulation.mission_trials import MissionTrials
-from missionplan.studies.simulation.phase_trials import Flags
+from missionplan.studies.simulation.phase_trials import MET, Flags
 
 Value = TypeVar("Value")
 Side = Literal["at_most", "at_least"]
@@ -56,11 +56,14 @@ class BlockStatistics:
         Of ``phase.event``, of ``phase: failure`` (those still good until then), and of each requirement met.
     sample : mapping of str to array, shape (..., m)
         Of the first trials: ``input:…``, ``output:…`` and ``miss:phase``.
+    contacts : array, shape (m, 6)
+        Trials lost to ground, coast and zones: number of the phase, `Cause`, leg, how many, sums of east and north [m].
     """
 
     statistics: RunningStatistics
     counts: Mapping[str, Count]
     sample: Mapping[str, Array]
+    contacts: Array = field(default_factory=lambda: np.empty((0, 6)))
 
     @property
     def trials(self) -> int:
@@ -73,17 +76,19 @@ class BlockStatistics:
         for name, values in other.sample.items():
             sample[name] = np.concatenate((sample[name], values), axis=-1) if name in sample else values
         counts = {name: count.merge(other.counts[name]) for name, count in self.counts.items()}
-        return BlockStatistics(self.statistics.merge(other.statistics), counts, sample)
+        contacts = _summed(np.concatenate((self.contacts, other.contacts)))
+        return BlockStatistics(self.statistics.merge(other.statistics), counts, sample, contacts)
 
     def to_arrays(self) -> dict[str, NDArray[np.generic]]:
         """Flatten into named arrays, for a file."""
         flat: dict[str, NDArray[np.generic]] = {f"sample/{name}": values for name, values in self.sample.items()}
+        flat["contacts"] = self.contacts
         flat["count/names"] = np.array(list(self.counts))
         flat["count/numbers"] = np.array([(count.successes, count.trials) for count in self.counts.values()])
         found = self.statistics
         flat["statistic/names"] = np.array(found.names)
-        for field in fields(Moments):
-            flat[f"moments/{field.name}"] = getattr(found.moments, field.name)
+        for each in fields(Moments):
+            flat[f"moments/{each.name}"] = getattr(found.moments, each.name)
         used = [sketch.bins_in_use() for sketch in found.sketches]
         flat["sketch/sizes"] = np.array([len(counts) for _, counts in used])
         flat["sketch/bins"] = np.concatenate([bins for bins, _ in used])
@@ -100,7 +105,7 @@ class BlockStatistics:
         sketches = tuple(map(QuantileSketch.from_bins, bins, held))
         statistics = RunningStatistics(tuple(flat["statistic/names"].tolist()), _moments(flat), sketches)
         sample = {name: np.asarray(values, dtype=float) for name, values in with_prefix(flat, "sample/").items()}
-        return cls(statistics, counts, sample)
+        return cls(statistics, counts, sample, np.asarray(flat["contacts"], dtype=float))
 
 
 def _moments(flat: Mapping[str, NDArray[np.generic]]) -> Moments:
@@ -155,7 +160,30 @@ def statistics_of_block(mission: Mission, trials: MissionTrials, *, sampled: boo
         for name, where in held.items()
         for quantity, values in trials.total.items()
     }
-    return BlockStatistics(RunningStatistics.of(_quantities(trials) | explained), counts, sample)
+    statistics = RunningStatistics.of(_quantities(trials) | explained)
+    return BlockStatistics(statistics, counts, sample, _summed(_contacts(trials)))
+
+
+def _contacts(trials: MissionTrials) -> Array:
+    """One row for each trial that is lost to ground, coast or a zone, as in `BlockStatistics.contacts`."""
+    steps, rows = failures_by_step(trials), [np.empty((0, 6))]
+    for number, phase in enumerate(trials.phases):
+        if phase.contact is None:
+            continue
+        for cause, reason in MET.items():
+            lost = np.flatnonzero(steps[f"{phase.name}: {reason}"] & phase.contact.of(cause))
+            one = np.ones(lost.size)
+            known = (phase.contact.leg[lost], one, *phase.contact.where[:, lost])
+            rows.append(np.stack((number * one, cause * one, *known), axis=1))
+    return np.concatenate(rows)
+
+
+def _summed(rows: Array) -> Array:
+    """Sum rows of the same phase, cause and leg."""
+    kinds, which = np.unique(rows[:, :3], axis=0, return_inverse=True)
+    sums = np.zeros((len(kinds), 3))
+    np.add.at(sums, which.ravel(), rows[:, 3:])
+    return np.concatenate((kinds, sums), axis=1)
 
 
 def _held(mission: Mission, trials: MissionTrials) -> dict[str, Flags]:

@@ -13,8 +13,9 @@ from missionplan.phases.state import TrialState
 from missionplan.physics.energy import JOULES_PER_WATT_HOUR
 from missionplan.scenario.held_vehicle import line_strength
 from missionplan.scenario.mooring import is_too_shallow, moor_plan
-from missionplan.scenario.scenario import STILL_WATER
+from missionplan.scenario.scenario import STILL_WATER, Scenario
 from missionplan.scenario.transit_streams import fix_normals
+from missionplan.studies.simulation.mooring_ground import Moored, met_at_mooring, on_ground
 from missionplan.studies.simulation.phase_trials import (
     FLOODED_EARLY,
     LEFT_RECORD,
@@ -26,6 +27,7 @@ from missionplan.studies.simulation.phase_trials import (
     PhaseTrials,
     TrialBlock,
     end_exhausted,
+    failures_met,
     limit_events,
     quantities_reached,
     where_reached,
@@ -47,18 +49,26 @@ def mooring_trials(
         Of the transit before [m].
     """
     scenario, begun = block.scenario, state.alive
-    plan, current = moor_plan(scenario, phase), scenario.current or STILL_WATER
-    prevented = _prevented(block, phase, plan, begun)
-    taut = begun & ~np.logical_or.reduce(list(prevented.values()))
-    after, record = moor(
-        plan,
-        replace(state, alive=taut),
-        fix_normals(f"{phase.name}.fix", block.source, state.trials),
-        current,
-        effects=scenario.descent_effects,
-        surface_effects=scenario.effects_afloat,
+    current = scenario.current or STILL_WATER
+    normals = fix_normals(f"{phase.name}.fix", block.source, state.trials)
+
+    def moored_in(scenario: Scenario) -> Moored:
+        plan = moor_plan(scenario, phase)
+        prevented = _prevented(block, phase, plan, begun)
+        taut = begun & ~np.logical_or.reduce(list(prevented.values()))
+        effects, surface = scenario.descent_effects, scenario.effects_afloat
+        alive = replace(state, alive=taut)
+        return Moored(plan, prevented, *moor(plan, alive, normals, current, effects=effects, surface_effects=surface))
+
+    plan, prevented, after, record = (
+        moored_in(scenario) if scenario.place is None else on_ground(scenario, phase, state, moored_in)
     )
+    taut = begun & ~np.logical_or.reduce(list(prevented.values()))
     moored = taut & record.descent.touched_down
+    contact = None
+    if scenario.place is not None:
+        contact = met_at_mooring(scenario.place, plan, state, after, record)
+        after = replace(after, alive=after.alive & ~contact.met)
     left = moored & ~_is_covered(plan, current, state, after, record)
     lost = left & current.is_binding
     after = replace(after, alive=after.alive & ~lost)
@@ -75,6 +85,7 @@ def mooring_trials(
         start=where_reached(begun, state.clock),
         end=where_reached(ended, after.clock),
         failures={
+            **({} if contact is None else {name: begun & met for name, met in failures_met(contact).items()}),
             **prevented,
             LEFT_RECORD: lost,
             LINE_PARTED: taut & record.line_parted,
@@ -93,6 +104,7 @@ def mooring_trials(
         goal=goal,
         radius=plan.radius,
         inputs={},
+        contact=contact,
     )
     return continuing, found
 

@@ -12,10 +12,12 @@ from missionplan.mission import Mission
 from missionplan.mission.schema.monte_carlo import Requirement
 from missionplan.montecarlo.sensitivity import sensitivities
 from missionplan.montecarlo.statistics import Count, Integers, RunningStatistic, Statistic
+from missionplan.phases.place.place import Cause
 from missionplan.results.base import Provenance
 from missionplan.results.explained import Causes, ExplainedOutcome
 from missionplan.results.mooring.held_vehicle import HeldVehicle
 from missionplan.results.mooring.sized_anchor import MooringAnchor
+from missionplan.results.place import PlaceContact
 from missionplan.results.simulation import (
     Attrition,
     Histogram,
@@ -35,7 +37,7 @@ from missionplan.studies.simulation.block_statistics import (
     with_prefix,
 )
 from missionplan.studies.simulation.mission_trials import MapTracks
-from missionplan.studies.simulation.phase_trials import LIMIT_FAILURES
+from missionplan.studies.simulation.phase_trials import LIMIT_FAILURES, MET
 
 INTEGER_QUANTITIES = ("surfacings",)
 """Quantities that are whole numbers."""
@@ -95,10 +97,26 @@ class OutcomeBuilder:
             failed_blocks=self.failed_blocks,
             trials_table=self.trials_table,
             explanations=tuple(self._explanations()),
+            contacts=tuple(self._contacts()),
             members=tuple(
                 self._explained(MEMBER, number, (name,), weight) for number, (name, weight) in enumerate(self.members)
             ),
         )
+
+    def _contacts(self) -> Iterator[PlaceContact]:
+        """What each phase loses to each cause."""
+        rows = self.totals.contacts
+        for number, cause in dict.fromkeys((int(row[0]), Cause(int(row[1]))) for row in rows):
+            own = rows[(rows[:, 0] == number) & (rows[:, 1] == cause)]
+            count, east, north = own[:, 3:].sum(axis=0)
+            yield PlaceContact(
+                phase=self.mission.phases[number].label,
+                cause=MET[cause],
+                lost=Count(int(count), self.totals.trials).probability(),
+                legs={str(int(row[2])): int(row[3]) for row in own},
+                east=float(east / count),
+                north=float(north / count),
+            )
 
     def _explanations(self) -> Iterator[ExplainedOutcome]:
         """What the mission does under each explanation."""

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from missionplan.arrays import Array, Scalars
 from missionplan.montecarlo.streams import NormalSource
 from missionplan.phases.currents import Current
+from missionplan.phases.place.place import Cause, Contact
 from missionplan.phases.state import TrialState
 from missionplan.scenario.scenario import Scenario
 
@@ -18,13 +19,25 @@ OUT_OF_ENERGY = "out of energy"
 """Failure of every kind of phase."""
 LEFT_RECORD = "left the record of the current"
 OUTRUN = "current faster than the vehicle"
-AGROUND = "ran aground"
+AGROUND = "aground"
+ON_LAND = "on-land"
+KEEP_OUT = "keep-out"
+UNCHARTED = "left the grid of depths"
 TOO_SHALLOW = "line and vehicle longer than the water is deep"
 TOO_LIGHT = "anchor too light to sink the vehicle"
 FLOODED_EARLY = "anchor flooded before its release"
 LINE_PARTED = "line parted"
-LIMIT_FAILURES = (LEFT_RECORD, OUTRUN, AGROUND, TOO_SHALLOW, TOO_LIGHT)
+LIMIT_FAILURES = (LEFT_RECORD, OUTRUN, AGROUND, ON_LAND, KEEP_OUT, UNCHARTED, TOO_SHALLOW, TOO_LIGHT)
 """Failures where the world sets a limit: reported where some trial met it."""
+
+
+MET = {
+    Cause.AGROUND: AGROUND,
+    Cause.ON_LAND: ON_LAND,
+    Cause.KEEP_OUT: KEEP_OUT,
+    Cause.UNCHARTED: UNCHARTED,
+}
+"""Failures by what a trial has met."""
 
 
 @dataclass(frozen=True)
@@ -80,6 +93,8 @@ class PhaseTrials:
         Of arrival or of the mooring [m].
     inputs : mapping of str to array, shape (n,)
         Draws of each leg or fix, summed up in one number a trial; empty where not requested.
+    contact : Contact or None
+        What of ground, coast and zones each trial met here, on which leg and where; None where the phase meets none.
     """
 
     name: str
@@ -97,6 +112,12 @@ class PhaseTrials:
     goal: Array
     radius: Scalars
     inputs: Mapping[str, Array]
+    contact: Contact | None = None
+
+
+def failures_met(contact: Contact) -> dict[str, Flags]:
+    """Failures by what was met."""
+    return {reason: contact.of(cause) for cause, reason in MET.items()}
 
 
 def limit_events(current: Current | None, **happened: Flags) -> dict[str, Flags]:

@@ -21,6 +21,7 @@ from missionplan.studies.simulation.phase_trials import (
     PhaseTrials,
     TrialBlock,
     end_exhausted,
+    failures_met,
     limit_events,
     where_reached,
 )
@@ -42,7 +43,8 @@ def transit_trials(
     plan, normals = scenario.transit_plan(phase), transit_normals(scenario, phase, block.source)
     environment = scenario.environment(phase)
     site = scenario.drawn.site
-    depth = np.inf if site is None or site.depth is None else site.depth
+    is_flat = scenario.place is None or scenario.place.ground is None
+    depth = np.inf if site is None or site.depth is None or not is_flat else site.depth
     aground = state.alive & np.atleast_1d(plan.depth >= depth)
     state = replace(state, alive=state.alive & ~aground)
     after, record = transit(plan, state, normals, environment, tracked=min(block.tracked, state.trials))
@@ -64,6 +66,7 @@ def transit_trials(
         goal=goal,
         radius=plan.arrival_radius,
         inputs=_leg_inputs(plan, normals, state, record, goal) if block.inputs else {},
+        contact=record.contact if environment.place is not None else None,
     )
     return continuing, found
 
@@ -80,6 +83,9 @@ def _failures(state: TrialState, record: TransitRecord, environment: Environment
     """Which trials fail, by the reason; the last holds all that did not arrive."""
     missed, current = state.alive & ~record.arrived, environment.current
     failures = {AGROUND: aground}
+    if environment.place is not None:
+        failures = failures_met(record.contact)
+        failures[AGROUND] = failures[AGROUND] | aground
     if current is not None and current.is_binding:
         failures[LEFT_RECORD] = missed & record.left_record
     if not environment.is_still:

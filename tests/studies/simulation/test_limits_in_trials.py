@@ -18,7 +18,7 @@ def lost(found):
             {"phases.1.moor.line_length": {"choices": ["5 m", "11.5 m"]}},
             "moor: line and vehicle longer than the water is deep",
         ),
-        ({"phases.0.transit.depth": {"choices": ["2 m", "13 m"]}}, "ingress: ran aground"),
+        ({"phases.0.transit.depth": {"choices": ["2 m", "13 m"]}}, "ingress: aground"),
         (
             {
                 "phases.1.moor.anchor_wet_weight": {"choices": ["11.8 N", "0.5 N"]},

@@ -1,0 +1,205 @@
+"""Depth of the seafloor on a grid, and the first place of a straight way where the water is too shallow.
+
+Between the centres of its cells the depth is bilinear; from the outermost centres to the outer edges of their cells it
+is that of the nearest centre; beyond, and where a corner is missing, it is unknown.
+"""
+
+from dataclasses import dataclass, field
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from missionplan.arrays import Array
+
+Depths = NDArray[np.float32]
+_SPLIT = 4
+"""Parts into which a way is cut that may be too shallow somewhere."""
+_FINEST = 2.0
+"""Cells below which a way is sampled rather than cut."""
+_SAMPLES = 17
+"""Along such a way: eight a cell. Bilinear depth between two samples is within twist/512 of linear, the twist being the
+difference of a cell's diagonals' sums."""
+
+
+@dataclass(frozen=True)
+class Frame:
+    """From the plane to the grid's columns and rows: a polynomial, fitted to the exact projection.
+
+    Attributes
+    ----------
+    low, high : array, shape (2,)
+        Corners of the part of the plane in which it was fitted [m].
+    terms : array, shape (degree + 1, degree + 1, 2)
+        Coefficients of x^i y^j, x and y from -1 to 1 across that part, of column and row.
+    """
+
+    low: Array
+    high: Array
+    terms: Array
+
+    @classmethod
+    def fitted(cls, low: Array, high: Array, places: Array, cells: Array, tolerance: float = 1e-3) -> "Frame | None":
+        """Fit to columns and rows of places, shape (2, k); None where no polynomial is within the tolerance [cells]."""
+        x, y = (2.0 * places - (low + high)[:, None]) / (high - low)[:, None]
+        for degree in range(1, 8):
+            pairs = [(i, j) for i in range(degree + 1) for j in range(degree + 1 - i)]
+            basis = np.stack([x**i * y**j for i, j in pairs], axis=1)
+            solved = np.linalg.lstsq(basis, cells.T, rcond=None)[0]
+            if np.abs(basis @ solved - cells.T).max() <= tolerance:
+                terms = np.zeros((degree + 1, degree + 1, 2))
+                for (i, j), pair in zip(pairs, solved, strict=True):
+                    terms[i, j] = pair
+                return cls(low, high, terms)
+        return None
+
+    def cells(self, places: Array) -> Array:
+        """Columns and rows of places, shape (2, n), whole numbers at the centres of cells."""
+        clipped = np.clip(places, self.low[:, None], self.high[:, None])
+        x, y = (2.0 * clipped - (self.low + self.high)[:, None]) / (self.high - self.low)[:, None]
+        found = np.zeros((2, x.size))
+        for i in range(len(self.terms) - 1, -1, -1):
+            along = np.zeros((2, x.size))
+            for j in range(len(self.terms) - 1 - i, -1, -1):
+                along = along * y + self.terms[i, j][:, None]
+            found = found * x + along
+        return found
+
+    def holds(self, places: Array) -> NDArray[np.bool_]:
+        """Whether places, shape (2, n), lie where it was fitted."""
+        return np.asarray(np.all((places >= self.low[:, None]) & (places <= self.high[:, None]), axis=0))
+
+
+@dataclass(frozen=True)
+class Ground:
+    """The seafloor.
+
+    Attributes
+    ----------
+    depth : array, shape (rows, columns)
+        Below the datum, negative on land, nan where unknown [m].
+    frame : Frame
+    """
+
+    depth: Depths = field(repr=False)
+    frame: Frame
+
+    def depth_at(self, places: Array) -> Array:
+        """Depth at places of shape (2, n), shape (n,); nan where unknown [m]."""
+        return np.where(self.frame.holds(places), self._bilinear(self.frame.cells(places)), np.nan)
+
+    def slope_at(self, places: Array, step: float = 1.0) -> tuple[Array, Array]:
+        """Angle of the seafloor, and the direction toward which it falls, clockwise from north, shape (n,) [rad].
+
+        Level where a neighbour is unknown.
+
+        Parameters
+        ----------
+        places : array, shape (2, n)
+            [m]
+        step : float
+            Over twice which the difference is taken; a cell's slope while that is small against the cell [m].
+        """
+        east, north = np.array([[step], [0.0]]), np.array([[0.0], [step]])
+        falls = [(self.depth_at(places + side) - self.depth_at(places - side)) / (2.0 * step) for side in (east, north)]
+        toward_east, toward_north = np.nan_to_num(falls[0]), np.nan_to_num(falls[1])
+        angle = np.arctan(np.sqrt(toward_east**2 + toward_north**2))
+        return angle, np.arctan2(toward_east, toward_north)
+
+    def too_shallow(self, start: Array, end: Array, least: Array) -> tuple[Array, Array, Array]:
+        """Find where straight ways first meet water that is not deeper than they need.
+
+        Parameters
+        ----------
+        start, end : array, shape (2, n)
+            [m]
+        least : array, shape (2, n)
+            Depth below the datum that has to be exceeded at the start and at the end, linear between [m].
+
+        Returns
+        -------
+        share : array, shape (n,)
+            Of the way until there; infinite where all of it is deep enough.
+        depth : array, shape (n,)
+            Of the ground there [m].
+        unknown : array, shape (n,)
+            Share of the way until the depth is first unknown; infinite where it is known all along.
+        """
+        count = start.shape[1]
+        share, depth, unknown = np.full(count, np.inf), np.full(count, np.nan), np.full(count, np.inf)
+        ends = self.frame.cells(start), self.frame.cells(end)
+        way, low, high = np.arange(count), np.zeros(count), np.ones(count)
+        inside = self.frame.holds(start) & self.frame.holds(end)
+        while way.size:
+            first, last = (ends[0][:, way] + at * (ends[1] - ends[0])[:, way] for at in (low, high))
+            needed = least.max(axis=0)[way]
+            extent = np.abs(last - first).max(initial=0.0)
+            suspect = ~inside[way] | ~(self._shallowest(first, last, extent) > needed)
+            way, low, high = way[suspect], low[suspect], high[suspect]
+            if extent <= _FINEST:
+                break
+            parts = np.linspace(0.0, 1.0, _SPLIT + 1)
+            length, way = high - low, np.repeat(way, _SPLIT)
+            low, high = ((low[:, None] + length[:, None] * cut).ravel() for cut in (parts[:-1], parts[1:]))
+        if way.size:
+            at = self._samples(ends[0][:, way], (ends[1] - ends[0])[:, way], low, high)
+            over = start[:, way, None] + at * (end - start)[:, way, None]
+            sampled = self.depth_at(over.reshape(2, -1)).reshape(at.shape)
+            needed = least[0][way, None] + at * (least[1] - least[0])[way, None]
+            np.minimum.at(unknown, way, np.where(np.isnan(sampled), at, np.inf).min(axis=1))
+            np.minimum.at(share, way, np.where(sampled <= needed, at, np.inf).min(axis=1))
+            met = np.isfinite(share)
+            depth[met] = self.depth_at(start[:, met] + share[met] * (end - start)[:, met])
+        return share, depth, unknown
+
+    @staticmethod
+    def _samples(first: Array, along: Array, low: Array, high: Array) -> Array:
+        """Shares of ways at which the depth is looked at, shape (n, k): evenly, and where they cross rows and columns.
+
+        Between two of them the depth along the way is quadratic.
+        """
+        even = low[:, None] + (high - low)[:, None] * np.linspace(0.0, 1.0, _SAMPLES)
+        crossings = [even]
+        for axis in (0, 1):
+            lines = np.floor(np.minimum(*(first[axis] + at * along[axis] for at in (low, high))))[:, None] + (1, 2, 3)
+            step = np.where(along[axis] == 0.0, np.inf, along[axis])[:, None]
+            crossings.append(np.clip((lines - first[axis][:, None]) / step, low[:, None], high[:, None]))
+        return np.concatenate(crossings, axis=1)
+
+    def _bilinear(self, cells: Array) -> Array:
+        rows, columns = self.depth.shape
+        column, row = cells
+        inside = (np.abs(column - 0.5 * (columns - 1)) <= 0.5 * columns) & (
+            np.abs(row - 0.5 * (rows - 1)) <= 0.5 * rows
+        )
+        column, row = np.clip(column, 0.0, columns - 1.0), np.clip(row, 0.0, rows - 1.0)
+        west = np.minimum(column.astype(np.intp), max(columns - 2, 0))
+        south = np.minimum(row.astype(np.intp), max(rows - 2, 0))
+        east, north = np.minimum(west + 1, columns - 1), np.minimum(south + 1, rows - 1)
+        across, up = column - west, row - south
+        low = self.depth[south, west] * (1.0 - across) + self.depth[south, east] * across
+        high = self.depth[north, west] * (1.0 - across) + self.depth[north, east] * across
+        return np.where(inside, low * (1.0 - up) + high * up, np.nan)
+
+    def _shallowest(self, first: Array, last: Array, extent: float) -> Array:
+        """Least depth of all cells in the blocks that hold ways of at most an extent [cells], -inf beyond the grid."""
+        level = min(max(int(np.ceil(np.log2(max(extent, 1.0) + 1.0))), 0), len(self._blocks) - 1)
+        blocks, size = self._blocks[level], 1 << level
+        low = np.floor(np.minimum(first, last)).astype(np.intp) // size
+        high = (np.floor(np.maximum(first, last)).astype(np.intp) + 1) // size
+        top = np.array(blocks.shape[::-1])[:, None] - 1
+        low, high = np.clip(low, 0, top), np.clip(high, 0, top)
+        least = np.minimum.reduce([blocks[r, c] for r in (low[1], high[1]) for c in (low[0], high[0])])
+        edge = np.array(self.depth.shape[::-1])[:, None] - 0.5
+        beyond = np.any((np.minimum(first, last) < -0.5) | (np.maximum(first, last) > edge), axis=0)
+        return np.asarray(np.where(beyond, -np.inf, least), dtype=float)
+
+    @cached_property
+    def _blocks(self) -> list[Depths]:
+        """Least depth of blocks of 1, 2, 4, … cells to a side; -inf where one is unknown."""
+        found = [np.where(np.isnan(self.depth), np.float32(-np.inf), self.depth)]
+        while max(found[-1].shape) > 2:
+            rows, columns = found[-1].shape
+            padded = np.pad(found[-1], ((0, rows % 2), (0, columns % 2)), constant_values=np.inf)
+            found.append(padded.reshape(padded.shape[0] // 2, 2, padded.shape[1] // 2, 2).min(axis=(1, 3)))
+        return found

@@ -1,0 +1,214 @@
+"""What trials meet on their way: ground, land, zones kept out of, and water of which no depth is known."""
+
+from dataclasses import dataclass, field, replace
+from enum import IntEnum
+
+import numpy as np
+from numpy.typing import NDArray
+
+from missionplan.arrays import Array, Scalars
+from missionplan.phases.place.ground import Ground
+from missionplan.phases.place.zones import Fence, Zone
+from missionplan.phases.state import select_trials
+
+
+class Cause(IntEnum):
+    """What a trial has met; none of the others has met anything."""
+
+    NONE = 0
+    UNCHARTED = 1
+    AGROUND = 2
+    ON_LAND = 3
+    KEEP_OUT = 4
+
+
+@dataclass(frozen=True)
+class SeaLevel:
+    """Height of the sea level over the datum of the depths: a level, waves, and a record.
+
+    Attributes
+    ----------
+    level : float or array, shape (n,)
+        [m]
+    frequency, cosine, sine : array, shape (k,)
+        Of waves ``C·cos(ωt) + S·sin(ωt)`` [rad/s, m, m].
+    time, height : array, shape (m,)
+        Of a record, linear between, held at its ends [s, m].
+    """
+
+    level: Scalars = 0.0
+    frequency: Array = field(default_factory=lambda: np.zeros(0))
+    cosine: Array = field(default_factory=lambda: np.zeros(0))
+    sine: Array = field(default_factory=lambda: np.zeros(0))
+    time: Array = field(default_factory=lambda: np.zeros(0))
+    height: Array = field(default_factory=lambda: np.zeros(0))
+
+    def at(self, t: Array) -> Array:
+        """Height at times since the mission's start [s], one a trial, shape (n,) [m]."""
+        found = np.zeros(t.shape) + self.level
+        for frequency, cosine, sine in zip(self.frequency, self.cosine, self.sine, strict=True):
+            found += cosine * np.cos(frequency * t) + sine * np.sin(frequency * t)
+        return found + np.interp(t, self.time, self.height) if self.time.size else found
+
+
+@dataclass(frozen=True)
+class Way:
+    """Straight ways of a block of trials, each between two moments.
+
+    Attributes
+    ----------
+    start, end : array, shape (2, n)
+        [m]
+    begun, ended : array, shape (n,)
+        Since the mission's start [s].
+    least, greatest : float or array, shape (n,)
+        Depths of the vehicle's axis on the way [m].
+    """
+
+    start: Array
+    end: Array
+    begun: Array
+    ended: Array
+    least: Scalars = 0.0
+    greatest: Scalars = 0.0
+
+    def take(self, trials: NDArray[np.intp]) -> "Way":
+        """Select trials."""
+        start, end = self.start[:, trials], self.end[:, trials]
+        depths = (select_trials(self.least, trials), select_trials(self.greatest, trials))
+        return Way(start, end, self.begun[trials], self.ended[trials], *depths)
+
+
+@dataclass(frozen=True)
+class Contact:
+    """What each trial of a block met first, and where.
+
+    Attributes
+    ----------
+    cause : array of int8, shape (n,)
+        A `Cause`.
+    leg : array of int, shape (n,)
+        From 1; 0 where nothing was met, or not on a leg.
+    where : array, shape (2, n)
+        nan where nothing was met [m].
+    """
+
+    cause: NDArray[np.int8]
+    leg: NDArray[np.int64]
+    where: Array
+
+    @classmethod
+    def none(cls, trials: int) -> "Contact":
+        """Return that of trials that met nothing."""
+        return cls(np.zeros(trials, dtype=np.int8), np.zeros(trials, dtype=np.int64), np.full((2, trials), np.nan))
+
+    @property
+    def met(self) -> NDArray[np.bool_]:
+        """Whether a trial met anything."""
+        return np.asarray(self.cause != Cause.NONE)
+
+    def of(self, cause: Cause) -> NDArray[np.bool_]:
+        """Whether a trial met this first."""
+        return np.asarray(self.cause == cause)
+
+    def take(self, trials: NDArray[np.intp]) -> "Contact":
+        """Select trials."""
+        return Contact(self.cause[trials], self.leg[trials], self.where[:, trials])
+
+    def note(self, rows: NDArray[np.intp], other: "Contact", leg: int) -> None:
+        """Enter what some trials met that had met nothing before."""
+        fresh = other.met & ~self.met[rows]
+        chosen = rows[fresh]
+        self.cause[chosen], self.leg[chosen] = other.cause[fresh], leg
+        self.where[:, chosen] = other.where[:, fresh]
+
+
+@dataclass(frozen=True)
+class Place:
+    """Ground, zones and sea level, and how much water the vehicle needs.
+
+    Attributes
+    ----------
+    ground : Ground or None
+    fence : Fence or None
+    sea_level : SeaLevel
+    draught : float or array, shape (n,)
+        Of the hull below its axis [m].
+    clearance : float or array, shape (n,)
+        Water that is to stay under it [m].
+    """
+
+    ground: Ground | None = None
+    fence: Fence | None = None
+    sea_level: SeaLevel = field(default_factory=SeaLevel)
+    draught: Scalars = 0.0
+    clearance: Scalars = 0.0
+
+    @property
+    def zones(self) -> tuple[Zone, ...]:
+        """All zones."""
+        return self.fence.zones if self.fence is not None else ()
+
+    def take(self, trials: NDArray[np.intp]) -> "Place":
+        """Select trials."""
+        level = replace(self.sea_level, level=select_trials(self.sea_level.level, trials))
+        draught, clearance = select_trials(self.draught, trials), select_trials(self.clearance, trials)
+        return replace(self, sea_level=level, draught=draught, clearance=clearance)
+
+    def water_at(self, places: Array, t: Array) -> Array:
+        """Depth of the water at places, shape (2, n), and times; nan where unknown or without a grid [m]."""
+        if self.ground is None:
+            return np.full(places.shape[1], np.nan)
+        return self.ground.depth_at(places) + self.sea_level.at(t)
+
+    def meets(self, way: Way) -> Contact:
+        """Return what straight ways meet first."""
+        count = way.begun.size
+        cause, share = np.zeros(count, dtype=np.int8), np.full(count, np.inf)
+        if self.ground is not None:
+            needed = way.greatest + np.asarray(self.draught) + np.asarray(self.clearance)
+            least = np.stack([needed - self.sea_level.at(t) for t in (way.begun, way.ended)])
+            shoal, _, unknown = self.ground.too_shallow(way.start, way.end, least)
+            share = np.minimum(shoal, unknown)
+            cause[np.isfinite(share)] = Cause.AGROUND
+            cause[unknown < shoal] = Cause.UNCHARTED
+        if self.fence is not None:
+            depths = np.array(np.broadcast_arrays(way.least, way.greatest, way.begun)[:2], dtype=float)
+            touched, which = self.fence.first(way.start, way.end, np.stack((way.begun, way.ended)), depths)
+            land = np.array([zone.is_land for zone in self.fence.zones])[which]
+            sooner = np.isfinite(touched) & (touched <= share)
+            cause[sooner] = np.where(land, Cause.ON_LAND, Cause.KEEP_OUT)[sooner]
+            share = np.minimum(share, touched)
+        met = np.isfinite(share)
+        where = np.full((2, count), np.nan)
+        where[:, met] = way.start[:, met] + share[met] * (way.end - way.start)[:, met]
+        return Contact(cause, np.zeros(count, dtype=np.int64), where)
+
+
+@dataclass
+class Lookout:
+    """Watches the trials of a transit: keeps what each met first.
+
+    Attributes
+    ----------
+    place : Place
+        For the trials under watch.
+    contact : Contact
+    """
+
+    place: Place
+    contact: Contact
+
+    def watch(self, leg: int, way: Way, moving: Array | None) -> None:
+        """See what the trials under way meet on leg `leg`, from 1."""
+        going = ~self.contact.met if moving is None else (moving > 0.0) & ~self.contact.met
+        if going.all():
+            rows = np.arange(going.size)
+            self.contact.note(rows, self.place.meets(way), leg)
+        elif going.any():
+            rows = np.flatnonzero(going)
+            self.contact.note(rows, self.place.take(rows).meets(way.take(rows)), leg)
+
+    def take(self, trials: NDArray[np.intp]) -> "Lookout":
+        """Select trials."""
+        return Lookout(self.place.take(trials), self.contact.take(trials))

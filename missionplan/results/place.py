@@ -1,0 +1,20 @@
+"""What missions meet of ground and coast."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Annotated
+
+from missionplan.montecarlo.statistics import Probability
+from missionplan.results.entries import Entry, Record
+
+
+@dataclass(frozen=True)
+class PlaceContact(Record):
+    """Trials that a phase loses to one cause."""
+
+    phase: Annotated[str, Entry("as the mission's file has it")]
+    cause: Annotated[str, Entry("``aground``, ``on-land``, ``keep-out`` or ``left the grid of depths``")]
+    lost: Annotated[Probability, Entry("of all trials")]
+    legs: Annotated[Mapping[str, int], Entry("trials by the leg on which it happened, from 1; 0 at a mooring")]
+    east: Annotated[float, Entry("mean of the places, east of the origin", "m")]
+    north: Annotated[float, Entry("mean of the places, north of the origin", "m")]

@@ -1,0 +1,159 @@
+"""The place of a mission: ground, zones and sea level, from the files that its site names."""
+
+from dataclasses import replace
+from functools import lru_cache
+from pathlib import Path
+
+import numpy as np
+
+from missionplan.arrays import Array, Scalars
+from missionplan.errors import InputError, Problem
+from missionplan.mission import Mission
+from missionplan.mission.geodesy import to_plane
+from missionplan.mission.schema.place import BathymetryFile, TideHeight
+from missionplan.mission.schema.site import Geographic, Position, Site
+from missionplan.mission.views import required_origin
+from missionplan.montecarlo.distributions import mean_of
+from missionplan.phases.place.ground import Ground
+from missionplan.phases.place.place import Place, SeaLevel
+from missionplan.phases.place.zones import Fence, Zone
+from missionplan.physics.tides import angular_frequencies, nodal_state
+
+MARGIN = 5_000.0
+"""Of a chart, what is this far beyond the mission's places is read, or farther where these are farther apart [m]."""
+_HIGHEST_TIDE = 30.0
+
+
+def mission_places(mission: Mission) -> Array:
+    """Where the transits of a mission begin and end and what lies between, at the means, shape (2, k) [m]."""
+    origin = mission.site.origin if mission.site else None
+    written = [each for phase in mission.transits for each in (phase.start, *phase.ways, phase.to) if each is not None]
+    places = [_plane(each, origin) for each in written]
+    return np.array(places or [(0.0, 0.0)]).T
+
+
+def _plane(position: Position, origin: Geographic | None) -> tuple[float, float]:
+    if not isinstance(position, Geographic):
+        return float(mean_of(position[0])), float(mean_of(position[1]))
+    if origin is None:
+        raise InputError([Problem("missing; positions by latitude and longitude need it", key="site.origin")])
+    east, north = to_plane(np.array([position.latitude]), np.array([position.longitude]), origin)
+    return float(east[0]), float(north[0])
+
+
+def read_place(mission: Mission) -> Place | None:
+    """Read the files of a mission's place; None where it names none.
+
+    What a trial draws of it, clearance and error of the tide, is at its mean; see `drawn_place`.
+
+    Raises
+    ------
+    InputError
+        When a file cannot be read, is impossible, or holds nothing about the mission.
+    """
+    site = mission.site
+    if site is None or not site.place_files:
+        return None
+    places = mission_places(mission)
+    low, high = places.min(axis=1), places.max(axis=1)
+    margin = max(MARGIN, float(np.hypot(*(high - low))))
+    box = (*(low - margin).tolist(), *(high + margin).tolist())
+    start = None if mission.start is None else mission.start.isoformat()
+    origin = None if site.origin is None else (site.origin.latitude, site.origin.longitude)
+    charts = tuple(
+        (key, file.model_dump_json(), Path(file.file).stat().st_mtime_ns) for key, file in site.place_files.items()
+    )
+    ground, zones = _read(charts, origin, box, start)
+    fence = Fence(zones, np.array(box[:2]), np.array(box[2:])) if zones else None
+    means = mission.at_means()
+    return drawn_place(Place(ground, fence, _sea_level(mission, site)), means)
+
+
+@lru_cache(maxsize=4)
+def _read(
+    charts: tuple[tuple[str, str, int], ...],
+    origin: tuple[float, float] | None,
+    box: tuple[float, float, float, float],
+    start: str | None,
+) -> tuple[Ground | None, tuple[Zone, ...]]:
+    """Read each file once, however many studies of a mission ask for it."""
+    from missionplan.moments import moment_of  # readers load what reads files, which most missions have none of
+    from missionplan.scenario.place.bathymetry import read_ground
+    from missionplan.scenario.place.polygons import read_zones
+    from missionplan.scenario.place.positions import Chart
+
+    about = None if origin is None else Geographic.model_construct(latitude=origin[0], longitude=origin[1])
+    ground: Ground | None = None
+    zones: list[Zone] = []
+    for key, written, _ in charts:
+        file = BathymetryFile.model_validate_json(written)
+        chart = Chart(f"site.{key}", file, about, np.array(box[:2]), np.array(box[2:]))
+        if key == "bathymetry":
+            ground = read_ground(chart)
+        else:
+            zones += read_zones(chart, moment_of(start) if start else None, is_land=key == "land")
+    return ground, tuple(zones)
+
+
+def drawn_place(place: Place, drawn: Mission[Scalars]) -> Place:
+    """Return a place with what a mission's trials draw of it: clearance, draught, level of the sea."""
+    site, vehicle = drawn.site, drawn.vehicle
+    if site is None:
+        return place
+    tide = site.tide_height
+    level: Scalars = 0.0 if tide is None else tide.level + tide.error if isinstance(tide, TideHeight) else tide
+    draught = 0.0 if vehicle is None else 0.5 * vehicle.hull.diameter
+    sea_level = replace(place.sea_level, level=level)
+    return replace(place, sea_level=sea_level, draught=draught, clearance=site.clearance)
+
+
+def _sea_level(mission: Mission, site: Site) -> SeaLevel:
+    tide = site.tide_height
+    if not isinstance(tide, TideHeight):
+        return SeaLevel()
+    if tide.file is not None:
+        return _record(Path(tide.file), mission)
+    if mission.start is None:
+        message = "missing; a tide with phases at Greenwich needs it (UTC)"
+        raise InputError([Problem(message, mission.file, key="start")])
+    origin = required_origin(mission, "the tide's nodal corrections depend on its latitude")
+    names = [wave.name for wave in tide.constituents]
+    try:
+        state = nodal_state(names, mission.start.timestamp(), origin.latitude)
+    except KeyError as error:
+        message = f"given {error.args[0]!r}, which is no constituent that UTide knows"
+        raise InputError([Problem(message, mission.file, key="site.tide_height.constituents")]) from None
+    size = np.array([wave.amplitude for wave in tide.constituents]) * state.factor
+    angle = state.argument + state.angle - np.array([wave.phase for wave in tide.constituents])
+    return SeaLevel(0.0, angular_frequencies(names), size * np.cos(angle), -size * np.sin(angle))
+
+
+def _record(path: Path, mission: Mission) -> SeaLevel:
+    """Read a record of the sea level: CSV with ``t_s``, from the mission's start, or dates, and ``height_m``."""
+    import pandas as pd
+
+    key = "site.tide_height.file"
+    try:
+        frame = pd.read_csv(path, encoding="utf-8-sig", skipinitialspace=True)
+    except (OSError, ValueError) as error:
+        raise InputError([Problem(f"cannot be read as CSV: {str(error).strip()}", str(path), key=key)]) from None
+    missing = [name for name in ("t_s", "height_m") if name not in frame]
+    if missing or len(frame) < 2:
+        message = f"lacks the column {missing[0]}" if missing else "has fewer than two rows"
+        raise InputError([Problem(f"{message}; a record of the tide has t_s, height_m", str(path), 1, key=key)])
+    time = pd.to_numeric(frame["t_s"], errors="coerce")
+    if not pd.api.types.is_numeric_dtype(frame["t_s"]):
+        from missionplan.datasets.times import epoch_seconds
+
+        if mission.start is None:
+            raise InputError([Problem("its times are of the day: the mission needs its `start` (UTC)", str(path))])
+        time = epoch_seconds(frame["t_s"]) - mission.start.timestamp()
+    table = np.stack((time.to_numpy(dtype=float), pd.to_numeric(frame["height_m"], errors="coerce").to_numpy(float)))
+    wrong = np.flatnonzero(~np.isfinite(table).all(axis=0) | (np.abs(table[1]) > _HIGHEST_TIDE))
+    problems = [
+        Problem("expected a time and a height within 30 m of the datum", str(path), int(row) + 2) for row in wrong[:20]
+    ]
+    if problems:
+        raise InputError(problems)
+    order = np.argsort(table[0], kind="stable")
+    return SeaLevel(time=table[0, order], height=table[1, order])

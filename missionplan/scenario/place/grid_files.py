@@ -1,0 +1,244 @@
+"""Readers of grids of depths, one a format. Each returns a `Grid` as the file has it."""
+
+import re
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from missionplan.arrays import Array
+from missionplan.errors import did_you_mean
+from missionplan.scenario.currents.attributes import FieldAttributeError, counts_up, word
+from missionplan.scenario.currents.field import opened
+from missionplan.scenario.currents.files import FieldFiles
+from missionplan.scenario.currents.regular import LATITUDE, LONGITUDE
+from missionplan.scenario.place.grid import Grid, of_soundings
+from missionplan.scenario.place.polygons import features
+from missionplan.scenario.place.positions import DEGREES, Chart
+
+_UP = ("elevation", "Elevation", "z", "topo", "topography", "altitude", "height", "Band1", "band_data")
+_DOWN = ("depth", "Depth", "bathymetry", "Bathymetry", "bathy", "deptho", "h", "water_depth")
+_STANDARD_UP = ("height_above_reference_ellipsoid", "height_above_mean_sea_level", "surface_altitude", "altitude")
+_STANDARD_DOWN = (
+    "sea_floor_depth_below_geoid",
+    "sea_floor_depth_below_mean_sea_level",
+    "sea_floor_depth_below_geopotential_datum",
+    "sea_floor_depth_below_reference_ellipsoid",
+    "sea_floor_depth",
+    "depth",
+)
+_X = ("x", "X", "easting", *LONGITUDE)
+_Y = ("y", "Y", "northing", *LATITUDE)
+_SCALE, _TIE_POINT, _MATRIX, _KEYS, _NO_DATA = 33550, 33922, 34264, 34735, 42113
+"""Tags of GeoTIFF 1.1, and GDAL's for missing values."""
+_GEOGRAPHIC, _PROJECTED, _RASTER_TYPE, _USER_DEFINED = 2048, 3072, 1025, 32767
+"""Keys of GeoTIFF 1.1: EPSG codes of both kinds of reference systems; 2 where a pixel is a point."""
+
+
+def netcdf(chart: Chart) -> Grid:
+    """Read GEBCO's layout and CF grids: rows and columns along one axis each."""
+    with opened([str(chart.path)], str(chart.path)) as files:
+        try:
+            return _netcdf(chart, files)
+        except FieldAttributeError as error:
+            raise chart.problem(str(error)) from None
+
+
+def _netcdf(chart: Chart, files: FieldFiles) -> Grid:
+    name = _depth_variable(chart, files)
+    variable = files.variable(name)
+    while variable.ndim > 2 and variable.sizes[variable.dims[0]] == 1:
+        variable = variable.isel({variable.dims[0]: 0})
+    if variable.ndim != 2:
+        raise chart.problem(
+            f"{name} has the dimensions {', '.join(map(str, variable.dims))}; expected rows and columns"
+        )
+    axes: dict[str, str] = {}
+    for dim in map(str, variable.dims):
+        if dim not in files.variable(name).coords and dim not in files.datasets[0].variables:
+            raise chart.problem(f"{name} has no coordinates along {dim}", "a curved grid is to be made regular first")
+        standard = word(files.variable(dim), "standard_name").lower()
+        east = dim in _X or standard in ("longitude", "projection_x_coordinate", "grid_longitude")
+        axes["x" if east else "y"] = dim
+    if len(axes) != 2:
+        raise chart.problem(f"cannot tell rows from columns of {name}: {', '.join(map(str, variable.dims))}")
+    values = np.asarray(variable.transpose(axes["y"], axes["x"]).to_numpy(), dtype=float)
+    values = values * files.height_factor(name, otherwise="m")
+    x, y = (files.fixed(axes[side]) for side in ("x", "y"))
+    system = _grid_mapping(files, name)
+    if system is None and word(files.variable(axes["x"]), "units").lower() in ("km", "kilometers", "kilometres"):
+        x, y = 1000.0 * x, 1000.0 * y
+    return Grid(x, y, values, _counts_up(chart, files, name, values), system)
+
+
+def _depth_variable(chart: Chart, files: FieldFiles) -> str:
+    asked = chart.written.variable
+    holders = [str(key) for each in files.datasets for key, found in each.variables.items() if found.ndim >= 2]
+    if asked is not None:
+        if asked not in holders:
+            raise chart.problem(
+                f"has no grid {asked!r}", did_you_mean(asked, holders) or f"it has {', '.join(holders)}"
+            )
+        return asked
+    known = [name for name in (*_UP, *_DOWN) if name in holders]
+    named = known[0] if known else files.named(standard=(*_STANDARD_UP, *_STANDARD_DOWN))
+    if named is None and len(holders) == 1:
+        named = holders[0]
+    if named is None:
+        have = f"it has {', '.join(holders) or 'no grid'}"
+        raise chart.problem("cannot tell which variable holds the depths", f"{chart.key}.variable names it; {have}")
+    return named
+
+
+def _counts_up(chart: Chart, files: FieldFiles, name: str, values: Array) -> bool:
+    """Whether values count up: by the mission, the attributes, the name, and at last their sign."""
+    if chart.written.positive is not None:
+        return chart.written.positive == "up"
+    variable = files.variable(name)
+    standard = word(variable, "standard_name").lower()
+    if not word(variable, "positive"):
+        if standard in (*_STANDARD_UP, *_STANDARD_DOWN):
+            return standard in _STANDARD_UP
+        if not standard and name in ("elevation", "Elevation", *_DOWN):
+            return name not in _DOWN
+    try:
+        return counts_up(variable, values)
+    except FieldAttributeError as error:
+        raise chart.problem(str(error), f"{chart.key}.positive: up or down says it") from None
+
+
+def _grid_mapping(files: FieldFiles, name: str) -> str | None:
+    """Return the reference system that CF's grid mapping spells out; None where there is none."""
+    mapping = word(files.variable(name), "grid_mapping")
+    mapping = mapping or str(files.variable(name).encoding.get("grid_mapping", ""))
+    if not mapping or all(mapping not in each.variables for each in files.datasets):
+        return None
+    said = files.variable(mapping)
+    if word(said, "grid_mapping_name") == "latitude_longitude":
+        return DEGREES
+    if written := word(said, "crs_wkt") or word(said, "spatial_ref"):
+        return written
+    from pyproj import CRS
+
+    return str(CRS.from_cf(dict(said.attrs)).to_wkt())
+
+
+def geotiff(chart: Chart) -> Grid:
+    """Read the first band of a GeoTIFF, north up or south up, pixels areas or points."""
+    from PIL.TiffImagePlugin import TiffImageFile
+
+    with TiffImageFile(chart.path) as picture:
+        tags: Any = picture.tag_v2
+        if picture.mode not in ("I", "I;16", "I;16B", "F", "L"):
+            raise chart.problem(f"is a picture ({picture.mode}); expected one band of heights")
+        values = np.asarray(picture, dtype=float)
+        keys = tags.get(_KEYS, ())
+        across, up = _placed_pixels(chart, tags)
+        missing = str(tags.get(_NO_DATA, "")).strip("\0 ")
+    entries = {keys[place]: keys[place + 3] for place in range(4, len(keys), 4)}
+    if missing:
+        values = np.where(np.isclose(values, float(missing), rtol=1e-6, atol=0.0), np.nan, values)
+    half = 0.0 if entries.get(_RASTER_TYPE) == 2 else 0.5
+    rows, columns = values.shape
+    code = entries.get(_PROJECTED) or entries.get(_GEOGRAPHIC)
+    system = None if code in (None, _USER_DEFINED) else f"EPSG:{code}"
+    x, y = across[0] + across[1] * (np.arange(columns) + half), up[0] + up[1] * (np.arange(rows) + half)
+    return Grid(np.asarray(x, dtype=float), np.asarray(y, dtype=float), values, _asked_up(chart), system)
+
+
+def _placed_pixels(chart: Chart, tags: Any) -> tuple[tuple[float, float], tuple[float, float]]:
+    """First coordinate and step of columns and of rows, at the corner of the first pixel."""
+    if _MATRIX in tags:
+        matrix = tags[_MATRIX]
+        if matrix[1] or matrix[4]:
+            raise chart.problem("is turned; expected rows along one axis of its reference system")
+        return (matrix[3], matrix[0]), (matrix[7], matrix[5])
+    if _SCALE not in tags or _TIE_POINT not in tags:
+        raise chart.problem("says not where it lies: expected a GeoTIFF with a scale and a tie point")
+    scale, tie = tags[_SCALE], tags[_TIE_POINT]
+    return (tie[3] - tie[0] * scale[0], scale[0]), (tie[4] + tie[1] * scale[1], -scale[1])
+
+
+def _asked_up(chart: Chart) -> bool:
+    return chart.written.positive != "down"
+
+
+def esri(chart: Chart) -> Grid:
+    """Read an ESRI ASCII grid, with the reference system of a ``.prj`` beside it."""
+    words = chart.path.read_text(encoding="utf-8-sig").split()
+    header: dict[str, float] = {}
+    while len(words) > 2 * len(header) + 1 and re.fullmatch(r"[A-Za-z_]+", words[2 * len(header)]):
+        header[words[2 * len(header)].lower()] = float(words[2 * len(header) + 1])
+    missing = [key for key in ("ncols", "nrows") if key not in header]
+    step = header.get("cellsize", header.get("dx"))
+    if missing or step is None or not {"xllcorner", "xllcenter"} & set(header):
+        raise chart.problem("lacks ncols, nrows, xllcorner or cellsize at its head")
+    columns, rows, up = int(header["ncols"]), int(header["nrows"]), header.get("dy", step)
+    numbers = words[2 * len(header) :]
+    if len(numbers) != rows * columns:
+        raise chart.problem(f"has {len(numbers)} values; its head says {rows} × {columns} = {rows * columns}")
+    values = np.array(numbers, dtype=float).reshape(rows, columns)
+    values[values == header.get("nodata_value", -9999.0)] = np.nan
+    west = header["xllcenter"] if "xllcenter" in header else header["xllcorner"] + 0.5 * step
+    south = header["yllcenter"] if "yllcenter" in header else header["yllcorner"] + 0.5 * up
+    beside = chart.path.with_suffix(".prj")
+    system = beside.read_text(encoding="utf-8").strip() if beside.is_file() else None
+    x = np.asarray(west + step * np.arange(columns), dtype=float)
+    y = np.asarray(south + up * np.arange(rows)[::-1], dtype=float)
+    return Grid(x, y, values, _asked_up(chart), system)
+
+
+def xyz(chart: Chart) -> Grid:
+    """Read columns x, y and height: of a grid in any order, or of soundings, which are joined by triangles."""
+    table = _numbers(chart)
+    x, y, z = table.T
+    columns, column = np.unique(x, return_inverse=True)
+    rows, row = np.unique(y, return_inverse=True)
+    if columns.size * rows.size <= 2 * x.size and min(columns.size, rows.size) > 1:
+        values = np.full((rows.size, columns.size), np.nan)
+        values[row, column] = z
+        return Grid(columns, rows, values, _asked_up(chart))
+    depth = -z if _asked_up(chart) else z
+    return of_soundings(chart.to_plane(x, y, chart.system(None)), depth)
+
+
+def _numbers(chart: Chart) -> Array:
+    """Rows of three numbers, separated by blanks, commas, semicolons or tabs, under a header or none."""
+    lines = chart.path.read_text(encoding="utf-8-sig").replace(";", " ").replace(",", " ").splitlines()
+    rows = [(number, line) for number, line in enumerate(lines, start=1) if line.strip() and line.lstrip()[0] != "#"]
+    if rows and not re.match(r"\s*[-+.\d]", rows[0][1]):
+        rows = rows[1:]
+    try:
+        table: NDArray[np.float64] = np.loadtxt([line for _, line in rows], usecols=(0, 1, 2), ndmin=2)
+    except (ValueError, IndexError):
+        for number, line in rows:
+            try:
+                _ = [float(each) for each in line.split()[:3]][2]
+            except (ValueError, IndexError):
+                raise chart.problem(f"line {number}: expected three numbers: x, y, height; has {line[:40]!r}") from None
+        raise
+    if len(table) < 4:
+        raise chart.problem(f"has {len(table)} points; expected four or more")
+    return table[np.isfinite(table).all(axis=1)]
+
+
+def contours(chart: Chart) -> Grid:
+    """Read lines, polygons or points with a property `depth`, positive down, and join them by triangles."""
+    import shapely
+
+    known, system = features(chart)
+    places: list[Array] = []
+    depths: list[Array] = []
+    for geometry, properties in known:
+        depth = properties.get("depth")
+        if depth is None:
+            continue
+        if isinstance(depth, bool) or not isinstance(depth, int | float | np.number):
+            raise chart.problem(f"given a depth of {depth!r}, expected a number of metres")
+        points = shapely.get_coordinates(geometry)
+        places.append(chart.to_plane(points[:, 0], points[:, 1], system))
+        depths.append(np.full(len(points), float(depth)))
+    if not places or len({float(each[0]) for each in depths}) < 2:
+        raise chart.problem("expected contours of two depths or more, each with a property `depth`")
+    joined, unique = np.unique(np.concatenate(places, axis=1), axis=1, return_index=True)
+    return of_soundings(joined, np.concatenate(depths)[unique])

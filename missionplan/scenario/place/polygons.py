@@ -1,0 +1,200 @@
+"""Land and zones kept out of, from GeoJSON, GeoPackage or a shapefile."""
+
+import json
+import math
+from collections.abc import Iterator, Mapping
+from datetime import datetime
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from missionplan.arrays import Array
+from missionplan.errors import shown
+from missionplan.mission.units import QuantityError, parse_number_with_unit
+from missionplan.moments import moment_of, utc
+from missionplan.packages import how_to_install
+from missionplan.phases.place.zones import Zone
+from missionplan.scenario.place.positions import DEGREES, LOCAL, Chart
+
+if TYPE_CHECKING:
+    from shapely import Geometry
+
+Feature = tuple["Geometry", Mapping[str, object]]
+GEOJSON = (".geojson", ".json")
+VECTOR = (".gpkg", ".shp")
+_LONGEST_EDGE = 0.01
+"""Of a polygon in degrees, before it is placed: longer edges are cut, since parallels bend [deg]."""
+
+
+def features(chart: Chart) -> tuple[list[Feature], str]:
+    """Return geometries with their properties, and the reference system of their coordinates.
+
+    Raises
+    ------
+    InputError
+        When a library is missing or the file cannot be read.
+    """
+    try:
+        import shapely  # noqa: F401
+    except ImportError:
+        raise chart.problem("reading polygons needs shapely", how_to_install("place")) from None
+    ending = chart.path.suffix.lower()
+    if ending in GEOJSON:
+        return _geojson(chart), chart.system(None)
+    if ending in VECTOR:
+        return _vector(chart)
+    raise chart.problem(f"given {shown(chart.path.name)}; expected {', '.join((*GEOJSON, *VECTOR))}")
+
+
+def _geojson(chart: Chart) -> list[Feature]:
+    from shapely.errors import ShapelyError
+    from shapely.geometry import shape
+
+    try:
+        data = json.loads(chart.path.read_text(encoding="utf-8-sig"))
+        return [(shape(geometry), properties) for geometry, properties in _parts(data)]
+    except (OSError, ValueError, KeyError, TypeError, AttributeError, ShapelyError) as error:
+        raise chart.problem(f"cannot be read as GeoJSON: {type(error).__name__}: {error}") from None
+
+
+def _parts(data: Any) -> Iterator[tuple[Mapping[str, Any], Mapping[str, object]]]:
+    """Yield the geometries of a GeoJSON object with the properties of their features."""
+    if not isinstance(data, Mapping) or not isinstance(data.get("type"), str):
+        raise ValueError("expected an object with a `type`")
+    if data["type"] == "FeatureCollection":
+        for feature in data["features"]:
+            yield from _parts(feature)
+    elif data["type"] == "Feature":
+        if data["geometry"] is not None:
+            yield data["geometry"], data.get("properties") or {}
+    else:
+        yield data, {}
+
+
+def _vector(chart: Chart) -> tuple[list[Feature], str]:
+    try:
+        import pyogrio
+        import shapely
+    except ImportError:
+        hint = how_to_install("place")
+        raise chart.problem("reading GeoPackage and shapefiles needs pyogrio and shapely", hint) from None
+    try:
+        layers = [name for name, kind in pyogrio.list_layers(chart.path) if kind is not None]
+        found: list[Feature] = []
+        system: str | None = None
+        for layer in layers:
+            meta, _, wkb, columns = pyogrio.raw.read(chart.path, layer=layer)
+            system, names = meta["crs"] or system, [str(name) for name in meta["fields"]]
+            rows = zip(*columns, strict=True) if len(columns) else ((),) * len(wkb)
+            found += [
+                (geometry, dict(zip(names, row, strict=True)))
+                for geometry, row in zip(shapely.from_wkb(wkb), rows, strict=True)
+                if geometry is not None
+            ]
+    except Exception as error:  # GDAL's drivers raise many kinds for what is damaged
+        raise chart.problem(f"cannot be read: {str(error).partition(chr(10))[0]}") from None
+    return found, chart.system(system)
+
+
+def read_zones(chart: Chart, start: datetime | None, *, is_land: bool) -> list[Zone]:
+    """Read polygons into the plane, those that lie in the wanted part of it.
+
+    Parameters
+    ----------
+    chart : Chart
+    start : datetime or None
+        Of the mission, from which the times of zones count.
+    is_land : bool
+        Land has no times and depths.
+
+    Raises
+    ------
+    InputError
+        When the file cannot be read, has no polygon, or a property is wrong.
+    """
+    import shapely
+
+    known, system = features(chart)
+    box = shapely.box(*chart.low, *chart.high)
+    zones: list[Zone] = []
+    polygons = 0
+    for number, (geometry, properties) in enumerate(known, start=1):
+        parts = [part for part in shapely.get_parts(geometry) if part.geom_type == "Polygon"]
+        polygons += len(parts)
+        placed = [_placed(chart, part, system) for part in parts]
+        near = [part for part in placed if shapely.intersects(part, box)]
+        if near:
+            name = str(properties.get("name") or f"{chart.path.stem} {number}")
+            limits: list[dict[str, float]] = [{}] if is_land else _limits(chart, properties, name, start)
+            whole = shapely.make_valid(shapely.union_all(near))
+            zones += [Zone(whole, name, is_land=is_land, **limit) for limit in limits]
+    if not polygons:
+        raise chart.problem("holds no polygons", "coastlines are lines: land needs polygons")
+    return zones
+
+
+def _placed(chart: Chart, polygon: "Geometry", system: str) -> "Geometry":
+    import shapely
+
+    if system == DEGREES:
+        polygon = shapely.segmentize(polygon, _LONGEST_EDGE)
+    if system == LOCAL:
+        return shapely.make_valid(polygon)
+
+    def moved(points: Array) -> Array:
+        return chart.to_plane(points[:, 0], points[:, 1], system).T
+
+    return shapely.make_valid(shapely.transform(shapely.force_2d(polygon), moved))
+
+
+def _limits(
+    chart: Chart, properties: Mapping[str, object], name: str, start: datetime | None
+) -> list[dict[str, float]]:
+    """Read when and at which depths a zone holds; two, where it forbids both what is above and what is below."""
+    given = {str(key).lower(): value for key, value in properties.items() if value is not None and value != ""}
+    times: dict[str, float] = {}
+    for key, field in (("from", "since"), ("to", "until")):
+        if key in given and not _is_nan(given[key]):
+            times[field] = _since_start(chart, given[key], f"{name}: {key}", start)
+    keys = [key for key in ("above", "below") if key in given]
+    depths: dict[str, float] = {key: _depth(chart, given[key], f"{name}: {key}") for key in keys}
+    depths = {key: depth for key, depth in depths.items() if not math.isnan(depth)}
+    if times.get("since", -math.inf) > times.get("until", math.inf):
+        raise chart.problem(f"{name}: `from` is after `to`")
+    if len(depths) == 2 and depths["above"] <= depths["below"]:
+        return [{**times, "above": depths["above"]}, {**times, "below": depths["below"]}]
+    return [{**times, **depths}]
+
+
+def _is_nan(value: object) -> bool:
+    return isinstance(value, float) and math.isnan(value)
+
+
+def _since_start(chart: Chart, value: object, what: str, start: datetime | None) -> float:
+    if start is None:
+        raise chart.problem(f"{what}: given {shown(value)}; the mission needs its `start` (UTC)")
+    try:
+        moment = value if isinstance(value, datetime) else moment_of(str(value)[:26])
+        return (utc(moment) - utc(start)).total_seconds()
+    except (ValueError, OverflowError) as error:
+        raise chart.problem(
+            f"{what}: given {shown(value)}, expected a time such as 2026-06-01T08:00Z: {error}"
+        ) from None
+
+
+def _depth(chart: Chart, value: object, what: str) -> float:
+    """Read a depth: a bare number is in metres."""
+    if isinstance(value, int | float | np.number) and not isinstance(value, bool):
+        return float(value)
+    try:
+        return float(value) if _is_number(value) else parse_number_with_unit(value, "m")  # type: ignore[arg-type]
+    except QuantityError as error:
+        raise chart.problem(f"{what}: {error}") from None
+
+
+def _is_number(value: object) -> bool:
+    try:
+        float(str(value))
+    except ValueError:
+        return False
+    return isinstance(value, str)

@@ -1,0 +1,89 @@
+"""Depths on a grid against closed forms: a plane, a shelf, one shoal cell; and every way against dense sampling."""
+
+import numpy as np
+import pytest
+from ground_examples import STEP, ground
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+
+def plane(east=0.02, north=-0.05, deep=10.0, shape=(30, 40)):
+    rows, columns = np.mgrid[0 : shape[0], 0 : shape[1]]
+    return ground(deep + STEP * (east * columns + north * rows))
+
+
+def test_depth_and_slope_of_a_plane_are_exact():
+    places = np.array([[15.0, 33.3, 200.0], [15.0, 12.0, 155.5]])
+    assert plane().depth_at(places) == pytest.approx(10.0 + 0.02 * places[0] - 0.05 * places[1], abs=1e-5)
+    angle, toward = plane().slope_at(places)
+    assert angle == pytest.approx(np.full(3, np.arctan(np.hypot(0.02, 0.05))), rel=1e-3)
+    assert np.degrees(toward) == pytest.approx(np.full(3, np.degrees(np.arctan2(0.02, -0.05))), abs=0.1)
+
+
+def test_a_way_up_a_slope_grounds_where_the_water_is_as_deep_as_it_needs():
+    # depth 10 + 0.02 x: going west from x = 300 it is 12 m deep at x = 100, two thirds of the way to 0
+    start, end = np.array([[300.0], [50.0]]), np.array([[0.0], [50.0]])
+    share, depth, unknown = plane(north=0.0).too_shallow(start, end, np.full((2, 1), 12.0))
+    assert share[0] == pytest.approx(2.0 / 3.0, abs=0.01)
+    assert depth[0] == pytest.approx(12.0, abs=0.1)
+    assert np.isinf(unknown[0])
+
+
+def test_a_centimetre_to_spare_is_enough_and_none_is_not():
+    shelf = ground(np.full((8, 8), 5.0))
+    way = np.array([[5.0], [5.0]]), np.array([[60.0], [60.0]])
+    assert np.isinf(shelf.too_shallow(*way, np.full((2, 1), 4.99))[0][0])
+    assert shelf.too_shallow(*way, np.full((2, 1), 5.0))[0][0] == 0.0
+
+
+def test_water_that_falls_on_the_way_counts():
+    shelf = ground(np.full((8, 8), 5.0))
+    way = np.array([[5.0], [5.0]]), np.array([[65.0], [5.0]])
+    share, _, _ = shelf.too_shallow(*way, np.array([[4.0], [6.0]]))
+    assert share[0] == pytest.approx(0.5, abs=0.07)
+
+
+def test_one_shoal_cell_is_found_by_a_long_way_over_it_and_by_none_beside():
+    depth = np.full((200, 300), 50.0)
+    depth[100, 150] = 1.0
+    shoal = ground(depth)
+    start, end = np.array([[0.0, 0.0], [1000.0, 1021.0]]), np.array([[2900.0, 2900.0], [1000.0, 1021.0]])
+    share, _, _ = shoal.too_shallow(start, end, np.full((2, 2), 10.0))
+    assert share[0] * 2900.0 == pytest.approx(1490.0 + 40.0 / 4.9, abs=1.3)  # it rises by 4.9 a metre
+    assert np.isinf(share[1])
+
+
+def test_beyond_the_outer_edge_of_the_outermost_cell_the_depth_is_unknown():
+    shelf = ground(np.full((4, 5), 5.0))
+    edge = np.array([[-4.9, -5.1, 44.9, 45.1], [15.0, 15.0, 15.0, 15.0]])
+    assert np.isnan(shelf.depth_at(edge)).tolist() == [False, True, False, True]
+    share, _, unknown = shelf.too_shallow(np.array([[20.0], [15.0]]), np.array([[70.0], [15.0]]), np.zeros((2, 1)))
+    assert np.isinf(share[0])
+    assert unknown[0] == pytest.approx(0.5, abs=0.1)
+
+
+def test_a_missing_cell_is_unknown():
+    depth = np.full((6, 6), 5.0)
+    depth[3, 3] = np.nan
+    assert np.isnan(ground(depth).depth_at(np.array([[30.0], [30.0]])))[0]
+    share, _, unknown = ground(depth).too_shallow(
+        np.array([[0.0], [30.0]]), np.array([[50.0], [30.0]]), np.zeros((2, 1))
+    )
+    assert np.isinf(share[0])
+    assert np.isfinite(unknown[0])
+
+
+@settings(max_examples=40, deadline=None)
+@given(st.integers(0, 10_000))
+def test_ways_are_found_shallow_as_by_dense_sampling(seed):
+    rng = np.random.default_rng(seed)
+    rough = ground(rng.uniform(0.0, 30.0, (rng.integers(3, 40), rng.integers(3, 40))))
+    rows, columns = rough.depth.shape
+    ends = rng.uniform(-4.0, 1.0, (2, 2, 30)) + rng.random((2, 2, 30)) * STEP * np.array([columns, rows])[:, None] * 0.9
+    start, end = np.clip(ends[0], -4.0, None), np.clip(ends[1], -4.0, None)
+    at = np.linspace(0.0, 1.0, 4001)
+    least = np.array([rough.depth_at(start[:, [k]] + at * (end - start)[:, [k]]).min() for k in range(30)])
+    needed = rng.uniform(0.0, 20.0, 30)
+    clear = np.isinf(rough.too_shallow(start, end, np.stack((needed, needed)))[0])
+    sure = np.abs(least - needed) > 0.15  # the samples of both are some centimetres off the least depth
+    assert (clear == (least > needed))[sure].all()

@@ -1,0 +1,278 @@
+"""One bay in every format, axis, convention and unit: the same depths; and files that cannot be meant."""
+
+import json
+import math
+
+import numpy as np
+import pytest
+import yaml
+from PIL import Image
+from PIL.TiffImagePlugin import ImageFileDirectory_v2
+
+from missionplan.errors import InputError
+from missionplan.mission import load
+from missionplan.scenario.place.building import read_place
+from missionplan.scenario.scenario import Scenario
+
+shapely = pytest.importorskip("shapely")
+xarray = pytest.importorskip("xarray")
+
+LATITUDE, LONGITUDE = 37.0, -76.0
+STEP = 0.002
+MISSION = {
+    "name": "a bay",
+    "site": {"origin": {"latitude": f"{LATITUDE} deg", "longitude": f"{LONGITUDE} deg"}},
+    "navigation": {"velocity_error": {"sigma": "0.03 m/s"}, "surfacing_time": "90 s", "fix_error": "3 m"},
+    "phases": [
+        {
+            "transit": {
+                **{"name": "out", "from": ["0 m", "0 m"], "to": ["2 km", "0 m"], "speed": "1.2 m/s"},
+                **{"d_max": "1 km", "arrival_radius": "60 m"},
+            }
+        }
+    ],
+}
+
+
+def axes():
+    """Centres of cells, as in a pixel-registered grid."""
+    return LONGITUDE + STEP * (np.arange(-60, 60) + 0.5), LATITUDE + STEP * (np.arange(-50, 50) + 0.5)
+
+
+def elevation():
+    x, y = axes()
+    return -(20.0 + 500.0 * (x[None, :] - LONGITUDE) + 200.0 * (y[:, None] - LATITUDE))
+
+
+@pytest.fixture
+def write(tmp_path):
+    def make(name, start=None, **site):
+        path = tmp_path / f"{name}.yaml"
+        data = MISSION | {"site": MISSION["site"] | site} | ({"start": start} if start else {})
+        path.write_text(yaml.safe_dump(data))
+        return path
+
+    return make
+
+
+def placed(path):
+    return read_place(load(path))
+
+
+def check(place, abs_=0.02):
+    """Depth at the origin, and 1 km east of it."""
+    degree = 1000.0 / (6378137.0 / math.sqrt(1 - 0.00669438 * math.sin(math.radians(LATITUDE)) ** 2))
+    degree = math.degrees(degree / math.cos(math.radians(LATITUDE)))
+    found = place.ground.depth_at(np.array([[0.0, 1000.0], [0.0, 0.0]]))
+    assert found == pytest.approx([20.0, 20.0 + 500.0 * degree], abs=abs_)
+
+
+def netcdf(path, values=None, names=("lat", "lon"), attrs=None, variable="elevation", order=slice(None), shift=0.0):
+    x, y = axes()
+    values = elevation() if values is None else values
+    coords = {names[0]: (names[0], y[order], {"units": "degrees_north"})}
+    coords |= {names[1]: (names[1], (x + shift), {"units": "degrees_east"})}
+    attrs = {"units": "m"} if attrs is None else attrs
+    xarray.Dataset({variable: (names, values[order].astype("f4"), attrs)}, coords=coords).to_netcdf(path)
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [
+        {},
+        {"attrs": {"units": "m", "standard_name": "height_above_reference_ellipsoid"}},
+        {"order": slice(None, None, -1)},
+        {"shift": 360.0},
+        {"names": ("latitude", "longitude")},
+        {"values": -elevation(), "variable": "depth"},
+        {"values": -elevation(), "variable": "anything", "attrs": {"units": "m", "positive": "down"}},
+        {"values": 100.0 * elevation(), "attrs": {"units": "cm", "positive": "up"}},
+        {
+            "values": -elevation(),
+            "variable": "deptho",
+            "attrs": {"units": "m", "standard_name": "sea_floor_depth_below_geoid"},
+        },
+    ],
+    ids=str,
+)
+def test_netcdf_in_every_convention(tmp_path, write, changes):
+    netcdf(tmp_path / "bay.nc", **changes)
+    check(placed(write("m", bathymetry={"file": "bay.nc"})))
+
+
+def test_a_projected_netcdf_is_placed_by_its_grid_mapping(tmp_path, write):
+    from pyproj import CRS, Transformer
+
+    system = CRS.from_epsg(32618)
+    to = Transformer.from_crs(system, 4326, always_xy=True)
+    x0, y0 = Transformer.from_crs(4326, system, always_xy=True).transform(LONGITUDE, LATITUDE)
+    x, y = x0 + np.arange(-9000, 9000, 150.0), y0 + np.arange(-9000, 9000, 150.0)
+    longitude, latitude = to.transform(*np.meshgrid(x, y))
+    values = 20.0 + 500.0 * (longitude - LONGITUDE) + 200.0 * (latitude - LATITUDE)
+    data = xarray.Dataset(
+        {"depth": (("y", "x"), values, {"units": "m", "grid_mapping": "crs"}), "crs": ((), 0, system.to_cf())},
+        coords={"x": ("x", x, {"units": "m"}), "y": ("y", y, {"units": "m"})},
+    )
+    data.to_netcdf(tmp_path / "utm.nc")
+    check(placed(write("m", bathymetry={"file": "utm.nc"})))
+
+
+@pytest.mark.parametrize("kind", ["int16", "float32"])
+@pytest.mark.parametrize("south_up", [False, True])
+def test_geotiff(tmp_path, write, kind, south_up):
+    x, y = axes()
+    tags, values = ImageFileDirectory_v2(), elevation()
+    tags[34735] = (1, 1, 0, 2, 1025, 0, 1, 1, 2048, 0, 1, 4326)
+    if south_up:
+        tags[34264] = (STEP, 0.0, 0.0, x[0] - STEP / 2, 0.0, STEP, 0.0, y[0] - STEP / 2, *[0.0] * 8)
+    else:
+        tags[33550], tags[33922] = (STEP, STEP, 0.0), (0.0, 0.0, 0.0, x[0] - STEP / 2, y[-1] + STEP / 2, 0.0)
+        values = values[::-1]
+    values = np.round(values) if kind == "int16" else values.copy()
+    values[50, 40] = -32768
+    tags[42113] = "-32768"
+    Image.fromarray(values.astype(kind)).save(tmp_path / "bay.tif", tiffinfo=tags)
+    place = placed(write("m", bathymetry={"file": "bay.tif"}))
+    check(place, abs_=0.6 if kind == "int16" else 0.02)
+    assert np.isnan(place.ground.depth).sum() == 1
+
+
+@pytest.mark.parametrize("corner", ["corner", "center"])
+def test_esri_grid(tmp_path, write, corner):
+    x, y = axes()
+    values = elevation()[::-1].copy()
+    values[50, 40] = -9999.0
+    half = STEP / 2 if corner == "corner" else 0.0
+    head = f"ncols {x.size}\nNROWS {y.size}\nxll{corner} {x[0] - half}\nyll{corner} {y[0] - half}\ncellsize {STEP}\n"
+    rows = "\n".join(" ".join(f"{value:.4f}" for value in row) for row in values)
+    (tmp_path / "bay.asc").write_text(f"{head}NODATA_value -9999\n{rows}\n")
+    place = placed(write("m", bathymetry={"file": "bay.asc"}))
+    check(place)
+    assert np.isnan(place.ground.depth).sum() == 1
+
+
+@pytest.mark.parametrize("separator", [" ", ",", "; ", "\t"])
+def test_xyz_of_a_grid_in_any_order(tmp_path, write, separator):
+    x, y = axes()
+    rows = np.stack([axis.ravel() for axis in (*np.meshgrid(x, y), elevation())], axis=1)
+    np.random.default_rng(1).shuffle(rows)
+    text = "\n".join(separator.join(f"{value:.8f}" for value in row) for row in rows)
+    (tmp_path / "bay.xyz").write_text(f"# x y z\nlon{separator}lat{separator}z\n{text}\n")
+    check(placed(write("m", bathymetry={"file": "bay.xyz"})))
+
+
+def test_soundings_anywhere_and_depths_that_count_down(tmp_path, write):
+    rng = np.random.default_rng(3)
+    x, y = rng.uniform(-9000, 9000, (2, 3000))
+    rows = np.stack((x, y, 20.0 + 0.004 * x + 0.002 * y), axis=1)
+    np.savetxt(tmp_path / "soundings.xyz", rows)
+    site = {"file": "soundings.xyz", "projection": "local", "positive": "down"}
+    found = placed(write("m", bathymetry=site)).ground.depth_at(np.array([[0.0, 1000.0], [0.0, 500.0]]))
+    assert found == pytest.approx([20.0, 25.0], abs=0.05)
+
+
+def test_contours_of_a_slope(tmp_path, write):
+    lines = [
+        {
+            "type": "Feature",
+            "properties": {"depth": float(depth)},
+            "geometry": {
+                "type": "LineString",
+                "coordinates": [
+                    [LONGITUDE + (depth - 20.0) / 500.0, LATITUDE + at] for at in np.linspace(-0.1, 0.1, 81)
+                ],
+            },
+        }
+        for depth in range(0, 60, 2)
+    ]
+    (tmp_path / "c.geojson").write_text(json.dumps({"type": "FeatureCollection", "features": lines}))
+    check(placed(write("m", bathymetry={"file": "c.geojson"})), abs_=0.3)
+
+
+def test_polygons_are_the_same_in_geojson_shapefile_and_geopackage(tmp_path, write):
+    geopandas = pytest.importorskip("geopandas")
+    ring = shapely.box(-76.0 + 0.01, 37.0 - 0.002, -76.0 + 0.012, 37.0 + 0.002)
+    frame = geopandas.GeoDataFrame({"name": ["islet"]}, geometry=[ring], crs=4326)
+    frame.to_file(tmp_path / "islet.geojson")
+    frame.to_file(tmp_path / "islet.gpkg")
+    frame.to_crs(32618).to_file(tmp_path / "islet.shp")
+    zones = [placed(write(ending, land={"file": f"islet.{ending}"})).zones[0] for ending in ("geojson", "gpkg", "shp")]
+    assert {zone.name for zone in zones} == {"islet"}
+    for zone in zones[1:]:
+        assert zone.geometry.hausdorff_distance(zones[0].geometry) < 0.05
+
+
+def test_times_and_depths_of_a_zone(tmp_path, write):
+    feature = {
+        "type": "Feature",
+        "properties": {"name": "range", "from": "2026-06-01T09:00+01:00", "to": "2026-06-01T10:00Z", "above": "30 ft"},
+        "geometry": shapely.geometry.mapping(shapely.box(-76.01, 36.99, -75.99, 37.01)),
+    }
+    (tmp_path / "k.geojson").write_text(json.dumps(feature))
+    (zone,) = placed(write("m", start="2026-06-01T07:00Z", keep_out={"file": "k.geojson"})).zones
+    assert (zone.since, zone.until, zone.above, zone.is_land) == (3600.0, 10800.0, pytest.approx(9.144), False)
+    feature["properties"] |= {"above": 5, "below": 20}
+    (tmp_path / "k.geojson").write_text(json.dumps(feature))
+    zones = placed(write("m", start="2026-06-01T07:00Z", keep_out={"file": "k.geojson"})).zones
+    assert [(zone.above, zone.below) for zone in zones] == [(5.0, -math.inf), (math.inf, 20.0)]
+    with pytest.raises(InputError, match="start"):
+        placed(write("m", keep_out={"file": "k.geojson"}))
+
+
+@pytest.mark.parametrize(
+    ("site", "words"),
+    [
+        ({"bathymetry": {"file": "no.nc"}}, "no such file"),
+        ({"bathymetry": {"file": "broken.nc"}}, "NetCDF"),
+        ({"bathymetry": {"file": "away.nc"}}, "nothing about the mission"),
+        ({"bathymetry": {"file": "both.nc"}}, "both signs"),
+        ({"bathymetry": {"file": "bay.nc", "variable": "elevations"}}, "elevations"),
+        ({"bathymetry": {"file": "bay.nc"}, "depth": "20 m"}, "beside site.bathymetry"),
+        ({"bathymetry": {"file": "bay.nc", "projection": "EPSG:999999"}}, "no reference system"),
+        ({"land": {"file": "line.geojson"}}, "no polygons"),
+        ({"land": {"file": "bay.nc"}}, "expected .geojson"),
+        ({"land": {"file": "broken.geojson"}}, "GeoJSON"),
+        ({"bathymetry": {"file": "short.asc"}}, "has 3 values"),
+        ({"bathymetry": {"file": "words.xyz"}}, "line 3"),
+    ],
+)
+def test_a_file_that_cannot_be_meant_is_named_with_its_key(tmp_path, write, site, words):
+    netcdf(tmp_path / "bay.nc")
+    netcdf(tmp_path / "away.nc", shift=30.0)
+    netcdf(tmp_path / "both.nc", values=elevation() + 20.0, variable="level")
+    (tmp_path / "broken.nc").write_bytes(b"nothing")
+    line = {"type": "LineString", "coordinates": [[-76, 37], [-76.1, 37]]}
+    (tmp_path / "line.geojson").write_text(json.dumps(line))
+    (tmp_path / "broken.geojson").write_text('{"type": "Polygon"')
+    (tmp_path / "short.asc").write_text("ncols 2\nnrows 2\nxllcorner 0\nyllcorner 0\ncellsize 1\n1 2 3\n")
+    (tmp_path / "words.xyz").write_text("0 0 1\n1 0 1\n0 x 1\n1 1 1\n")
+    with pytest.raises(InputError, match=words) as caught:
+        placed(write("m", **site))
+    (problem,) = caught.value.problems
+    assert problem.key.startswith("site")
+
+
+def test_a_tide_moves_the_depth(tmp_path, write):
+    netcdf(tmp_path / "bay.nc")
+    grid, here = {"file": "bay.nc"}, np.zeros((2, 3))
+    t = np.array([0.0, 1800.0, 3600.0])
+    place = placed(write("m", bathymetry=grid, tide_height="0.5 m"))
+    assert place.water_at(here, t) == pytest.approx([20.5] * 3, abs=0.02)
+    (tmp_path / "tide.csv").write_text("t_s,height_m\n0,0\n3600,1.2\n")
+    place = placed(write("m", bathymetry=grid, tide_height={"file": "tide.csv", "level": "-1 m"}))
+    assert place.water_at(here, t) == pytest.approx([19.0, 19.6, 20.2], abs=0.02)
+
+
+def test_a_constituent_has_its_period_and_amplitude_and_the_error_its_spread(tmp_path, write):
+    netcdf(tmp_path / "bay.nc")
+    wave = {"name": "M2", "amplitude": "0.4 m", "phase": "100 deg"}
+    tide = {"constituents": [wave], "error": {"mean": "0 m", "sd": "0.1 m"}}
+    path = write("m", start="2026-06-01T07:00Z", bathymetry={"file": "bay.nc"}, tide_height=tide)
+    drawn = Scenario.at_means(load(path)).sampled(seed=1, block=0, size=4000)
+    assert np.std(drawn.place.sea_level.level) == pytest.approx(0.1, rel=0.05)
+    hours = np.arange(0.0, 24.85, 0.05)
+    tide_alone = placed(path).sea_level.at(3600.0 * hours)
+    assert tide_alone.max() == pytest.approx(0.4, rel=0.04)  # the node changes M2 by at most 3.8 %
+    assert hours[np.argmax(tide_alone[:240])] + 12.42 == pytest.approx(
+        hours[248 + np.argmax(tide_alone[248:])], abs=0.1
+    )

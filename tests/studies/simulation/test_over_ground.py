@@ -1,0 +1,144 @@
+"""Missions over a grid of depths and past land: reasons, places, and the mooring's depth and slope."""
+
+import json
+import math
+
+import numpy as np
+import pytest
+import yaml
+
+from missionplan.mission import load
+from missionplan.scenario.scenario import Scenario
+from missionplan.studies.simulation.block_statistics import failures_by_step
+from missionplan.studies.simulation.simulate import simulate, simulate_block
+
+shapely = pytest.importorskip("shapely")
+
+MISSION = {
+    "vehicle": {
+        "hull": {"length": "1.12 m", "diameter": "0.12 m"},
+        "mass": "10.2 kg",
+        "net_buoyancy": "0.9 N",
+        "anchor": {"diameter": "0.12 m", "flooded_mass": "2.6 kg"},
+    },
+    "site": {
+        "water": {"density": "1000 kg/m^3", "viscosity": "1.1e-6 m^2/s"},
+        "current": [{"down_to": "200 m", "speed": {"mean": "0.2 m/s", "sd": "0.05 m/s"}, "toward": "90 deg"}],
+        "bathymetry": {"file": "slope.xyz", "projection": "local"},
+    },
+    "navigation": {"velocity_error": {"sigma": "0.03 m/s"}, "surfacing_time": "60 s", "fix_error": "3 m"},
+    "phases": [
+        {
+            "transit": {
+                **{"name": "out", "from": ["0 m", "0 m"], "to": ["1000 m", "0 m"], "speed": "1.2 m/s"},
+                **{"d_max": "300 m", "arrival_radius": "20 m", "depth": "5 m"},
+            }
+        },
+        {"moor": {"radius": "40 m", "anchor_wet_weight": "12 N", "line_length": "5 m", "hold": "10 min"}},
+    ],
+}
+
+
+@pytest.fixture
+def write(tmp_path):
+    """Write the mission over a bottom whose depth is a function of east and north, with polygons of boxes."""
+
+    def make(depth=lambda x, y: 20.0 + 0.03 * x, land=(), keep_out=(), **site):
+        x, y = np.meshgrid(np.arange(-3000.0, 3001.0, 50.0), np.arange(-3000.0, 3001.0, 50.0))
+        np.savetxt(tmp_path / "slope.xyz", np.stack([a.ravel() for a in (x, y, -depth(x, y))], axis=1), fmt="%.4f")
+        data = json.loads(json.dumps(MISSION))
+        for key, boxes in (("land", land), ("keep_out", keep_out)):
+            if boxes:
+                shape = shapely.geometry.mapping(shapely.union_all([shapely.box(*box) for box in boxes]))
+                (tmp_path / f"{key}.geojson").write_text(json.dumps(shape))
+                data["site"][key] = {"file": f"{key}.geojson", "projection": "local"}
+        data["site"] |= site
+        path = tmp_path / "m.yaml"
+        path.write_text(yaml.safe_dump(data))
+        return load(path)
+
+    return make
+
+
+def failing(block):
+    return {step: int(failed.sum()) for step, failed in failures_by_step(block).items() if failed.any()}
+
+
+def test_the_anchor_goes_down_to_the_depth_where_it_lands(write):
+    mission = write()
+    block = simulate_block(mission, seed=1, block=0, trials=500)
+    moor = block.phases[1]
+    landed = moor.anchor
+    descent = moor.quantities["descent_time_s"]
+    fall = np.polyfit(20.0 + 0.03 * landed[0], descent, 1)
+    flat = simulate_block(write(lambda x, y: 50.0 + 0.0 * x), seed=1, block=0, trials=500).phases[1]
+    shallow = simulate_block(write(lambda x, y: 49.0 + 0.0 * x), seed=1, block=0, trials=500).phases[1]
+    a_metre = np.nanmean(flat.quantities["descent_time_s"] - shallow.quantities["descent_time_s"])
+    assert fall[0] == pytest.approx(a_metre, rel=0.02)
+    assert np.nanstd(descent - np.polyval(fall, 20.0 + 0.03 * landed[0])) < 0.05 * np.nanstd(descent)
+
+
+def test_a_sloping_grid_is_the_mission_with_that_depth_and_slope(write):
+    angle = math.degrees(math.atan(0.03))
+    on_grid = simulate_block(write(), seed=3, block=0, trials=300).phases[1]
+    given = json.loads(json.dumps(MISSION))
+    del given["site"]["bathymetry"]
+    given["site"] |= {"depth": "50 m", "slope": {"angle": f"{angle} deg", "toward": "90 deg"}}
+    by_hand = simulate_block(type(write()).from_data(given), seed=3, block=0, trials=300).phases[1]
+    for name in ("holding_margin", "nose_altitude_m"):
+        assert np.nanmean(on_grid.quantities[name]) == pytest.approx(np.nanmean(by_hand.quantities[name]), rel=0.01)
+
+
+def test_nothing_is_lost_over_a_flat_bottom_and_the_numbers_are_those_of_a_depth(write):
+    flat = simulate_block(write(lambda x, y: 40.0 + 0.0 * x), seed=2, block=0, trials=200)
+    given = json.loads(json.dumps(MISSION))
+    del given["site"]["bathymetry"]
+    given["site"]["depth"] = "40 m"
+    plain = simulate_block(type(write()).from_data(given), seed=2, block=0, trials=200)
+    for one, other in zip(flat.phases, plain.phases, strict=True):
+        for name, values in one.quantities.items():
+            assert values == pytest.approx(other.quantities[name], rel=1e-5, nan_ok=True), name
+
+
+@pytest.mark.parametrize(
+    ("changes", "reason"),
+    [
+        ({"depth": lambda x, y: np.where(np.abs(x - 500.0) < 60.0, 3.0, 40.0)}, "out: aground"),
+        ({"depth": lambda x, y: np.where(np.abs(x - 500.0) < 60.0, -2.0, 40.0)}, "out: aground"),
+        ({"land": [(480.0, -2000.0, 520.0, 2000.0)]}, "out: on-land"),
+        ({"land": [(900.0, -200.0, 1200.0, 200.0)]}, "out: on-land"),
+        ({"keep_out": [(480.0, -2000.0, 520.0, 2000.0)]}, "out: keep-out"),
+        ({"depth": lambda x, y: np.where(x > 500.0, np.nan, 40.0)}, "out: left the grid of depths"),
+        (
+            {"depth": lambda x, y: np.where(x > 700.0, 5.9, 40.0)},
+            "moor: line and vehicle longer than the water is deep",
+        ),
+    ],
+)
+def test_every_trial_is_lost_where_none_can_pass(write, changes, reason):
+    depth = changes.pop("depth", lambda x, y: 40.0 + 0.0 * x)
+    assert failing(simulate_block(write(depth, **changes), seed=1, block=0, trials=100)) == {reason: 100}
+
+
+def test_the_clearance_decides(write):
+    depth = lambda x, y: 6.0 + 0.0 * x  # noqa: E731
+    lost = failing(simulate_block(write(depth, clearance="1 m"), seed=1, block=0, trials=50))
+    assert lost == {"out: aground": 50}
+    kept = failing(simulate_block(write(depth, clearance="0.9 m"), seed=1, block=0, trials=50))
+    assert "out: aground" not in kept
+
+
+def test_the_result_says_where_and_on_which_leg(write):
+    mission = write(lambda x, y: 40.0 + 0.0 * x, land=[(480.0, -2000.0, 520.0, 2000.0)])
+    outcome = simulate(mission, trials=60, seed=1)
+    (contact,) = outcome.summary()["contacts"]
+    assert contact["phase"] == "out"
+    assert contact["cause"] == "on-land"
+    assert contact["legs"] == {"2": 60}
+    assert contact["east_m"] == pytest.approx(480.0, abs=0.1)
+    assert abs(contact["north_m"]) < 20.0
+    assert outcome.total.events["success"].value == 0.0
+
+
+def test_depth_at_the_mooring_stands_for_the_site(write):
+    assert Scenario.at_means(write(tide_height="1 m")).drawn.site.depth == pytest.approx(51.0, abs=0.01)
