@@ -40,7 +40,7 @@ def test_every_quantity_says_what_it_means():
 
 @pytest.mark.parametrize("phase", [MoorPhase, TransitPhase])
 def test_every_size_of_a_phase_declares_what_it_may_be(phase):
-    sized = {name for name, field in keys_of(phase).items() if parsers_of(field)} - {"from", "to"}
+    sized = {name for name, field in keys_of(phase).items() if parsers_of(field)} - {"from", "to", "via"}
     limited = {
         name for name, field in keys_of(phase).items() if any(isinstance(each, Limit) for each in field.metadata)
     }
@@ -64,5 +64,5 @@ def test_the_schema_quotes_each_meaning():
 def test_every_size_of_a_phase_may_be_varied():
     keys = known_keys(load(MISSIONS / "chesapeake.yaml"))
     for phase, kind in (("moor", MoorPhase), ("ingress", TransitPhase)):
-        sized = {name for name, field in keys_of(kind).items() if parsers_of(field)} - {"from", "to"}
+        sized = {name for name, field in keys_of(kind).items() if parsers_of(field)} - {"from", "to", "via"}
         assert {f"{phase}.{name}" for name in sized} <= keys
