@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from pydantic_core import PydanticCustomError
 
-from missionplan.mission.schema.quantity_parser import QuantityParser
+from missionplan.mission.schema.quantity_parser import CoordinateParser, QuantityParser
 from missionplan.mission.unit_table import FACTORS
 from missionplan.mission.units import QuantityError, parse_number_with_unit
 from missionplan.montecarlo.distributions import Choices, LogNormal, Normal, TruncatedNormal, Uniform
@@ -171,3 +171,23 @@ def test_bounds_that_leave_nothing_between_them_are_refused():
     for form in ({"low": "2 m", "high": "2 m"}, {"mean": "2 m", "sd": "1 m", "low": "2 m", "high": "2 m"}):
         with pytest.raises(PydanticCustomError, match="expected low below high"):
             QuantityParser("m")(form)
+
+
+@pytest.mark.parametrize(
+    ("text", "signs", "degrees"),
+    [
+        ("60 06.0 N", "NS", 60.1),
+        ("60° 06.0' N", "NS", 60.1),
+        ("37 15 30 S", "NS", -(37.0 + 15.0 / 60.0 + 30.0 / 3600.0)),
+        ("076 22.8 W", "EW", -76.38),
+        ("60.1 deg", "NS", 60.1),
+    ],
+)
+def test_positions_are_read_as_charts_have_them(text, signs, degrees):
+    assert math.degrees(CoordinateParser("rad", fixed=True, signs=signs).parse(text)) == pytest.approx(degrees)
+
+
+@pytest.mark.parametrize("text", ["60 61.0 N", "60 06.0 E", "91 00 N", "30 s", "60 N 6"])
+def test_what_is_no_latitude_is_refused(text):
+    with pytest.raises(QuantityError):
+        CoordinateParser("rad", low=-math.pi / 2, high=math.pi / 2, fixed=True).parse(text)

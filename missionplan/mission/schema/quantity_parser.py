@@ -1,6 +1,7 @@
 """Quantities of a mission file: text with a unit, or a distribution of such texts, to SI floats or distributions."""
 
 import math
+import re
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import cast
@@ -33,6 +34,12 @@ _MAX_FACTOR = 1000.0
 """Of a log-normal: 68 % of its draws lie within six powers of ten."""
 _MAX_CHOICES = 1000
 _FORMS_IN_WORDS = "{mean, sd}, {mean, sd, low, high}, {low, high}, {median, factor} or {choices}"
+
+
+_AS_ON_CHARTS = re.compile(
+    r"(\d{1,3}(?:\.\d+)?)\s*[°d]?\s*(?:(\d{1,2}(?:\.\d+)?)\s*['′m]?\s*)?(?:(\d{1,2}(?:\.\d+)?)\s*[\"″s]?\s*)?([NSEW])"
+)
+"""Degrees, minutes, seconds, direction."""
 
 
 @dataclass(frozen=True)
@@ -144,6 +151,33 @@ class QuantityParser:
         if self.low == -math.inf and self.high == math.inf:
             return distribution
         return cast("Distribution", distribution.truncated(self.low, self.high))
+
+
+@dataclass(frozen=True)
+class CoordinateParser(QuantityParser):
+    """Reads a latitude or a longitude, as a number with a unit or as a chart has it: ``60° 06.0' N``, ``60 06 30 N``.
+
+    Attributes
+    ----------
+    signs : str
+        Letters of the positive and the negative direction.
+    """
+
+    signs: str = "NS"
+
+    def parse(self, value: object) -> Quantity:
+        """Read a value; see `QuantityParser.parse`."""
+        match = _AS_ON_CHARTS.fullmatch(value.strip()) if isinstance(value, str) and len(value) <= 40 else None
+        return super().parse(value) if match is None else self._as_on_charts(value, match)
+
+    def _as_on_charts(self, value: object, match: re.Match[str]) -> float:
+        degrees, minutes, seconds = (float(part or 0.0) for part in match.groups()[:3])
+        letter = match[4]
+        if letter not in self.signs or minutes >= 60.0 or seconds >= 60.0:
+            expected = f"degrees, minutes below 60 and {' or '.join(self.signs)}"
+            raise QuantityError(f"given {shown(value)}, expected {expected}, such as 60 06.0 {self.signs[0]}")
+        angle = math.radians(degrees + minutes / 60.0 + seconds / 3600.0)
+        return self._constant(f"{-angle if letter == self.signs[1] else angle!r} rad")
 
 
 def _build(form: str, numbers: Mapping[str, float]) -> Distribution:

@@ -13,13 +13,13 @@ from missionplan.mission.schema import quantities as q
 from missionplan.mission.schema.limits import Limit
 from missionplan.mission.schema.moment import Moment
 from missionplan.mission.schema.place import BathymetryFile, PlaceFile, TideHeight, TideOrHeight
-from missionplan.mission.schema.quantity_parser import QuantityParser
+from missionplan.mission.schema.quantity_parser import CoordinateParser, QuantityParser
 from missionplan.mission.schema.section import FileSection, ReadBy, V, all_invalid, invalid
 from missionplan.mission.schema.wind import SteadyWind, WindFile, wind_tag
 
 _FixedSignedSpeed = Annotated[float, ReadBy(QuantityParser("m/s", low=-12.0, high=12.0, fixed=True))]
-_LATITUDE = QuantityParser("rad", low=-1.5707964, high=1.5707964, fixed=True)
-Latitude = Annotated[float, ReadBy(_LATITUDE)]
+Latitude = Annotated[float, ReadBy(CoordinateParser("rad", low=-1.5707964, high=1.5707964, fixed=True))]
+Longitude = Annotated[float, ReadBy(CoordinateParser("rad", fixed=True, signs="EW"))]
 PositiveDuration = Annotated[V, ReadBy(QuantityParser("s", low=0.0, open_low=True))]
 Weight = Annotated[float, ReadBy(QuantityParser("", low=0.0, fixed=True))]
 SlopeAngle = Annotated[V, ReadBy(QuantityParser("rad", low=0.0, high=1.0))]
@@ -30,7 +30,7 @@ class Geographic(FileSection):
     """A point by latitude and longitude, WGS 84 [rad]."""
 
     latitude: Annotated[Latitude, Doc("latitude, WGS 84")]
-    longitude: Annotated[q.FixedAngle, Doc("longitude, WGS 84")]
+    longitude: Annotated[Longitude, Doc("longitude, WGS 84")]
 
 
 Planar = Annotated[tuple[q.Length[V], q.Length[V]], Tag("<planar>")]

@@ -170,9 +170,9 @@ def _areas(outcome: Outcome, found: Overdue) -> Table:
     ]
     columns = ["way to fail", "overdue", "begin at", "half axes", "area"]
     caption = (
-        "Overdue: hours after the time at which to worry. Begin at: where the vehicle is most likely. Half axes: of the ellipse "
-        "that is like the area, and the course of the longer one. Areas hold 95 %; "
-        "search-areas.csv and the GeoJSON have those of 50 and 90 % too."
+        "Overdue: hours after the time at which to worry. Begin at: where the vehicle is most likely. Half axes: of "
+        "the ellipse that is like the area, and the course of the longer. Areas hold 95 %; search-areas.csv and the "
+        "GeoJSON have those of 50 and 90 % too."
     )
     if found.searches:
         columns.append("missed by searches")

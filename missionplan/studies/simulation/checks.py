@@ -18,6 +18,7 @@ from missionplan.scenario.anchors import anchor_problem, wet_weight_of
 from missionplan.scenario.scenario import Scenario
 from missionplan.studies.flooding import flooding_notice
 from missionplan.studies.held_vehicle import held_vehicle
+from missionplan.studies.simulation.record_cover import interpolation_notices
 
 if TYPE_CHECKING:
     from missionplan.studies.simulation.block_sequence import MergedBlocks
@@ -53,6 +54,7 @@ def input_notices(mission: Mission, means: Scenario) -> tuple[str, ...]:
         *mission.notices(),
         *_energy_notices(mission),
         *_drag_notices(mission, means),
+        *interpolation_notices(means),
         *(words for phase in means.drawn.transits if (words := _drift_notice(means, phase))),
         *_effect_notices(mission),
         *_anchor_notices(mission),

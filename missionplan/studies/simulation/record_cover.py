@@ -10,6 +10,7 @@ import numpy as np
 from missionplan.arrays import Array
 from missionplan.errors import InputError, MissionplanError, Problem
 from missionplan.mission import Mission
+from missionplan.mission.schema.phases import LegTableSection
 from missionplan.mission.views import missing_for_moorings, missing_for_transitions, missing_for_transits
 from missionplan.phases.currents import Current
 from missionplan.phases.fields.ensemble import Ensemble
@@ -21,6 +22,8 @@ if TYPE_CHECKING:
     from missionplan.montecarlo.statistics import Probability
     from missionplan.studies.simulation.phase_trials import PhaseTrials
 
+_TIMES_LOOKED_AT = 500
+"""Of a record, for what its steps cost."""
 TOLERATED = 0.01
 """Share of the trials that may leave the record."""
 REMEDY = "take a longer or wider record, or say site.current.outside: hold (or zero)"
@@ -71,6 +74,33 @@ def check_trials(mission: Mission, current: object, left: "Probability | None") 
         share = f"{100.0 * left.value:.3g} % of the trials leave the record of the current"
         message = f"{share}, which {_extent(mission, current)}; at most {100.0 * TOLERATED:g} % may"
         raise InputError([_problem(mission, message)])
+
+
+def interpolation_notices(means: Scenario) -> tuple[str, ...]:
+    """Notice of what the straight lines between a record's times may cost a leg, where that is more than a metre.
+
+    Between two times h apart a straight line is off by at most h²|u″|/8, of which second differences are the estimate.
+    """
+    current = means.recorded
+    if not isinstance(current, RecordedCurrent) or isinstance(current, Ensemble) or current.time.size < 3:
+        return ()
+    times = current.time[current.time > -np.ptp(current.time[:2])][:_TIMES_LOOKED_AT]
+    found = []
+    for phase in means.drawn.transits:
+        place = means.position(phase.to)[:, None]
+        values = np.stack([current.velocity(float(t), float(phase.depth), place)[:, 0] for t in times], axis=1)
+        off = float(np.max(np.hypot(*np.diff(values, 2)), initial=0.0)) / 8.0
+        longest = (
+            float(np.max(phase.d_max.table, axis=0)[1]) if isinstance(phase.d_max, LegTableSection) else phase.d_max
+        )
+        metres = off * float(longest) / float(phase.speed)
+        if metres > 1.0:
+            step = float(np.median(np.diff(times))) / 60.0
+            found.append(
+                f"{phase.name}: the current has a value every {step:.3g} min, and straight lines between them are off "
+                f"by up to {off:.2g} m/s: up to {metres:.2g} m on a leg of {longest:.4g} m."
+            )
+    return tuple(found)
 
 
 def cover_in_words(mission: Mission, current: Current | None) -> str:

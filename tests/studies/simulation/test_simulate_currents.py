@@ -1,6 +1,7 @@
 """Every form of the site's current, on every phase that it carries."""
 
 import math
+import re
 from datetime import UTC, datetime, timedelta
 
 import numpy as np
@@ -8,6 +9,7 @@ import pytest
 from simulate_missions import EXACT, chesapeake
 
 from missionplan.errors import InputError
+from missionplan.mission import load
 from missionplan.report.simulation.page import answer
 from missionplan.scenario.mooring import dive_of
 from missionplan.scenario.scenario import Scenario
@@ -322,3 +324,21 @@ def test_without_layers_the_anchor_is_sized_for_one_design_current(tmp_path):
     speed = 0.5 * 0.514444 * 12.192 / 22.86
     dive = dive_of(scenario, scenario.moor())
     assert dive.wet_weight == pytest.approx(float(dive.vehicle_drag(speed)) + float(dive.anchor_drag(speed)), rel=1e-5)
+
+
+def test_what_the_steps_of_a_record_cost_a_leg_is_said(tmp_path):
+    """A tide of 0.4 m/s each hour: a straight line is off by at most 0.4 (ω h)²/8 = 12.6 mm/s, 13 m on a leg of 1600 m."""
+    omega, rows = 2.0 * np.pi / 44_714.16, ["t_s,depth_m,east_m_s,north_m_s"]
+    for t in range(0, 30 * 3600, 3600):
+        rows += [f"{t},{depth},{0.4 * np.cos(omega * t):.6f},0" for depth in (0, 30)]
+    (tmp_path / "tide.csv").write_text("\n".join(rows), encoding="utf-8")
+    (tmp_path / "mission.yaml").write_text(
+        "name: hourly\nsite: {depth: 30 m, current: {file: tide.csv}}\n"
+        "navigation: {velocity_error: {sigma: 0.01 m/s}, surfacing_time: 60 s}\nphases:\n  - transit: {from: [0 m, 0 m], "
+        "to: [0 m, 3200 m], depth: 2 m, speed: 1.5 m/s, d_max: 1600 m, arrival_radius: 900 m}\n",
+        encoding="utf-8",
+    )
+    (notice,) = [n for n in simulate(load(tmp_path / "mission.yaml"), trials=20).provenance.notices if "every" in n]
+    assert "every 60 min" in notice
+    (off,) = re.findall(r"up to ([\d.]+) m/s: up to 13 m on a leg of 1600 m", notice)
+    assert float(off) == pytest.approx(0.4 * (omega * 3600.0) ** 2 / 8.0, abs=1e-3)
