@@ -123,3 +123,9 @@ def test_the_tree_of_the_architecture_names_every_folder():
     folders = {each.parent.name for each in (ROOT / "missionplan").glob("*/**/__init__.py")} | {"starter"}
     assert named - folders == set(), "not in the package"
     assert folders - named == set(), "not in the tree"
+
+
+@pytest.mark.parametrize("script", sorted((ROOT / "docs" / "figures").glob("*.py")), ids=lambda path: path.stem)
+def test_a_script_that_draws_the_pages_figures_finds_what_it_imports(script):
+    spec = importlib.util.spec_from_file_location(script.stem, script)
+    spec.loader.exec_module(importlib.util.module_from_spec(spec))

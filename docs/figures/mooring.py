@@ -11,8 +11,9 @@ from missionplan.physics.current_above import LayersAbove
 from missionplan.physics.held_line import HeldLine, line_drag_factor
 from missionplan.physics.line_materials import LINE_MATERIALS
 from missionplan.physics.line_statics import held_pose
+from missionplan.report.drawn import style
 from missionplan.report.held_vehicle import hold_figure
-from missionplan.report.page import Figure, style, to_figure
+from missionplan.report.page import Figure, to_figure
 from missionplan.scenario.anchors import wet_weight_of
 from missionplan.scenario.held_vehicle import held_body
 from missionplan.scenario.scenario import Scenario
