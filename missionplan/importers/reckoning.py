@@ -14,7 +14,11 @@ from missionplan.importers.geodesy import displacement, moved
 from missionplan.importers.track import Fixes, Positions, Series, Track
 
 LEAST_PITCH = 8.0
-"""Pitch below which depth rate over its tangent is no speed [deg]; the last speed is kept."""
+"""Pitch below which depth rate over its tangent is no speed [deg]."""
+TURNING = 0.5
+"""Share of the last speed that is kept there: between two readings about the turn of a yo the vehicle glides, turns and
+glides again. Logs thinned to every other reading then lead to the same place (0.1 m of 1500 m off on average over 61
+legs); with all of the last speed they lead 3 m farther, with none 3 m less far."""
 ATTACK = 3.0
 """Angle of attack that is neglected [deg]: 2 to 4 deg for gliders (Merckelbach, Smeed and Griffiths 2010)."""
 SPEED_ERROR = 0.05
@@ -120,7 +124,7 @@ def _glide_speed(track: Track, t: Array, attack: float) -> Array:
     steep = slope > LEAST_PITCH
     speed = np.where(steep, sink / np.tan(np.radians(np.where(steep, slope + attack, 45.0))), np.nan)
     known = np.maximum.accumulate(np.where(steep, np.arange(len(speed)), -1))
-    held = np.where(known >= 0, speed[np.maximum(known, 0)], 0.0)
+    held = np.where(known >= 0, speed[np.maximum(known, 0)], 0.0) * np.where(steep, 1.0, TURNING)
     deep = 0.5 * (depth[1:] + depth[:-1]) > LEAST_DEPTH
     return np.asarray(np.where(deep, np.minimum(held, FASTEST_GLIDE), 0.0))
 

@@ -54,6 +54,22 @@ def test_dead_reckoning_is_made_where_the_position_stands_still(current, speed):
     np.testing.assert_allclose(velocity_errors(found.legs).T, np.tile(current, (5, 1)), atol=0.03 * speed + 0.005)
 
 
+def test_a_yo_read_half_as_often_leads_to_the_same_place():
+    ways = {}
+    for step in (20.0, 40.0):
+        log = made(legs=1, step=step, duration=4800.0, headings=[0.0], reckoned=False)
+        t = log.track.depth.t
+        phase = ((t - log.starts[0]) % 1200.0) / 1200.0  # four yos, each of which turns at a reading
+        under = (t > log.starts[0]) & (t < log.ends[0])
+        depth = np.where(under, 10.0 + 60.0 * (1.0 - np.abs(2.0 * phase - 1.0)), 0.0)
+        pitch = np.degrees(np.arctan(0.1 / 0.3)) * np.where(phase < 0.5, -1.0, 1.0)
+        legs = cut(replace(log.track, depth=series(t, depth), pitch=series(t, pitch)), RULES).legs
+        places = (legs[name].iloc[0] for name in ("lat_start", "lon_start", "lat_dr_end", "lon_dr_end"))
+        ways[step] = float(displacement(*places)[1])
+    assert ways[20.0] == pytest.approx(0.3 * 4800.0, rel=0.03)
+    assert ways[40.0] == pytest.approx(ways[20.0], rel=0.03)
+
+
 def test_a_frozen_position_is_recognised():
     log = made(legs=5)
     frozen = np.searchsorted(log.starts, log.track.reckoned.t, side="right") - 1
