@@ -29,6 +29,7 @@ _CONFIRMS = 120.0
 """Time within which a good fix confirms another [s]."""
 _DRIFT = 1.5
 """Drift at the surface that it allows for [m/s]."""
+JUMPED = f"farther from its neighbours than {FASTEST:g} m/s explains"
 _FLAGGED, _UNSEEN = "not valid by its flag", "no satellites"
 """What no neighbour mends: there was no fix."""
 
@@ -62,7 +63,7 @@ def judge_fixes(fixes: Fixes) -> JudgedFixes:
     reasons = _reasons_of_quality(fixes)
     good = reasons == ""
     jumps = _jumps(fixes[good])
-    reasons[np.flatnonzero(good)[jumps]] = f"farther from its neighbours than {FASTEST:g} m/s explains"
+    reasons[np.flatnonzero(good)[jumps]] = JUMPED
     mended = (reasons != "") & _confirmed(fixes, reasons == "") & ~np.isin(reasons, (_FLAGGED, _UNSEEN))
     reasons[mended] = ""
     good = reasons == ""

@@ -1,5 +1,6 @@
 """What a reader of logs is: it recognises files of its format and makes a track of them; and which there are."""
 
+import gzip
 import zlib
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
@@ -8,6 +9,7 @@ from importlib import import_module
 from importlib.metadata import entry_points
 from pathlib import Path
 from types import ModuleType
+from typing import BinaryIO, cast
 
 from missionplan.errors import InputError, Problem, shown
 from missionplan.importers.mapping import MappedName
@@ -140,6 +142,11 @@ class Importer:
     read: Callable[[Sequence[Path], ReadOptions, SourceLog], Track]
     is_guessed: bool = True
     identify: Callable[[Path], Identity] | None = None
+
+
+def unpacked(path: Path) -> BinaryIO:
+    """Open a file for reading, through gzip where its name ends so."""
+    return cast(BinaryIO, gzip.open(path, "rb")) if path.suffix.lower() == ".gz" else path.open("rb")
 
 
 def needed_module(name: str, extra: str, format_name: str) -> ModuleType:

@@ -16,6 +16,7 @@ from missionplan.errors import InputError, Problem, did_you_mean, shown
 from missionplan.importers.cutting import LEG_COLUMNS, CutTrack, cut
 from missionplan.importers.descents import descent_data, read_marks
 from missionplan.importers.dives import LegRules
+from missionplan.importers.fixes import JUMPED
 from missionplan.importers.geodesy import displacement, shifted, with_declination
 from missionplan.importers.importer import Identity, ReadOptions, SourceLog, known_importers
 from missionplan.importers.mapping import read_mapping
@@ -28,6 +29,8 @@ from missionplan.results.imported import ImportedData, LegPicture, SourceEntry, 
 from missionplan.store.paths import as_path
 
 KINDS = ("transit", "descent")
+_JUMPS = 0.2
+"""Share of fixes that jump from which on they are of no one track."""
 _ABOUT = 900.0
 """Time before and after a leg of which its picture shows fixes and depths [s]."""
 
@@ -201,6 +204,11 @@ def transit_data(reading: Reading, rules: LegRules, explain: Sequence[int] = ())
 
 def _check_found(track: Track, parts: CutTrack) -> None:
     good, rejected = len(parts.fixes.good), len(parts.fixes.rejected)
+    jumps = parts.fixes.reasons.count(JUMPED)
+    if jumps > max(_JUMPS * (good + jumps), 5):
+        message = f"{jumps} of {good + jumps} fixes jump from their neighbours and back: are they of two vehicles?"
+        hint = "name the files of one, or choose it with --vehicle"
+        raise InputError([Problem(message, key="sources", hint=hint)])
     if good < 2:
         message = f"{good} fixes that count ({rejected} do not): a leg needs one before and one after a dive"
         hint = parts.fixes.reasons[0] if parts.fixes.reasons else "are there fixes in these files?"

@@ -1,6 +1,5 @@
 """Sources of an import: files and folders, each file once, with its checksum and the format it is recognised as."""
 
-import gzip
 import hashlib
 import os
 import time
@@ -13,7 +12,7 @@ from pathlib import Path
 import yaml
 
 from missionplan.errors import InputError, Problem, did_you_mean, shown
-from missionplan.importers.importer import DAMAGED, Identity, Importer
+from missionplan.importers.importer import DAMAGED, Identity, Importer, unpacked
 from missionplan.importers.track import Track
 from missionplan.results.base import Provenance
 from missionplan.results.imported import SourceEntry
@@ -21,7 +20,7 @@ from missionplan.store.paths import check_name, is_file, is_folder
 
 _HEAD = 4096
 """Bytes of a file by which it is recognised."""
-_COMPANIONS = (".cac",)
+_COMPANIONS = (".cac", ".ccc")
 """Files that others need and that are no logs themselves."""
 _UTC = "times without a zone are taken as UTC"
 _OF_BAGS = ("metadata.yaml",)
@@ -252,7 +251,7 @@ def _format_of(path: Path, importers: Mapping[str, Importer], format_name: str |
 def _head(path: Path) -> bytes:
     """First bytes of a file, unpacked where it is packed; none where it cannot be read."""
     try:
-        with gzip.open(path, "rb") if path.suffix == ".gz" else path.open("rb") as stream:
+        with unpacked(path) as stream:
             return bytes(stream.read(_HEAD))
     except (OSError, EOFError, zlib.error):
         return b""

@@ -107,6 +107,8 @@ class Samples:
 _EXACT = ("t", "lat", "lon", "dr_lat", "dr_lon", "x", "y", "dr_x", "dr_y")
 _COARSEST = 64.0
 """Interval to which rows are thinned at most [s]."""
+_IN_NO_ORDER = 0.05
+"""Share of steps back from which on rows are in no order of time."""
 _BACKWARDS = 1.0
 """Step back of the times within a file that is a jump of the clock [s]."""
 
@@ -163,6 +165,8 @@ def _column(part: dict[str, Array], name: str) -> Array:
 
 
 def clock_jumps(t: Array) -> list[Break]:
-    """Find where the times of a file, in the order they were written, step back."""
+    """Find where the times of a file step back; rows that are in no order of time, or the last first, tell nothing."""
     back = np.flatnonzero(np.diff(t) < -_BACKWARDS)
+    if len(back) > _IN_NO_ORDER * len(t):
+        return []
     return [Break(float(t[k + 1]), f"the clock jumps back ({t[k] - t[k + 1]:.0f} s)") for k in back]

@@ -1,83 +1,135 @@
 """DUNE and LSTS vehicles: LSF logs of IMC messages, decoded by imcpy.
 
 Only messages of the wanted kinds are decoded. The file is framed here, so that a damaged rest loses nothing before it,
-and no index file beside the log is read or written.
+and no index file beside the log is read or written. A log holds messages of other systems too: those of the one that
+logs its fixes and its own state are read. Format: LSTS/imc, IMC.xml (header, GpsFix, EstimatedState, Announce).
 """
 
-import gzip
 import math
 import struct
-from collections.abc import Iterator, Sequence
-from io import BufferedIOBase
+from collections import defaultdict
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from types import ModuleType
-from typing import Protocol
+from typing import Any, BinaryIO
 
 import numpy as np
 
 from missionplan.arrays import Array
+from missionplan.errors import InputError, Problem, did_you_mean, shown
 from missionplan.importers.geodesy import moved
-from missionplan.importers.importer import Importer, PartlyReadError, ReadOptions, SourceLog, needed_module
+from missionplan.importers.importer import (
+    Importer,
+    PartlyReadError,
+    ReadOptions,
+    SourceLog,
+    needed_module,
+    unpacked,
+)
 from missionplan.importers.stores import Samples, clock_jumps
-from missionplan.importers.track import Break, Fixes, Positions, Series, Track, fixes, positions, series
+from missionplan.importers.track import Break, Series, Track, fixes, positions, series
 
-_SYNC, _SWAPPED = 0xFE54, 0x54FE
-_HEADER = struct.Struct("<HHHdHBHB")
+_ORDERS = {0xFE54: "<", 0x54FE: ">"}
+"""Byte order by the synchronisation word, read as little-endian."""
+_FIELDS = "HHHdHBHB"
+"""Synchronisation, kind, size, time, source, its entity, destination, its entity."""
+_HEADER = struct.calcsize("<" + _FIELDS)
 _FOOTER = 2
-_WANTED = ("GpsFix", "EstimatedState", "EulerAngles", "Depth", "Rpm")
 _COLUMNS = {
-    "GpsFix": ("t", "lat", "lon", "hacc", "hdop", "satellites", "valid"),
-    "EstimatedState": ("t", "lat", "lon", "x", "y", "depth", "heading", "pitch", "source"),
+    "GpsFix": ("t", "lat", "lon", "accuracy", "hdop", "satellites", "valid"),
+    "EstimatedState": ("t", "lat", "lon", "x", "y", "depth", "heading", "pitch"),
     "EulerAngles": ("t", "heading", "pitch"),
     "Depth": ("t", "depth"),
     "Rpm": ("t", "rpm"),
 }
 _SIMULATED = (2, 3, 4)
 """Types of fixes that no receiver measured: dead reckoning, manual input, simulation."""
+_LEAST = 0.02
+"""Share of all states from which on a system with fixes is a vehicle of its own; a few come over the radio."""
 
 
-class _Message(Protocol):
-    timestamp: float
-    src: int
+class _System:
+    """Messages of one system."""
 
-    def __getattr__(self, name: str) -> float: ...
+    def __init__(self) -> None:
+        self.name = ""
+        self.samples = {kind: Samples(columns) for kind, columns in _COLUMNS.items()}
+        self.breaks: list[Break] = []
 
 
 def recognises(path: Path, head: bytes) -> bool:
     """Whether a file is an LSF log."""
-    return path.name.endswith((".lsf", ".lsf.gz")) or head[:2] == struct.pack("<H", _SYNC)
+    return path.name.lower().endswith((".lsf", ".lsf.gz")) or int.from_bytes(head[:2], "little") in _ORDERS
 
 
 def read(files: Sequence[Path], options: ReadOptions, log: SourceLog) -> Track:
-    """Read LSF logs as one track."""
+    """Read LSF logs as one track.
+
+    Raises
+    ------
+    InputError
+        With the list, when they are of several vehicles of which none is chosen.
+    """
     library = needed_module("imcpy", "imc", "imc")
-    found = {name: Samples(columns) for name, columns in _COLUMNS.items()}
-    breaks: list[Break] = []
+    systems: dict[int, _System] = defaultdict(_System)
     for path in log.each(sorted(files)):
         with log.reading(path):
-            before = len(found["EstimatedState"])
+            before = {source: len(each.samples["EstimatedState"]) for source, each in systems.items()}
             try:
-                _add(found, library, path)
+                _add(systems, library, path)
             finally:
-                breaks += clock_jumps(found["EstimatedState"]["t"][before:])
-    state, angles = found["EstimatedState"], found["EulerAngles"]
-    turning = state if len(state) else angles
+                for source, each in systems.items():
+                    each.breaks += clock_jumps(each.samples["EstimatedState"]["t"][before.get(source, 0) :])
+    chosen = _chosen(systems, options.vehicle)
+    found = chosen.samples
+    state, fixed = found["EstimatedState"], found["GpsFix"]
+    turning = state if len(state) else found["EulerAngles"]
     return Track(
-        name=f"IMC vehicle, {files[0].parent.name or files[0].stem}",
+        name=f"IMC vehicle, {chosen.name or files[0].parent.name or files[0].stem}",
         format="imc",
-        fixes=_fixes(found["GpsFix"]),
-        reckoned=_positions(state),
+        fixes=fixes(fixed["t"], fixed["lat"], fixed["lon"],
+                    **{name: fixed[name] for name in ("accuracy", "hdop", "satellites", "valid")}),
+        reckoned=positions(state["t"], *moved(state["lat"], state["lon"], state["y"], state["x"])),
         reckoning="the vehicle's own (EstimatedState)" if len(state) else "there is no EstimatedState",
         depth=_depth(found),
         pitch=series(turning["t"], np.degrees(turning["pitch"])),
         heading=series(turning["t"], np.degrees(turning["heading"]) % 360.0),
         heading_from="true",
         rpm=series(found["Rpm"]["t"], found["Rpm"]["rpm"]),
-        breaks=tuple(breaks),
+        breaks=tuple(chosen.breaks),
+    )  # fmt: skip
+
+
+def _chosen(systems: Mapping[int, _System], wanted: str | None) -> _System:
+    """Return the system as chosen by name or number, else the only one that logs fixes and its own state.
+
+    Raises
+    ------
+    InputError
+        With the list.
+    """
+    counts = {source: (len(each.samples["EstimatedState"]), len(each.samples["GpsFix"]))
+              for source, each in systems.items()}  # fmt: skip
+    most = max((states for states, _ in counts.values()), default=0)
+    own = [source for source, (states, fixed) in counts.items() if fixed and states >= _LEAST * most]
+    names = {source: systems[source].name or str(source) for source in counts}
+    listed = ", ".join(
+        f"{names[source]} ({counts[source][0]} states, {counts[source][1]} fixes)" for source in sorted(own)
     )
+    if wanted is not None:
+        match = [source for source in counts if wanted.lower() in (names[source].lower(), str(source))]
+        if not match:
+            hint = did_you_mean(wanted, names.values())
+            raise InputError([Problem(f"no system {shown(wanted)}; there is {listed}", key="vehicle", hint=hint)])
+        return systems[match[0]]
+    if len(own) > 1:
+        hint = f"choose one with --vehicle, such as --vehicle {names[own[0]]}"
+        raise InputError([Problem(f"logs of several systems: {listed}", key="vehicle", hint=hint)])
+    main = own or sorted(counts, key=lambda source: counts[source])[-1:]
+    return systems[main[0]] if main else _System()
 
 
-def _add(found: dict[str, Samples], library: ModuleType, path: Path) -> None:
+def _add(systems: dict[int, _System], library: ModuleType, path: Path) -> None:
     """Add the messages of one file, as far as it is whole.
 
     Raises
@@ -85,20 +137,24 @@ def _add(found: dict[str, Samples], library: ModuleType, path: Path) -> None:
     PartlyReadError
         When the file ends within a message, or holds something else from some byte on.
     """
-    names = {int(library.Factory.id_from_abbrev(name)): name for name in _WANTED}
-    with gzip.open(path, "rb") if path.suffix == ".gz" else path.open("rb") as stream:
+    names = {int(library.Factory.id_from_abbrev(name)): name for name in (*_COLUMNS, "Announce")}
+    with unpacked(path) as stream:
         for kind, packet in _packets(stream, frozenset(names)):
-            message: _Message = library.Packet.deserialize(packet)
-            found[names[kind]].add(*_values(names[kind], message))
+            message: Any = library.Packet.deserialize(packet)  # as its definition says
+            system, name = systems[int(message.src)], names[kind]
+            if name == "Announce":
+                system.name = str(message.sys_name)
+            else:
+                system.samples[name].add(*_values(name, message))
 
 
-def _packets(stream: BufferedIOBase, wanted: frozenset[int]) -> Iterator[tuple[int, bytes]]:
+def _packets(stream: BinaryIO, wanted: frozenset[int]) -> Iterator[tuple[int, bytes]]:
     place = 0
-    while len(head := stream.read(_HEADER.size)) == _HEADER.size:
-        sync, kind, size, *_ = _HEADER.unpack(head)
-        if sync != _SYNC:
-            words = "big-endian messages" if sync == _SWAPPED else "no IMC message"
-            raise PartlyReadError(f"{words} from byte {place} on")
+    while len(head := stream.read(_HEADER)) == _HEADER:
+        order = _ORDERS.get(int.from_bytes(head[:2], "little"))
+        if order is None:
+            raise PartlyReadError(f"no IMC message from byte {place} on")
+        _, kind, size, *_ = struct.unpack(order + _FIELDS, head)
         rest = stream.read(size + _FOOTER)
         if len(rest) < size + _FOOTER:
             raise PartlyReadError(f"the file ends within a message at byte {place}")
@@ -109,8 +165,7 @@ def _packets(stream: BufferedIOBase, wanted: frozenset[int]) -> Iterator[tuple[i
         raise PartlyReadError(f"the file ends within a message at byte {place}")
 
 
-def _values(name: str, message: _Message) -> tuple[float, ...]:
-    m = message
+def _values(name: str, m: Any) -> tuple[float, ...]:
     if name == "GpsFix":
         bits = int(m.validity)
         is_measured = float(bool(bits & 4) and int(m.type) not in _SIMULATED)
@@ -120,43 +175,16 @@ def _values(name: str, message: _Message) -> tuple[float, ...]:
         quality = (hacc, hdop, float(m.satellites)) if is_measured else (math.nan, math.nan, math.nan)
         return (m.timestamp, math.degrees(m.lat), math.degrees(m.lon), *quality, is_measured)
     if name == "EstimatedState":
-        place = (math.degrees(m.lat), math.degrees(m.lon), m.x, m.y)
-        return (m.timestamp, *place, m.depth, m.psi, m.theta, float(m.src))
+        return (m.timestamp, math.degrees(m.lat), math.degrees(m.lon), m.x, m.y, m.depth, m.psi, m.theta)
     if name == "EulerAngles":
         return (m.timestamp, m.psi, m.theta)
     return (m.timestamp, float(m.value))
 
 
-def _fixes(found: Samples) -> Fixes:
-    return fixes(
-        found["t"],
-        found["lat"],
-        found["lon"],
-        accuracy=found["hacc"],
-        hdop=found["hdop"],
-        satellites=found["satellites"],
-        valid=found["valid"],
-    )
-
-
-def _positions(state: Samples) -> Positions:
-    """Positions of the vehicle that logged most: reference, and north and east of it."""
-    own = _of_main_source(state)
-    place = moved(state["lat"][own], state["lon"][own], state["y"][own], state["x"][own])
-    return positions(state["t"][own], *place)
-
-
-def _of_main_source(state: Samples) -> Array:
-    source = state["source"]
-    if not len(source):
-        return np.zeros(0, dtype=bool)
-    values, counts = np.unique(source, return_counts=True)
-    return np.asarray(source == values[np.argmax(counts)])
-
-
-def _depth(found: dict[str, Samples]) -> Series:
-    state = found["EstimatedState"]
-    known = series(state["t"], np.where(state["depth"] >= 0.0, state["depth"], np.nan))  # −1 is no depth
+def _depth(found: Mapping[str, Samples]) -> Series:
+    """Depth of the state, where −1 is no depth, else the sensor's."""
+    state: Array = found["EstimatedState"]["depth"]
+    known = series(found["EstimatedState"]["t"], np.where(state >= 0.0, state, np.nan))
     return known if len(known) else series(found["Depth"]["t"], found["Depth"]["depth"])
 
 

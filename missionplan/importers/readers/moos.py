@@ -7,6 +7,7 @@ helm's behaviour file, of which pLogger keeps a copy beside the log (`*._bhv`).
 
 import re
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
 from datetime import datetime
 from pathlib import Path
 
@@ -14,8 +15,9 @@ import numpy as np
 
 from missionplan.arrays import Array
 from missionplan.importers.geodesy import origin_of, plane_positions
-from missionplan.importers.importer import Identity, Importer, ReadOptions, SourceLog
+from missionplan.importers.importer import Identity, Importer, ReadOptions, SourceLog, unpacked
 from missionplan.importers.mapping import QUANTITIES, MappedName, mapped, unit_factor
+from missionplan.importers.readers.track import split_at_surface
 from missionplan.importers.stores import ChannelStore, Samples
 from missionplan.importers.track import Break, Fixes, Positions, Track, fixes, positions
 
@@ -50,12 +52,14 @@ _FIRST, _LAST = 946684800.0, 4102444800.0
 
 def recognises(path: Path, head: bytes) -> bool:
     """Whether a file is an `alog`."""
-    return path.suffix.lower() == ".alog" or (head.startswith(b"%%") and _LOG_START.search(head) is not None)
+    return path.name.lower().endswith((".alog", ".alog.gz")) or (
+        head.startswith(b"%%") and _LOG_START.search(head) is not None
+    )
 
 
 def identity(path: Path) -> Identity:
     """Community of the database that was logged."""
-    with path.open("rb") as stream:
+    with unpacked(path) as stream:
         found = _COMMUNITY.search(stream.read(_HEAD))
     return Identity(found[1].decode() if found else "")
 
@@ -76,13 +80,12 @@ def read(files: Sequence[Path], options: ReadOptions, log: SourceLog) -> Track:
         with log.reading(path):
             began = _add(store, path, names, starts[path][0] + shift)
             breaks += [Break(began, "the log was begun anew", at_surface_too=False)] if number else []
-    found = _fixes(store)
+    found, origin = _fixes(store), origin_of(options.names.get("origin")) or _planned_origin(files)
     used = [pair for pair in (("dr_lat", "dr_lon"), ("dr_x", "dr_y")) if pair[0] in store]
-    return Track(
+    track = Track(
         name=f"MOOS {files[0].stem}",
         format="moos",
         fixes=found,
-        reckoned=_reckoned(store, options.names, found),
         reckoning=f"the vehicle's own ({', '.join(_told(names, each) for each in used[0])})"
         if used
         else "none is logged",
@@ -97,6 +100,10 @@ def read(files: Sequence[Path], options: ReadOptions, log: SourceLog) -> Track:
         planned=_planned(files),
         notices=notices,
     )
+    own = _reckoned(store, origin, found)
+    if len(found):
+        return replace(track, reckoned=own)
+    return split_at_surface(replace(track, fixes=fixes(own.t, own.latitude, own.longitude)), own)
 
 
 def _names(given: Mapping[str, MappedName]) -> dict[bytes, str]:
@@ -120,7 +127,7 @@ def _head(path: Path) -> tuple[float, float]:
     ValueError
         When it has no LOGSTART.
     """
-    with path.open("rb") as stream:
+    with unpacked(path) as stream:
         head = stream.read(_HEAD)
     found, opened = _LOG_START.search(head), _OPENED.search(head)
     if found is None:
@@ -156,7 +163,7 @@ def _date(start: float, opened: float) -> tuple[float, tuple[str, ...]]:
 def _add(store: ChannelStore, path: Path, names: Mapping[bytes, str], start: float) -> float:
     """Read one file; returns when it begins [s]."""
     samples: dict[str, Samples] = {}
-    with path.open("rb") as stream:
+    with unpacked(path) as stream:
         for line in stream:
             cells = line.split(None, 3)
             if len(cells) < 4 or line.startswith(b"%"):
@@ -188,12 +195,24 @@ def _of_report(text: bytes) -> Iterator[tuple[str, float]]:
             yield quantity, float(pairs[name])
 
 
+def _beside(files: Sequence[Path], *endings: str) -> str:
+    """Text of the files with one of some endings that the logger copied beside the logs."""
+    folders = dict.fromkeys(path.parent for path in files)
+    copies = sorted(each for folder in folders for each in folder.iterdir() if each.name.endswith(endings))
+    return re.sub(r"//.*", "", "\n".join(each.read_text("utf-8", errors="replace") for each in copies))
+
+
+def _planned_origin(files: Sequence[Path]) -> tuple[float, float] | None:
+    """Origin of the plane by the mission file beside the logs: LatOrigin, LongOrigin."""
+    text = _beside(files, "moos", "moos++")
+    place = [re.search(rf"^\s*{name}\s*=\s*(-?[\d.]+)", text, re.MULTILINE | re.IGNORECASE)
+             for name in ("LatOrigin", "LongOrigin")]  # fmt: skip
+    return (float(place[0][1]), float(place[1][1])) if place[0] and place[1] else None
+
+
 def _planned(files: Sequence[Path]) -> float | None:
     """Period of the helm's surfacing by the behaviour files beside the logs [s]: the shortest of them."""
-    folders = dict.fromkeys(path.parent for path in files)
-    plans = [each for folder in folders for each in folder.iterdir() if each.name.endswith(("bhv", "bhv++"))]
-    text = "\n".join(plan.read_text("utf-8", errors="replace") for plan in sorted(plans))
-    bodies = _PERIOD.findall(re.sub(r"//.*", "", text))
+    bodies = _PERIOD.findall(_beside(files, "bhv", "bhv++"))
     periods = [
         float(each[1]) for body in bodies if (each := re.search(r"^\s*period\s*=\s*([\d.]+)", body, re.MULTILINE))
     ]
@@ -224,12 +243,12 @@ def _nearest(store: ChannelStore, name: str, t: Array, within: float = 1.0) -> A
     return np.where(np.abs(known.t[best] - t) <= within, known.values[best], np.nan)
 
 
-def _reckoned(store: ChannelStore, given: Mapping[str, MappedName], found: Fixes) -> Positions:
+def _reckoned(store: ChannelStore, origin: tuple[float, float] | None, found: Fixes) -> Positions:
     if "dr_lat" in store:
         north = store.series("dr_lat")
         return positions(north.t, north.values, _nearest(store, "dr_lon", north.t))
     east = store.series("dr_x")
-    return plane_positions(east.t, east.values, _nearest(store, "dr_y", east.t), found, origin_of(given.get("origin")))
+    return plane_positions(east.t, east.values, _nearest(store, "dr_y", east.t), found, origin)
 
 
 IMPORTERS = (Importer("moos", "MOOS alog, variables by --map", recognises, read, identify=identity),)

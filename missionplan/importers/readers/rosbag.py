@@ -1,162 +1,210 @@
-"""ROS 1 and 2 bags: topics of NavSatFix and Odometry, named by `--map gps=TOPIC odometry=TOPIC` or found by type."""
+"""ROS 1 and 2 bags: fixes, the vehicle's own positions and depths, found by the types of their topics.
+
+Topics may be named, `--map gps=TOPIC odometry=TOPIC depth=TOPIC`. Axes are east, north, up (REP 103), or north, east,
+down where the frame is called so, or the vehicle's height is above 0 under water. Types: sensor_msgs, nav_msgs,
+geometry_msgs and gps_common of docs.ros.org.
+"""
 
 import math
-from collections.abc import Mapping, Sequence
+from collections import defaultdict
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 from types import ModuleType
-from typing import TYPE_CHECKING, Any, Protocol, cast
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from missionplan.arrays import Array
+from missionplan.errors import InputError, Problem, shown
 from missionplan.importers.geodesy import origin_of, plane_positions
 from missionplan.importers.importer import Importer, ReadOptions, SourceLog, needed_module
-from missionplan.importers.mapping import MappedName
 from missionplan.importers.stores import Samples
-from missionplan.importers.track import Series, Track, fixes, series
+from missionplan.importers.track import Positions, Series, Track, fixes, positions, series
 
 if TYPE_CHECKING:
     from rosbags.highlevel import AnyReader
-    from rosbags.interfaces import Connection
 
-_TYPES = {"gps": "sensor_msgs/msg/NavSatFix", "odometry": "nav_msgs/msg/Odometry"}
-_FIX = ("t", "lat", "lon", "accuracy", "valid")
-_ODOMETRY = ("t", "x", "y", "z", "yaw", "pitch")
+_TYPES = {
+    "gps": ("sensor_msgs/msg/NavSatFix", "gps_common/msg/GPSFix", "gps_msgs/msg/GPSFix"),
+    "odometry": ("nav_msgs/msg/Odometry", "geometry_msgs/msg/PoseWithCovarianceStamped",
+                 "geometry_msgs/msg/PoseStamped"),
+    "depth": ("std_msgs/msg/Float64", "std_msgs/msg/Float32", "sensor_msgs/msg/FluidPressure"),
+}  # fmt: skip
+"""Of each quantity, in the order in which they are preferred."""
+_COLUMNS = {
+    "gps": ("t", "lat", "lon", "accuracy", "valid"),
+    "odometry": ("t", "x", "y", "z", "yaw", "pitch", "ned"),
+    "depth": ("t", "depth"),
+}
 _SECOND_FORMAT = (".db3", ".mcap")
-
-
-class _Stamp(Protocol):
-    sec: int
-    nanosec: int
-
-
-class _Header(Protocol):
-    stamp: _Stamp
-
-
-class _Status(Protocol):
-    status: int
-
-
-class _NavSatFix(Protocol):
-    header: _Header
-    status: _Status
-    latitude: float
-    longitude: float
-    position_covariance: Sequence[float]
-    position_covariance_type: int
-
-
-class _Vector(Protocol):
-    x: float
-    y: float
-    z: float
-    w: float
-
-
-class _Pose(Protocol):
-    position: _Vector
-    orientation: _Vector
-
-
-class _PoseWithCovariance(Protocol):
-    pose: _Pose
-
-
-class _Odometry(Protocol):
-    header: _Header
-    pose: _PoseWithCovariance
+_PASCALS_A_METRE = 1.0e4
+"""Pressure over depth in the sea, to 1 %."""
 
 
 def recognises(path: Path, head: bytes) -> bool:
     """Whether a file is a bag of ROS 1, or one of a bag's of ROS 2."""
-    return path.suffix in (".bag", *_SECOND_FORMAT) or head.startswith(b"#ROSBAG V")
+    return path.suffix in (".bag", *_SECOND_FORMAT) or head.startswith((b"#ROSBAG V", b"\x89MCAP"))
 
 
 def read(files: Sequence[Path], options: ReadOptions, log: SourceLog) -> Track:
-    """Read bags as one track."""
-    library = needed_module("rosbags.highlevel", "rosbag", "rosbag")
-    fixed, moving = Samples(_FIX), Samples(_ODOMETRY)
-    topics: dict[str, str] = {}
-    done: set[Path] = set()
-    for path in log.each(sorted(files)):
-        bag = path.parent if path.suffix in _SECOND_FORMAT else path
-        with log.reading(path, library.AnyReaderError):
-            if bag not in done:
-                done.add(bag)
-                topics |= _add(library, bag, options.names, fixed, moving)
-    found = fixes(fixed["t"], fixed["lat"], fixed["lon"], accuracy=fixed["accuracy"], valid=fixed["valid"])
-    origin = origin_of(options.names.get("origin"))
-    t = moving["t"]
-    return Track(
-        name=files[0].stem,
-        format="rosbag",
-        fixes=found,
-        reckoned=plane_positions(t, moving["x"], moving["y"], found, origin),
-        reckoning=f"the vehicle's own ({topics.get('odometry', 'no odometry')})",
-        depth=series(t, -moving["z"]) if np.any(moving["z"]) else Series(),
-        pitch=series(t, np.degrees(moving["pitch"])),
-        heading=series(t, (90.0 - np.degrees(moving["yaw"])) % 360.0),
-        heading_from="true",
-        notices=tuple(f"{each} from the topic {topic}" for each, topic in topics.items()),
-    )
-
-
-def _add(
-    library: ModuleType, bag: Path, names: Mapping[str, MappedName], fixed: Samples, moving: Samples
-) -> dict[str, str]:
-    """Add the messages of one bag; returns the topics that were read."""
-    typesys = needed_module("rosbags.typesys", "rosbag", "rosbag")
-    store = typesys.get_typestore(typesys.Stores.ROS2_HUMBLE)
-    reader: AnyReader
-    with library.AnyReader([bag], default_typestore=store) as reader:
-        chosen = {each: _topic(reader, each, names.get(each)) for each in _TYPES}
-        wanted = [each for each in reader.connections if each.topic in chosen.values()]
-        for connection, logged, raw in reader.messages(connections=wanted):
-            message = cast(Any, reader.deserialize(raw, connection.msgtype))  # as its definition says
-            if connection.topic == chosen["gps"]:
-                fixed.add(*_fix(message, logged))
-            else:
-                moving.add(*_odometry(message, logged))
-    return chosen
-
-
-def _topic(reader: "AnyReader", quantity: str, named: MappedName | None) -> str:
-    """Return the topic of a quantity: as named, else the one of its type with most messages.
+    """Read bags as one track.
 
     Raises
     ------
-    ValueError
-        When the bag has none.
+    InputError
+        With the list, when several topics have a quantity and none is named, or the named one is not there.
     """
-    fitting: list[Connection] = [each for each in reader.connections if each.msgtype == _TYPES[quantity]]
+    library = needed_module("rosbags.highlevel", "rosbag", "rosbag")
+    bags = {path: _bag_of(path) for path in sorted(files)}
+    topics: dict[str, dict[str, str]] = defaultdict(dict)
+    for bag in dict.fromkeys(bags.values()):
+        with SourceLog().reading(bag, library.AnyReaderError), _opened(library, bag) as reader:  # told when it is read
+            for each in reader.connections:
+                topics[each.topic][each.msgtype] = ""
+    known = {topic: next(iter(types)) for topic, types in topics.items()}
+    chosen = {quantity: _topic(quantity, known, options) for quantity in _TYPES} if known else {}
+    fixed, deep, lines = Samples(_COLUMNS["gps"]), Samples(_COLUMNS["depth"]), list[Samples]()
+    done: set[Path] = set()
+    for path in log.each(list(bags)):
+        with log.reading(path, library.AnyReaderError):
+            if bags[path] not in done:
+                done.add(bags[path])
+                lines.append(Samples(_COLUMNS["odometry"]))
+                _add(library, bags[path], chosen, {"gps": fixed, "odometry": lines[-1], "depth": deep})
+    return _track(files, options, chosen, fixed, deep, [each for each in lines if len(each)])
+
+
+def _bag_of(path: Path) -> Path:
+    """Folder of a bag of ROS 2, which may have several files; the file itself where nothing describes the folder."""
+    is_folder = path.suffix in _SECOND_FORMAT and (path.parent / "metadata.yaml").exists()
+    return path.parent if is_folder else path
+
+
+@contextmanager
+def _opened(library: ModuleType, bag: Path) -> Iterator["AnyReader"]:
+    typesys = needed_module("rosbags.typesys", "rosbag", "rosbag")
+    with library.AnyReader([bag], default_typestore=typesys.get_typestore(typesys.Stores.ROS2_HUMBLE)) as reader:
+        yield reader
+
+
+def _topic(quantity: str, known: Mapping[str, str], options: ReadOptions) -> str:
+    """Return the topic of a quantity: as named, else the only one of its type, of the vehicle that was chosen.
+
+    Topics of one type in several bags, or of several vehicles in one, are no one track.
+    """
+    named = options.names.get(quantity)
+    fitting = {topic: _TYPES[quantity].index(kind) for topic, kind in known.items() if kind in _TYPES[quantity]}
     if named is not None:
-        if any(each.topic == named.name for each in fitting):
+        if named.name in fitting:
             return named.name
-        topics = ", ".join(sorted(each.topic for each in fitting)) or "none"
-        raise ValueError(f"no topic {named.name} of {_TYPES[quantity]}; it has {topics}")
-    if not fitting:
-        raise ValueError(f"no topic of {_TYPES[quantity]}; its topics are {', '.join(sorted(reader.topics)[:20])}")
-    return max(fitting, key=lambda each: each.msgcount).topic
+        listed = ", ".join(sorted(fitting)) or f"none of {', '.join(_TYPES[quantity])}"
+        raise InputError([Problem(f"no topic {shown(named.name)}; there is {listed}", key="map")])
+    if quantity == "depth":
+        fitting = {topic: rank for topic, rank in fitting.items() if "depth" in topic.lower()}
+    if options.vehicle:
+        fitting = {each: rank for each, rank in fitting.items() if options.vehicle in each.split("/")}
+    best = [each for each, rank in sorted(fitting.items()) if rank == min(fitting.values())]
+    if len(best) > 1:
+        spaces = sorted({each.split("/")[1] for each in best if each.count("/") > 1})
+        hint = f"name one with --map {quantity}={best[0]}"
+        hint += f", or a vehicle with --vehicle {spaces[0]}" if len(spaces) > 1 else ""
+        raise InputError([Problem(f"several topics of {quantity}: {', '.join(best)}", key="map", hint=hint)])
+    if not best and quantity != "depth":
+        message = f"no topic of {_TYPES[quantity][0]}; its topics are {', '.join(sorted(known)[:20])}"
+        raise InputError([Problem(message, key="vehicle" if options.vehicle else "map")])
+    return best[0] if best else ""
 
 
-def _fix(message: _NavSatFix, logged: int) -> tuple[float, ...]:
+def _add(library: ModuleType, bag: Path, chosen: Mapping[str, str], found: Mapping[str, Samples]) -> None:
+    """Add the messages of one bag, read one after the other."""
+    quantities = {topic: quantity for quantity, topic in chosen.items() if topic}
+    with _opened(library, bag) as reader:
+        wanted = [each for each in reader.connections if each.topic in quantities]
+        if not wanted:
+            raise ValueError(f"none of the topics {', '.join(quantities)}")
+        for connection, logged, raw in reader.messages(connections=wanted):
+            message: Any = reader.deserialize(raw, connection.msgtype)  # as its definition says
+            quantity = quantities[connection.topic]
+            found[quantity].add(*_VALUES[quantity](message, 1e-9 * logged))
+
+
+def _fix(message: Any, logged: float) -> tuple[float, ...]:
     covariance = np.asarray(message.position_covariance, dtype=float)
     known = message.position_covariance_type > 0 and covariance[0] > 0.0
     valid = message.status.status >= 0
     accuracy = math.sqrt(covariance[0] + covariance[4]) if known and valid else math.nan
-    return _time(message.header.stamp, logged), message.latitude, message.longitude, accuracy, float(valid)
+    return _time(message, logged), message.latitude, message.longitude, accuracy, float(valid)
 
 
-def _odometry(message: _Odometry, logged: int) -> tuple[float, ...]:
-    place, q = message.pose.pose.position, message.pose.pose.orientation
+def _odometry(message: Any, logged: float) -> tuple[float, ...]:
+    pose = message.pose.pose if hasattr(message.pose, "pose") else message.pose
+    place, q = pose.position, pose.orientation
     yaw = math.atan2(2.0 * (q.w * q.z + q.x * q.y), 1.0 - 2.0 * (q.y**2 + q.z**2))
     pitch = math.asin(max(-1.0, min(1.0, 2.0 * (q.w * q.y - q.z * q.x))))
-    return _time(message.header.stamp, logged), place.x, place.y, place.z, yaw, pitch
+    return (
+        _time(message, logged),
+        place.x,
+        place.y,
+        place.z,
+        yaw,
+        pitch,
+        float("ned" in message.header.frame_id.lower()),
+    )
 
 
-def _time(stamp: _Stamp, logged: int) -> float:
+def _depth(message: Any, logged: float) -> tuple[float, ...]:
+    if hasattr(message, "fluid_pressure"):
+        return _time(message, logged), message.fluid_pressure / _PASCALS_A_METRE
+    return logged, float(message.data)
+
+
+_VALUES = {"gps": _fix, "odometry": _odometry, "depth": _depth}
+
+
+def _time(message: Any, logged: float) -> float:
     """Time of a message's header; that of its arrival where the header has none [s]."""
-    return stamp.sec + 1e-9 * stamp.nanosec if stamp.sec else 1e-9 * logged
+    stamp = message.header.stamp
+    return stamp.sec + 1e-9 * stamp.nanosec if stamp.sec else logged
+
+
+def _track(
+    files: Sequence[Path], options: ReadOptions, chosen: Mapping[str, str], fixed: Samples, deep: Samples,
+    lines: Sequence[Samples],
+) -> Track:  # fmt: skip
+    """Make the track; each bag's positions count from where its odometry began."""
+    found = fixes(fixed["t"], fixed["lat"], fixed["lon"], accuracy=fixed["accuracy"], valid=fixed["valid"])
+
+    def joined(name: str) -> Array:
+        return np.concatenate([each[name] for each in lines]) if lines else np.empty(0)
+
+    t, z = joined("t"), joined("z")
+    is_down = bool(np.any(joined("ned"))) or _is_downwards(z)
+    origin = origin_of(options.names.get("origin"))
+    east, north = ("y", "x") if is_down else ("x", "y")
+    parts = [plane_positions(each["t"], each[east], each[north], found, origin) for each in lines]
+    places = [np.concatenate([getattr(each, name) for each in parts]) if parts else np.empty(0)
+              for name in ("t", "latitude", "longitude")]  # fmt: skip
+    turned = np.degrees(joined("yaw")) if is_down else 90.0 - np.degrees(joined("yaw"))
+    own_depth = series(t, z if is_down else -z) if np.any(z) else Series()
+    notices = [f"{each} from the topic {topic}" for each, topic in chosen.items() if topic]
+    return Track(
+        name=files[0].stem,
+        format="rosbag",
+        fixes=found,
+        reckoned=positions(*places) if parts else Positions(),
+        reckoning=f"the vehicle's own ({chosen.get('odometry', 'no odometry')})",
+        depth=series(deep["t"], deep["depth"]) if len(deep) else own_depth,
+        pitch=series(t, np.degrees(joined("pitch"))),
+        heading=series(t, turned % 360.0),
+        heading_from="true",
+        notices=(*notices, *(["axes are taken as north, east, down"] if is_down else [])),
+    )
+
+
+def _is_downwards(z: Array) -> bool:
+    """Whether heights are depths: a vehicle that dives goes farther below the surface than above it."""
+    return len(z) > 0 and float(np.quantile(z, 0.95)) > 2.0 * max(-float(np.quantile(z, 0.05)), 1.0)
 
 
 IMPORTERS = (Importer("rosbag", "ROS 1 and 2 bags (rosbags), topics by --map", recognises, read),)

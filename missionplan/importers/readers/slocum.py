@@ -55,8 +55,8 @@ def read(files: Sequence[Path], options: ReadOptions, log: SourceLog) -> Track:
     library = needed_module("dbdreader", "slocum", "slocum")
     store = ChannelStore()
     with tempfile.TemporaryDirectory() as cache:
-        _link_sensor_lists(Path(cache), files, options.cache)
-        for path in log.each(sorted(files)):
+        _link_sensor_lists(library, Path(cache), files, options.cache)
+        for path in log.each(sorted(files, key=lambda path: (_is_factored(path), path))):
             with log.reading(path, library.DbdError):
                 _add(store, library, path, cache)
     if not log.read and log.passed_over and all("ache file" in each.message for each in log.passed_over):
@@ -80,14 +80,26 @@ def read(files: Sequence[Path], options: ReadOptions, log: SourceLog) -> Track:
     )
 
 
-def _link_sensor_lists(folder: Path, files: Sequence[Path], given: Path | None) -> None:
+def _link_sensor_lists(library: ModuleType, folder: Path, files: Sequence[Path], given: Path | None) -> None:
     """Gather the sensor lists under the names that the library looks for; what it writes goes there too."""
     places = [given] if given else list(dict.fromkeys(path.parent for path in files))
     for place in places:
-        for found in sorted(each for each in place.rglob("*") if each.suffix.lower() == ".cac"):
-            link = folder / found.name.lower()
-            if not link.exists():
+        for found in sorted(each for each in place.rglob("*") if each.suffix.lower() in (".cac", ".ccc")):
+            link = folder / f"{found.stem.lower()}.cac"
+            if link.exists():
+                continue
+            if found.suffix.lower() == ".cac":
                 link.symlink_to(found.resolve())
+            else:
+                with library.decompress.Decompressor(str(found)) as packed:
+                    link.write_bytes(packed.decompress())
+
+
+def _is_factored(path: Path) -> bool:
+    """Whether a file refers to a list of its sensors elsewhere: those that hold one are read first."""
+    with path.open("rb") as stream:
+        found = re.search(rb"sensor_list_factored:\s*(\d)", stream.read(_HEADER))
+    return found is not None and found[1] == b"1"
 
 
 def _check_header(path: Path) -> None:

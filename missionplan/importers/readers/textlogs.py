@@ -11,7 +11,6 @@ EcoMapper and Iver2 logs read: Latitude, Longitude, Time, Date (month first, UTC
 Pitch Angle, DFS Depth (m), Vehicle Speed (kn).
 """
 
-import gzip
 import re
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
@@ -21,7 +20,7 @@ import numpy as np
 import pandas as pd
 
 from missionplan.arrays import Array
-from missionplan.importers.importer import Identity, Importer, ReadOptions, SourceLog
+from missionplan.importers.importer import Identity, Importer, ReadOptions, SourceLog, unpacked
 from missionplan.importers.mapping import angles, mapped, plain_numbers
 from missionplan.importers.readers import track
 from missionplan.importers.readers.track import read_header
@@ -41,7 +40,8 @@ _COLUMNS = {
 }
 """Names of the columns in small letters, as firmware versions have them."""
 _NEEDED = ("time", "lat", "lon", "depth")
-_HEAD = re.compile(rb"\s*\"?timestamp\"?\s*([;,\t|])\s*\"?nav_?state", re.IGNORECASE)
+_MARKS = {"timestamp", "navstate", "heading", "depth"}
+"""Columns by which such a log is recognised."""
 _NAME = re.compile(r"([A-Za-z]+\d+)\.(\d+)\.")
 _TIMES = ("%d/%m/%Y %H:%M:%S", "%d/%m/%Y %H:%M:%S.%f", "%Y-%m-%d %H:%M:%S", "%Y-%m-%d %H:%M:%S.%f")
 _AT_SURFACE = 116.0
@@ -53,7 +53,14 @@ _MOST_FIXES = 0.5
 
 def recognises(path: Path, head: bytes) -> bool:
     """Whether a file is a `gli` log."""
-    return bool(_HEAD.match(head.removeprefix(b"\xef\xbb\xbf"))) and b"heading" in head.lower()
+    return {word.replace("_", "") for word in _first_line(head)} >= _MARKS
+
+
+def _first_line(head: bytes) -> list[str]:
+    """Names of the columns that the first line has, in small letters."""
+    line = head.split(b"\n")[0].decode("utf-8-sig", "replace")
+    separator = max(";\t|,", key=line.count)
+    return [word.strip().strip('"').lower() for word in line.split(separator)]
 
 
 def identity(path: Path) -> Identity:
@@ -105,7 +112,7 @@ def _number(path: Path) -> tuple[str, int, str]:
 
 def _parts(path: Path) -> Iterator[dict[str, Array]]:
     """Read some rows at a time."""
-    with gzip.open(path, "rb") if path.suffix == ".gz" else path.open("rb") as stream:
+    with unpacked(path) as stream:
         head = stream.readline()
         separator = next((each for each in (";", "\t", "|", ",") if each.encode() in head), ";")
         stream.seek(0)
@@ -155,14 +162,13 @@ _IVER_COLUMNS = {
     "hdop": "HDOP",
     "satellites": "Number of Sats",
 }
-_IVER_NEEDED = ("latitude", "longitude", "time", "date", "dfs depth (m)")
+_IVER_NEEDED = {"latitude", "longitude", "time", "date", "dfs depth (m)"}
 _IVER_NAME = re.compile(r"(iver\d*-\d+|ecomapper[-_]?\d+)", re.IGNORECASE)
 
 
 def recognises_iver(path: Path, head: bytes) -> bool:
     """Whether a file's first line has the columns of such a log."""
-    words = [word.strip().strip('"').lower() for word in head.split(b"\n")[0].decode("utf-8-sig", "replace").split(";")]
-    return all(name in words for name in _IVER_NEEDED)
+    return set(_first_line(head)) >= _IVER_NEEDED
 
 
 def identity_iver(path: Path) -> Identity:

@@ -6,11 +6,9 @@ separator, a preface or none, and decimal points or commas.
 """
 
 import csv
-import gzip
 import io
 import math
 from collections.abc import Iterator, Mapping, Sequence
-from contextlib import contextmanager
 from dataclasses import replace
 from datetime import datetime, time
 from pathlib import Path
@@ -23,7 +21,7 @@ from missionplan.arrays import Array
 from missionplan.errors import InputError, Problem
 from missionplan.importers.dives import LegRules, depths_of
 from missionplan.importers.geodesy import displacement, origin_of, plane_positions
-from missionplan.importers.importer import Importer, ReadOptions, SourceLog, needed_module
+from missionplan.importers.importer import Importer, ReadOptions, SourceLog, needed_module, unpacked
 from missionplan.importers.mapping import QUANTITIES, MappedName, angles, quantities, times, unit_factor
 from missionplan.importers.netcdf import MAGIC, Variables, opened
 from missionplan.importers.stores import ColumnStore, Samples
@@ -174,7 +172,7 @@ def _with_positions(track: Track, store: ColumnStore, names: Mapping[str, Mapped
         return replace(track, reckoned=reckoned, reckoning="the track's own dead-reckoned columns")
     if given and len(own):
         return replace(track, reckoned=own, reckoning="the table's positions, with fixes of other files")
-    return _split(track, own)
+    return split_at_surface(track, own)
 
 
 def _places(
@@ -200,7 +198,7 @@ def _marks(t: Array, values: Array) -> tuple[float, ...]:
     return tuple(float(each) for each in t[up & ~np.append(False, up[:-1])])
 
 
-def _split(track: Track, own: Positions) -> Track:
+def split_at_surface(track: Track, own: Positions) -> Track:
     """Split the vehicle's own positions into dead-reckoned ones, under water, and fixes, at the surface.
 
     At the surface the position is dead-reckoned until it jumps to the fix: fixes count from the greatest step on that
@@ -229,7 +227,7 @@ def _split(track: Track, own: Positions) -> Track:
         track,
         fixes=track.fixes[np.isin(track.fixes.t, own.t[is_fix])],
         reckoned=Positions(own.t[~is_fix], own.latitude[~is_fix], own.longitude[~is_fix]),
-        reckoning="the table's positions under water",
+        reckoning="the vehicle's one position, under water",
         notices=(*track.notices, notice),
     )
 
@@ -289,13 +287,8 @@ def _joined(chunk: pd.DataFrame, name: str) -> "pd.Series[str]":
     return words
 
 
-@contextmanager
-def _opened(path: Path) -> Iterator[IO[str]]:
-    with (
-        gzip.open(path, "rb") if path.suffix == ".gz" else path.open("rb") as raw,
-        io.TextIOWrapper(raw, encoding="utf-8-sig", errors="replace", newline="") as stream,
-    ):
-        yield stream
+def _opened(path: Path) -> IO[str]:
+    return io.TextIOWrapper(unpacked(path), encoding="utf-8-sig", errors="replace", newline="")
 
 
 def _cells(line: str, separator: str) -> list[str]:
