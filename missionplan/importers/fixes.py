@@ -66,6 +66,8 @@ def judge_fixes(fixes: Fixes) -> JudgedFixes:
     reasons[np.flatnonzero(good)[jumps]] = JUMPED
     mended = (reasons != "") & _confirmed(fixes, reasons == "") & ~np.isin(reasons, (_FLAGGED, _UNSEEN))
     reasons[mended] = ""
+    which = np.flatnonzero(reasons == "")
+    reasons[which[1:][np.diff(fixes.t[which]) == 0.0]] = "another fix has the same time"
     good = reasons == ""
     stated = np.isfinite(fixes.hdop) | np.isfinite(fixes.accuracy) | (fixes.satellites >= FEWEST_SATELLITES)
     by = np.select([mended, fixes.valid == 1.0, stated], ["neighbours", "flag", "quality"], "place").astype(object)

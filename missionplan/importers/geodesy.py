@@ -109,7 +109,8 @@ def _found(t: Array, east: Array, north: Array, fixes: Fixes) -> Geographic:
     if not len(near):
         hint = "add origin=LATITUDE,LONGITUDE to --map"
         raise InputError([Problem("positions are in metres, and their origin is not known", key="map", hint=hint)])
-    fix, own = near[0], nearest[near[0]]
+    fix = near[away[near] <= away[near].min() + 1.0][0]  # the earliest of the nearest: the reckoning errs more later on
+    own = nearest[fix]
     at_fix = _place(float(fixes.latitude[fix]), float(fixes.longitude[fix]))
     latitude, longitude = to_geographic(np.array([-east[own]]), np.array([-north[own]]), at_fix)
     # the plane about the origin, not about the fix: one step of correction is exact to millimetres

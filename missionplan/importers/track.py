@@ -11,6 +11,8 @@ from numpy.typing import NDArray
 from missionplan.arrays import Array
 
 _NONE = np.empty(0)
+_SAME_PLACE = 1e-4
+"""Difference of latitude and longitude of readings that are of one fix [deg]."""
 SILENCE = 30.0 * 86400.0
 """Time without any reading that lies between two deployments [s]."""
 
@@ -130,14 +132,19 @@ def fixes(
     satellites: Array | None = None,
     valid: Array | None = None,
 ) -> Fixes:
-    """Make fixes of readings in any order: those that are no positions left out, in the order of time, one a time."""
+    """Make fixes of readings in any order: those that are no positions left out, in the order of time.
+
+    Of readings of one time and nearly one place the first is kept; one elsewhere stays, to be judged.
+    """
     t = np.asarray(t, dtype=float)
     unknown = np.full(len(t), np.nan)
     given = (latitude, longitude, accuracy, hdop, satellites, valid)
     columns = [unknown if each is None else np.asarray(each, dtype=float) for each in given]
     there = np.flatnonzero(np.isfinite(t) & is_place(columns[0], columns[1]))
-    _, first = np.unique(t[there], return_index=True)
-    return Fixes(t, *columns)[there[first]]
+    found = Fixes(t, *columns)[there[np.argsort(t[there], kind="stable")]]
+    steps = (np.abs(np.diff(each)) for each in (found.latitude, found.longitude))
+    again = (np.diff(found.t) == 0.0) & np.all([step < _SAME_PLACE for step in steps], axis=0)
+    return found[np.append(True, ~again)[: len(found)]]
 
 
 @dataclass(frozen=True)

@@ -9,10 +9,10 @@ import csv
 import io
 import math
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import replace
-from datetime import datetime, time
+from dataclasses import dataclass, replace
+from datetime import date, datetime, time, timedelta
 from pathlib import Path
-from typing import IO
+from typing import IO, Any
 
 import numpy as np
 import pandas as pd
@@ -348,26 +348,60 @@ def add_gpx(path: Path, found: Samples) -> None:
 
 
 def add_nmea(path: Path, found: Samples) -> None:
-    """Add the fixes of NMEA sentences: RMC has the date, GGA the quality."""
+    """Add the fixes of NMEA sentences: RMC has the date and GGA the quality, or ZDA the date and GGA the rest."""
     library = needed_module("pynmea2", "track", "track (NMEA)")
-    quality: dict[time, tuple[float, float]] = {}
+    epoch, last = _Epoch(), None
     with path.open(encoding="ascii", errors="replace") as stream:
         for line in stream:
             start = line.find("$")
-            if start < 0:
-                continue
             try:
-                sentence = library.parse(line[start:].strip(), check=True)
+                sentence = library.parse(line[start:].strip(), check=True) if start >= 0 else None
             except library.ParseError:
                 continue
-            kind = getattr(sentence, "sentence_type", "")
-            if kind == "GGA" and sentence.timestamp:
-                quality = {sentence.timestamp: (_number(sentence.horizontal_dil), _number(sentence.num_sats))}
-            elif kind == "RMC" and sentence.timestamp and sentence.datestamp and sentence.lat and sentence.lon:
-                hdop, satellites = quality.get(sentence.timestamp, (math.nan, math.nan))
-                t = utc(datetime.combine(sentence.datestamp, sentence.timestamp)).timestamp()
-                valid = 1.0 if sentence.status == "A" else 0.0
-                found.add(t, sentence.latitude, sentence.longitude, hdop, satellites, valid)
+            clock = getattr(sentence, "timestamp", None)
+            if not isinstance(clock, time):
+                continue
+            if clock != epoch.clock:
+                last = epoch.add_to(found, last)
+                epoch = _Epoch(clock)
+            epoch.take(sentence)
+    epoch.add_to(found, last)
+
+
+@dataclass
+class _Epoch:
+    """What the sentences of one time say; a receiver sends them in any order."""
+
+    clock: time | None = None
+    day: date | None = None
+    place: tuple[float, float] | None = None
+    valid: float = math.nan
+    quality: tuple[float, float] = (math.nan, math.nan)
+
+    def take(self, sentence: Any) -> None:
+        """Take in a sentence."""
+        kind = getattr(sentence, "sentence_type", "")
+        if kind in ("RMC", "ZDA"):
+            self.day = sentence.datestamp or self.day
+        if kind in ("RMC", "GGA") and sentence.lat and sentence.lon:
+            self.place = sentence.latitude, sentence.longitude
+        if kind == "RMC":
+            self.valid = float(sentence.status == "A")
+        if kind == "GGA":
+            self.quality = _number(sentence.horizontal_dil), _number(sentence.num_sats)
+            self.valid = float(_number(sentence.gps_qual) > 0.0) if math.isnan(self.valid) else self.valid
+
+    def add_to(self, found: Samples, last: datetime | None) -> datetime | None:
+        """Add the fix, on the date it says or on that of the time before, or on the day after; returns its moment."""
+        day = self.day or (last.date() if last else None)
+        if self.clock is None or day is None:
+            return last
+        moment = utc(datetime.combine(day, self.clock))
+        if self.day is None and last and moment < last - timedelta(hours=12.0):
+            moment += timedelta(days=1)
+        if self.place is not None:
+            found.add(moment.timestamp(), *self.place, *self.quality, self.valid)
+        return moment
 
 
 def _number(value: object) -> float:
