@@ -1,6 +1,6 @@
 """Commands that plan: sweep-dmax, plan-legs, size-anchor, simulate, sweep-transition."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from enum import StrEnum
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -148,6 +148,26 @@ _Searched = Annotated[
 ]
 
 
+class VehicleFormat(StrEnum):
+    """Formats that a vehicle carries out; the names are those of `missionplan.exporters.formats`."""
+
+    SLOCUM = "slocum"
+    MOOS = "moos"
+    NEPTUS = "neptus"
+    IVER = "iver"
+
+
+_AsExported = Annotated[
+    VehicleFormat | None,
+    typer.Option(
+        "--as-exported",
+        metavar="FORMAT",
+        help=f"Run what the vehicle does with the files of `export`, one of {', '.join(VehicleFormat)}.",
+        show_default=False,
+    ),
+]
+
+
 _Rare = Annotated[
     str | None,
     typer.Option(
@@ -182,12 +202,14 @@ def simulate(
     resume: _Resume = False,
     keep_trials: _KeepTrials = False,
     searched: _Searched = None,
+    as_exported: _AsExported = None,
     output: o.OutputOptions,
     allow_outside: o.AllowOutside = False,
 ) -> None:
     """Simulate the whole mission: will it work, how long will it take, how much energy, and what makes it fail."""
     if rare is not None:
-        _refuse_with_rare(resume=resume, keep_trials=keep_trials, searched=searched is not None)
+        given = {"resume": resume, "keep_trials": keep_trials, "searched": searched is not None}
+        _refuse_with_rare({**given, "as_exported": as_exported is not None})
 
         def study(loaded: "Mission", progress: Progress) -> "Result":
             from missionplan.studies.rare_failure.find_rare_failure import find_rare_failure
@@ -207,6 +229,7 @@ def simulate(
             resume=resume,
             keep_trials=keep_trials,
             searched=searched,
+            as_exported=as_exported.value if as_exported else None,
             progress=progress,
             **run.arguments(),
         )
@@ -218,11 +241,10 @@ def simulate(
         raise typer.Exit(REQUIREMENT_NOT_MET)
 
 
-def _refuse_with_rare(*, resume: bool, keep_trials: bool, searched: bool) -> None:
+def _refuse_with_rare(given: Mapping[str, bool]) -> None:
     """Refuse options of the plain simulation that a search for a rare failure does not have."""
     from missionplan.errors import InputError, Problem
 
-    given = {"resume": resume, "keep_trials": keep_trials, "searched": searched}
     problems = [
         Problem("does not go with --rare, which writes failures.csv and starts anew", key=name)
         for name, is_given in given.items()

@@ -1,9 +1,11 @@
 """The formats that a plan can be written in, by name."""
 
+from collections.abc import Callable
 from importlib import import_module
 from typing import Protocol, cast
 
-from missionplan.results.plan import Plan
+from missionplan.phases.transit.execution import Execution
+from missionplan.results.plan import Plan, PlannedTransit
 
 FORMATS = {
     "csv": "missionplan.exporters.table",
@@ -20,6 +22,12 @@ FORMATS = {
 """Module of each format, by the name that the command line takes."""
 
 
+VEHICLES = ("slocum", "moos", "neptus", "iver")
+"""Formats that a vehicle carries out by itself: what it does is what their modules' `executes` say."""
+Executes = Callable[[PlannedTransit], Execution]
+"""How a vehicle carries out a transit that was written for it."""
+
+
 class Format(Protocol):
     """What the module of a format has."""
 
@@ -31,6 +39,11 @@ class Format(Protocol):
 
     def files(self, plan: Plan, stem: str, /) -> dict[str, str | bytes]:
         """Write the files, by name; `stem` begins the names."""
+
+
+def execution_of(name: str) -> Executes | None:
+    """Return how the vehicle of a format carries out a transit; None for a format of maps and tables."""
+    return cast(Executes, import_module(FORMATS[name]).executes) if name in VEHICLES else None
 
 
 def format_named(name: str) -> Format:

@@ -1,11 +1,22 @@
 """The plan as a vehicle takes it: where to go, how deep, how fast, when to surface, when to release the anchor."""
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from datetime import datetime
 
 TIME_OUT_MARGIN = 1.1
 """Time-out over the 99 % duration."""
+CLIMB = math.radians(5.0)
+"""Angle at which a vehicle is taken to climb to the surface, or steeper; those with a propeller climb at 10 to 30°, and
+slower as they level off. A vehicle that climbs steeper makes the rest of its leg at the surface [rad]."""
+FIX_WAIT = 600.0
+"""Least time that a vehicle waits at the surface for a fix; a cold start of a receiver takes a minute or two [s]."""
+ABORT_MARGIN = 1.5
+"""Over the time-out: to give a mission up costs more than to be late, and one trial in a hundred is late."""
+SURFACE_DEPTH = 0.3
+"""Depth above which a vehicle is at the surface [m]."""
+LONGEST_SINKING = 5.0
+"""Time a metre of depth after which a vehicle lies at anchor whatever its depth gauge says: it sinks faster [s/m]."""
 
 
 @dataclass(frozen=True)
@@ -77,6 +88,11 @@ class SurfacingRule:
     extra_time: float = 0.0
     extra_time_error: float = 0.0
 
+    @property
+    def fix_wait(self) -> float:
+        """Time after which a vehicle at the surface gives up waiting for a fix [s]."""
+        return fix_wait(self.surface_time_p99)
+
 
 @dataclass(frozen=True)
 class PlannedTransit:
@@ -94,6 +110,11 @@ class PlannedTransit:
         The start, where each planned leg ends, and the goal last.
     duration_p99 : float
         Time that 99 % of the trials that arrive take, from the first dive to the fix on arrival [s].
+    aim : Waypoint or None
+        Point that a vehicle without a correction for drift steers for, so that the mean drift at the surface takes it
+        to the goal; None: the goal.
+    extra_legs : int
+        Legs for that point after the nominal ones, of a vehicle that cannot compare a fix with the goal.
     """
 
     name: str
@@ -103,6 +124,38 @@ class PlannedTransit:
     surfacing: SurfacingRule
     waypoints: tuple[Waypoint, ...]
     duration_p99: float
+    aim: Waypoint | None = None
+    extra_legs: int = 0
+
+    @property
+    def steered_for(self) -> Waypoint:
+        """The goal, or the point that is steered for in its place."""
+        return self.aim or self.goal
+
+    @property
+    def aim_off(self) -> float:
+        """How far that point is from the goal [m]."""
+        return math.hypot(self.steered_for.east - self.goal.east, self.steered_for.north - self.goal.north)
+
+    @property
+    def ascent_margin(self) -> float:
+        """Way before the end of a leg at which the vehicle goes up, half a leg at most: none may be longer [m]."""
+        return min(self.depth / math.tan(CLIMB), 0.5 * self.surfacing.interval)
+
+    @property
+    def sequence(self) -> tuple[Waypoint, ...]:
+        """Where a vehicle goes that cannot compare a fix with the goal: the nominal legs' ends, then the last again."""
+        last = self.steered_for
+        again = [
+            replace(last, name=f"{self.goal.name} again {number}", length=0.0, duration=0.0)
+            for number in range(1, self.extra_legs + 1)
+        ]
+        return (*self.waypoints[1:-1], last, *again)
+
+    @property
+    def abort_time(self) -> float:
+        """Time after which the vehicle gives the transit up: half more than the time-out, and one late fix [s]."""
+        return ABORT_MARGIN * self.time_out + self.surfacing.fix_wait
 
     @property
     def start(self) -> Waypoint:
@@ -149,6 +202,8 @@ class PlannedMooring:
         Time on the bottom until the release is commanded, and until the link has corroded, means [s].
     elapsed : float
         Mission time of the last fix before it, nominally [s].
+    surface_time_p99 : float
+        At the surface after the ascent, 99 % quantile [s].
     """
 
     name: str
@@ -165,6 +220,27 @@ class PlannedMooring:
     hold: float
     galvanic_release: float
     elapsed: float
+    surface_time_p99: float = 0.0
+
+    @property
+    def fix_wait(self) -> float:
+        """Time after which a vehicle at the surface gives up waiting for a fix [s]."""
+        return fix_wait(self.surface_time_p99)
+
+    @property
+    def touchdown_depth(self) -> float:
+        """Depth of the vehicle below which its anchor lies on the bottom, a tenth less; nan where not known [m]."""
+        return 0.9 * (self.water_depth - self.line_length) if self.water_depth > self.line_length else math.nan
+
+    @property
+    def longest_sinking(self) -> float:
+        """Time after which the vehicle is taken to lie at anchor, whatever its depth gauge says [s]."""
+        return max(60.0, LONGEST_SINKING * self.water_depth) if math.isfinite(self.water_depth) else FIX_WAIT
+
+    @property
+    def longest_release(self) -> float:
+        """Time after the release is triggered when the vehicle should long have surfaced [s]."""
+        return 3.0 * self.galvanic_release + FIX_WAIT
 
 
 @dataclass(frozen=True)
@@ -188,6 +264,8 @@ class Plan:
         In the mission's order.
     notes : tuple of str
         What the reader is to know of every form of the plan.
+    capacity : float
+        Energy in the battery; nan where the mission gives none [Wh].
     """
 
     mission: str
@@ -197,6 +275,7 @@ class Plan:
     origin: tuple[float, float] | None
     phases: tuple[PlannedTransit | PlannedMooring, ...]
     notes: tuple[str, ...] = ()
+    capacity: float = math.nan
 
     @property
     def transits(self) -> tuple[PlannedTransit, ...]:
@@ -207,6 +286,11 @@ class Plan:
     def moorings(self) -> tuple[PlannedMooring, ...]:
         """The moorings among the phases."""
         return tuple(phase for phase in self.phases if isinstance(phase, PlannedMooring))
+
+
+def fix_wait(surface_time_p99: float) -> float:
+    """Return for how long a vehicle waits for a fix: five times what 99 % take, ten minutes at least [s]."""
+    return max(FIX_WAIT, 5.0 * surface_time_p99)
 
 
 def time_out(nominal: float, p99: float) -> float:

@@ -1,7 +1,7 @@
 """A mission at its means or with the draws of a block of trials: what its phases share, and its transits."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
@@ -17,7 +17,8 @@ from missionplan.phases.fields.forecast_error import ErringCurrent
 from missionplan.phases.hooks import TransitEffect
 from missionplan.phases.leeway import Leeway
 from missionplan.phases.place.place import Place
-from missionplan.phases.transit.compensation import Compensation, Forecast, compensation_named
+from missionplan.phases.transit.compensation import Compensation, Forecast, LastLeg, compensation_named
+from missionplan.phases.transit.execution import Execution
 from missionplan.phases.transit.kalman_filter import DriftFilter
 from missionplan.phases.transit.leg_table import LegTable
 from missionplan.phases.transit.plan import Environment, TransitPlan
@@ -59,6 +60,8 @@ class Scenario(DrawnMission):
         Of the vehicle afloat; None in a mission without wind.
     place : Place or None
         Ground, coast and sea level; None where the mission names no file of them.
+    executions : mapping of str to Execution
+        By transit, how a vehicle carries it out by other rules than the plan's.
     """
 
     recorded: Current | None = None
@@ -68,6 +71,7 @@ class Scenario(DrawnMission):
     wind: Current | None = None
     leeway: Leeway | None = None
     place: Place | None = None
+    executions: Mapping[str, Execution] = field(default_factory=dict)
 
     @classmethod
     def at_means(cls, mission: Mission, recorded: Current | None = None) -> "Scenario":
@@ -165,12 +169,14 @@ class Scenario(DrawnMission):
         Until the first mooring the vehicle carries the anchor on its nose, which lengthens the hull.
         """
         table, propelled, hotel = phase.d_max, self._propelled(phase), self.budget.hotel
+        execution = self.executions.get(phase.name)
+        waits = None if execution is None else execution.surface_time
         return TransitPlan(
             goal=self.position(phase.to),
             speed=phase.speed,
             arrival_radius=phase.arrival_radius,
             d_max=leg_table(table) if isinstance(table, LegTableSection) else table,
-            surfacing_time=self.surfacing_time,
+            surfacing_time=self.surfacing_time if waits is None else waits,
             velocity_error=self.velocity_error,
             fix_error=self.fix_error,
             depth=phase.depth,
@@ -216,6 +222,9 @@ class Scenario(DrawnMission):
 
     def compensation(self, phase: TransitPhase[Scalars]) -> Compensation | None:
         """Return how the vehicle compensates for drift on one transit, which only the means determine."""
+        execution = self.executions.get(phase.name)
+        if execution is not None:
+            return LastLeg() if execution.corrects else None
         return self.means._compensations[phase.name]
 
     @cached_property

@@ -1,6 +1,7 @@
 """Plans made by hand in which no two numbers are alike, so that a file that takes one for another is found out."""
 
 import math
+from dataclasses import replace
 from datetime import UTC, datetime
 
 import numpy as np
@@ -86,6 +87,9 @@ def made(origin, rules=(RULE, SHORT)):
         galvanic_release=5431.0,
         elapsed=2613.2,
     )
+    aim = replace(there.goal, east=out[-1][0] + 7.25, north=out[-1][1] - 3.5)
+    aim = replace(aim, **dict(zip(("latitude", "longitude"), on_earth(origin, aim.east, aim.north), strict=True)))
+    there = replace(there, aim=aim, extra_legs=2)
     home = PlannedTransit("egress", 7.91, 1.126, 38.5, rules[1], course(origin, "egress", back, 9876.0, 1.126), 1612.6)
     start = datetime(2026, 6, 1, 12, 34, 56, tzinfo=UTC)
     return Plan("Trip & back", "f00d" * 16, "0.0.made", start, origin, (there, moor, home), ("as made by hand",))

@@ -132,32 +132,25 @@ def test_minutes_that_round_up_to_sixty_are_a_degree():
 
 
 def read_bhv(text):
+    """Initial values, and behaviours by name: kind, conditions, flags, and what else they hold, numbers as numbers."""
     assert text.isascii()
     lines = [line.split("//")[0].strip() for line in text.splitlines()]
     body = "\n".join(line for line in lines if line)
-    behaviours = []
+    behaviours = {}
     for kind, inner in re.findall(r"^Behavior = (\w+)\n\{\n(.*?)\n\}$", body, re.S | re.M):
         pairs = [tuple(part.strip() for part in line.split("=", 1)) for line in inner.splitlines()]
-        behaviours.append((kind, pairs))
+        conditions = [value for key, value in pairs if key == "condition"]
+        assert conditions[0] == "MODE == ACTIVE"
+        flags = [value for key, value in pairs if key == "endflag"]
+        own = {key: number(value) for key, value in pairs if key not in ("condition", "endflag", "name")}
+        name = dict(pairs)["name"]
+        assert name not in behaviours
+        behaviours[name] = (kind.removeprefix("BHV_"), conditions[1:], flags, own)
     rest = re.sub(r"^Behavior = \w+\n\{\n.*?\n\}$", "", body, flags=re.S | re.M)
     rest, modes = re.subn(r"^set MODE = ACTIVE \{\nDEPLOY = true\n\} INACTIVE$", "", rest, flags=re.S | re.M)
     assert modes == 1
     initial = dict(re.fullmatch(r"initialize (\w+) = (\w+)", line).groups() for line in rest.splitlines() if line)
     return initial, behaviours
-
-
-def by_phase(behaviours):
-    """Behaviours by the phase that they are active in and their kind: numbers as numbers, flags as a list."""
-    found = {}
-    for kind, pairs in behaviours:
-        conditions = [value for key, value in pairs if key == "condition"]
-        assert conditions[0] == "MODE == ACTIVE"
-        (phase,) = [re.fullmatch(r"PHASE = (\w+)", each)[1] for each in conditions[1:]]
-        own = {key: number(value) for key, value in pairs if key not in ("condition", "endflag", "name")}
-        flags = [value for key, value in pairs if key == "endflag"]
-        assert kind not in found.setdefault(phase, {})
-        found[phase][kind] = own | ({"endflag": flags} if flags else {})
-    return found
 
 
 def number(text):
@@ -167,79 +160,154 @@ def number(text):
         return text
 
 
+FOREVER = {"duration": "no-time-limit", "pwt": 100.0}
+
+
+def timer(seconds, begins=None):
+    reset = {} if begins is None else {"duration_reset": f"PHASE={begins}"}
+    return {"pwt": 100.0, "duration": pytest.approx(seconds, abs=0.051), "perpetual": "true", **reset}
+
+
+def still(state, *more):
+    """Stopped at the surface."""
+    within = [f"PHASE = {state}", *more]
+    return {
+        f"stop_{state}": ("ConstantSpeed", within, [], {**FOREVER, "speed": 0.0}),
+        f"course_{state}": ("ConstantHeading", within, [], {**FOREVER, "heading": 0.0}),
+    }
+
+
+def level(state, depth):
+    own = {**FOREVER, "depth": pytest.approx(depth, abs=0.0051), "peakwidth": 0.0, "basewidth": 2.0}
+    return {f"depth_{state}": ("ConstantDepth", [f"PHASE = {state}"], [], own)}
+
+
+def enter(state):
+    return [f"PHASE = {state}", f"STAGE = {state.rpartition('_')[0] or state}"]
+
+
+def aborted(reason):
+    return ["TIME_OUT = true", f"ABORTED_BY = {reason}", *enter("abort")]
+
+
+def of_transit(transit, name, following, goal, aim):
+    """What a transit's states have to be; `goal` and `aim` are the texts of the points."""
+    leg, up, fix, decide = (f"{name}_{state}" for state in ("leg", "surfacing", "fix", "decide"))
+    rule = transit.surfacing
+    climb = min(transit.depth / math.tan(math.radians(5.0)), rule.interval / 2.0)
+    wait = max(600.0, 5.0 * rule.surface_time_p99)
+
+    def waypoint(phase, more, point, capture, slip, flags):
+        own = {**FOREVER, "speed": transit.speed, "points": point, "repeat": 0.0, "perpetual": "true"}
+        own |= {"capture_radius": pytest.approx(capture, rel=1e-3), "slip_radius": slip}
+        return ("Waypoint", [f"PHASE = {phase}", *more], flags, own)
+
+    return {
+        f"waypoint_{leg}": waypoint(leg, [], aim, 1.0, 3.0, enter(up)),
+        f"early_{leg}": waypoint(leg, [f"NAV_DEPTH > {0.8 * transit.depth:.2f}"], aim, climb, 0.0, enter(up)),
+        **level(leg, transit.depth),
+        f"interval_{leg}": (
+            *("Timer", [f"PHASE = {leg}"], enter(up)),
+            timer(rule.interval_time - climb / transit.speed, leg),
+        ),
+        f"rise_{up}": waypoint(up, ["WAY = true"], aim, 1.0, 3.0, ["WAY = false"]),
+        **level(up, 0.0),
+        f"whole_{leg}": (
+            *("Timer", [f"STAGE = {name}", "WAY = true"], ["WAY = false"]),
+            timer(rule.interval_time - 1.0, leg),
+        ),
+        **still(up, "WAY = false"),
+        f"surfaced_{up}": (
+            *("Timer", [f"PHASE = {up}", "WAY = false", "NAV_DEPTH <= 0.3"], enter(fix)),
+            timer(1.0, up),
+        ),
+        f"fixed_{up}": ("Timer", [f"PHASE = {up}", "FIXED = true"], enter(decide), timer(10.0, up)),
+        **level(fix, 0.0),
+        **still(fix),
+        f"fixed_{fix}": ("Timer", [f"PHASE = {fix}", "FIXED = true"], enter(decide), timer(1.0, fix)),
+        f"no_fix_{fix}": ("Timer", [f"PHASE = {fix}"], aborted("NO_FIX"), timer(wait, fix)),
+        **level(decide, 0.0),
+        f"stop_{decide}": ("ConstantSpeed", [f"PHASE = {decide}"], [], {**FOREVER, "speed": 0.0, "pwt": 1000.0}),
+        f"arrived_{decide}": waypoint(decide, [], goal, transit.arrival_radius, 0.0, [*enter(following), "WAY = true"]),
+        f"further_{decide}": (
+            *("Timer", [f"PHASE = {decide}"], [*enter(leg), "WAY = true", "FIXED = false"]),
+            timer(3.0, decide),
+        ),
+        f"time_out_{name}": (
+            *("Timer", [f"STAGE = {name}"], aborted("TRANSIT")),
+            timer(1.5 * transit.time_out + wait),
+        ),
+    }
+
+
+def of_mooring(mooring, name, following):
+    release, sink, hold, rise, fix = (f"{name}_{state}" for state in ("release", "descend", "hold", "ascend", "fix"))
+    down = 0.9 * (mooring.water_depth - mooring.line_length)
+    states = {}
+    for state in (release, sink, hold, rise, fix):
+        states |= {**level(state, 0.0), **still(state)}
+
+    def at(state, seconds, flags, *more):
+        return ("Timer", [f"PHASE = {state}", *more], flags, timer(seconds, state))
+
+    return states | {
+        f"at_{release}": at(release, mooring.release_time - 3.0, ["ANCHOR_RELEASE = true", *enter(sink)]),
+        f"down_{sink}": at(sink, 0.0, enter(hold), f"NAV_DEPTH > {down:.2f}"),
+        f"lies_{sink}": at(sink, max(60.0, 5.0 * mooring.water_depth), enter(hold)),
+        f"at_{hold}": at(hold, mooring.hold, ["GALVANIC_RELEASE = true", *enter(rise)]),
+        f"parted_{rise}": at(rise, mooring.galvanic_release, ["WAY = false"]),
+        f"surfaced_{rise}": at(rise, 1.0, enter(fix), "WAY = false", "NAV_DEPTH <= 0.3"),
+        f"late_{rise}": at(rise, 3.0 * mooring.galvanic_release + 600.0, aborted("ASCENT")),
+        f"fixed_{fix}": at(fix, 1.0, [*enter(following), "WAY = true"], "FIXED = true"),
+        f"no_fix_{fix}": at(fix, 600.0, aborted("NO_FIX")),
+    }
+
+
 def test_moos(plan):
+    """Every behaviour, condition and number of the file is one of the plan's states."""
     (text,) = written(plan, "moos").values()
-    initial, behaviours = read_bhv(text)
-    assert initial == {"DEPLOY": "false", "PHASE": "1_ingress"}
-    names = [dict(pairs)["name"] for _, pairs in behaviours]
-    assert len(set(names)) == len(names)
+    initial, found = read_bhv(text)
+    first = {"PHASE": "1_ingress_leg", "STAGE": "1_ingress"}
+    assert initial == {"DEPLOY": "false", **first, "WAY": "true", "FIXED": "false"}
     latitude, longitude = (float(re.search(rf"{key} *= (\S+)", text)[1]) for key in ("LatOrigin", "LongOrigin"))
     assert (latitude, longitude) == pytest.approx([math.degrees(angle) for angle in plan.origin], abs=1e-8)
     to_utm = Transformer.from_crs(4326, 32760 if latitude < 0.0 else 32618, always_xy=True)
     origin = to_utm.transform(longitude, latitude)
-    found = by_phase(behaviours)
-    common = {"pwt": 100.0}
     (mooring,) = plan.moorings
-    for transit, phase, following in zip(plan.transits, ("1_ingress", "3_egress"), ("2_moor", "done"), strict=True):
-        active = found.pop(phase)
-        x, y = (float(part) for part in active["BHV_Waypoint"].pop("points").split(","))
-        lon, lat = to_utm.transform(origin[0] + x, origin[1] + y, direction="INVERSE")
-        assert off(plan, transit.goal, lat, lon) < 0.05
-        rule = transit.surfacing
-        assert active == {
-            "BHV_Waypoint": {
-                **common,
-                "duration": "no-time-limit",
-                "speed": transit.speed,
-                "capture_radius": transit.arrival_radius,
-                "slip_radius": transit.arrival_radius,
-                "repeat": 0.0,
-                "endflag": [f"PHASE = {following}"],
-            },
-            "BHV_ConstantDepth": {**common, "duration": "no-time-limit", "depth": transit.depth},
-            "BHV_PeriodicSurface": {
-                "pwt": 1000.0,
-                "duration": "no-time-limit",
-                "period": rule.interval_time,
-                "mark_variable": "GPS_UPDATE_RECEIVED",
-                "zero_speed_depth": 0.3,
-                "max_time_at_surface": math.ceil(rule.surface_time),
-                "ascent_speed": "current",
-                "ascent_grade": "fullspeed",
-            },
-            "BHV_Timer": {**common, "duration": round(transit.time_out), "endflag": ["TIME_OUT = true"]},
-        }
-        place = re.search(rf"// {transit.name}: to (\S+), (\S+)$", text, re.M)
-        assert off(plan, transit.goal, float(place[1]), float(place[2])) < 0.01
-    still = {**common, "duration": "no-time-limit", "speed": 0.0}
-    up = {**common, "duration": "no-time-limit", "depth": 0.0}
-    assert found == {
-        "2_moor": {
-            "BHV_ConstantDepth": up,
-            "BHV_ConstantSpeed": still,
-            "BHV_Timer": {
-                **common,
-                "duration": mooring.release_time,
-                "endflag": ["ANCHOR_RELEASE = true", "PHASE = hold_2_moor"],
-            },
-        },
-        "hold_2_moor": {
-            "BHV_ConstantSpeed": still,
-            "BHV_Timer": {
-                **common,
-                "duration": mooring.hold + mooring.galvanic_release,
-                "endflag": ["GALVANIC_RELEASE = true", "PHASE = 3_egress"],
-            },
-        },
-        "done": {"BHV_ConstantDepth": up, "BHV_ConstantSpeed": still},
+    forever = {"period": 1e6, "mark_variable": "GPS_UPDATE_RECEIVED", "pending_status_var": "FIX_CLOCK"}
+    expected = {
+        "fix_clock": ("PeriodicSurface", [], [], {**FOREVER, **forever, "max_time_at_surface": 1e6}),
+        "fixed": (
+            *("Timer", ["NAV_DEPTH <= 0.3", "FIX_CLOCK > 999997", "FIXED = false"], ["FIXED = true"]),
+            timer(0.0),
+        ),
+        "under_water": ("Timer", ["NAV_DEPTH > 0.3", "FIXED = true"], ["FIXED = false"], timer(0.0)),
+        **of_mooring(mooring, "2_moor", "3_egress_leg"),
     }
-    assert f"release, by {mooring.release_time_p99} s in 99 % of cases" in text
+    for end in ("done", "abort"):
+        expected |= {**level(end, 0.0), **still(end)}
+    for transit, name, following in zip(
+        plan.transits, ("1_ingress", "3_egress"), ("2_moor_release", "done"), strict=True
+    ):
+        for state, point in (("decide", transit.goal), ("leg", transit.steered_for)):
+            (text_of_point,) = {
+                own["points"] for key, (*_, own) in found.items() if key.endswith(f"{name}_{state}") and "points" in own
+            }
+            x, y = (float(part) for part in text_of_point.split(","))
+            lon, lat = to_utm.transform(origin[0] + x, origin[1] + y, direction="INVERSE")
+            assert off(plan, point, lat, lon) < 0.05
+        goal, aim = (found[key][3]["points"] for key in (f"arrived_{name}_decide", f"waypoint_{name}_leg"))
+        expected |= of_transit(transit, name, following, goal, aim)
+        place = re.search(rf"// {transit.name}: to (\S+), (\S+);", text, re.M)
+        assert off(plan, transit.goal, float(place[1]), float(place[2])) < 0.01
+    assert found == expected
+    assert f"by {mooring.release_time_p99} s in 99 % of cases" in text
 
 
 def test_moos_without_an_origin_has_the_mission_s_own_plane():
     plan = replace(PLANS["west"], origin=None)
     _, behaviours = read_bhv(written(plan, "moos")["trip.bhv"])
-    assert dict(behaviours[0][1])["points"] == "731.50,-612.75"
+    assert behaviours["arrived_1_ingress_decide"][3]["points"] == "731.50,-612.75"
 
 
 @pytest.mark.parametrize(
@@ -285,8 +353,8 @@ def test_neptus(plan):
     for graph, transit in zip(graphs, plan.transits, strict=True):
         sequence = [node.find("maneuver") for node in in_order(graph)]
         rule = transit.surfacing
-        for leg, goto, pop_up in zip(transit.legs, sequence[::2], sequence[1::2], strict=True):
-            longest = math.ceil(2.0 * rule.surface_time_p99 + 60.0)
+        for leg, goto, pop_up in zip(transit.sequence, sequence[::2], sequence[1::2], strict=True):
+            surfaced = math.ceil(rule.surface_time_p99)
             assert of_manoeuvre(goto, "Goto", plan, leg) == {
                 "minTime": 0.0,
                 "maxTime": leg.time_out,
@@ -297,9 +365,9 @@ def test_neptus(plan):
             assert leg.time_out >= leg.duration_p99
             assert of_manoeuvre(pop_up, "PopUp", plan, leg) == {
                 "minTime": 0.0,
-                "maxTime": longest,
+                "maxTime": 2 * surfaced + 60,
                 "PopUp@kind": "automatic",
-                "PopUp/duration": round(rule.surface_time),
+                "PopUp/duration": surfaced,
                 "PopUp/flags@CurrPos": "true",
                 "PopUp/flags@WaitAtSurface": "true",
                 **to_the_end(transit, leg, "PopUp"),
@@ -368,8 +436,9 @@ def test_iver(plan):
         assert text.isascii()
         lines = text.split("\r\n")
         stops = [[float(part) for part in LINE.fullmatch(line).groups()] for line in block(lines, None)]
-        minutes = {203.3: 3, 88.6: 1, 21.4: 1}[transit.surfacing.surface_time]  # an unparked vehicle stays under water
-        for count, (stop, waypoint) in enumerate(zip(stops, transit.waypoints, strict=True), start=1):
+        minutes = {371.4: 7, 131.2: 3, 44.8: 1}[transit.surfacing.surface_time_p99]
+        way = (transit.start, *transit.sequence)
+        for count, (stop, waypoint) in enumerate(zip(stops, way, strict=True), start=1):
             first, latitude, longitude, distance, heading, depth, park, speed = stop
             assert first == count
             assert off(plan, waypoint, latitude, longitude) < 0.02
@@ -381,12 +450,12 @@ def test_iver(plan):
             assert park == minutes * under_way
         *timing, total = block(lines, "WP TIMING")
         times = [[float(part) for part in TIMING.fullmatch(line).groups()] for line in timing]
-        under = [sum(each.duration for each in transit.waypoints[: n + 1]) for n in range(len(stops))]
+        under = [sum(each.duration for each in way[: n + 1]) for n in range(len(stops))]
         assert [each[0] for each in times] == list(range(1, len(stops) + 1))
         assert [each[1] for each in times] == pytest.approx(
             [t + 60 * minutes * n for n, t in enumerate(under)], abs=0.05
         )
-        run = [sum(each.length for each in transit.waypoints[: n + 1]) for n in range(len(stops))]
+        run = [sum(each.length for each in way[: n + 1]) for n in range(len(stops))]
         assert [each[2] for each in times] == pytest.approx(run, abs=0.05)
         hours, rest, seconds, distance = (float(part) for part in TOTAL.fullmatch(total).groups())
         assert 3600.0 * hours + 60.0 * rest + seconds == pytest.approx(times[-1][1], abs=0.55)
@@ -397,8 +466,8 @@ def test_iver(plan):
 
 def test_iver_says_for_how_long_it_parks(plan):
     words = format_named("iver").lost(plan)[0]
-    longest = "1 min for 89 s" if plan is PLANS["date line"] else "3 min for 203 s"
-    assert words == f"times at the surface but in whole minutes (1 min for 21 s, {longest})"
+    longest = "3 min for 131 s" if plan is PLANS["date line"] else "7 min for 371 s"
+    assert words == f"times at the surface but in whole minutes (1 min for 45 s, {longest})"
 
 
 # what all of them say of themselves

@@ -7,9 +7,12 @@ the University of Michigan reads ("Iver2 Mission Planning Manual", rev. 1.2).
 """
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
+
+import numpy as np
 
 from missionplan.exporters.header import NO_CORRECTION, NO_REMAINING_LEGS, header, plain, token, unheld_moorings
+from missionplan.phases.transit.execution import Execution
 from missionplan.results.plan import Plan, PlannedTransit, Waypoint
 
 TITLE = "mission for Iver (VectorMap)"
@@ -25,10 +28,16 @@ _COLUMNS = (
 )
 
 
+def executes(transit: PlannedTransit) -> Execution:
+    """Return how the vehicle carries out a transit: to each point by dead reckoning, and up for a fixed time."""
+    points = np.array([(point.east, point.north) for point in transit.sequence]).T
+    return Execution(ends="count", aim=points[:, -1], points=points, surface_time=60.0 * _minutes(transit))
+
+
 def lost(plan: Plan) -> tuple[str, ...]:
     """Say what the file cannot hold."""
-    times = {transit.surfacing.surface_time for transit in plan.transits}
-    parked = ", ".join(f"{_minutes(time)} min for {time:.0f} s" for time in sorted(times))
+    times = {(transit.surfacing.surface_time_p99, _minutes(transit)) for transit in plan.transits}
+    parked = ", ".join(f"{minutes} min for {time:.0f} s" for time, minutes in sorted(times))
     return (
         f"times at the surface but in whole minutes ({parked})",
         "time-outs of legs",
@@ -47,10 +56,10 @@ def files(plan: Plan, stem: str) -> dict[str, str | bytes]:
 
 
 def _mission(plan: Plan, transit: PlannedTransit, name: str) -> str:
-    park = _minutes(transit.surfacing.surface_time)
+    park, stops = _minutes(transit), (transit.start, *transit.sequence)
     lines = ["MISSION FILE VERSION V1.1", _COLUMNS, "MISSION NAME", plain(name), "START"]
-    lines += [_line(number, transit, waypoint, park) for number, waypoint in enumerate(transit.waypoints, start=1)]
-    lines += ["END", "WP TIMING", *_timing(transit, park), "END WP TIMING"]
+    lines += [_line(number, transit, waypoint, park) for number, waypoint in enumerate(stops, start=1)]
+    lines += ["END", "WP TIMING", *_timing(stops, park), "END WP TIMING"]
     lines += ["START NOTES", *(plain(line) for line in header(plan, TITLE, lost(plan))), "END NOTES"]
     lines += ["START VEHICLE", f"UVC=WPRadius={transit.arrival_radius:.0f}", "END VEHICLE"]
     return "\r\n".join(lines) + "\r\n"
@@ -67,9 +76,9 @@ def _line(number: int, transit: PlannedTransit, waypoint: Waypoint, park: int) -
     )
 
 
-def _timing(transit: PlannedTransit, park: int) -> Iterator[str]:
+def _timing(stops: Sequence[Waypoint], park: int) -> Iterator[str]:
     time = distance = 0.0
-    for number, waypoint in enumerate(transit.waypoints, start=1):
+    for number, waypoint in enumerate(stops, start=1):
         time += waypoint.duration + (60.0 * park if number > 1 else 0.0)
         distance += waypoint.length
         yield f"WP{number};Time={time:.1f};Dist={distance:.1f}"
@@ -77,6 +86,6 @@ def _timing(transit: PlannedTransit, park: int) -> Iterator[str]:
     yield f"Total Time = {hours:02d}:{rest // 60:02d}:{rest % 60:02d};Total Distance = {distance:.2f}"
 
 
-def _minutes(seconds: float) -> int:
-    """Whole minutes, at least one: without a time to park the vehicle does not surface."""
-    return max(round(seconds / 60.0), 1)
+def _minutes(transit: PlannedTransit) -> int:
+    """Whole minutes that hold the time of 99 % of the fixes, at least one: else the vehicle does not surface."""
+    return max(math.ceil(transit.surfacing.surface_time_p99 / 60.0), 1)

@@ -10,8 +10,11 @@ import math
 import zipfile
 from xml.etree import ElementTree
 
+import numpy as np
+
 from missionplan.exporters.header import NO_CORRECTION, NO_REMAINING_LEGS, header, token, unheld_moorings
 from missionplan.exporters.xml import Element, add, document
+from missionplan.phases.transit.execution import Execution
 from missionplan.results.plan import Plan, PlannedTransit, Waypoint
 
 TITLE = "mission for Neptus"
@@ -21,6 +24,12 @@ VEHICLE = "lauv-xplore-1"
 """Neptus ties a plan to a vehicle that it knows; the crew chooses its own after loading."""
 _WRITTEN = (1980, 1, 1, 0, 0, 0)
 """Time of the file inside the archive, so that a plan gives the same bytes whenever it is written."""
+
+
+def executes(transit: PlannedTransit) -> Execution:
+    """Return how the vehicle carries out a transit: to each point by dead reckoning, and up for a fixed time."""
+    points = np.array([(point.east, point.north) for point in transit.sequence]).T
+    return Execution(ends="count", aim=points[:, -1], points=points, surface_time=float(_surfaced(transit)))
 
 
 def lost(plan: Plan) -> tuple[str, ...]:
@@ -73,10 +82,10 @@ def _mission(plan: Plan, stem: str) -> str:
 def _plan(body: Element, number: int, transit: PlannedTransit) -> None:
     graph = add(add(body, "plan", id=token(number, transit.name), vehicle=VEHICLE), "graph")
     names: list[str] = []
-    for leg_number, leg in enumerate(transit.legs, start=1):
+    for leg_number, leg in enumerate(transit.sequence, start=1):
         names += [f"Goto{leg_number}", f"PopUp{leg_number}"]
         _goto(_node(graph, names[-2], leg.time_out, first=leg_number == 1), transit, leg)
-        surfaced = math.ceil(2.0 * transit.surfacing.surface_time_p99 + 60.0)  # the ascent is in it
+        surfaced = 2 * _surfaced(transit) + 60  # the ascent is in it
         _pop_up(_node(graph, names[-1], surfaced, first=False), transit, leg)
     for index in range(len(names) - 1):
         edge = add(graph, "edge")
@@ -106,9 +115,14 @@ def _pop_up(manoeuvre: Element, transit: PlannedTransit, leg: Waypoint) -> None:
     """Surface where the vehicle is (CurrPos) and stay for the surfacing time (WaitAtSurface)."""
     pop_up = add(manoeuvre, "PopUp", kind="automatic")
     _final_point(pop_up, transit, leg)
-    add(pop_up, "duration", f"{transit.surfacing.surface_time:.0f}")
+    add(pop_up, "duration", str(_surfaced(transit)))
     _speed(pop_up, transit)
     add(pop_up, "flags", CurrPos="true", WaitAtSurface="true")
+
+
+def _surfaced(transit: PlannedTransit) -> int:
+    """Time at the surface, which no fix ends: that of 99 % of the fixes, whole seconds [s]."""
+    return math.ceil(transit.surfacing.surface_time_p99)
 
 
 def _final_point(manoeuvre: Element, transit: PlannedTransit, leg: Waypoint) -> None:

@@ -6,6 +6,8 @@ west negative; angles are radians. Each transit has a number of its own: 10 for 
 
 import math
 
+import numpy as np
+
 from missionplan.errors import InputError, Problem
 from missionplan.exporters.header import (
     NO_CORRECTION,
@@ -15,6 +17,7 @@ from missionplan.exporters.header import (
     plain,
     unheld_moorings,
 )
+from missionplan.phases.transit.execution import Execution
 from missionplan.results.plan import Plan, PlannedTransit
 
 TITLE = "files for Slocum gliders"
@@ -32,6 +35,20 @@ _CLIMB = (
     "c_pitch_value(X) 0.4538 # rad, 26 deg",
 )
 _BAW_PITCH_IDLE, _BAW_WHEN_WPT_DIST, _BAW_WHEN_HIT_WAYPOINT, _BAW_EVERY_SECS = 2, 7, 8, 9
+
+
+def executes(transit: PlannedTransit) -> Execution:
+    """Return how a glider carries out a transit: to where its dead reckoning comes within the radius, and no farther.
+
+    It aims off by the drift of its last segment (`u_use_current_correction` 1, the default of masterdata).
+    """
+    return Execution(
+        ends="reckoning",
+        aim=np.array([transit.goal.east, transit.goal.north]),
+        interval=transit.surfacing.interval,
+        capture=transit.arrival_radius,
+        corrects=True,
+    )
 
 
 def lost(plan: Plan) -> tuple[str, ...]:

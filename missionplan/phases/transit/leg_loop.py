@@ -76,7 +76,7 @@ class LegLoop:
         # without fix errors the fix is the true position: the same array
         exact = not self._has_fix_error and np.array_equal(state.position, state.fix)
         self._fix = self._x if exact else state.fix - self._goal
-        self._left = _norm(self._fix)
+        self._left = length_of(self._fix)
         self._distance, self._surfacings = np.zeros(state.trials), np.zeros(state.trials)
         self._done: FinalState | None = None  # of all trials, once some were dropped
         self._memory: Memory = self._compensation.begin(state.trials) if self._compensation else ()
@@ -176,7 +176,7 @@ class LegLoop:
         duration, radius = self._duration(length, self._moving), self._plan.arrival_radius
         offset = compensation.offset(self._memory, PlannedLeg(t, dived, course, duration, self._goal, radius))
         course -= offset if self._moving is None else offset * self._moving
-        return _norm(course), _Aim(t, dived, nominal_end, self._fix + course)
+        return length_of(course), _Aim(t, dived, nominal_end, self._fix + course)
 
     def _move(self, number: int, length: Array, course: Array) -> None:
         """Move along `course` through the water, and over the ground with the velocity error and the current."""
@@ -237,14 +237,20 @@ class LegLoop:
         np.sqrt(self._left, out=self._left)
         if self._left.max(initial=0.0) > FARTHEST:
             self._hold_back(self._left > FARTHEST)
-        far = self._left >= self._plan.arrival_radius
+        far = self._far_from_goal()
         if self._moving is not None:
             far &= self._moving > 0.0
         if self._lookout is not None and (stopped := self._lookout.contact.met).any():
             far &= ~stopped
         self._set_moving(far)
-        if not self._keeps_all and 2 * self._count <= far.size and far.size > _MIN_TRIALS_TO_DROP:
+        if self._is_droppable() and 2 * self._count <= far.size and far.size > _MIN_TRIALS_TO_DROP:
             self._drop_all_but(np.flatnonzero(far))
+
+    def _far_from_goal(self) -> NDArray[np.bool_]:
+        return np.asarray(self._left >= self._plan.arrival_radius)
+
+    def _is_droppable(self) -> bool:
+        return not self._keeps_all
 
     def _hold_back(self, lost: NDArray[np.bool_]) -> None:
         """Put trials back to the farthest place: a current that grows with the distance carries them without end."""
@@ -310,7 +316,7 @@ def _completed(aim: _Aim, surfaced: Array, fix: Array, duration: Array, course: 
     return CompletedLeg(error, duration, fix - surfaced, fix - aim.nominal_end, aim.t, aim.dived, course)
 
 
-def _norm(vectors: Array) -> Array:
+def length_of(vectors: Array) -> Array:
     """Lengths of vectors, shape (2, n); faster than hypot, whose protection from overflow is not needed here."""
     length: Array = np.sqrt(vectors[0] * vectors[0] + vectors[1] * vectors[1])
     return length

@@ -9,6 +9,7 @@ from which the next leg starts. Checked against an integral equation (`expectati
 import numpy as np
 
 from missionplan.phases.state import TrialState
+from missionplan.phases.transit.execution import ExecutedLegLoop, Execution
 from missionplan.phases.transit.leg_loop import LegLoop
 from missionplan.phases.transit.plan import Environment, TransitNormals, TransitPlan, TransitRecord, column
 
@@ -20,6 +21,7 @@ def transit(
     environment: Environment | None = None,
     *,
     tracked: int = 0,
+    execution: Execution | None = None,
 ) -> tuple[TrialState, TransitRecord]:
     """Take a block of trials through a transit.
 
@@ -36,12 +38,15 @@ def transit(
         Default: still water, no compensation, no effects.
     tracked : int
         Number of trials, the first ones, whose tracks are kept.
+    execution : Execution, optional
+        Of a vehicle that goes by other rules than the plan's; with its time at the surface in the plan.
 
     Returns
     -------
     state, record : TrialState, TransitRecord
     """
-    legs = LegLoop(plan, state, normals, environment or Environment(), tracked)
+    run = plan, state, normals, environment or Environment(), tracked
+    legs = LegLoop(*run) if execution is None else ExecutedLegLoop(execution, *run)
     for number in range(plan.max_legs):
         if legs.all_arrived:
             break
@@ -53,6 +58,8 @@ def transit(
     lost = end.left_record & ~(end.under_way & end.outrun)  # what cannot stem the current drifts off any record
     current = environment.current if environment is not None else None
     arrived = state.alive & ~end.under_way & ~end.contact.met
+    if isinstance(legs, ExecutedLegLoop):
+        arrived &= legs.arrived(under_way + at_surface)
     if current is not None and current.is_binding:
         arrived &= ~lost
     record = TransitRecord(

@@ -2,18 +2,22 @@
 
 import hashlib
 import math
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
+from dataclasses import replace
 from importlib.metadata import version
 
 import numpy as np
 
 from missionplan.arrays import Array, Scalars
 from missionplan.errors import InputError, Problem
+from missionplan.exporters.formats import Executes, execution_of
 from missionplan.mission import Mission
 from missionplan.mission.geodesy import to_geographic
 from missionplan.mission.schema.phases import LegTableSection, MoorPhase, TransitPhase
 from missionplan.mission.views import TransitMission
 from missionplan.montecarlo.distributions import Distribution, Quantity, mean_of
+from missionplan.phases.transit.execution import Execution
+from missionplan.physics.energy import JOULES_PER_WATT_HOUR
 from missionplan.results.base import to_yaml
 from missionplan.results.plan import Plan, PlannedMooring, PlannedTransit, SurfacingRule, Waypoint
 from missionplan.scenario.scenario import Scenario, leg_table
@@ -25,7 +29,14 @@ SHORTEST_LEG = 1e-3
 """A leg that is shorter is none [m]."""
 
 
-def mission_plan(mission: Mission, *, seed: int | None = None, means: Scenario | None = None) -> Plan:
+ENOUGH = 0.99
+"""Share of the trials that have arrived, after which a vehicle that cannot decide for itself makes no further legs."""
+MOST_EXTRA_LEGS = 4
+
+
+def mission_plan(
+    mission: Mission, *, seed: int | None = None, means: Scenario | None = None, to: str | None = None
+) -> Plan:
     """Build the plan of a mission with at least one transit.
 
     Parameters
@@ -35,6 +46,9 @@ def mission_plan(mission: Mission, *, seed: int | None = None, means: Scenario |
         Of the trials from which the time-outs are taken; default: the mission's.
     means : Scenario, optional
         The mission at its means, where it is made already.
+    to : str, optional
+        Format of the vehicle that it is for, whose own rules the time-outs and the point steered for then follow;
+        default: the plan's rules.
 
     Raises
     ------
@@ -45,6 +59,7 @@ def mission_plan(mission: Mission, *, seed: int | None = None, means: Scenario |
     builder = _Builder(
         means or Scenario.at_means(mission, recorded_current(mission)),
         mission.monte_carlo.seed if seed is None else seed,
+        execution_of(to) if to is not None else None,
     )
     phases = tuple(builder.phases())
     origin = mission.site.origin if mission.site else None
@@ -56,7 +71,18 @@ def mission_plan(mission: Mission, *, seed: int | None = None, means: Scenario |
         origin=(origin.latitude, origin.longitude) if origin else None,
         phases=phases,
         notes=(*_notes(mission), *builder.notes),
+        capacity=float(mean_of(mission.budget.capacity)) / JOULES_PER_WATT_HOUR
+        if mission.budget and mission.budget.capacity is not None
+        else math.nan,
     )
+
+
+def executions(mission: Mission, to: str, *, seed: int, means: Scenario) -> dict[str, Execution]:
+    """Return how the vehicle of a format carries out each transit of a mission, by the transit's name."""
+    plan, executes = mission_plan(mission, seed=seed, means=means, to=to), execution_of(to)
+    if executes is None:
+        return {}
+    return {phase.name: executes(made) for phase, made in zip(mission.transits, plan.transits, strict=True)}
 
 
 def plan_if_any(mission: Mission, means: Scenario, seed: int) -> Plan | None:
@@ -70,8 +96,8 @@ def plan_if_any(mission: Mission, means: Scenario, seed: int) -> Plan | None:
 class _Builder:
     """Goes through the phases of a mission at its means, with the place and the time in between."""
 
-    def __init__(self, means: Scenario, seed: int) -> None:
-        self._means, self._seed = means, seed
+    def __init__(self, means: Scenario, seed: int, executes: Executes | None) -> None:
+        self._means, self._seed, self._executes = means, seed, executes
         self._place, self._elapsed = np.zeros(2), 0.0
         self.notes: list[str] = []
 
@@ -89,10 +115,14 @@ class _Builder:
         if phase.start is not None:
             self._place = means.position(phase.start)
         start, begins = self._place, self._elapsed
-        durations = transit_durations(means, phase, start, begins, self._seed)
+
+        def sail(execution: Execution | None = None) -> TransitDurations:
+            return transit_durations(means, phase, start, begins, self._seed, execution)
+
+        durations = sail()
         waypoints = tuple(self._waypoints(phase, durations))
         self._elapsed += float(means.surfacing_time) if len(waypoints) > 1 else 0.0
-        return PlannedTransit(
+        planned = PlannedTransit(
             name=phase.label,
             depth=float(phase.depth),
             speed=float(phase.speed),
@@ -101,6 +131,13 @@ class _Builder:
             waypoints=waypoints,
             duration_p99=durations.whole,
         )
+        if self._executes is None or len(waypoints) < 2:
+            return planned
+        aim = self._place - durations.surface_drift
+        latitude, longitude = self._on_earth(aim)
+        east, north = (float(part) for part in aim)
+        aimed = replace(waypoints[-1], east=east, north=north, latitude=latitude, longitude=longitude)
+        return _sailed_by_its_vehicle(replace(planned, aim=aimed), self._executes, sail)
 
     def _waypoints(self, phase: TransitPhase[Scalars], durations: TransitDurations) -> Iterator[Waypoint]:
         """Yield the start and the ends of the nominal legs (Briggs et al., Eqs. 18–20); moves on in place and time."""
@@ -192,6 +229,7 @@ class _Builder:
             hold=times[1],
             galvanic_release=times[2],
             elapsed=begun,
+            surface_time_p99=_quantile(means.navigation.surfacing_time) if means.mission.navigation else 0.0,
         )
 
     def _on_earth(self, place: Array) -> tuple[float, float]:
@@ -200,6 +238,28 @@ class _Builder:
             return math.nan, math.nan
         latitude, longitude = to_geographic(place[:1], place[1:], site.origin)
         return float(latitude[0]), float(longitude[0])
+
+
+def _sailed_by_its_vehicle(
+    planned: PlannedTransit, executes: Executes, sail: Callable[[Execution], TransitDurations]
+) -> PlannedTransit:
+    """Give a transit as many legs after the nominal ones as its vehicle needs, and durations by its rules."""
+    extra, found = 0, sail(executes(planned))
+    if executes(planned).ends == "count":
+        tried = [found]
+        while tried[-1].arrived < ENOUGH and len(tried) <= MOST_EXTRA_LEGS:
+            tried.append(sail(executes(replace(planned, extra_legs=len(tried)))))
+        extra = max(range(len(tried)), key=lambda number: tried[number].arrived)
+        found = tried[extra]
+    return replace(
+        planned,
+        extra_legs=extra,
+        duration_p99=found.whole,
+        waypoints=tuple(
+            replace(point, duration_p99=found.leg(number - 1)) if number else point
+            for number, point in enumerate(planned.waypoints)
+        ),
+    )
 
 
 def _leg_length(phase: TransitPhase[Scalars], left: float) -> float:

@@ -7,6 +7,7 @@ import numpy as np
 from missionplan.arrays import Array, Scalars
 from missionplan.mission.schema.phases import TransitPhase
 from missionplan.montecarlo.streams import BlockStreams
+from missionplan.phases.transit.execution import Execution
 from missionplan.phases.transit.transit import transit
 from missionplan.scenario.scenario import Scenario
 from missionplan.scenario.transit_streams import deployed, transit_normals
@@ -28,10 +29,16 @@ class TransitDurations:
         Under way, by the number of the leg, of the trials that sail it [s].
     whole : float
         Of the trials that arrive, from the first dive to the fix on arrival; nan where none does [s].
+    arrived : float
+        Share of the trials that arrive.
+    surface_drift : array, shape (2,)
+        Mean drift at the surface after the last leg [m].
     """
 
     legs: Array
     whole: float
+    arrived: float
+    surface_drift: Array
 
     def leg(self, number: int) -> float:
         """Duration of a leg, from 0; that of the longest leg where no trial needed so many [s]."""
@@ -41,7 +48,12 @@ class TransitDurations:
 
 
 def transit_durations(
-    means: Scenario, phase: TransitPhase[Scalars], start: Array, begins: float, seed: int, trials: int = TRIALS
+    means: Scenario,
+    phase: TransitPhase[Scalars],
+    start: Array,
+    begins: float,
+    seed: int,
+    execution: Execution | None = None,
 ) -> TransitDurations:
     """Sail a transit alone, from its nominal start.
 
@@ -54,22 +66,40 @@ def transit_durations(
         [m]
     begins : float
         Mission time of the first dive [s].
-    seed, trials : int
+    seed : int
+    execution : Execution, optional
+        Of the vehicle, by other rules than the plan's; its time-out is left out.
     """
-    trials = min(trials, max(_MOST_POINTS // means.navigation.max_legs, 1))
+    trials = min(TRIALS, max(_MOST_POINTS // means.navigation.max_legs, 1))
     drawn = means.sampled(seed=seed, block=0, size=trials)
+    if execution is not None:
+        execution = replace(execution, time_out=float("inf"))
+        drawn = replace(drawn, executions={phase.name: execution})
     source = BlockStreams(seed, 0)
     state = replace(deployed(drawn, phase, start, source, trials), clock=np.full(trials, begins))
     normals = transit_normals(drawn, phase, source)
     with np.errstate(all="ignore"):  # a trial that cannot be computed has no duration
-        _, record = transit(drawn.transit_plan(phase), state, normals, drawn.environment(phase), tracked=trials)
+        plan, environment = drawn.transit_plan(phase), drawn.environment(phase)
+        _, record = transit(plan, state, normals, environment, tracked=trials, execution=execution)
     time = record.track_time if record.track_time is not None else np.empty((1, trials))
     legs = time[1::2] - time[:-1:2]
     arrived = record.duration[record.arrived & np.isfinite(record.duration)]
     return TransitDurations(
         legs=np.array([_quantile(leg[np.isfinite(leg)]) for leg in legs if np.isfinite(leg).any()]),
         whole=_quantile(arrived) if arrived.size else float("nan"),
+        arrived=arrived.size / trials,
+        surface_drift=_last_drift(record.track),
     )
+
+
+def _last_drift(track: Array | None) -> Array:
+    """Mean over the trials of the drift at the surface after each one's last leg, shape (2,) [m]."""
+    if track is None or track.shape[1] < 3:
+        return np.zeros(2)
+    drift = track[:, 2::2] - track[:, 1:-1:2]
+    legs = np.isfinite(drift[0]).sum(axis=0)
+    last = drift[:, np.maximum(legs - 1, 0), np.arange(drift.shape[2])]
+    return np.asarray(last[:, legs > 0].mean(axis=1) if np.any(legs) else np.zeros(2))
 
 
 def _quantile(durations: Array) -> float:

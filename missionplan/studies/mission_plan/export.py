@@ -73,7 +73,7 @@ def export(
         required_origin(mission, f"positions on Earth, which the format {to} has, need it")
     means = Scenario.at_means(mission, recorded_current(mission))
     check_cover(mission, means)
-    plan = mission_plan(mission, seed=seed, means=means)
+    plan = mission_plan(mission, seed=seed, means=means, to=to)
     stem = Path(mission.file).stem or "mission"
     written = form.files(plan, stem)
     places = _places(written, to, stem, as_path(out, "out") if out is not None else None)

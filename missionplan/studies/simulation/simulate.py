@@ -5,6 +5,7 @@ from collections.abc import Generator, Sequence
 from dataclasses import replace
 from pathlib import Path
 
+from missionplan.exporters.formats import VEHICLES
 from missionplan.identity import Identity, digest_of_files
 from missionplan.mission import Mission, MissionOrPath
 from missionplan.montecarlo.parallel.blocks import Backend, Progress, run_blocks
@@ -18,7 +19,7 @@ from missionplan.store.checkpoints import Checkpoints
 from missionplan.store.paths import as_path
 from missionplan.store.trials_table import TrialsTable
 from missionplan.studies.arguments import check_arguments, identified, made_by
-from missionplan.studies.mission_plan.build import plan_if_any
+from missionplan.studies.mission_plan.build import executions, plan_if_any
 from missionplan.studies.nominal_dive import check_dives
 from missionplan.studies.overdue.overdue import overdue
 from missionplan.studies.overdue.searches import Search, read_searches
@@ -55,6 +56,7 @@ def simulate(
     resume: bool = False,
     keep_trials: bool = False,
     searched: str | Path | None = None,
+    as_exported: str | None = None,
     progress: Progress | None = None,
 ) -> Outcome:
     """Run the whole mission many times.
@@ -77,6 +79,9 @@ def simulate(
         Keep a table with one row a trial.
     searched : str or Path, optional
         GeoJSON of areas that were searched in vain, which the search areas allow for (`read_searches`).
+    as_exported : str, optional
+        Format of a vehicle, of `missionplan.exporters.formats.VEHICLES`: run what that vehicle does with its files, by
+        its own rules, instead of what the mission means. A notice says what of it is lost.
     progress : callable, optional
         Called with the trials done and their total.
 
@@ -88,7 +93,14 @@ def simulate(
         When every block fails, a worker dies, or the checkpoint cannot be written.
     """
     started = time.perf_counter()
-    mission = check_arguments(mission, trials=trials, seed=seed, jobs=jobs, text={"precision": precision})
+    mission = check_arguments(
+        mission,
+        trials=trials,
+        seed=seed,
+        jobs=jobs,
+        text={"precision": precision},
+        one_of={"as_exported": (as_exported, (None, *VEHICLES))},
+    )
     folder = as_path(checkpoint, "checkpoint") if checkpoint is not None else None
     check_complete(mission)
     searches = read_searches(as_path(searched, "searched"), mission) if searched is not None else ()
@@ -96,10 +108,12 @@ def simulate(
     goal = Precision.parse(precision, mission) if precision else None
     means = _checked_means(mission)
     notices = input_notices(mission, means)
+    if as_exported is not None:
+        means = replace(means, executions=executions(mission, as_exported, seed=seed, means=means))
     task = BlockTask(means, seed, keep_trials)
     run = BlockSequence(
         items=_items(trials or (MAX_TRIALS if goal else mission.monte_carlo.trials)),
-        store=Checkpoints(folder, _identity(task), resume=resume) if folder else None,
+        store=Checkpoints(folder, _identity(task, as_exported), resume=resume) if folder else None,
         goal=goal,
         table=TrialsTable() if keep_trials else None,
     )
@@ -109,9 +123,12 @@ def simulate(
 
     merged = run.run(run_items, progress)
     _check_record(means, merged)
+    if as_exported is not None:
+        notices = (*notices, _loss(mission, as_exported, merged, seed))
     tracks = merged.tracks or task.tracks(*merged.first)  # block 0 has them, unless it failed
     options: dict[str, object] = {"jobs": jobs, "backend": backend, "precision": precision, "keep_trials": keep_trials}
     options |= {} if searched is None else {"searched": digest_of_files([as_path(searched, "searched")])}
+    options |= {} if as_exported is None else {"as_exported": as_exported}
     provenance = made_by(
         "simulate",
         mission,
@@ -197,7 +214,21 @@ def simulate_block(mission: Mission, *, seed: int, block: int, trials: int = BLO
     return BlockTask(Scenario.at_means(mission, recorded_current(mission)), seed).trials(block, trials)
 
 
-def _identity(task: BlockTask) -> Identity:
+def _loss(mission: Mission, as_exported: str, merged: MergedBlocks, seed: int) -> str:
+    """Say how the mission as exported compares with the mission as it is meant, on the same trials."""
+    trials = min(merged.totals.trials, BLOCK)
+    meant = event_probabilities(mission, trials=trials, seed=seed)
+    parts = [
+        f"{name.replace('.', ' ')} {merged.totals.counts[name].probability().value:.1%} of trials, "
+        f"as the mission means it {meant[name].value:.1%}"
+        for name in meant
+        if name == "total.success" or name.endswith(".arrived")
+    ]
+    return f"As the vehicle carries out its {as_exported} files: {'; '.join(parts)}."
+
+
+def _identity(task: BlockTask, as_exported: str | None) -> Identity:
     """Everything that a finished block depends on; not how many blocks there are."""
-    options = {"command": "simulate", "keep_trials": task.keep_trials}
+    options: dict[str, object] = {"command": "simulate", "keep_trials": task.keep_trials}
+    options |= {} if as_exported is None else {"as_exported": as_exported}
     return Identity.of(identified(task.means.mission), options, task.seed)

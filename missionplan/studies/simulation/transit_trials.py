@@ -47,7 +47,14 @@ def transit_trials(
     depth = np.inf if site is None or site.depth is None or not is_flat else site.depth
     aground = state.alive & np.atleast_1d(plan.depth >= depth)
     state = replace(state, alive=state.alive & ~aground)
-    after, record = transit(plan, state, normals, environment, tracked=min(block.tracked, state.trials))
+    after, record = transit(
+        plan,
+        state,
+        normals,
+        environment,
+        tracked=min(block.tracked, state.trials),
+        execution=scenario.executions.get(phase.name),
+    )
     continuing, exhausted = end_exhausted(after, scenario.capacity)
     goal, arrived = column(plan.goal), record.arrived & ~exhausted
     found = PhaseTrials(

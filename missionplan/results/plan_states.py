@@ -1,0 +1,186 @@
+"""The plan as a state machine: what the vehicle does in each state, and which guards take it to the next one.
+
+`simulate` runs these states and exporters translate them guard by guard. Arrival means one thing: the vehicle steers
+for the point until its dead reckoning is there, surfaces, and has arrived where its *fix* lies within the radius.
+"""
+
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from typing import Literal
+
+from missionplan.results.plan import SURFACE_DEPTH, Plan, PlannedMooring, PlannedTransit
+
+StateKind = Literal["leg", "surfacing", "fix", "decide", "release", "descend", "hold", "ascend", "done", "abort"]
+GuardKind = Literal[
+    "reckoned-within",
+    "way-made",
+    "at-surface",
+    "fix-received",
+    "fix-within",
+    "fix-beyond",
+    "since-fix",
+    "at-depth",
+    "in-state",
+    "in-phase",
+    "energy-used",
+]
+
+GUARDS: dict[GuardKind, tuple[str, str]] = {
+    "reckoned-within": ("dead reckoning within {} of the point", "m"),
+    "way-made": ("{} made through the water since the last fix", "m"),
+    "at-surface": ("at the surface, above {}", "m"),
+    "fix-received": ("a fix since surfacing", ""),
+    "fix-within": ("the fix within {} of the goal", "m"),
+    "fix-beyond": ("the fix farther than {} from the goal", "m"),
+    "since-fix": ("{} since the last fix", "s"),
+    "at-depth": ("deeper than {}", "m"),
+    "in-state": ("{} in this state", "s"),
+    "in-phase": ("{} since the phase began", "s"),
+    "energy-used": ("more than {} used", "Wh"),
+}
+"""What each guard asks, in words, and the unit of its value."""
+ACTIONS = {
+    "leg": "steer for the point at run depth and speed",
+    "surfacing": "steer on for the point, to the surface",
+    "fix": "stopped at the surface, wait for a fix",
+    "decide": "compare the fix with the goal",
+    "release": "stopped at the surface, above the place",
+    "descend": "the anchor is released and takes the vehicle down",
+    "hold": "moored",
+    "ascend": "the galvanic release is triggered; the vehicle rises when it has parted",
+    "done": "stopped at the surface",
+    "abort": "stopped at the surface, calling for recovery",
+}
+"""What the vehicle does in a state of each kind."""
+
+
+@dataclass(frozen=True)
+class Guard:
+    """A condition; `value` in SI, or Wh, nan for a guard without one."""
+
+    kind: GuardKind
+    value: float = math.nan
+
+    @property
+    def words(self) -> str:
+        """In words."""
+        text, unit = GUARDS[self.kind]
+        return text.format(f"{self.value:.4g} {unit}")
+
+
+@dataclass(frozen=True)
+class Transition:
+    """To another state, by its name, once all guards hold; the first transition that may be taken is."""
+
+    to: str
+    guards: tuple[Guard, ...]
+
+
+@dataclass(frozen=True)
+class State:
+    """A state.
+
+    Attributes
+    ----------
+    name : str
+        Unlike that of any other state: number of the phase and kind.
+    kind : str
+    phase : str
+        Name of the phase; empty for the ends.
+    transitions : tuple of Transition
+        In the order in which they are tried; none at an end.
+    """
+
+    name: str
+    kind: StateKind
+    phase: str
+    transitions: tuple[Transition, ...] = ()
+
+
+def states_of(plan: Plan) -> tuple[State, ...]:
+    """Return the states of a plan, the first one to begin with."""
+    firsts = [f"{number}-{_first(phase)}" for number, phase in enumerate(plan.phases, 1)]
+    found: list[State] = []
+    for number, (phase, after) in enumerate(zip(plan.phases, [*firsts[1:], "done"], strict=True), 1):
+        if isinstance(phase, PlannedMooring):
+            found += _mooring(phase, str(number), after)
+        else:
+            found += _transit(phase, str(number), after, plan.capacity)
+    return (*found, State("done", "done", ""), State("abort", "abort", ""))
+
+
+def _first(phase: PlannedTransit | PlannedMooring) -> StateKind:
+    return "release" if isinstance(phase, PlannedMooring) else "leg"
+
+
+def _transit(transit: PlannedTransit, number: str, after: str, capacity: float) -> Iterator[State]:
+    def state(kind: StateKind, *transitions: Transition) -> State:
+        return State(f"{number}-{kind}", kind, transit.name, (*transitions, *aborts))
+
+    margin, rule = transit.ascent_margin, transit.surfacing
+    aborts = [Transition("abort", (Guard("in-phase", transit.abort_time),))]
+    if math.isfinite(capacity):
+        aborts.append(Transition("abort", (Guard("energy-used", capacity),)))
+    up = f"{number}-surfacing"
+    yield state(
+        "leg",
+        Transition(up, (Guard("reckoned-within", margin),)),
+        Transition(up, (Guard("way-made", rule.interval - margin),)),
+    )
+    yield state(
+        "surfacing",
+        Transition(f"{number}-fix", (Guard("at-surface", SURFACE_DEPTH), Guard("reckoned-within", 0.0))),
+        Transition(f"{number}-fix", (Guard("at-surface", SURFACE_DEPTH), Guard("way-made", rule.interval))),
+    )
+    yield state(
+        "fix",
+        Transition(f"{number}-decide", (Guard("fix-received"),)),
+        Transition("abort", (Guard("in-state", rule.fix_wait),)),
+    )
+    yield state(
+        "decide",
+        Transition(after, (Guard("fix-within", transit.arrival_radius),)),
+        Transition(f"{number}-leg", (Guard("fix-beyond", transit.arrival_radius),)),
+    )
+
+
+def _mooring(mooring: PlannedMooring, number: str, after: str) -> Iterator[State]:
+    def state(kind: StateKind, *transitions: Transition) -> State:
+        return State(f"{number}-{kind}", kind, mooring.name, transitions)
+
+    down, held = f"{number}-hold", f"{number}-ascend"
+    yield state("release", Transition(f"{number}-descend", (Guard("since-fix", mooring.release_time),)))
+    sunk = [Transition(down, (Guard("in-state", mooring.longest_sinking),))]
+    if math.isfinite(mooring.touchdown_depth):
+        sunk.insert(0, Transition(down, (Guard("at-depth", mooring.touchdown_depth),)))
+    yield state("descend", *sunk)
+    yield state("hold", Transition(held, (Guard("in-state", mooring.hold),)))
+    yield state(
+        "ascend",
+        Transition(f"{number}-fix", (Guard("in-state", mooring.galvanic_release), Guard("at-surface", SURFACE_DEPTH))),
+        Transition("abort", (Guard("in-state", mooring.longest_release),)),
+    )
+    yield state(
+        "fix",
+        Transition(after, (Guard("fix-received"),)),
+        Transition("abort", (Guard("in-state", mooring.fix_wait),)),
+    )
+
+
+def mermaid(states: Sequence[State]) -> str:
+    """Draw the states as a Mermaid state diagram."""
+    lines = ["stateDiagram-v2", f"  [*] --> {_node(states[0].name)}"]
+    for state in states:
+        label = f"{state.phase}: {state.kind}" if state.phase else state.kind
+        lines.append(f'  state "{label.replace(chr(34), chr(39))}" as {_node(state.name)}')
+        for transition in state.transitions:
+            words = " and ".join(guard.words for guard in transition.guards)
+            lines.append(f"  {_node(state.name)} --> {_node(transition.to)} : {words}")
+        if not state.transitions:
+            lines.append(f"  {_node(state.name)} --> [*]")
+    return "\n".join(lines) + "\n"
+
+
+def _node(name: str) -> str:
+    return f"s{name.replace('-', '_')}"
