@@ -49,6 +49,15 @@ def _lost_table(transit: PlannedTransit) -> str:
     return f"{words}, at {rule.extra_time / 60.0:.2f} ± {rule.extra_time_error / 60.0:.2f} minutes more on average"
 
 
+def no_decision(plan: Plan) -> tuple[str, ...]:
+    """Say what a format loses that goes through a fixed number of points: whether a fix lies within the radius."""
+    made = ", ".join(f"{transit.name} {transit.extra_legs}" for transit in plan.transits)
+    return (
+        "arrival by the fix: the vehicle does not compare it with the goal, makes a fixed number of further legs "
+        f"({made}) and ends there",
+    )
+
+
 def unheld_moorings(plan: Plan, what: str = "the mooring") -> tuple[str, ...]:
     """Say of each mooring that a format cannot hold it, with the numbers that the crew needs."""
     return tuple(

@@ -369,7 +369,7 @@ def test_neptus(plan):
                 "PopUp@kind": "automatic",
                 "PopUp/duration": surfaced,
                 "PopUp/flags@CurrPos": "true",
-                "PopUp/flags@WaitAtSurface": "true",
+                "PopUp/flags@WaitAtSurface": "false",
                 **to_the_end(transit, leg, "PopUp"),
             }
 

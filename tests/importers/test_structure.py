@@ -270,6 +270,12 @@ def test_what_counts_as_short_comes_from_the_helms_plan(tmp_path):
         "Behavior = BHV_PeriodicSurface\n{\n  // period = 2\n  name = up\n  period = 6000 // s\n}\n"
     )
     assert import_logs([tmp_path]).reasons == {"shorter than 50 min": 4}
+    exported = "  name = interval_1_out_leg\n  pwt = 100\n  duration = 5940.0\n"
+    (tmp_path / "helm._bhv").write_text(
+        "Behavior = BHV_PeriodicSurface\n{\n  name = fix_clock\n  period = 1000000\n}\n"
+        f"Behavior = BHV_Timer\n{{\n{exported}}}\nBehavior = BHV_Timer\n{{\n  name = other\n  duration = 3\n}}\n"
+    )
+    assert import_logs([tmp_path]).reasons == {"shorter than 49.5 min": 4}
 
 
 def test_two_communities_are_asked_for(tmp_path):

@@ -31,6 +31,8 @@ STEPS = {"leg": 1.0, "hold": 5.0, "ascend": 2.0}
 """Of the helm and its vehicle, by state [s]."""
 STEP = 0.5
 """In all other states [s]."""
+LOG_STEP = 15.0
+"""Under way [s]."""
 
 
 @dataclass
@@ -77,24 +79,36 @@ def read(text: str) -> tuple[dict[str, str], list[Behaviour]]:
 
 @dataclass
 class Sailed:
-    """What happened: way through the water of each leg [m], where and how the anchor was released."""
+    """What happened: way through the water of each leg [m], where and how the anchor was released, and the log.
+
+    `states` are (time, reckoned east and north, depth, heading, speed) [s, m, rad, m/s], `fixes` (time, east, north).
+    """
 
     legs: list[float] = field(default_factory=list)
     phases: list[str] = field(default_factory=list)
     release: dict[str, float] | None = None
     arrived: list[tuple[float, float]] = field(default_factory=list)
     aborted: str = ""
+    states: list[tuple[float, ...]] = field(default_factory=list)
+    fixes: list[tuple[float, float, float]] = field(default_factory=list)
 
 
 class Helm:
     """The helm, its vehicle and its database."""
 
     def __init__(
-        self, text: str, voyage: Voyage, climb: float, goal: tuple[float, float], mooring: tuple[float, float]
-    ):
+        self,
+        text: str,
+        voyage: Voyage,
+        climb: float,
+        goal: tuple[float, float] = (0.0, 0.0),
+        mooring: tuple[float, float] = (0.0, 0.0),
+        fix_every: float | None = None,
+    ) -> None:
+        """`climb` is a slope, `mooring` depth and time to part; without `fix_every` [s] a surfacing has one fix."""
         initial, self.behaviours = read(text)
         self.values: dict[str, object] = {**initial, "DEPLOY": "true", "MODE": "ACTIVE"}
-        self.posted_at = {key: -0.5 for key in initial}
+        self.posted_at = dict.fromkeys(initial, -0.5)
         self.voyage, self.climb, self.goal = voyage, climb, goal
         self.bottom, self.galvanic = mooring
         self.time, self.depth, self.speed, self.heading, self.wanted_depth = 0.0, 0.0, 0.0, 0.0, 0.0
@@ -103,7 +117,8 @@ class Helm:
         self.surfaced_at: float | None = 0.0
         self.fix_at, self.fix = -math.inf, (0.0, 0.0)
         self.sinking: float | None = None
-        self.got_fix = True
+        self.fix_every = fix_every
+        self.got_fix, self.logged = True, 0.0
         self.done = Sailed()
 
     def sail(self, longest: float = 40_000.0) -> Sailed:
@@ -149,7 +164,7 @@ class Helm:
                 each.pending = each.values.get("perpetual") == "true"
                 if each.completed:
                     return
-        getattr(self, f"_{each.kind}")(each, mail, wishes)
+        getattr(self, f"_{each.kind[4:].lower()}")(each, mail, wishes)
 
     def _holds(self, condition: tuple[str, str, str]) -> bool:
         name, relation, wanted = condition
@@ -168,18 +183,18 @@ class Helm:
             if key not in wishes or weight > wishes[key][0]:
                 wishes[key] = (weight, value)
 
-    def _BHV_Timer(self, each: Behaviour, mail: list, wishes: dict) -> None: ...
+    def _timer(self, each: Behaviour, mail: list, wishes: dict) -> None: ...
 
-    def _BHV_ConstantDepth(self, each: Behaviour, mail: list, wishes: dict) -> None:
+    def _constantdepth(self, each: Behaviour, mail: list, wishes: dict) -> None:
         self._wish(each, wishes, depth=each.number("depth"))
 
-    def _BHV_ConstantSpeed(self, each: Behaviour, mail: list, wishes: dict) -> None:
+    def _constantspeed(self, each: Behaviour, mail: list, wishes: dict) -> None:
         self._wish(each, wishes, speed=each.number("speed"))
 
-    def _BHV_ConstantHeading(self, each: Behaviour, mail: list, wishes: dict) -> None:
+    def _constantheading(self, each: Behaviour, mail: list, wishes: dict) -> None:
         self._wish(each, wishes, course=math.radians(each.number("heading")))
 
-    def _BHV_Waypoint(self, each: Behaviour, mail: list, wishes: dict) -> None:
+    def _waypoint(self, each: Behaviour, mail: list, wishes: dict) -> None:
         east, north = (float(part) for part in each.values["points"].split(","))
         ahead = east - self.nav[0], north - self.nav[1]
         distance = math.hypot(*ahead)
@@ -191,7 +206,7 @@ class Helm:
             return
         self._wish(each, wishes, course=math.atan2(*ahead), speed=each.number("speed"))
 
-    def _BHV_PeriodicSurface(self, each: Behaviour, mail: list, wishes: dict) -> None:
+    def _periodicsurface(self, each: Behaviour, mail: list, wishes: dict) -> None:
         mail.append((each.values["pending_status_var"], round(each.number("period") - (self.time - each.marked))))
         value = self.values.get(each.values["mark_variable"])
         if value != each.mark:
@@ -236,17 +251,22 @@ class Helm:
             self.nav[axis] += through[axis] * step
             self.true[axis] += made[axis] * step
         self._receive()
+        if self.time - self.logged >= LOG_STEP or self.depth <= 0.3:
+            self.logged = self.time
+            self.done.states.append((self.time, *self.nav, self.depth, self.heading, self.speed))
 
     def _receive(self) -> None:
-        """Take one fix of each surfacing, and give it to the navigation."""
+        """Take one fix of each surfacing, or every one from then on, and give it to the navigation."""
         if self.depth > 0.3:
             self.surfaced_at, self.got_fix = None, False
             return
         self.surfaced_at = self.time if self.surfaced_at is None else self.surfaced_at
-        if not self.got_fix and self.time - self.surfaced_at >= self.voyage.fix_time:
+        again = self.got_fix and self.fix_every is not None and self.time - self.fix_at >= self.fix_every
+        if again or (not self.got_fix and self.time - self.surfaced_at >= self.voyage.fix_time):
             self.got_fix, self.fixes = True, self.fixes + 1
             self.fix, self.fix_at = self.voyage.fix(self.true), self.time
             self.nav = list(self.fix)
+            self.done.fixes.append((self.time, *self.fix))
             self._post("GPS_UPDATE_RECEIVED", f"Timestamp={self.time:.2f}")
 
     def _moored(self, step: float) -> None:

@@ -21,6 +21,8 @@ class Sea:
         At the surface until a fix [s].
     compass_bias : float
         Course made less course steered, clockwise [deg].
+    speed_error : float
+        Speed made over speed commanded, less one.
     """
 
     layers: tuple[tuple[float, float, float, float], ...]
@@ -29,6 +31,7 @@ class Sea:
     fix_time: float
     fix_time_sd: float = 0.0
     compass_bias: float = 0.0
+    speed_error: float = 0.0
 
 
 class Voyage:
@@ -56,9 +59,9 @@ class Voyage:
 
     def made(self, through: tuple[float, float], error: tuple[float, float], depth: float) -> tuple[float, float]:
         """Velocity over ground of a velocity through the water as the vehicle believes to make it [m/s]."""
-        bias = math.radians(self.sea.compass_bias)
-        east = through[0] * math.cos(bias) + through[1] * math.sin(bias)
-        north = through[1] * math.cos(bias) - through[0] * math.sin(bias)
+        bias, scale = math.radians(self.sea.compass_bias), 1.0 + self.sea.speed_error
+        east = scale * (through[0] * math.cos(bias) + through[1] * math.sin(bias))
+        north = scale * (through[1] * math.cos(bias) - through[0] * math.sin(bias))
         current, under_way = self.current(depth), math.hypot(*through) > 0.0
         return east + current[0] + under_way * error[0], north + current[1] + under_way * error[1]
 

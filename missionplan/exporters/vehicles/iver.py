@@ -7,16 +7,30 @@ the University of Michigan reads ("Iver2 Mission Planning Manual", rev. 1.2).
 """
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 
 import numpy as np
 
-from missionplan.exporters.header import NO_CORRECTION, NO_REMAINING_LEGS, header, plain, token, unheld_moorings
+from missionplan.exporters.header import NO_CORRECTION, header, no_decision, plain, token, unheld_moorings
 from missionplan.phases.transit.execution import Execution
 from missionplan.results.plan import Plan, PlannedTransit, Waypoint
+from missionplan.results.plan_states import GuardKind
 
 TITLE = "mission for Iver (VectorMap)"
 NEEDS_ORIGIN = True
+CONFORMANCE: Mapping[GuardKind, str] = {
+    "reckoned-within": "kept, to whole metres of the arrival radius",
+    "way-made": "weaker: legs go through fixed points and may be longer than d_max by the drift",
+    "at-surface": "kept: it parks at the surface",
+    "fix-received": "weaker: it parks for whole minutes, in which 99 % of fixes come",
+    "fix-within": "refused: no guard on a place; the planned legs and some more, then the end",
+    "fix-beyond": "weaker: a fixed number of further legs",
+    "since-fix": "refused: the crew releases the anchor between the missions",
+    "at-depth": "refused, with the mooring",
+    "in-state": "refused",
+    "in-phase": "refused: the vehicle's safety rules have a time-out of their own",
+    "energy-used": "refused: the vehicle's safety rules have a limit of their own",
+}
 
 FOOT = 0.3048
 """[m]"""
@@ -43,7 +57,7 @@ def lost(plan: Plan) -> tuple[str, ...]:
         "time-outs of legs",
         "legs that begin where the vehicle surfaces: it parks at the ends of the planned legs",
         NO_CORRECTION,
-        NO_REMAINING_LEGS,
+        *no_decision(plan),
         *unheld_moorings(plan),
     )
 

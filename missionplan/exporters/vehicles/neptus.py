@@ -3,22 +3,42 @@
 A plan is a graph of manoeuvres: a Goto to the end of each planned leg, then a PopUp there for the fix. Latitudes and
 longitudes are decimal degrees, z is a depth, speeds are metres a second, times whole seconds. The elements are those
 that Neptus writes itself (`MissionType`, `GraphType`, `Goto` and `PopUp` of its sources).
+
+What DUNE does with them (its `Maneuver/Multiplexer` and `Plan/Engine`): a Goto ends when the path controller is near
+the point; no radius and no time-out of a manoeuvre is looked at. A PopUp with CurrPos goes up where the vehicle is; with
+WaitAtSurface it keeps station with power for `duration` and heeds no fix; without, it drifts until a fix of enough
+satellites agrees with the navigation, then goes down. A transition has one condition, that the manoeuvre is done.
 """
 
 import io
 import math
 import zipfile
+from collections.abc import Mapping
 from xml.etree import ElementTree
 
 import numpy as np
 
-from missionplan.exporters.header import NO_CORRECTION, NO_REMAINING_LEGS, header, token, unheld_moorings
+from missionplan.exporters.header import NO_CORRECTION, header, no_decision, token, unheld_moorings
 from missionplan.exporters.xml import Element, add, document
 from missionplan.phases.transit.execution import Execution
 from missionplan.results.plan import Plan, PlannedTransit, Waypoint
+from missionplan.results.plan_states import GuardKind
 
 TITLE = "mission for Neptus"
 NEEDS_ORIGIN = True
+CONFORMANCE: Mapping[GuardKind, str] = {
+    "reckoned-within": "kept: near the point by the path controller",
+    "way-made": "weaker: legs go through fixed points and may be longer than d_max by the drift",
+    "at-surface": "kept",
+    "fix-received": "kept",
+    "fix-within": "refused: no guard on a place; the planned legs and some more, then the end",
+    "fix-beyond": "weaker: a fixed number of further legs",
+    "since-fix": "refused: the crew releases the anchor between the plans",
+    "at-depth": "refused, with the mooring",
+    "in-state": "refused: DUNE looks at no time-out",
+    "in-phase": "refused: DUNE looks at no time-out",
+    "energy-used": "refused",
+}
 
 VEHICLE = "lauv-xplore-1"
 """Neptus ties a plan to a vehicle that it knows; the crew chooses its own after loading."""
@@ -27,9 +47,9 @@ _WRITTEN = (1980, 1, 1, 0, 0, 0)
 
 
 def executes(transit: PlannedTransit) -> Execution:
-    """Return how the vehicle carries out a transit: to each point by dead reckoning, and up for a fixed time."""
+    """Return how the vehicle carries out a transit: to each point by dead reckoning, and up until a fix comes."""
     points = np.array([(point.east, point.north) for point in transit.sequence]).T
-    return Execution(ends="count", aim=points[:, -1], points=points, surface_time=float(_surfaced(transit)))
+    return Execution(ends="count", aim=points[:, -1], points=points)
 
 
 def lost(plan: Plan) -> tuple[str, ...]:
@@ -38,7 +58,8 @@ def lost(plan: Plan) -> tuple[str, ...]:
         f"the vehicle: plans name {VEHICLE} until another is chosen in Neptus",
         "legs that begin where the vehicle surfaces: manoeuvres go through the ends of the planned legs",
         NO_CORRECTION,
-        NO_REMAINING_LEGS,
+        *no_decision(plan),
+        "time-outs, and the greatest wait for a fix: DUNE looks at none of a manoeuvre's",
         *unheld_moorings(plan),
     )
 
@@ -112,12 +133,12 @@ def _goto(manoeuvre: Element, transit: PlannedTransit, leg: Waypoint) -> None:
 
 
 def _pop_up(manoeuvre: Element, transit: PlannedTransit, leg: Waypoint) -> None:
-    """Surface where the vehicle is (CurrPos) and stay for the surfacing time (WaitAtSurface)."""
+    """Surface where the vehicle is (CurrPos) and drift until a fix comes: with WaitAtSurface none would end it."""
     pop_up = add(manoeuvre, "PopUp", kind="automatic")
     _final_point(pop_up, transit, leg)
     add(pop_up, "duration", str(_surfaced(transit)))
     _speed(pop_up, transit)
-    add(pop_up, "flags", CurrPos="true", WaitAtSurface="true")
+    add(pop_up, "flags", CurrPos="true", WaitAtSurface="false")
 
 
 def _surfaced(transit: PlannedTransit) -> int:

@@ -42,7 +42,14 @@ _REPORT = b"NODE_REPORT_LOCAL"
 _LOG_START = re.compile(rb"%%\s*LOG ?START\s+([\d.eE+]+)")
 _OPENED = re.compile(rb"%%\s*FILE OPENED ON\s+(\w+ +\w+ +\d+ +\d+:\d+:\d+ +\d+)")
 _COMMUNITY = re.compile(rb"\sMOOSDB_(\w+)")
-_PERIOD = re.compile(r"BHV_PeriodicSurface\b.*?\{(.*?)\}", re.DOTALL)
+_BEHAVIOUR = re.compile(r"\b(BHV_PeriodicSurface|BHV_Timer)\b.*?\{(.*?)\}", re.DOTALL)
+_PERIOD = {
+    "BHV_PeriodicSurface": re.compile(r"^\s*period\s*=\s*([\d.]+)", re.MULTILINE),
+    "BHV_Timer": re.compile(r"(?=.*^\s*name\s*=\s*interval_).*^\s*duration\s*=\s*([\d.]+)", re.MULTILINE | re.DOTALL),
+}
+"""What ends a leg: the behaviour's own period, or the timer of that name in the files that `export` writes."""
+_LONGEST_PERIOD = 86400.0
+"""A longer one never ends [s]."""
 _HEAD = 65536
 _NEAR = 2.0 * 86400.0
 """Difference of two clocks that are the same: zones of time [s]."""
@@ -212,11 +219,9 @@ def _planned_origin(files: Sequence[Path]) -> tuple[float, float] | None:
 
 def _planned(files: Sequence[Path]) -> float | None:
     """Period of the helm's surfacing by the behaviour files beside the logs [s]: the shortest of them."""
-    bodies = _PERIOD.findall(_beside(files, "bhv", "bhv++"))
-    periods = [
-        float(each[1]) for body in bodies if (each := re.search(r"^\s*period\s*=\s*([\d.]+)", body, re.MULTILINE))
-    ]
-    return min((each for each in periods if each > 0.0), default=None)
+    bodies = _BEHAVIOUR.findall(_beside(files, "bhv", "bhv++"))
+    periods = [float(each[1]) for kind, body in bodies if (each := _PERIOD[kind].search(body))]
+    return min((each for each in periods if 0.0 < each < _LONGEST_PERIOD), default=None)
 
 
 def _factor(given: Mapping[str, MappedName], quantity: str, usual: str = "") -> float:
