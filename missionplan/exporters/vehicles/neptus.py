@@ -5,8 +5,8 @@ longitudes are decimal degrees, z is a depth, speeds are metres a second, times 
 that Neptus writes itself (`MissionType`, `GraphType`, `Goto` and `PopUp` of its sources).
 
 What DUNE does with them (its `Maneuver/Multiplexer` and `Plan/Engine`): a Goto ends when the path controller is near
-the point; no radius and no time-out of a manoeuvre is looked at. A PopUp with CurrPos goes up where the vehicle is; with
-WaitAtSurface it keeps station with power for `duration` and heeds no fix; without, it drifts until a fix of enough
+the point; no radius and no time-out of a manoeuvre is looked at. A PopUp with CurrPos goes up where the vehicle is;
+with WaitAtSurface it keeps station with power for `duration` and heeds no fix; without, it drifts until a fix of enough
 satellites agrees with the navigation, then goes down. A transition has one condition, that the manoeuvre is done.
 """
 
