@@ -139,7 +139,7 @@ class LegLoop:
         if self._done is None:
             return now
         for whole, part in zip(self._done, now, strict=True):
-            whole[..., self._trials] = part
+            np.asarray(whole)[..., self._trials] = part
         return self._done
 
     def track(self) -> Array | None:
