@@ -19,8 +19,8 @@ from missionplan.results.base import OF_THE_RUN, to_json
 from missionplan.results.plain_data import mapping, whole
 from missionplan.store.checkpoints import read_block
 from missionplan.store.paths import as_path
-from missionplan.studies.arguments import MAX_JOBS, identified
 from missionplan.studies.comparison.two_reports import read_summary
+from missionplan.studies.run import MAX_JOBS, identified
 
 if TYPE_CHECKING:
     from missionplan.results.base import Result

@@ -24,7 +24,7 @@ from missionplan.results.learned.diagnosis import Diagnosis, PlanGain
 from missionplan.results.learned.next_trial import NextTrial
 from missionplan.results.log_book.score import DatasetScore
 from missionplan.store.paths import as_path
-from missionplan.studies.arguments import check_arguments, made_by
+from missionplan.studies.run import Run, check_arguments
 
 Progress = Callable[[int, int], None]
 """Called with stages done, of how many."""
@@ -117,13 +117,8 @@ def _diagnose(mission: Mission, dataset: Path, seed: int, jobs: int, wanted: _Wa
     decision = bound.plan_gain(mission, extended, seed=seed, jobs=jobs) if wanted.plan and is_new else PlanGain()
     trial = _next_trial(explanations, found, judgement, scale, seed) if wanted.next_trial and is_new else None
     untold = () if is_new or not wanted.next_trial else (NO_TRIAL,)
-    provenance = made_by(
-        "diagnose",
-        mission,
-        seed=seed,
-        trials=0,
-        options={"dataset": str(dataset), "jobs": jobs, **asdict(wanted)},
-        started=started,
+    provenance = Run("diagnose", mission, 0, seed, started=started).provenance(
+        {"dataset": str(dataset), "jobs": jobs, **asdict(wanted)},
         datasets=[dataset],
         notices=(*mission.notices(), *bound.data.notices, *forecast_notice(mission, found.best.causes), *untold),
     )

@@ -28,7 +28,7 @@ from missionplan.errors import InputError
 from missionplan.mission import Mission, MissionOrPath
 from missionplan.results.log_book.score import STATED, DatasetScore, Prediction, Score, Yardstick
 from missionplan.store.paths import as_path
-from missionplan.studies.arguments import check_arguments, made_by
+from missionplan.studies.run import Run, check_arguments
 
 FALSE_ALARM = 0.05
 """Probability, at most, with which a mission that is true is said to be outside chance, all data sets together."""
@@ -80,13 +80,8 @@ def score(
             )
             if progress is not None:
                 progress(done + 1, len(folders))
-    provenance = made_by(
-        "score",
-        mission,
-        seed=seed,
-        trials=0,
-        options={"datasets": [str(folder) for folder in folders]},
-        started=started,
+    provenance = Run("score", mission, 0, seed, started=started).provenance(
+        {"datasets": [str(folder) for folder in folders]},
         datasets=folders,
         notices=(*mission.notices(), *dict.fromkeys(notice for each in found for notice in each.notices)),
     )

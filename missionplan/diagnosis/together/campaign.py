@@ -11,7 +11,7 @@ from missionplan.errors import InputError
 from missionplan.mission import Mission, MissionOrPath
 from missionplan.results.log_book.campaign import Campaign
 from missionplan.store.paths import as_path
-from missionplan.studies.arguments import check_arguments, made_by
+from missionplan.studies.run import Run, check_arguments
 
 ORDER = ("drag", "free-oscillation", "thruster", "propeller-transient", "summary", "descent", "transit")
 """Kinds of data in the order in which they are diagnosed: the tank, which measures a thing by itself, first."""
@@ -65,13 +65,8 @@ def diagnose_campaign(
         extended = Mission.from_data(one.extended, file=base.file)
         if progress is not None:
             progress(len(found), len(folders))
-    provenance = made_by(
-        "diagnose",
-        base,
-        seed=found[0].provenance.seed,
-        trials=0,
-        options={"datasets": [str(folder) for folder in folders], "jobs": jobs, "plan": plan},
-        started=started,
+    provenance = Run("diagnose", base, 0, found[0].provenance.seed, started=started).provenance(
+        {"datasets": [str(folder) for folder in folders], "jobs": jobs, "plan": plan},
         datasets=folders,
         notices=tuple(dict.fromkeys(notice for each in found for notice in each.provenance.notices)),
     )

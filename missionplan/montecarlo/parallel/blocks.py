@@ -6,7 +6,7 @@ from collections import deque
 from collections.abc import Callable, Generator, Iterator, Sequence
 from concurrent.futures import Executor, Future, wait
 from contextlib import closing
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Generic, Literal, TypeVar, cast
 
 from loky import cpu_count
@@ -73,15 +73,26 @@ def run_blocks(
 
 @dataclass(frozen=True)
 class Workers:
-    """Where tasks run: see `run_blocks`."""
+    """Where tasks run, and who is told of those done: see `run_blocks`."""
 
     jobs: int = 1
     backend: Backend = "loky"
     scheduler: str | None = None
+    progress: Progress | None = None
 
     def run(self, task: Callable[[Item], Result], items: Sequence[Item]) -> Iterator[Result]:
-        """Run a task on every item, without telling the progress."""
-        return run_blocks(task, items, jobs=self.jobs, backend=self.backend, scheduler=self.scheduler)
+        """Run a task on every item."""
+        return run_blocks(
+            task, items, jobs=self.jobs, backend=self.backend, scheduler=self.scheduler, progress=self.progress
+        )
+
+    @property
+    def quiet(self) -> "Workers":
+        """The same, with nobody told."""
+        return replace(self, progress=None)
+
+
+IN_THIS_PROCESS = Workers()
 
 
 def _results(

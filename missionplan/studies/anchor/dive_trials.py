@@ -7,7 +7,7 @@ import numpy as np
 
 from missionplan.mission import Mission
 from missionplan.mission.views import MooringMission
-from missionplan.montecarlo.parallel.blocks import Backend, Progress, run_blocks
+from missionplan.montecarlo.parallel.blocks import IN_THIS_PROCESS, Workers
 from missionplan.montecarlo.statistics import Count, RunningStatistic
 from missionplan.montecarlo.streams import block_count, block_size, stream
 from missionplan.phases.currents import Current
@@ -22,16 +22,6 @@ from missionplan.scenario.scenario import STILL_WATER, Scenario
 
 STEP = 0.2
 """Of the integration [s]; times are then within a tenth of a millisecond, which is enough for probabilities."""
-
-
-@dataclass(frozen=True)
-class ParallelOptions:
-    """How blocks are distributed over processes, and who is told of those done; see `run_blocks`."""
-
-    jobs: int = 1
-    backend: Backend = "loky"
-    scheduler: str | None = None
-    progress: Progress | None = None
 
 
 @dataclass(frozen=True)
@@ -70,7 +60,7 @@ class AnchorTrials:
     recorded : Current or None
         The site's current where the mission reads it from a file.
     trials, seed : int
-    parallel : ParallelOptions
+    workers : Workers
     """
 
     mission: Mission
@@ -78,7 +68,7 @@ class AnchorTrials:
     recorded: Current | None
     trials: int
     seed: int
-    parallel: ParallelOptions = ParallelOptions()
+    workers: Workers = IN_THIS_PROCESS
 
     @property
     def counts_holding(self) -> bool:
@@ -87,13 +77,8 @@ class AnchorTrials:
 
     def probabilities(self, weight: float, line_length: float | None = None) -> DiveProbabilities:
         """Estimate the probabilities of an anchor of a wet weight [N], with another line [m] if one is given."""
-        how = self.parallel
-        task = partial(_block, replace(self, parallel=ParallelOptions()), weight, line_length)
-        blocks = range(block_count(self.trials))
-        results = run_blocks(
-            task, blocks, jobs=how.jobs, backend=how.backend, scheduler=how.scheduler, progress=how.progress
-        )
-        totals = reduce(_Totals.merge, results)
+        task = partial(_block, replace(self, workers=IN_THIS_PROCESS), weight, line_length)
+        totals = reduce(_Totals.merge, self.workers.run(task, range(block_count(self.trials))))
         return DiveProbabilities(
             good=totals.good.probability(),
             enough=totals.enough.probability(),

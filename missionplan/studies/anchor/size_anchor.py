@@ -1,29 +1,27 @@
 """Which anchor? From the worst current to an anchor one can build, the dive it gives, and how often that is enough."""
 
-import time
 from collections.abc import Iterator
 from dataclasses import replace
 
 from missionplan.errors import InputError, Problem, shown
 from missionplan.mission import Mission, MissionOrPath
 from missionplan.mission.schema.phases import MoorPhase
-from missionplan.mission.views import MooringMission, under_each_explanation
+from missionplan.mission.views import MooringMission
 from missionplan.montecarlo.parallel.blocks import Backend, Progress
 from missionplan.results.base import Provenance
 from missionplan.results.members import MemberOutcome
 from missionplan.results.mooring.sized_anchor import SizedAnchor
 from missionplan.results.mooring.sizing import AnchorSizing, ExplainedAnchor, ProbableAnchor
 from missionplan.scenario.anchors import laden, worst_case_weight
-from missionplan.scenario.currents.members import members_of, trials_of_each, under_each_member
 from missionplan.scenario.scenario import Scenario
 from missionplan.scenario.site_current import recorded_current
-from missionplan.studies.anchor.dive_trials import AnchorTrials, ParallelOptions
+from missionplan.studies.anchor.dive_trials import AnchorTrials
 from missionplan.studies.anchor.lightest_anchor import lightest_anchor
 from missionplan.studies.anchor.sizing import AnchorSizer
 from missionplan.studies.anchor.trim_check import trim_states
-from missionplan.studies.arguments import check_arguments, made_by
 from missionplan.studies.held_vehicle import held_vehicle
 from missionplan.studies.nominal_dive import check_dives
+from missionplan.studies.run import Run
 from missionplan.studies.simulation.record_cover import check_cover
 
 
@@ -59,19 +57,25 @@ def size_anchor(
     InputError
         When the mission lacks what a descent needs, or the probability is not between 0 and 1.
     """
-    started = time.perf_counter()
-    mission = check_arguments(mission, trials=trials, seed=seed, jobs=jobs)
+    run = Run.begun(
+        "size-anchor",
+        mission,
+        trials=trials,
+        seed=seed,
+        jobs=jobs,
+        backend=backend,
+        scheduler=scheduler,
+        progress=progress,
+    )
+    mission = run.mission
     moor = MooringMission.of(mission).mooring(phase)
     _check_probability(probability)
     required = _required(mission, moor)
     wanted = required if probability is None else probability
-    trials, seed = trials or mission.monte_carlo.trials, mission.monte_carlo.seed if seed is None else seed
     recorded = recorded_current(mission)
     check_cover(mission, Scenario.at_means(mission, recorded))
     check_dives(Scenario.at_means(mission, recorded))
-    dives = AnchorTrials(
-        mission, moor.name, recorded, trials, seed, ParallelOptions(jobs, backend, scheduler, progress)
-    )
+    dives = AnchorTrials(mission, moor.name, recorded, run.trials, run.seed, run.workers)
     means = Scenario.at_means(mission, recorded)
     means = laden(means, means.moor(moor.name))
     sizer = AnchorSizer(means.moor(moor.name), means, dives)
@@ -82,36 +86,26 @@ def size_anchor(
     except ValueError as error:
         raise InputError([Problem(str(error), mission.file, key="vehicle.anchor")]) from error
     options = {"probability": probability, "phase": phase, "jobs": jobs, "backend": backend, "scheduler": scheduler}
-    provenance = made_by(
-        "size-anchor",
-        mission,
-        seed=seed,
-        trials=trials,
-        options=options,
-        started=started,
-        notices=mission.notices(),
-    )
-    sizing = _anchor_sizing(provenance, sizer, anchor, probable, required)
-    explained = tuple(_explained(sizing, dives, wanted, weight))
-    return replace(sizing, explanations=explained, members=tuple(_members(sizing, dives)))
+    sizing = _anchor_sizing(run.provenance(options, mission.notices()), sizer, anchor, probable, required)
+    explained = tuple(_explained(sizing, dives, wanted, weight, run))
+    return replace(sizing, explanations=explained, members=tuple(_members(sizing, dives, run)))
 
 
 def _explained(
-    sizing: AnchorSizing, dives: AnchorTrials, wanted: float | None, worst_case: float
+    sizing: AnchorSizing, dives: AnchorTrials, wanted: float | None, worst_case: float, run: Run
 ) -> Iterator[ExplainedAnchor]:
     """Dive with the anchor to build under each explanation, and seek the lightest that would do for it alone."""
     weight, line = sizing.to_build.wet_weight, sizing.line_length
-    for each in under_each_explanation(dives.mission):
+    for each, _ in run.under_explanations():
         known = replace(dives, mission=each.mission)
         needed = lightest_anchor(known.probabilities, wanted, worst_case, line).weight if wanted is not None else None
         yield ExplainedAnchor(each.causes, each.probability, known.probabilities(weight).good, needed)
 
 
-def _members(sizing: AnchorSizing, dives: AnchorTrials) -> Iterator[MemberOutcome]:
+def _members(sizing: AnchorSizing, dives: AnchorTrials, run: Run) -> Iterator[MemberOutcome]:
     """Dive with the anchor to build in each member of the current's ensemble."""
-    count = len(members_of(dives.recorded))
-    for name, probability, sailed in under_each_member(dives.recorded):
-        given = replace(dives, recorded=sailed, trials=trials_of_each(dives.trials, count))
+    for name, probability, sailed, alone in run.in_members(dives.recorded):
+        given = replace(dives, recorded=sailed, trials=alone.trials)
         yield MemberOutcome(name, probability, given.probabilities(sizing.to_build.wet_weight).good)
 
 

@@ -14,22 +14,22 @@ from missionplan.mission import Mission, MissionOrPath, load
 from missionplan.mission.reading.documents import load_document
 from missionplan.montecarlo.common_streams import CommonStreams
 from missionplan.montecarlo.paired import LEVEL, paired_difference
-from missionplan.montecarlo.parallel.blocks import Progress
+from missionplan.montecarlo.parallel.blocks import Progress, Workers
 from missionplan.montecarlo.streams import block_count, block_size
 from missionplan.results.base import Provenance
 from missionplan.results.choosing.alternatives import DECIDES, Alternative, Alternatives, Contrast, Estimate
 from missionplan.results.choosing.axis import Aim
 from missionplan.scenario.scenario import Scenario
 from missionplan.store.paths import as_path, is_folder
-from missionplan.studies.arguments import check_arguments, identified
 from missionplan.studies.comparison.mission_changes import differing_values
 from missionplan.studies.comparison.reported_choices import aim_of, check_kinds, reported_alternative
 from missionplan.studies.comparison.summary_numbers import SummaryNumber, standard_error_and_p_value
 from missionplan.studies.comparison.two_reports import read_summary
-from missionplan.studies.exploration.cell_run import CellRun, CellTrials
+from missionplan.studies.exploration.cell_run import CellTrials, cell_trials
 from missionplan.studies.exploration.cells import CellBlock, CellItem, InvalidCell, checked_means, run_checked
 from missionplan.studies.exploration.findings import DURATION, ENERGY, cell_of
 from missionplan.studies.exploration.shared_current import SharedCurrent
+from missionplan.studies.run import check_arguments, identified
 
 _COLUMNS = {"success": "total.success", "energy_wh": ENERGY, "duration_s": DURATION}
 
@@ -185,7 +185,7 @@ def _run(missions: Sequence[Mission], trials: int, seed: int, jobs: int, progres
         for number in range(len(missions))
         for block in range(block_count(trials))
     ]
-    found = CellRun(task, items).run(range(len(missions)), progress, jobs=jobs)
+    found = cell_trials(task, items, range(len(missions)), Workers(jobs, progress=progress))
     problems = [
         Problem(each.reason, mission.file) for mission, each in zip(missions, found, strict=True) if each.reason
     ]

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from missionplan.montecarlo.parallel.blocks import Backend, Progress, run_blocks
+from missionplan.montecarlo.parallel.blocks import Workers
 from missionplan.store.checkpoints import Checkpoints
 from missionplan.studies.exploration.cells import CellBlock, CellItem, InvalidCell
 
@@ -25,53 +25,48 @@ class CellTrials:
     reason: str = ""
 
 
-@dataclass(frozen=True)
-class CellRun:
-    """Blocks of cells to be run.
+def cell_trials(
+    task: RunCell, items: Sequence[CellItem], cells: Sequence[int], workers: Workers, store: Checkpoints | None = None
+) -> list[CellTrials]:
+    """Run the blocks that are not in the checkpoint, and return the trials of each of some cells.
 
-    Attributes
+    Parameters
     ----------
     task : callable
         Runs a block of a cell.
     items : sequence of CellItem
         In any order; the blocks of a cell ascend.
-    store : Checkpoints or None
+    cells : sequence of int
+    workers : Workers
+        Told the trials done.
+    store : Checkpoints, optional
         Where finished blocks are kept.
     """
+    gathered: dict[int, list[CellBlock | InvalidCell]] = {cell: [] for cell in cells}
+    total, done = sum(size for _, _, size in items), 0
+    tell = workers.progress or (lambda *_: None)
+    with contextlib.closing(_Blocks(task, items, store).run(workers.quiet)) as blocks:
+        tell(0, total)
+        for item, block in blocks:
+            gathered[item[0]].append(block)
+            done += item[2]
+            tell(done, total)
+    return [_joined(gathered[cell]) for cell in cells]
+
+
+@dataclass(frozen=True)
+class _Blocks:
+    """Blocks of cells, from the checkpoint or from the workers."""
 
     task: RunCell
     items: Sequence[CellItem]
-    store: Checkpoints | None = None
+    store: Checkpoints | None
 
-    def run(
-        self,
-        cells: Sequence[int],
-        progress: Progress | None = None,
-        *,
-        jobs: int = 1,
-        backend: Backend = "loky",
-        scheduler: str | None = None,
-    ) -> list[CellTrials]:
-        """Run the blocks that are not in the checkpoint, and return the trials of each of some cells."""
-        gathered: dict[int, list[CellBlock | InvalidCell]] = {cell: [] for cell in cells}
-        total, done = sum(size for _, _, size in self.items), 0
-        with contextlib.closing(self._blocks(jobs, backend, scheduler)) as blocks:
-            if progress is not None:
-                progress(0, total)
-            for item, block in blocks:
-                gathered[item[0]].append(block)
-                done += item[2]
-                if progress is not None:
-                    progress(done, total)
-        return [_joined(gathered[cell]) for cell in cells]
-
-    def _blocks(
-        self, jobs: int, backend: Backend, scheduler: str | None
-    ) -> Generator[tuple[CellItem, CellBlock | InvalidCell], None, None]:
+    def run(self, workers: Workers) -> Generator[tuple[CellItem, CellBlock | InvalidCell], None, None]:
         numbered = {item: (item[0] * MAX_BLOCKS + item[1], item[2]) for item in self.items}
         kept = self.store.intact(numbered.values()) if self.store is not None else set()
         todo = [item for item in self.items if numbered[item] not in kept]
-        with contextlib.closing(run_blocks(self.task, todo, jobs=jobs, backend=backend, scheduler=scheduler)) as fresh:  # type: ignore[type-var]
+        with contextlib.closing(workers.run(self.task, todo)) as fresh:  # type: ignore[type-var]
             for item in self.items:
                 block = self._stored(numbered[item]) if numbered[item] in kept else None
                 if block is None:

@@ -14,10 +14,10 @@ from missionplan.mission import Mission
 from missionplan.montecarlo.common_streams import CommonStreams
 from missionplan.results.choosing.axis import Axis
 from missionplan.scenario.scenario import Scenario
-from missionplan.studies.arguments import identified
 from missionplan.studies.exploration.key_paths import with_values
 from missionplan.studies.exploration.shared_current import SharedCurrent
 from missionplan.studies.nominal_dive import check_dives
+from missionplan.studies.run import identified
 from missionplan.studies.simulation.block_statistics import requirement_flags
 from missionplan.studies.simulation.checks import check_complete
 from missionplan.studies.simulation.trial_block import run_trials

@@ -2,7 +2,6 @@
 
 import itertools
 import math
-import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -21,13 +20,13 @@ from missionplan.scenario.currents.members import members_drawn, members_of
 from missionplan.scenario.scenario import Scenario
 from missionplan.store.checkpoints import Checkpoints
 from missionplan.store.paths import as_path
-from missionplan.studies.arguments import check_arguments, made_by
-from missionplan.studies.exploration.cell_run import CellRun, CellTrials
+from missionplan.studies.exploration.cell_run import CellTrials, cell_trials
 from missionplan.studies.exploration.cells import SUCCESS, CellItem, CellTask
 from missionplan.studies.exploration.findings import DURATION, ENERGY, cell_of, find_best
 from missionplan.studies.exploration.racing import Race, race
 from missionplan.studies.exploration.shared_current import SharedCurrent
 from missionplan.studies.exploration.variation import OPTION, first_start, read_axes
+from missionplan.studies.run import Run
 from missionplan.studies.simulation.block_statistics import requirement_key
 from missionplan.studies.simulation.checks import check_complete, input_notices
 
@@ -88,40 +87,40 @@ def explore(
     RunError
         When a worker dies, or the checkpoint cannot be written.
     """
-    started = time.perf_counter()
-    mission = check_arguments(
-        mission, trials=trials, seed=seed, jobs=jobs, one_of={"aim": (aim, ("success", "energy", "duration"))}
+    run = Run.begun(
+        "explore",
+        mission,
+        one_of={"aim": (aim, ("success", "energy", "duration"))},
+        trials=trials,
+        seed=seed,
+        jobs=jobs,
+        backend=backend,
+        scheduler=scheduler,
+        progress=progress,
     )
+    mission, trials, seed = run.mission, run.trials, run.seed
     axes = read_axes(mission, [vary] if isinstance(vary, str) else list(vary))
     columns = _columns(mission, quantities)
-    seed = mission.monte_carlo.seed if seed is None else seed
-    trials = mission.monte_carlo.trials if trials is None else trials
     plan = CellPlan.of(mission, axes, seed, columns)
     plan.check_size(trials)
     folder = as_path(checkpoint, "checkpoint") if checkpoint is not None else None
     store = Checkpoints(folder, plan.task.identity(mission, axes), resume=resume) if folder else None
 
-    def run(items: Sequence[CellItem]) -> list[CellTrials]:
-        blocks = CellRun(plan.task, items, store)
-        return blocks.run(plan.cells, progress, jobs=jobs, backend=backend, scheduler=scheduler)
+    def run_cells(items: Sequence[CellItem]) -> list[CellTrials]:
+        return cell_trials(plan.task, items, plan.cells, run.workers, store)
 
-    raced = _run(plan, mission, trials, aim, run, only_best=only_best)
+    raced = _run(plan, mission, trials, aim, run_cells, only_best=only_best)
     found, cells = raced.trials, plan.summed_up(mission, raced)
     _check_any_runs(cells)
     best = find_best(cells, [each.columns for each in found], aim)
     return Exploration(
-        provenance=made_by(
-            "explore",
-            mission,
-            seed=seed,
-            trials=trials,
-            options={
+        provenance=run.provenance(
+            {
                 "vary": list(vary) if not isinstance(vary, str) else [vary],
                 **{"aim": aim, "jobs": jobs, "only_best": only_best},
                 **{"quantity": list(quantities), "trials_run": raced.spent},
             },
-            started=started,
-            notices=_notices(mission, plan),
+            _notices(mission, plan),
         ),
         axes=axes,
         cells=best.cells,

@@ -16,11 +16,11 @@ from missionplan.datasets.tank import (
 )
 from missionplan.results.base import Provenance
 from missionplan.results.learned.identification import Identification, TankAnalysis
-from missionplan.studies.arguments import identified_datasets
 from missionplan.studies.identification.drag import identify_drag
 from missionplan.studies.identification.oscillation import identify_oscillation
 from missionplan.studies.identification.propeller import identify_propeller
 from missionplan.studies.identification.thruster import identify_thruster
+from missionplan.studies.run import identified_datasets
 
 
 def identify(dataset: str | Path, *, allow_outside: bool = False) -> Identification:

@@ -16,13 +16,12 @@ from scipy.optimize import minimize_scalar
 
 from missionplan.arrays import Array
 from missionplan.errors import InputError, Problem
-from missionplan.montecarlo.parallel.blocks import Progress, Workers
+from missionplan.montecarlo.parallel.blocks import IN_THIS_PROCESS, Progress, Workers
 from missionplan.phases.transit.leg_table import LegTable
 from missionplan.studies.leg_length.analytic_transit import AnalyticTransit
 from missionplan.studies.leg_length.integral_equation import analytic_obstacle
 from missionplan.studies.leg_length.leg_spread import LegSpread, fit_leg_spread
 from missionplan.studies.leg_length.paired_trials import (
-    IN_THIS_PROCESS,
     PILOT_BLOCK,
     LegsAtSpeed,
     Objective,

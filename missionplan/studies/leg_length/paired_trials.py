@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from missionplan.arrays import Array
-from missionplan.montecarlo.parallel.blocks import Workers
+from missionplan.montecarlo.parallel.blocks import IN_THIS_PROCESS, Workers
 from missionplan.montecarlo.streams import BLOCK
 from missionplan.phases.hooks import TransitEffect
 from missionplan.phases.state import TrialState
@@ -93,7 +93,6 @@ class _AddedDrift(TransitEffect):
 
 
 AS_PLANNED = ErrorScenario("")
-IN_THIS_PROCESS = Workers()
 
 
 @dataclass(frozen=True)

@@ -1,29 +1,25 @@
 """How long should each leg be? The best legs for an aim, run in the mission's own Monte Carlo."""
 
-import time
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
-from functools import partial
 from typing import get_args
 
 from missionplan.arrays import Array
 from missionplan.mission import MissionOrPath
-from missionplan.mission.views import under_each_explanation
-from missionplan.montecarlo.parallel.blocks import Backend, Progress, Workers, run_blocks
+from missionplan.montecarlo.parallel.blocks import Backend, Progress, Workers
 from missionplan.montecarlo.statistics import Moments
 from missionplan.montecarlo.streams import block_count
 from missionplan.results.base import Provenance
 from missionplan.results.explained import label
 from missionplan.results.leg_length.leg_cases import CandidatePlan, LegCase
 from missionplan.results.leg_length.legs import LegPlan
-from missionplan.scenario.currents.members import members_of, trials_of_each, under_each_member
-from missionplan.studies.arguments import check_arguments, made_by
 from missionplan.studies.leg_length.integral_equation import analytic_obstacle
 from missionplan.studies.leg_length.optimise_legs import Aim, LegAim, OptimisedLegs, optimise_legs
 from missionplan.studies.leg_length.paired_trials import AS_PLANNED
 from missionplan.studies.leg_length.plan_comparison import compare_plans, late_gain
 from missionplan.studies.leg_length.robustness import PairedPlansTask, error_scenarios, leg_case
 from missionplan.studies.leg_length.sweep_scenario import SweepScenario
+from missionplan.studies.run import Run
 
 
 def plan_legs(
@@ -57,31 +53,32 @@ def plan_legs(
     InputError
         When the mission has no transit, or no legs can be planned for it.
     """
-    started = time.perf_counter()
-    mission = check_arguments(mission, trials=trials, seed=seed, jobs=jobs, one_of={"aim": (aim, get_args(Aim))})
-    scenario = replace(SweepScenario.of(mission), sigmas=(None,))
-    trials = trials or mission.monte_carlo.trials
-    seed = mission.monte_carlo.seed if seed is None else seed
-    wanted = LegAim(aim, _deadline(scenario)) if aim == "p95" else LegAim(aim)
-    best = optimise_legs(scenario, wanted, seed, progress=progress, workers=Workers(jobs, backend, scheduler))
-    task = PairedPlansTask(scenario, error_scenarios(scenario), best.fixed, best.adaptive, trials, seed)
-    tasks = [(task, None), *_explained(task)]
-    run = partial(run_blocks, jobs=jobs, backend=backend, scheduler=scheduler, progress=progress)
-    evaluation = _Evaluation(
-        cases=tuple(case for each, share in tasks for case in _judged(_cases(each, share, run), each, wanted, best)),
-        candidates=compare_plans(scenario, wanted, best, trials, seed) if aim != "mean" else (),
-        tracks=task.tracks(),
-        members=tuple(case for each, share in _members(task) for case in _cases(each, share, run)),
-    )
-    provenance = made_by(
+    run = Run.begun(
         "plan-legs",
         mission,
-        seed=seed,
+        one_of={"aim": (aim, get_args(Aim))},
         trials=trials,
-        options={"aim": aim, "jobs": jobs, "backend": backend, "scheduler": scheduler},
-        started=started,
-        notices=(*mission.notices(), *_notices(scenario)),
+        seed=seed,
+        jobs=jobs,
+        backend=backend,
+        scheduler=scheduler,
+        progress=progress,
     )
+    scenario, seed = replace(SweepScenario.of(run.mission), sigmas=(None,)), run.seed
+    wanted = LegAim(aim, _deadline(scenario)) if aim == "p95" else LegAim(aim)
+    best = optimise_legs(scenario, wanted, seed, progress=progress, workers=run.workers.quiet)
+    task = PairedPlansTask(scenario, error_scenarios(scenario), best.fixed, best.adaptive, run.trials, seed)
+    tasks = [(task, None), *_explained(task, run)]
+    evaluation = _Evaluation(
+        cases=tuple(
+            case for each, share in tasks for case in _judged(_cases(each, share, run.workers), each, wanted, best)
+        ),
+        candidates=compare_plans(scenario, wanted, best, run.trials, seed) if aim != "mean" else (),
+        tracks=task.tracks(),
+        members=tuple(case for each, share in _members(task, run) for case in _cases(each, share, run.workers)),
+    )
+    options = {"aim": aim, "jobs": jobs, "backend": backend, "scheduler": scheduler}
+    provenance = run.provenance(options, (*run.mission.notices(), *_notices(scenario)))
     return _leg_plan(provenance, scenario, wanted, best, evaluation)
 
 
@@ -95,29 +92,28 @@ class _Evaluation:
     members: tuple[LegCase, ...]
 
 
-def _explained(task: PairedPlansTask) -> Iterator[tuple[PairedPlansTask, float]]:
+def _explained(task: PairedPlansTask, run: Run) -> Iterator[tuple[PairedPlansTask, float]]:
     """Yield the same plans under each explanation of the mission, with its probability."""
-    for each in under_each_explanation(task.scenario.mission):
+    for each, _ in run.under_explanations():
         known = replace(SweepScenario.of(each.mission), sigmas=(None,))
         case = replace(AS_PLANNED, name=label(each.causes))
         yield replace(task, scenario=known, cases=(case,)), each.probability
 
 
-def _members(task: PairedPlansTask) -> Iterator[tuple[PairedPlansTask, float]]:
+def _members(task: PairedPlansTask, run: Run) -> Iterator[tuple[PairedPlansTask, float]]:
     """Yield the same plans in each member of the current's ensemble, with its probability."""
     means = task.scenario.means
-    count = len(members_of(means.recorded))
-    for name, probability, sailed in under_each_member(means.recorded):
+    for name, probability, sailed, alone in run.in_members(means.recorded):
         given = replace(task.scenario, means=replace(means, recorded=sailed))
         case = replace(AS_PLANNED, name=name)
-        yield replace(task, scenario=given, cases=(case,), trials=trials_of_each(task.trials, count)), probability
+        yield replace(task, scenario=given, cases=(case,), trials=alone.trials), probability
 
 
-def _cases(task: PairedPlansTask, share: float | None, run: Callable[..., Iterable[Moments]]) -> tuple[LegCase, ...]:
+def _cases(task: PairedPlansTask, share: float | None, workers: Workers) -> tuple[LegCase, ...]:
     """Run every block of each case, and merge its blocks."""
     items = [(number, block) for block in range(block_count(task.trials)) for number in range(len(task.cases))]
     totals: dict[int, Moments] = {}
-    for (number, _), moments in zip(items, run(task, items), strict=True):
+    for (number, _), moments in zip(items, workers.run(task, items), strict=True):
         totals[number] = totals[number].merge(moments) if number in totals else moments
     found = (leg_case(task.scenario, case, totals[number]) for number, case in enumerate(task.cases))
     return tuple(replace(case, probability=share) for case in found)

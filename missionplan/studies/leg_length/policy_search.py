@@ -6,12 +6,11 @@ from functools import partial
 
 import numpy as np
 
-from missionplan.montecarlo.parallel.blocks import Progress, Workers
+from missionplan.montecarlo.parallel.blocks import IN_THIS_PROCESS, Progress, Workers
 from missionplan.phases.transit.analytic.bellman import JUMP
 from missionplan.phases.transit.leg_table import LegTable
 from missionplan.studies.leg_length.analytic_transit import AnalyticTransit
 from missionplan.studies.leg_length.paired_trials import (
-    IN_THIS_PROCESS,
     LegsAtSpeed,
     Objective,
     Score,

@@ -1,6 +1,5 @@
 """What maximum leg length? The cost of each d_max for each velocity error (Briggs et al., section IV.B, Fig. 8)."""
 
-import time
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import Literal, get_args
@@ -11,18 +10,16 @@ from numpy.typing import NDArray
 from missionplan.arrays import Array
 from missionplan.errors import InputError, Problem
 from missionplan.mission import MissionOrPath
-from missionplan.mission.views import under_each_explanation
-from missionplan.montecarlo.parallel.blocks import Backend, Progress, run_blocks
+from missionplan.montecarlo.parallel.blocks import Backend, Progress
 from missionplan.montecarlo.statistics import Probability, wilson
 from missionplan.montecarlo.streams import block_count, block_size
 from missionplan.phases.transit.analytic.expectation import TransitExpectation
 from missionplan.results.leg_length.sweep import ExplainedSweep, Sweep, SweepCurve, SweepPoint
 from missionplan.results.members import MemberOutcome
-from missionplan.scenario.currents.members import members_of, trials_of_each, under_each_member
-from missionplan.studies.arguments import check_arguments, made_by
 from missionplan.studies.leg_length.cells import CellTotals, run_cells
 from missionplan.studies.leg_length.integral_equation import analytic_curve, analytic_obstacle
 from missionplan.studies.leg_length.sweep_scenario import SweepScenario
+from missionplan.studies.run import Run
 
 Method = Literal["both", "analytic", "monte-carlo"]
 Analytic = Sequence[TransitExpectation]
@@ -57,28 +54,26 @@ def sweep_dmax(
         When the mission has no transit, the mean drift is as fast as the vehicle, or the analytic form is requested
         where it does not apply.
     """
-    started = time.perf_counter()
-    methods = (method, (None, *get_args(Method)))
-    mission = check_arguments(mission, trials=trials, seed=seed, jobs=jobs, one_of={"method": methods})
-    scenario = SweepScenario.of(mission)
-    used = _method(scenario, method)
-    trials = 0 if used == "analytic" else trials or mission.monte_carlo.trials
-    seed = mission.monte_carlo.seed if seed is None else seed
-    curves = range(len(scenario.sigmas))
-    analytic = {index: analytic_curve(scenario, index) for index in curves} if used != "monte-carlo" else {}
-    how = _Run(jobs, backend, scheduler, progress)
-    sampled = how.sampled(SweepTask(scenario, trials, seed))
-    provenance = made_by(
+    run = Run.begun(
         "sweep-dmax",
         mission,
-        seed=seed,
+        one_of={"method": (method, (None, *get_args(Method)))},
         trials=trials,
-        options={"method": used, "jobs": jobs, "backend": backend, "scheduler": scheduler},
-        started=started,
-        notices=mission.notices(),
+        seed=seed,
+        jobs=jobs,
+        backend=backend,
+        scheduler=scheduler,
+        progress=progress,
     )
+    scenario = SweepScenario.of(run.mission)
+    used = _method(scenario, method)
+    run = replace(run, trials=0) if used == "analytic" else run
+    curves = range(len(scenario.sigmas))
+    analytic = {index: analytic_curve(scenario, index) for index in curves} if used != "monte-carlo" else {}
+    sampled = _sampled(run, scenario)
+    options = {"method": used, "jobs": jobs, "backend": backend, "scheduler": scheduler}
     sweep = Sweep(
-        provenance=provenance,
+        provenance=run.provenance(options, run.mission.notices()),
         phase=scenario.phase.name,
         method=used,
         distance=scenario.distance,
@@ -87,57 +82,43 @@ def sweep_dmax(
         arrival_radius=scenario.arrival_radius,
         curves=tuple(_curve(scenario, index, sampled.get(index), analytic.get(index, ())) for index in curves),
     )
-    task = SweepTask(scenario, trials, seed)
-    explained, members = _explained(sweep, scenario, task, how), _members(sweep, scenario, task, how)
+    quiet = replace(run, workers=run.workers.quiet)
+    explained, members = _explained(sweep, scenario, quiet), _members(sweep, scenario, quiet)
     return replace(sweep, explanations=tuple(explained), members=tuple(members))
 
 
-@dataclass(frozen=True)
-class _Run:
-    """How blocks are distributed over processes; see `run_blocks`."""
-
-    jobs: int
-    backend: Backend
-    scheduler: str | None
-    progress: Progress | None = None
-
-    def sampled(self, task: "SweepTask") -> dict[int, CellTotals]:
-        """Run every block of every curve, and merge those of each curve."""
-        found: dict[int, CellTotals] = {}
-        # the largest sigma, as a rule the last, takes longest: it goes first, so that workers end together
-        curves = range(len(task.scenario.sigmas))
-        items = [(index, block) for block in range(block_count(task.trials)) for index in reversed(curves)]
-        results = run_blocks(
-            task, items, jobs=self.jobs, backend=self.backend, scheduler=self.scheduler, progress=self.progress
-        )
-        for (index, _), totals in zip(items, results, strict=True):
-            found[index] = found[index].merge(totals) if index in found else totals
-        return found
+def _sampled(run: Run, scenario: SweepScenario) -> dict[int, CellTotals]:
+    """Run every block of every curve, and merge those of each curve."""
+    found: dict[int, CellTotals] = {}
+    # the largest sigma, as a rule the last, takes longest: it goes first, so that workers end together
+    curves = range(len(scenario.sigmas))
+    items = [(index, block) for block in range(block_count(run.trials)) for index in reversed(curves)]
+    results = run.workers.run(SweepTask(scenario, run.trials, run.seed), items)
+    for (index, _), totals in zip(items, results, strict=True):
+        found[index] = found[index].merge(totals) if index in found else totals
+    return found
 
 
-def _explained(sweep: Sweep, scenario: SweepScenario, task: "SweepTask", how: _Run) -> Iterator[ExplainedSweep]:
+def _explained(sweep: Sweep, scenario: SweepScenario, run: Run) -> Iterator[ExplainedSweep]:
     """Run the middle curve under each explanation, with the same draws, beside what is recommended over all of them."""
     index = sweep.curves.index(sweep.middle)
-    for each in under_each_explanation(scenario.mission):
+    for each, alone in run.under_explanations():
         known = replace(SweepScenario.of(each.mission), sigmas=(scenario.sigmas[index],))
-        totals = replace(how, progress=None).sampled(replace(task, scenario=known))
-        curve = _curve(known, 0, totals[0], ())
+        curve = _curve(known, 0, _sampled(alone, known)[0], ())
         yield ExplainedSweep(each.causes, each.probability, curve, curve.points[sweep.middle.recommended_index])
 
 
-def _members(sweep: Sweep, scenario: SweepScenario, task: "SweepTask", how: _Run) -> Iterator[MemberOutcome]:
+def _members(sweep: Sweep, scenario: SweepScenario, run: Run) -> Iterator[MemberOutcome]:
     """Run what is recommended for the middle curve in each member of the current's ensemble."""
     index, means = sweep.curves.index(sweep.middle), scenario.means
-    count = len(members_of(means.recorded))
-    for name, probability, sailed in under_each_member(means.recorded):
+    for name, probability, sailed, alone in run.in_members(means.recorded):
         given = replace(
             scenario,
             means=replace(means, recorded=sailed),
             sigmas=(scenario.sigmas[index],),
             d_max=np.array([sweep.middle.recommended.d_max, scenario.distance]),
         )
-        alone = replace(task, scenario=given, trials=trials_of_each(task.trials, count))
-        point = _curve(given, 0, replace(how, progress=None).sampled(alone)[0], ()).points[0]
+        point = _curve(given, 0, _sampled(alone, given)[0], ()).points[0]
         yield MemberOutcome(name, probability, point.arrived)
 
 

@@ -8,11 +8,12 @@ from numpy.typing import NDArray
 
 from missionplan.errors import InputError, Problem
 from missionplan.mission import Mission
+from missionplan.montecarlo.parallel.blocks import Workers
 from missionplan.montecarlo.streams import block_count, block_size
 from missionplan.results.choosing.axis import Aim
 from missionplan.scenario.scenario import Scenario
 from missionplan.store.checkpoints import Checkpoints
-from missionplan.studies.exploration.cell_run import CellRun
+from missionplan.studies.exploration.cell_run import cell_trials
 from missionplan.studies.exploration.cells import (
     CellTask,
     checked_means,
@@ -81,7 +82,7 @@ class Evaluations:
     mission : Mission
     lattice : Lattice
     task : ChoiceTask
-    jobs : int
+    workers : Workers
     store : Checkpoints or None
         Where finished blocks are kept.
     spent : int
@@ -93,7 +94,7 @@ class Evaluations:
     mission: Mission
     lattice: Lattice
     task: ChoiceTask
-    jobs: int
+    workers: Workers
     store: Checkpoints | None = None
     spent: int = 0
     kept: dict[tuple[Point, int], Evaluation] = field(default_factory=dict)
@@ -103,7 +104,7 @@ class Evaluations:
         todo = [point for point in dict.fromkeys(points) if (point, trials) not in self.kept]
         cells = [self.lattice.number(point) for point in todo]
         items = [(cell, block, block_size(trials, block)) for cell in cells for block in range(block_count(trials))]
-        found = CellRun(self.task, items, self.store).run(cells, jobs=self.jobs)
+        found = cell_trials(self.task, items, cells, self.workers, self.store)
         for point, each in zip(todo, found, strict=True):
             self.kept[point, trials] = Evaluation(point, each.columns, each.reason)
             self.spent += trials

@@ -1,8 +1,7 @@
 """`optimise`: anchor, line, legs, speed and start together: all requirements met at the least energy or time."""
 
-import time
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal
 
@@ -12,12 +11,10 @@ from missionplan.errors import InputError, Problem
 from missionplan.mission import Mission, MissionOrPath
 from missionplan.montecarlo.paired import paired_difference, pareto_front
 from missionplan.montecarlo.statistics import Probability
-from missionplan.results.base import Provenance
 from missionplan.results.choosing.optimisation import Obstacle, Optimised, Relaxation, Tried
 from missionplan.results.simulation import Outcome
 from missionplan.store.checkpoints import Checkpoints
 from missionplan.store.paths import as_path
-from missionplan.studies.arguments import check_arguments, made_by
 from missionplan.studies.exploration.cells import SUCCESS
 from missionplan.studies.exploration.findings import AIM_COLUMNS
 from missionplan.studies.exploration.key_paths import with_values
@@ -28,6 +25,7 @@ from missionplan.studies.optimisation.choosable import read_lattice
 from missionplan.studies.optimisation.evaluations import ChoiceTask, Evaluation, Evaluations, columns_needed
 from missionplan.studies.optimisation.judging import Demand, demands_of, is_feasible, violations
 from missionplan.studies.optimisation.search import FINE, Search
+from missionplan.studies.run import Run
 from missionplan.studies.simulation.simulate import simulate
 
 MOST_CHECKS = 12
@@ -80,52 +78,38 @@ def optimise(
     RunError
         When a worker dies, or the checkpoint cannot be written.
     """
-    started = time.perf_counter()
     aims = {"aim": (aim, (None, "energy", "duration"))}
-    mission = check_arguments(mission, trials=trials, seed=seed, jobs=jobs, one_of=aims)
+    run = Run.begun("optimise", mission, one_of=aims, trials=trials, seed=seed, jobs=jobs, progress=progress)
+    mission, seed = run.mission, run.seed
     lattice, demands = read_lattice(mission, choose), demands_of(mission)
     if not demands:
         raise InputError([Problem("missing; what every choice must meet", mission.file, key="requirements")])
     least = mission.optimise.aim if aim is None else aim
-    seed = mission.monte_carlo.seed if seed is None else seed
-    trials = mission.monte_carlo.trials if trials is None else trials
     current = SharedCurrent.of(mission, first_start(lattice.axes))
     task = ChoiceTask(mission.raw, lattice, current, seed, columns_needed(mission), mission.file)
     folder = as_path(checkpoint, "checkpoint") if checkpoint is not None else None
     store = Checkpoints(folder, task.identity(mission, lattice.axes), resume=resume) if folder else None
-    run = _Run(Evaluations(mission, lattice, task, jobs, store), demands, least, seed, trials, progress)
-    provenance = made_by(
-        "optimise",
-        mission,
-        seed=seed,
-        trials=trials,
-        options={"aim": least, "choose": list(choose), "jobs": jobs},
-        started=started,
-        notices=mission.notices(),
-    )
-    found = run.find(provenance)
-    return replace(found, provenance=replace(provenance, elapsed_s=time.perf_counter() - started))
+    problem = _Problem(Evaluations(mission, lattice, task, run.workers.quiet, store), demands, least, run)
+    return problem.solved({"aim": least, "choose": list(choose), "jobs": jobs})
 
 
 @dataclass
-class _Run:
+class _Problem:
     """One problem and its search."""
 
     evaluations: Evaluations
     demands: tuple[Demand, ...]
     aim: Literal["energy", "duration"]
-    seed: int
-    trials: int
-    progress: Progress | None
+    run: Run
     checked_trials: int = 0
 
     @property
     def lattice(self) -> Lattice:
         return self.evaluations.lattice
 
-    def find(self, provenance: Provenance) -> Optimised:
+    def solved(self, options: Mapping[str, object]) -> Optimised:
         """Search, check, and see what binds or what the obstacle is."""
-        search = Search(self.evaluations, self.demands, self.aim, self.seed)
+        search = Search(self.evaluations, self.demands, self.aim, self.run.seed)
         self._report(0)
         search.widely()
         self._report(1)
@@ -139,7 +123,7 @@ class _Run:
         self._report(4)
         shown = self._nearest() if choice is None else choice
         return Optimised(
-            provenance=provenance,
+            provenance=self.run.provenance(options, self.run.mission.notices()),
             aim=self.aim,
             axes=self.lattice.axes,
             combinations=len(self.lattice),
@@ -157,8 +141,8 @@ class _Run:
         )
 
     def _report(self, done: int) -> None:
-        if self.progress is not None:
-            self.progress(done, 4)
+        if self.run.workers.progress is not None:
+            self.run.workers.progress(done, 4)
 
     def _check_any_runs(self) -> None:
         known = self.evaluations.best_known()
@@ -172,26 +156,26 @@ class _Run:
     def _mission_data(self, point: Point) -> dict[str, object]:
         """The mission with a choice, as `simulate` takes it: with the trials and the seed that it was checked with."""
         values = self.lattice.values_at(point)
-        settings = {"monte_carlo.trials": self.trials, "monte_carlo.seed": self.seed}
+        settings = {"monte_carlo.trials": self.run.trials, "monte_carlo.seed": self.run.seed}
         return with_values(self.evaluations.mission.raw, {**values, **settings})
 
     def _check(self, candidates: Sequence[Evaluation]) -> tuple[Evaluation | None, Outcome | None, Outcome | None]:
         """Simulate candidates with all trials, on the same random numbers and on fresh ones, until one meets all."""
         for each in candidates[:MOST_CHECKS]:
             mission = Mission.from_data(self._mission_data(each.point), file=self.evaluations.mission.file)
-            checked = self._simulated(mission, self.seed)
+            checked = self._simulated(mission, self.run.seed)
             if checked is None or not _is_good(checked):
                 continue
-            fresh = self._simulated(mission, self.seed + _FRESH)
+            fresh = self._simulated(mission, self.run.seed + _FRESH)
             if fresh is not None and _is_good(fresh):
                 return each, checked, fresh
         return None, None, None
 
     def _simulated(self, mission: Mission, seed: int) -> Outcome | None:
         """Simulate a choice as the command does; None where it refuses to, as where a record does not cover it."""
-        self.checked_trials += self.trials
+        self.checked_trials += self.run.trials
         try:
-            return simulate(mission, trials=self.trials, seed=seed, jobs=self.evaluations.jobs)
+            return simulate(mission, trials=self.run.trials, seed=seed, jobs=self.run.workers.jobs)
         except InputError:
             return None
 

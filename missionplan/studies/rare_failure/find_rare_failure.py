@@ -1,7 +1,6 @@
 """The probability of a rare failure of a mission, and how it comes about."""
 
 import math
-import time
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
@@ -11,7 +10,7 @@ import pandas as pd
 from missionplan.arrays import Array
 from missionplan.errors import InputError, Problem
 from missionplan.mission import MissionOrPath
-from missionplan.montecarlo.parallel.blocks import Backend, Progress, Workers
+from missionplan.montecarlo.parallel.blocks import Backend, Progress
 from missionplan.montecarlo.rare_events.failure_search import FailureSearch, Found, find
 from missionplan.montecarlo.rare_events.population import NormalPopulation
 from missionplan.montecarlo.rare_events.strata import StrataView, strata
@@ -22,7 +21,6 @@ from missionplan.results.base import Provenance
 from missionplan.results.rare_failure import RareFailure, WayDriven
 from missionplan.scenario.scenario import Scenario
 from missionplan.scenario.site_current import recorded_current
-from missionplan.studies.arguments import check_arguments, made_by
 from missionplan.studies.nominal_dive import check_dives
 from missionplan.studies.rare_failure.driven_trials import (
     DrivenMission,
@@ -33,6 +31,7 @@ from missionplan.studies.rare_failure.driven_trials import (
 from missionplan.studies.rare_failure.event import FAILS, RareEvent
 from missionplan.studies.rare_failure.margins import margins
 from missionplan.studies.rare_failure.modes import failure_modes
+from missionplan.studies.run import Run
 from missionplan.studies.simulation.checks import check_complete, input_notices
 from missionplan.studies.simulation.record_cover import check_cover
 
@@ -91,13 +90,21 @@ def find_rare_failure(
     RunError
         When a trial cannot be computed, or a worker dies.
     """
-    started = time.perf_counter()
-    mission = check_arguments(
-        mission, trials=trials, seed=seed, jobs=jobs, text={"precision": precision, "event": event}
+    run = Run.begun(
+        "simulate",
+        mission,
+        text={"event": event},
+        trials=trials,
+        seed=seed,
+        jobs=jobs,
+        backend=backend,
+        scheduler=scheduler,
+        precision=precision,
+        progress=progress,
     )
+    mission, seed = run.mission, run.seed
     check_complete(mission)
     wanted, aim = RareEvent.parse(event, mission), _variation(precision)
-    seed = mission.monte_carlo.seed if seed is None else seed
     means = Scenario.at_means(mission, recorded_current(mission))
     check_cover(mission, means)
     check_dives(means)
@@ -112,20 +119,14 @@ def find_rare_failure(
             driven.describe,
             known=usual.failed / PLAIN_TRIALS,
         ),
-        Workers(jobs, backend, scheduler).run,
+        run.workers.quiet.run,
         variation=aim,
         most_trials=most - PLAIN_TRIALS,
         told=lambda done: progress(min(PLAIN_TRIALS + done, most), most) if progress is not None else None,
     )
-    provenance = made_by(
-        "simulate",
-        mission,
-        seed=seed,
-        trials=PLAIN_TRIALS + found.trials,
-        options={"rare": event, "trials": trials, "jobs": jobs, "backend": backend, "precision": precision},
-        started=started,
-        notices=(*input_notices(mission, means), *_notices(found, aim)),
-    )
+    options = {"rare": event, "trials": trials, "jobs": jobs, "backend": backend, "precision": precision}
+    notices = (*input_notices(mission, means), *_notices(found, aim))
+    provenance = run.provenance(options, notices, trials=PLAIN_TRIALS + found.trials)
     return _result(provenance, wanted, driven.ways, found, usual)
 
 

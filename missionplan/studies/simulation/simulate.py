@@ -1,6 +1,5 @@
 """Will the mission work? With what probability, how long, how much energy, and why it fails when it does."""
 
-import time
 from collections.abc import Generator, Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -8,7 +7,7 @@ from pathlib import Path
 from missionplan.exporters.formats import VEHICLES
 from missionplan.identity import Identity, digest_of_files
 from missionplan.mission import Mission, MissionOrPath
-from missionplan.montecarlo.parallel.blocks import Backend, Progress, run_blocks
+from missionplan.montecarlo.parallel.blocks import Backend, Progress
 from missionplan.montecarlo.statistics import Probability
 from missionplan.montecarlo.streams import BLOCK, block_count, block_size
 from missionplan.results.overdue import Overdue
@@ -18,11 +17,11 @@ from missionplan.scenario.site_current import recorded_current
 from missionplan.store.checkpoints import Checkpoints
 from missionplan.store.paths import as_path
 from missionplan.store.trials_table import TrialsTable
-from missionplan.studies.arguments import check_arguments, identified, made_by
 from missionplan.studies.mission_plan.build import executions, plan_if_any
 from missionplan.studies.nominal_dive import check_dives
 from missionplan.studies.overdue.overdue import overdue
 from missionplan.studies.overdue.searches import Search, read_searches
+from missionplan.studies.run import Run, identified
 from missionplan.studies.simulation.block_sequence import BlockItem, BlockOutcome, BlockSequence, MergedBlocks
 from missionplan.studies.simulation.block_statistics import LIMIT
 from missionplan.studies.simulation.checks import (
@@ -92,26 +91,29 @@ def simulate(
     RunError
         When every block fails, a worker dies, or the checkpoint cannot be written.
     """
-    started = time.perf_counter()
-    mission = check_arguments(
+    run = Run.begun(
+        "simulate",
         mission,
         trials=trials,
         seed=seed,
         jobs=jobs,
-        text={"precision": precision},
+        backend=backend,
+        scheduler=scheduler,
+        precision=precision,
+        progress=progress,
         one_of={"as_exported": (as_exported, (None, *VEHICLES))},
     )
+    mission, seed = run.mission, run.seed
     folder = as_path(checkpoint, "checkpoint") if checkpoint is not None else None
     check_complete(mission)
     searches = read_searches(as_path(searched, "searched"), mission) if searched is not None else ()
-    seed = mission.monte_carlo.seed if seed is None else seed
     goal = Precision.parse(precision, mission) if precision else None
     means = _checked_means(mission)
     notices = input_notices(mission, means)
     if as_exported is not None:
         means = replace(means, executions=executions(mission, as_exported, seed=seed, means=means))
     task = BlockTask(means, seed, keep_trials)
-    run = BlockSequence(
+    sequence = BlockSequence(
         items=_items(trials or (MAX_TRIALS if goal else mission.monte_carlo.trials)),
         store=Checkpoints(folder, _identity(task, as_exported), resume=resume) if folder else None,
         goal=goal,
@@ -119,9 +121,9 @@ def simulate(
     )
 
     def run_items(todo: Sequence[BlockItem]) -> Generator[BlockOutcome, None, None]:
-        yield from run_blocks(task, todo, jobs=jobs, backend=backend, scheduler=scheduler)
+        yield from run.workers.quiet.run(task, todo)
 
-    merged = run.run(run_items, progress)
+    merged = sequence.run(run_items, progress)
     _check_record(means, merged)
     if as_exported is not None:
         notices = (*notices, _loss(mission, as_exported, merged, seed))
@@ -129,16 +131,9 @@ def simulate(
     options: dict[str, object] = {"jobs": jobs, "backend": backend, "precision": precision, "keep_trials": keep_trials}
     options |= {} if searched is None else {"searched": digest_of_files([as_path(searched, "searched")])}
     options |= {} if as_exported is None else {"as_exported": as_exported}
-    provenance = made_by(
-        "simulate",
-        mission,
-        seed=seed,
-        trials=merged.totals.trials,
-        options=options,
-        started=started,
-        notices=(*notices, *run_notices(merged, goal)),
-    )
-    table = run.table.parquet() if run.table else None
+    notices = (*notices, *run_notices(merged, goal))
+    provenance = run.provenance(options, notices, trials=merged.totals.trials)
+    table = sequence.table.parquet() if sequence.table else None
     anchors, held = mooring_anchors(mission, means), held_vehicles(means)
     builder = OutcomeBuilder(mission, merged.totals, tracks, merged.failures, table, anchors, held, task.members)
     built = builder.outcome(provenance)

@@ -1,6 +1,5 @@
 """Slowing down to hover over the grid of Palmer, Hearn & Stevenson, Table 2: depth, pitch and energy."""
 
-import time
 from dataclasses import replace
 
 import numpy as np
@@ -11,7 +10,7 @@ from missionplan.errors import InputError, Problem
 from missionplan.mission import MissionOrPath
 from missionplan.mission.schema.transition import TransitionGrid
 from missionplan.mission.views import TransitionMission
-from missionplan.montecarlo.parallel.blocks import Progress, run_blocks
+from missionplan.montecarlo.parallel.blocks import Progress
 from missionplan.phases.transition.plan import Manoeuvre, TransitionVehicle
 from missionplan.phases.transition.simulation import simulate_transition
 from missionplan.physics.tunnel_thruster import hover_power, revolutions_for
@@ -19,7 +18,7 @@ from missionplan.physics.vehicle_dynamics import level_trim
 from missionplan.results.transition import FORCE, PAIR, SUCTION, TimeHistory, TransitionSweep
 from missionplan.scenario.scenario import Scenario
 from missionplan.scenario.transition import manoeuvre, transition_vehicle
-from missionplan.studies.arguments import check_arguments, made_by
+from missionplan.studies.run import Run
 from missionplan.studies.transition.grid_runs import SAMPLE, GridRuns, time_history
 
 LOWEST_SPEED = 0.3
@@ -47,8 +46,8 @@ def sweep_transition(
     InputError
         When the mission lacks what a transition needs.
     """
-    started = time.perf_counter()
-    mission = check_arguments(mission)
+    run = Run.begun("sweep-transition", mission, progress=progress)
+    mission = run.mission
     scenario = Scenario.at_means(mission)
     transition = TransitionMission.of(scenario.drawn).transition(phase)
     vehicle = replace(transition_vehicle(scenario, transition), suction_moment=False)
@@ -60,17 +59,10 @@ def sweep_transition(
     def run_variant(name: str) -> GridRuns:
         return GridRuns(grid if name == FORCE else _at_shown(grid), variants[name], planned, time_step)
 
-    runs = dict(zip(variants, run_blocks(run_variant, list(variants), progress=progress), strict=True))
+    runs = dict(zip(variants, run.workers.run(run_variant, list(variants)), strict=True))
     unassisted = _unassisted(vehicle, planned, grid, time_step)
-    provenance = made_by(
-        "sweep-transition",
-        mission,
-        seed=mission.monte_carlo.seed,
-        trials=0,
-        options={"phase": transition.name, "time_step": time_step},
-        started=started,
-        notices=mission.notices(),
-    )
+    options = {"phase": transition.name, "time_step": time_step}
+    provenance = run.provenance(options, mission.notices(), trials=0)
     deceleration, steepness, mid_speed = shown = (grid.shown_deceleration, grid.shown_steepness, grid.shown_mid_speed)
     return TransitionSweep(
         provenance=provenance,

@@ -1,0 +1,221 @@
+"""A run of a study of a mission: its arguments, its repetitions under doubts, and where its result comes from."""
+
+import time
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from pathlib import Path, PurePath
+from typing import TypedDict, Unpack
+
+from missionplan.errors import InputError, Problem, shown
+from missionplan.identity import digest_of_files, running_program
+from missionplan.mission import Mission, as_mission
+from missionplan.mission.views import ExplainedMission, under_each_explanation
+from missionplan.montecarlo.parallel.blocks import IN_THIS_PROCESS, Backend, Progress, Workers
+from missionplan.phases.currents import Current
+from missionplan.results.base import Provenance
+from missionplan.scenario.currents.members import members_of, trials_of_each, under_each_member
+
+MAX_JOBS = 10_000
+
+
+class RunArguments(TypedDict, total=False):
+    """What studies may be asked for; see `run_blocks`."""
+
+    trials: int | None
+    seed: int | None
+    jobs: int
+    backend: Backend
+    scheduler: str | None
+    precision: str | None
+    progress: Progress | None
+
+
+def check_arguments(
+    mission: object,
+    *,
+    trials: object = None,
+    seed: object = None,
+    jobs: object = 1,
+    one_of: Mapping[str, tuple[object, Sequence[object]]] | None = None,
+    text: Mapping[str, object] | None = None,
+) -> Mission:
+    """Check the arguments that studies share, and return the mission, loaded where its path is given.
+
+    Parameters
+    ----------
+    mission : object
+        Expected to be a `Mission` or the path of its file.
+    trials, seed, jobs : object
+        Expected to be whole numbers; None, for the first two, is the mission's.
+    one_of : mapping, optional
+        By argument: what is given, and what may be.
+    text : mapping, optional
+        Arguments that are text or None.
+
+    Raises
+    ------
+    InputError
+        With every argument that is wrong, else every problem of the mission's file.
+    """
+    kinds = (
+        ("mission", mission, isinstance(mission, Mission | str | PurePath), "a Mission, or the path of a mission file"),
+        ("trials", trials, trials is None or _is_whole(trials, 1), "a whole number, at least 1"),
+        ("seed", seed, seed is None or _is_whole(seed, 0), "a whole number, at least 0"),
+        (
+            "jobs",
+            jobs,
+            jobs == -1 or _is_whole(jobs, 1, MAX_JOBS),
+            f"a whole number from 1 to {MAX_JOBS}, or -1 for every core",
+        ),
+        *((name, value, value is None or isinstance(value, str), "text") for name, value in (text or {}).items()),
+        *((name, value, value in known, _choice(known)) for name, (value, known) in (one_of or {}).items()),
+    )
+    problems = [_wrong(name, value, expected) for name, value, is_right, expected in kinds if not is_right]
+    if problems:
+        raise InputError(problems)
+    running_program()  # as it is before anything is computed
+    return as_mission(mission)
+
+
+def identified(mission: Mission) -> dict[str, object]:
+    """Return a mission as an input of an identity: trials and seed stand in it by themselves, as they were chosen."""
+    return {"mission": {key: value for key, value in mission.identified().items() if key != "monte_carlo"}}
+
+
+def identified_datasets(folders: Iterable[Path]) -> dict[str, object]:
+    """Return data sets as an input of an identity: the SHA-256 of each of their files."""
+    from missionplan.datasets.reading import dataset_files  # pandas: half a second
+
+    found = []
+    for folder in folders:
+        files = {str(path.relative_to(folder)): digest_of_files([path]) for path in dataset_files(folder)}
+        found.append({"name": folder.resolve().name, "files": files})
+    return {"datasets": found}
+
+
+@dataclass(frozen=True)
+class Run:
+    """A run of a study: the mission, what was asked for, checked and filled in, and when it began.
+
+    Attributes
+    ----------
+    command : str
+        Name of the study on the command line.
+    mission : Mission
+    trials, seed : int
+        As asked for, else the mission's.
+    workers : Workers
+        Where blocks of trials run, and who is told of those done.
+    precision : str or None
+        At which the run may end.
+    started : float
+        `time.perf_counter` at its beginning [s].
+    """
+
+    command: str
+    mission: Mission
+    trials: int
+    seed: int
+    workers: Workers = IN_THIS_PROCESS
+    precision: str | None = None
+    started: float = field(default_factory=time.perf_counter)
+
+    @classmethod
+    def begun(
+        cls,
+        command: str,
+        mission: object,
+        *,
+        one_of: Mapping[str, tuple[object, Sequence[object]]] | None = None,
+        text: Mapping[str, object] | None = None,
+        **asked: Unpack[RunArguments],
+    ) -> "Run":
+        """Begin a run: check all arguments, and load the mission where its path is given.
+
+        Parameters
+        ----------
+        command : str
+        mission, one_of, text
+            As `check_arguments` takes them.
+        **asked
+            Trials, seed, jobs, backend, scheduler, precision and progress.
+
+        Raises
+        ------
+        InputError
+            With every argument that is wrong, else every problem of the mission's file.
+        """
+        started = time.perf_counter()
+        trials, seed, precision = asked.get("trials"), asked.get("seed"), asked.get("precision")
+        jobs = asked.get("jobs", 1)
+        words = {"precision": precision, **(text or {})}
+        checked = check_arguments(mission, trials=trials, seed=seed, jobs=jobs, one_of=one_of, text=words)
+        return cls(
+            command,
+            checked,
+            checked.monte_carlo.trials if trials is None else trials,
+            checked.monte_carlo.seed if seed is None else seed,
+            Workers(jobs, asked.get("backend", "loky"), asked.get("scheduler"), asked.get("progress")),
+            precision,
+            started,
+        )
+
+    def under_explanations(self) -> Iterator[tuple[ExplainedMission, "Run"]]:
+        """Yield the mission under each of its explanations, and the run of it."""
+        for each in under_each_explanation(self.mission):
+            yield each, replace(self, mission=each.mission)
+
+    def in_members(self, recorded: Current | None) -> Iterator[tuple[str, float, Current, "Run"]]:
+        """Yield name and probability of each member of a current's ensemble, the current then, and the run in it.
+
+        All members together take about as many trials as the run.
+        """
+        count = len(members_of(recorded))
+        for name, probability, sailed in under_each_member(recorded):
+            yield name, probability, sailed, replace(self, trials=trials_of_each(self.trials, count))
+
+    def provenance(
+        self,
+        options: Mapping[str, object],
+        notices: Iterable[str],
+        *,
+        trials: int | None = None,
+        datasets: Sequence[Path] = (),
+    ) -> Provenance:
+        """Tell where the result comes from, as the run ends.
+
+        Parameters
+        ----------
+        options : mapping
+            The study's.
+        notices : iterable of str
+            On the input.
+        trials : int, optional
+            That were run, where these are not those asked for.
+        datasets : sequence of Path
+            Folders that it read besides.
+        """
+        return Provenance(
+            command=self.command,
+            mission=self.mission.name,
+            file=self.mission.file,
+            seed=self.seed,
+            trials=self.trials if trials is None else trials,
+            options=options,
+            elapsed_s=time.perf_counter() - self.started,
+            data=self.mission.raw,
+            notices=tuple(notices),
+            inputs={**identified(self.mission), **(identified_datasets(datasets) if datasets else {})},
+        )
+
+
+def _choice(known: Sequence[object]) -> str:
+    return f"one of {', '.join('None' if each is None else str(each) for each in known)}"
+
+
+def _is_whole(value: object, least: int, most: float = float("inf")) -> bool:
+    return isinstance(value, int) and not isinstance(value, bool) and least <= value <= most
+
+
+def _wrong(argument: str, value: object, expected: str) -> Problem:
+    return Problem(f"given {shown(value)}, expected {expected}", key=argument)
