@@ -137,7 +137,7 @@ def figures(outcomes: Sequence[Outcome]) -> list[Figure]:
     single, pairs = by.get("single", []), by.get("pair", [])
     clocks = [o.seconds for o in outcomes]
     kinds = {o.case.kind for o in outcomes}
-    ratio = None if kinds == {"transit"} else 0.6  # legs alone cannot reach it: docs/diagnosis.md
+    ratio = None if kinds == {"transit"} else 0.6  # legs alone cannot reach it: docs/diagnosis-scope.md
     return [
         _share("runs that failed", [bool(o.error) for o in outcomes], high=0.0),
         _share("false alarms without an effect", [is_false_alarm(o) for o in by.get("control", [])], high=0.03),
