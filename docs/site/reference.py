@@ -1,7 +1,9 @@
 """The reference: commands, keys, effects, summaries and functions, each from what the program itself knows."""
 
+import inspect
 import json
 import math
+import re
 import tempfile
 from collections.abc import Iterator, Mapping
 from pathlib import Path
@@ -103,10 +105,17 @@ def _fields(model: type[BaseModel], path: str) -> Iterator[tuple[str, str, str, 
             continue
         words = ", or ".join([*quantities, *(["a section"] if inner else [])]) or _kind(field.annotation)
         plain = not field.is_required() and field.default not in (None, (), "") and not inner
-        yield here, meaning_of(field), words, _limits(field), f"`{field.default}`" if plain else ""
+        meaning = meaning_of(field) or " ".join(dict.fromkeys(map(_words_of, inner)))
+        yield here, meaning, words, _limits(field), f"`{field.default}`" if plain else ""
         listed = "[]" if "tuple" in str(field.annotation) else ""
         for section in inner:
             yield from _fields(section, here + listed)
+
+
+def _words_of(section: type[BaseModel]) -> str:
+    """What a section says of itself and of keys that have no words of their own, but for lists of attributes."""
+    words = inspect.getdoc(section) or ""
+    return re.split(r"\n\w+\n-+\n", words)[0].replace("``", "`")
 
 
 def _limits(field: FieldInfo) -> str:
