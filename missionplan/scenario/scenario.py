@@ -7,6 +7,7 @@ from functools import cached_property
 import numpy as np
 
 from missionplan.arrays import Array, Scalars
+from missionplan.errors import InputError, Problem
 from missionplan.mission import Mission
 from missionplan.mission.schema.phases import LegTableSection, MoorPhase, TransitPhase
 from missionplan.montecarlo.draws import JointDistribution
@@ -173,6 +174,7 @@ class Scenario(DrawnMission):
         waits = None if execution is None else execution.surface_time
         return TransitPlan(
             goal=self.position(phase.to),
+            via=self.ways(phase),
             speed=phase.speed,
             arrival_radius=phase.arrival_radius,
             d_max=leg_table(table) if isinstance(table, LegTableSection) else table,
@@ -187,6 +189,38 @@ class Scenario(DrawnMission):
             latitude=self.latitude,
             length_lost=None if propelled is None else propelled.length_lost(phase.speed),
         )
+
+    def ways(self, phase: TransitPhase[Scalars]) -> tuple[Array, ...]:
+        """Points on the way of a transit: the mission's, or the shortest way clear of ground and coast."""
+        if isinstance(phase.via, str):
+            return self.means._ways_round[phase.name]
+        return tuple(self.position(point) for point in phase.via)
+
+    @cached_property
+    def _ways_round(self) -> Mapping[str, tuple[Array, ...]]:
+        """Ways of the transits that leave theirs to the program; `self` being at the means."""
+        found, here = {}, np.zeros(2)
+        for phase in self.drawn.transits:
+            start = here if phase.start is None else self.position(phase.start)
+            here = self.position(phase.to)
+            if phase.via == "auto":
+                found[phase.name] = self._way_round(phase, start, here)
+        return found
+
+    def _way_round(self, phase: TransitPhase[Scalars], start: Array, goal: Array) -> tuple[Array, ...]:
+        """Shortest way clear of what blocks it, by the drift of one leg."""
+        if self.place is None:
+            message = "given auto, which needs site.land, site.keep_out or site.bathymetry to go round"
+            raise InputError([Problem(message, self.mission.file, key=f"{phase.name}.via")])
+        from missionplan.scenario.place.ways import way_round  # shapely: of few missions
+
+        margin = leg_spread(self, phase)
+        found = way_round(self.place, start.reshape(2), goal.reshape(2), float(phase.depth), margin)
+        if found is None:
+            message = f"no way from start to goal keeps {margin:.3g} m, the drift of a leg, from what blocks it"
+            hint = "a shorter d_max drifts less far; points given as via may pass nearer"
+            raise InputError([Problem(message, self.mission.file, key=f"{phase.name}.via", hint=hint)])
+        return found
 
     def environment(self, phase: TransitPhase[Scalars]) -> Environment:
         """Return the current, the drift compensation and the effects of one transit."""
@@ -279,6 +313,27 @@ class Scenario(DrawnMission):
         if error.length is not None:
             lost = lost + phase.speed / np.asarray(error.length)
         return error.sigma, 1.0 / lost
+
+
+def leg_spread(means: Scenario, phase: TransitPhase[Scalars]) -> float:
+    """How far from its course a leg ends in all but 0.3 % of the trials [m].
+
+    Three standard deviations of the velocity error, the current and the fix over the longest leg, what the mean
+    current carries where nothing makes up for it, and the drift while it is at the surface.
+    """
+    drawn = means.sampled(seed=0, block=PRIOR, size=256)
+    longest = phase.d_max
+    length = float(leg_table(longest).leg.max()) if isinstance(longest, LegTableSection) else float(longest)
+    time, speed = length / float(phase.speed), drawn.velocity_error
+    place, root = np.zeros((2, 1)), float(np.sqrt(np.square(speed.root).sum(axis=1).max()))
+    below, afloat = np.zeros((2, 256)) + speed.mean, np.zeros((2, 256))
+    if drawn.current is not None:
+        below = below + drawn.current.velocity(0.0, float(phase.depth), place)
+        afloat = afloat + drawn.current.velocity(0.0, 0.0, place)
+    random = np.hypot(root * time, float(np.std(below, axis=1).max()) * time)
+    carried = float(np.hypot(*below.mean(axis=1))) * time if means.navigation.drift_compensation == "none" else 0.0
+    drifted = float(np.quantile(np.hypot(*afloat), 0.997)) * float(means.surfacing_time)
+    return float(3.0 * np.hypot(random, float(means.fix_sd)) + carried + drifted)
 
 
 def leg_table(table: LegTableSection) -> LegTable:

@@ -149,6 +149,11 @@ class Place:
         """All zones."""
         return self.fence.zones if self.fence is not None else ()
 
+    def lasting(self) -> "Place":
+        """Return the place without zones that hold at some times alone."""
+        zones = tuple(zone for zone in self.zones if zone.since == -np.inf and zone.until == np.inf)
+        return replace(self, fence=replace(self.fence, zones=zones) if self.fence is not None and zones else None)
+
     def take(self, trials: NDArray[np.intp]) -> "Place":
         """Select trials."""
         level = replace(self.sea_level, level=select_trials(self.sea_level.level, trials))

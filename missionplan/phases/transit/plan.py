@@ -101,6 +101,8 @@ class TransitPlan:
         For each surfacing [J].
     latitude : float
         Of the coordinates' origin, for effects [rad]; nan when unknown.
+    via : tuple of array, shape (2,) or (2, n)
+        Points that are reached one after the other as the goal is, before it [m].
     length_lost : float or None
         Distance lost while a leg gathers speed from rest, so that it takes (length + length lost)/U [m]; None where
         the vehicle is at speed at once. Legs are assumed to be much longer.
@@ -120,6 +122,7 @@ class TransitPlan:
     surfacing_energy: Scalars = 0.0
     latitude: float = float("nan")
     length_lost: Scalars | None = None
+    via: tuple[Array, ...] = ()
 
     def take(self, trials: NDArray[np.intp]) -> "TransitPlan":
         """Select trials of those numbers that are arrays over trials; of `LegTables` in ascending order alone."""
@@ -131,6 +134,7 @@ class TransitPlan:
         return replace(
             self,
             goal=select_trials(column(self.goal), trials),
+            via=tuple(select_trials(column(point), trials) for point in self.via),
             speed=select_trials(self.speed, trials),
             arrival_radius=select_trials(self.arrival_radius, trials),
             d_max=d_max,
@@ -150,8 +154,11 @@ class TransitPlan:
         return time if self.length_lost is None else time + legs * (self.length_lost / self.speed)
 
     def nominal_time(self, start: Array) -> Array:
-        """Time of the straight course from a start, shape (2, 1) or (2, n), t_nom = ‖x_f − x_0‖/U [s]."""
-        return np.asarray(np.hypot(*(column(self.goal) - start)) / self.speed)
+        """Time of the straight courses from a start, shape (2, 1) or (2, n), t_nom = ‖x_f − x_0‖/U [s]."""
+        length: Scalars = 0.0
+        for point in (*self.via, self.goal):
+            length, start = length + np.hypot(*(column(point) - start)), column(point)
+        return np.asarray(length / self.speed)
 
     def cost(self, record: "TransitRecord", nominal: Array) -> Array:
         """Cost c = (t_f − t_nom)/t_nom of each trial (Briggs et al., Eq. 25), the arrival's surfacing not charged.

@@ -6,12 +6,17 @@ fix, drifts with the surface layer for the surfacing time, and takes a fix on di
 from which the next leg starts. Checked against an integral equation (`expectation`) for σ/U from 0.005 to 0.4.
 """
 
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
 import numpy as np
 
+from missionplan.arrays import Array
+from missionplan.phases.place.place import Contact
 from missionplan.phases.state import TrialState
 from missionplan.phases.transit.execution import ExecutedLegLoop, Execution
 from missionplan.phases.transit.leg_loop import LegLoop
-from missionplan.phases.transit.plan import Environment, TransitNormals, TransitPlan, TransitRecord, column
+from missionplan.phases.transit.plan import Environment, Normals, TransitNormals, TransitPlan, TransitRecord, column
 
 
 def transit(
@@ -26,7 +31,8 @@ def transit(
     """Take a block of trials through a transit.
 
     Trials that have failed before stay where they are and do not arrive; trials that start within the arrival radius
-    have arrived without a leg. A trial that meets ground, land or a zone stops there.
+    have arrived without a leg. A trial that meets ground, land or a zone stops there. A point of `plan.via` is reached
+    as the goal is, before the way to the next begins; what the vehicle has learned of the drift begins anew there.
 
     Parameters
     ----------
@@ -45,7 +51,27 @@ def transit(
     -------
     state, record : TrialState, TransitRecord
     """
-    run = plan, state, normals, environment or Environment(), tracked
+    around = environment or Environment()
+    if not plan.via or execution is not None:  # the points of an execution are those on the way too
+        return _to_goal(plan, state, normals, around, tracked, execution)
+    records: list[TransitRecord] = []
+    for number, goal in enumerate((*plan.via, plan.goal)):
+        part = replace(plan, goal=goal, via=())
+        state, record = _to_goal(part, state, _later(normals, number * plan.max_legs), around, tracked)
+        records.append(record)
+    return state, _joined(records, state, plan)
+
+
+def _to_goal(
+    plan: TransitPlan,
+    state: TrialState,
+    normals: TransitNormals,
+    environment: Environment,
+    tracked: int,
+    execution: Execution | None = None,
+) -> tuple[TrialState, TransitRecord]:
+    """Take a block of trials straight to the goal."""
+    run = plan, state, normals, environment, tracked
     legs = LegLoop(*run) if execution is None else ExecutedLegLoop(execution, *run)
     for number in range(plan.max_legs):
         if legs.all_arrived:
@@ -56,7 +82,7 @@ def transit(
     energy = under_way * plan.power_under_way + at_surface * plan.power_at_surface
     energy += end.surfacings * plan.surfacing_energy
     lost = end.left_record & ~(end.under_way & end.outrun)  # what cannot stem the current drifts off any record
-    current = environment.current if environment is not None else None
+    current = environment.current
     arrived = state.alive & ~end.under_way & ~end.contact.met
     if isinstance(legs, ExecutedLegLoop):
         arrived &= legs.arrived(under_way + at_surface)
@@ -78,3 +104,70 @@ def transit(
     goal = column(plan.goal)
     clock, used = state.clock + record.duration, state.energy + energy
     return TrialState(end.position + goal, end.fix + goal, clock, used, arrived), record
+
+
+@dataclass(frozen=True)
+class _Later:
+    """Normals of legs from a number on."""
+
+    source: Normals
+    first: int
+
+    def leg(self, number: int) -> Array:
+        """Normals of a leg, from 0."""
+        return self.source.leg(self.first + number)
+
+
+def _later(normals: TransitNormals, first: int) -> TransitNormals:
+    """Normals of the legs of a part of a way: no leg has those of another."""
+
+    def later(source: Normals | None) -> Normals | None:
+        return None if source is None else _Later(source, first)
+
+    return TransitNormals(
+        velocity=_Later(normals.velocity, first),
+        fix_on_surfacing=later(normals.fix_on_surfacing),
+        fix_on_diving=later(normals.fix_on_diving),
+        effects=[later(source) for source in normals.effects],
+        rows=normals.rows,
+    )
+
+
+def _joined(records: Sequence[TransitRecord], end: TrialState, plan: TransitPlan) -> TransitRecord:
+    """Join the records of the parts of a way."""
+    trials = end.trials
+    contact, legs, rows = Contact.none(trials), np.zeros(trials), np.arange(trials)
+    for record in records:
+        contact.note(rows, record.contact, 0)
+        here = record.contact.met
+        contact.leg[here] = (record.contact.leg + legs)[here].astype(np.int64)
+        legs = legs + record.surfacings
+    away = end.position - column(plan.goal)
+    track = time = None
+    if records[0].track is not None and records[0].track_time is not None:
+        tracks = [
+            record.track if not number else record.track[:, 1:]
+            for number, record in enumerate(records)
+            if record.track is not None
+        ]
+        times = [
+            record.track_time[min(number, 1) :]
+            for number, record in enumerate(records)
+            if record.track_time is not None
+        ]
+        track, time = np.concatenate(tracks, axis=1), np.concatenate(times)
+        order = np.argsort(np.isnan(time), axis=0, kind="stable")  # a trial's points one after the other, then nan
+        time, track = np.take_along_axis(time, order, axis=0), np.take_along_axis(track, order[None], axis=1)
+    return TransitRecord(
+        duration=sum((record.duration for record in records), start=np.zeros(trials)),
+        surfacings=legs,
+        distance=sum((record.distance for record in records), start=np.zeros(trials)),
+        arrival_error=np.sqrt(away[0] ** 2 + away[1] ** 2),
+        energy=sum((record.energy for record in records), start=np.zeros(trials)),
+        arrived=records[-1].arrived,
+        outrun=np.any([record.outrun for record in records], axis=0),
+        left_record=np.any([record.left_record for record in records], axis=0),
+        contact=contact,
+        track=track,
+        track_time=time,
+    )

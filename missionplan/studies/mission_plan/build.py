@@ -141,13 +141,22 @@ class _Builder:
 
     def _waypoints(self, phase: TransitPhase[Scalars], durations: TransitDurations) -> Iterator[Waypoint]:
         """Yield the start and the ends of the nominal legs (Briggs et al., Eqs. 18–20); moves on in place and time."""
-        means = self._means
-        goal, plan = means.position(phase.to), means.transit_plan(phase)
+        yield self._waypoint(f"{phase.label} 0", "start", math.nan, 0.0, (0.0, math.nan))
+        done, goal = 0, self._means.position(phase.to)
+        for target in (*self._means.ways(phase), goal):
+            for leg in self._straight(phase, durations, target, done):
+                done += 1
+                yield replace(leg, kind="arrival" if target is goal and leg.kind == "arrival" else "surfacing")
+
+    def _straight(
+        self, phase: TransitPhase[Scalars], durations: TransitDurations, goal: Array, done: int
+    ) -> Iterator[Waypoint]:
+        """Yield the ends of the nominal legs straight to a point, counted on from those already done."""
+        means, plan = self._means, self._means.transit_plan(phase)
         vector = goal - self._place
         left = float(np.hypot(*vector))
         towards = vector / left if left > 0.0 else vector
-        yield self._waypoint(f"{phase.label} 0", "start", math.nan, 0.0, (0.0, math.nan))
-        for number in range(plan.max_legs):
+        for number in range(done, done + plan.max_legs):
             if left < SHORTEST_LEG:
                 break
             length = _leg_length(phase, left)

@@ -58,6 +58,7 @@ def input_notices(mission: Mission, means: Scenario) -> tuple[str, ...]:
         *(words for phase in means.drawn.transits if (words := _drift_notice(means, phase))),
         *_effect_notices(mission),
         *_anchor_notices(mission),
+        *_datum_notice(mission),
         *(words for phase in means.drawn.moors if (words := flooding_notice(means, phase))),
     )
 
@@ -107,6 +108,14 @@ def _anchor_notices(mission: Mission) -> list[str]:
     if not uncertain or not _makes_anchors(mission):
         return []
     return [f"The anchor is built once, from the means of its parts: {', '.join(uncertain)} not drawn."]
+
+
+def _datum_notice(mission: Mission) -> list[str]:
+    """Notice of a grid of depths whose datum nobody states."""
+    site = mission.site
+    if site is None or site.bathymetry is None or site.depth_datum is not None:
+        return []
+    return ["site.depth_datum is not given: depths are taken as below the level that site.tide_height counts from."]
 
 
 def _makes_anchors(mission: Mission) -> bool:

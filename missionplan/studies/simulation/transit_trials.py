@@ -72,7 +72,7 @@ def transit_trials(
         anchor=np.empty((2, 0)),
         goal=goal,
         radius=plan.arrival_radius,
-        inputs=_leg_inputs(plan, normals, state, record, goal) if block.inputs else {},
+        inputs=_leg_inputs(plan, normals, state, record, goal) if block.inputs and not plan.via else {},
         contact=record.contact if environment.place is not None else None,
     )
     return continuing, found

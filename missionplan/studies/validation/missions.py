@@ -13,6 +13,7 @@ from missionplan.studies.nominal_dive import check_dives
 from missionplan.studies.optimisation.choosable import read_lattice
 from missionplan.studies.simulation.checks import check_complete, input_notices
 from missionplan.studies.simulation.record_cover import check_cover, cover_in_words
+from missionplan.studies.validation.place import check_place, tracks_lost
 from missionplan.studies.validation.readiness import Readiness, Validated, needs
 
 
@@ -30,6 +31,7 @@ def validated_mission(path: Path, mission: Mission) -> Validated:
         means = Scenario.at_means(mission, recorded_current(mission))
         check_cover(mission, means)
         check_dives(means)
+        check_place(means)
     except InputError as error:
         raise InputError([*error.problems, *wrong]) from None
     if wrong:
@@ -38,7 +40,7 @@ def validated_mission(path: Path, mission: Mission) -> Validated:
 
     def simulable() -> None:
         check_complete(mission)
-        notices.extend(input_notices(mission, means))
+        notices.extend((*input_notices(mission, means), *tracks_lost(means)))
 
     simulation = needs(simulable)
     kinds = ", ".join(phase.kind for phase in mission.phases) or "none"

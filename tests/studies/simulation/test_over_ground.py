@@ -7,10 +7,12 @@ import numpy as np
 import pytest
 import yaml
 
+from missionplan.errors import InputError
 from missionplan.mission import load
-from missionplan.scenario.scenario import Scenario
+from missionplan.scenario.scenario import Scenario, leg_spread
 from missionplan.studies.simulation.block_statistics import failures_by_step
 from missionplan.studies.simulation.simulate import simulate, simulate_block
+from missionplan.studies.validation.place import check_place, tracks_lost
 
 shapely = pytest.importorskip("shapely")
 
@@ -142,3 +144,67 @@ def test_the_result_says_where_and_on_which_leg(write):
 
 def test_depth_at_the_mooring_stands_for_the_site(write):
     assert Scenario.at_means(write(tide_height="1 m")).drawn.site.depth == pytest.approx(51.0, abs=0.01)
+
+
+@pytest.mark.parametrize(
+    ("boxes", "key"),
+    [
+        ([(980.0, -30.0, 1030.0, 30.0)], "out.to"),
+        ([(-30.0, -30.0, 30.0, 30.0)], "out.from"),
+        ([(480.0, -2500.0, 520.0, 2500.0)], "out.to"),
+        ([(480.0, -2500.0, 520.0, -400.0), (480.0, 400.0, 520.0, 2500.0)], None),  # a strait 800 m wide
+        ([(980.0, -30.0, 999.0, 30.0), (1001.0, -30.0, 1030.0, 30.0)], None),  # a metre to spare on each side
+    ],
+)
+def test_what_no_trial_can_reach_is_refused(write, boxes, key):
+    means = Scenario.at_means(write(lambda x, y: 40.0 + 0.0 * x, land=boxes))
+    if key is None:
+        check_place(means)
+        return
+    with pytest.raises(InputError) as caught:
+        check_place(means)
+    assert key in {problem.key for problem in caught.value.problems}
+
+
+def test_the_share_of_tracks_lost_is_told_beforehand(write):
+    partly = write(lambda x, y: 40.0 + 0.0 * x, land=[(480.0, 2.0, 520.0, 2500.0)])
+    check_place(Scenario.at_means(partly))
+    (notice,) = tracks_lost(Scenario.at_means(partly))
+    share = float(notice.split("ahead ")[1].split(" %")[0])
+    lost = simulate(partly, trials=2000, seed=5).contacts[0].lost
+    assert abs(share / 100.0 - lost.value) < 0.08
+    assert "on-land" in notice
+
+
+def test_a_transit_goes_by_its_points_and_leg_numbers_go_on(write):
+    land = [(480.0, -2500.0, 520.0, 100.0)]
+    direct = write(lambda x, y: 40.0 + 0.0 * x, land=land)
+    around = direct.with_({"out.via": [["500 m", "400 m"]]})
+    lost = failing(simulate_block(around, seed=1, block=0, trials=300))
+    assert "out: on-land" not in lost
+    assert failing(simulate_block(direct, seed=1, block=0, trials=300))["out: on-land"] == 300
+    block = simulate_block(around, seed=1, block=0, trials=300).phases[0]
+    least = math.hypot(500.0, 400.0) * 2.0
+    assert least - 60.0 < np.nanmedian(block.quantities["distance_m"]) < 1.2 * least
+
+
+def test_the_way_round_is_found_and_clear_by_the_drift(write):
+    around = write(lambda x, y: 40.0 + 0.0 * x, land=[(480.0, -2500.0, 520.0, 300.0)]).with_({"out.via": "auto"})
+    means = Scenario.at_means(around)
+    ways, margin = means.ways(around.transits[0]), leg_spread(means, around.transits[0])
+    line = shapely.linestrings([(0.0, 0.0), *ways, (1000.0, 0.0)])
+    kept = shapely.distance(line, shapely.box(480.0, -2500.0, 520.0, 300.0))
+    assert 0.75 * margin < kept < 1.5 * margin
+    shortest = 2.0 * math.hypot(480.0, 300.0) + 40.0
+    assert shortest < line.length < shortest + 4.0 * margin
+    check_place(means)
+    assert "out: on-land" not in failing(simulate_block(around, seed=1, block=0, trials=300))
+
+
+def test_shoals_are_gone_round_too(write):
+    shoal = lambda x, y: np.where((np.abs(x - 500.0) < 60.0) & (y < 500.0), 2.0, 40.0)  # noqa: E731
+    around = write(shoal).with_({"out.via": "auto"})
+    assert len(Scenario.at_means(around).ways(around.transits[0])) >= 1
+    assert "out: aground" not in failing(simulate_block(around, seed=1, block=0, trials=200))
+    with pytest.raises(InputError):
+        check_place(Scenario.at_means(write(shoal)))
