@@ -8,8 +8,16 @@ import pandas as pd
 from scipy.integrate import trapezoid
 
 from missionplan.arrays import Array
-from missionplan.importers.dives import Candidate, LegRules, depths_of, find_candidates, from_surface, longest_gap
-from missionplan.importers.fixes import UNSTATED_SD, JudgedFixes, judge_fixes
+from missionplan.importers.dives import (
+    Candidate,
+    LegRules,
+    depths_of,
+    find_candidates,
+    from_surface,
+    logged_again,
+    longest_gap,
+)
+from missionplan.importers.fixes import REPEATED, UNSTATED_SD, JudgedFixes, judge_fixes
 from missionplan.importers.geodesy import displacement, moved
 from missionplan.importers.judging import Limits, judge, shortest_of
 from missionplan.importers.reckoning import (
@@ -89,6 +97,8 @@ def cut(track: Track, rules: LegRules) -> CutTrack:
     told = len(track.notices)
     track, zero, zero_by = from_surface(track, fixes.good)
     depths, gap = depths_of(track.depth, rules), longest_gap(track.depth, rules)
+    again = logged_again(fixes.good, track.depth, depths)
+    fixes = fixes.without(again, REPEATED)
     candidates = find_candidates(fixes.good, track.depth, depths, gap)
     by, reckoned, how, notices = _reckoned(track, fixes, candidates)
     current = current_in_reckoning(track, fixes.good, candidates, reckoned)

@@ -1,8 +1,10 @@
 """Dives between two fixes, where a leg may be, and the rules for them that a user may change."""
 
 from dataclasses import dataclass, replace
+from itertools import pairwise
 
 import numpy as np
+from numpy.typing import NDArray
 
 from missionplan.arrays import Array
 from missionplan.importers.track import Fixes, Series, Track
@@ -133,6 +135,21 @@ def _surface_reading(depth: Series, at_surface: Series, good: Fixes) -> tuple[fl
         return 0.0, "assumed"
     zero = float(np.quantile(known, 0.25))
     return (zero, "fixes") if np.mean(depth.values < zero - _ABOVE) < _SHARE_ABOVE else (0.0, "assumed")
+
+
+def logged_again(good: Fixes, depth: Series, depths: Depths) -> NDArray[np.bool_]:
+    """Fixes after a dive that are the one before it, logged again before a new one was had, shape (n,).
+
+    Where no other comes before the next dive, the vehicle may have stayed in its place.
+    """
+    again = np.zeros(len(good), dtype=bool)
+    dive = np.searchsorted(depth.t[depth.values >= depths.dive], good.t)
+    edges = [0, *(np.flatnonzero(np.diff(dive)) + 1), len(good)]
+    for begin, end in pairwise(edges[1:]):
+        same = [each[begin:end] == each[begin - 1] for each in (good.latitude, good.longitude)]
+        is_old = np.all(same, axis=0)
+        again[begin:end] = is_old & ~is_old.all()
+    return again
 
 
 def find_candidates(fixes: Fixes, depth: Series, depths: Depths, longest_gap: float) -> list[Candidate]:

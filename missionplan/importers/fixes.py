@@ -25,11 +25,14 @@ _ALLOWED = 30.0
 _WINDOW = 5
 """Fixes about one, itself included, whose median it is compared with."""
 _ROUNDS = 20
+_LATER = 60.0
+"""Time after which the very same place is no new fix [s]."""
 _CONFIRMS = 120.0
 """Time within which a good fix confirms another [s]."""
 _DRIFT = 1.5
 """Drift at the surface that it allows for [m/s]."""
 JUMPED = f"farther from its neighbours than {FASTEST:g} m/s explains"
+REPEATED = "the fix before the dive, logged again"
 _FLAGGED, _UNSEEN = "not valid by its flag", "no satellites"
 """What no neighbour mends: there was no fix."""
 
@@ -57,10 +60,21 @@ class JudgedFixes:
     reasons: tuple[str, ...]
     by: NDArray[np.object_]
 
+    def without(self, which: NDArray[np.bool_], reason: str) -> "JudgedFixes":
+        """Reject some of the good ones, shape (n,), too."""
+        if not which.any():
+            return self
+        every = [np.concatenate([getattr(each, name) for each in (self.rejected, self.good[which])])
+                 for name in Fixes.__dataclass_fields__]  # fmt: skip
+        reasons = (*self.reasons, *[reason] * int(which.sum()))
+        return JudgedFixes(self.good[~which], self.sd[~which], Fixes(*every), reasons, self.by[~which])
+
 
 def judge_fixes(fixes: Fixes) -> JudgedFixes:
     """Tell good fixes from bad ones."""
     reasons = _reasons_of_quality(fixes)
+    good = reasons == ""
+    reasons[np.flatnonzero(good)[_repeated(fixes[good])]] = REPEATED
     good = reasons == ""
     jumps = _jumps(fixes[good])
     reasons[np.flatnonzero(good)[jumps]] = JUMPED
@@ -110,6 +124,19 @@ def _confirmed(fixes: Fixes, good: NDArray[np.bool_]) -> NDArray[np.bool_]:
     apart = np.hypot(*displacement(fixes.latitude[nearest], fixes.longitude[nearest], fixes.latitude, fixes.longitude))
     elapsed = np.minimum(*away)
     return np.asarray((elapsed <= _CONFIRMS) & (apart <= _ALLOWED + _DRIFT * elapsed))
+
+
+def _repeated(fixes: Fixes) -> NDArray[np.bool_]:
+    """Fixes at the very place of one some time before, from which the next one jumps: the old one, shape (n,)."""
+    old = np.zeros(len(fixes), dtype=bool)
+    is_new = np.append(True, (np.diff(fixes.latitude) != 0.0) | (np.diff(fixes.longitude) != 0.0))[: len(fixes)]
+    news, copies = np.flatnonzero(is_new), np.flatnonzero(~is_new)
+    place = np.searchsorted(news, copies)
+    copies, place = copies[place < len(news)], place[place < len(news)]
+    first, last, new = fixes[news[place - 1]], fixes[copies], fixes[news[place]]
+    away = np.hypot(*displacement(last.latitude, last.longitude, new.latitude, new.longitude))
+    old[copies] = (away - _ALLOWED > FASTEST * (new.t - last.t)) & (last.t - first.t >= _LATER)
+    return old
 
 
 def _jumps(fixes: Fixes) -> NDArray[np.bool_]:

@@ -67,7 +67,7 @@ def read(files: Sequence[Path], options: ReadOptions, log: SourceLog) -> Track:
         format="slocum",
         fixes=_fixes(store),
         reckoned=_positions(store),
-        reckoning="the vehicle's own (m_lat, m_lon)",
+        reckoning="the vehicle's own (m_lat, m_lon)" if "m_lat" in store else "m_lat, m_lon are not logged",
         depth=store.series("m_depth") if "m_depth" in store else store.series("sci_water_pressure", _BAR),
         pitch=store.series("m_pitch", _DEGREES),
         heading=store.series("m_heading", _DEGREES),
