@@ -13,10 +13,9 @@ import numpy as np
 from benchmarks.common import MISSIONS, Options, Row, Section
 from missionplan.mission import Mission, load
 from missionplan.results.choosing.axis import Axis
-from missionplan.studies.exploration.cell_run import CellRun, CellTrials
+from missionplan.studies.exploration.cells import CellRun, CellTrials
 from missionplan.studies.exploration.explore import CellPlan
-from missionplan.studies.exploration.findings import ENERGY, cell_of, rank
-from missionplan.studies.exploration.racing import race
+from missionplan.studies.exploration.findings import ENERGY, cell_of, race, rank
 from missionplan.studies.exploration.variation import read_axes
 from missionplan.studies.optimisation.choices import Lattice, Point
 from missionplan.studies.optimisation.evaluations import Evaluation, Evaluations, columns_needed

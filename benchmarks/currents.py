@@ -9,7 +9,7 @@ from benchmarks.common import ROOT, Options, Row, Section
 from missionplan.mission import Mission, load
 from missionplan.scenario.scenario import Scenario
 from missionplan.scenario.site_current import recorded_current
-from missionplan.studies.simulation.task import BlockTask
+from missionplan.studies.simulation.block_sequence import BlockTask
 
 SIZES = 2000, 4096
 """Trials of a block: those of a cell of an exploration, and those of a block of a simulation."""

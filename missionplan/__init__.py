@@ -20,8 +20,7 @@ if TYPE_CHECKING:
     from missionplan.mission import Mission, load
     from missionplan.store.reports import reports
     from missionplan.studies.anchor.size_anchor import size_anchor
-    from missionplan.studies.comparison.compare import compare
-    from missionplan.studies.comparison.compare_missions import compare_missions
+    from missionplan.studies.comparison.compare_missions import compare, compare_missions
     from missionplan.studies.exploration.explore import explore
     from missionplan.studies.history import history
     from missionplan.studies.identification.identify import identify
@@ -75,7 +74,7 @@ __all__ = [
 
 _MODULES = {
     "Mission": "missionplan.mission",
-    "compare": "missionplan.studies.comparison.compare",
+    "compare": "missionplan.studies.comparison.compare_missions",
     "compare_missions": "missionplan.studies.comparison.compare_missions",
     "diagnose": "missionplan.diagnosis.diagnose",
     "diagnose_campaign": "missionplan.diagnosis.together.campaign",

@@ -189,8 +189,7 @@ class _Made:
         """Compute some blocks of a simulation again; returns how many values there are and those that differ."""
         from missionplan.scenario.scenario import Scenario
         from missionplan.scenario.site_current import recorded_current
-        from missionplan.studies.simulation.block_sequence import BlockResult
-        from missionplan.studies.simulation.task import BlockTask
+        from missionplan.studies.simulation.block_sequence import BlockResult, BlockTask
 
         mission = self.mission()
         means = Scenario.at_means(mission, recorded_current(mission))

@@ -11,7 +11,7 @@ from missionplan.cli.streams import note
 from missionplan.errors import InputError, Problem, did_you_mean, shown
 
 if TYPE_CHECKING:
-    from missionplan.studies.validation.readiness import Validated
+    from missionplan.studies.validation.validate import Validated
 
 
 def register(app: typer.Typer) -> None:
@@ -34,8 +34,7 @@ def init(
     quiet: o.Quiet = False,
 ) -> None:
     """Write a commented starter mission, vehicle and data set; no file is overwritten."""
-    from missionplan.studies.init import init
-    from missionplan.studies.starter_data import init_data
+    from missionplan.studies.init import init, init_data
 
     if data is not None and loop:
         raise InputError([Problem("given with --data, expected one of them", key="--loop")])
@@ -79,7 +78,7 @@ def compare(
     simulate, of explore, or of optimise. Example: missionplan compare slow.yaml fast.yaml faster.yaml --trials 2000
     """
     read = [each / "summary.json" if each.is_dir() else each for each in compared]
-    from missionplan.studies.comparison.compare import compare
+    from missionplan.studies.comparison.compare_missions import compare
 
     with report_folder(output, compared[-1].resolve().stem, "compare", read) as folder:
         with progress_bar("compare", shown=not output.quiet) as progress:

@@ -1,7 +1,8 @@
-"""`init`: a starter folder with a commented mission, vehicle and data set that run as they stand."""
+"""`init`: a starter mission with its vehicle, and data sets of each kind."""
 
 import cmath
 import math
+from collections.abc import Callable
 from importlib.resources import files
 from pathlib import Path
 
@@ -9,15 +10,138 @@ import numpy as np
 import pandas as pd
 
 from missionplan.arrays import Array
+from missionplan.datasets.legs import STAMPS, TIMES
+from missionplan.errors import InputError, Problem, did_you_mean, shown
 from missionplan.mission import Mission, load
 from missionplan.mission.views import TransitMission
+from missionplan.moments import moment_of
 from missionplan.montecarlo.distributions import mean_of
 from missionplan.montecarlo.streams import stream
 from missionplan.results.base import to_csv, to_json
 from missionplan.scenario.scenario import Scenario
 from missionplan.store.folder import write_atomically
 from missionplan.store.paths import as_path, vacant
-from missionplan.studies.schemas.schema import KINDS, Kind, schema
+from missionplan.studies.schemas.schema import READ, Kind, schema
+
+_START = "2026-05-01T08:00:00Z"
+
+
+def init_data(kind: str, folder: str | Path = ".") -> tuple[Path, ...]:
+    """Write a data set of a kind: ``dataset.yaml`` with comments, and its CSV.
+
+    Parameters
+    ----------
+    kind : str
+        Of the data set.
+    folder : str or Path
+        Created if absent. Other files in it are left alone.
+
+    Returns
+    -------
+    tuple of Path
+        The files written.
+
+    Raises
+    ------
+    InputError
+        When there is no such kind, or one of the files is there already: nothing is written then.
+    RunError
+        When the folder cannot be written.
+    """
+    if kind not in _TABLES:
+        hint = did_you_mean(kind, _TABLES) or f"one of {', '.join(_TABLES)}"
+        raise InputError([Problem(f"given {shown(kind)}, expected a kind of data set", key="data", hint=hint)])
+    folder = as_path(folder, "folder")
+    name, table = _TABLES[kind]
+    paths = vacant(folder, ("dataset.yaml", name))
+    text = (files("missionplan") / "starter" / "data" / f"{kind}.yaml").read_text(encoding="utf-8")
+    write_atomically(paths[0], text)
+    write_atomically(paths[1], to_csv(table()))
+    return tuple(paths)
+
+
+def _noise(kind: str, size: int) -> "np.ndarray[tuple[int], np.dtype[np.float64]]":
+    return stream(1, f"starter-data.{kind}", 0).standard_normal(size)
+
+
+def _legs() -> pd.DataFrame:
+    legs = sea_trial(load(Path(str(files("missionplan") / "starter" / "mission.yaml"))), legs=24)
+    for seconds, stamp in zip(TIMES, STAMPS, strict=True):
+        moments = pd.Timestamp(moment_of(_START)) + pd.to_timedelta(legs[seconds], unit="s")
+        legs[seconds] = moments.dt.strftime("%Y-%m-%dT%H:%M:%S.%f").str[:-5] + "Z"
+        legs = legs.rename(columns={seconds: stamp})
+    return legs.assign(surface_s=0.0, fix_sd_m=2.0)
+
+
+def _dives() -> pd.DataFrame:
+    """Dives that fall from rest to a terminal velocity, after the line has run out, and stop at its length."""
+    tables = []
+    for run, weight, line in (("dive-1", 12.0, 5.0), ("dive-2", 16.0, 5.0), ("dive-3", 16.0, 10.0)):
+        t = np.arange(0.0, 30.0, 0.5)
+        velocity = 0.35 * np.sqrt(weight)
+        since = np.maximum(t - line / velocity, 0.0)
+        depth = np.minimum(velocity * (since - 1.0 * (1.0 - np.exp(-since))), 20.0 - line)
+        noise = 0.05 * _noise(f"descent.{run}", len(t))
+        tables.append(pd.DataFrame({"run": run, "t_s": t, "depth_m": depth + noise}))
+    return pd.concat(tables, ignore_index=True).round(3)
+
+
+def _drag() -> pd.DataFrame:
+    speed = np.repeat(np.arange(0.4, 1.7, 0.2), 3)
+    force = 0.5 * 998.4 * 0.0114 * 0.25 * speed**2
+    sd = 0.02 + 0.01 * force
+    return pd.DataFrame(
+        {"speed_m_s": speed, "force_n": force + sd * _noise("drag", len(speed)), "force_sd_n": sd}
+    ).round(4)
+
+
+def _oscillation() -> pd.DataFrame:
+    t = np.arange(0.0, 12.0, 0.05)
+    rate, decay = np.sqrt(400.0 / 19.0), 0.12  # 12 kg, and 7 kg of water that moves along
+    displacement = 0.1 * np.exp(-decay * t) * np.cos(np.sqrt(rate**2 - decay**2) * t)
+    noise = 0.001 * _noise("free-oscillation", len(t))
+    return pd.DataFrame({"t_s": t, "displacement_m": displacement + noise}).round(5)
+
+
+def _thruster() -> pd.DataFrame:
+    rpm = np.repeat(np.array([-2000.0, -1500.0, -1000.0, 1000.0, 1500.0, 2000.0]), 4)
+    speed = np.tile([0.0, 0.0, 0.5, 1.0], 6)
+    thrust = 6e-6 * rpm * np.abs(rpm) * (1.0 - 0.4 * speed)
+    table = {"rpm": rpm, "thrust_n": thrust + 0.1 * _noise("thruster", len(rpm)), "speed_m_s": speed}
+    return pd.DataFrame(table).round(3)
+
+
+def _propeller() -> pd.DataFrame:
+    """Thrust that overshoots after a step of the shaft rate, and falls as the vehicle gains speed."""
+    t = np.arange(0.0, 6.0, 0.02)
+    since = np.maximum(t - 1.0, 0.0)
+    rpm = np.where(t < 1.0, 600.0, 900.0)
+    rate, speed = rpm * np.pi / 30.0, 0.6 + 0.5 * (1.0 - np.exp(-since / 1.5))
+    overshoot = np.where(t < 1.0, 0.0, 3.0 * np.exp(-since / 0.3))
+    thrust = 1.2e-3 * rate**2 - 0.02 * rate * speed + overshoot + 0.2 * _noise("propeller-transient", len(t))
+    return pd.DataFrame({"t_s": t, "rpm": rpm, "thrust_n": thrust, "speed_m_s": speed}).round(3)
+
+
+def _summary() -> pd.DataFrame:
+    rows = []
+    for run, depth in (("test-1", 10.0), ("test-2", 20.0), ("test-3", 30.0)):
+        rows.append((run, "terminal_velocity_m_s", 1.3, 0.05))
+        rows.append((run, "descent_time_s", round(2.0 + (depth - 5.0) / 1.3, 1), 0.5))
+    return pd.DataFrame(rows, columns=["run", "quantity", "value", "sd"])
+
+
+_TABLES: dict[str, tuple[str, Callable[[], pd.DataFrame]]] = {
+    "transit": ("legs.csv", _legs),
+    "descent": ("dives.csv", _dives),
+    "drag": ("drag.csv", _drag),
+    "free-oscillation": ("oscillation.csv", _oscillation),
+    "thruster": ("thruster.csv", _thruster),
+    "propeller-transient": ("steps.csv", _propeller),
+    "summary": ("summary.csv", _summary),
+}
+"""By kind, the name of the CSV and the function that makes it."""
+DATA_KINDS = tuple(_TABLES)
+
 
 COMPASS_BIAS = math.radians(3.0)
 """Compass error of the sea trial, unknown to the mission: the course made, clockwise of that steered [rad]."""
@@ -35,7 +159,7 @@ _LOOP = (
     *(f"{log}/{name}" for log in _LOGS for name in ("dataset.yaml", "legs.csv")),
 )
 """Files of the second round of docs/loop.md."""
-_SCHEMAS: dict[str, Kind] = {f"schema/{kind}.json": kind for kind in KINDS}
+_SCHEMAS: dict[str, Kind] = {f"schema/{kind}.json": kind for kind in READ}
 """For completion and checks in editors, named by the first line of each file."""
 
 

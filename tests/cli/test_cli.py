@@ -201,8 +201,8 @@ def test_validate_imports_only_what_a_mission_needs() -> None:
         str(MISSIONS / f"{name}.yaml") for name in ("anchor-design", "autosub-transition", "chesapeake", "fig8")
     ]
     imported = imported_by("validate", *missions)
-    assert {"numpy", "missionplan.studies.validation.missions"} <= imported
-    unwanted = HEAVY | {"missionplan.studies.validation.datasets", "missionplan.studies.simulation.simulate"}
+    assert {"numpy", "missionplan.studies.validation.validate"} <= imported
+    unwanted = HEAVY | {"missionplan.studies.validation.validate", "missionplan.studies.simulation.simulate"}
     assert not imported & (unwanted - {"rich"})  # which typer 0.15 imports by itself
 
 

@@ -11,7 +11,7 @@ from missionplan.mission import Mission, load
 from missionplan.mission.reading.fields import keys_of, meaning_of, parsers_of, sections_in
 from missionplan.mission.schema.limits import Limit
 from missionplan.mission.schema.phases import MoorPhase, TransitPhase
-from missionplan.studies.exploration.key_paths import known_keys
+from missionplan.studies.exploration.variation import known_keys
 from missionplan.studies.schemas.schema import schema
 
 MISSIONS = Path(__file__).parents[2] / "missions"

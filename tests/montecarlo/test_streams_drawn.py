@@ -9,7 +9,7 @@ import missionplan
 from missionplan.mission import Mission
 from missionplan.montecarlo.streams import BLOCK, BlockStreams
 from missionplan.scenario.scenario import Scenario
-from missionplan.studies.exploration.key_paths import with_values
+from missionplan.studies.exploration.variation import with_values
 from missionplan.studies.simulation.trial_block import run_trials
 
 MISSIONS = Path(__file__).parents[2] / "missions"

@@ -12,7 +12,7 @@ from browsing import browsing, needs_browser, printed, show
 
 from missionplan.mission import load
 from missionplan.studies.anchor.size_anchor import size_anchor
-from missionplan.studies.comparison.compare import compare
+from missionplan.studies.comparison.compare_missions import compare
 from missionplan.studies.leg_length.sweep_dmax import sweep_dmax
 from missionplan.studies.simulation.simulate import simulate
 

@@ -14,7 +14,7 @@ from missionplan.report.render import render_report, terminal_view
 from missionplan.report.typesetting import typeset, wrapped
 from missionplan.report.wording import in_words, keys_in_words
 from missionplan.studies.anchor.size_anchor import size_anchor
-from missionplan.studies.comparison.compare import compare
+from missionplan.studies.comparison.compare_missions import compare
 from missionplan.studies.identification.identify import identify
 from missionplan.studies.leg_length.plan_legs import plan_legs
 from missionplan.studies.leg_length.sweep_dmax import sweep_dmax

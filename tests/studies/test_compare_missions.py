@@ -9,7 +9,7 @@ import missionplan
 from missionplan.errors import InputError
 from missionplan.report.compared.alternatives import answer
 from missionplan.results.base import to_yaml
-from missionplan.studies.exploration.key_paths import with_values
+from missionplan.studies.exploration.variation import with_values
 
 MISSIONS = Path(__file__).parents[2] / "missions"
 

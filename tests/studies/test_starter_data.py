@@ -6,14 +6,13 @@ from missionplan.diagnosis.diagnose import diagnose
 from missionplan.errors import InputError
 from missionplan.mission import load
 from missionplan.studies.identification.identify import identify
-from missionplan.studies.init import init
-from missionplan.studies.starter_data import KINDS, init_data
+from missionplan.studies.init import DATA_KINDS, init, init_data
 from missionplan.studies.validation.validate import validate
 
 TANK = ("drag", "free-oscillation", "thruster", "propeller-transient")
 
 
-@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("kind", DATA_KINDS)
 def test_it_is_valid(kind, tmp_path):
     written = init_data(kind, tmp_path / "data")
     assert all(path.is_file() for path in written)

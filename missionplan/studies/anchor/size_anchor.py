@@ -22,7 +22,7 @@ from missionplan.studies.anchor.trim_check import trim_states
 from missionplan.studies.held_vehicle import held_vehicle
 from missionplan.studies.nominal_dive import check_dives
 from missionplan.studies.run import Run
-from missionplan.studies.simulation.record_cover import check_cover
+from missionplan.studies.simulation.checks import check_cover
 
 
 def size_anchor(

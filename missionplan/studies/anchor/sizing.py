@@ -19,7 +19,7 @@ from missionplan.scenario.mooring import dive_of, start_of
 from missionplan.scenario.scenario import STILL_WATER, Scenario
 from missionplan.studies.anchor.dive_trials import AnchorTrials
 from missionplan.studies.anchor.lightest_anchor import lightest_anchor
-from missionplan.studies.flooding import flooding_notice
+from missionplan.studies.nominal_dive import flooding_notice
 
 
 @dataclass(frozen=True)

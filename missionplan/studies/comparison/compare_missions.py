@@ -1,4 +1,4 @@
-"""`compare` of missions, run on common random numbers, and of reports: which is better, by how much."""
+"""`compare`: missions on common random numbers, or reports; which is better, by how much, or what changed."""
 
 import time
 from collections.abc import Mapping, Sequence
@@ -19,16 +19,23 @@ from missionplan.montecarlo.streams import block_count, block_size
 from missionplan.results.base import Provenance
 from missionplan.results.choosing.alternatives import DECIDES, Alternative, Alternatives, Contrast, Estimate
 from missionplan.results.choosing.axis import Aim
+from missionplan.results.comparison import Comparison
 from missionplan.scenario.scenario import Scenario
 from missionplan.store.paths import as_path, is_folder
-from missionplan.studies.comparison.mission_changes import differing_values
-from missionplan.studies.comparison.reported_choices import aim_of, check_kinds, reported_alternative
-from missionplan.studies.comparison.summary_numbers import SummaryNumber, standard_error_and_p_value
-from missionplan.studies.comparison.two_reports import read_summary
-from missionplan.studies.exploration.cell_run import CellTrials, cell_trials
-from missionplan.studies.exploration.cells import CellBlock, CellItem, InvalidCell, checked_means, run_checked
+from missionplan.studies.comparison.reported_choices import CHOOSING, aim_of, check_kinds, reported_alternative
+from missionplan.studies.comparison.summary_numbers import SummaryNumber, differing_values, standard_error_and_p_value
+from missionplan.studies.comparison.two_reports import compare_reports, read_summary
+from missionplan.studies.exploration.cells import (
+    CellBlock,
+    CellItem,
+    CellTrials,
+    InvalidCell,
+    SharedCurrent,
+    cell_trials,
+    checked_means,
+    run_checked,
+)
 from missionplan.studies.exploration.findings import DURATION, ENERGY, cell_of
-from missionplan.studies.exploration.shared_current import SharedCurrent
 from missionplan.studies.run import check_arguments, identified
 
 _COLUMNS = {"success": "total.success", "energy_wh": ENERGY, "duration_s": DURATION}
@@ -250,3 +257,48 @@ def _number(each: Alternative, key: str) -> SummaryNumber | None:
         known = np.isfinite(each.success.value)
         return SummaryNumber("probability", each.success.value, float("nan")) if known else None
     return SummaryNumber("mean", *each.quantities[key]) if key in each.quantities else None
+
+
+def compare(
+    *compared: MissionOrPath,
+    trials: int | None = None,
+    seed: int | None = None,
+    jobs: int = 1,
+    allow_outside: bool = False,
+    progress: Progress | None = None,
+) -> Comparison | Alternatives:
+    """Compare two reports of one command, or two and more missions or reports.
+
+    Parameters
+    ----------
+    *compared : Mission, str or Path
+        Two report folders: what changed, and is it more than noise? Missions, their files, more than two, or reports of
+        what was chosen (`explore`, `optimise`): which is better? Missions are run on the same random numbers.
+    trials, seed : int, optional
+        Of the missions; default: the first mission's.
+    jobs : int
+        Processes.
+    allow_outside : bool
+        Whether missions may name files outside their folders.
+    progress : callable, optional
+        Called with the trials done and their total.
+
+    Raises
+    ------
+    InputError
+        When something is neither a mission nor a report, or the reports cannot be compared.
+    """
+    if len(compared) == 2 and not any(_is_mission(each) for each in compared):
+        first, second = (as_path(each, "compared") for each in compared if not isinstance(each, Mission))
+        if {read_summary(folder)["command"] for folder in (first, second)}.isdisjoint(CHOOSING):
+            return compare_reports(first, second)
+    return compare_missions(
+        *compared, trials=trials, seed=seed, jobs=jobs, allow_outside=allow_outside, progress=progress
+    )
+
+
+def _is_mission(given: MissionOrPath) -> bool:
+    if isinstance(given, Mission):
+        return True
+    path = Path(given)
+    return path.suffix in (".yaml", ".yml") or (path.exists() and not is_folder(path))

@@ -13,11 +13,11 @@ from missionplan.results.base import Provenance, without_run
 from missionplan.results.comparison import ChangedValue, ComparedNumber, ComparedRun, Comparison
 from missionplan.results.plain_data import mapping, mappings, whole
 from missionplan.store.paths import as_path
-from missionplan.studies.comparison.mission_changes import changed_values
 from missionplan.studies.comparison.reported_choices import CHOOSING
 from missionplan.studies.comparison.summary_numbers import (
     SECTIONS,
     SummaryNumber,
+    changed_values,
     holm,
     standard_error_and_p_value,
     summary_numbers,

@@ -1,7 +1,10 @@
-"""One cell of an exploration: the mission with its values, and a block of its trials."""
+"""Cells of an exploration: the mission with other values, blocks of its trials, and the run of all of them."""
 
-from collections.abc import Callable, Mapping, Sequence
+import contextlib
+import math
+from collections.abc import Callable, Generator, Mapping, Sequence
 from dataclasses import dataclass
+from datetime import datetime, timedelta
 from functools import cached_property
 from typing import ClassVar
 
@@ -12,15 +15,93 @@ from missionplan.errors import InputError, MissionplanError, Problem
 from missionplan.identity import Identity
 from missionplan.mission import Mission
 from missionplan.montecarlo.common_streams import CommonStreams
+from missionplan.montecarlo.parallel.blocks import Workers
+from missionplan.phases.currents import Current
+from missionplan.phases.recorded_currents import RecordedCurrent
 from missionplan.results.choosing.axis import Axis
 from missionplan.scenario.scenario import Scenario
-from missionplan.studies.exploration.key_paths import with_values
-from missionplan.studies.exploration.shared_current import SharedCurrent
+from missionplan.scenario.site_current import current_source, is_netcdf, recorded_current
+from missionplan.store.checkpoints import Checkpoints
+from missionplan.studies.exploration.variation import with_values
 from missionplan.studies.nominal_dive import check_dives
 from missionplan.studies.run import identified
 from missionplan.studies.simulation.block_statistics import requirement_flags
 from missionplan.studies.simulation.checks import check_complete
 from missionplan.studies.simulation.trial_block import run_trials
+
+
+@dataclass(frozen=True)
+class SharedCurrent:
+    """A record of the current, read for one mission.
+
+    Attributes
+    ----------
+    current : Current or None
+        None where missions have none, or each reads its own.
+    place : mapping
+        What the record depends on besides the start; a mission with anything else reads its own.
+    start : datetime or None
+        Of the mission that it was read for.
+    moves : bool
+        Whether a later start meets a later part of it.
+    """
+
+    current: Current | None
+    place: Mapping[str, object]
+    start: datetime | None
+    moves: bool
+
+    @classmethod
+    def of(cls, mission: Mission, first: datetime | None = None) -> "SharedCurrent":
+        """Read a mission's record. A field has dates; others show by a second start whether they are tied to the clock.
+
+        Parameters
+        ----------
+        mission : Mission
+        first : datetime, optional
+            Earliest start of all: what is read begins there, and may hold nothing from before.
+        """
+        if mission.start is None or first is None:
+            return cls(recorded_current(mission), _place(mission), mission.start, moves=False)
+        hour = timedelta(hours=1)
+        early, later = (_with_start(mission, start) for start in (first, first + hour))
+        current = recorded_current(early)
+        if _is_field(mission):
+            return cls(current, _place(mission), early.start, moves=True)
+        shifted = recorded_current(later)
+        if not isinstance(current, RecordedCurrent) or not isinstance(shifted, RecordedCurrent):
+            return cls(None, {}, None, moves=False)  # each start reads its own
+        by = float(current.time[-1] - shifted.time[-1])
+        if not math.isclose(by, hour.total_seconds()) and by != 0.0:
+            return cls(None, {}, None, moves=False)  # cut to the mission's time: each start reads its own part
+        return cls(current, _place(mission), early.start, moves=by != 0.0)
+
+    def for_mission(self, mission: Mission) -> Current | None:
+        """Return the record as a mission with another start meets it; read anew for a mission at another place."""
+        if _place(mission) != self.place:
+            return recorded_current(mission)
+        current = self.current
+        if not self.moves or not isinstance(current, RecordedCurrent) or mission.start is None or self.start is None:
+            return current
+        later = (mission.start - self.start).total_seconds()
+        return current.later(later) if later else current
+
+
+def _is_field(mission: Mission) -> bool:
+    written = current_source(mission)
+    return written is not None and all(is_netcdf(name) for name in written.members)
+
+
+def _place(mission: Mission) -> dict[str, object]:
+    """What is read about: the record itself, and where the mission goes."""
+    site, goes = mission.raw.get("site"), [(phase.start, phase.to) for phase in mission.transits]
+    keys = ("current", "origin", "depth")
+    return {"goes": goes} | ({key: site.get(key) for key in keys} if isinstance(site, Mapping) else {})
+
+
+def _with_start(mission: Mission, start: datetime) -> Mission:
+    return Mission.from_data(with_values(mission.raw, {"start": start.isoformat()}), file=mission.file)
+
 
 CellItem = tuple[int, int, int]
 """A cell, a block of its trials, and how many of the block's trials are used."""
@@ -126,3 +207,87 @@ def run_checked(
 def _in_short(problem: Problem) -> str:
     """Return a problem without the file, which is that of every cell."""
     return f"{problem.key}: {problem.message}" if problem.key else problem.message
+
+
+MAX_BLOCKS = 100_000
+"""Blocks of one cell: a checkpoint numbers the blocks of all cells in one sequence."""
+_REASON = "reason"
+RunCell = Callable[[CellItem], CellBlock | InvalidCell]
+
+
+@dataclass(frozen=True)
+class CellTrials:
+    """All trials of a cell, by column; none where it cannot be run, for a reason."""
+
+    columns: Mapping[str, NDArray[np.generic]]
+    reason: str = ""
+
+
+def cell_trials(
+    task: RunCell, items: Sequence[CellItem], cells: Sequence[int], workers: Workers, store: Checkpoints | None = None
+) -> list[CellTrials]:
+    """Run the blocks that are not in the checkpoint, and return the trials of each of some cells.
+
+    Parameters
+    ----------
+    task : callable
+        Runs a block of a cell.
+    items : sequence of CellItem
+        In any order; the blocks of a cell ascend.
+    cells : sequence of int
+    workers : Workers
+        Told the trials done.
+    store : Checkpoints, optional
+        Where finished blocks are kept.
+    """
+    gathered: dict[int, list[CellBlock | InvalidCell]] = {cell: [] for cell in cells}
+    total, done = sum(size for _, _, size in items), 0
+    tell = workers.progress or (lambda *_: None)
+    with contextlib.closing(_Blocks(task, items, store).run(workers.quiet)) as blocks:
+        tell(0, total)
+        for item, block in blocks:
+            gathered[item[0]].append(block)
+            done += item[2]
+            tell(done, total)
+    return [_joined(gathered[cell]) for cell in cells]
+
+
+@dataclass(frozen=True)
+class _Blocks:
+    """Blocks of cells, from the checkpoint or from the workers."""
+
+    task: RunCell
+    items: Sequence[CellItem]
+    store: Checkpoints | None
+
+    def run(self, workers: Workers) -> Generator[tuple[CellItem, CellBlock | InvalidCell], None, None]:
+        numbered = {item: (item[0] * MAX_BLOCKS + item[1], item[2]) for item in self.items}
+        kept = self.store.intact(numbered.values()) if self.store is not None else set()
+        todo = [item for item in self.items if numbered[item] not in kept]
+        with contextlib.closing(workers.run(self.task, todo)) as fresh:  # type: ignore[type-var]
+            for item in self.items:
+                block = self._stored(numbered[item]) if numbered[item] in kept else None
+                if block is None:
+                    block = self.task(item) if numbered[item] in kept else next(fresh)
+                    self._keep(numbered[item], block)
+                yield item, block
+
+    def _stored(self, number: tuple[int, int]) -> CellBlock | InvalidCell | None:
+        """Return a finished block; None where it has been damaged or taken away."""
+        arrays = self.store.read(*number) if self.store is not None else None
+        if arrays is None:
+            return None
+        return InvalidCell(str(arrays[_REASON])) if _REASON in arrays else CellBlock(arrays)
+
+    def _keep(self, number: tuple[int, int], block: CellBlock | InvalidCell) -> None:
+        if self.store is not None:
+            arrays = block.columns if isinstance(block, CellBlock) else {_REASON: np.array(block.reason)}
+            self.store.write(*number, arrays)
+
+
+def _joined(blocks: Sequence[CellBlock | InvalidCell]) -> CellTrials:
+    invalid = [block.reason for block in blocks if isinstance(block, InvalidCell)]
+    if invalid:
+        return CellTrials({}, invalid[0])
+    parts = [block.columns for block in blocks if isinstance(block, CellBlock)]
+    return CellTrials({name: np.concatenate([part[name] for part in parts]) for name in parts[0]} if parts else {})

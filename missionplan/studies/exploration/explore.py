@@ -20,11 +20,8 @@ from missionplan.scenario.currents.members import members_drawn, members_of
 from missionplan.scenario.scenario import Scenario
 from missionplan.store.checkpoints import Checkpoints
 from missionplan.store.paths import as_path
-from missionplan.studies.exploration.cell_run import CellTrials, cell_trials
-from missionplan.studies.exploration.cells import SUCCESS, CellItem, CellTask
-from missionplan.studies.exploration.findings import DURATION, ENERGY, cell_of, find_best
-from missionplan.studies.exploration.racing import Race, race
-from missionplan.studies.exploration.shared_current import SharedCurrent
+from missionplan.studies.exploration.cells import SUCCESS, CellItem, CellTask, CellTrials, SharedCurrent, cell_trials
+from missionplan.studies.exploration.findings import DURATION, ENERGY, Race, cell_of, find_best, race
 from missionplan.studies.exploration.variation import OPTION, first_start, read_axes
 from missionplan.studies.run import Run
 from missionplan.studies.simulation.block_statistics import requirement_key

@@ -1,15 +1,228 @@
-"""Static thrust of a thruster (Avila et al.), or what forward speed leaves of a tunnel thruster's (Palmer et al.)."""
+"""Constants of propellers and tunnel thrusters from measured thrust, speed and moment."""
+
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from missionplan.arrays import Array
-from missionplan.datasets.tank import TankData, ThrusterSettings
+from missionplan.datasets.tank import TankData, ThrusterGeometry, ThrusterSettings
+from missionplan.datasets.tank.formats import NoiseLevels
 from missionplan.errors import RunError
+from missionplan.physics import tunnel_thruster as tt
 from missionplan.physics.thruster import bollard_pull
 from missionplan.results.learned.identification import FitCurve, FitPanel, FittedModel, TankAnalysis
 from missionplan.studies.identification.least_squares import FitParameter, f_test_prefers, fit
-from missionplan.studies.identification.tunnel_thruster import identify_tunnel_thruster
+
+
+def identify_tunnel_thruster(
+    data: TankData, settings: ThrusterSettings, geometry: ThrusterGeometry, speed: Array
+) -> TankAnalysis:
+    """Fit K_3 and c to forces and, where moments are given, the centre of suction: k of Eq. 6, or a constant x_S.
+
+    Parameters
+    ----------
+    data : TankData
+        With shaft rates and thrust; optionally moments.
+    settings : ThrusterSettings
+        The data's.
+    geometry : ThrusterGeometry
+        The settings'.
+    speed : array, shape (points,)
+        [m/s]
+    """
+    turning = data.columns["rpm"] != 0.0
+    run = TunnelThrusterRun(geometry, data.density, data.columns["rpm"][turning] / 60.0, speed[turning])
+    force, moments = data.columns["thrust_n"][turning], data.columns.get("moment_n_m")
+    fits: tuple[FittedModel, ...] = (_force_fit(run, force, settings.noise.thrust),)
+    measured = None if moments is None or np.all(np.isnan(moments)) else moments[turning]
+    if measured is not None:
+        fits = _moment_fits(run, fits[0], force, measured, settings.noise)
+    best = fits[0]
+    return TankAnalysis(
+        answer=f"The static constant is {best['thrust_constant'].value:.4g} N s², and speed takes thrust away with c = "
+        f"{best['decay'].value:.2f}{best['decay'].interval_in_words('.2f')}.",
+        fits=fits,
+        panels=_panels(run, best, force, measured),
+        remarks=_remarks(run, best),
+        fragment={"thrusters": [_fragment(best, geometry)]},
+    )
+
+
+@dataclass(frozen=True)
+class TunnelThrusterRun:
+    """Model of a tunnel thruster's force and moment at the measured shaft rates and speeds.
+
+    Attributes
+    ----------
+    geometry : ThrusterGeometry
+    density : float
+        Of the water [kg/m³].
+    revolutions, speed : array, shape (points,)
+        [rev/s, m/s]
+    """
+
+    geometry: ThrusterGeometry
+    density: float
+    revolutions: Array
+    speed: Array
+
+    def parameters(self, force: Array) -> list[FitParameter]:
+        """K_3, starting from measured forces [N], and c."""
+        start = float(np.median(np.abs(force) / self.revolutions**2))
+        return [
+            FitParameter("thrust_constant", "K₃", "N*s^2", start, low=0.0),
+            FitParameter("decay", "c", "", 5.0, low=0.0, high=50.0),
+        ]
+
+    def force(self, values: Array) -> Array:
+        """Force for K_3 and c [N]."""
+        return np.asarray(self._load(values).force)
+
+    def ratio(self, values: Array) -> Array:
+        """Speed over the jet's for K_3 and c."""
+        return np.asarray(self._load(values).ratio)
+
+    def moment(self, values: Array, gradient: float, offset: float) -> Array:
+        """Moment for K_3 and c, with the gradient and offset [m] of the centre of suction [N m]."""
+        return np.asarray(self._load(values, gradient, offset).moment)
+
+    def _load(self, values: Array, gradient: float = 0.0, offset: float = 0.0) -> tt.ThrusterLoad:
+        thruster = tt.TunnelThruster(
+            self.geometry.diameter,
+            values[0],
+            values[1],
+            self.geometry.position,
+            suction_gradient=gradient,
+            suction_offset=offset,
+        )
+        return tt.thruster_load(thruster, self.revolutions, self.speed, self.density)
+
+
+def _force_fit(run: TunnelThrusterRun, force: Array, noise: float | None) -> FittedModel:
+    force_sd = None if noise is None else np.full_like(force, noise)
+    return fit("force under way", run.force, run.parameters(force), force, force_sd)
+
+
+def _moment_fits(
+    run: TunnelThrusterRun, forces: FittedModel, force: Array, moments: Array, noise: NoiseLevels
+) -> tuple[FittedModel, ...]:
+    """Fit forces and moments together, with both laws of the centre of suction; the better one first."""
+    moving = FitParameter("suction_gradient", "k", "", 1.0)
+    constant = FitParameter("suction_offset", "x_T - x_S", "m", 0.1)
+
+    def joint(name: str, law: FitParameter) -> FittedModel:
+        return _joint_fit(name, run, law, forces, force, moments, noise)
+
+    fits = [joint("centre of suction moves aft with speed", moving), joint("centre of suction stays", constant)]
+    return tuple(sorted(fits, key=lambda fitted: fitted.chi_squared))
+
+
+def _joint_fit(
+    name: str,
+    run: TunnelThrusterRun,
+    law: FitParameter,
+    forces: FittedModel,
+    force: Array,
+    moments: Array,
+    noise: NoiseLevels,
+) -> FittedModel:
+    """Fit K_3, c and the parameter of a law of the centre of suction; errors from separate fits where not stated."""
+    constants = np.array([estimate.value for estimate in forces.estimates])
+
+    def moment(both: Array, value: float) -> Array:
+        return run.moment(both, value, 0.0) if law.name == "suction_gradient" else run.moment(both, 0.0, value)
+
+    def moment_alone(values: Array) -> Array:
+        return moment(constants, values[0])
+
+    def together(values: Array) -> Array:
+        return np.concatenate([run.force(values[:2]), moment(values[:2], values[2])])
+
+    force_sd = noise.thrust or max(forces.residual_sd, 1e-12)
+    moment_sd = noise.moment or max(fit(name, moment_alone, [law], moments).residual_sd, 1e-12)
+    sd = [np.full_like(force, force_sd), np.full_like(moments, moment_sd)]
+    parameters, measured = [*run.parameters(force), law], np.concatenate([force, moments])
+    return fit(name, together, parameters, measured, np.concatenate(sd))
+
+
+def _panels(run: TunnelThrusterRun, best: FittedModel, force: Array, moments: Array | None) -> tuple[FitPanel, ...]:
+    """Force factor against speed ratio and, where moments are given about another point, the moment factor."""
+    force_panel = _force_panel(run, best, force)
+    if moments is None or run.geometry.position == 0.0:
+        return (force_panel,)
+    return (force_panel, _moment_panel(run, best, moments))
+
+
+def _ratios(run: TunnelThrusterRun, best: FittedModel) -> tuple[Array, Array, Array]:
+    """Speed ratios of the data, and a grid of them with its force factors."""
+    constant, decay = best["thrust_constant"].value, best["decay"].value
+    ratio = run.ratio(np.array([constant, decay]))
+    line = np.linspace(0.0, max(float(ratio.max()), 0.1), 100)
+    return ratio, line, np.asarray(tt.force_factor(line, decay))
+
+
+def _force_panel(run: TunnelThrusterRun, best: FittedModel, force: Array) -> FitPanel:
+    ratio, line, factor = _ratios(run, best)
+    static = tt.static_thrust(best["thrust_constant"].value, run.revolutions)
+    return FitPanel(
+        name="force-factor",
+        x_label="speed ratio u/u_j",
+        y_label="K_F",
+        x=ratio,
+        y=force / static,
+        y_sd=np.full_like(force, np.nan),
+        fitted=best.fitted[: len(force)] / static,
+        curves=(FitCurve("exp(-c (u/u_j)²)", line, factor),),
+        alt="Share of the static force that the vehicle feels against speed ratio, falling to little as speed rises.",
+    )
+
+
+def _moment_panel(run: TunnelThrusterRun, best: FittedModel, moments: Array) -> FitPanel:
+    geometry, (ratio, line, factor) = run.geometry, _ratios(run, best)
+    gradient = best["suction_gradient"].value if "suction_gradient" in best else 0.0
+    offset = best["suction_offset"].value if "suction_offset" in best else 0.0
+    centre = geometry.position - offset - gradient * geometry.diameter * line
+    at_rest = tt.static_thrust(best["thrust_constant"].value, run.revolutions) * geometry.position
+    return FitPanel(
+        name="moment-factor",
+        x_label="speed ratio u/u_j",
+        y_label="K_N",
+        x=ratio,
+        y=moments / at_rest,
+        y_sd=np.full_like(moments, np.nan),
+        fitted=best.fitted[len(moments) :] / at_rest,
+        curves=(FitCurve(best.name, line, np.asarray(tt.moment_factor(factor, centre / geometry.position))),),
+        alt="Moment over the static moment against speed ratio.",
+    )
+
+
+def _remarks(run: TunnelThrusterRun, best: FittedModel) -> tuple[str, ...]:
+    values = np.array([best["thrust_constant"].value, best["decay"].value])
+    limit = float(np.asarray(tt.highest_ratio(values[1])))
+    beyond = int(np.sum(tt.out_of_range(run.ratio(values), values[1])))
+    remarks = [f"The exponential holds up to u/u_j = {limit:.2f}; beyond, forces may recover as ships' do."]
+    if beyond:
+        remarks.append(f"{beyond} of {len(run.speed)} points lie beyond that.")
+    return tuple(remarks)
+
+
+def _fragment(best: FittedModel, geometry: ThrusterGeometry) -> dict[str, object]:
+    """An item of the vehicle's `thrusters:`."""
+    constant, decay = best["thrust_constant"], best["decay"]
+    fragment: dict[str, object] = {
+        "name": "tunnel thruster",
+        "diameter": f"{geometry.diameter:.6g} m",
+        "position": f"{geometry.position:.6g} m",
+        "thrust_constant": {"mean": f"{constant.value:.5g} N*s^2", "sd": f"{constant.sd:.2g} N*s^2"},
+        "decay": {"mean": round(decay.value, 3), "sd": round(decay.sd, 3)},
+    }
+    if "suction_gradient" in best:
+        fragment["suction_gradient"] = round(best["suction_gradient"].value, 3)
+    if "suction_offset" in best:
+        fragment["suction_offset"] = f"{best['suction_offset'].value:.4g} m"
+    return fragment
+
 
 _RATE_REMARK = (
     "A vehicle file carries thrust against shaft rate as `thrust_constant` of a tunnel thruster, with its `decay`: "

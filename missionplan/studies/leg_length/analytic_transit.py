@@ -1,15 +1,151 @@
-"""A transit in the terms of the integral equation of its expected cost, and the legs that are best for it."""
+"""A transit as the integral equation of its expected cost takes it, the spread of its legs, and where that applies."""
 
-from dataclasses import dataclass
+import itertools
+from dataclasses import dataclass, field
 from functools import lru_cache
 
 import numpy as np
+from scipy.optimize import lsq_linear, nnls
+from typing_extensions import override
 
-from missionplan.phases.transit.analytic.expectation import TransitExpectation, expected_transit
+from missionplan.arrays import Array
+from missionplan.montecarlo.distributions import Distribution, mean_of
+from missionplan.phases.transit.analytic.expectation import MAX_RATIO, TransitExpectation, expected_transit
 from missionplan.phases.transit.analytic.policy import best_d_max, best_legs
+from missionplan.phases.transit.compensation import Compensation, CompletedLeg, Memory, PlannedLeg
 from missionplan.phases.transit.leg_table import LegTable
-from missionplan.studies.leg_length.leg_spread import LegSpread
-from missionplan.studies.leg_length.sweep_scenario import SweepScenario
+from missionplan.studies.leg_length.paired_trials import PILOT_BLOCK, LegsAtSpeed, run_plans
+from missionplan.studies.leg_length.sweep_scenario import SweepScenario, start_of
+
+
+def analytic_obstacle(scenario: SweepScenario) -> str:
+    """Return the first property of the mission that the analytic cost does not allow for; empty where there is none."""
+    mission, navigation = scenario.mission, scenario.navigation
+    (phase,) = (transit for transit in mission.transits if transit.name == scenario.phase.name)
+    error = navigation.velocity_error
+    places = [place for place in (start_of(mission, phase), phase.to) if isinstance(place, tuple)]
+    course = (phase.speed, phase.shaft_rate, phase.arrival_radius, *itertools.chain.from_iterable(places))
+    uncertain = (*course, navigation.surfacing_time, *error.mean)
+    own_error = () if mission.sweep.sigma else (error.sigma,)
+    obstacles = {
+        "a current": bool(mission.site and mission.site.current),
+        "drift compensation": navigation.drift_compensation != "none",
+        "a fix error": navigation.fix_error != 0.0,
+        "effects": bool(scenario.means.effects_afloat),
+        "a propeller, which takes time to gather way": scenario.plan(0, scenario.means).length_lost is not None,
+        "uncertain speed, error, surfacing time or place": any(
+            isinstance(quantity, Distribution) for quantity in (*uncertain, *own_error)
+        ),
+        "a velocity error that is not isotropic": not mission.sweep.sigma and error.isotropic_sigma is None,
+        "a velocity error whose mean is not zero": any(mean_of(component) != 0.0 for component in error.mean),
+        f"a velocity error over {MAX_RATIO:g} of the speed": any(
+            scenario.sigma(index) > MAX_RATIO * scenario.speed for index in range(len(scenario.sigmas))
+        ),
+    }
+    return next((words for words, applies in obstacles.items() if applies), "")
+
+
+def analytic_curve(scenario: SweepScenario, index: int) -> tuple[TransitExpectation, ...]:
+    """Solve for the expected transit of every d_max of a curve, and of the table after them."""
+    sigma = scenario.sigma(index)
+    lengths: list[float | LegTable] = [float(d_max) for d_max in scenario.d_max]
+    return tuple(
+        expected_transit(
+            scenario.distance, d_max, scenario.speed, scenario.arrival_radius, sigma, scenario.surfacing_time
+        )
+        for d_max in [*lengths, *([scenario.table] if scenario.table is not None else [])]
+    )
+
+
+LEARNING_COMPENSATIONS = ("last-leg", "mean", "filter")
+"""Drift compensations that estimate the drift from legs made."""
+LENGTH_SHARES = (0.05, 0.1, 0.2, 0.35, 0.6, 1.0)
+"""Maximum leg lengths of the pilot trials, as shares of the distance."""
+BINS = 24
+"""Classes of duration, of equal numbers of legs, to which the spread is fitted."""
+
+
+@dataclass(frozen=True)
+class LegSpread:
+    """Standard deviation of a leg's end on each axis, √((sigma T)² + base²).
+
+    Attributes
+    ----------
+    sigma : float
+        Of the velocity, as if drawn anew each leg [m/s].
+    base : float
+        Of any leg [m].
+    """
+
+    sigma: float
+    base: float
+
+
+@dataclass
+class _RecordingCompensation(Compensation):
+    """Compensation that records each leg's planned duration [s] and the square of its miss [m²]."""
+
+    inner: Compensation | None
+    durations: list[Array] = field(default_factory=list)
+    squared_misses: list[Array] = field(default_factory=list)
+
+    @override
+    def begin(self, trials: int) -> Memory:
+        own = self.inner.begin(trials) if self.inner else ()
+        return (np.zeros(trials), np.zeros((2, trials)), *own)
+
+    @override
+    def offset(self, memory: Memory, leg: PlannedLeg) -> Array:
+        duration, short, *own = memory
+        np.copyto(duration, leg.duration)
+        if self.inner is None:
+            return np.zeros((2, 1))
+        np.copyto(short, self.inner.undershoot(tuple(own), leg))
+        return self.inner.offset(tuple(own), leg)
+
+    @override
+    def update(self, memory: Memory, leg: CompletedLeg) -> Memory:
+        duration, short, *own = memory
+        moved = leg.duration > 0.0
+        self.durations.append(duration[moved])
+        self.squared_misses.append(np.sum((leg.miss + short)[:, moved] ** 2, axis=0))
+        return (duration, short, *(self.inner.update(tuple(own), leg) if self.inner else ()))
+
+
+def fit_leg_spread(scenario: SweepScenario, seed: int) -> LegSpread:
+    """Fit the spread of legs to pilot trials of the mission, with maximum leg lengths from short to the distance.
+
+    Non-negative least squares (Lawson & Hanson 1974, ch. 23) on medians in classes of duration, so that a few outliers
+    do not decide; the square of an isotropic normal miss is exponential, its median 2 ln 2 times the variance on each
+    axis. A vehicle that estimates its drift from legs made has no estimate on the first leg, which is left out.
+    """
+    records: list[_RecordingCompensation] = []
+
+    def recorded(compensation: Compensation | None) -> Compensation:
+        records.append(_RecordingCompensation(compensation))
+        return records[-1]
+
+    plans = [LegsAtSpeed(share * scenario.distance) for share in LENGTH_SHARES]
+    run_plans(scenario, plans, seed, PILOT_BLOCK, wrap_compensation=recorded)
+    first = 1 if scenario.navigation.drift_compensation in LEARNING_COMPENSATIONS else 0
+    duration = np.concatenate([part for record in records for part in record.durations[first:]])
+    squared = np.concatenate([part for record in records for part in record.squared_misses[first:]])
+    classes = [part for part in np.array_split(np.argsort(duration, kind="stable"), BINS) if part.size]
+    seconds = np.array([np.sqrt(np.mean(duration[part] ** 2)) for part in classes])
+    variance = np.array([np.median(squared[part]) for part in classes]) / (2.0 * np.log(2.0))
+    weight = 1.0 / np.maximum(variance, 1e-12)
+    terms = np.stack([seconds**2, np.ones_like(seconds)], axis=1)
+    rate, base = _non_negative(terms * weight[:, None], variance * weight)
+    return LegSpread(min(float(np.sqrt(rate)), 0.9 * MAX_RATIO * scenario.speed), float(np.sqrt(base)))
+
+
+def _non_negative(terms: Array, values: Array) -> Array:
+    """Least squares with coefficients that are not negative."""
+    try:
+        return np.asarray(nnls(terms, values)[0])
+    except ValueError:  # early versions of nnls in Python stop so where nothing is left to free
+        return np.asarray(lsq_linear(terms, values, bounds=(0.0, np.inf)).x)
+
 
 _best_legs = lru_cache(maxsize=64)(best_legs)
 """Cached: the same legs are needed by several objectives and for their costs."""

@@ -18,9 +18,12 @@ from missionplan.arrays import Array
 from missionplan.errors import InputError, Problem
 from missionplan.montecarlo.parallel.blocks import IN_THIS_PROCESS, Progress, Workers
 from missionplan.phases.transit.leg_table import LegTable
-from missionplan.studies.leg_length.analytic_transit import AnalyticTransit
-from missionplan.studies.leg_length.integral_equation import analytic_obstacle
-from missionplan.studies.leg_length.leg_spread import LegSpread, fit_leg_spread
+from missionplan.studies.leg_length.analytic_transit import (
+    AnalyticTransit,
+    LegSpread,
+    analytic_obstacle,
+    fit_leg_spread,
+)
 from missionplan.studies.leg_length.paired_trials import (
     PILOT_BLOCK,
     LegsAtSpeed,

@@ -13,11 +13,16 @@ from missionplan.results.base import Provenance
 from missionplan.results.explained import label
 from missionplan.results.leg_length.leg_cases import CandidatePlan, LegCase
 from missionplan.results.leg_length.legs import LegPlan
-from missionplan.studies.leg_length.integral_equation import analytic_obstacle
+from missionplan.studies.leg_length.analytic_transit import analytic_obstacle
 from missionplan.studies.leg_length.optimise_legs import Aim, LegAim, OptimisedLegs, optimise_legs
 from missionplan.studies.leg_length.paired_trials import AS_PLANNED
-from missionplan.studies.leg_length.plan_comparison import compare_plans, late_gain
-from missionplan.studies.leg_length.robustness import PairedPlansTask, error_scenarios, leg_case
+from missionplan.studies.leg_length.plan_comparison import (
+    PairedPlansTask,
+    compare_plans,
+    error_scenarios,
+    late_gain,
+    leg_case,
+)
 from missionplan.studies.leg_length.sweep_scenario import SweepScenario
 from missionplan.studies.run import Run
 

@@ -16,9 +16,8 @@ from missionplan.montecarlo.streams import block_count, block_size
 from missionplan.phases.transit.analytic.expectation import TransitExpectation
 from missionplan.results.leg_length.sweep import ExplainedSweep, Sweep, SweepCurve, SweepPoint
 from missionplan.results.members import MemberOutcome
-from missionplan.studies.leg_length.cells import CellTotals, run_cells
-from missionplan.studies.leg_length.integral_equation import analytic_curve, analytic_obstacle
-from missionplan.studies.leg_length.sweep_scenario import SweepScenario
+from missionplan.studies.leg_length.analytic_transit import analytic_curve, analytic_obstacle
+from missionplan.studies.leg_length.sweep_scenario import CellTotals, SweepScenario, run_cells
 from missionplan.studies.run import Run
 
 Method = Literal["both", "analytic", "monte-carlo"]

@@ -13,8 +13,7 @@ from missionplan.store.folder import write_atomically
 from missionplan.store.paths import as_path, exists, is_file, is_folder
 from missionplan.studies.mission_plan.build import mission_plan
 from missionplan.studies.run import check_arguments
-from missionplan.studies.simulation.checks import check_complete
-from missionplan.studies.simulation.record_cover import check_cover
+from missionplan.studies.simulation.checks import check_complete, check_cover
 
 
 @dataclass(frozen=True)

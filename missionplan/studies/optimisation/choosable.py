@@ -12,8 +12,7 @@ from missionplan.mission.reading.documents import Document, load_document
 from missionplan.mission.schema.sweep import ChoiceSection
 from missionplan.mission.units import QuantityError, parse_number_with_unit
 from missionplan.results.choosing.axis import Axis
-from missionplan.studies.exploration.key_paths import known_key, with_values
-from missionplan.studies.exploration.variation import NUMBER, read_axis, vehicles
+from missionplan.studies.exploration.variation import NUMBER, known_key, read_axis, vehicles, with_values
 from missionplan.studies.optimisation.choices import Lattice
 
 STEPS = 40

@@ -13,9 +13,9 @@ from missionplan.montecarlo.streams import block_count, block_size
 from missionplan.results.choosing.axis import Aim
 from missionplan.scenario.scenario import Scenario
 from missionplan.store.checkpoints import Checkpoints
-from missionplan.studies.exploration.cell_run import cell_trials
 from missionplan.studies.exploration.cells import (
     CellTask,
+    cell_trials,
     checked_means,
 )
 from missionplan.studies.exploration.findings import AIM_COLUMNS, DURATION, ENERGY

@@ -15,11 +15,9 @@ from missionplan.results.choosing.optimisation import Obstacle, Optimised, Relax
 from missionplan.results.simulation import Outcome
 from missionplan.store.checkpoints import Checkpoints
 from missionplan.store.paths import as_path
-from missionplan.studies.exploration.cells import SUCCESS
+from missionplan.studies.exploration.cells import SUCCESS, SharedCurrent
 from missionplan.studies.exploration.findings import AIM_COLUMNS
-from missionplan.studies.exploration.key_paths import with_values
-from missionplan.studies.exploration.shared_current import SharedCurrent
-from missionplan.studies.exploration.variation import first_start
+from missionplan.studies.exploration.variation import first_start, with_values
 from missionplan.studies.optimisation.choices import Lattice, Point
 from missionplan.studies.optimisation.choosable import read_lattice
 from missionplan.studies.optimisation.evaluations import ChoiceTask, Evaluation, Evaluations, columns_needed

@@ -16,8 +16,8 @@ from missionplan.studies.overdue.drift import Drift
 from missionplan.studies.overdue.losses import losses
 from missionplan.studies.overdue.search_areas import search_areas
 from missionplan.studies.overdue.searches import Search
-from missionplan.studies.simulation.mission_trials import MissionTrials
 from missionplan.studies.simulation.phase_trials import Flags, PhaseTrials
+from missionplan.studies.simulation.trial_block import MissionTrials
 
 FEWEST_BACK = 50
 """Trials that come back without which no sheet is made."""

@@ -27,13 +27,11 @@ from missionplan.studies.rare_failure.driven_trials import (
     FailingTrials,
     discrete_values,
     drawn_inputs,
+    margins,
 )
-from missionplan.studies.rare_failure.event import FAILS, RareEvent
-from missionplan.studies.rare_failure.margins import margins
-from missionplan.studies.rare_failure.modes import failure_modes
+from missionplan.studies.rare_failure.event import FAILS, RareEvent, failure_modes
 from missionplan.studies.run import Run
-from missionplan.studies.simulation.checks import check_complete, input_notices
-from missionplan.studies.simulation.record_cover import check_cover
+from missionplan.studies.simulation.checks import check_complete, check_cover, input_notices
 
 MAX_TRIALS = 1_000_000
 """Trials after which the search ends, unless their number is given."""

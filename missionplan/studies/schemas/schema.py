@@ -16,13 +16,13 @@ from missionplan.mission import Mission
 from missionplan.mission.mission import MOST_LEARNED
 from missionplan.mission.schema.section import IDENTITY
 from missionplan.mission.schema.vehicle import Vehicle
-from missionplan.studies.schemas.effects import effects
-from missionplan.studies.schemas.sections import TEXT_OR_NUMBER, Sections
+from missionplan.studies.schemas.sections import TEXT_OR_NUMBER, Schema, Sections, effects
 from missionplan.studies.schemas.summaries import summaries
-from missionplan.studies.schemas.values import Schema
 
 Kind = Literal["mission", "vehicle", "dataset", "summary"]
 KINDS: tuple[Kind, ...] = get_args(Kind)
+READ: tuple[Kind, ...] = ("mission", "vehicle", "dataset")
+"""Kinds of files that people write."""
 _DRAFT = "http://json-schema.org/draft-07/schema#"
 _FORMATS: tuple[DatasetFormat, ...] = (  # type: ignore[type-arg]
     TRANSIT,

@@ -1,6 +1,7 @@
-"""JSON schemas of the sections that read files: every key with its unit and range, and no other."""
+"""JSON schemas of the sections that read files: quantities, effects of the catalogue, every key with its range."""
 
 import inspect
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from datetime import date, datetime
@@ -11,11 +12,116 @@ from pydantic import BaseModel
 from pydantic.fields import FieldInfo
 from pydantic_core import PydanticUndefined
 
+from missionplan.effects import CATALOGUE
+from missionplan.effects.info import EffectInfo
 from missionplan.mission.reading.fields import keys_of, meaning_of
+from missionplan.mission.schema.effect_list import ONE_OF
 from missionplan.mission.schema.quantities import OrWord
 from missionplan.mission.schema.quantity_parser import QuantityParser
 from missionplan.mission.schema.section import ReadBy
-from missionplan.studies.schemas.values import NUMBER_WITH_UNIT, Schema, quantity
+
+Schema = dict[str, object]
+
+NUMBER_WITH_UNIT = r"^\s*[+-]?([0-9]+\.?[0-9]*|\.[0-9]+)([eE][+-]?[0-9]+)?(\s+\S|[^0-9\s.]).*$"
+_FORMS = (("mean", "sd"), ("mean", "sd", "low", "high"), ("low", "high"), ("median", "factor"), ("choices",))
+_OPTIONAL: Mapping[tuple[str, ...], tuple[str, ...]] = {("mean", "sd", "low", "high"): ("mean", "sd")}
+"""Keys that a form needs, where it can do without the others."""
+
+
+def quantity(parser: QuantityParser) -> Schema:
+    """Return the schema of a quantity: text with a unit or a bare number, or a distribution of it."""
+    value = _value(parser)
+    if parser.fixed:
+        return value
+    return {"anyOf": [value, *(_distribution(value, form) for form in _FORMS)], "description": value["description"]}
+
+
+def parameter(unit: str, description: str) -> Schema:
+    """Return the schema of an effect's parameter."""
+    return {**quantity(QuantityParser(unit)), "description": f"{description}{f' [{unit}]' if unit else ''}"}
+
+
+def _value(parser: QuantityParser) -> Schema:
+    if parser.unit:
+        words = f"a quantity in {parser.unit} or a unit like it, such as '1.5 {parser.unit}'{_range(parser)}"
+        return {"type": "string", "pattern": NUMBER_WITH_UNIT, "description": words}
+    schema: Schema = {"type": "number", "description": f"a number{_range(parser)}"}
+    if math.isfinite(parser.low):
+        schema["exclusiveMinimum" if parser.open_low else "minimum"] = parser.low
+    if math.isfinite(parser.high):
+        schema["maximum"] = parser.high
+    return schema
+
+
+def _range(parser: QuantityParser) -> str:
+    unit = f" {parser.unit}" if parser.unit else ""
+    low = f"{'more than' if parser.open_low else 'at least'} {parser.low:g}{unit}" if math.isfinite(parser.low) else ""
+    high = f"at most {parser.high:g}{unit}" if math.isfinite(parser.high) else ""
+    words = " and ".join(part for part in (low, high) if part)
+    return f"; {words}" if words else ""
+
+
+def _distribution(value: Schema, form: tuple[str, ...]) -> Schema:
+    free = {"type": value["type"], **({"pattern": NUMBER_WITH_UNIT} if "pattern" in value else {})}
+    keys: Mapping[str, Schema] = {
+        "choices": {"type": "array", "items": value, "minItems": 1},
+        "factor": {"type": "number", "exclusiveMinimum": 1.0},
+    }
+    return {
+        "type": "object",
+        "properties": {key: keys.get(key, free) for key in form},
+        "required": list(_OPTIONAL.get(form, form)),
+        "additionalProperties": False,
+    }
+
+
+_PAIR: Schema = {"type": "array", "items": {"type": "string"}, "minItems": 2, "maxItems": 2}
+_CORRELATIONS: Schema = {
+    "type": "array",
+    "items": {
+        "type": "object",
+        "properties": {"between": _PAIR, "rho": {"type": "number", "minimum": -1, "maximum": 1}},
+        "required": ["between", "rho"],
+        "additionalProperties": False,
+    },
+}
+
+
+def effects() -> tuple[Schema, dict[str, Schema]]:
+    """Return the schema of the list, and the definitions that it refers to."""
+    entries = {name: _entry(info) for name, info in CATALOGUE.items()}
+    entry: Schema = {"type": "object", "properties": entries, "additionalProperties": False, "maxProperties": 1}
+    explanation: Schema = {
+        "type": "object",
+        "properties": {
+            "probability": {"type": "number", "exclusiveMinimum": 0, "maximum": 1},
+            "effects": {"type": "array", "items": {"$ref": "#/definitions/effect"}},
+            "correlations": _CORRELATIONS,
+        },
+        "required": ["probability", "effects"],
+        "additionalProperties": False,
+    }
+    one_of: Schema = {"type": "array", "items": explanation, "minItems": 1}
+    doubt: Schema = {
+        "type": "object",
+        "properties": {ONE_OF: one_of},
+        "required": [ONE_OF],
+        "additionalProperties": False,
+    }
+    listed: Schema = {"type": "array", "items": {"anyOf": [{"$ref": "#/definitions/effect"}, doubt]}}
+    return {**listed, "description": "effects of the catalogue, each as `effect-id: {parameter: quantity}`"}, {
+        "effect": {**entry, "minProperties": 1}
+    }
+
+
+def _entry(info: EffectInfo) -> Schema:
+    return {
+        "type": "object",
+        "description": info.what,
+        "properties": {name: parameter(each.unit, each.doc) for name, each in info.parameters.items()},
+        "additionalProperties": False,
+    }
+
 
 _PLAIN: Mapping[object, Schema] = {
     str: {"type": ["string", "number"]},

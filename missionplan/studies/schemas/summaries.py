@@ -25,7 +25,7 @@ from missionplan.results.rare_failure import RareFailure
 from missionplan.results.simulation import Outcome
 from missionplan.results.tide import TideResult
 from missionplan.results.transition import TransitionSweep
-from missionplan.studies.schemas.values import Schema
+from missionplan.studies.schemas.sections import Schema
 
 _RESULTS: Mapping[str, tuple[type[Result], ...]] = {
     "compare": (Comparison, Alternatives),

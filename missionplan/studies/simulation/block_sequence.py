@@ -1,6 +1,7 @@
-"""The blocks of a run in their order, from the checkpoint or from the workers, merged as they come."""
+"""Blocks of a run, run anywhere, merged in their order and kept; ended where the result is as precise as required."""
 
 import contextlib
+import math
 from collections.abc import Callable, Generator, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
@@ -8,16 +9,104 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from missionplan.errors import RunError
+from missionplan.errors import InputError, MissionplanError, Problem, RunError
+from missionplan.mission import Mission
+from missionplan.mission.checks.requirements import quantity_unit
+from missionplan.mission.units import QuantityError, parse_number_with_unit
 from missionplan.montecarlo.parallel.blocks import Progress
 from missionplan.montecarlo.streams import BLOCK
+from missionplan.scenario.currents.members import members_of
+from missionplan.scenario.scenario import Scenario
 from missionplan.store.checkpoints import Checkpoints
-from missionplan.studies.simulation.block_statistics import BlockStatistics, with_prefix
-from missionplan.studies.simulation.mission_trials import MapTracks
-from missionplan.studies.simulation.precision import Precision
+from missionplan.studies.simulation.block_statistics import (
+    SAMPLED_BLOCKS,
+    SCALES,
+    BlockStatistics,
+    requirement_key,
+    statistics_of_block,
+    with_prefix,
+)
+from missionplan.studies.simulation.trial_block import MapTracks, MissionTrials, run_block
 
-if TYPE_CHECKING:  # workers import this module: pandas takes half a second
+if TYPE_CHECKING:
     from missionplan.store.trials_table import TrialsTable
+
+
+_Z95 = 1.959963984540054
+SUCCESS = "success"
+_OPTION = "precision"
+
+
+@dataclass(frozen=True)
+class Precision:
+    """A standard error to be reached.
+
+    Attributes
+    ----------
+    key : str
+        Column of the statistics, such as ``moor.offset_m`` or ``total.success``.
+    error : float
+        In the results' unit, or a share of the mean.
+    relative, is_event : bool
+        Whether `error` is a share of the mean; whether it is that of a probability.
+    text : str
+        As written.
+    """
+
+    key: str
+    error: float
+    relative: bool
+    is_event: bool
+    text: str = field(default="", compare=False)
+
+    @classmethod
+    def parse(cls, text: str, mission: Mission) -> "Precision":
+        """Read ``0.5%`` (of P(success)), ``success=0.002``, ``total.duration=0.5%`` or ``moor.offset=0.1 m``.
+
+        Raises
+        ------
+        InputError
+            When the mission has no such quantity, or the number cannot be read.
+        """
+        name, _, wanted = text.rpartition("=")
+        name, wanted = name.strip() or SUCCESS, wanted.strip()
+        quantity = f"total.{SUCCESS}" if name == SUCCESS else name
+        unit = _unit(quantity, mission)
+        share = wanted.endswith("%")
+        try:
+            if share or unit is None:
+                error = float(wanted.removesuffix("%")) / (100.0 if share else 1.0)
+            else:
+                error = parse_number_with_unit(float(wanted) if unit == "" else wanted, unit) * SCALES.get(unit, 1.0)
+        except (ValueError, QuantityError) as problem:
+            hint = "such as 0.5%, success=0.002 or moor.offset=0.1 m"
+            raise InputError([Problem(f"given {text!r}: {problem}", key=_OPTION, hint=hint)]) from None
+        if not 0.0 < error < math.inf:
+            raise InputError([Problem(f"given {text!r}, expected more than 0", key=_OPTION)])
+        key, _ = requirement_key(mission, quantity)
+        return cls(key, error, relative=share and unit is not None, is_event=unit is None, text=text)
+
+    def is_reached(self, totals: BlockStatistics) -> bool:
+        """Whether the standard error is below the required one.
+
+        Of a probability, a quarter of Wilson's 95 % interval (Wilson 1927, J. Am. Stat. Assoc. 22, 209–212) takes the
+        place of √(p(1 − p)/n), which is 0 as long as p is 0 or 1.
+        """
+        if self.is_event:
+            probability = totals.counts[self.key].probability()
+            return (probability.high - probability.low) / (2.0 * _Z95) < self.error
+        statistic = totals.statistics[self.key].moments
+        limit = self.error * (abs(float(statistic.mean)) if self.relative else 1.0)
+        return bool(float(statistic.standard_error) < limit)
+
+
+def _unit(quantity: str, mission: Mission) -> str | None:
+    """Unit of a quantity's bound; None for an event."""
+    try:
+        return quantity_unit(quantity, mission.phases)
+    except QuantityError as error:
+        raise InputError([Problem(str(error), key=_OPTION)]) from None
+
 
 BlockItem = tuple[int, int]
 """A block and how many of its trials are used."""
@@ -167,3 +256,55 @@ class BlockSequence:
     def _keep(self, item: BlockItem, block: BlockOutcome) -> None:
         if self.store is not None and isinstance(block, BlockResult):
             self.store.write(*item, block.to_arrays())
+
+
+TRACKED_TRIALS = 300
+"""Trials whose tracks are on maps, the first of the run."""
+
+
+@dataclass(frozen=True, eq=False)  # hashed by identity: Dask hashes what it runs, and arrays have no hash
+class BlockTask:
+    """Runs a block, in this process or another; it holds everything that it needs.
+
+    Attributes
+    ----------
+    means : Scenario
+        The mission at its means, with the site's current where it is read from a file, which workers need not reach.
+    seed : int
+    keep_trials : bool
+        Whether to return one row a trial too.
+    """
+
+    means: Scenario
+    seed: int
+    keep_trials: bool = False
+
+    @property
+    def members(self) -> tuple[tuple[str, float], ...]:
+        """Names and probabilities of the members of the current's ensemble; none where it is none."""
+        return members_of(self.means.recorded)
+
+    def trials(self, block: int, size: int, *, tracked: int = 0, inputs: bool = True) -> MissionTrials:
+        """Run one block."""
+        scenario = self.means.sampled(seed=self.seed, block=block, size=size)
+        return run_block(scenario, self.seed, block, size, tracked, inputs)
+
+    def tracks(self, block: int, size: int) -> MapTracks:
+        """Run one block for its tracks."""
+        return MapTracks.of(self.trials(block, size, tracked=TRACKED_TRIALS, inputs=False))
+
+    def __call__(self, item: BlockItem) -> BlockOutcome:
+        """Run one block and reduce it; a numerical failure is returned, not raised, so that other blocks go on."""
+        (block, size), sampled = item, item[0] < SAMPLED_BLOCKS
+        tracked = TRACKED_TRIALS if block == 0 else 0
+        try:
+            trials = self.trials(block, size, tracked=tracked, inputs=sampled or self.keep_trials)
+            reduced = statistics_of_block(self.means.mission, trials, sampled=sampled, members=len(self.members))
+        except MissionplanError:
+            raise
+        except Exception as error:
+            first = block * BLOCK
+            place = f"block {block} (trials {first} to {first + size - 1}, seed {self.seed})"
+            return FailedBlock(f"{place}: {type(error).__name__}: {error}")
+        rows = trials.columns() if self.keep_trials else {}
+        return BlockResult(reduced, rows, MapTracks.of(trials) if tracked else None)

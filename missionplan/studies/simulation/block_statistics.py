@@ -16,8 +16,8 @@ from missionplan.montecarlo.running_statistics import RunningStatistics
 from missionplan.montecarlo.statistics import Count, Moments
 from missionplan.physics.energy import JOULES_PER_WATT_HOUR
 from missionplan.scenario.currents.drawn_current import MEMBER
-from missionplan.studies.simulation.mission_trials import MissionTrials
 from missionplan.studies.simulation.phase_trials import MET, Flags
+from missionplan.studies.simulation.trial_block import MissionTrials
 
 Value = TypeVar("Value")
 Side = Literal["at_most", "at_least"]

@@ -36,8 +36,8 @@ from missionplan.studies.simulation.block_statistics import (
     requirement_key,
     with_prefix,
 )
-from missionplan.studies.simulation.mission_trials import MapTracks
 from missionplan.studies.simulation.phase_trials import LIMIT_FAILURES, MET
+from missionplan.studies.simulation.trial_block import MapTracks
 
 INTEGER_QUANTITIES = ("surfacings",)
 """Quantities that are whole numbers."""

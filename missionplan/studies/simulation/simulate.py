@@ -22,21 +22,26 @@ from missionplan.studies.nominal_dive import check_dives
 from missionplan.studies.overdue.overdue import overdue
 from missionplan.studies.overdue.searches import Search, read_searches
 from missionplan.studies.run import Run, identified
-from missionplan.studies.simulation.block_sequence import BlockItem, BlockOutcome, BlockSequence, MergedBlocks
+from missionplan.studies.simulation.block_sequence import (
+    BlockItem,
+    BlockOutcome,
+    BlockSequence,
+    BlockTask,
+    MergedBlocks,
+    Precision,
+)
 from missionplan.studies.simulation.block_statistics import LIMIT
 from missionplan.studies.simulation.checks import (
     check_complete,
+    check_cover,
+    check_trials,
     held_vehicles,
     input_notices,
     mooring_anchors,
     run_notices,
 )
-from missionplan.studies.simulation.mission_trials import MissionTrials
 from missionplan.studies.simulation.outcome_builder import OutcomeBuilder
-from missionplan.studies.simulation.precision import Precision
-from missionplan.studies.simulation.record_cover import check_cover, check_trials
-from missionplan.studies.simulation.task import BlockTask
-from missionplan.studies.simulation.trial_block import run_block
+from missionplan.studies.simulation.trial_block import MissionTrials, run_block
 
 MAX_TRIALS = 10_000_000
 """Trials after which a run to a given precision ends, unless the number of trials is given."""

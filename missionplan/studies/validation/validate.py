@@ -1,13 +1,235 @@
-"""What a mission, a data set or a folder of them is good for: everything that any command would refuse, at once."""
+"""`validate`: what missions, data sets and folders are good for, and every problem of theirs at once."""
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from dataclasses import dataclass
 from pathlib import Path, PurePath
 
-from missionplan.errors import InputError
+from missionplan.datasets.dives import read_descent
+from missionplan.datasets.legs import read_transit
+from missionplan.datasets.reading import dataset_kind, files_outside
+from missionplan.datasets.records import DescentData, TransitData
+from missionplan.datasets.summaries import SummaryData, read_summary
+from missionplan.datasets.tank.data import TANK_FORMATS, read_tank_data
+from missionplan.errors import InputError, Problem
 from missionplan.mission import Mission, MissionOrPath, load
+from missionplan.mission.schema.shared_sections import ValueInForce
+from missionplan.mission.views import TransitionMission, TransitMission
+from missionplan.scenario.anchors import design_current
+from missionplan.scenario.scenario import Scenario
+from missionplan.scenario.site_current import recorded_current
 from missionplan.store.paths import as_path, is_folder
-from missionplan.studies.validation.missions import validated_mission
-from missionplan.studies.validation.readiness import Validated
+from missionplan.studies.leg_length.sweep_scenario import SweepScenario
+from missionplan.studies.nominal_dive import check_dives
+from missionplan.studies.optimisation.choosable import read_lattice
+from missionplan.studies.simulation.checks import check_complete, check_cover, cover_in_words, input_notices
+from missionplan.studies.validation.place import check_place, tracks_lost
+
+
+@dataclass(frozen=True)
+class Readiness:
+    """Whether one command can use a file.
+
+    Attributes
+    ----------
+    command : str
+    needs : tuple of str
+        What is missing or wrong; none where it is ready.
+    without : str
+        What a part of its answer needs, where it is ready.
+    """
+
+    command: str
+    needs: tuple[str, ...] = ()
+    without: str = ""
+
+    def __str__(self) -> str:
+        words = f"needs {'; '.join(self.needs)}" if self.needs else "ready"
+        return f"{self.command:<17} {words}" + (f"; needs {self.without}" if self.without and not self.needs else "")
+
+
+@dataclass(frozen=True)
+class Validated:
+    """What was found of one file or data set.
+
+    Attributes
+    ----------
+    path : Path
+    summary : str
+        What it is.
+    values : tuple of ValueInForce
+        Of a mission, what is in force of the keys that its vehicle file may give too.
+    table : tuple of Readiness
+        What it is good for.
+    notices : tuple of str
+        What is unusual.
+    problems : tuple of Problem
+        What is wrong; then there is no more.
+    """
+
+    path: Path
+    summary: str = ""
+    values: tuple[ValueInForce, ...] = ()
+    table: tuple[Readiness, ...] = ()
+    notices: tuple[str, ...] = ()
+    problems: tuple[Problem, ...] = ()
+
+
+def needs(check: Callable[[], object]) -> tuple[str, ...]:
+    """What a check refuses, in words: the key path where it is missing."""
+    try:
+        check()
+    except InputError as error:
+        return tuple(_in_words(problem) for problem in error.problems)
+    return ()
+
+
+def _in_words(problem: Problem) -> str:
+    if problem.message.startswith("missing"):
+        return problem.key
+    words = problem.message.removeprefix("the mission has no ")
+    return f"a {words}" if words != problem.message else f"{problem.key}: {words}" if problem.key else words
+
+
+_Read = Callable[[Path, Mission], TransitData | DescentData | SummaryData]
+DIAGNOSED: dict[str, _Read] = {"transit": read_transit, "descent": read_descent, "summary": read_summary}
+SCORED = ("transit", "descent")
+"""Kinds of data that `score` takes."""
+_STAND_IN = {
+    "site": {"depth": "11 km"},
+    "phases": [{"moor": {"radius": "1 m", "line_length": "1 m", "anchor_wet_weight": "1 N"}}],
+}
+"""Mission of a data set that is checked alone: what its runs leave to the mission is taken to be there."""
+
+
+def check_dataset(path: Path, mission: Mission | None, *, allow_outside: bool = False) -> None:
+    """Read a data set for what is wrong with it, before a diagnosis is imported for it.
+
+    Parameters
+    ----------
+    path : Path
+        Of its folder.
+    mission : Mission or None
+        None where it cannot be read: the data set is then checked alone.
+    allow_outside : bool
+        Whether its table may lie outside its folder.
+
+    Raises
+    ------
+    InputError
+        All problems of the data set.
+    """
+    with files_outside(allowed=allow_outside):
+        kind = dataset_kind(path, (*DIAGNOSED, *TANK_FORMATS))
+        if kind in TANK_FORMATS:
+            read_tank_data(path)
+        else:
+            DIAGNOSED[kind](path, mission or Mission.from_data(_STAND_IN))
+
+
+def validated_dataset(path: Path, missions: Sequence[Mission]) -> Validated:
+    """Check a data set with the first of some missions that gives it what its runs leave to it."""
+    try:
+        if not (path / "dataset.yaml").is_file():
+            raise InputError([Problem("holds neither a mission nor a data set", str(path))])
+        kind = dataset_kind(path, (*DIAGNOSED, *TANK_FORMATS))
+        summary = f"valid data set of kind {kind}."
+        if kind in TANK_FORMATS:
+            read_tank_data(path)
+            return Validated(path, summary, table=(Readiness("identify"), Readiness("diagnose")))
+        alone = DIAGNOSED[kind](path, Mission.from_data(_STAND_IN)).notices
+    except InputError as error:
+        return Validated(path, problems=error.problems)
+    lacking: tuple[str, ...] = ("a mission beside it, to check what the runs leave to it",)
+    for mission in missions:
+        try:
+            notices = DIAGNOSED[kind](path, mission).notices
+        except InputError as error:
+            lacking = tuple(f"{problem.key}: {problem.message} ({mission.file})" for problem in error.problems)
+        else:
+            return Validated(path, summary, table=_readiness(kind, ()), notices=notices)
+    return Validated(path, summary, table=_readiness(kind, lacking), notices=alone)
+
+
+def _readiness(kind: str, lacking: tuple[str, ...]) -> tuple[Readiness, ...]:
+    """Say which commands take a data set that lacks some things."""
+    return tuple(Readiness(command, lacking) for command in ("diagnose", *(("score",) if kind in SCORED else ())))
+
+
+def validated_mission(path: Path, mission: Mission) -> Validated:
+    """Check a mission that has been read.
+
+    Raises
+    ------
+    InputError
+        When the current cannot be read or does not cover the mission, a nominal dive is impossible, or what may be
+        chosen is wrong.
+    """
+    wrong = _wrong_choices(mission)
+    try:
+        means = Scenario.at_means(mission, recorded_current(mission))
+        check_cover(mission, means)
+        check_dives(means)
+        check_place(means)
+    except InputError as error:
+        raise InputError([*error.problems, *wrong]) from None
+    if wrong:
+        raise InputError(wrong)
+    notices: list[str] = []
+
+    def simulable() -> None:
+        check_complete(mission)
+        notices.extend((*input_notices(mission, means), *tracks_lost(means)))
+
+    simulation = needs(simulable)
+    kinds = ", ".join(phase.kind for phase in mission.phases) or "none"
+    legs = needs(lambda: SweepScenario.of(mission, means))
+    table = (
+        Readiness("simulate", simulation),
+        Readiness("export", needs(lambda: TransitMission.of(mission)), _origin(mission)),
+        Readiness("sweep-dmax", legs),
+        Readiness("plan-legs", legs),
+        Readiness("size-anchor", needs(lambda: _sizable(means)), _construction(mission)),
+        Readiness("sweep-transition", needs(lambda: TransitionMission.of(mission))),
+        Readiness("optimise", simulation or _requirements(mission), _choices(mission)),
+    )
+    summary = f"valid. Phases: {kinds}; {len(mission.uncertain())} quantities are distributions."
+    summary += cover_in_words(mission, means.recorded)
+    return Validated(path, summary, mission.values_in_force(), table, tuple(notices) or mission.notices())
+
+
+def _origin(mission: Mission) -> str:
+    placed = mission.site is not None and mission.site.origin is not None
+    return "" if placed else "site.origin for formats with positions on Earth"
+
+
+def _sizable(means: Scenario) -> None:
+    """Refuse a mission whose anchors cannot be sized."""
+    for phase in means.mooring.moors:
+        design_current(means, phase)
+
+
+def _construction(mission: Mission) -> str:
+    anchor = mission.vehicle.anchor if mission.vehicle else None
+    built = anchor is None or anchor.construction is not None
+    return "" if built else "vehicle.anchor.construction to say how the anchor is built"
+
+
+def _wrong_choices(mission: Mission) -> list[Problem]:
+    """Everything wrong with what the mission says may be chosen."""
+    try:
+        if mission.optimise.choose:
+            read_lattice(mission, ())
+    except InputError as error:
+        return list(error.problems)
+    return []
+
+
+def _requirements(mission: Mission) -> tuple[str, ...]:
+    return () if mission.requirements else ("requirements",)
+
+
+def _choices(mission: Mission) -> str:
+    return "" if mission.optimise.choose else "optimise.choose in the mission, or --choose"
 
 
 def validate(paths: MissionOrPath | Iterable[MissionOrPath], *, allow_outside: bool = False) -> tuple[Validated, ...]:
@@ -45,7 +267,7 @@ def validate(paths: MissionOrPath | Iterable[MissionOrPath], *, allow_outside: b
             valid.append(mission)
     if datasets:
         from missionplan.datasets.reading import files_outside
-        from missionplan.studies.validation.datasets import validated_dataset
+        from missionplan.studies.validation.validate import validated_dataset
 
         with files_outside(allowed=allow_outside):
             done += [validated_dataset(path, valid) for path in datasets]

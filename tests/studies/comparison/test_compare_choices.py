@@ -13,7 +13,7 @@ from missionplan.report.render import terminal_view
 from missionplan.results.base import to_yaml
 from missionplan.results.choosing.alternatives import Alternatives
 from missionplan.results.task import parts_of_task
-from missionplan.studies.exploration.key_paths import with_values
+from missionplan.studies.exploration.variation import with_values
 
 MISSIONS = Path(__file__).parents[3] / "missions"
 CHESAPEAKE = missionplan.load(MISSIONS / "chesapeake.yaml")

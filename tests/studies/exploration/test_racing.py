@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 import missionplan
-from missionplan.studies.exploration.cell_run import CellTrials
-from missionplan.studies.exploration.racing import race
+from missionplan.studies.exploration.cells import CellTrials
+from missionplan.studies.exploration.findings import race
 
 MISSIONS = Path(__file__).parents[3] / "missions"
 

@@ -7,7 +7,7 @@ import pytest
 
 from missionplan.mission import Mission
 from missionplan.scenario.site_current import recorded_current
-from missionplan.studies.exploration.shared_current import SharedCurrent
+from missionplan.studies.exploration.cells import SharedCurrent
 
 FIRST = datetime.fromisoformat("2026-06-01T06:00:00+00:00")
 HOURS = (0.0, 0.5, 3.0, 9.25)

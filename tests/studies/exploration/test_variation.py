@@ -10,8 +10,7 @@ from hypothesis import strategies as st
 
 import missionplan
 from missionplan.errors import InputError
-from missionplan.studies.exploration.key_paths import known_key, known_keys, with_values
-from missionplan.studies.exploration.variation import read_axis, steps
+from missionplan.studies.exploration.variation import known_key, known_keys, read_axis, steps, with_values
 
 MISSIONS = Path(__file__).parents[3] / "missions"
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from missionplan.studies.leg_length import leg_spread
+from missionplan.studies.leg_length import analytic_transit as leg_spread
 
 
 def stops(terms, values):

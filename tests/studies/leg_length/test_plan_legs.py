@@ -11,7 +11,7 @@ from missionplan.mission import load
 from missionplan.montecarlo.statistics import wilson
 from missionplan.phases.transit.leg_table import LegTable
 from missionplan.studies.leg_length import optimise_legs, paired_trials
-from missionplan.studies.leg_length.leg_spread import fit_leg_spread
+from missionplan.studies.leg_length.analytic_transit import fit_leg_spread
 from missionplan.studies.leg_length.paired_trials import LegsAtSpeed, best_plan, run_plans
 from missionplan.studies.leg_length.plan_legs import plan_legs
 from missionplan.studies.leg_length.policy_search import PolicyFamily

@@ -8,9 +8,9 @@ import pytest
 
 from missionplan.errors import InputError
 from missionplan.mission import Mission, load
-from missionplan.studies.leg_length.cells import MAX_PAIRED, CellTotals, _totals
 from missionplan.studies.leg_length.plan_legs import plan_legs
 from missionplan.studies.leg_length.sweep_dmax import sweep_dmax
+from missionplan.studies.leg_length.sweep_scenario import MAX_PAIRED, CellTotals, _totals
 
 FIG8 = Path(__file__).parents[3] / "missions" / "fig8.yaml"
 SMALL = """

@@ -11,7 +11,7 @@ import missionplan
 from missionplan.errors import InputError
 from missionplan.mission import Mission
 from missionplan.report.optimisation import answer
-from missionplan.studies.exploration.key_paths import with_values
+from missionplan.studies.exploration.variation import with_values
 from missionplan.studies.optimisation.choosable import read_lattice
 
 MISSIONS = Path(__file__).parents[3] / "missions"

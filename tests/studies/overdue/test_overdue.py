@@ -21,9 +21,8 @@ from missionplan.results.overdue import SearchArea
 from missionplan.results.simulation import Outcome
 from missionplan.scenario.scenario import Scenario
 from missionplan.studies.overdue.drift import Drift
-from missionplan.studies.simulation.mission_trials import MissionTrials
 from missionplan.studies.simulation.simulate import simulate
-from missionplan.studies.simulation.trial_block import run_block
+from missionplan.studies.simulation.trial_block import MissionTrials, run_block
 
 DRIFTING = """
 name: Ten legs in a current

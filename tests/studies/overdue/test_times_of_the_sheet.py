@@ -8,8 +8,8 @@ import pytest
 from missionplan.physics.energy import JOULES_PER_WATT_HOUR
 from missionplan.studies.overdue.losses import _last_fix, losses
 from missionplan.studies.overdue.overdue import _reach, _spent, _surfacings, _time
-from missionplan.studies.simulation.mission_trials import MissionTrials
 from missionplan.studies.simulation.phase_trials import PhaseTrials
+from missionplan.studies.simulation.trial_block import MissionTrials
 
 N = 40
 LATER = np.arange(N, dtype=float)

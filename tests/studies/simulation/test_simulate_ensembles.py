@@ -19,13 +19,13 @@ from missionplan.scenario.scenario import Scenario
 from missionplan.scenario.site_current import recorded_current
 from missionplan.studies.anchor.size_anchor import size_anchor
 from missionplan.studies.exploration.explore import explore
-from missionplan.studies.exploration.key_paths import with_values
+from missionplan.studies.exploration.variation import with_values
 from missionplan.studies.leg_length import paired_trials
 from missionplan.studies.leg_length.plan_legs import plan_legs
 from missionplan.studies.leg_length.sweep_dmax import sweep_dmax
 from missionplan.studies.optimisation.optimise import optimise
 from missionplan.studies.simulation.simulate import simulate, simulate_block
-from missionplan.studies.validation.missions import validated_mission
+from missionplan.studies.validation.validate import validated_mission
 
 SPEEDS = (0.0, 0.1, 1.2)
 WEIGHTS = (5.0, 3.0, 2.0)

@@ -15,10 +15,10 @@ from missionplan.montecarlo.running_statistics import RunningStatistics
 from missionplan.montecarlo.statistics import Count
 from missionplan.montecarlo.streams import BLOCK
 from missionplan.scenario.scenario import Scenario
+from missionplan.studies.simulation import block_sequence as task
 from missionplan.studies.simulation import simulate as module
-from missionplan.studies.simulation import task
+from missionplan.studies.simulation.block_sequence import Precision
 from missionplan.studies.simulation.block_statistics import BlockStatistics
-from missionplan.studies.simulation.precision import Precision
 from missionplan.studies.simulation.simulate import simulate
 
 TRIALS = 2 * BLOCK + 500
