@@ -10,6 +10,7 @@ from missionplan.mission.schema import quantities as q
 from missionplan.mission.schema.identified import MeasuredAddedMass, MeasuredDrag, Propulsion, StaticThruster
 from missionplan.mission.schema.limits import Limit
 from missionplan.mission.schema.quantity_parser import QuantityParser
+from missionplan.mission.schema.reliability import DistanceHazard, EventHazard, HourlyHazard, hazard_tag
 from missionplan.mission.schema.section import FileSection, V, invalid
 from missionplan.mission.schema.transition import Manoeuvring, TunnelThrusterSection
 from missionplan.mission.schema.wind import LeewaySection
@@ -206,6 +207,15 @@ class Vehicle(FileSection, Generic[V]):
     drag: MeasuredDrag[V] | None = None
     added_mass: MeasuredAddedMass[V] | None = None
     propulsion: Propulsion[V] | None = None
+    reliability: tuple[
+        Annotated[
+            Annotated[HourlyHazard[V], Tag("<hour>")]
+            | Annotated[DistanceHazard[V], Tag("<km>")]
+            | Annotated[EventHazard[V], Tag("<event>")],
+            Discriminator(hazard_tag),
+        ],
+        ...,
+    ] = ()
     thrusters: tuple[
         Annotated[
             Annotated[TunnelThrusterSection[V], Tag("<tunnel>")] | Annotated[StaticThruster[V], Tag("<static>")],

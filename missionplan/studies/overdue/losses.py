@@ -9,12 +9,12 @@ from numpy.typing import NDArray
 
 from missionplan.arrays import Array
 from missionplan.results.overdue import Way
-from missionplan.studies.simulation.phase_trials import AGROUND, FLOODED_EARLY, Flags, PhaseTrials
+from missionplan.studies.simulation.phase_trials import AGROUND, EQUIPMENT, FLOODED_EARLY, Flags, PhaseTrials
 
 FEWEST_FAILED = 20
 """Trials that failed in a way, from which its search area is taken; with fewer, others are assumed to fail so."""
-_SINKING = (AGROUND, FLOODED_EARLY)
-_HELD = ("did not surface",)
+_SINKING = (AGROUND, FLOODED_EARLY, f"{EQUIPMENT}, sunk", f"{EQUIPMENT}, lost")
+_HELD = ("did not surface", f"{EQUIPMENT}, moored")
 
 
 @dataclass(frozen=True)

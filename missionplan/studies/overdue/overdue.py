@@ -16,7 +16,7 @@ from missionplan.studies.overdue.drift import Drift
 from missionplan.studies.overdue.losses import losses
 from missionplan.studies.overdue.search_areas import search_areas
 from missionplan.studies.overdue.searches import Search
-from missionplan.studies.simulation.phase_trials import Flags, PhaseTrials
+from missionplan.studies.simulation.phase_trials import EQUIPMENT, Flags, PhaseTrials
 from missionplan.studies.simulation.trial_block import MissionTrials
 
 FEWEST_BACK = 50
@@ -81,8 +81,10 @@ def _first_failures(trials: MissionTrials, missing: Flags) -> Iterator[tuple[tup
     good = np.ones(missing.size, dtype=bool)
     for phase in trials.phases:
         for reason, flags in phase.failures.items():
-            if np.any(good & flags & missing):
-                yield (phase.name, reason), good & flags & missing
+            kinds = {f"{reason}, {leaves}": own for leaves, own in phase.left.items()} if reason == EQUIPMENT else {}
+            for name, own in (kinds or {reason: flags}).items():
+                if np.any(good & own & missing):
+                    yield (phase.name, name), good & own & missing
             good = good & ~flags
 
 

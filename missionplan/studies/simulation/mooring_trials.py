@@ -23,6 +23,7 @@ from missionplan.studies.simulation.phase_trials import (
     OUT_OF_ENERGY,
     TOO_LIGHT,
     TOO_SHALLOW,
+    Exposure,
     Flags,
     PhaseTrials,
     TrialBlock,
@@ -105,8 +106,19 @@ def mooring_trials(
         radius=plan.radius,
         inputs={},
         contact=contact,
+        exposure=_exposure(plan, begun, record),
     )
     return continuing, found
+
+
+def _exposure(plan: MoorPlan, begun: Flags, record: MoorRecord) -> Exposure:
+    """What the equipment of the trials that began the mooring goes through, to the end of the hold where they stay."""
+    descent, one = record.descent, begun.astype(float)
+    held = descent.release_time + np.nan_to_num(descent.descent_time) + plan.hold + plan.galvanic_release
+    time = np.where(record.surfaced, np.nan_to_num(record.duration), held)
+    down = begun & descent.touched_down
+    up = (down & record.surfaced).astype(float)
+    return Exposure(one * time, 0.0, up, one, one, down.astype(float))
 
 
 def _prevented(block: TrialBlock, phase: MoorPhase[Scalars], plan: MoorPlan, begun: Flags) -> dict[str, Flags]:

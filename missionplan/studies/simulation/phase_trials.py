@@ -1,7 +1,7 @@
 """Trials of a phase: what every kind of phase tells of them, and transits and transitions."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, fields, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -32,11 +32,12 @@ AGROUND = "aground"
 ON_LAND = "on-land"
 KEEP_OUT = "keep-out"
 UNCHARTED = "left the grid of depths"
+EQUIPMENT = "equipment"
 TOO_SHALLOW = "line and vehicle longer than the water is deep"
 TOO_LIGHT = "anchor too light to sink the vehicle"
 FLOODED_EARLY = "anchor flooded before its release"
 LINE_PARTED = "line parted"
-LIMIT_FAILURES = (LEFT_RECORD, OUTRUN, AGROUND, ON_LAND, KEEP_OUT, UNCHARTED, TOO_SHALLOW, TOO_LIGHT)
+LIMIT_FAILURES = (EQUIPMENT, LEFT_RECORD, OUTRUN, AGROUND, ON_LAND, KEEP_OUT, UNCHARTED, TOO_SHALLOW, TOO_LIGHT)
 """Failures where the world sets a limit: reported where some trial met it."""
 
 
@@ -47,6 +48,35 @@ MET = {
     Cause.UNCHARTED: UNCHARTED,
 }
 """Failures by what a trial has met."""
+
+
+@dataclass(frozen=True)
+class Exposure:
+    """What the vehicle's equipment has been through; floats or arrays of shape (n,).
+
+    Attributes
+    ----------
+    time, distance : float or array
+        [s], and through the water [m].
+    surfacings, dives, releases, wake_ups : float or array
+    """
+
+    time: Scalars = 0.0
+    distance: Scalars = 0.0
+    surfacings: Scalars = 0.0
+    dives: Scalars = 0.0
+    releases: Scalars = 0.0
+    wake_ups: Scalars = 0.0
+
+    def plus(self, other: "Exposure") -> "Exposure":
+        """Add what comes next."""
+        return Exposure(*(getattr(self, each.name) + getattr(other, each.name) for each in fields(self)))
+
+    def of(self, per: str) -> Array:
+        """Return what a hazard counts by."""
+        names = {"hour": "time", "km": "distance", "surfacing": "surfacings", "dive": "dives"}
+        names |= {"release": "releases", "wake-up": "wake_ups"}
+        return np.asarray(getattr(self, names[per]), dtype=float)
 
 
 @dataclass(frozen=True)
@@ -104,6 +134,10 @@ class PhaseTrials:
         Draws of each leg or fix, summed up in one number a trial; empty where not requested.
     contact : Contact or None
         What of ground, coast and zones each trial met here, on which leg and where; None where the phase meets none.
+    exposure : Exposure
+        Of the equipment, in this phase.
+    left : mapping of str to array of bool, shape (n,)
+        Trials whose equipment failed here, by what that leaves of the vehicle: ``adrift``, ``sunk``, ….
     """
 
     name: str
@@ -122,6 +156,8 @@ class PhaseTrials:
     radius: Scalars
     inputs: Mapping[str, Array]
     contact: Contact | None = None
+    exposure: Exposure = Exposure()
+    left: Mapping[str, Flags] = field(default_factory=dict)
 
 
 def failures_met(contact: Contact) -> dict[str, Flags]:
@@ -214,6 +250,7 @@ def transit_trials(
         radius=plan.arrival_radius,
         inputs=_leg_inputs(plan, normals, state, record, goal) if block.inputs and not plan.via else {},
         contact=record.contact if environment.place is not None else None,
+        exposure=Exposure(record.duration, record.distance, record.surfacings, record.surfacings),
     )
     return continuing, found
 

@@ -13,8 +13,10 @@ from missionplan.phases.state import TrialState
 from missionplan.physics.energy import JOULES_PER_WATT_HOUR
 from missionplan.scenario.scenario import Scenario
 from missionplan.scenario.transit_streams import deployed
+from missionplan.studies.simulation.equipment import failing, parts_of
 from missionplan.studies.simulation.mooring_trials import mooring_trials
 from missionplan.studies.simulation.phase_trials import (
+    Exposure,
     Flags,
     PhaseTrials,
     TrialBlock,
@@ -140,7 +142,9 @@ def _run(block: TrialBlock, trials: int) -> MissionTrials:
     state = _deployed(block, trials)
     goal = state.position
     done: list[PhaseTrials] = []
+    parts, exposure = parts_of(block, trials), Exposure()
     for phase in scenario.drawn.phases:
+        begun = state
         if isinstance(phase, TransitPhase):
             state, found = transit_trials(block, phase, state)
             goal = found.goal
@@ -148,6 +152,8 @@ def _run(block: TrialBlock, trials: int) -> MissionTrials:
             state, found = mooring_trials(block, phase, state, goal)
         else:
             state, found = transition_trials(block, phase, state)
+        if parts:
+            state, found, exposure = failing(parts, exposure, begun, state, found)
         done.append(found)
     success = np.ones(trials, dtype=bool)
     for found in done:

@@ -1,0 +1,40 @@
+"""When parts fail: ages at failure from standard normals, so that every law is drawn from one stream.
+
+With E = −ln(1 − Φ(z)), exponential of mean 1, a part of constant rate λ fails at the age E/λ, one of a Weibull law at
+η E^(1/β), and one that fails with probability p each time at the ⌈E/(−ln(1 − p))⌉-th (Rausand & Høyland, *System
+Reliability Theory*, 2004, ch. 2). Ages are in the unit of the exposure: seconds, metres or events.
+"""
+
+import numpy as np
+import scipy
+
+from missionplan.arrays import Array, Scalars
+
+
+def exponential(normals: Array) -> Array:
+    """Exponential variables of mean 1 from standard normals, shape (n,)."""
+    return np.asarray(-scipy.special.log_ndtr(-normals))
+
+
+def age_at_rate(rate: Scalars, normals: Array) -> Array:
+    """Age at failure of a constant rate, shape (n,); infinite at a rate of 0."""
+    rate = np.asarray(rate, dtype=float)
+    return np.where(rate > 0.0, exponential(normals) / np.where(rate > 0.0, rate, 1.0), np.inf)
+
+
+def age_weibull(shape: Scalars, scale: Scalars, normals: Array) -> Array:
+    """Age at failure of a Weibull law of shape β and scale η, shape (n,)."""
+    return np.asarray(scale * exponential(normals) ** (1.0 / np.asarray(shape)))
+
+
+def count_at_chance(chance: Scalars, normals: Array) -> Array:
+    """Number of the event at which a part fails that does so with a probability each time, from 1, shape (n,)."""
+    chance = np.asarray(chance, dtype=float)
+    rate = -np.log1p(-np.minimum(chance, 1.0 - 1e-15))
+    return np.maximum(np.ceil(age_at_rate(rate, normals)), 1.0)
+
+
+def rate_of_counts(failures: float, exposure: float, normals: Array) -> Array:
+    """Rate given failures in an exposure: gamma of shape failures + ½, Jeffreys' posterior, shape (n,)."""
+    share = scipy.special.ndtr(normals)
+    return np.asarray(scipy.special.gammaincinv(failures + 0.5, share) / exposure)
