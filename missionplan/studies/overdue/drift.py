@@ -1,7 +1,7 @@
 """The drift of a vehicle afloat: with the surface current, the effects at the surface and the wind."""
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import scipy
@@ -15,6 +15,7 @@ from missionplan.phases.currents import Current
 from missionplan.phases.fields.ensemble import Ensemble
 from missionplan.phases.fields.forecast_error import Statistics
 from missionplan.phases.hooks import TransitEffect, surface_velocity
+from missionplan.phases.place.place import Cause, Place, Way
 from missionplan.scenario.currents.drawn_current import with_error
 from missionplan.scenario.scenario import STILL_WATER, Scenario
 
@@ -28,6 +29,8 @@ UNSTATED_TIME = 12.0 * 3600.0
 """Time over which that error is forgotten [s]: half a day, as tides and inertial motion are what a mean leaves out."""
 _FIRST_STEP, _LONGEST_STEP = 300.0, 3600.0
 """Of the integration [s]: no tide and no forecast turns within less than the longest."""
+_LOOKOUT = 900.0
+"""Between two looks for the shore [s]."""
 _PLACE_ERROR = 0.05
 """Of a step, over all trials [m]."""
 
@@ -45,12 +48,15 @@ class Drift:
         Of the block.
     is_error_assumed : bool
         Whether the current's error is not the mission's.
+    shore : Place or None
+        Land and ground on which a vehicle strands; None where the mission gives none.
     """
 
     current: Current
     effects: tuple[TransitEffect, ...]
     trials: int = 1
     is_error_assumed: bool = False
+    shore: Place | None = None
 
     @classmethod
     def of(cls, scenario: Scenario, seed: int, size: int) -> "Drift":
@@ -60,7 +66,7 @@ class Drift:
         if not is_stated:
             source = BlockStreams(seed, 0)
             current = with_error(current, Statistics(UNSTATED_ERROR, UNSTATED_TIME, None), source, size)
-        return cls(current, scenario.effects_afloat, size, not is_stated)
+        return cls(current, scenario.effects_afloat, size, not is_stated, _shore(scenario.place))
 
     def velocity(self, t: Array, place: Array) -> Array:
         """Velocity over the ground, shape (2, n) [m/s].
@@ -86,10 +92,18 @@ class Drift:
         times : sequence of float
             Increasing, since the mission's start [s].
         """
+        stranded = np.zeros(clock.size, dtype=bool)
         for time in times:
-            lasting = np.maximum(time - clock, 0.0)
-            place = self._carried(place, clock, lasting)
-            clock = clock + lasting
+            while np.any(clock < time):
+                lasting = np.maximum(time - clock, 0.0)
+                if self.shore is not None:
+                    lasting = np.minimum(lasting, _LOOKOUT)
+                carried = self._carried(place, clock, np.where(stranded, 0.0, lasting))
+                if self.shore is not None:
+                    contact = self.shore.meets(Way(place, carried, clock, clock + lasting))
+                    ashore = contact.of(Cause.ON_LAND) | contact.of(Cause.AGROUND)
+                    carried, stranded = np.where(ashore, contact.where, carried), stranded | ashore
+                place, clock = carried, clock + lasting
             yield place
 
     def _carried(self, place: Array, clock: Array, lasting: Array) -> Array:
@@ -113,6 +127,15 @@ class Drift:
             t_eval=(1.0,),
         )
         return np.asarray(solved.y[:, -1].reshape(2, -1))
+
+
+def _shore(place: Place | None) -> Place | None:
+    """Return what stops a drifting vehicle: land, and ground on which the hull touches; zones do not."""
+    if place is None:
+        return None
+    land = tuple(zone for zone in place.zones if zone.is_land)
+    fence = replace(place.fence, zones=land) if place.fence is not None and land else None
+    return None if fence is None and place.ground is None else replace(place, fence=fence, clearance=0.0)
 
 
 def states_error(mission: Mission, current: Current) -> bool:

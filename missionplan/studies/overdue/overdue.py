@@ -73,7 +73,8 @@ def _assumptions(scenario: Scenario, drift: Drift, last: float) -> Iterator[Assu
     records = (scenario.recorded, scenario.wind)
     if any(isinstance(record, RecordedCurrent) and record.time[-1] < last for record in records):
         yield Assumption.BEYOND_RECORD
-    yield Assumption.NO_LAND
+    if drift.shore is None:
+        yield Assumption.NO_LAND
 
 
 def _first_failures(trials: MissionTrials, missing: Flags) -> Iterator[tuple[tuple[str, str], Flags]]:

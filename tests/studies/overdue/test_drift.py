@@ -11,6 +11,8 @@ from matplotlib.path import Path as Outline
 import missionplan
 from missionplan.phases.currents import Current, layers
 from missionplan.phases.leeway import Leeway, leeway_velocity
+from missionplan.phases.place.place import Place
+from missionplan.phases.place.zones import Fence, Zone
 from missionplan.results.overdue import AFLOAT, Assumption
 from missionplan.scenario.scenario import Scenario
 from missionplan.studies.overdue.drift import UNSTATED_ERROR, UNSTATED_TIME, Drift
@@ -222,3 +224,14 @@ def _holds(area, places):
         [np.logical_xor.reduce([Outline(r.T).contains_points(places.T) for r in rings]) for rings in area.polygons],
         axis=0,
     )
+
+
+def test_a_coast_stops_a_drifter():
+    """Land from 1000 m east on: who drifts there at 0.5 m/s stays, who passes south of it goes on."""
+    shapely = pytest.importorskip("shapely")
+    land = Zone(shapely.box(1000.0, 0.0, 5000.0, 5000.0), "coast", is_land=True)
+    shore = Place(fence=Fence((land,), np.array([-1e4, -1e4]), np.array([1e4, 1e4])))
+    drift = Drift(layers([1.0], [0.5], [np.pi / 2.0]), (), 2, shore=shore)
+    first, last = drift.places(np.array([[0.0, 0.0], [100.0, -100.0]]), np.zeros(2), (1000.0, 6000.0))
+    assert first == pytest.approx(np.array([[500.0, 500.0], [100.0, -100.0]]))
+    assert last == pytest.approx(np.array([[1000.0, 3000.0], [100.0, -100.0]]))
