@@ -134,6 +134,8 @@ class Importer:
         Whether files are read by it without `--format`.
     identify : callable or None
         From a path to the vehicle and the deployment that a file is of; may raise as a reader does.
+    is_choosing : bool
+        Whether a file may be of several vehicles, of which the reader reads one.
     """
 
     name: str
@@ -142,6 +144,7 @@ class Importer:
     read: Callable[[Sequence[Path], ReadOptions, SourceLog], Track]
     is_guessed: bool = True
     identify: Callable[[Path], Identity] | None = None
+    is_choosing: bool = False
 
 
 def unpacked(path: Path) -> BinaryIO:

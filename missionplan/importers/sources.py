@@ -146,11 +146,12 @@ def of_one(found: Sources, vehicle: str | None, deployment: str | None) -> tuple
     InputError
         With the list, when files of several are given and none is chosen, or one that is not there.
     """
-    identify = found.importer.identify
-    if identify is None:
-        return found, Identity()
-    known = {each: _identity(identify, each.path) for each in found.files}
-    vehicle = _chosen("vehicle", vehicle, {each: known[each].vehicle for each in known}, is_open=False)
+    reader = found.importer
+    known = {each: _identity(reader.identify, each.path) for each in found.files}
+    is_named = any(one.vehicle for one in known.values())
+    vehicle = _chosen(
+        "vehicle", vehicle, {each: known[each].vehicle for each in known}, is_open=reader.is_choosing and not is_named
+    )
     known = {each: one for each, one in known.items() if _same(one.vehicle, vehicle)}
     is_dated = bool(deployment) and not any(one.deployment for one in known.values())
     named = _chosen("deployment", deployment, {each: known[each].deployment for each in known}, is_open=is_dated)
@@ -158,9 +159,9 @@ def of_one(found: Sources, vehicle: str | None, deployment: str | None) -> tuple
     return replace(found, files=kept), Identity(vehicle, "" if is_dated else named)
 
 
-def _identity(identify: Callable[[Path], Identity], path: Path) -> Identity:
+def _identity(identify: Callable[[Path], Identity] | None, path: Path) -> Identity:
     try:
-        return identify(path)
+        return identify(path) if identify is not None else Identity()
     except DAMAGED:
         return Identity()  # the reader will say what is wrong with it
 

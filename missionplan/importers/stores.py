@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from missionplan.arrays import Array
 from missionplan.importers.track import Break, Series, series
 
-MOST = 1_000_000
+MOST = 400_000
 """Readings that are held of one channel: of more, one in half a second, in a second and so on is kept."""
 _FINEST = 0.5
 

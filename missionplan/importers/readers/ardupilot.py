@@ -7,9 +7,11 @@ Set".
 """
 
 import math
+import re
 from collections import Counter
-from collections.abc import Iterator, Sequence
-from contextlib import redirect_stderr, redirect_stdout
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from contextlib import closing, redirect_stderr, redirect_stdout
+from functools import partial
 from io import StringIO
 from pathlib import Path
 from types import ModuleType
@@ -20,14 +22,17 @@ import numpy as np
 from missionplan.arrays import Array
 from missionplan.errors import InputError, Problem, shown
 from missionplan.importers.geodesy import plane_positions
-from missionplan.importers.importer import Importer, ReadOptions, SourceLog, needed_module
+from missionplan.importers.importer import Identity, Importer, ReadOptions, SourceLog, needed_module
 from missionplan.importers.stores import Samples
-from missionplan.importers.track import Break, Positions, Track, fixes, positions, series
+from missionplan.importers.track import Break, Positions, Series, Track, fixes, positions, series
 
 _MAGIC = b"\xa3\x95\x80"
 """First bytes of a dataflash log: the format of its formats."""
 _STARTS = (b"\xfe", b"\xfd")
 """First byte of a MAVLink 1 or 2 packet, after a time of 8 bytes."""
+_PROCESSOR = re.compile(rb"\b([0-9A-F]{8} [0-9A-F]{8} [0-9A-F]{8})\b")
+_BEGINNING = 1_000_000
+"""Bytes in which it stands."""
 _SUBMARINE = 12
 _NO_VEHICLES = (6, 18, 26, 27, 30)
 """MAV_TYPE of ground stations, companion computers, gimbals, ADS-B and cameras."""
@@ -41,12 +46,11 @@ _COLUMNS = {
     "place": ("t", "lat", "lon"),
     "plane": ("t", "north", "east"),
     "depth": ("t", "depth"),
+    "barometer": ("t", "depth"),
     "attitude": ("t", "heading", "pitch"),
     "origin": ("lat", "lon"),
     "boot": ("t", "since"),
 }
-_TYPES = ("GPS", "POS", "XKF1", "NKF1", "CTUN", "ATT", "ORGN", "MSG", "HEARTBEAT", "GPS_RAW_INT", "GLOBAL_POSITION_INT",
-          "LOCAL_POSITION_NED", "ATTITUDE", "GPS_GLOBAL_ORIGIN", "VFR_HUD", "SYSTEM_TIME")  # fmt: skip
 
 
 class _Found:
@@ -63,6 +67,13 @@ def recognises(path: Path, head: bytes) -> bool:
     return head.startswith(_MAGIC) or (path.suffix.lower() == ".tlog" and head[8:9] in _STARTS)
 
 
+def identity(path: Path) -> Identity:
+    """Number of the autopilot's processor, which a dataflash log begins with, ``Pixhawk1 003E0037 31365118 ...``."""
+    with path.open("rb") as stream:
+        found = _PROCESSOR.search(stream.read(_BEGINNING))
+    return Identity(found[1].decode().replace(" ", "") if found else "")
+
+
 def read(files: Sequence[Path], options: ReadOptions, log: SourceLog) -> Track:
     """Read logs as one track.
 
@@ -76,8 +87,7 @@ def read(files: Sequence[Path], options: ReadOptions, log: SourceLog) -> Track:
     for path in log.each(sorted(files)):
         with log.reading(path):
             system = _system(library, path, options.vehicle)
-            for message in _messages(library, path, system):
-                _add(found, message)
+            _each_message(library, path, _TAKEN, system, partial(_add, found))
     kind = found.kinds.most_common(1)[0][0] if found.kinds else _SUBMARINE
     if kind != _SUBMARINE:
         what = _KINDS.get(kind, f"a vehicle of MAV_TYPE {kind}")
@@ -86,7 +96,8 @@ def read(files: Sequence[Path], options: ReadOptions, log: SourceLog) -> Track:
         message = "has no fix: no GPS message" if not found.told["gps"] else "has no fix: the GPS never had a position"
         raise InputError([Problem(message, str(log.read[0]), hint="legs go from fix to fix")])
     samples = found.samples
-    attitude, depth = samples["attitude"], samples["depth"]
+    attitude = samples["attitude"]
+    depth = next((each for each in (_series(samples[name]) for name in ("depth", "barometer")) if len(each)), Series())
     own, how = _reckoned(samples)
     return Track(
         name="ArduSub",
@@ -95,7 +106,7 @@ def read(files: Sequence[Path], options: ReadOptions, log: SourceLog) -> Track:
                        for name in _COLUMNS["fix"]}),
         reckoned=own,
         reckoning=how,
-        depth=series(depth["t"], depth["depth"]),
+        depth=depth,
         pitch=series(attitude["t"], attitude["pitch"]),
         heading=series(attitude["t"], attitude["heading"] % 360.0),
         heading_from="true",
@@ -103,22 +114,18 @@ def read(files: Sequence[Path], options: ReadOptions, log: SourceLog) -> Track:
     )  # fmt: skip
 
 
-def _messages(library: ModuleType, path: Path, system: int | None) -> Iterator[Any]:
-    """Messages of the wanted types, of one vehicle; what the library prints is kept from the terminal."""
-    with redirect_stdout(StringIO()), redirect_stderr(StringIO()):
-        log = library.mavlink_connection(str(path))
-    try:
-        while True:
-            with redirect_stdout(StringIO()), redirect_stderr(StringIO()):
-                message = log.recv_match(type=list(_TYPES))
-            if message is None:
-                return
+def _each_message(
+    library: ModuleType, path: Path, kinds: Collection[str], system: int | None, take: Callable[[Any], None]
+) -> None:
+    """Take each message of some kinds, of one vehicle; what the library prints is kept from the terminal."""
+    with (
+        redirect_stdout(StringIO()),
+        redirect_stderr(StringIO()),
+        closing(library.mavlink_connection(str(path))) as log,
+    ):
+        while (message := log.recv_match(type=list(kinds))) is not None:
             if system is None or message.get_srcSystem() == system:
-                yield message
-    finally:
-        close = getattr(log, "close", None)
-        if close is not None:
-            close()
+                take(message)
 
 
 def _system(library: ModuleType, path: Path, wanted: str | None) -> int | None:
@@ -131,11 +138,13 @@ def _system(library: ModuleType, path: Path, wanted: str | None) -> int | None:
     """
     if path.suffix.lower() != ".tlog":
         return None
-    heard = Counter(
-        message.get_srcSystem()
-        for message in _messages(library, path, None)
-        if message.get_type() == "HEARTBEAT" and message.type not in _NO_VEHICLES
-    )
+    heard: Counter[int] = Counter()
+
+    def hear(message: Any) -> None:
+        heard[message.get_srcSystem()] += int(message.type not in _NO_VEHICLES)
+
+    _each_message(library, path, ("HEARTBEAT",), None, hear)
+    heard = +heard  # without those of which there are none
     if wanted is not None and wanted.isdigit() and int(wanted) in heard:
         return int(wanted)
     if len(heard) > 1 or (wanted is not None and heard):
@@ -148,51 +157,87 @@ def _system(library: ModuleType, path: Path, wanted: str | None) -> int | None:
 
 def _add(found: _Found, m: Any) -> None:
     """Add what one message says."""
-    kind, t, samples = m.get_type(), float(m._timestamp), found.samples
-    if kind == "HEARTBEAT":
-        if m.type not in _NO_VEHICLES:
-            found.kinds[int(m.type)] += 1
-    elif kind == "MSG":
-        firmware = str(m.Message).lower().split(" ")[0]
-        if firmware in _FIRMWARE:
-            found.kinds[_FIRMWARE[firmware]] += 1
-    elif kind in ("GPS", "GPS_RAW_INT"):
-        _add_fix(found, kind, t, m)
-    elif kind == "POS":
-        samples["place"].add(t, m.Lat, m.Lng)
-    elif kind == "GLOBAL_POSITION_INT":
-        samples["place"].add(t, m.lat * _E7, m.lon * _E7)
-        samples["depth"].add(t, -1e-3 * m.relative_alt)
-    elif kind in ("XKF1", "NKF1") and getattr(m, "C", 0) == 0:
-        samples["plane"].add(t, m.PN, m.PE)
-    elif kind == "LOCAL_POSITION_NED":
-        samples["plane"].add(t, m.x, m.y)
-    elif kind == "CTUN" and hasattr(m, "Alt"):
-        samples["depth"].add(t, -m.Alt)
-    elif kind == "ATT":
-        samples["attitude"].add(t, m.Yaw, m.Pitch)
-    elif kind == "ATTITUDE":
-        samples["attitude"].add(t, math.degrees(m.yaw), math.degrees(m.pitch))
-        samples["boot"].add(t, 1e-3 * m.time_boot_ms)
-    elif kind == "ORGN" and getattr(m, "Type", 0) == 0:
-        samples["origin"].add(m.Lat, m.Lng)
-    elif kind == "GPS_GLOBAL_ORIGIN":
-        samples["origin"].add(m.latitude * _E7, m.longitude * _E7)
+    _TAKEN[m.get_type()](found, float(m._timestamp), m)
 
 
-def _add_fix(found: _Found, kind: str, t: float, m: Any) -> None:
+def _add_kind(found: _Found, t: float, m: Any) -> None:
+    if m.type not in _NO_VEHICLES:
+        found.kinds[int(m.type)] += 1
+
+
+def _add_firmware(found: _Found, t: float, m: Any) -> None:
+    firmware = str(m.Message).lower().split(" ")[0]
+    if firmware in _FIRMWARE:
+        found.kinds[_FIRMWARE[firmware]] += 1
+
+
+def _add_fix(found: _Found, t: float, m: Any) -> None:
+    """Add a fix of a dataflash log; not one of a second receiver."""
+    if getattr(m, "I", 0) == 0:
+        _add_row(found, (t, m.Lat, m.Lng, m.HDop, math.nan, float(m.NSats), float(m.Status >= _FIX_3D)))
+
+
+def _add_raw_fix(found: _Found, t: float, m: Any) -> None:
+    hdop = 0.01 * m.eph if m.eph != 65535 else math.nan
+    accuracy = 1e-3 * getattr(m, "h_acc", 0) or math.nan
+    satellites = float(m.satellites_visible) if m.satellites_visible != 255 else math.nan
+    _add_row(found, (t, m.lat * _E7, m.lon * _E7, hdop, accuracy, satellites, float(m.fix_type >= _FIX_3D)))
+
+
+def _add_row(found: _Found, row: tuple[float, ...]) -> None:
     found.told["gps"] += 1
-    if kind == "GPS":
-        if getattr(m, "I", 0) != 0:
-            return  # a second receiver
-        row = (t, m.Lat, m.Lng, m.HDop, math.nan, float(m.NSats), float(m.Status >= _FIX_3D))
-    else:
-        hdop = 0.01 * m.eph if m.eph != 65535 else math.nan
-        accuracy = 1e-3 * getattr(m, "h_acc", 0) or math.nan
-        satellites = float(m.satellites_visible) if m.satellites_visible != 255 else math.nan
-        row = (t, m.lat * _E7, m.lon * _E7, hdop, accuracy, satellites, float(m.fix_type >= _FIX_3D))
     found.told["fix"] += int(row[-1] == 1.0 and (row[1] != 0.0 or row[2] != 0.0))
     found.samples["fix"].add(*row)
+
+
+def _add_global(found: _Found, t: float, m: Any) -> None:
+    found.samples["place"].add(t, m.lat * _E7, m.lon * _E7)
+    found.samples["depth"].add(t, -1e-3 * m.relative_alt)
+
+
+def _add_filtered(found: _Found, t: float, m: Any) -> None:
+    """Add the filter's metres, of its first core."""
+    if getattr(m, "C", 0) == 0:
+        found.samples["plane"].add(t, m.PN, m.PE)
+
+
+def _add_attitude(found: _Found, t: float, m: Any) -> None:
+    found.samples["attitude"].add(t, math.degrees(m.yaw), math.degrees(m.pitch))
+    found.samples["boot"].add(t, 1e-3 * m.time_boot_ms)
+
+
+def _add_origin(found: _Found, t: float, m: Any) -> None:
+    if getattr(m, "Type", 0) == 0:
+        found.samples["origin"].add(m.Lat, m.Lng)
+
+
+def _add_barometer(found: _Found, t: float, m: Any) -> None:
+    if getattr(m, "I", 0) == 0:
+        found.samples["barometer"].add(t, -m.Alt)
+
+
+_TAKEN: Mapping[str, Callable[[_Found, float, Any], None]] = {
+    "HEARTBEAT": _add_kind,
+    "MSG": _add_firmware,
+    "GPS": _add_fix,
+    "GPS_RAW_INT": _add_raw_fix,
+    "POS": lambda found, t, m: found.samples["place"].add(t, m.Lat, m.Lng),
+    "GLOBAL_POSITION_INT": _add_global,
+    "XKF1": _add_filtered,
+    "NKF1": _add_filtered,
+    "LOCAL_POSITION_NED": lambda found, t, m: found.samples["plane"].add(t, m.x, m.y),
+    "CTUN": lambda found, t, m: found.samples["depth"].add(t, -getattr(m, "Alt", math.nan)),
+    "BARO": _add_barometer,
+    "ATT": lambda found, t, m: found.samples["attitude"].add(t, m.Yaw, m.Pitch),
+    "ATTITUDE": _add_attitude,
+    "ORGN": _add_origin,
+    "GPS_GLOBAL_ORIGIN": lambda found, t, m: found.samples["origin"].add(m.latitude * _E7, m.longitude * _E7),
+}
+"""What is done with a message of each kind, at its time since 1970 [s]."""
+
+
+def _series(samples: Samples) -> Series:
+    return series(samples["t"], samples["depth"])
 
 
 def _reckoned(samples: dict[str, Samples]) -> tuple[Positions, str]:
@@ -216,4 +261,13 @@ def _restarts(boot: Samples) -> Iterator[Break]:
         yield Break(float(boot["t"][k + 1]), "the autopilot was started anew", at_surface_too=False)
 
 
-IMPORTERS = (Importer("ardupilot", "ArduSub dataflash and telemetry logs (pymavlink)", recognises, read),)
+IMPORTERS = (
+    Importer(
+        "ardupilot",
+        "ArduSub dataflash and telemetry logs (pymavlink)",
+        recognises,
+        read,
+        identify=identity,
+        is_choosing=True,
+    ),
+)

@@ -188,4 +188,4 @@ def _depth(found: Mapping[str, Samples]) -> Series:
     return known if len(known) else series(found["Depth"]["t"], found["Depth"]["depth"])
 
 
-IMPORTERS = (Importer("imc", "DUNE/LSTS LSF logs (imcpy)", recognises, read),)
+IMPORTERS = (Importer("imc", "DUNE/LSTS LSF logs (imcpy)", recognises, read, is_choosing=True),)

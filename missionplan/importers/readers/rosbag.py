@@ -207,4 +207,4 @@ def _is_downwards(z: Array) -> bool:
     return len(z) > 0 and float(np.quantile(z, 0.95)) > 2.0 * max(-float(np.quantile(z, 0.05)), 1.0)
 
 
-IMPORTERS = (Importer("rosbag", "ROS 1 and 2 bags (rosbags), topics by --map", recognises, read),)
+IMPORTERS = (Importer("rosbag", "ROS 1 and 2 bags (rosbags), topics by --map", recognises, read, is_choosing=True),)

@@ -135,5 +135,5 @@ def _word(value: object) -> str:
 
 IMPORTERS = (
     Importer("pyglider", "pyglider's time series, refused: they hold no dead reckoning", _is_pygliders, _refuse),
-    Importer("trajectory", "NetCDF trajectories by the CF conventions", recognises, read),
+    Importer("trajectory", "NetCDF trajectories by the CF conventions", recognises, read, is_choosing=True),
 )
