@@ -23,6 +23,7 @@ class PlanFormat(StrEnum):
     MOOS = "moos"
     NEPTUS = "neptus"
     IVER = "iver"
+    QGC = "qgc"
 
 
 def register(app: typer.Typer) -> None:

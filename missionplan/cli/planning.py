@@ -155,6 +155,7 @@ class VehicleFormat(StrEnum):
     MOOS = "moos"
     NEPTUS = "neptus"
     IVER = "iver"
+    QGC = "qgc"
 
 
 _AsExported = Annotated[

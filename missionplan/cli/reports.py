@@ -94,11 +94,13 @@ def verify(
         raise typer.Exit(OTHER_BITS)
 
 
-_Kind = Annotated[str, typer.Argument(metavar="KIND", help="mission, vehicle, dataset or summary.", show_default=False)]
+_Kind = Annotated[
+    str, typer.Argument(metavar="KIND", help="mission, vehicle, dataset, summary or plan.", show_default=False)
+]
 
 
 def schema(kind: _Kind) -> None:
-    """Print the JSON schema of mission, vehicle or data set files, or of summary.json, for editors and checks.
+    """Print the JSON schema of mission, vehicle or data set files, summary.json or plan.json, for editors and checks.
 
     missionplan schema mission > mission.json; then begin a mission with: # yaml-language-server: $schema=mission.json
     """

@@ -18,11 +18,12 @@ FORMATS = {
     "moos": "missionplan.exporters.vehicles.moos",
     "neptus": "missionplan.exporters.vehicles.neptus",
     "iver": "missionplan.exporters.vehicles.iver",
+    "qgc": "missionplan.exporters.vehicles.qgc",
 }
 """Module of each format, by the name that the command line takes."""
 
 
-VEHICLES = ("slocum", "moos", "neptus", "iver")
+VEHICLES = ("slocum", "moos", "neptus", "iver", "qgc")
 """Formats that a vehicle carries out by itself: what it does is what their modules' `executes` say."""
 Executes = Callable[[PlannedTransit], Execution]
 """How a vehicle carries out a transit that was written for it."""

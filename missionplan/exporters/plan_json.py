@@ -1,11 +1,15 @@
 """The whole plan as JSON, for programs; `plan.schema.json` beside this module says what each key is."""
 
+import json
 import math
 from dataclasses import asdict
+from importlib.resources import files as files_of
+from typing import cast
 
 from missionplan.exporters.rows import known, place, waypoint_row
 from missionplan.results.base import to_json
 from missionplan.results.plan import Plan, PlannedMooring, PlannedTransit
+from missionplan.results.plan_states import ACTIONS, GUARDS, State, states_of
 
 TITLE = "JSON, all of the plan"
 NEEDS_ORIGIN = False
@@ -44,11 +48,18 @@ def plan_json(plan: Plan) -> str:
     return to_json(plan_data(plan))
 
 
+def plan_schema() -> dict[str, object]:
+    """Return the JSON schema of these files (draft 2020-12)."""
+    return cast(
+        dict[str, object], json.loads((files_of("missionplan.exporters") / "plan.schema.json").read_text("utf-8"))
+    )
+
+
 def plan_data(plan: Plan) -> dict[str, object]:
     """Return the whole plan by the keys of `plan.json`: SI units that end the key, angles in degrees."""
     return {
         "format": "missionplan plan",
-        "format_version": 1,
+        "format_version": 2,
         "mission": plan.mission,
         "mission_sha256": plan.digest,
         "missionplan": plan.version,
@@ -57,7 +68,34 @@ def plan_data(plan: Plan) -> dict[str, object]:
         if plan.origin is None
         else {"latitude_deg": math.degrees(plan.origin[0]), "longitude_deg": math.degrees(plan.origin[1])},
         "phases": [_mooring(phase) if isinstance(phase, PlannedMooring) else _transit(phase) for phase in plan.phases],
+        "states": [_state(state) for state in states_of(plan)],
+        "fences": [
+            {
+                "name": fence.name,
+                "outline_deg": [[round(math.degrees(each), 8) for each in corner] for corner in fence.outline],
+            }
+            for fence in plan.fences
+        ],
         "notes": list(plan.notes),
+    }
+
+
+def _state(state: State) -> dict[str, object]:
+    return {
+        "name": state.name,
+        "kind": state.kind,
+        "phase": state.phase or None,
+        "does": ACTIONS[state.kind],
+        "transitions": [
+            {
+                "to": transition.to,
+                "guards": [
+                    {"kind": guard.kind, "value": known(guard.value, 3), "unit": GUARDS[guard.kind][1] or None}
+                    for guard in transition.guards
+                ],
+            }
+            for transition in state.transitions
+        ],
     }
 
 

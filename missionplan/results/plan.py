@@ -244,6 +244,24 @@ class PlannedMooring:
 
 
 @dataclass(frozen=True)
+class Fence:
+    """A zone that the vehicle keeps out of.
+
+    Attributes
+    ----------
+    name : str
+    outline : tuple of (float, float)
+        Corners, latitude and longitude, the first one not repeated [rad].
+    is_limited : bool
+        Whether the mission forbids it at some times or depths alone.
+    """
+
+    name: str
+    outline: tuple[tuple[float, float], ...]
+    is_limited: bool
+
+
+@dataclass(frozen=True)
 class Plan:
     """The plan of a mission, its uncertain quantities at their means.
 
@@ -266,6 +284,8 @@ class Plan:
         What the reader is to know of every form of the plan.
     capacity : float
         Energy in the battery; nan where the mission gives none [Wh].
+    fences : tuple of Fence
+        Land and zones kept out of, where the mission has an origin.
     """
 
     mission: str
@@ -276,6 +296,7 @@ class Plan:
     phases: tuple[PlannedTransit | PlannedMooring, ...]
     notes: tuple[str, ...] = ()
     capacity: float = math.nan
+    fences: tuple[Fence, ...] = ()
 
     @property
     def transits(self) -> tuple[PlannedTransit, ...]:

@@ -3,7 +3,6 @@
 import copy
 import hashlib
 import json
-from importlib.resources import files
 
 import jsonschema
 import numpy as np
@@ -12,16 +11,18 @@ import pytest
 from planned_missions import TABLE, by_table, chesapeake, starter
 from pyproj import Geod
 
+import missionplan
 from missionplan.errors import InputError
 from missionplan.exporters.plan_json import plan_data, plan_json
 from missionplan.mission import Mission
 from missionplan.results.base import to_yaml
 from missionplan.results.plan import time_out
+from missionplan.results.plan_states import mermaid, states_of
 from missionplan.studies.leg_length.sweep_dmax import sweep_dmax
 from missionplan.studies.mission_plan.build import mission_plan
 from missionplan.studies.simulation.simulate import simulate, simulate_block
 
-SCHEMA = json.loads((files("missionplan") / "exporters" / "plan.schema.json").read_text())
+SCHEMA = missionplan.schema("plan")
 
 
 @pytest.fixture(scope="module")
@@ -140,6 +141,39 @@ def test_plans_follow_their_schema(plan, tmp_path):
         mission_plan(Mission.from_data(local)),
     ):
         jsonschema.validate(json.loads(plan_json(each)), SCHEMA)
+
+
+def test_the_plan_is_a_state_machine(plan):
+    """Every state is reached, every way ends, and the anchor is released after a fix within the radius alone."""
+    states = {state.name: state for state in states_of(plan)}
+    first = states_of(plan)[0].name
+    reached, new = {first}, [first]
+    while new:
+        new = [each.to for name in new for each in states[name].transitions if each.to not in reached]
+        reached |= set(new)
+    assert reached == set(states)
+    assert {name for name, state in states.items() if not state.transitions} == {"done", "abort"}
+    into = [(state, each) for state in states.values() for each in state.transitions if each.to == "2-release"]
+    ((decide, transition),) = into
+    assert decide.kind == "decide"
+    assert [(guard.kind, guard.value) for guard in transition.guards] == [("fix-within", 15.0)]
+    kinds = {each.to: [guard.kind for guard in each.guards] for each in states["1-fix"].transitions[:1]}
+    assert kinds == {"1-decide": ["fix-received"]}
+    longest = {
+        guard.value for each in states["1-surfacing"].transitions for guard in each.guards if guard.kind == "way-made"
+    }
+    assert longest == {350.0}
+    drawn = mermaid(states_of(plan))
+    assert drawn.startswith("stateDiagram-v2\n  [*] --> s1_leg\n")
+    assert all(f"s{name.replace('-', '_')}" in drawn for name in states)
+
+
+def test_a_plan_for_a_vehicle_aims_off_by_the_drift_at_the_surface():
+    """0.4 kn for 90 s toward 60°, drawn with a scatter whose mean is zero."""
+    ingress, _ = mission_plan(chesapeake(), to="moos").transits
+    off = np.subtract((ingress.aim.east, ingress.aim.north), (ingress.goal.east, ingress.goal.north))
+    drift = 0.4 * 1852.0 / 3600.0 * 90.0 * np.array([np.sin(np.radians(60.0)), np.cos(np.radians(60.0))])
+    assert off == pytest.approx(-drift, abs=1.0)
 
 
 def test_the_schema_refuses_what_is_no_plan(plan):

@@ -5,24 +5,27 @@ have. A number that a file holds and no test expects fails, because all of a blo
 """
 
 import io
+import json
 import math
 import re
 import xml.etree.ElementTree as ElementTree
 import zipfile
 from dataclasses import replace
 
+import jsonschema
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from made_plans import PLANS, metres_apart
+from made_plans import PLANS, metres_apart, on_earth
 from pyproj import Transformer
 
 from missionplan.errors import InputError
 from missionplan.exporters.formats import format_named
 from missionplan.exporters.vehicles.moos import utm_zone
 from missionplan.exporters.vehicles.slocum import degrees_minutes
+from missionplan.results.plan import Fence
 
-FORMATS = ["csv", "gpx", "geojson", "kml", "slocum", "moos", "neptus", "iver"]
+FORMATS = ["csv", "gpx", "geojson", "kml", "slocum", "moos", "neptus", "iver", "qgc"]
 
 
 @pytest.fixture(params=PLANS)
@@ -470,6 +473,142 @@ def test_iver_says_for_how_long_it_parks(plan):
     assert words == f"times at the surface but in whole minutes (1 min for 45 s, {longest})"
 
 
+# QGroundControl: the developer guide's Plan File Format, and the commands of MAVLink's common.xml by pymavlink
+
+PLACE = {"type": "array", "items": {"type": "number"}, "minItems": 2, "maxItems": 2}
+QGC = {
+    "type": "object",
+    "required": ["fileType", "version", "groundStation", "mission", "geoFence", "rallyPoints"],
+    "properties": {
+        "fileType": {"const": "Plan"},
+        "version": {"const": 1},
+        "groundStation": {"const": "QGroundControl"},
+        "mission": {
+            "type": "object",
+            "required": [
+                *("version", "firmwareType", "vehicleType", "cruiseSpeed", "hoverSpeed", "plannedHomePosition", "items")
+            ],
+            "properties": {
+                "version": {"const": 2},
+                "firmwareType": {"enum": [3, 12]},
+                "vehicleType": {"const": 12},
+                "plannedHomePosition": {"type": "array", "items": {"type": "number"}, "minItems": 3, "maxItems": 3},
+                "items": {
+                    "type": "array",
+                    "items": {
+                        "type": "object",
+                        "required": ["type", "autoContinue", "command", "doJumpId", "frame", "params"],
+                        "properties": {
+                            "type": {"const": "SimpleItem"},
+                            "params": {
+                                "type": "array",
+                                "items": {"type": ["number", "null"]},
+                                "minItems": 7,
+                                "maxItems": 7,
+                            },
+                        },
+                    },
+                },
+            },
+        },
+        "geoFence": {
+            "type": "object",
+            "required": ["version", "circles", "polygons"],
+            "properties": {
+                "version": {"const": 2},
+                "polygons": {
+                    "type": "array",
+                    "items": {
+                        "type": "object",
+                        "required": ["version", "inclusion", "polygon"],
+                        "properties": {
+                            "version": {"const": 1},
+                            "inclusion": {"type": "boolean"},
+                            "polygon": {"type": "array", "items": PLACE, "minItems": 3},
+                        },
+                    },
+                },
+            },
+        },
+        "rallyPoints": {"type": "object", "required": ["version", "points"], "properties": {"version": {"const": 2}}},
+    },
+}
+
+
+def test_qgc(plan):
+    files = written(plan, "qgc")
+    assert list(files) == [
+        f"trip-{name}-{suffix}.plan" for name in ("1_ingress", "2_egress") for suffix in ("ardusub", "px4")
+    ]
+    for text, transit, firmware in zip(
+        files.values(), [each for each in plan.transits for _ in range(2)], [3, 12, 3, 12], strict=True
+    ):
+        data = json.loads(text)
+        jsonschema.validate(data, QGC)
+        assert data["mission"]["firmwareType"] == firmware
+        speed, *items, jump = data["mission"]["items"]
+        assert [each["doJumpId"] for each in data["mission"]["items"]] == list(range(1, len(items) + 3))
+        assert (speed["command"], speed["frame"]) == (178, 2)
+        assert speed["params"] == [1, transit.speed, -1, 0, 0, 0, 0]
+        assert data["mission"]["cruiseSpeed"] == transit.speed
+        loiter = math.ceil(transit.surfacing.surface_time_p99) + 60
+        ends = [*transit.waypoints[1:-1], transit.goal]
+        begins = [transit.start, *ends[:-1]]
+        radius, down = transit.arrival_radius, -transit.depth
+        expected = [
+            each
+            for begin, end in zip(begins, ends, strict=True)
+            for each in (
+                (16, begin, [0, radius, 0, None, down]),
+                (16, end, [0, radius, 0, None, down]),
+                (19, end, [loiter, 0, 0, 0, -0.1]),
+            )
+        ]
+        for item, (command, point, numbers) in zip(items, expected, strict=True):
+            *first, latitude, longitude, altitude = item["params"]
+            assert (item["command"], item["frame"], [*first, altitude]) == (command, 3, numbers)
+            assert item["Altitude"] == altitude
+            assert off(plan, point, latitude, longitude) < 0.01
+        assert (jump["command"], jump["params"][:2]) == (177, [len(items) - 1, 1 + transit.extra_legs])
+
+
+def test_qgc_as_mavlink_messages(plan):
+    mavlink = pytest.importorskip("pymavlink.dialects.v20.common")
+    commands, frames = mavlink.enums["MAV_CMD"], mavlink.enums["MAV_FRAME"]
+    link = mavlink.MAVLink(None)
+    for text in written(plan, "qgc").values():
+        mission = json.loads(text)["mission"]
+        assert mavlink.enums["MAV_TYPE"][mission["vehicleType"]].name == "MAV_TYPE_SUBMARINE"
+        names = {3: "MAV_AUTOPILOT_ARDUPILOTMEGA", 12: "MAV_AUTOPILOT_PX4"}
+        assert mavlink.enums["MAV_AUTOPILOT"][mission["firmwareType"]].name == names[mission["firmwareType"]]
+        for number, item in enumerate(mission["items"]):
+            own = [math.nan if each is None else each for each in item["params"]]
+            x, y = (round(each * 1e7) for each in own[4:6])
+            packed = link.mission_item_int_encode(
+                *(1, 1, number, item["frame"], item["command"], 0, item["autoContinue"]), *own[:4], x, y, own[6]
+            )
+            (back,) = mavlink.MAVLink(None).parse_buffer(packed.pack(link))
+            assert commands[back.command].name in {
+                "MAV_CMD_NAV_WAYPOINT", "MAV_CMD_NAV_LOITER_TIME", "MAV_CMD_DO_JUMP", "MAV_CMD_DO_CHANGE_SPEED"
+            }  # fmt: skip
+            placed = commands[back.command].name.startswith("MAV_CMD_NAV")
+            assert frames[back.frame].name == ("MAV_FRAME_GLOBAL_RELATIVE_ALT" if placed else "MAV_FRAME_MISSION")
+            assert (back.x, back.y) == (x, y)
+            assert back.z == pytest.approx(own[6], abs=1e-6)
+            assert not placed or back.z < 0.0
+
+
+def test_zones_kept_out_of_are_fences(plan):
+    corners = tuple(on_earth(plan.origin, east, north) for east, north in ((10.0, 20.0), (400.0, 30.0), (90.0, 500.0)))
+    fenced = replace(plan, fences=(Fence("range", corners, is_limited=True), Fence("shore", corners, is_limited=False)))
+    data = json.loads(written(fenced, "qgc")["trip-1_ingress-px4.plan"])
+    jsonschema.validate(data, QGC)
+    for polygon in data["geoFence"]["polygons"]:
+        assert polygon["inclusion"] is False
+        assert polygon["polygon"] == [[pytest.approx(math.degrees(each), abs=1e-8) for each in c] for c in corners]
+    assert any("(range)" in words for words in format_named("qgc").lost(fenced))
+
+
 # what all of them say of themselves
 
 
@@ -483,7 +622,7 @@ def test_every_file_names_its_plan_and_what_it_lacks(plan, name):
             assert words.split(",")[0].split("(")[0].split("±")[0][:40] in text
 
 
-@pytest.mark.parametrize("name", ["slocum", "neptus", "iver"])
+@pytest.mark.parametrize("name", ["slocum", "neptus", "iver", "qgc"])
 def test_a_mooring_that_a_file_cannot_hold_is_said_with_its_numbers(plan, name):
     words = (
         "the mooring moor (release 10.7 s after the fix on arrival, by 18.9 s in 99 % of cases; hold 1807 s; "

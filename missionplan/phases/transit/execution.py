@@ -42,6 +42,8 @@ class Execution:
         Time after which the vehicle gives the transit up [s].
     corrects : bool
         Whether the vehicle itself aims off by the drift of its last leg; else not at all.
+    holds : bool
+        Whether it goes on to the leg's end at the surface, under power, once it has a fix.
     """
 
     ends: Literal["fix", "reckoning", "count"]
@@ -52,6 +54,7 @@ class Execution:
     capture: float = 0.0
     time_out: float = float("inf")
     corrects: bool = False
+    holds: bool = False
 
 
 class ExecutedLegLoop(LegLoop):
@@ -70,12 +73,16 @@ class ExecutedLegLoop(LegLoop):
         self.execution, self._number = execution, 0
         self._captured = np.zeros(state.trials, dtype=bool)
 
+    def _point(self) -> Array:
+        """End of the leg, relative to the goal, shape (2, 1) or (2, n) [m]."""
+        rule = self.execution
+        point = rule.aim if rule.points is None else rule.points[:, min(self._number, rule.points.shape[1] - 1)]
+        return column(point) - self._goal
+
     @override
     def _nominal(self) -> tuple[Array, Array]:
         """Leg and its length, zero for a trial that is not under way."""
-        rule, goal = self.execution, self._goal
-        point = rule.aim if rule.points is None else rule.points[:, min(self._number, rule.points.shape[1] - 1)]
-        course = column(point) - goal - self._fix
+        rule, course = self.execution, self._point() - self._fix
         left = length_of(course)
         whole = np.maximum(left - rule.capture, 0.0)
         self._captured = whole <= rule.interval
@@ -83,6 +90,18 @@ class ExecutedLegLoop(LegLoop):
         if self._moving is not None:
             length *= self._moving
         return length, course * (length / np.maximum(left, 1e-300))
+
+    @override
+    def _surface(self, number: int) -> Array:
+        surfaced = super()._surface(number)
+        if self.execution.holds:
+            back = self._point() - self._fix
+            if self._moving is not None:
+                back = back * self._moving
+            self._x = self._x + back
+            self._fix = self._fix + back
+            self._distance += length_of(back)
+        return surfaced
 
     @override
     def _far_from_goal(self) -> NDArray[np.bool_]:

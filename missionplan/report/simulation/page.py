@@ -31,6 +31,7 @@ from missionplan.report.simulation.quantities import (
 from missionplan.report.simulation.sections import sensitivity_sections
 from missionplan.report.wording import in_words, phase_in_words, shortened
 from missionplan.results.plain_data import mapping
+from missionplan.results.plan_states import mermaid, states_of
 from missionplan.results.simulation import Outcome
 
 
@@ -77,6 +78,7 @@ def _files(outcome: Outcome) -> dict[str, str]:
     written = {
         "waypoints.csv": waypoints_csv(plan) if plan else None,
         "plan.json": plan_json(plan) if plan else None,
+        "plan.mmd": mermaid(states_of(plan)) if plan else None,
         "track.geojson": track_geojson(outcome),
         "track.kml": track_kml(outcome),
         "search-areas.geojson": search_areas_geojson(outcome),

@@ -19,7 +19,7 @@ from missionplan.montecarlo.distributions import Distribution, Quantity, mean_of
 from missionplan.phases.transit.execution import Execution
 from missionplan.physics.energy import JOULES_PER_WATT_HOUR
 from missionplan.results.base import to_yaml
-from missionplan.results.plan import Plan, PlannedMooring, PlannedTransit, SurfacingRule, Waypoint
+from missionplan.results.plan import Fence, Plan, PlannedMooring, PlannedTransit, SurfacingRule, Waypoint
 from missionplan.scenario.scenario import Scenario, leg_table
 from missionplan.scenario.site_current import recorded_current
 from missionplan.studies.mission_plan.durations import SHARE, TransitDurations, transit_durations
@@ -74,6 +74,7 @@ def mission_plan(
         capacity=float(mean_of(mission.budget.capacity)) / JOULES_PER_WATT_HOUR
         if mission.budget and mission.budget.capacity is not None
         else math.nan,
+        fences=tuple(_fences(builder.means)),
     )
 
 
@@ -97,12 +98,12 @@ class _Builder:
     """Goes through the phases of a mission at its means, with the place and the time in between."""
 
     def __init__(self, means: Scenario, seed: int, executes: Executes | None) -> None:
-        self._means, self._seed, self._executes = means, seed, executes
+        self.means, self._seed, self._executes = means, seed, executes
         self._place, self._elapsed = np.zeros(2), 0.0
         self.notes: list[str] = []
 
     def phases(self) -> Iterator[PlannedTransit | PlannedMooring]:
-        for phase in self._means.drawn.phases:
+        for phase in self.means.drawn.phases:
             if isinstance(phase, TransitPhase):
                 yield self._transit(phase)
             elif isinstance(phase, MoorPhase):
@@ -111,7 +112,7 @@ class _Builder:
                 self.notes.append(f"{phase.label}, slowing down to hover, is no part of the course and is left out")
 
     def _transit(self, phase: TransitPhase[Scalars]) -> PlannedTransit:
-        means = self._means
+        means = self.means
         if phase.start is not None:
             self._place = means.position(phase.start)
         start, begins = self._place, self._elapsed
@@ -142,8 +143,8 @@ class _Builder:
     def _waypoints(self, phase: TransitPhase[Scalars], durations: TransitDurations) -> Iterator[Waypoint]:
         """Yield the start and the ends of the nominal legs (Briggs et al., Eqs. 18–20); moves on in place and time."""
         yield self._waypoint(f"{phase.label} 0", "start", math.nan, 0.0, (0.0, math.nan))
-        done, goal = 0, self._means.position(phase.to)
-        for target in (*self._means.ways(phase), goal):
+        done, goal = 0, self.means.position(phase.to)
+        for target in (*self.means.ways(phase), goal):
             for leg in self._straight(phase, durations, target, done):
                 done += 1
                 yield replace(leg, kind="arrival" if target is goal and leg.kind == "arrival" else "surfacing")
@@ -152,7 +153,7 @@ class _Builder:
         self, phase: TransitPhase[Scalars], durations: TransitDurations, goal: Array, done: int
     ) -> Iterator[Waypoint]:
         """Yield the ends of the nominal legs straight to a point, counted on from those already done."""
-        means, plan = self._means, self._means.transit_plan(phase)
+        means, plan = self.means, self.means.transit_plan(phase)
         vector = goal - self._place
         left = float(np.hypot(*vector))
         towards = vector / left if left > 0.0 else vector
@@ -191,7 +192,7 @@ class _Builder:
         )
 
     def _rule(self, phase: TransitPhase[Scalars]) -> SurfacingRule:
-        means, table = self._means, phase.d_max
+        means, table = self.means, phase.d_max
         if isinstance(table, LegTableSection):
             single = self._single(phase, table)
         else:
@@ -209,14 +210,14 @@ class _Builder:
 
     def _single(self, phase: TransitPhase[Scalars], table: LegTableSection) -> SingleInterval:
         try:
-            return single_interval(self._means, phase, leg_table(table), self._seed)
+            return single_interval(self.means, phase, leg_table(table), self._seed)
         except InputError as error:
             reason = error.problems[0].message
             self.notes.append(f"{phase.label}: no interval in place of the table could be compared with it ({reason})")
             return SingleInterval(max(length for _, length in table.table), math.nan, math.nan)
 
     def _mooring(self, phase: MoorPhase[Scalars]) -> PlannedMooring:
-        means, site = self._means, self._means.drawn.site
+        means, site = self.means, self.means.drawn.site
         latitude, longitude = self._on_earth(self._place)
         weight = phase.anchor_wet_weight
         begun = self._elapsed
@@ -242,7 +243,7 @@ class _Builder:
         )
 
     def _on_earth(self, place: Array) -> tuple[float, float]:
-        site = self._means.mission.site
+        site = self.means.mission.site
         if site is None or site.origin is None:
             return math.nan, math.nan
         latitude, longitude = to_geographic(place[:1], place[1:], site.origin)
@@ -269,6 +270,22 @@ def _sailed_by_its_vehicle(
             for number, point in enumerate(planned.waypoints)
         ),
     )
+
+
+def _fences(means: Scenario) -> Iterator[Fence]:
+    """Yield the outlines of land and of zones kept out of; holes in them are left out, which keeps out of more."""
+    site = means.mission.site
+    if site is None or site.origin is None or means.place is None:
+        return
+    for zone in means.place.zones:
+        for part in getattr(zone.geometry, "geoms", (zone.geometry,)):
+            east, north = np.array(part.exterior.coords)[:-1, :2].T
+            limits = (-zone.since, zone.until, zone.above, -zone.below)
+            yield Fence(
+                name=zone.name,
+                outline=tuple(zip(*(axis.tolist() for axis in to_geographic(east, north, site.origin)), strict=True)),
+                is_limited=not all(limit == np.inf for limit in limits),
+            )
 
 
 def _leg_length(phase: TransitPhase[Scalars], left: float) -> float:

@@ -12,6 +12,7 @@ from missionplan.datasets.reading import DatasetFormat
 from missionplan.datasets.summaries import SUMMARY
 from missionplan.datasets.tank.formats import DRAG, FREE_OSCILLATION, PROPELLER_TRANSIENT, THRUSTER
 from missionplan.errors import InputError, Problem, did_you_mean, shown
+from missionplan.exporters.plan_json import plan_schema
 from missionplan.mission import Mission
 from missionplan.mission.mission import MOST_LEARNED
 from missionplan.mission.schema.section import IDENTITY
@@ -19,7 +20,7 @@ from missionplan.mission.schema.vehicle import Vehicle
 from missionplan.studies.schemas.sections import TEXT_OR_NUMBER, Schema, Sections, effects
 from missionplan.studies.schemas.summaries import summaries
 
-Kind = Literal["mission", "vehicle", "dataset", "summary"]
+Kind = Literal["mission", "vehicle", "dataset", "summary", "plan"]
 KINDS: tuple[Kind, ...] = get_args(Kind)
 READ: tuple[Kind, ...] = ("mission", "vehicle", "dataset")
 """Kinds of files that people write."""
@@ -56,7 +57,7 @@ def schema(kind: Kind) -> dict[str, object]:
 
     Parameters
     ----------
-    kind : {'mission', 'vehicle', 'dataset', 'summary'}
+    kind : {'mission', 'vehicle', 'dataset', 'summary', 'plan'}
 
     Raises
     ------
@@ -105,4 +106,5 @@ _WRITTEN: Mapping[Kind, Callable[[], Schema]] = {
     "vehicle": partial(_of_model, Vehicle),
     "dataset": _of_datasets,
     "summary": summaries,
+    "plan": plan_schema,
 }
