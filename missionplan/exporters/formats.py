@@ -4,6 +4,7 @@ from collections.abc import Callable
 from importlib import import_module
 from typing import Protocol, cast
 
+from missionplan.errors import Problem
 from missionplan.phases.transit.execution import Execution
 from missionplan.results.plan import Plan, PlannedTransit
 
@@ -45,6 +46,12 @@ class Format(Protocol):
 def execution_of(name: str) -> Executes | None:
     """Return how the vehicle of a format carries out a transit; None for a format of maps and tables."""
     return cast(Executes, import_module(FORMATS[name]).executes) if name in VEHICLES else None
+
+
+def refusals_of(name: str, plan: Plan) -> tuple[Problem, ...]:
+    """Return what of a plan the vehicle of a format cannot do, so that none is written."""
+    check: Callable[[Plan], tuple[Problem, ...]] | None = getattr(import_module(FORMATS[name]), "refusals", None)
+    return check(plan) if check is not None else ()
 
 
 def format_named(name: str) -> Format:

@@ -286,6 +286,8 @@ class Plan:
         Energy in the battery; nan where the mission gives none [Wh].
     fences : tuple of Fence
         Land and zones kept out of, where the mission has an origin.
+    has_thruster : bool
+        Whether the vehicle has a propeller.
     """
 
     mission: str
@@ -297,6 +299,7 @@ class Plan:
     notes: tuple[str, ...] = ()
     capacity: float = math.nan
     fences: tuple[Fence, ...] = ()
+    has_thruster: bool = False
 
     @property
     def transits(self) -> tuple[PlannedTransit, ...]:

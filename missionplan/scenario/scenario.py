@@ -18,7 +18,7 @@ from missionplan.phases.fields.forecast_error import ErringCurrent
 from missionplan.phases.hooks import TransitEffect
 from missionplan.phases.leeway import Leeway
 from missionplan.phases.place.place import Place
-from missionplan.phases.transit.compensation import Compensation, Forecast, LastLeg, compensation_named
+from missionplan.phases.transit.compensation import Compensation, Forecast, LastVelocity, compensation_named
 from missionplan.phases.transit.execution import Execution
 from missionplan.phases.transit.kalman_filter import DriftFilter
 from missionplan.phases.transit.leg_table import LegTable
@@ -258,7 +258,7 @@ class Scenario(DrawnMission):
         """Return how the vehicle compensates for drift on one transit, which only the means determine."""
         execution = self.executions.get(phase.name)
         if execution is not None:
-            return LastLeg() if execution.corrects else None
+            return LastVelocity() if execution.corrects else None
         return self.means._compensations[phase.name]
 
     @cached_property

@@ -22,6 +22,19 @@ phases:
 """
 
 
+def for_format(name: str, folder: Path) -> str:
+    """Mission that the vehicle of a format can sail: a glider's is slower and deeper."""
+    if name != "slocum":
+        return CHESAPEAKE
+    data = missionplan.load(CHESAPEAKE).with_({f"{p}.{k}": v for p in ("ingress", "egress") for k, v in GLIDER.items()})
+    path = folder / "chesapeake.yaml"
+    path.write_text(yaml.safe_dump(dict(data.raw)))
+    return str(path)
+
+
+GLIDER = {"speed": "0.35 m/s", "depth": "6 m"}
+
+
 def run(monkeypatch: pytest.MonkeyPatch, *arguments: str) -> int:
     monkeypatch.setattr(sys, "argv", ["missionplan", "export", *arguments])
     with pytest.raises(SystemExit) as ended:
@@ -39,26 +52,31 @@ def test_the_command_knows_every_format() -> None:
 
 @pytest.mark.parametrize("name", sorted(set(FORMATS) - {"gpkg"}))
 def test_files_are_written_here_and_named(name, monkeypatch, tmp_path, capsys) -> None:
-    monkeypatch.chdir(tmp_path)
-    assert run(monkeypatch, CHESAPEAKE, "--to", name) == 0
+    (tmp_path / "given").mkdir()
+    (tmp_path / "here").mkdir()
+    mission = for_format(name, tmp_path / "given")
+    monkeypatch.chdir(tmp_path / "here")
+    assert run(monkeypatch, mission, "--to", name) == 0
     said = capsys.readouterr()
-    written = [path.relative_to(tmp_path) for path in tmp_path.rglob("*") if path.is_file()]
+    written = [path.relative_to(tmp_path / "here") for path in (tmp_path / "here").rglob("*") if path.is_file()]
     assert sorted(said.out.splitlines()) == sorted(str(path) for path in written)
     assert "Note: uncertain quantities are at their means" in said.err
-    for words in format_named(name).lost(plan_of_chesapeake()):
+    for words in format_named(name).lost(plan_of(mission)):
         assert words.split(" (")[0][:30] in said.err
 
 
-def plan_of_chesapeake():
+def plan_of(mission: str):
     from missionplan.studies.mission_plan.build import mission_plan
 
-    return mission_plan(missionplan.load(CHESAPEAKE))
+    return mission_plan(missionplan.load(mission))
 
 
 def test_out_names_a_file_or_a_folder(monkeypatch, tmp_path) -> None:
     assert run(monkeypatch, CHESAPEAKE, "--to", "gpx", "--out", str(tmp_path / "route.gpx"), "-q") == 0
     assert run(monkeypatch, CHESAPEAKE, "--to", "csv", "--out", str(tmp_path), "-q") == 0
-    assert run(monkeypatch, CHESAPEAKE, "--to", "slocum", "--out", str(tmp_path / "glider"), "-q") == 0
+    (tmp_path / "given").mkdir()
+    mission = for_format("slocum", tmp_path / "given")
+    assert run(monkeypatch, mission, "--to", "slocum", "--out", str(tmp_path / "glider"), "-q") == 0
     assert (tmp_path / "route.gpx").read_text().startswith("<?xml")
     assert (tmp_path / "chesapeake.csv").exists()
     assert (tmp_path / "glider" / "goto_l10.ma").exists()
@@ -95,6 +113,14 @@ def test_places_on_earth_need_an_origin(monkeypatch, tmp_path, capsys) -> None:
     assert not (tmp_path / "x").exists()
 
 
+def test_what_a_vehicle_cannot_do_is_refused(monkeypatch, tmp_path, capsys) -> None:
+    assert run(monkeypatch, CHESAPEAKE, "--to", "slocum", "--out", str(tmp_path / "x")) == 2
+    said = capsys.readouterr().err
+    assert "ingress: a Slocum glider cannot make 1.5 m/s without a thruster" in said
+    assert "egress: a Slocum glider cannot run at 2 m" in said
+    assert not (tmp_path / "x").exists()
+
+
 def test_a_mission_without_a_transit_has_no_course(monkeypatch, tmp_path, capsys) -> None:
     assert run(monkeypatch, str(MISSIONS / "anchor-design.yaml"), "--to", "csv", "--out", str(tmp_path / "x.csv")) == 2
     assert "no transit" in capsys.readouterr().err
@@ -112,5 +138,6 @@ def test_names_of_any_writing_are_written(tmp_path) -> None:
     data["site"] = {"origin": {"latitude": "55 deg", "longitude": "10.4 deg"}}
     mission = missionplan.Mission.from_data(data)
     for name in sorted(set(FORMATS) - {"gpkg"}):
+        mission = mission.with_({f"{mission.transits[0].name}.{k}": v for k, v in GLIDER.items()})
         written = missionplan.export(mission, name, out=tmp_path / name)
         assert all(path.stat().st_size for path in written.files)

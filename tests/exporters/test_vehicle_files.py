@@ -37,6 +37,11 @@ def written(plan, name):
     return format_named(name).files(plan, "trip")
 
 
+def as_it_can(plan, name):
+    """The plan as the vehicle of a format can sail it at all."""
+    return for_a_glider(plan) if name == "slocum" else plan
+
+
 def off(plan, point, latitude, longitude):
     """Distance [m] of a point of a file [deg] from where the plan has it."""
     return metres_apart(plan.origin, point.east, point.north, latitude, longitude)
@@ -68,8 +73,32 @@ def decimal(number):
     return degrees + (number - 100.0 * degrees) / 60.0
 
 
-def test_slocum(plan):
-    found = {name: read_ma(text) for name, text in written(plan, "slocum").items()}
+MASTERDATA = {
+    "num_legs_to_run": (-2, None), "num_waypoints": (1, 8), "initial_wpt": (-2, 7), "list_when_wpt_dist": (10, None),
+    "gps_wait_time": (120, None), "num_half_cycles_to_do": (-1, None), "d_target_depth": (3, 1000),
+    "c_target_depth": (3, 1000), "d_bpump_value": (-1000, 1000), "c_bpump_value": (-1000, 1000),
+    "d_thruster_value": (1, 9), "c_thruster_value": (1, 9),
+}  # fmt: skip
+"""Least and greatest of the arguments that masterdata annotates with limits."""
+
+
+def for_a_glider(plan, *, speed=0.83, powered=True):
+    """The plan at a glider's speeds, each its own."""
+    slower = tuple(
+        replace(phase, speed=round(speed + 0.07 * n, 2)) if phase in plan.transits else phase
+        for n, phase in enumerate(plan.phases)
+    )
+    return replace(plan, phases=slower, has_thruster=powered)
+
+
+@pytest.mark.parametrize("powered", [True, False])
+def test_slocum(plan, powered):
+    plan = for_a_glider(plan, powered=True) if powered else for_a_glider(plan, speed=0.23, powered=False)
+    plan = replace(
+        plan, phases=tuple(replace(p, depth=p.depth + 1.5) if p in plan.transits else p for p in plan.phases)
+    )
+    texts = written(plan, "slocum")
+    found = {name: read_ma(text) for name, text in texts.items()}
     assert set(found) == {f"{kind}{n}.ma" for n in (10, 11) for kind in ("goto_l", "surfac", "yo")} | {
         "surfac30.ma",
         "surfac31.ma",
@@ -81,41 +110,70 @@ def test_slocum(plan):
             ("num_legs_to_run", "nodim"): -2,
             ("start_when", "enum"): 0,
             ("list_stop_when", "enum"): 7,
-            ("list_when_wpt_dist", "m"): transit.arrival_radius,
+            ("list_when_wpt_dist", "m"): 10.0,
             ("initial_wpt", "enum"): 0,
             ("num_waypoints", "nodim"): 1,
         }
-        assert off(plan, transit.goal, decimal(latitude), decimal(longitude)) < 0.2
+        assert off(plan, transit.steered_for, decimal(latitude), decimal(longitude)) < 0.2
         rule = transit.surfacing
         at_surface = {
             ("end_action", "enum"): 1,
-            ("gps_wait_time", "s"): math.ceil(rule.surface_time_p99),
+            ("gps_wait_time", "s"): max(math.ceil(rule.surface_time_p99), 120),
             ("keystroke_wait_time", "s"): math.ceil(rule.surface_time),
             ("c_use_bpump", "enum"): 2,
             ("c_bpump_value", "X"): 1000,
             ("c_use_pitch", "enum"): 3,
             ("c_pitch_value", "X"): pytest.approx(math.radians(26.0), abs=1e-4),
         }
-        every = {("start_when", "enum"): 9, ("when_secs", "sec"): round(rule.interval_time)}
+        climb = min(transit.depth / math.tan(0.4538), rule.interval / 2.0) / transit.speed
+        every = {("start_when", "enum"): 6, ("when_secs", "sec"): math.floor(rule.interval_time - climb)}
         assert found[f"surfac{number}.ma"] == ("surface", {**every, **at_surface}, [])
         assert found[f"surfac{number + 20}.ma"] == ("surface", {("start_when", "enum"): 8, **at_surface}, [])
-        level = {
+        yo = {
             ("start_when", "enum"): 2,
             ("num_half_cycles_to_do", "nodim"): -1,
-            ("d_target_depth", "m"): transit.depth,
-            ("c_target_depth", "m"): transit.depth,
+            ("d_target_depth", "m"): pytest.approx(transit.depth + powered, abs=0.0051),
+            ("c_target_depth", "m"): pytest.approx(transit.depth - 1.0 if powered else 3.0, abs=0.0051),
             ("end_action", "enum"): 2,
         }
-        assert found[f"yo{number}.ma"] == ("yo", level, [])
-        text = written(plan, "slocum")[f"surfac{number}.ma"]
-        assert f"# {rule.interval:.1f} m at {transit.speed} m/s" in text
+        for way, sign in (("d", -1.0), ("c", 1.0)):
+            yo |= {
+                (f"{way}_use_bpump", "enum"): 2,
+                (f"{way}_bpump_value", "X"): 0 if powered else sign * 1000,
+                (f"{way}_use_pitch", "enum"): 3,
+                (f"{way}_pitch_value", "X"): sign * (0.209 if powered else 0.4538),
+            }
+            yo |= {(f"{way}_use_thruster", "enum"): 4, (f"{way}_thruster_value", "X"): 9} if powered else {}
+        assert found[f"yo{number}.ma"] == ("yo", yo, [])
+        assert f"# {rule.interval:.1f} m at {transit.speed} m/s" in texts[f"surfac{number}.ma"]
+    for text in texts.values():
+        assert all_within_masterdata(text) >= 1
 
 
-def test_a_transit_at_the_surface_has_no_yo(plan):
-    there, *others = plan.phases
-    flat = replace(plan, phases=(replace(there, depth=0.0), *others))
-    assert "yo10.ma" not in written(flat, "slocum")
-    assert "yo11.ma" in written(flat, "slocum")
+def all_within_masterdata(text):
+    """Whether every argument with a limit keeps it and is annotated with it; how many there are."""
+    count = 0
+    for name, value, rest in re.findall(r"^ *b_arg: (\w+)\(\w+\) (\S+)(.*)$", text, re.M):
+        low, high = MASTERDATA.get(name, (None, None))
+        limits = [f"{word} = {limit:.1f}" for word, limit in (("min", low), ("max", high)) if limit is not None]
+        assert (re.search(r"#! ([^#]*?)(?: #|$)", rest) or [None, ""])[1] == "; ".join(limits)
+        assert low is None or float(value) >= low
+        assert high is None or float(value) <= high
+        count += low is not None
+    return count
+
+
+def test_what_a_glider_cannot_do_is_refused_with_its_numbers(plan):
+    with pytest.raises(InputError) as error:
+        written(plan, "slocum")
+    said = str(error.value)
+    assert "ingress: a Slocum glider cannot make 1.313 m/s without a thruster" in said
+    assert "egress: a Slocum glider cannot make 1.126 m/s without a thruster" in said
+    assert "ingress: a Slocum glider cannot run at 4.37 m" in said
+    there, *others = for_a_glider(plan).phases
+    flat = replace(for_a_glider(plan), phases=(replace(there, depth=0.0), *others))
+    with pytest.raises(InputError, match="cannot run at 0 m"):
+        written(flat, "slocum")
 
 
 @given(st.floats(-math.pi, math.pi))
@@ -614,6 +672,7 @@ def test_zones_kept_out_of_are_fences(plan):
 
 @pytest.mark.parametrize("name", FORMATS)
 def test_every_file_names_its_plan_and_what_it_lacks(plan, name):
+    plan = as_it_can(plan, name)
     for content in written(plan, name).values():
         text = unpacked(content)
         assert plan.digest in text
@@ -628,12 +687,12 @@ def test_a_mooring_that_a_file_cannot_hold_is_said_with_its_numbers(plan, name):
         "the mooring moor (release 10.7 s after the fix on arrival, by 18.9 s in 99 % of cases; hold 1807 s; "
         "galvanic release 5431 s; line 3.08 m)"
     )
-    assert all(words in unpacked(content) for content in written(plan, name).values())
+    assert all(words in unpacked(content) for content in written(as_it_can(plan, name), name).values())
 
 
 @pytest.mark.parametrize("name", ["slocum", "moos", "gpx", "geojson", "kml"])
 def test_the_interval_in_place_of_a_table_and_its_cost_are_in_the_header(name):
-    plan = PLANS["date line"]
+    plan = as_it_can(PLANS["date line"], name)
     text = unpacked(next(iter(written(plan, name).values())))
     said = re.search(r"of ingress; in its place .* costs least, (\d+) m, at (\S+) (?:\+-|±) (\S+) minutes more", text)
     assert [float(each) for each in said.groups()] == [1333.0, 1.69, 0.23]
@@ -662,6 +721,7 @@ def unpacked(content):
 
 
 def test_a_glider_has_no_numbers_for_more_than_twenty_transits(plan):
+    plan = for_a_glider(plan)
     transits = plan.transits[:1]
     assert len(written(replace(plan, phases=transits * 20), "slocum")) == 80
     with pytest.raises(InputError, match="21 transits"):

@@ -111,6 +111,14 @@ class LastLeg(Compensation):
         return leg.velocity_error, leg.surface_drift
 
 
+class LastVelocity(LastLeg):
+    """Expect the velocity error of the last leg to recur, and no drift at the surface: as gliders aim off."""
+
+    @override
+    def offset(self, memory: Memory, leg: PlannedLeg) -> Array:
+        return memory[0] * leg.duration
+
+
 @dataclass(frozen=True)
 class RunningMean(Compensation):
     """Expect the mean velocity error so far, each leg weighted by (Σ_v + 2σ_fix²/T² I)⁻¹, and the mean drift so far.

@@ -10,7 +10,7 @@ import numpy as np
 
 from missionplan.arrays import Array, Scalars
 from missionplan.errors import InputError, Problem
-from missionplan.exporters.formats import Executes, execution_of
+from missionplan.exporters.formats import Executes, execution_of, refusals_of
 from missionplan.mission import Mission
 from missionplan.mission.geodesy import to_geographic
 from missionplan.mission.schema.phases import LegTableSection, MoorPhase, TransitPhase
@@ -53,7 +53,8 @@ def mission_plan(
     Raises
     ------
     InputError
-        When the mission has no transit, or lacks what transits need, or allows fewer legs than its course has.
+        When the mission has no transit, or lacks what transits need, or allows fewer legs than its course has, or the
+        vehicle of the format cannot do it.
     """
     TransitMission.of(mission)
     builder = _Builder(
@@ -63,7 +64,7 @@ def mission_plan(
     )
     phases = tuple(builder.phases())
     origin = mission.site.origin if mission.site else None
-    return Plan(
+    plan = Plan(
         mission=mission.name,
         digest=hashlib.sha256(to_yaml(mission.identified()).encode()).hexdigest(),
         version=version("missionplan"),
@@ -75,7 +76,12 @@ def mission_plan(
         if mission.budget and mission.budget.capacity is not None
         else math.nan,
         fences=tuple(_fences(builder.means)),
+        has_thruster=mission.vehicle is not None and mission.vehicle.propulsion is not None,
     )
+    refused = refusals_of(to, plan) if to is not None else ()
+    if refused:
+        raise InputError([replace(problem, file=mission.file) for problem in refused])
+    return plan
 
 
 def executions(mission: Mission, to: str, *, seed: int, means: Scenario) -> dict[str, Execution]:
