@@ -79,6 +79,6 @@ def plain(text: str) -> str:
     return unicodedata.normalize("NFKD", text).encode("ascii", "ignore").decode()
 
 
-def token(number: int, name: str) -> str:
+def token(number: int | str, name: str) -> str:
     """Return a name that holds letters, digits and underscores alone, unlike that of any other number."""
     return f"{number}_{re.sub('[^A-Za-z0-9]+', '_', plain(name))[:_LONGEST].strip('_') or 'phase'}"

@@ -42,6 +42,8 @@ class Waypoint:
         for the leg of this number, course corrections included [s].
     elapsed : float
         Since the mission's start, nominally [s].
+    is_via : bool
+        Whether it is a point on the way that the transit goes round by: it is arrived at as the goal is.
     """
 
     name: str
@@ -55,6 +57,7 @@ class Waypoint:
     duration: float
     duration_p99: float
     elapsed: float
+    is_via: bool = False
 
     @property
     def time_out(self) -> float:
@@ -131,6 +134,28 @@ class PlannedTransit:
     def steered_for(self) -> Waypoint:
         """The goal, or the point that is steered for in its place."""
         return self.aim or self.goal
+
+    @property
+    def parts(self) -> tuple["PlannedTransit", ...]:
+        """Its straight parts, from one point on the way to the next, each aimed off as the last one is."""
+        ends = [number for number, point in enumerate(self.waypoints) if point.is_via]
+        if not ends:
+            return (self,)
+        found, begin = [], 0
+        for end in (*ends, len(self.waypoints) - 1):
+            found.append(replace(self, waypoints=self.waypoints[begin : end + 1], aim=self._aimed(self.waypoints[end])))
+            begin = end
+        return tuple(found)
+
+    def _aimed(self, end: Waypoint) -> Waypoint | None:
+        """Point to steer for in place of one on the way: as far off as that in place of the goal."""
+        if self.aim is None:
+            return None
+        shifted = {
+            axis: getattr(end, axis) + getattr(self.aim, axis) - getattr(self.goal, axis)
+            for axis in ("east", "north", "latitude", "longitude")
+        }
+        return replace(end, **shifted)
 
     @property
     def aim_off(self) -> float:
@@ -305,6 +330,18 @@ class Plan:
     def transits(self) -> tuple[PlannedTransit, ...]:
         """The transits among the phases."""
         return tuple(phase for phase in self.phases if isinstance(phase, PlannedTransit))
+
+    @property
+    def parts(self) -> tuple[tuple[str, PlannedTransit | PlannedMooring], ...]:
+        """The phases by their numbers, a transit round points on the way part by part: ``2.1``, ``2.2``."""
+        found: list[tuple[str, PlannedTransit | PlannedMooring]] = []
+        for number, phase in enumerate(self.phases, start=1):
+            parts = phase.parts if isinstance(phase, PlannedTransit) else ()
+            if len(parts) > 1:
+                found += [(f"{number}.{count}", part) for count, part in enumerate(parts, start=1)]
+            else:
+                found.append((str(number), phase))
+        return tuple(found)
 
     @property
     def moorings(self) -> tuple[PlannedMooring, ...]:

@@ -100,13 +100,14 @@ class State:
 
 def states_of(plan: Plan) -> tuple[State, ...]:
     """Return the states of a plan, the first one to begin with."""
-    firsts = [f"{number}-{_first(phase)}" for number, phase in enumerate(plan.phases, 1)]
+    parts = plan.parts
+    firsts = [f"{number}-{_first(phase)}" for number, phase in parts]
     found: list[State] = []
-    for number, (phase, after) in enumerate(zip(plan.phases, [*firsts[1:], "done"], strict=True), 1):
+    for (number, phase), after in zip(parts, [*firsts[1:], "done"], strict=True):
         if isinstance(phase, PlannedMooring):
-            found += _mooring(phase, str(number), after)
+            found += _mooring(phase, number, after)
         else:
-            found += _transit(phase, str(number), after, plan.capacity)
+            found += _transit(phase, number, after, plan.capacity)
     return (*found, State("done", "done", ""), State("abort", "abort", ""))
 
 
@@ -183,4 +184,4 @@ def mermaid(states: Sequence[State]) -> str:
 
 
 def _node(name: str) -> str:
-    return f"s{name.replace('-', '_')}"
+    return "s" + name.replace("-", "_").replace(".", "_")

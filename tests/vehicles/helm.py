@@ -230,7 +230,8 @@ class Helm:
                 self.error, self.way = self.voyage.leg_error(), 0.0
             elif str(value).endswith("_fix") and str(before).endswith("_surfacing"):
                 self.done.legs.append(self.way)
-            elif str(before).endswith("_decide"):
+            stage, kind = str(before).rsplit("_", 1)
+            if kind == "decide" and not str(value).startswith(stage):
                 self.done.arrived.append(tuple(self.true))
 
     def _move(self) -> None:

@@ -94,3 +94,20 @@ def test_the_interpreters_share_nothing_with_the_package():
     for path in ("helm.py", "sea.py", "dune.py", "logs.py"):
         source = (Path(__file__).parent / path).read_text()
         assert not re.search(r"^\s*(from|import) missionplan", source, re.M)
+
+
+def test_a_way_round_is_sailed_point_by_point(tmp_path):
+    """With a point on the way the vehicle arrives there by its fix, then at the goal; nothing leads straight."""
+    data, sea, facts = voyage_of(2)
+    data["site"].pop("origin")
+    east, north = facts["goal"]
+    data["phases"][0]["transit"]["via"] = [[f"{east / 2 - north / 3} m", f"{north / 2 + east / 3} m"]]
+    mission = Mission.from_data(data, file="voyage.yaml")
+    (path,) = missionplan.export(mission, "moos", out=tmp_path / "voyage.bhv", seed=5).files
+    sailed = Helm(path.read_text(), Voyage(sea, np.random.default_rng(1)), 0.3, facts["goal"], (facts["bottom"], 120.0))
+    done = sailed.sail()
+    assert not done.aborted
+    assert done.phases.index("1_1_out_decide") < done.phases.index("1_2_out_leg") < done.phases.index("2_moor_release")
+    via = np.array([east / 2 - north / 3, north / 2 + east / 3])
+    radius = float(data["phases"][0]["transit"]["arrival_radius"].split()[0])
+    assert np.hypot(*(np.array(done.arrived[0]) - via)) < radius + 15.0

@@ -83,8 +83,8 @@ def lost(plan: Plan) -> tuple[str, ...]:
 
 def files(plan: Plan, stem: str) -> dict[str, str | bytes]:
     """Write one file: the states in turn, by the variable PHASE; the helm is let loose by DEPLOY = true."""
-    names = [token(number, phase.name) for number, phase in enumerate(plan.phases, start=1)]
-    firsts = [_first(phase, name) for phase, name in zip(plan.phases, names, strict=True)]
+    parts = [(phase, token(number.replace(".", "_"), phase.name)) for number, phase in plan.parts]
+    firsts = [_first(phase, name) for phase, name in parts]
     lines = [f"// {plain(line)}" for line in header(plan, TITLE, lost(plan))]
     lines += [f"// {line}" for line in _ASSUMED]
     lines += [
@@ -96,7 +96,7 @@ def files(plan: Plan, stem: str) -> dict[str, str | bytes]:
     ]
     lines += ["set MODE = ACTIVE {", "  DEPLOY = true", "} INACTIVE", ""]
     lines += [f"// FIX_CLOCK counts down from {_CLOCK:.0f} s since the last fix", *_fix_clock()]
-    for phase, name, following in zip(plan.phases, names, [*firsts[1:], _END], strict=True):
+    for (phase, name), following in zip(parts, [*firsts[1:], _END], strict=True):
         if isinstance(phase, PlannedMooring):
             lines += _mooring(plan, phase, name, following)
         else:

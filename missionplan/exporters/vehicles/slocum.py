@@ -110,6 +110,9 @@ def refusals(plan: Plan) -> tuple[Problem, ...]:
                 f"{cannot} run at {transit.depth:g} m: masterdata lets its yo climb to {top:g} m at least, and the run "
                 f"depth has to be {least - top:g} m below that"
             )
+        most = LIMITS["num_waypoints(nodim)"][1]
+        if len(transit.parts) > most:
+            found.append(f"{cannot} go by {len(transit.parts)} points: masterdata lets a list hold {most:g}")
         if transit.speed > fastest:
             found.append(f"{cannot} make {transit.speed:g} m/s {means}: at most {fastest:g} m/s")
     return tuple(Problem(words, key="to") for words in found)
@@ -158,17 +161,17 @@ def degrees_minutes(angle: float) -> str:
 
 
 def _goto(transit: PlannedTransit) -> tuple[list[str], list[str]]:
-    """Arguments and waypoints of the list: the goal alone, which the glider steers for after each surfacing."""
-    goal = transit.steered_for
+    """Arguments and waypoints of the list: the goal, which the glider steers for after each surfacing, and via what."""
+    points = [part.steered_for for part in transit.parts]
     arguments = [
         "num_legs_to_run(nodim) -2 # traverse the list once",
         "start_when(enum) 0 # BAW_IMMEDIATELY",
         f"list_stop_when(enum) {_BAW_WHEN_WPT_DIST} # BAW_WHEN_WPT_DIST",
         f"list_when_wpt_dist(m) {LIMITS['list_when_wpt_dist(m)'][0]:.1f}",
         "initial_wpt(enum) 0 # the first",
-        "num_waypoints(nodim) 1",
+        f"num_waypoints(nodim) {len(points)}",
     ]
-    return arguments, [f"{degrees_minutes(goal.longitude)} {degrees_minutes(goal.latitude)}"]
+    return arguments, [f"{degrees_minutes(point.longitude)} {degrees_minutes(point.latitude)}" for point in points]
 
 
 def _every(transit: PlannedTransit) -> list[str]:

@@ -28,7 +28,7 @@ class Execution:
     ends : {"fix", "reckoning", "count"}
         The transit ends when the fix on diving lies within the arrival radius of the goal; on surfacing after the dead
         reckoning came within `capture` of the aim; after the legs to all of `points`.
-    aim : array, shape (2,)
+    aim : array, shape (2,) or (2, n)
         Point that legs steer for, east and north of the coordinates' origin [m].
     interval : float
         Greatest length of a leg [m].

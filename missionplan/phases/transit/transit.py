@@ -52,14 +52,23 @@ def transit(
     state, record : TrialState, TransitRecord
     """
     around = environment or Environment()
-    if not plan.via or execution is not None:  # the points of an execution are those on the way too
+    if not plan.via or (execution is not None and execution.points is not None):  # those on the way are among them
         return _to_goal(plan, state, normals, around, tracked, execution)
     records: list[TransitRecord] = []
     for number, goal in enumerate((*plan.via, plan.goal)):
         part = replace(plan, goal=goal, via=())
-        state, record = _to_goal(part, state, _later(normals, number * plan.max_legs), around, tracked)
+        state, record = _to_goal(
+            part, state, _later(normals, number * plan.max_legs), around, tracked, _towards(execution, plan, goal)
+        )
         records.append(record)
     return state, _joined(records, state, plan)
+
+
+def _towards(execution: Execution | None, plan: TransitPlan, goal: Array) -> Execution | None:
+    """Aim off a point on the way as the goal is aimed off."""
+    if execution is None:
+        return None
+    return replace(execution, aim=column(execution.aim) + column(goal) - column(plan.goal))
 
 
 def _to_goal(

@@ -153,7 +153,9 @@ class _Builder:
         for target in (*self.means.ways(phase), goal):
             for leg in self._straight(phase, durations, target, done):
                 done += 1
-                yield replace(leg, kind="arrival" if target is goal and leg.kind == "arrival" else "surfacing")
+                at_point = leg.kind == "arrival"
+                kind = "arrival" if target is goal and at_point else "surfacing"
+                yield replace(leg, kind=kind, is_via=at_point and target is not goal)
 
     def _straight(
         self, phase: TransitPhase[Scalars], durations: TransitDurations, goal: Array, done: int
