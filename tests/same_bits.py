@@ -30,7 +30,7 @@ OF_THE_RUN = {
     "identity_parts",
 }
 """Keys that tell of the run and not of its answer."""
-FORMATS = ("csv", "json", "gpx", "geojson", "kml", "slocum", "moos", "neptus", "iver")
+FORMATS = ("csv", "json", "gpx", "geojson", "kml", "moos", "neptus", "iver", "qgc")
 SHIPPED = "autosub-transition", "estuary", "fig8", "anchor-design", "chesapeake"
 
 
@@ -59,7 +59,7 @@ def commands() -> Iterator[str]:
     for mission in ("chesapeake", "estuary", "fig8"):
         for form in FORMATS:
             yield f"export missions/{mission}.yaml --to {form} --out OUT"
-    for kind in ("mission", "vehicle", "dataset"):
+    for kind in ("mission", "vehicle", "dataset", "plan"):
         yield f"schema {kind}"
 
 

@@ -28,7 +28,7 @@ from . import examples
 from .hostile_names import MARK, NAMES, ODD, named
 from .looking import look_at_file, look_at_folder, look_at_page
 
-FORMS = ("csv", "json", "gpx", "geojson", "kml", "slocum", "moos", "neptus", "iver")
+FORMS = ("csv", "json", "gpx", "geojson", "kml", "slocum", "moos", "neptus", "iver", "qgc")
 ALL = (*NAMES, *ODD)
 PHASES = {"chesapeake": 3, "starter": 3, "fig8": 1, "anchor-design": 1, "autosub-transition": 1}
 WORST = (NAMES[13], NAMES[12], "in$^$", "site", "limit run", "../../etc/passwd", "%s %(x)d {0} {{7*7}}")
@@ -104,9 +104,15 @@ def test_the_worst_names_do_no_harm_in_a_report(tmp_path, capsys):
 @pytest.mark.parametrize("form", FORMS)
 def test_hostile_names_do_no_harm_in_plans(form, tmp_path):
     for number, names in enumerate(batches("chesapeake")[:: 1 if form in ("kml", "json") else 4]):
-        out = tmp_path / str(number) / ("plan" if form in ("slocum", "iver") else f"plan.{form}")
+        out = tmp_path / str(number) / ("plan" if form in ("slocum", "iver", "qgc") else f"plan.{form}")
         out.parent.mkdir()
-        missionplan.export(mission("chesapeake", names), form, out=out, seed=1)
+        planned = mission("chesapeake", names)
+        if form == "slocum":  # at a glider's speed and depth
+            slower = {"speed": "0.35 m/s", "depth": "6 m"}
+            planned = planned.with_(
+                {f"{each.name}.{key}": value for each in planned.transits for key, value in slower.items()}
+            )
+        missionplan.export(planned, form, out=out, seed=1)
         for path in (path for path in out.parent.rglob("*") if path.is_file()):
             _look_at_plan(path, names)
 
