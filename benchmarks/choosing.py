@@ -12,7 +12,7 @@ import numpy as np
 
 from benchmarks.common import MISSIONS, Options, Row, Section
 from missionplan.mission import Mission, load
-from missionplan.results.choosing.axis import Axis
+from missionplan.results.axis import Axis
 from missionplan.studies.exploration.cells import CellRun, CellTrials
 from missionplan.studies.exploration.explore import CellPlan
 from missionplan.studies.exploration.findings import ENERGY, cell_of, race, rank

@@ -19,8 +19,8 @@ import numpy as np
 from benchmarks.common import MISSIONS, Options, Row, Section, alternate, duration
 from missionplan.mission import load
 from missionplan.montecarlo.parallel.pool import process_pool
-from missionplan.results.leg_length.sweep import Sweep
 from missionplan.studies.leg_length.sweep_dmax import sweep_dmax
+from missionplan.studies.leg_length.sweep_result import Sweep
 
 TRIALS, PYTHON_TRIALS = 20_000, 300
 DISTANCE, SPEED, RADIUS, SURFACING_TIME, MAX_LEGS = 7408.0, 1.25, 50.0, 90.0, 400

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from missionplan.studies.anchor.size_anchor import size_anchor
     from missionplan.studies.comparison.compare_missions import compare, compare_missions
     from missionplan.studies.exploration.explore import explore
-    from missionplan.studies.history import history
+    from missionplan.studies.history.find_history import history
     from missionplan.studies.identification.identify import identify
     from missionplan.studies.init import init
     from missionplan.studies.leg_length.plan_legs import plan_legs
@@ -81,7 +81,7 @@ _MODULES = {
     "explore": "missionplan.studies.exploration.explore",
     "export": "missionplan.studies.mission_plan.export",
     "find_rare_failure": "missionplan.studies.rare_failure.find_rare_failure",
-    "history": "missionplan.studies.history",
+    "history": "missionplan.studies.history.find_history",
     "identify": "missionplan.studies.identification.identify",
     "import_logs": "missionplan.importers.importing",
     "init": "missionplan.studies.init",

@@ -7,10 +7,10 @@ from pathlib import Path
 
 import missionplan
 from missionplan.report.drawn import style
-from missionplan.report.exploration import words
-from missionplan.report.exploration.figures import curves_figure
 from missionplan.report.optimisation import answer, front_figure
 from missionplan.report.page import Figure
+from missionplan.studies.exploration import words
+from missionplan.studies.exploration.figures import curves_figure
 
 ROOT = Path(__file__).parents[2]
 

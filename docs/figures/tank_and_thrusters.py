@@ -13,11 +13,11 @@ import missionplan
 from missionplan.physics import propeller_example as example
 from missionplan.physics import propulsion, tank
 from missionplan.physics import tunnel_thruster as tunnel
-from missionplan.report import identification as pictures
 from missionplan.report.drawn import style
 from missionplan.report.page import BLUE, GREEN, GREY, ORANGE, Figure, to_figure
-from missionplan.report.transition import all_figures
+from missionplan.studies.identification import page as pictures
 from missionplan.studies.identification.identify import identify
+from missionplan.studies.transition.page import all_figures
 from missionplan.studies.transition.sweep_transition import sweep_transition
 
 HERE = Path(__file__).parent

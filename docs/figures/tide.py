@@ -11,7 +11,7 @@ import pandas as pd
 
 import missionplan
 from missionplan.report.drawn import style
-from missionplan.report.tide import ellipses_figure, record_figure
+from missionplan.studies.tide.page import ellipses_figure, record_figure
 
 HERE = Path(__file__).parent
 HOURS = {"M2": 12.4206012, "S2": 12.0, "N2": 12.6583482, "K1": 23.9344696, "O1": 25.8193417, "M4": 6.2103006}

@@ -14,8 +14,8 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from missionplan.mission import Mission
-    from missionplan.results.choosing.exploration import Exploration
-    from missionplan.results.choosing.optimisation import Optimised
+    from missionplan.results.optimisation import Optimised
+    from missionplan.studies.exploration.result import Exploration
 
 _WORKERS_NEED = "missionplan.studies.exploration.cells"
 

@@ -55,7 +55,7 @@ def export(
 ) -> None:
     """Write the plan as a vehicle takes it: waypoints, depth, speed, time-outs, surfacings, release of the anchor."""
     from missionplan.mission import load
-    from missionplan.report.typesetting import typeset
+    from missionplan.report.wording import typeset
     from missionplan.studies.mission_plan.export import export
 
     written = export(load(mission, allow_outside=allow_outside), to.value, out=out, seed=seed, force=force)

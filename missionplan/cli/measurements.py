@@ -123,7 +123,7 @@ def score(
 
         return score(loaded, *datasets, seed=seed, allow_outside=allow_outside, progress=progress)
 
-    from missionplan.results.log_book.score import Score
+    from missionplan.results.score import Score
 
     result = run_study(mission, "score", study, output, allow_outside=allow_outside, datasets=datasets)
     if isinstance(result, Score) and not result.is_within_chance:
@@ -141,7 +141,7 @@ def history(
 
     Example: missionplan history reports
     """
-    from missionplan.studies.history import history
+    from missionplan.studies.history.find_history import history
 
     with report_folder(output, folder.resolve().name, "history") as report:
         deliver(history(folder), report, output)

@@ -100,7 +100,7 @@ def deliver(result: "Result", folder: Path, output: OutputOptions) -> None:
     if output.as_json:
         return
     if not output.quiet:
-        from missionplan.report.typesetting import typeset
+        from missionplan.report.wording import typeset
 
         for notice in result.provenance.notices:
             remark(f"Note: {typeset(notice)}")
@@ -135,7 +135,7 @@ def _print_result(result: "Result") -> None:
 
     from missionplan.report.glance import laid_out
     from missionplan.report.render import terminal_view
-    from missionplan.report.typesetting import wrapped
+    from missionplan.report.wording import wrapped
 
     class Output(Console):
         def on_broken_pipe(self) -> NoReturn:

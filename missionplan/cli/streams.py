@@ -58,7 +58,7 @@ def note(text: str) -> None:
 
 def remark(text: str) -> None:
     """Write a sentence to standard error, broken at words where that is a terminal."""
-    from missionplan.report.typesetting import wrapped
+    from missionplan.report.wording import wrapped
 
     note(wrapped(text, shutil.get_terminal_size().columns) if sys.stderr.isatty() else text)
 

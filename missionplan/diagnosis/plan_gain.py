@@ -9,7 +9,7 @@ from missionplan.mission import Mission
 from missionplan.mission.schema.phases import MoorPhase
 from missionplan.montecarlo.parallel.mapping import parallel_map
 from missionplan.results.learned.diagnosis import Plan, PlanGain
-from missionplan.results.leg_length.sweep import SweepCurve, SweepPoint
+from missionplan.studies.leg_length.sweep_result import SweepCurve, SweepPoint
 
 Choice = Callable[[Mission, Mission, int, int], PlanGain]
 """Of base and extended mission, seed and processes."""

@@ -18,8 +18,7 @@ from missionplan.mission.checks.requirements import misspelt_requirements, read_
 from missionplan.mission.checks.site import check_site
 from missionplan.mission.drawing import changed
 from missionplan.mission.editing.changes import changed_data
-from missionplan.mission.editing.mission_text import MissionText
-from missionplan.mission.editing.yaml_text import dumped
+from missionplan.mission.editing.yaml_text import MissionText, dumped
 from missionplan.mission.notices import notices
 from missionplan.mission.quantity_paths import phase_keys
 from missionplan.mission.reading.documents import Document, unprintable_texts

@@ -17,7 +17,7 @@ from matplotlib.ticker import (
 )
 
 from missionplan.report.quantities import DIMENSIONS, reader_system, reader_unit
-from missionplan.report.typesetting import typeset
+from missionplan.report.wording import typeset
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

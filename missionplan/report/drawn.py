@@ -22,7 +22,7 @@ from missionplan.montecarlo.parallel.pool import interrupts_deferred, result_of,
 from missionplan.report.axes import draw_in_units, set_ticks
 from missionplan.report.html.readings import Slider, name_series, readings
 from missionplan.report.quantities import reader_system, reading_in
-from missionplan.report.typesetting import typeset
+from missionplan.report.wording import typeset
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -6,9 +6,8 @@ from missionplan.report.numbers import percent, share
 from missionplan.report.page import PageSection, Table
 from missionplan.report.quantities import span, unit_for
 from missionplan.report.wording import in_words
-from missionplan.results.explained import ExplainedOutcome, label, success_differs
-from missionplan.results.members import MemberOutcome, members_differ
 from missionplan.results.simulation import Outcome, Sensitivity
+from missionplan.results.under_doubts import ExplainedOutcome, MemberOutcome, label, members_differ, success_differs
 
 DIFFER = "Which member of the current's ensemble spoils the {}"
 

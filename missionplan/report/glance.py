@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 from missionplan.rendering import Plot, Rendered
 from missionplan.report.axes import draw_in_units
 from missionplan.report.render import drawings_of, plots_of, render_report, shown_as_asked, terminal_view
-from missionplan.report.typesetting import wrapped
+from missionplan.report.wording import wrapped
 from missionplan.results.base import Result
 
 GAP = 2

@@ -27,7 +27,7 @@ from missionplan.report.page import (
 from missionplan.report.quantities import Unit, range_on, unit_for, value_on, with_error
 from missionplan.report.simulation.quantities import requirement_in_words
 from missionplan.report.wording import in_words, keys_in_words
-from missionplan.results.choosing.optimisation import Obstacle, Optimised, Tried
+from missionplan.results.optimisation import Obstacle, Optimised, Tried
 
 
 def front_figure(found: Optimised) -> Figure | None:

@@ -12,12 +12,11 @@ from contextvars import ContextVar
 from dataclasses import dataclass
 
 from missionplan.mission.quantity_paths import written_phases
-from missionplan.mission.unit_table import FACTORS
-from missionplan.mission.units import QuantityError, parse_number_with_unit
+from missionplan.mission.units import FACTORS, QuantityError, parse_number_with_unit
 from missionplan.montecarlo.statistics import Statistic
 from missionplan.physics.energy import JOULES_PER_WATT_HOUR
 from missionplan.report.numbers import has_spread, number, set_number
-from missionplan.results.choosing.axis import Axis
+from missionplan.results.axis import Axis
 from missionplan.results.plain_data import mapping, mappings
 
 NO_BREAK_SPACE = "\u00a0"

@@ -14,7 +14,7 @@ from missionplan.report.html.rendering import render_page
 from missionplan.report.page import Block, Drawing, Figure, Listing, Page, PageSection, Table, Terminal
 from missionplan.report.planned.section import planned_sections
 from missionplan.report.quantities import reading_in, units_of
-from missionplan.report.typesetting import typeset
+from missionplan.report.wording import typeset
 from missionplan.results.base import Result
 
 if TYPE_CHECKING:

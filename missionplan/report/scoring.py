@@ -13,7 +13,7 @@ from missionplan.montecarlo.statistics import wilson
 from missionplan.report.axes import name_axis
 from missionplan.report.page import BLUE, GREY, ORANGE, Drawing, Figure, Page, PageSection, Table, Terminal, to_figure
 from missionplan.report.quantities import quantity
-from missionplan.results.log_book.score import PIT_BINS, STATED, DatasetScore, Prediction, Score, pit_counts
+from missionplan.results.score import PIT_BINS, STATED, DatasetScore, Prediction, Score, pit_counts
 
 Q90 = 1.645
 """Normal quantile: half the width of a 90 % interval in standard deviations."""

@@ -145,7 +145,7 @@ class ImportedData(Result):
         Of the legs that were to be explained.
     """
 
-    report: ClassVar[str] = "missionplan.report.imported"
+    report: ClassVar[str] = "missionplan.importers.page"
     provenance: Provenance
     kind: Annotated[str, Entry("of the data set")]
     name: Annotated[str, Entry("of the data set", key="dataset")]

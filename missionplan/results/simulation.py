@@ -14,12 +14,12 @@ from missionplan.montecarlo.sensitivity import Influence
 from missionplan.montecarlo.statistics import Probability, Statistic, trials_to_decide
 from missionplan.results.base import Provenance, Result, to_csv
 from missionplan.results.entries import Entry, Record
-from missionplan.results.explained import ExplainedOutcome
 from missionplan.results.mooring.held_vehicle import HeldVehicle
 from missionplan.results.mooring.sized_anchor import MooringAnchor
 from missionplan.results.overdue import Overdue
 from missionplan.results.place import PlaceContact
 from missionplan.results.plan import Plan
+from missionplan.results.under_doubts import ExplainedOutcome
 from missionplan.store.trials_table import read_trials
 
 

@@ -11,7 +11,7 @@ import pytest
 from scipy.stats import spearmanr
 
 import missionplan
-from missionplan.results.transition import FORCE, PAIR, SUCTION
+from missionplan.studies.transition.result import FORCE, PAIR, SUCTION
 from missionplan.studies.transition.sweep_transition import sweep_transition
 
 MISSION = Path(__file__).parents[2] / "missions" / "autosub-transition.yaml"

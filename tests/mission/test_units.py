@@ -11,8 +11,7 @@ from hypothesis import strategies as st
 from pydantic_core import PydanticCustomError
 
 from missionplan.mission.schema.quantity_parser import CoordinateParser, QuantityParser
-from missionplan.mission.unit_table import FACTORS
-from missionplan.mission.units import QuantityError, parse_number_with_unit
+from missionplan.mission.units import FACTORS, QuantityError, parse_number_with_unit
 from missionplan.montecarlo.distributions import Choices, LogNormal, Normal, TruncatedNormal, Uniform
 
 

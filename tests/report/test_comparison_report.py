@@ -4,10 +4,10 @@ from dataclasses import replace
 
 import pytest
 
-from missionplan.report.compared.two_runs import answer, page, terminal
 from missionplan.report.page import Table
 from missionplan.results.base import Provenance
-from missionplan.results.comparison import ChangedValue, ComparedNumber, ComparedRun, Comparison
+from missionplan.studies.comparison.changes import ChangedValue, ComparedNumber, ComparedRun, Comparison
+from missionplan.studies.comparison.changes_page import answer, page, terminal
 
 
 def mission(limit):

@@ -11,7 +11,7 @@ from outcome_example import MISSIONS
 import missionplan
 from missionplan.montecarlo.statistics import wilson
 from missionplan.rendering import render
-from missionplan.report.simulation.rare_failure import event_in_words
+from missionplan.studies.rare_failure.page import event_in_words
 
 EIGHT_LEGS = "t_start_s,t_end_s,x_start_m,y_start_m,x_dr_m,y_dr_m,x_end_m,y_end_m\n" + "".join(
     f"{400 * leg},{400 * leg + 300},0,0,300,0,{300 + (-9) ** (leg % 2)},{5 - leg}\n" for leg in range(8)

@@ -7,10 +7,10 @@ import pytest
 
 from missionplan.mission import load
 from missionplan.montecarlo.statistics import Statistic, wilson
-from missionplan.report.leg_length.plan import answer, page, terminal
 from missionplan.report.page import Figure, Listing, Table
-from missionplan.results.leg_length.leg_cases import CandidatePlan
 from missionplan.studies.leg_length.plan_legs import plan_legs
+from missionplan.studies.leg_length.plan_page import answer, page, terminal
+from missionplan.studies.leg_length.plan_result import CandidatePlan
 
 MISSION = """
 name: Legs

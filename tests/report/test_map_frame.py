@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from missionplan.report.geography.plan_view import frame
-from missionplan.report.leg_length.sweep import has_teeth
+from missionplan.studies.leg_length.sweep_page import has_teeth
 
 
 def tracks(count: int, *, astray: float = 0.0) -> list[np.ndarray]:

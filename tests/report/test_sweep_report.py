@@ -4,10 +4,10 @@ import pytest
 
 from missionplan.mission import load
 from missionplan.montecarlo.statistics import wilson
-from missionplan.report.leg_length.sweep import page, terminal
 from missionplan.results.base import Provenance
-from missionplan.results.leg_length.sweep import Sweep, SweepCurve, SweepPoint
 from missionplan.studies.leg_length.sweep_dmax import sweep_dmax
+from missionplan.studies.leg_length.sweep_page import page, terminal
+from missionplan.studies.leg_length.sweep_result import Sweep, SweepCurve, SweepPoint
 
 AGAINST_THE_CURRENT = """
 name: Against the current

@@ -11,8 +11,7 @@ from hypothesis import strategies as st
 
 from missionplan.mission import load
 from missionplan.report.render import render_report, terminal_view
-from missionplan.report.typesetting import typeset, wrapped
-from missionplan.report.wording import in_words, keys_in_words
+from missionplan.report.wording import in_words, keys_in_words, typeset, wrapped
 from missionplan.studies.anchor.size_anchor import size_anchor
 from missionplan.studies.comparison.compare_missions import compare
 from missionplan.studies.identification.identify import identify

@@ -7,8 +7,8 @@ import pytest
 
 import missionplan
 from missionplan.errors import InputError
-from missionplan.report.compared.alternatives import answer
 from missionplan.results.base import to_yaml
+from missionplan.studies.comparison.alternatives_page import answer
 from missionplan.studies.exploration.variation import with_values
 
 MISSIONS = Path(__file__).parents[2] / "missions"

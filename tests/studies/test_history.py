@@ -7,7 +7,7 @@ import pytest
 import yaml
 
 import missionplan
-from missionplan.report.history import terminal
+from missionplan.studies.history.page import terminal
 
 
 def report(

@@ -18,7 +18,7 @@ from missionplan.diagnosis.legs.model_factory import transit_model
 from missionplan.diagnosis.scoring.score import read_record, scored_record
 from missionplan.errors import InputError
 from missionplan.mission import Mission
-from missionplan.results.log_book.score import DatasetScore
+from missionplan.results.score import DatasetScore
 
 
 def first_part(bound: DataKind, share: float, seed: int) -> DataKind:

@@ -26,7 +26,7 @@ from missionplan.diagnosis.scoring.vehicle_filter import expected_by_vehicle
 from missionplan.diagnosis.scoring.yardsticks import Point, with_spread, yardsticks
 from missionplan.errors import InputError
 from missionplan.mission import Mission, MissionOrPath
-from missionplan.results.log_book.score import STATED, DatasetScore, Prediction, Score, Yardstick
+from missionplan.results.score import STATED, DatasetScore, Prediction, Score, Yardstick
 from missionplan.store.paths import as_path
 from missionplan.studies.run import Run, check_arguments
 

@@ -1,13 +1,232 @@
-"""Changes of a mission's data, by keys as people name them."""
+"""Changes of a mission's data, by keys as people name them in Python, with numbers in SI."""
 
 import copy
-from collections.abc import Mapping
+import math
+import re
+from collections.abc import Iterator, Mapping, Sequence
 
 from pydantic import BaseModel
 
-from missionplan.errors import InputError, KeyPath, Problem, key_path, shown
-from missionplan.mission.editing.keys import UnclearKeyError, find_key
-from missionplan.mission.editing.units import as_written
+from missionplan.effects import CATALOGUE
+from missionplan.errors import InputError, KeyPath, LocalProblem, Problem, did_you_mean, key_path, shown
+from missionplan.mission.quantity_paths import phase_of_path, written_phases
+from missionplan.mission.reading.fields import fields_at, keys_of, parsers_of, section_in
+from missionplan.mission.schema.effect_list import ONE_OF
+from missionplan.mission.schema.phases import PhaseEntry
+from missionplan.mission.schema.shared_sections import is_in_force, name_in_force, overridden
+from missionplan.montecarlo.distributions import Choices, LogNormal, Normal, TruncatedNormal, Uniform
+
+_SPREADS = ("mean", "sd", "low", "high", "median", "choices")
+"""Keys of distributions that are in the quantity's unit."""
+
+
+def as_written(value: object, path: KeyPath, model: type[BaseModel]) -> object:
+    """Return a value as a mission file holds it: bare numbers get the SI unit of their key, where that has one.
+
+    Parameters
+    ----------
+    value : object
+        Text, a number in SI, a distribution, or mappings and lists of them.
+    path : tuple of (str or int)
+        Its key path.
+    model : type
+        Of a mission.
+    """
+    if isinstance(value, Mapping):
+        return {str(key): as_written(inner, (*path, str(key)), model) for key, inner in value.items()}
+    if isinstance(value, Normal | TruncatedNormal | Uniform | LogNormal | Choices):
+        return as_written(_forms(value), path, model)
+    if hasattr(value, "tolist"):  # of numpy
+        return as_written(value.tolist(), path, model)
+    if isinstance(value, Sequence) and not isinstance(value, str):
+        return [as_written(inner, (*path, index), model) for index, inner in enumerate(value)]
+    if isinstance(value, bool) or not isinstance(value, int | float):
+        return value
+    unit = _unit(path, model)
+    short = f"{value:g}"
+    return f"{short if float(short) == value else repr(value)} {unit}" if unit else value
+
+
+def _unit(path: KeyPath, model: type[BaseModel]) -> str:
+    """SI unit of the quantity at a key path; empty where it has none, or where it depends on other keys."""
+    if path[-1] == "factor":
+        return ""
+    while path and (isinstance(path[-1], int) or path[-1] in _SPREADS) and path[-1] not in fields_at(path[:-1], model):
+        path = path[:-1]
+    if path[:1] == ("effects",):
+        effect, name = str(path[-2]), str(path[-1])
+        parameters = CATALOGUE[effect].parameters if effect in CATALOGUE else {}
+        return parameters[name].unit if name in parameters else ""
+    field = fields_at(path[:-1], model).get(str(path[-1])) if path else None
+    units = {parser.unit for parser in parsers_of(field)} if field is not None else set()
+    return units.pop() if len(units) == 1 else ""
+
+
+def _forms(value: Normal | TruncatedNormal | Uniform | LogNormal | Choices) -> dict[str, object]:
+    """A distribution by the keys of a mission file."""
+    if isinstance(value, Normal):
+        return {"mean": value.mean, "sd": value.sd}
+    if isinstance(value, TruncatedNormal):
+        bounds = {"low": value.low, "high": value.high}
+        finite = {key: bound for key, bound in bounds.items() if math.isfinite(bound)}
+        return {"mean": value.parent_mean, "sd": value.parent_sd, **finite}
+    if isinstance(value, Uniform):
+        return {"low": value.low, "high": value.high}
+    if isinstance(value, LogNormal):
+        return {"median": value.median, "factor": value.factor}
+    return {"choices": list(value.values)}
+
+
+_PART = re.compile(r"([^.\[\]]+)((?:\[\d+\])*)")
+_OF_EXPLANATIONS = ((), ("probability",), ("effects",), ("correlations",))
+"""What may follow an explanation in a path besides an effect's id."""
+
+
+class UnclearKeyError(ValueError):
+    """A key that names nothing, or more than one thing."""
+
+    def __init__(self, key: str, message: str, hint: str = "") -> None:
+        self.problem = LocalProblem((key,), message, hint)
+        super().__init__(message)
+
+
+def find_key(key: str, data: Mapping[str, object], model: type[BaseModel]) -> list[KeyPath]:
+    """Find the key paths that a key means.
+
+    Parameters
+    ----------
+    key : str
+        A path as messages write it (``navigation.velocity_error.sigma``, ``phases[0].transit.speed``), one that starts
+        with a phase's name (``ingress.speed``) or with ``effects.`` and an effect's id, one of an explanation
+        (``effects[0].one-of[1].compass-bias.angle``), or a key alone (``speed``): that of every phase that has it, or
+        of the one section that has it.
+    data : mapping
+        The mission's data.
+    model : type
+        Of a mission.
+
+    Raises
+    ------
+    UnclearKeyError
+        When it means nothing, or several things.
+    """
+    named = phase_of_path(key, data)
+    if named is not None:
+        return [named[0].path + _parts(named[1])]
+    path = _parts(key)
+    if path[0] == "effects" and len(path) > 1 and isinstance(path[1], str):
+        return [_effect_path(key, path, data.get("effects"), 1)]
+    if path[0] == "effects" and ONE_OF in path[2:3] and path[4:5] not in _OF_EXPLANATIONS:
+        return [_effect_path(key, path, _explained(path, data), 4)]
+    if overridden(path, data):
+        said = name_in_force(key)
+        raise UnclearKeyError(key, f"changes nothing: the mission's own {said} goes before it", f"did you mean {said}?")
+    if path[0] in keys_of(model):
+        return [path]
+    if len(path) > 1:
+        known = [*keys_of(model), *(each.key for each in written_phases(data))]
+        raise UnclearKeyError(key, "unknown key", did_you_mean(str(path[0]), known))
+    return _alone(key, data, model)
+
+
+def _parts(key: str) -> KeyPath:
+    """Split a key path: ``current[0].speed`` is current, 0, speed."""
+    path: list[str | int] = []
+    for part in key.split("."):
+        match = _PART.fullmatch(part)
+        if match is None:
+            raise UnclearKeyError(
+                key, "is not a key path, such as navigation.velocity_error.sigma or site.current[0].speed"
+            )
+        path += [match[1], *(int(index) for index in re.findall(r"\d+", match[2]))]
+    return tuple(path)
+
+
+def _effect_path(key: str, path: KeyPath, effects: object, at: int) -> KeyPath:
+    """Path of an effect of a list, by its id, which stands at a place in the path."""
+    entries = effects if isinstance(effects, list) else []
+    for index, entry in enumerate(entries):
+        if isinstance(entry, dict) and path[at] in entry:
+            return (*path[:at], *(("effects",) if at > 1 else ()), index, *path[at:])
+    known = [name for entry in entries if isinstance(entry, dict) for name in entry]
+    hint = did_you_mean(str(path[at]), known) or f"it has {', '.join(known) or 'none'}"
+    raise UnclearKeyError(key, "the mission has no such effect", hint)
+
+
+def _explained(path: KeyPath, data: Mapping[str, object]) -> object:
+    """Effects of the explanation that a path begins with; None where there is no such explanation."""
+    found: object = data
+    for part in (*path[:4], "effects"):
+        if isinstance(found, list) and isinstance(part, int) and part < len(found):
+            found = found[part]
+        else:
+            found = found.get(part) if isinstance(found, dict) and isinstance(part, str) else None
+    return found
+
+
+def _alone(key: str, data: Mapping[str, object], model: type[BaseModel]) -> list[KeyPath]:
+    """Paths of a key given alone: in phases of one kind, or in one section; what the mission has goes first."""
+    phases = _in_phases(key, data)
+    sections = list(_in_sections(key, model, ()))
+    present = [path for path in sections if _has(data, path[:-1]) and is_in_force(path, data)]
+    groups = [*phases.values(), *([path] for path in present or ([] if phases else sections))]
+    if len(groups) == 1:
+        return groups[0]
+    if not groups:
+        known = {*keys_of(model), *_all_keys(model)}
+        for kind in keys_of(PhaseEntry):
+            known |= set(fields_at((kind,), PhaseEntry))
+        raise UnclearKeyError(key, "unknown key", did_you_mean(key, sorted(known)))
+    meant = [_as_named(path, data) for group in groups for path in group]
+    raise UnclearKeyError(key, f"could be {', '.join(meant)}", "name one of them")
+
+
+def _in_phases(key: str, data: Mapping[str, object]) -> dict[str, list[KeyPath]]:
+    """Paths of a key in the phases that may have it, by the kind of phase."""
+    found: dict[str, list[KeyPath]] = {}
+    for phase in written_phases(data):
+        if key in fields_at((phase.kind,), PhaseEntry):
+            found.setdefault(phase.kind, []).append((*phase.path, key))
+    return found
+
+
+def _in_sections(key: str, model: type[BaseModel], path: KeyPath) -> Iterator[KeyPath]:
+    """Paths of a key in sections inside sections; items of lists are left out."""
+    for name, field in keys_of(model).items():
+        if path and name == key:
+            yield (*path, name)
+        section = section_in(field.annotation)
+        if section is not None and not _is_list(field.annotation):
+            yield from _in_sections(key, section, (*path, name))
+
+
+def _all_keys(model: type[BaseModel]) -> Iterator[str]:
+    for name, field in keys_of(model).items():
+        yield name
+        section = section_in(field.annotation)
+        if section is not None and not _is_list(field.annotation):
+            yield from _all_keys(section)
+
+
+def _is_list(annotation: object) -> bool:
+    """Whether a section lies in a tuple, or is one of several by name."""
+    text = str(annotation)
+    return "tuple[" in text or "Mapping[" in text
+
+
+def _has(data: object, path: Sequence[str | int]) -> bool:
+    for part in path:
+        if not isinstance(data, Mapping) or part not in data:
+            return False
+        data = data[part]
+    return True
+
+
+def _as_named(path: KeyPath, data: Mapping[str, object]) -> str:
+    for phase in written_phases(data):
+        if path[: len(phase.path)] == phase.path:
+            return f"{phase.key}.{key_path(path[len(phase.path) :])}"
+    return key_path(path)
 
 
 def changed_data(

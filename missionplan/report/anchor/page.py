@@ -17,9 +17,9 @@ from missionplan.report.numbers import percent, share
 from missionplan.report.page import Drawing, Figure, Page, PageSection, Table, Terminal
 from missionplan.report.quantities import quantity, reader_unit
 from missionplan.report.wording import phase_in_words
-from missionplan.results.explained import label
 from missionplan.results.mooring.sized_anchor import SizedAnchor
 from missionplan.results.mooring.sizing import AnchorSizing
+from missionplan.results.under_doubts import label
 
 _SAILED = "With the anchor to build, and all trials in one member."
 SAME_WEIGHT = 0.02

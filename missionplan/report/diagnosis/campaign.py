@@ -13,7 +13,7 @@ from missionplan.report.diagnosis.findings import finding_in_words
 from missionplan.report.diagnosis.page import answer as answer_of
 from missionplan.report.diagnosis.page import page as page_of
 from missionplan.report.page import Block, Drawing, Page, PageSection, Table, Terminal
-from missionplan.results.log_book.campaign import Campaign
+from missionplan.results.campaign import Campaign
 
 LEFT = 1e-3
 """Probability of none of the explanations from which it is told."""

@@ -10,7 +10,7 @@ import numpy as np
 
 from missionplan.arrays import Array
 from missionplan.report.axes import has_numbers, size_of_unit
-from missionplan.report.typesetting import typeset
+from missionplan.report.wording import typeset
 
 if TYPE_CHECKING:
     from matplotlib.artist import Artist

@@ -19,7 +19,7 @@ from missionplan.results.learned.evidence import (
     Verdict,
 )
 from missionplan.results.learned.next_trial import NextTrial
-from missionplan.results.log_book.score import DatasetScore
+from missionplan.results.score import DatasetScore
 
 Plan = Mapping[str, float | None]
 """What is chosen, and how it fares; keys end with their units."""

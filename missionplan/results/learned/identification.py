@@ -176,7 +176,7 @@ class Identification(Result):
         Fitted models, figures, remarks and vehicle fragment.
     """
 
-    report: ClassVar[str] = "missionplan.report.identification"
+    report: ClassVar[str] = "missionplan.studies.identification.page"
     provenance: Provenance
     kind: str
     name: str

@@ -10,9 +10,9 @@ from missionplan.montecarlo.statistics import Probability
 from missionplan.phases.mooring.profile import DescentProfile
 from missionplan.physics.trim import TrimState
 from missionplan.results.base import Provenance, Result, to_csv
-from missionplan.results.members import MemberOutcome
 from missionplan.results.mooring.held_vehicle import HeldVehicle
 from missionplan.results.mooring.sized_anchor import SizedAnchor
+from missionplan.results.under_doubts import MemberOutcome
 
 
 @dataclass(frozen=True)

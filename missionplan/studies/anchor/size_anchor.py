@@ -9,9 +9,9 @@ from missionplan.mission.schema.phases import MoorPhase
 from missionplan.mission.views import MooringMission
 from missionplan.montecarlo.parallel.blocks import Backend, Progress
 from missionplan.results.base import Provenance
-from missionplan.results.members import MemberOutcome
 from missionplan.results.mooring.sized_anchor import SizedAnchor
 from missionplan.results.mooring.sizing import AnchorSizing, ExplainedAnchor, ProbableAnchor
+from missionplan.results.under_doubts import MemberOutcome
 from missionplan.scenario.anchors import laden, worst_case_weight
 from missionplan.scenario.scenario import Scenario
 from missionplan.scenario.site_current import recorded_current

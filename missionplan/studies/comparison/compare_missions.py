@@ -16,12 +16,12 @@ from missionplan.montecarlo.common_streams import CommonStreams
 from missionplan.montecarlo.paired import LEVEL, paired_difference
 from missionplan.montecarlo.parallel.blocks import Progress, Workers
 from missionplan.montecarlo.streams import block_count, block_size
+from missionplan.results.axis import Aim
 from missionplan.results.base import Provenance
-from missionplan.results.choosing.alternatives import DECIDES, Alternative, Alternatives, Contrast, Estimate
-from missionplan.results.choosing.axis import Aim
-from missionplan.results.comparison import Comparison
 from missionplan.scenario.scenario import Scenario
 from missionplan.store.paths import as_path, is_folder
+from missionplan.studies.comparison.alternatives import DECIDES, Alternative, Alternatives, Contrast, Estimate
+from missionplan.studies.comparison.changes import Comparison
 from missionplan.studies.comparison.reported_choices import CHOOSING, aim_of, check_kinds, reported_alternative
 from missionplan.studies.comparison.summary_numbers import SummaryNumber, differing_values, standard_error_and_p_value
 from missionplan.studies.comparison.two_reports import compare_reports, read_summary

@@ -10,9 +10,9 @@ from missionplan.errors import InputError, Problem
 from missionplan.identity import differences, digest_of, program_part
 from missionplan.mission.reading.documents import load_document, read_text
 from missionplan.results.base import Provenance, without_run
-from missionplan.results.comparison import ChangedValue, ComparedNumber, ComparedRun, Comparison
 from missionplan.results.plain_data import mapping, mappings, whole
 from missionplan.store.paths import as_path
+from missionplan.studies.comparison.changes import ChangedValue, ComparedNumber, ComparedRun, Comparison
 from missionplan.studies.comparison.reported_choices import CHOOSING
 from missionplan.studies.comparison.summary_numbers import (
     SECTIONS,

@@ -18,7 +18,7 @@ from missionplan.montecarlo.common_streams import CommonStreams
 from missionplan.montecarlo.parallel.blocks import Workers
 from missionplan.phases.currents import Current
 from missionplan.phases.recorded_currents import RecordedCurrent
-from missionplan.results.choosing.axis import Axis
+from missionplan.results.axis import Axis
 from missionplan.scenario.scenario import Scenario
 from missionplan.scenario.site_current import current_source, is_netcdf, recorded_current
 from missionplan.store.checkpoints import Checkpoints

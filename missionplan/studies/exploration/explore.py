@@ -13,15 +13,15 @@ from missionplan.mission.units import QuantityError
 from missionplan.montecarlo.parallel.blocks import Backend, Progress
 from missionplan.montecarlo.statistics import Count
 from missionplan.montecarlo.streams import block_count, block_size
-from missionplan.results.choosing.axis import Aim, Axis
-from missionplan.results.choosing.exploration import Cell, Exploration
-from missionplan.results.members import MemberOutcome
+from missionplan.results.axis import Aim, Axis
+from missionplan.results.under_doubts import MemberOutcome
 from missionplan.scenario.currents.members import members_drawn, members_of
 from missionplan.scenario.scenario import Scenario
 from missionplan.store.checkpoints import Checkpoints
 from missionplan.store.paths import as_path
 from missionplan.studies.exploration.cells import SUCCESS, CellItem, CellTask, CellTrials, SharedCurrent, cell_trials
 from missionplan.studies.exploration.findings import DURATION, ENERGY, Race, cell_of, find_best, race
+from missionplan.studies.exploration.result import Cell, Exploration
 from missionplan.studies.exploration.variation import OPTION, first_start, read_axes
 from missionplan.studies.run import Run
 from missionplan.studies.simulation.block_statistics import requirement_key

@@ -11,10 +11,10 @@ from missionplan.mission import Mission
 from missionplan.montecarlo.paired import compare_with_best, pareto_front
 from missionplan.montecarlo.statistics import Count, Probability, Statistic
 from missionplan.montecarlo.streams import block_count, block_size
-from missionplan.results.choosing.axis import Aim
-from missionplan.results.choosing.exploration import Cell
+from missionplan.results.axis import Aim
 from missionplan.results.simulation import RequirementOutcome
 from missionplan.studies.exploration.cells import LEFT_RECORD, SUCCESS, CellItem, CellTrials
+from missionplan.studies.exploration.result import Cell
 from missionplan.studies.simulation.block_statistics import bound_of, requirement_key
 from missionplan.studies.simulation.checks import TOLERATED
 

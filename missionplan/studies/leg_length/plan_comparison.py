@@ -8,7 +8,6 @@ import numpy as np
 from missionplan.arrays import Array
 from missionplan.montecarlo.statistics import Count, Moments, RunningStatistic, wilson
 from missionplan.montecarlo.streams import block_count, block_size
-from missionplan.results.leg_length.leg_cases import CandidatePlan, LegCase, SampledCost
 from missionplan.studies.leg_length.optimise_legs import (
     DEADLINE_QUANTILE,
     MEAN_TIME,
@@ -17,6 +16,7 @@ from missionplan.studies.leg_length.optimise_legs import (
     optimise_legs,
 )
 from missionplan.studies.leg_length.paired_trials import AS_PLANNED, ErrorScenario, LegsAtSpeed, PlanTrials, run_plans
+from missionplan.studies.leg_length.plan_result import CandidatePlan, LegCase, SampledCost
 from missionplan.studies.leg_length.sweep_scenario import SweepScenario, start_of
 
 TRACKED_TRIALS = 6

@@ -10,9 +10,7 @@ from missionplan.montecarlo.parallel.blocks import Backend, Progress, Workers
 from missionplan.montecarlo.statistics import Moments
 from missionplan.montecarlo.streams import block_count
 from missionplan.results.base import Provenance
-from missionplan.results.explained import label
-from missionplan.results.leg_length.leg_cases import CandidatePlan, LegCase
-from missionplan.results.leg_length.legs import LegPlan
+from missionplan.results.under_doubts import label
 from missionplan.studies.leg_length.analytic_transit import analytic_obstacle
 from missionplan.studies.leg_length.optimise_legs import Aim, LegAim, OptimisedLegs, optimise_legs
 from missionplan.studies.leg_length.paired_trials import AS_PLANNED
@@ -23,6 +21,7 @@ from missionplan.studies.leg_length.plan_comparison import (
     late_gain,
     leg_case,
 )
+from missionplan.studies.leg_length.plan_result import CandidatePlan, LegCase, LegPlan
 from missionplan.studies.leg_length.sweep_scenario import SweepScenario
 from missionplan.studies.run import Run
 

@@ -14,9 +14,9 @@ from missionplan.montecarlo.parallel.blocks import Backend, Progress
 from missionplan.montecarlo.statistics import Probability, wilson
 from missionplan.montecarlo.streams import block_count, block_size
 from missionplan.phases.transit.analytic.expectation import TransitExpectation
-from missionplan.results.leg_length.sweep import ExplainedSweep, Sweep, SweepCurve, SweepPoint
-from missionplan.results.members import MemberOutcome
+from missionplan.results.under_doubts import MemberOutcome
 from missionplan.studies.leg_length.analytic_transit import analytic_curve, analytic_obstacle
+from missionplan.studies.leg_length.sweep_result import ExplainedSweep, Sweep, SweepCurve, SweepPoint
 from missionplan.studies.leg_length.sweep_scenario import CellTotals, SweepScenario, run_cells
 from missionplan.studies.run import Run
 

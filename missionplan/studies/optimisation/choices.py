@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from missionplan.arrays import Array
-from missionplan.results.choosing.axis import Axis
+from missionplan.results.axis import Axis
 
 Point = tuple[int, ...]
 """A choice: an index along each axis."""

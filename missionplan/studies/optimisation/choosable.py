@@ -11,7 +11,7 @@ from missionplan.mission import Mission
 from missionplan.mission.reading.documents import Document, load_document
 from missionplan.mission.schema.sweep import ChoiceSection
 from missionplan.mission.units import QuantityError, parse_number_with_unit
-from missionplan.results.choosing.axis import Axis
+from missionplan.results.axis import Axis
 from missionplan.studies.exploration.variation import NUMBER, known_key, read_axis, vehicles, with_values
 from missionplan.studies.optimisation.choices import Lattice
 

@@ -10,7 +10,7 @@ from missionplan.errors import InputError, Problem
 from missionplan.mission import Mission
 from missionplan.montecarlo.parallel.blocks import Workers
 from missionplan.montecarlo.streams import block_count, block_size
-from missionplan.results.choosing.axis import Aim
+from missionplan.results.axis import Aim
 from missionplan.scenario.scenario import Scenario
 from missionplan.store.checkpoints import Checkpoints
 from missionplan.studies.exploration.cells import (

@@ -11,7 +11,7 @@ from missionplan.errors import InputError, Problem
 from missionplan.mission import Mission, MissionOrPath
 from missionplan.montecarlo.paired import paired_difference, pareto_front
 from missionplan.montecarlo.statistics import Probability
-from missionplan.results.choosing.optimisation import Obstacle, Optimised, Relaxation, Tried
+from missionplan.results.optimisation import Obstacle, Optimised, Relaxation, Tried
 from missionplan.results.simulation import Outcome
 from missionplan.store.checkpoints import Checkpoints
 from missionplan.store.paths import as_path

@@ -13,7 +13,7 @@ import scipy
 
 from missionplan.arrays import Array
 from missionplan.montecarlo.kriging import Kriging, expected_improvement
-from missionplan.results.choosing.axis import Aim
+from missionplan.results.axis import Aim
 from missionplan.studies.optimisation.choices import Point
 from missionplan.studies.optimisation.evaluations import Evaluation, Evaluations
 from missionplan.studies.optimisation.judging import Demand, is_feasible, violations

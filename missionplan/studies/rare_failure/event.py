@@ -12,7 +12,7 @@ from missionplan.errors import InputError, Problem
 from missionplan.mission import Mission
 from missionplan.mission.checks.requirements import quantity_unit
 from missionplan.mission.units import QuantityError, parse_number_with_unit
-from missionplan.results.rare_failure import Cause, FailureMode
+from missionplan.studies.rare_failure.result import Cause, FailureMode
 from missionplan.studies.simulation.block_statistics import SCALES, requirement_key
 from missionplan.studies.simulation.phase_trials import Flags
 

@@ -18,7 +18,6 @@ from missionplan.montecarlo.rare_events.ways import ReliabilityIndices
 from missionplan.montecarlo.statistics import Probability, wilson
 from missionplan.montecarlo.streams import stream
 from missionplan.results.base import Provenance
-from missionplan.results.rare_failure import RareFailure, WayDriven
 from missionplan.scenario.scenario import Scenario
 from missionplan.scenario.site_current import recorded_current
 from missionplan.studies.nominal_dive import check_dives
@@ -30,6 +29,7 @@ from missionplan.studies.rare_failure.driven_trials import (
     margins,
 )
 from missionplan.studies.rare_failure.event import FAILS, RareEvent, failure_modes
+from missionplan.studies.rare_failure.result import RareFailure, WayDriven
 from missionplan.studies.run import Run
 from missionplan.studies.simulation.checks import check_complete, check_cover, input_notices
 

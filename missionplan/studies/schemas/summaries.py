@@ -7,25 +7,25 @@ from typing import Annotated, Any, Literal, Union, get_args, get_origin, get_typ
 
 from missionplan.montecarlo.statistics import Probability, Statistic
 from missionplan.results.base import SCHEMA, Provenance, Result
-from missionplan.results.choosing.alternatives import Alternatives
-from missionplan.results.choosing.exploration import Exploration
-from missionplan.results.choosing.optimisation import Optimised
-from missionplan.results.comparison import Comparison
+from missionplan.results.campaign import Campaign
 from missionplan.results.entries import Record, StatedField, stated
 from missionplan.results.imported import ImportedData
 from missionplan.results.learned.diagnosis import Diagnosis
 from missionplan.results.learned.identification import Identification
-from missionplan.results.leg_length.legs import LegPlan
-from missionplan.results.leg_length.sweep import Sweep
-from missionplan.results.log_book.campaign import Campaign
-from missionplan.results.log_book.history import History
-from missionplan.results.log_book.score import Score
 from missionplan.results.mooring.sizing import AnchorSizing
-from missionplan.results.rare_failure import RareFailure
+from missionplan.results.optimisation import Optimised
+from missionplan.results.score import Score
 from missionplan.results.simulation import Outcome
-from missionplan.results.tide import TideResult
-from missionplan.results.transition import TransitionSweep
+from missionplan.studies.comparison.alternatives import Alternatives
+from missionplan.studies.comparison.changes import Comparison
+from missionplan.studies.exploration.result import Exploration
+from missionplan.studies.history.result import History
+from missionplan.studies.leg_length.plan_result import LegPlan
+from missionplan.studies.leg_length.sweep_result import Sweep
+from missionplan.studies.rare_failure.result import RareFailure
 from missionplan.studies.schemas.sections import Schema
+from missionplan.studies.tide.result import TideResult
+from missionplan.studies.transition.result import TransitionSweep
 
 _RESULTS: Mapping[str, tuple[type[Result], ...]] = {
     "compare": (Comparison, Alternatives),

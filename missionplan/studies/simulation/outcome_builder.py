@@ -14,7 +14,6 @@ from missionplan.montecarlo.sensitivity import sensitivities
 from missionplan.montecarlo.statistics import Count, Integers, RunningStatistic, Statistic
 from missionplan.phases.place.place import Cause
 from missionplan.results.base import Provenance
-from missionplan.results.explained import Causes, ExplainedOutcome
 from missionplan.results.mooring.held_vehicle import HeldVehicle
 from missionplan.results.mooring.sized_anchor import MooringAnchor
 from missionplan.results.place import PlaceContact
@@ -27,6 +26,7 @@ from missionplan.results.simulation import (
     Sensitivity,
     Tracks,
 )
+from missionplan.results.under_doubts import Causes, ExplainedOutcome
 from missionplan.scenario.currents.drawn_current import MEMBER
 from missionplan.studies.simulation.block_statistics import (
     LIMIT,

@@ -9,7 +9,7 @@ import scipy
 
 from missionplan.arrays import Array
 from missionplan.physics.tides import DAY, angular_frequencies, nodal_state
-from missionplan.results.tide import Constituent
+from missionplan.studies.tide.result import Constituent
 
 _LEAST_SAMPLES = 10
 

@@ -17,10 +17,10 @@ from missionplan.phases.transition.simulation import simulate_transition
 from missionplan.physics.energy import JOULES_PER_WATT_HOUR
 from missionplan.physics.tunnel_thruster import hover_power, revolutions_for
 from missionplan.physics.vehicle_dynamics import level_trim
-from missionplan.results.transition import FORCE, PAIR, SUCTION, TimeHistory, TransitionSweep
 from missionplan.scenario.scenario import Scenario
 from missionplan.scenario.transition import manoeuvre, transition_vehicle
 from missionplan.studies.run import Run
+from missionplan.studies.transition.result import FORCE, PAIR, SUCTION, TimeHistory, TransitionSweep
 
 SAMPLE = 1.0
 """Interval of the histories [s]."""

@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 import missionplan
-from missionplan.results.log_book.score import Score
+from missionplan.results.score import Score
 from tests.hidden_effects.cases import draw_case
 
 

@@ -9,7 +9,7 @@ import yaml
 from scipy.stats import kstest
 
 import missionplan
-from missionplan.results.log_book.score import Score
+from missionplan.results.score import Score
 
 LEGS, SECONDS, SPEED = 40, 1800.0, 0.75
 

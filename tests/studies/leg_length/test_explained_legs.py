@@ -1,9 +1,9 @@
 """`plan-legs` of a mission in doubt: table and fixed d_max under each explanation."""
 
 from missionplan import Mission, plan_legs
-from missionplan.report.leg_length.plan import answer
-from missionplan.report.leg_length.plan_figures import cases_table
 from missionplan.report.render import render_report
+from missionplan.studies.leg_length.plan_figures import cases_table
+from missionplan.studies.leg_length.plan_page import answer
 
 BASE = {
     "name": "in doubt",

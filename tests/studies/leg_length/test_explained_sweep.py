@@ -3,8 +3,8 @@
 import pytest
 
 from missionplan import Mission, sweep_dmax
-from missionplan.report.leg_length.sweep import answer
 from missionplan.report.render import render_report
+from missionplan.studies.leg_length.sweep_page import answer
 
 BASE = {
     "name": "in doubt",

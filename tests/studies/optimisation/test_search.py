@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from missionplan.results.choosing.axis import Axis
+from missionplan.results.axis import Axis
 from missionplan.studies.optimisation.choices import Lattice
 from missionplan.studies.optimisation.evaluations import Evaluation, Evaluations
 from missionplan.studies.optimisation.judging import Demand, is_feasible

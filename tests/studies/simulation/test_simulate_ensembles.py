@@ -11,7 +11,6 @@ from missionplan.mission import Mission
 from missionplan.phases.currents import layers
 from missionplan.phases.fields.ensemble import Ensemble
 from missionplan.phases.recorded_currents import SeriesCurrent
-from missionplan.report.leg_length.plan import page as plan_page
 from missionplan.report.render import terminal_view
 from missionplan.report.simulation.page import answer
 from missionplan.scenario.currents.members import under_each_member
@@ -22,6 +21,7 @@ from missionplan.studies.exploration.explore import explore
 from missionplan.studies.exploration.variation import with_values
 from missionplan.studies.leg_length import paired_trials
 from missionplan.studies.leg_length.plan_legs import plan_legs
+from missionplan.studies.leg_length.plan_page import page as plan_page
 from missionplan.studies.leg_length.sweep_dmax import sweep_dmax
 from missionplan.studies.optimisation.optimise import optimise
 from missionplan.studies.simulation.simulate import simulate, simulate_block

@@ -1,0 +1,313 @@
+"""Report of `import`: what was made of the logs, what the legs can and cannot show, and what to type next."""
+
+import math
+import shlex
+from collections.abc import Mapping
+
+import numpy as np
+import pandas as pd
+from matplotlib.axes import Axes
+from matplotlib.collections import LineCollection
+from matplotlib.figure import Figure as MatplotlibFigure
+from matplotlib.ticker import MaxNLocator
+
+from missionplan.arrays import Array
+from missionplan.importers.leg_basis import COLUMNS, basis_rows, common_words, explained_rows, explained_section
+from missionplan.report.axes import name_axis
+from missionplan.report.page import (
+    BLUE,
+    GREY,
+    ORANGE,
+    PINK,
+    SKY,
+    Block,
+    Drawing,
+    Figure,
+    Listing,
+    Page,
+    PageSection,
+    Table,
+    Terminal,
+    to_figure,
+)
+from missionplan.report.quantities import quantity, reader_unit
+from missionplan.results.imported import ImportedData
+
+_HOUR = 3600.0
+_WIDTH = 6.0
+_KM = 5000.0
+"""Extent from which maps are drawn in kilometres [m]."""
+
+
+def track_figure(result: ImportedData) -> Figure:
+    """Draw fixes, the dead-reckoned way of each dive, and an arrow from its end to the fix that shows its error."""
+    counted, word = result.dives["ok"].to_numpy() == 1, _map_unit(result)[1]
+    figure = MatplotlibFigure(figsize=(_WIDTH, _height(_drawn(result))))
+    draw_track(figure.add_subplot(), result)
+    return to_figure(
+        figure,
+        "track",
+        f"Map of the track: {int(counted.sum())} legs that count, {int((~counted).sum())} dives left out, and fixes; "
+        f"axes in {word}, north is up.",
+        "Dead-reckoned way of each dive; the arrow goes from where it ends to the fix, the leg's error. Both axes have "
+        "the same scale.",
+    )
+
+
+def _drawn(result: ImportedData) -> Array:
+    lines = result.lines
+    return np.concatenate([lines.fixes, *(line for line in lines.reckoned if line.size)], axis=1)
+
+
+def _map_unit(result: ImportedData) -> tuple[float, str]:
+    """Unit of the map's axes, as its size [m] and its name."""
+    drawn = _drawn(result)
+    extent = float(np.ptp(drawn, axis=1).max()) if drawn.size else 1.0
+    return (1000.0, "km") if extent > _KM else (1.0, "m")
+
+
+def draw_track(axes: Axes, result: ImportedData) -> None:
+    """Draw fixes, dead-reckoned ways, and the errors as arrows."""
+    lines, counted = result.lines, result.dives["ok"].to_numpy() == 1
+    unit, word = _map_unit(result)
+    for keep, colour, label in ((counted, BLUE, "legs that count"), (~counted, GREY, "dives left out")):
+        chosen = [line.T / unit for line, kept in zip(lines.reckoned, keep, strict=True) if kept and line.shape[1] > 1]
+        if chosen:
+            axes.add_collection(LineCollection(chosen, colors=colour, linewidths=1.2, label=label))
+    axes.plot(*(lines.fixes / unit), ".", color=SKY, markersize=3, label="fixes", zorder=2.5)
+    near = _rejected_nearby(result)
+    if near.size:
+        axes.plot(*(near / unit), "x", color=PINK, markersize=6, label="fixes rejected", zorder=4)
+    _error_arrows(axes, result, counted, unit)
+    axes.set(aspect="equal")
+    name_axis(axes.xaxis, "east", word)
+    name_axis(axes.yaxis, "north", word)
+    axes.margins(0.06)
+    _widen(axes, _drawn(result) / unit)
+    axes.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=3)
+
+
+def _height(points: Array) -> float:
+    size = np.maximum(np.ptp(points, axis=1), 1.0) if points.size else np.ones(2)
+    return float(np.clip(0.9 + (_WIDTH - 0.9) * size[1] / size[0], 3.0, 8.0))
+
+
+def _widen(axes: Axes, points: Array) -> None:
+    """Show at least a quarter of the map's extent along each axis: a track due north has no width of its own."""
+    if not points.size:
+        return
+    low, high = points.min(axis=1), points.max(axis=1)
+    least = 0.25 * max(float((high - low).max()), 1.0)
+    west, south = np.where(high - low < least, 0.5 * (low + high - least), np.nan)
+    if np.isfinite(west):
+        axes.set_xlim(west, west + least)
+    if np.isfinite(south):
+        axes.set_ylim(south, south + least)
+
+
+def _rejected_nearby(result: ImportedData) -> Array:
+    """Rejected fixes within the extent of the others, and half of it around."""
+    fixes, rejected = result.lines.fixes, result.lines.rejected
+    if not rejected.size or not fixes.size:
+        return np.empty((2, 0))
+    low, high = fixes.min(axis=1, keepdims=True), fixes.max(axis=1, keepdims=True)
+    inside = np.all((rejected >= low - 0.5 * (high - low)) & (rejected <= high + 0.5 * (high - low)), axis=0)
+    return np.asarray(rejected[:, inside])
+
+
+def _error_arrows(axes: Axes, result: ImportedData, counted: Array, unit: float) -> None:
+    tails, tips = _errors(result, counted)
+    if not tails.size:
+        return
+    axes.quiver(
+        *(tails / unit), *((tips - tails) / unit), angles="xy", scale_units="xy", scale=1.0, color=ORANGE,
+        width=0.004, zorder=3, label="errors",
+    )  # fmt: skip
+
+
+def _errors(result: ImportedData, counted: Array) -> tuple[Array, Array]:
+    """Dead-reckoned ends of the legs that count, and the fixes after them, shape (2, n) [m]."""
+    ends = result.lines.leg_ends[:, :, counted]
+    return ends[0], ends[1]
+
+
+def _span(values: Array) -> tuple[float, float] | None:
+    """Ends of a histogram: at least a tenth of the values apart, so that equal legs look equal."""
+    if not values.size or not np.max(values) > 0.0:
+        return None
+    middle, half = 0.5 * (values.min() + values.max()), 0.5 * max(float(np.ptp(values)), 0.1 * float(values.max()))
+    return float(middle - half), float(middle + half)
+
+
+def histograms(result: ImportedData) -> Figure:
+    """Draw how long the legs are that count, and where they go."""
+    counted = result.dives["ok"].to_numpy() == 1
+    start, end = result.lines.leg_starts[:, counted], result.lines.leg_ends[0][:, counted]
+    way = end - start
+    length, course = np.hypot(*way), np.arctan2(*way)
+    unit, word = (1000.0, "km") if len(length) and length.max() > 2000.0 else (1.0, "m")
+    figure = MatplotlibFigure(figsize=(_WIDTH, 2.8))
+    left = figure.add_subplot(1, 2, 1)
+    left.hist(length / unit, bins=min(max(len(length) // 2, 5), 20), range=_span(length / unit), color=SKY)
+    left.yaxis.set_major_locator(MaxNLocator(integer=True))
+    left.set(ylabel="legs")
+    name_axis(left.xaxis, "length of a leg", word)
+    right = figure.add_subplot(1, 2, 2, projection="polar")
+    counts, edges = np.histogram(np.remainder(course, 2.0 * math.pi), bins=24, range=(0.0, 2.0 * math.pi))
+    right.bar(edges[:-1], counts, width=np.diff(edges), align="edge", color=SKY)
+    right.set(theta_zero_location="N", theta_direction=-1)
+    right.set_xticks(np.radians([0, 90, 180, 270]), ["N", "E", "S", "W"])
+    right.tick_params(axis="y", labelsize=7)
+    return to_figure(
+        figure,
+        "legs",
+        f"Two histograms of {len(length)} legs: their lengths, and the courses they go, as a rose.",
+        "Lengths of the legs that count, by dead reckoning, and their courses (legs a sector of 15 deg).",
+    )
+
+
+def depth_figure(result: ImportedData) -> Figure | None:
+    """Draw the depth against time while the vehicle dived, if it was logged: a clock that was wrong is not drawn."""
+    lines, dives = result.lines, result.dives
+    begin, end = float(dives["t_start_s"].min()), float(dives["t_end_s"].max())
+    during = (lines.depth_t >= begin - _HOUR) & (lines.depth_t <= end + _HOUR)
+    if np.count_nonzero(during) < 2:
+        return None
+    figure = MatplotlibFigure(figsize=(_WIDTH, 2.2))
+    axes = figure.add_subplot()
+    axes.plot((lines.depth_t[during] - begin) / _HOUR, lines.depth[during], color=BLUE, linewidth=0.7)
+    axes.set(xlabel="time since the first dive (h)")
+    name_axis(axes.yaxis, "depth", "m")
+    axes.invert_yaxis()
+    left = np.count_nonzero(~during)
+    outside = f"{left} readings more than an hour from every dive are not drawn." if left else ""
+    return to_figure(figure, "depth", f"Depth against time over {(end - begin) / _HOUR:.1f} h.", outside)
+
+
+_LISTED = 60
+"""Rows of a table on the page; the files hold all."""
+
+
+def page(result: ImportedData) -> Page:
+    """Build the page of an import."""
+    is_transit = result.kind == "transit"
+    depth = depth_figure(result)
+    sections = [
+        _what_they_show(result),
+        PageSection("What to type next", _next_blocks(result)),
+        PageSection(_dives_heading(result), [*([depth] if depth else []), _dives_table(result)]),
+        *(explained_section(result, each) for each in result.pictures),
+        _sources(result),
+    ]
+    if is_transit and result.counted:
+        sections.insert(1, PageSection("How long the legs are, and where they go", [histograms(result)]))
+    return Page(
+        title=f"Import: {result.name}",
+        answer=answer(result),
+        figure=track_figure(result) if is_transit else None,
+        numbers=_numbers(result),
+        sections=sections,
+        verdict="" if result.counted else "bad",
+        rerun=f"missionplan import SOURCE --out DATASET --kind {result.kind} --format {shlex.quote(result.format)}",
+    )
+
+
+def terminal(result: ImportedData) -> Terminal:
+    """Build the terminal's view of an import."""
+    verdict = "" if result.counted else "bad"
+    sentence = f"{answer(result)} Next, in that folder: {result.next_commands[0]}"
+    if result.pictures:
+        told = [row for each in result.pictures for row in (("leg", str(result.dives["leg"].iloc[each.row])),
+                                                           *explained_rows(result, each))]  # fmt: skip
+        return Terminal(sentence, ("what a leg rests on", ""), told, verdict)
+    if result.basis is not None:
+        rows = basis_rows(result.dives.head(_LISTED), result.basis)
+        return Terminal(f"{sentence} {common_words(result.basis)}", COLUMNS, rows, verdict)
+    counts = [("dives that count", str(result.counted)), *((why, str(n)) for why, n in result.reasons.items())]
+    return Terminal(sentence, ("", "dives"), counts, verdict)
+
+
+def answer(result: ImportedData) -> str:
+    """Say what the logs hold."""
+    things = "dives between fixes" if result.kind == "transit" else "dives"
+    counted = f"{result.counted} of {len(result.dives)} {things} count"
+    if result.kind != "transit":
+        return f"{counted}."
+    doubt = result.figures["made_reckoning_sd_m"]
+    if math.isfinite(doubt):
+        return (
+            f"The logs hold no dead reckoning: it was {result.reckoning}, and is in doubt by {doubt:.0f} m a leg "
+            f"(median). {counted} as legs."
+        )
+    return f"{counted} as legs; dead reckoning: {result.reckoning}."
+
+
+def _numbers(result: ImportedData) -> list[tuple[str, str]]:
+    if result.kind != "transit":
+        return []
+    found = result.figures
+    east, north = found["velocity_error_mean_east_m_s"], found["velocity_error_mean_north_m_s"]
+    return [
+        (
+            "Velocity error, each axis",
+            f"{quantity(found['velocity_error_sigma_m_s'], 'm/s', '.3f')} about {east:.3f}, "
+            f"{quantity(north, 'm/s', '.3f')}",
+        ),
+        ("Leg, median", f"{quantity(found['leg_length_m'], 'm', '.0f')} in {found['leg_duration_s'] / 60.0:.0f} min"),
+        ("Fix, each axis", quantity(found["fix_sd_m"], "m", ".1f")),
+    ]
+
+
+def _what_they_show(result: ImportedData) -> PageSection:
+    lacking = sum(verdict.startswith("no") for _, verdict in result.can_show)
+    heading = "What these data can show, and what they cannot" if lacking else "What these data can show"
+    return PageSection(heading, [Table(("what", "can it be seen?"), result.can_show, text_columns=2)])
+
+
+def _next_blocks(result: ImportedData) -> list[Block]:
+    return [
+        "In this folder; mission.yaml is a starter mission with what the log says, for you to correct:",
+        Listing("\n".join(result.next_commands)),
+        Listing(result.mission_text),
+    ]
+
+
+def _dives_heading(result: ImportedData) -> str:
+    left = len(result.dives) - result.counted
+    return f"Every dive: {left} of {len(result.dives)} left out" if left else f"All {len(result.dives)} dives count"
+
+
+def _dives_table(result: ImportedData) -> Table:
+    shown = result.dives.head(_LISTED)
+    more = f"The first {_LISTED} of {len(result.dives)}. " if len(result.dives) > _LISTED else ""
+    if result.basis is not None:
+        caption = f"{more}What each rests on. {common_words(result.basis)} All of it is in all-dives.csv."
+        return Table(COLUMNS, basis_rows(shown, result.basis), caption, text_columns=len(COLUMNS))
+    begins = shown["t_start"] if "t_start" in shown else pd.Series("", index=shown.index)
+    reasons = shown["reason"].where(shown["ok"] == 0, "yes")
+    unit = reader_unit("m", float(shown["max_depth_m"].max()))
+    columns = (shown.iloc[:, 0], begins, result.durations[:_LISTED] / 60.0, shown["max_depth_m"], reasons)
+    rows = [
+        (str(name), str(begin).replace("T", "\u00a0")[:19], str(reason), f"{minutes:.1f}", unit.cell(depth, ".1f"))
+        for name, begin, minutes, depth, reason in zip(*columns, strict=True)
+    ]
+    caption = f"{more}Times are UTC. All of it is in all-dives.csv."
+    return Table(("dive", "begins", "counts?", "minutes", f"greatest depth{unit.axis}"), rows, caption, text_columns=3)
+
+
+def _sources(result: ImportedData) -> PageSection:
+    blocks: list[Block] = [
+        f"{len(result.sources)} files of the format {result.format}; their checksums are in import.json."
+    ]
+    if len(result.rejected_fixes):
+        counts = "; ".join(f"{count}: {reason}" for reason, count in result.rejected_reasons.items())
+        blocks.append(f"{len(result.rejected_fixes)} fixes do not count. {counts}. They are in rejected-fixes.csv.")
+    if result.passed_over:
+        passed = len(result.passed_over)
+        blocks.append("1 file was passed over:" if passed == 1 else f"{passed} files were passed over:")
+        blocks.append(Listing("\n".join(result.passed_over[:_LISTED])))
+    return PageSection("What was read", blocks)
+
+
+PLOTS: Mapping[str, Drawing] = {"track": draw_track}
+"""Plots on given axes by name, the main one first."""

@@ -1,1 +1,0 @@
-"""Reports of `compare`: two runs of one command, and alternatives side by side."""

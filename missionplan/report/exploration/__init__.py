@@ -1,1 +1,0 @@
-"""Report of `explore`: curves or maps, the best cells, windows and the front."""

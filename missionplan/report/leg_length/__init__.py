@@ -1,1 +1,0 @@
-"""Reports of `sweep-dmax` (`sweep`, `sweep_figures`) and of `plan-legs` (`plan`, `plan_figures`)."""

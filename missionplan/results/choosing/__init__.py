@@ -1,1 +1,0 @@
-"""Results of choosing: `explore`, `optimise`, and `compare` of missions."""

@@ -1,0 +1,276 @@
+"""Report of `compare` of missions, several reports, or what was chosen: one table, and which is better."""
+
+import shlex
+from collections.abc import Iterator, Mapping
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure as MatplotlibFigure
+
+from missionplan.report.numbers import percent
+from missionplan.report.page import BLUE, ORANGE, Drawing, Figure, Page, PageSection, Table, Terminal, to_figure
+from missionplan.report.quantities import Unit, unit_for, with_error
+from missionplan.report.wording import in_words
+from missionplan.studies.comparison.alternatives import DECIDES, Alternative, Alternatives
+from missionplan.studies.comparison.changes_page import task_in_words
+from missionplan.studies.comparison.choices_page import (
+    cells_section,
+    choices_in_words,
+    chosen_in_words,
+    curves_figure,
+    differing_section,
+    listed,
+    requirements_section,
+    windows_in_words,
+)
+
+_PERCENT = Unit("%", 0.01)
+_WORDS = {"success": "P(success)", "energy_wh": "energy", "duration_s": "duration"}
+
+
+_MOST_NAMED = 3
+"""Values in which missions differ that a sentence names."""
+_MOST_ABREAST = 3
+"""Alternatives that have a column each of the page's width."""
+
+
+def page(found: Alternatives) -> Page:
+    """Build the page."""
+    curves = curves_figure(found)
+    dots = alternatives_figure(found)
+    return Page(
+        title=f"Which is better? {found.provenance.mission}",
+        answer=answer(found),
+        figure=curves or dots,
+        numbers=[(each.name, percent(each.success)) for each in found.alternatives[:3]],
+        sections=[
+            *_table_section(found, [dots] if curves else []),
+            *requirements_section(found),
+            *cells_section(found),
+            *differing_section(found),
+        ],
+        rerun=_rerun(found),
+    )
+
+
+def _rerun(found: Alternatives) -> str:
+    sources = [each.source for each in found.alternatives]
+    command = f"missionplan compare {' '.join(map(shlex.quote, sources))}"
+    if not any(source.endswith((".yaml", ".yml")) for source in sources):
+        return command
+    return f"{command} --trials {found.provenance.trials} --seed {found.provenance.seed}"
+
+
+def terminal(found: Alternatives) -> Terminal:
+    """Build the terminal's view."""
+    return Terminal(answer(found), _columns(found), _rows(found))
+
+
+def answer(found: Alternatives) -> str:
+    """Say which is better and by how much, or that they cannot be told apart, and in what the missions differ."""
+    chosen = choices_in_words(found) if found.compared != "simulate" else ""
+    parts = (_unlike_tasks(found), chosen, _judged(found), _missed_words(found.best_one), _differing_words(found))
+    return " ".join(filter(None, parts))
+
+
+def _unlike_tasks(found: Alternatives) -> str:
+    """Warn that the missions are no alternatives."""
+    differs = found.task_differs
+    if not differs:
+        return ""
+    return f"The missions have unlike tasks: they differ {task_in_words(differs)}, so that they are no alternatives."
+
+
+def _differing_words(found: Alternatives) -> str:
+    """Name the few values in which missions of one task differ."""
+    differing = [each for each in found.differing if each.path != "name"]
+    if found.task_differs or not 0 < len(differing) <= _MOST_NAMED:
+        return ""
+    parts = [f"{in_words(each.path)} ({', '.join(value or '–' for value in each.values)})" for each in differing]
+    return f"The missions differ in {', '.join(parts)}."
+
+
+def _judged(found: Alternatives) -> str:
+    best = found.best_one
+    if not np.isfinite(best.success.value):
+        return "Of none of them a choice was found that meets all requirements."
+    worse = [each for each in found.others if _is_worse(found, each)]
+    alike = [each for each in found.others if each not in worse]
+    sentences = []
+    if worse:
+        nearest = min(worse, key=lambda each: (len(each.missed), -each.success.value))
+        verb = "does more surely what it is asked than" if found.task_differs else "is better than"
+        sentences.append(f"{best.name} {verb} {_listed(worse)}: {_why(found, nearest)}.")
+    return " ".join([*sentences, *_of_alike(found, alike, is_rest=bool(worse))])
+
+
+def _of_alike(found: Alternatives, alike: list[Alternative], *, is_rest: bool) -> Iterator[str]:
+    """Write how those that do as well as the best differ from it in cost."""
+    best = found.best_one
+    if alike and found.aim == "success":
+        who = (
+            f"{_listed(alike)} cannot be told from it" if is_rest else f"{_listed([best, *alike])} cannot be told apart"
+        )
+        yield f"{who} by P(success) ({_success_words(alike[0])})."
+        yield from (words for each in alike if (words := _cheaper(found, each)))
+    elif alike:
+        key = DECIDES[found.aim]
+        same = [each for each in alike if not _differs(each, key)]
+        yield from (_less(found, each, key) for each in alike if each not in same)
+        if same:
+            yield f"{_listed([best, *same])} cannot be told apart by their {_WORDS[key]}."
+
+
+def _is_worse(found: Alternatives, each: Alternative) -> bool:
+    if len(each.missed) > len(found.best_one.missed) or not each.contrasts:
+        return True
+    return found.aim == "success" and _differs(each, "success")
+
+
+def _differs(each: Alternative, key: str) -> bool:
+    return key in each.contrasts and each.contrasts[key].differs
+
+
+def _listed(items: list[Alternative]) -> str:
+    return listed([each.name for each in items])
+
+
+def _why(found: Alternatives, each: Alternative) -> str:
+    best, contrast = found.best_one, each.contrasts.get("success")
+    if contrast is None:
+        return f"no choice tried for {each.name} meets all requirements"
+    if contrast.differs and contrast.difference < 0.0:
+        less = with_error(-contrast.difference, contrast.error, _PERCENT)
+        return f"it succeeds with {percent(best.success)}, {less} more often than {each.name}"
+    names = " and ".join(f"the {in_words(item.quantity)}" for item in each.missed)
+    return f"{each.name} misses the requirement on {names}"
+
+
+def _success_words(each: Alternative) -> str:
+    contrast = each.contrasts["success"]
+    if not contrast.difference and not contrast.error:
+        return "they succeed in the same trials" if contrast.paired else "they succeed equally often"
+    return f"{each.name} differs by {with_error(contrast.difference, contrast.error, _PERCENT)}"
+
+
+def _cheaper(found: Alternatives, each: Alternative) -> str:
+    """Say which of two takes less energy, or else less time, where that is more than chance."""
+    return next((_less(found, each, key) for key in ("energy_wh", "duration_s") if _differs(each, key)), "")
+
+
+def _less(found: Alternatives, each: Alternative, key: str) -> str:
+    contrast = each.contrasts[key]
+    less, more = (each, found.best_one) if contrast.difference < 0.0 else (found.best_one, each)
+    size = with_error(abs(contrast.difference), contrast.error, _unit(found, key))
+    return f"{less.name} takes less {'energy' if key == 'energy_wh' else 'time'}, by {size}, than {more.name}."
+
+
+def _missed_words(best: Alternative) -> str:
+    if not best.missed or not np.isfinite(best.success.value):
+        return ""
+    return f"Even {best.name} misses {len(best.missed)} of its {len(best.requirements)} requirements."
+
+
+def _unit(found: Alternatives, key: str) -> Unit:
+    data = found.provenance.data.get(found.best_one.name)
+    typical = found.best_one.quantities.get(key, (float("nan"), 0.0))[0]
+    return unit_for("total", key, data if isinstance(data, dict) else {}, typical=typical)
+
+
+def _keys(found: Alternatives) -> list[str]:
+    return [key for key in ("energy_wh", "duration_s") if any(key in each.quantities for each in found.alternatives)]
+
+
+def _columns(found: Alternatives) -> list[str]:
+    chosen = [] if found.compared == "simulate" else ["chosen"]
+    windows = ["all requirements met"] if found.compared == "explore" else []
+    numbers = (_WORDS[key] for key in _keys(found))
+    return ["", *chosen, "requirements", "P(success)", *numbers, *windows, "against the best"]
+
+
+def _rows(found: Alternatives) -> list[list[str]]:
+    rows = []
+    for each in found.alternatives:
+        met = f"{len(each.requirements) - len(each.missed)} of {len(each.requirements)} met"
+        if not np.isfinite(each.success.value):
+            met = "no choice meets all"
+        numbers = [
+            with_error(*each.quantities[key], _unit(found, key)) if key in each.quantities else "–"
+            for key in _keys(found)
+        ]
+        chosen = [] if found.compared == "simulate" else [chosen_in_words(found, each)]
+        windows = [windows_in_words(found, each)] if found.compared == "explore" else []
+        against = "best" if each is found.best_one else _against(found, each)
+        row = [each.name, *chosen, met if each.requirements else "–", percent(each.success)]
+        rows.append([*row, *numbers, *windows, against])
+    return rows
+
+
+def _against(found: Alternatives, each: Alternative) -> str:
+    """Write the difference from the best in what is aimed at."""
+    key = DECIDES[found.aim]
+    contrast = each.contrasts.get(key)
+    if contrast is None:
+        return "–"
+    if not contrast.difference and not contrast.error and key == "success":
+        return "succeeds in the same trials" if contrast.paired else "succeeds as often"
+    words = with_error(contrast.difference, contrast.error, _PERCENT if key == "success" else _unit(found, key))
+    words = words if words.startswith("−") or not contrast.difference else f"+{words}"
+    return words if contrast.differs else f"{words}: not told apart"
+
+
+def _table_section(found: Alternatives, figures: list[Figure]) -> Iterator[PageSection]:
+    paired = all(contrast.paired for each in found.others for contrast in each.contrasts.values())
+    if found.compared != "simulate":
+        caption = "The best of each report, compared as independent runs."
+    elif paired:
+        caption = "Run on the same random numbers and compared trial by trial."
+    else:
+        caption = "Reports are compared as independent runs, missions with each other trial by trial."
+    caption += " Told apart: beyond chance at 5 % for all together (Bonferroni)."
+    columns, rows = _columns(found), _rows(found)
+    if len(rows) <= _MOST_ABREAST:
+        turned = [[name, *values] for name, *values in zip(columns[1:], *(row[1:] for row in rows), strict=True)]
+        table = Table(["", *(row[0] for row in rows)], turned, caption)
+    else:
+        table = Table(columns, rows, caption, text_columns=2)
+    yield PageSection("Side by side", [table, *figures])
+
+
+def draw_alternatives(axes: Axes, found: Alternatives, quantity: str = "success") -> None:
+    """Draw P(success), ``energy_wh`` or ``duration_s`` of each, with its 95 % interval."""
+    unit = _PERCENT if quantity == "success" else _unit(found, quantity)
+    for row, each in enumerate(found.alternatives):
+        low, middle, high = (value / unit.size for value in _interval(each, quantity))
+        colour = ORANGE if each is found.best_one else BLUE
+        axes.errorbar(middle, row, xerr=[[middle - low], [high - middle]], fmt="o", color=colour, markersize=5)
+    axes.set_title(f"{_WORDS[quantity]}{unit.axis}")
+    axes.margins(x=0.15)
+    axes.set_yticks(range(len(found.alternatives)), [each.name for each in found.alternatives])
+    axes.set_ylim(len(found.alternatives) - 0.5, -0.5)
+
+
+def alternatives_figure(found: Alternatives) -> Figure:
+    """Draw P(success), energy and duration of each with 95 % intervals."""
+    keys = ["success", *_keys(found)]
+    figure = MatplotlibFigure(figsize=(6.4, 0.9 + 0.4 * len(found.alternatives)))
+    panels = figure.subplots(1, len(keys), sharey=True, squeeze=False)[0]
+    for axes, key in zip(panels, keys, strict=True):
+        draw_alternatives(axes, found, key)
+    return to_figure(
+        figure,
+        "alternatives",
+        f"Probability of success, energy and duration of {len(found.alternatives)} alternatives",
+        "Orange: the best. Bars: 95 % intervals of each alone; the differences are known better than that.",
+    )
+
+
+def _interval(each: Alternative, key: str) -> tuple[float, float, float]:
+    if key == "success":
+        return each.success.low, each.success.value, each.success.high
+    mean, error = each.quantities.get(key, (np.nan, np.nan))
+    return mean - 1.96 * error, mean, mean + 1.96 * error
+
+
+PLOTS: Mapping[str, Drawing] = {"alternatives": draw_alternatives}
+"""Plots on given axes by name, the main one first."""

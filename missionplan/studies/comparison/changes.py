@@ -1,0 +1,164 @@
+"""Result of `compare` of reports: what changed between two runs, in the mission and its results; what is its task."""
+
+import re
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Annotated, ClassVar, Literal
+
+import pandas as pd
+
+from missionplan.results.base import Provenance, Result, to_csv
+from missionplan.results.entries import Entry, Record
+from missionplan.results.plain_data import mapping, mappings
+
+_PARTS = {
+    "phases": re.compile(r"phases"),
+    "place": re.compile(r"site\.origin\b.*"),
+    "depth": re.compile(r"site\.depth\b.*"),
+    "from": re.compile(r"(?!site\.|requirements)[^.]+\.from\b.*"),
+    "to": re.compile(r"(?!site\.|requirements)[^.]+\.to\b.*"),
+    "hold": re.compile(r"[^.]+\.hold\b.*"),
+    "requirements": re.compile(r"requirements\b.*"),
+}
+"""Key paths, with phases by name, by the part of the task that they tell."""
+
+
+@dataclass(frozen=True)
+class DifferingValue(Record):
+    """A value in which missions differ."""
+
+    path: Annotated[str, Entry("key path, with phases by name")]
+    values: Annotated[tuple[str, ...], Entry("in the order of the missions; empty where one does not have it")]
+
+
+def parts_of_task(paths: Iterable[str]) -> dict[str, list[str]]:
+    """Return the key paths that belong to a mission's task, by its part, such as ``from`` and ``to``."""
+    found: dict[str, list[str]] = {}
+    for path in paths:
+        for part, pattern in _PARTS.items():
+            if pattern.fullmatch(path):
+                found.setdefault(part, []).append(path)
+    return {part: found[part] for part in _PARTS if part in found}
+
+
+def phase_names(mission: object) -> tuple[str, ...]:
+    """Names of a mission's phases: given, or else their kinds."""
+    entries = mappings(mapping(mission).get("phases"))
+    return tuple(
+        str(section.get("name", kind)) if isinstance(section, Mapping) else str(kind)
+        for entry in entries
+        for kind, section in entry.items()
+    )
+
+
+MOST_CHANGES = 40
+"""Values in which two missions that are alike may differ."""
+ChangeVerdict = Literal["changed", "within noise", "same", "not judged", "only first", "only second"]
+
+
+@dataclass(frozen=True)
+class ComparedRun(Record):
+    """One of the two runs."""
+
+    folder: Annotated[str, Entry("report folder as given")]
+    mission: Annotated[str, Entry("the mission's name")]
+    version: Annotated[str, Entry("of missionplan")]
+    created: Annotated[str, Entry("when the report was made, UTC")]
+    seed: Annotated[int, Entry("of the Monte Carlo")]
+    trials: Annotated[int, Entry("of the Monte Carlo")]
+
+
+@dataclass(frozen=True)
+class ChangedValue(Record):
+    """A value of the mission file, or an option of the run, that differs; empty where a run does not have it."""
+
+    path: Annotated[str, Entry("key path, or name of the option")]
+    first: Annotated[str, Entry("of the first run")]
+    second: Annotated[str, Entry("of the second run")]
+
+
+@dataclass(frozen=True)
+class ComparedNumber(Record):
+    """A number of the results in both runs; a plain number has no standard error.
+
+    It is ``changed`` where it differs by more than noise, at 5 % for all numbers together (Holm's correction), or at
+    all where there is no noise; ``not judged`` where it is noisy and its standard error is not known.
+    """
+
+    group: Annotated[str, Entry("such as ``moor``")]
+    key: Annotated[str, Entry("such as ``offset_m``")]
+    kind: Annotated[Literal["mean", "probability", "number"], Entry("what it is")]
+    first: Annotated[float | None, Entry("of the first run; null where it does not have the number")]
+    second: Annotated[float | None, Entry("of the second run; null where it does not have the number")]
+    standard_error: Annotated[float | None, Entry("of the change, treating the two runs as independent")]
+    p_value: Annotated[float | None, Entry("probability of a difference at least as large by Monte-Carlo noise alone")]
+    verdict: Annotated[ChangeVerdict, Entry("whether it changed")]
+
+    @property
+    def change(self) -> Annotated[float | None, Entry(after="second")]:
+        """Second minus first; None where a run does not have the number."""
+        return None if self.first is None or self.second is None else self.second - self.first
+
+
+@dataclass(frozen=True)
+class Comparison(Result):
+    """Two runs of one command, side by side; the `data` of its provenance holds both missions."""
+
+    report: ClassVar[str] = "missionplan.studies.comparison.changes_page"
+
+    provenance: Provenance
+    compared: Annotated[str, Entry("the command that made both reports")]
+    runs: Annotated[tuple[ComparedRun, ComparedRun], Entry("the first and the second")]
+    mission_changes: Annotated[tuple[ChangedValue, ...], Entry("values of the missions that differ, by key path")]
+    option_changes: Annotated[tuple[ChangedValue, ...], Entry("seeds, trials, versions and options that differ")]
+    differences: Annotated[tuple[ComparedNumber, ...], Entry("in the order of the first summary")]
+    requirement_changes: Annotated[
+        tuple[ChangedValue, ...], Entry("requirements that one run meets and the other does not, or does not have")
+    ]
+
+    @property
+    def changed(self) -> tuple[ComparedNumber, ...]:
+        """Numbers that differ by more than Monte-Carlo noise."""
+        return tuple(difference for difference in self.differences if difference.verdict == "changed")
+
+    @property
+    def success(self) -> tuple[ComparedNumber, ...]:
+        """The probability that the whole mission works, where both runs have it."""
+        return tuple(item for item in self.differences if item.key == "success" and item.change is not None)
+
+    @property
+    def deciding(self) -> tuple[ComparedNumber, ...]:
+        """What a plan is judged by: success, requirements, the d_max that is recommended."""
+        requirements = tuple(item for item in self.differences if item.group == "requirement")
+        recommended = tuple(item for item in self.differences if item.group.endswith(", recommended"))
+        return (*self.success, *requirements, *recommended)
+
+    @property
+    def phases(self) -> tuple[tuple[str, ...], tuple[str, ...]]:
+        """Names of the phases of both missions."""
+        return phase_names(self.provenance.data.get("first")), phase_names(self.provenance.data.get("second"))
+
+    @property
+    def task_differs(self) -> Mapping[str, Sequence[str]]:
+        """Key paths in which the tasks of the missions differ, by their parts; empty where they have one task."""
+        first, second = self.phases
+        return parts_of_task([*(["phases"] if first != second else []), *(each.path for each in self.mission_changes)])
+
+    @property
+    def alike(self) -> bool:
+        """Whether the missions have the same phases, and few other differences."""
+        first, second = self.phases
+        return first == second and len(self.mission_changes) <= MOST_CHANGES
+
+    @property
+    def parts_that_differ(self) -> Annotated[tuple[str, ...], Entry(key="task_differs")]:
+        """Parts in which the tasks of the missions differ."""
+        return tuple(self.task_differs)
+
+    def to_frame(self) -> pd.DataFrame:
+        """One row per number of the results."""
+        return pd.DataFrame([difference.row() for difference in self.differences])
+
+    def files(self) -> dict[str, str | bytes]:
+        """Return `differences.csv`."""
+        return {"differences.csv": to_csv(self.to_frame())}

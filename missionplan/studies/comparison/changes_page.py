@@ -1,0 +1,378 @@
+"""Numbers of two runs in words: their names, units and changes."""
+
+import shlex
+from collections.abc import Iterator, Mapping, Sequence
+from functools import partial
+
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure as MatplotlibFigure
+
+from missionplan.mission.checks.requirements import QUANTITIES
+from missionplan.report.numbers import NARROW_SPACE, has_spread, number
+from missionplan.report.page import BLUE, INK, ORANGE, Drawing, Figure, Page, PageSection, Table, Terminal, to_figure
+from missionplan.report.planned.section import value_in_words
+from missionplan.report.quantities import Unit, as_written, reader_unit, unit_for, with_error
+from missionplan.report.wording import in_words
+from missionplan.results.plain_data import mapping, mappings
+from missionplan.studies.comparison.changes import ChangedValue, ComparedNumber, Comparison
+
+_WORDS = {
+    "phases": "in their phases",
+    "place": "in the place",
+    "depth": "in the depth of the water",
+    "requirements": "in what is required",
+}
+_OF_PHASES = {"from": "where {} begins", "to": "where {} leads", "hold": "how long {} holds"}
+
+
+def task_in_words(differs: Mapping[str, Sequence[str]]) -> str:
+    """Write ``in where ingress leads, in the depth of the water and in what is required``."""
+    parts = [_part(part, paths) for part, paths in differs.items()]
+    return ", ".join(parts[:-1]) + f" and {parts[-1]}" if len(parts) > 1 else "".join(parts)
+
+
+def _part(part: str, paths: Sequence[str]) -> str:
+    if part in _WORDS:
+        return _WORDS[part]
+    names = list(dict.fromkeys(path.partition(".")[0] for path in paths))
+    plural = {"begins": "begin", "leads": "lead", "holds": "hold"}
+    words = _OF_PHASES[part]
+    if len(names) > 1:
+        verb = words.rpartition(" ")[2]
+        words = words.removesuffix(verb) + plural[verb]
+    return "in " + words.format(" and ".join(names))
+
+
+_PERCENT = Unit("%", 0.01)
+_GROUPS = {"sweep": "", "anchor": "", "odds": "dives"}
+"""How sections of `summary.json` are named, where not by their keys."""
+
+_OF_SWEEP = {
+    ("curve", "cost"): "mean cost",
+    ("best", "cost"): "least mean cost",
+    ("best", "d_max_m"): "d_max of least cost",
+    ("recommended", "cost"): "mean cost at the recommended d_max",
+    ("recommended", "d_max_m"): "recommended d_max",
+    ("recommended", "saving_s"): "time saved against one leg at the recommended d_max",
+    ("recommended", "required_arrival"): "required probability of arrival",
+    ("one_leg", "cost"): "mean cost in one leg",
+    ("one_leg", "d_max_m"): "length of one leg",
+    ("", "saving_s"): "time saved against one leg",
+}
+"""Numbers of a sweep, by where they are in `summary.json`."""
+
+
+def importance(difference: ComparedNumber) -> float:
+    """Size of the change against its noise, or, without noise, against the number."""
+    change = abs(difference.change or 0.0)
+    noise = noise_of(difference)
+    if noise:
+        return change / noise
+    return change / max(abs(difference.first or 0.0), abs(difference.second or 0.0), 1e-300)
+
+
+def noise_of(difference: ComparedNumber) -> float:
+    """Standard error of the change; zero where it is only rounding."""
+    error = difference.standard_error or 0.0
+    size = max(abs(difference.first or 0.0), abs(difference.second or 0.0))
+    return error if has_spread(size, error) else 0.0
+
+
+def name_of(comparison: Comparison, difference: ComparedNumber) -> str:
+    """Name a number."""
+    if difference.group == "requirement":
+        return f"{_requirement(comparison, difference)} (requirement)"
+    if difference.group.startswith("sweep, "):
+        return _of_sweep(comparison, difference)
+    group = _GROUPS.get(difference.group, difference.group)
+    return in_words(f"{group}.{difference.key}".lstrip(".")) if group != difference.key else in_words(difference.key)
+
+
+def _of_sweep(comparison: Comparison, difference: ComparedNumber) -> str:
+    """Name a number of a sweep over maximum leg lengths, whose group is ``sweep, 0.035, curve, 48``."""
+    _, sigma, *rest = difference.group.split(", ")
+    which, d_max = (*rest, "", "")[:2]
+    words = _OF_SWEEP.get((which, difference.key), "") or in_words(difference.key)
+    if which == "curve":
+        words += f" at d_max = {with_error(float(d_max), 0.0, reader_unit('m', float(d_max)))}"
+    spreads = {each.group.split(", ")[1] for each in comparison.differences if each.group.startswith("sweep, ")}
+    return f"{words} (σ_v = {as_written(sigma, 'm/s')})" if len(spreads) > 1 else words
+
+
+def _requirement(comparison: Comparison, difference: ComparedNumber) -> str:
+    """Write a requirement with its limit as the mission does, or in SI where that is not certain."""
+    quantity, _, limit = difference.key.partition(", ")
+    alike = [item for item in requirements_of(_mission(comparison, difference)) if item.get("quantity") == quantity]
+    if limit:
+        limit = (limit_in_words(alike[0]) if len(alike) == 1 else "") or _in_si(quantity, limit)
+    return f"{in_words(quantity)} {limit}".strip()
+
+
+def _in_si(quantity: str, limit: str) -> str:
+    """Write the limit of a requirement, as the comparison's keys have it, with its SI unit."""
+    units = {name: unit for kind in QUANTITIES.values() for name, unit in kind.items()}
+    unit = units.get(quantity.partition(".")[2], "")
+    if not unit:
+        return limit
+    words, _, value = limit.rpartition(" ")
+    return f"{words} {with_error(float(value), 0.0, reader_unit(unit, float(value)))}".strip()
+
+
+def requirements_of(mission: Mapping[str, object]) -> list[Mapping[str, object]]:
+    """Requirements of a mission's document."""
+    return mappings(mission.get("requirements"))
+
+
+def _mission(comparison: Comparison, difference: ComparedNumber) -> Mapping[str, object]:
+    """Data of the second run's mission; of the first's where only that has the number."""
+    return mapping(comparison.provenance.data["second" if difference.second is not None else "first"])
+
+
+def limit_in_words(requirement: Mapping[str, object]) -> str:
+    """Write the limit of a mission's requirement as its file does: ``at most 75 ft``; empty for an event."""
+    for bound in ("at_most", "at_least"):
+        if bound in requirement:
+            return f"{bound.replace('_', ' ')} {value_in_words(requirement[bound]).replace('*', NARROW_SPACE)}"
+    return ""
+
+
+def _unit(comparison: Comparison, difference: ComparedNumber) -> Unit:
+    if difference.kind == "probability" or difference.key == "cost":
+        return _PERCENT
+    typical = difference.first if difference.first is not None else difference.second
+    return unit_for(difference.group, difference.key, _mission(comparison, difference), typical=abs(typical or 0.0))
+
+
+def shown_change(comparison: Comparison, difference: ComparedNumber) -> str:
+    """Write second minus first, with its standard error."""
+    change = difference.change
+    if change is None:
+        return "–"
+    words = with_error(change, noise_of(difference), _unit(comparison, difference))
+    return words if words.startswith("−") or change == 0.0 else f"+{words}"
+
+
+def row_of(comparison: Comparison, difference: ComparedNumber) -> tuple[str, str, str, str, str]:
+    """Write a number's name, verdict, both values and change."""
+    unit, error = _unit(comparison, difference), noise_of(difference)
+    first, second = (
+        "–" if value is None else number(unit(value), unit(error)) + unit.suffix
+        for value in (difference.first, difference.second)
+    )
+    return name_of(comparison, difference), difference.verdict, first, second, shown_change(comparison, difference)
+
+
+_MOST_ROWS = 60
+"""Rows of a table."""
+_MOST_DOTS = 16
+"""Numbers in the figure."""
+
+
+def page(comparison: Comparison) -> Page:
+    """Build the page of a comparison."""
+    folders = [shlex.quote(run.folder) for run in comparison.runs]
+    return Page(
+        title=f"Two runs of {comparison.compared}: {comparison.provenance.mission}",
+        answer=answer(comparison),
+        figure=changes_figure(comparison),
+        numbers=_numbers(comparison),
+        sections=[section for part in _PARTS for section in part(comparison)],
+        rerun=f"missionplan compare {' '.join(folders)}",
+    )
+
+
+def terminal(comparison: Comparison) -> Terminal:
+    """Build the terminal's view: what decides, what changed by more than noise, then what differs in the missions."""
+    numbers = [*comparison.deciding, *_others_changed(comparison)][:_MOST_ROWS]
+    rows = [row_of(comparison, difference) for difference in numbers]
+    changes = [*(comparison.mission_changes if comparison.alike else ()), *comparison.option_changes]
+    values = [(change.path, change.first or "–", change.second or "–", "") for change in changes]
+    columns = ("what", "first", "second", "change")
+    return Terminal(answer(comparison), columns, [*((row[0], *row[2:]) for row in rows), *values])
+
+
+def answer(comparison: Comparison) -> str:
+    """Write what decides first: success and requirements; then how many numbers changed, and which most clearly."""
+    sentences = [
+        _unlike(comparison),
+        *map(partial(_success, comparison), comparison.success),
+        *_requirement_changes(comparison.requirement_changes),
+        _numbers_in_words(comparison),
+    ]
+    return " ".join(filter(None, sentences))
+
+
+def _unlike(comparison: Comparison) -> str:
+    """Write in one line that the missions have unlike tasks, or little in common; nothing where they are alike."""
+    first, second = (", ".join(names) or "no phases" for names in comparison.phases)
+    if first != second:
+        what = f"the first has {first}, the second {second}"
+        return f"The two missions are not alike: {what}; only what both have is compared."
+    if comparison.task_differs:
+        return f"The missions have unlike tasks: they differ {task_in_words(comparison.task_differs)}."
+    if comparison.alike:
+        return ""
+    what = f"{len(comparison.mission_changes)} values of their files differ"
+    return f"The two missions are not alike: {what}; only what both have is compared."
+
+
+def _success(comparison: Comparison, success: ComparedNumber) -> str:
+    """Write how the probability of success changed."""
+    _, verdict, first, second, change = row_of(comparison, success)
+    if verdict == "same" and {item.verdict for item in comparison.differences} == {"same"}:
+        return ""
+    if verdict == "same":
+        return f"The probability of success is {first} in both."
+    if verdict == "within noise":
+        return f"The probability of success, {first} and then {second}, differs by no more than noise ({change})."
+    return f"The probability of success was {first} and is now {second} ({change})."
+
+
+def _numbers_in_words(comparison: Comparison) -> str:
+    judged = [item for item in comparison.differences if item.verdict in ("changed", "within noise", "same")]
+    changed = comparison.changed
+    if changed:
+        largest = max(changed, key=importance)
+        words = f"{len(changed)} of {len(judged)} numbers changed by more than Monte-Carlo noise, most clearly "
+        return f"{words}the {name_of(comparison, largest)} ({shown_change(comparison, largest)})."
+    if any(item.verdict == "within noise" for item in judged):
+        return "No number changed by more than Monte-Carlo noise."
+    return "The results are the same."
+
+
+def _requirement_changes(changes: Sequence[ChangedValue]) -> Iterator[str]:
+    """Write what became of the requirements; those that were met and were dropped in one sentence."""
+    dropped = [change for change in changes if not change.second and change.first == "met"]
+    together = len(dropped) > 1
+    yield from (_requirement_change(change) for change in changes if not (together and change in dropped))
+    if together:
+        *names, last = (f"the {in_words(change.path)}" for change in dropped)
+        yield f"The requirements on {', '.join(names)} and {last}, which were met, have been dropped."
+
+
+def _requirement_change(change: ChangedValue) -> str:
+    name = in_words(change.path)
+    if not change.first:
+        return f"The new requirement on the {name} is {change.second}."
+    if not change.second:
+        return f"The requirement on the {name}, which was {change.first}, has been dropped."
+    return f"The requirement on the {name} was {change.first} and is now {change.second}."
+
+
+def _numbers(comparison: Comparison) -> list[tuple[str, str]]:
+    return [
+        ("Changed in the mission", _count(comparison.mission_changes, "value")),
+        ("Changed in the run", _count(comparison.option_changes, "option")),
+        ("Changed in the results", _count(comparison.changed, "number")),
+    ]
+
+
+def _count(items: Sequence[object], noun: str) -> str:
+    return f"{len(items) or 'no'} {noun}{'' if len(items) == 1 else 's'}"
+
+
+def changes_figure(comparison: Comparison) -> Figure | None:
+    """Draw the changes in standard errors, the clearest first; None where no number is noisy."""
+    shown = _noisy(comparison)
+    if not shown:
+        return None
+    figure = MatplotlibFigure(figsize=(5.0, 0.7 + 0.42 * len(shown)))
+    draw_changes(figure.add_subplot(), comparison)
+    clearest, score = name_of(comparison, shown[0]), (shown[0].change or 0.0) / noise_of(shown[0])
+    return to_figure(
+        figure,
+        "changes",
+        f"Changes of {len(shown)} numbers in standard errors; the clearest is that of the {clearest} at {score:.1f}.",
+        "Orange: more than noise, all numbers taken together (Holm's correction at 5 %). Band: where 95 % of the "
+        "differences of one number lie by noise alone.",
+    )
+
+
+def _noisy(comparison: Comparison) -> list[ComparedNumber]:
+    noisy = [item for item in comparison.differences if item.change is not None and noise_of(item)]
+    return sorted(noisy, key=importance, reverse=True)[:_MOST_DOTS]
+
+
+def draw_changes(axes: Axes, comparison: Comparison) -> None:
+    """Draw a dot for each of the clearest changes, and the band of noise."""
+    shown = _noisy(comparison)
+    axes.axvspan(-1.96, 1.96, color=BLUE, alpha=0.15, linewidth=0.0)
+    axes.axvline(0.0, color=INK, linewidth=0.8)
+    scores = [(item.change or 0.0) / noise_of(item) for item in shown]
+    _draw_scores(axes, scores, [(name_of(comparison, item), item.verdict == "changed") for item in shown])
+    reach = 1.1 * max(3.0, *(abs(score) for score in scores))
+    axes.set(yticks=[], ylim=(len(shown) - 0.5, -0.8), xlim=(-reach, reach))
+    axes.set_xlabel("second − first, in standard errors of the difference")
+    axes.grid(visible=False, axis="y")
+
+
+def _draw_scores(axes: Axes, scores: Sequence[float], labels: Sequence[tuple[str, bool]]) -> None:
+    """Draw a dot per score, labelled; orange where the second of its label says that it is more than noise."""
+    for row, (score, (name, changed)) in enumerate(zip(scores, labels, strict=True)):
+        axes.plot(score, row, "o", color=ORANGE if changed else BLUE, markersize=6)
+        axes.text(0.01, row - 0.22, name, transform=axes.get_yaxis_transform(), va="bottom", fontsize=9)
+
+
+def _runs(comparison: Comparison) -> Iterator[PageSection]:
+    rows = [
+        (run.folder, run.created[:16].replace("T", " "), run.version, number(run.trials), f"{run.seed}")
+        for run in comparison.runs
+    ]
+    columns = ("folder", "made (UTC)", "missionplan", "trials", "seed")
+    heading = "The missions of the two runs differ" if comparison.mission_changes else "Both runs are of one mission"
+    yield PageSection(heading, [Table(columns, rows, text_columns=3)])
+
+
+def _changes(comparison: Comparison) -> Iterator[PageSection]:
+    mission = comparison.mission_changes if comparison.alike else ()
+    groups = (("value", "mission", mission), ("option", "run", comparison.option_changes))
+    for noun, whole, changes in groups:
+        if changes:
+            heading = f"{_count(changes, noun)} of the {whole} {'differs' if len(changes) == 1 else 'differ'}"
+            yield PageSection(
+                heading, [Table(("key", "first", "second"), [_change(item) for item in changes], text_columns=3)]
+            )
+
+
+def _change(change: ChangedValue) -> tuple[str, str, str]:
+    return change.path, change.first or "–", change.second or "–"
+
+
+def _deciding(comparison: Comparison) -> Iterator[PageSection]:
+    if comparison.deciding:
+        yield PageSection("What decides", [_table(comparison, comparison.deciding)])
+
+
+def _others_changed(comparison: Comparison) -> list[ComparedNumber]:
+    """Numbers that changed, besides those that decide, the clearest first."""
+    others = [item for item in comparison.changed if item not in comparison.deciding]
+    return sorted(others, key=importance, reverse=True)
+
+
+def _changed(comparison: Comparison) -> Iterator[PageSection]:
+    changed = _others_changed(comparison)
+    if changed:
+        yield PageSection(f"{_count(changed, 'number')} changed, the clearest first", [_table(comparison, changed)])
+
+
+def _rest(comparison: Comparison) -> Iterator[PageSection]:
+    shown = comparison.deciding
+    rest = [item for item in comparison.differences if item.verdict != "changed" and item not in shown]
+    if not comparison.alike:
+        rest = [item for item in rest if item.change is not None]
+    if rest:
+        yield PageSection("What did not change, or cannot be judged", [_table(comparison, rest)])
+
+
+def _table(comparison: Comparison, items: Sequence[ComparedNumber]) -> Table:
+    many = f"The first {_MOST_ROWS} of {len(items)}; all are in differences.csv." if len(items) > _MOST_ROWS else ""
+    columns = ("number", "verdict", "first", "second", "change ± standard error")
+    return Table(columns, [row_of(comparison, item) for item in items[:_MOST_ROWS]], many, text_columns=2)
+
+
+_PARTS = (_deciding, _changed, _runs, _changes, _rest)
+"""Parts of the page, what decides first."""
+
+
+PLOTS: Mapping[str, Drawing] = {"changes": draw_changes}
+"""Plots on given axes by name, the main one first."""

@@ -1,0 +1,1 @@
+"""`history`: what was learned of each parameter, from mission to mission."""

@@ -1,0 +1,235 @@
+"""`history`: read the reports of `diagnose` below a folder, and follow each parameter through them."""
+
+import json
+import math
+import time
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from datetime import UTC, datetime
+from pathlib import Path
+
+from missionplan.errors import InputError, Problem
+from missionplan.identity import differences, digest_of, program_part
+from missionplan.mission.reading.documents import load_document, read_text
+from missionplan.moments import moment_of
+from missionplan.results.base import Provenance
+from missionplan.results.plain_data import mapping, mappings, real
+from missionplan.store.paths import as_path
+from missionplan.studies.history.result import History, Learned, State
+
+MAX_BYTES = 20_000_000
+"""Of a summary."""
+NUMBERS = ("value", "sd", "low", "high")
+
+
+@dataclass(frozen=True)
+class _Report:
+    """A report of `diagnose`: its place, its summary, and the start of its mission."""
+
+    place: str
+    summary: Mapping[str, object]
+    start: str
+
+    @property
+    def learned_from(self) -> frozenset[str] | None:
+        """Hashes of the legs, dives and runs that were new to its mission; None where the report does not say."""
+        hashes = self.summary.get("learned_from")
+        return frozenset(map(str, hashes)) if isinstance(hashes, list) else None
+
+    @property
+    def created(self) -> str:
+        return str(self.summary.get("created_utc", ""))
+
+
+def history(folder: str | Path) -> History:
+    """Follow learned parameters from mission to mission.
+
+    Reports are in the order of their missions' `start` where all have one, else of the time at which they were made.
+
+    Parameters
+    ----------
+    folder : str or Path
+        Holds report folders of `diagnose`, at any depth.
+
+    Raises
+    ------
+    InputError
+        When there is no such folder, or no report in it, or one cannot be read.
+    """
+    began = time.perf_counter()
+    root = as_path(folder, "folder")
+    if not root.is_dir():
+        raise InputError([Problem("no such folder", str(root))])
+    reports, foreign = _reports(root)
+    reports, notices = _counted_once(reports)
+    by_start = all(report.start for report in reports)
+    reports.sort(key=lambda report: (_moment(report.start if by_start else report.created), report.place))
+    entries = [entry for report in reports for entry in _learned(report, report.start if by_start else report.created)]
+    missions = dict.fromkeys(str(report.summary.get("mission", "")) for report in reports)
+    provenance = Provenance(
+        command="history",
+        mission=", ".join(missions),
+        file="",
+        seed=0,
+        trials=0,
+        options={"folder": str(root)},
+        elapsed_s=time.perf_counter() - began,
+        data={"folder": str(root), "reports": [report.place for report in reports]},
+        notices=(*foreign, *notices, *_other_programs(reports)),
+        inputs={"reports": {report.place: digest_of(report.summary) for report in reports}},
+    )
+    known = {report.place: report.learned_from or frozenset() for report in reports}
+    return History(provenance, tuple(known), tuple(_with_jumps(entries, known)), by_start)
+
+
+def _other_programs(reports: Sequence[_Report]) -> Iterator[str]:
+    """Name the reports that other code has made than the last, of which a jump may come."""
+    stated = [(report, mapping(report.summary.get("identity_parts"))) for report in reports]
+    programs = [(report, program_part(parts)) for report, parts in stated if parts]
+    for report, program in programs[:-1]:
+        if unlike := differences(program, programs[-1][1]):
+            yield f"{report.place} was made by other code than {programs[-1][0].place}: {'; '.join(unlike)}"
+
+
+def _reports(root: Path) -> tuple[list[_Report], tuple[str, ...]]:
+    """Read every report of `diagnose` below a folder; notices name what is none.
+
+    Raises
+    ------
+    InputError
+        When there is none that can be read.
+    """
+    places = sorted(path.parent for path in root.rglob("diagnosis.json") if (path.parent / "summary.json").is_file())
+    if not places:
+        raise InputError([Problem("holds no report of diagnose (summary.json beside diagnosis.json)", str(root))])
+    found: list[_Report | None] = []
+    problems: list[Problem] = []
+    for place in places:
+        try:
+            found.append(_read(place, root))
+        except InputError as error:
+            problems += error.problems
+    reports = [report for report in found if report is not None]
+    if problems and not reports:
+        raise InputError(problems)
+    return reports, tuple(f"left out: {problem}" for problem in problems)
+
+
+def _counted_once(reports: Sequence[_Report]) -> tuple[list[_Report], tuple[str, ...]]:
+    """Leave out reports that learned nothing new, or the same as one made later; name them and those that overlap."""
+    kept: list[_Report] = []
+    notices = []
+    for report in sorted(reports, key=lambda each: (_moment(each.created), each.place), reverse=True):
+        own = report.learned_from
+        same = next((other for other in kept if own is not None and other.learned_from == own), None)
+        if own == frozenset() or same is not None:
+            why = "nothing new" if same is None else f"the same data as {same.place}, which was made later"
+            notices.append(f"{report.place} learned from {why}, and is left out")
+            continue
+        shared = [(other, len(own & (other.learned_from or set()))) for other in kept] if own else []
+        notices += [
+            f"{report.place} and {other.place} learned from {count} legs, dives or runs in common: none tells "
+            "of a change against the other"
+            for other, count in shared
+            if count
+        ]
+        kept.append(report)
+    return kept, tuple(notices)
+
+
+def _read(place: Path, root: Path) -> _Report | None:
+    """Read a report; None for one of several data sets, whose diagnoses lie in folders of their own.
+
+    Raises
+    ------
+    InputError
+        When its summary is no JSON of a diagnosis, or its mission cannot be read.
+    """
+    file = place / "summary.json"
+    try:
+        summary = json.loads(read_text(file, str(file), max_bytes=MAX_BYTES))
+    except (ValueError, RecursionError) as error:
+        raise InputError([Problem(f"is no JSON: {error}", str(file))]) from None
+    if isinstance(summary, dict) and "datasets" in summary:
+        return None
+    if not isinstance(summary, dict) or not isinstance(summary.get("ranking"), list) or not _can_be_told(summary):
+        raise InputError([Problem("is not the summary of a diagnosis", str(file))])
+    mission = load_document(place / "mission.yaml").data if (place / "mission.yaml").is_file() else {}
+    return _Report(place.relative_to(root).as_posix(), summary, str(mapping(mission).get("start") or ""))
+
+
+def _can_be_told(summary: Mapping[str, object]) -> bool:
+    """Whether every parameter of a summary has names and finite numbers."""
+    listed = [each for entry in mappings(summary["ranking"])[:1] for each in mappings(entry.get("parameters"))]
+    told = [(each, each) for each in listed]
+    told += [(each, mapping(each.get("posterior"))) for each in mappings(summary.get("confirmed"))]
+    return all(
+        all(isinstance(named.get(key), str) for key in ("effect", "name"))
+        and all(math.isfinite(real(value.get(key))) for key in NUMBERS)
+        for named, value in told
+    )
+
+
+def _moment(text: str) -> datetime:
+    """Time of a report; without a zone it is UTC."""
+    try:
+        return moment_of(text)
+    except (ValueError, OverflowError):
+        return datetime.min.replace(tzinfo=UTC)
+
+
+def _learned(report: _Report, moment: str) -> Iterator[Learned]:
+    """Yield what a diagnosis says of each parameter: of its causes, and of what the mission knew."""
+    summary = report.summary
+    best = mappings(summary.get("ranking"))[:1] if summary.get("causes") else []
+    likely = _probability(summary)
+    for parameter in [each for entry in best for each in mappings(entry.get("parameters"))]:
+        changed = bool(summary.get("changed")) and _was_known(summary, str(parameter["effect"]))
+        entry = _entry(report, moment, parameter, parameter, "changed" if changed else "found")
+        yield replace(entry, probability=likely)
+    for each in mappings(summary.get("confirmed")):
+        yield from (_entry(report, moment, each, value, "confirmed") for value in mappings([each.get("posterior")]))
+
+
+def _probability(summary: Mapping[str, object]) -> float:
+    """Probability that the causes found hold: less than 1 where the diagnosis left a doubt."""
+    doubt = mappings(summary.get("explanations"))
+    own = [real(each.get("probability")) for each in doubt if each.get("causes") == summary.get("causes")]
+    return own[0] if own else 1.0
+
+
+def _was_known(summary: Mapping[str, object], effect: str) -> bool:
+    """Whether the mission that was diagnosed had an effect."""
+    known = summary.get("changed_effects")
+    return effect in known if isinstance(known, list) else True
+
+
+def _entry(
+    report: _Report, moment: str, named: Mapping[str, object], value: Mapping[str, object], state: State
+) -> Learned:
+    numbers = {key: real(value.get(key)) for key in NUMBERS}
+    return Learned(
+        report=report.place,
+        mission=str(report.summary.get("mission", "")),
+        dataset=str(report.summary.get("dataset", "")),
+        time=moment,
+        effect=str(named["effect"]),
+        name=str(named["name"]),
+        unit=str(value.get("unit", "")),
+        state=state,
+        **numbers,
+    )
+
+
+def _with_jumps(entries: list[Learned], known: Mapping[str, frozenset[str]]) -> Iterator[Learned]:
+    """Add how far each value found anew lies from the one before, where they share no data; `known` are a report's."""
+    last: dict[tuple[str, str], Learned] = {}
+    for entry in entries:
+        before = last.get(entry.key)
+        last[entry.key] = entry
+        spread = 0.0 if before is None else math.hypot(entry.sd, before.sd)
+        shared = before is not None and known[entry.report] & known[before.report]
+        if before is None or shared or entry.state != "found" or not spread > 0.0:
+            yield entry  # a posterior has its prior in it: their difference is not that of two measurements
+        else:
+            yield replace(entry, jump=(entry.value - before.value) / spread)

@@ -1,0 +1,148 @@
+"""Report of `history`: each learned parameter from mission to mission, with its intervals, and where it changed."""
+
+import shlex
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure as MatplotlibFigure
+
+from missionplan.errors import InputError, Problem, did_you_mean, shown
+from missionplan.report.page import BLUE, GREY, ORANGE, Drawing, Figure, Page, PageSection, Table, Terminal, to_figure
+from missionplan.report.quantities import Unit, reader_unit
+from missionplan.report.wording import parameter_in_words
+from missionplan.studies.history.result import History, Learned
+
+MOST_PANELS = 12
+"""Parameters drawn, those with most values first."""
+SURE = 0.995
+"""Probability from which no doubt is told."""
+COLUMNS = ("Parameter", "Report", "Value", "90 % interval", "State")
+
+
+def page(history: History) -> Page:
+    """Build the page of a history."""
+    folder = shlex.quote(str(history.provenance.options["folder"]))
+    order = "the missions' starts" if history.by_start else "the times at which the reports were made"
+    return Page(
+        title="What was learned from mission to mission",
+        answer=answer(history),
+        figure=_figure(history),
+        numbers=[
+            ("Diagnoses", str(len(history.reports))),
+            ("Parameters", str(len(history.parameters))),
+            ("Changes", str(len(history.changes))),
+        ],
+        sections=[PageSection("All values", [Table(COLUMNS, _rows(history), f"In the order of {order}.", 2)])],
+        verdict="",
+        rerun=f"missionplan history {folder}",
+    )
+
+
+def terminal(history: History) -> Terminal:
+    """Build the terminal's view."""
+    return Terminal(answer(history), COLUMNS, _rows(history))
+
+
+def answer(history: History) -> str:
+    """Say how many diagnoses there are, what changed last, and what held still."""
+    count = len(history.reports)
+    many = len(history.parameters)
+    known = f"{many} parameter{'' if many == 1 else 's'}"
+    words = f"{count} {'diagnosis' if count == 1 else 'diagnoses'} {'tells' if count == 1 else 'tell'} of {known}."
+    if not history.parameters:
+        return f"{count} {'diagnosis has' if count == 1 else 'diagnoses have'} learned no parameter."
+    changes = history.changes
+    if changes:
+        told = "; ".join(f"{_named(each)} in {each.report}, to {_valued(each)}" for each in changes[-3:])
+        return f"{words} Not as before: {told}."
+    followed = [entries for entries in history.parameters.values() if len(entries) > 1]
+    if not followed:
+        return f"{words} None was seen twice yet."
+    last = max(followed, key=len)
+    return f"{words} None changed: {_named(last[-1])} is {_valued(last[-1])} after {len(last)} diagnoses."
+
+
+def _named(entry: Learned) -> str:
+    return parameter_in_words(entry.effect, entry.name)
+
+
+def _valued(entry: Learned) -> str:
+    unit = _unit(entry)
+    return f"{unit(entry.value):.3g} ± {unit(entry.sd):.2g}{unit.suffix}"
+
+
+def _unit(entry: Learned) -> Unit:
+    """Unit in which a value is shown: angles in degrees."""
+    return Unit("°", float(np.radians(1.0))) if entry.unit == "rad" else reader_unit(entry.unit, entry.value)
+
+
+def _rows(history: History) -> list[list[str]]:
+    rows = []
+    for entries in history.parameters.values():
+        for each in entries:
+            unit = _unit(each)
+            interval = f"{unit(each.low):.3g} to {unit(each.high):.3g}{unit.suffix}"
+            doubt = f", if it is that ({100.0 * each.probability:.0f} %)" if each.probability < SURE else ""
+            state = f"{'changed' if each.is_change else each.state}{doubt}"
+            rows.append([_named(each), each.report, _valued(each), interval, state])
+    return rows
+
+
+def _figure(history: History) -> Figure | None:
+    """Draw each parameter over the diagnoses; vertical lines where it was no longer as before."""
+    drawn = sorted(history.parameters.values(), key=lambda entries: -len(entries))[:MOST_PANELS]
+    if not drawn:
+        return None
+    columns = 1 if len(drawn) == 1 else 2
+    rows = -(-len(drawn) // columns)
+    figure = MatplotlibFigure(figsize=(6.4, 0.7 + 1.7 * rows))
+    panels = figure.subplots(rows, columns, sharex=True, squeeze=False).ravel()
+    for axes, entries in zip(panels, drawn, strict=False):
+        draw_parameter(axes, history, entries)
+    for axes in panels[len(drawn) :]:
+        axes.set_axis_off()
+    for number, axes in enumerate(panels[: len(drawn)]):
+        is_lowest = number >= max(len(drawn) - columns, 0)
+        axes.xaxis.set_tick_params(labelbottom=is_lowest)
+        axes.set_xlabel("Diagnosis" if is_lowest else "")
+    return to_figure(
+        figure,
+        "history",
+        alt="Learned parameters from mission to mission with their 90 % intervals",
+        caption=(
+            "What each diagnosis left of each parameter, with its 90 % interval; a dashed line stands where it was no "
+            "longer as before. Numbers are those of the reports in the table, in the order of time."
+        ),
+    )
+
+
+def draw_parameter(axes: Axes, history: History, entries: Sequence[Learned]) -> None:
+    """Draw a parameter over the diagnoses, with its intervals; a dashed line where it was no longer as before."""
+    place = {report: index + 1 for index, report in enumerate(history.reports)}
+    axes.set(xlabel="Diagnosis", xlim=(0.5, len(place) + 0.5))
+    axes.set_xticks(list(place.values()))
+    unit = _unit(entries[-1])
+    for entry in entries:
+        at, colour = place[entry.report], ORANGE if entry.is_change else BLUE
+        if entry.is_change:
+            axes.axvline(at - 0.5, color=GREY, linestyle="--", linewidth=1.0)
+        axes.vlines(at, unit(entry.low), unit(entry.high), color=colour, linewidth=1.6)
+        axes.plot(at, unit(entry.value), "o", color=colour, markersize=4.0)
+    axes.set_title(f"{_named(entries[-1])}{unit.axis}", fontsize=9)
+
+
+def parameter(axes: Axes, history: History, effect: str = "") -> None:
+    """Draw a parameter, by its effect and name as in ``compass-bias.angle``; by default that with most diagnoses."""
+    known = {f"{entries[0].effect}.{entries[0].name}": entries for entries in history.parameters.values()}
+    if not known:
+        raise InputError([Problem("the diagnoses tell of no parameter", key="plot")])
+    chosen = effect or max(known, key=lambda name: len(known[name]))
+    if chosen not in known:
+        problem = f"given {shown(effect)}, expected one of {', '.join(known)}"
+        raise InputError([Problem(problem, key="effect", hint=did_you_mean(str(effect), known))])
+    draw_parameter(axes, history, known[chosen])
+
+
+PLOTS: Mapping[str, Drawing] = {"parameter": parameter}
+"""Plots on given axes by name, the main one first."""

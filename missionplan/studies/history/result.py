@@ -1,0 +1,121 @@
+"""Result of `history`: what was learned of each parameter, from mission to mission."""
+
+from dataclasses import dataclass
+from typing import Annotated, ClassVar, Literal
+
+import pandas as pd
+
+from missionplan.results.base import Provenance, Result, to_csv, to_json
+from missionplan.results.entries import Entry, Record, stated
+
+State = Literal["found", "confirmed", "changed"]
+"""Whether a parameter is new to the mission, as the mission knew it, or not so."""
+
+
+@dataclass(frozen=True)
+class Learned(Record):
+    """What one diagnosis says of one parameter."""
+
+    report: Annotated[str, Entry("its folder, below that of the history")]
+    mission: Annotated[str, Entry("the mission's name")]
+    dataset: Annotated[str, Entry("the data set's name")]
+    time: Annotated[
+        str,
+        Entry(
+            "start of the mission where each report's mission has one, else when the report was made (UTC, ISO 8601)"
+        ),
+    ]
+    effect: Annotated[str, Entry("whose parameter it is")]
+    name: Annotated[str, Entry("of the parameter")]
+    value: Annotated[float, Entry("of the parameter, in its unit")]
+    sd: Annotated[float, Entry("standard deviation")]
+    low: Annotated[float, Entry("lower end of the 90 % interval")]
+    high: Annotated[float, Entry("upper end of the 90 % interval")]
+    unit: Annotated[str, Entry("of the parameter")]
+    state: Annotated[State, Entry("whether it is new to the mission, as the mission knew it, or not so")]
+    probability: Annotated[
+        float, Entry("that the explanation holds in which it was found; 1 where the diagnosis left no doubt")
+    ] = 1.0
+    jump: float | None = None
+    """Difference from the diagnosis before, over the standard deviation of the difference; None for the first."""
+
+    @property
+    def key(self) -> tuple[str, str]:
+        """Effect and name of the parameter."""
+        return self.effect, self.name
+
+    @property
+    def is_change(self) -> Annotated[bool, Entry(key="changed")]:
+        """Whether the vehicle or the water was no longer as before: the diagnosis says so, or the values do."""
+        return self.state == "changed" or (self.jump is not None and abs(self.jump) > JUMP)
+
+
+JUMP = 3.0
+"""Standard deviations by which a value that was found anew differs from the one before, to be called a change."""
+_VALUES = "report", "time", "value", "sd", "low", "high", "state", "probability", "changed"
+
+
+@dataclass(frozen=True)
+class LearnedParameter(Record):
+    """What was learned of one parameter, in the order of time."""
+
+    effect: Annotated[str, Entry("whose parameter it is")]
+    name: Annotated[str, Entry("of the parameter")]
+    values: Annotated[list[Learned], Entry("what each diagnosis says", parts=_VALUES)]
+
+    @property
+    def unit(self) -> Annotated[str, Entry()]:
+        """Unit of the values."""
+        return self.values[-1].unit
+
+
+@dataclass(frozen=True)
+class History(Result):
+    """Learned parameters from mission to mission.
+
+    Attributes
+    ----------
+    entries : tuple of Learned
+        In the order of time.
+    by_start : bool
+        Whether times are those of the missions' starts, not those at which the reports were made.
+    """
+
+    report: ClassVar[str] = "missionplan.studies.history.page"
+
+    provenance: Provenance
+    reports: Annotated[tuple[str, ...], Entry("diagnoses, in the order of time")]
+    entries: tuple[Learned, ...]
+    by_start: bool
+
+    @property
+    def parameters(self) -> dict[tuple[str, str], list[Learned]]:
+        """What was learned of each parameter, in the order of time."""
+        found: dict[tuple[str, str], list[Learned]] = {}
+        for entry in self.entries:
+            found.setdefault(entry.key, []).append(entry)
+        return found
+
+    @property
+    def changes(self) -> list[Learned]:
+        """Where a parameter was no longer as before."""
+        return [entry for entry in self.entries if entry.is_change]
+
+    @property
+    def ordered_by(self) -> Annotated[str, Entry()]:
+        """``start`` of the missions, or when the reports were ``created``."""
+        return "start" if self.by_start else "created"
+
+    @property
+    def values(self) -> Annotated[list[LearnedParameter], Entry(key="parameters")]:
+        """What was learned of each parameter."""
+        return [LearnedParameter(*key, entries) for key, entries in self.parameters.items()]
+
+    def to_frame(self) -> pd.DataFrame:
+        """One row for what each diagnosis says of each parameter."""
+        columns = [entry.key for entry in stated(Learned)]
+        return pd.DataFrame([each.row() for each in self.entries], columns=columns)
+
+    def files(self) -> dict[str, str | bytes]:
+        """``history.csv`` and ``history.json``."""
+        return {"history.csv": to_csv(self.to_frame()), "history.json": to_json(self.summary())}

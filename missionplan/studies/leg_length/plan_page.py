@@ -1,0 +1,244 @@
+"""Report of `plan-legs`: the table of legs, what it saves, and how far that can be relied on."""
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from missionplan.physics.energy import JOULES_PER_WATT_HOUR
+from missionplan.report.explained import members_in_words, members_section
+from missionplan.report.numbers import percent, share
+from missionplan.report.page import Drawing, Listing, Page, PageSection, Terminal
+from missionplan.report.quantities import Unit, length_in_words, quantity, reader_unit, time_in_words, with_error
+from missionplan.report.wording import phase_in_words
+from missionplan.studies.leg_length.plan_figures import (
+    candidates_table,
+    cases_figure,
+    cases_table,
+    draw_aims,
+    draw_lengths,
+    draw_savings,
+    policy_figure,
+    saving_in_words,
+    saving_unit,
+    tracks_figure,
+    trials_table,
+)
+from missionplan.studies.leg_length.plan_result import LegPlan
+
+_PERCENT = Unit("%", 0.01)
+_SECONDS = Unit("s", 1.0)
+_MINUTES = Unit("min", 60.0)
+_WATT_HOURS = Unit("W\u202fh", JOULES_PER_WATT_HOUR)
+_SAILED = "The plan that is recommended, with all trials in one member; what it expects is the ensemble's mean."
+_APPROXIMATE = (
+    "The legs were planned with an approximation. Their cost is taken from the mission's own trials, other ones than "
+    "those on which the legs were chosen."
+)
+
+
+def page(plan: LegPlan) -> Page:
+    """Build the page of a plan of legs."""
+    return Page(
+        title=f"Legs for {phase_in_words(plan.phase)}: {plan.provenance.mission}",
+        answer=answer(plan),
+        figure=policy_figure(plan),
+        numbers=_numbers(plan),
+        sections=[
+            *_approximation_section(plan),
+            *_candidates_section(plan),
+            *members_section(plan.arrivals, "plan", "arrive (95 % interval)", _SAILED),
+            _mission_file_section(plan),
+            PageSection(_surfacings_heading(plan), [tracks_figure(plan)]),
+            _cases_section(plan),
+            *_agreement_section(plan),
+        ],
+        verdict=_verdict(plan),
+    )
+
+
+def terminal(plan: LegPlan) -> Terminal:
+    """Build the terminal's view: the table of legs where it is recommended, else what shows that it is not."""
+    if not plan.recommended:
+        shown = cases_table(plan)
+        return Terminal(answer(plan), list(shown.columns), [list(row) for row in shown.rows], verdict=_verdict(plan))
+    unit = reader_unit("m", float(plan.left.max()))
+    rows = [
+        [unit.cell(each, ".1f") for each in (left, leg, max(left - leg, 0.0))]
+        for left, leg in zip(plan.left, plan.leg, strict=True)
+    ]
+    columns = [f"{what}{unit.axis}" for what in ("Distance left", "Leg", "Short of the target by")]
+    return Terminal(answer(plan), columns, rows, verdict=_verdict(plan))
+
+
+def _verdict(plan: LegPlan) -> str:
+    if not plan.reaches:
+        return "bad"
+    return "good" if plan.recommended else ""
+
+
+def answer(plan: LegPlan) -> str:
+    """Write whether to let the legs adapt, what it saves, and whether what is in doubt changes that."""
+    sailed = members_in_words(plan.arrivals, "arrives")
+    return f"{_choice(plan)}{_doubt_in_words(plan)}{sailed and f' {sailed}'}"
+
+
+def _doubt_in_words(plan: LegPlan) -> str:
+    """Say whether the choice between table and fixed d_max is the same under each explanation; nothing without any."""
+    explained = [case for case in plan.cases if case.probability is not None]
+    if not explained or not plan.adapts:
+        return ""
+    gaining = [case for case in explained if case.saving_for(plan.aim)[0] > 0.0]
+    if len(gaining) in (0, len(explained)):
+        return f" Whichever explanation holds, the table {'saves' if gaining else 'saves nothing'}."
+    losing = " or ".join(case.name for case in explained if case not in gaining)
+    return f" It depends on which explanation holds: with {losing} the table saves nothing."
+
+
+def _choice(plan: LegPlan) -> str:
+    fixed = f"the best fixed d_max, {length_in_words(plan.fixed_d_max)}"
+    speed = _speed_in_words(plan) if plan.aim == "energy" else ""
+    if not plan.reaches:
+        arriving = share(plan.chosen.arrived)
+        what = "the table of legs" if plan.recommended else f"a fixed d_max of {length_in_words(plan.fixed_d_max)}"
+        return (
+            f"No legs arrive as often as {100.0 * plan.required_arrival:g}\u00a0%: the likeliest to arrive, {what}, do "
+            f"so in {arriving} of the trials.{speed}"
+        )
+    if not plan.recommended:
+        return f"Keep a fixed d_max of {length_in_words(plan.fixed_d_max)}: {_why_fixed(plan)}.{speed}"
+    if plan.aim == "p95":
+        return f"Let the legs adapt: {_slow_transits_in_words(plan, fixed)}"
+    own = plan.cases[0]
+    if plan.aim == "energy":
+        saved = with_error(own.energy_saving, own.energy_saving_error, _WATT_HOURS)
+        return f"Let the legs adapt: they need {saved} less energy than {fixed}.{speed}"
+    saved = with_error(own.saving, own.saving_error, _SECONDS if own.saving < 120.0 else _MINUTES)
+    return f"Let the legs adapt: the transit then takes {saved} less on average than with {fixed}."
+
+
+def _why_fixed(plan: LegPlan) -> str:
+    """Write why the table is not worth taking: the first of the conditions that it fails."""
+    would_save = f"a table of legs would {saving_in_words(plan)}"
+    if not plan.adapts or not plan.saves_for_certain:
+        return "no table of legs does better for certain (three standard errors) in the trials"
+    if not plan.saves_enough:
+        return f"{would_save}, no more than 1\u00a0% of the whole"
+    if not plan.keeps_arrivals:
+        own = plan.cases[0]
+        return f"a table of legs would arrive less often, {share(own.adaptive.arrived)} of the time"
+    doubts = " or with ".join(case.name for case in plan.losing)
+    return f"{would_save} in the mission as planned, but save nothing or lose with {doubts}"
+
+
+def _slow_transits_in_words(plan: LegPlan, fixed: str) -> str:
+    best, table = plan.candidates[0], plan.candidates[-1]
+    if np.isfinite(plan.deadline):
+        return (
+            f"{percent(table.on_time)} of the transits keep the deadline of {time_in_words(plan.deadline)}; with "
+            f"{fixed}, {percent(best.on_time)} do."
+        )
+    return (
+        f"95 % of the transits then take at most {time_in_words(table.value)}, "
+        f"{time_in_words(best.value - table.value)} less than with {fixed}."
+    )
+
+
+def _speed_in_words(plan: LegPlan) -> str:
+    chosen, own = (plan.candidates[index].energy for index in (0, 1))
+    needs, needed = (with_error(energy.mean, energy.standard_error, _WATT_HOURS) for energy in (chosen, own))
+    return (
+        f" Go at {quantity(plan.speed, 'm/s', '.3g')}: with a fixed d_max that needs {needs}; at the mission's "
+        f"{quantity(plan.mission_speed, 'm/s', '.3g')} it needs {needed}."
+    )
+
+
+def _numbers(plan: LegPlan) -> list[tuple[str, str]]:
+    own = plan.cases[0]
+    fixed = (
+        f"Mean cost of the best fixed d_max, {length_in_words(plan.fixed_d_max)}",
+        with_error(own.fixed.cost, own.fixed.standard_error, _PERCENT),
+    )
+    if not plan.adapts:
+        return [fixed]
+    head, unit = saving_unit(plan)
+    return [
+        (f"{head}, against the best fixed d_max", with_error(*own.saving_for(plan.aim), unit)),
+        ("Mean cost of the table", with_error(own.adaptive.cost, own.adaptive.standard_error, _PERCENT)),
+        fixed,
+    ]
+
+
+def _approximation_section(plan: LegPlan) -> list[PageSection]:
+    if plan.integral_applies:
+        return []
+    return [PageSection("Only the trials show what the legs cost", [_APPROXIMATE, trials_table(plan)])]
+
+
+def _candidates_section(plan: LegPlan) -> list[PageSection]:
+    """Compare the plans by the aim of the legs; nothing for the mean time."""
+    if not plan.candidates:
+        return []
+    has_deadline = bool(np.isfinite(plan.deadline))
+    best = max(plan.candidates, key=lambda candidate: candidate.value if has_deadline else -candidate.value)
+    found = best.name if plan.recommended else f"the fixed d_max is kept, as {_why_fixed(plan)}"
+    what = "Least energy" if plan.aim == "energy" else "Most often on time" if has_deadline else "Shortest 95 % time"
+    return [PageSection(f"{what}: {found}", [plan.how_found, candidates_table(plan)])]
+
+
+def _mission_file_section(plan: LegPlan) -> PageSection:
+    explained = [_table_in_words(plan)] if plan.recommended else []
+    return PageSection("What to write in the mission file", [*explained, Listing(_yaml_of_changes(plan))])
+
+
+def _table_in_words(plan: LegPlan) -> str:
+    spread = f"σ_v = {with_error(plan.planned_sigma, 0.0, reader_unit('m/s', 0.0))}"
+    if plan.base_spread > 0.0:
+        spread += (
+            f" and for {with_error(plan.base_spread, 0.0, reader_unit('m', plan.base_spread))} of spread "
+            "at the end of any leg, however short"
+        )
+    return (
+        f"{plan.how_found} The legs are planned for {spread}. Each knot is [distance left, leg length]; between knots, "
+        "leg length is linear. The table is also in legs.yaml, and in its place in mission-with-legs.yaml."
+    )
+
+
+def _yaml_of_changes(plan: LegPlan) -> str:
+    """Write the changed keys of the transit as a mission file may hold them, one knot per line."""
+    lines = [f"{key}: {value}" for key, value in plan.changes.items() if isinstance(value, str)]
+    if not isinstance(plan.d_max, str):
+        lines += ["d_max:", "  table:", *(f"    - [{left}, {leg}]" for left, leg in plan.d_max["table"])]
+    return "\n".join(lines)
+
+
+def _surfacings_heading(plan: LegPlan) -> str:
+    own = plan.cases[0]
+    fixed = f"{own.fixed.surfacings:.2f}"
+    if not plan.recommended:
+        return f"The vehicle surfaces {fixed} times on average"
+    table = f"{own.adaptive.surfacings:.2f}"
+    return f"The vehicle surfaces {table} times on average with the table, {fixed} times with the best fixed d_max"
+
+
+def _cases_section(plan: LegPlan) -> PageSection:
+    if not plan.adapts:
+        return PageSection("What the transit costs when the errors are not as planned", [cases_table(plan)])
+    heading = "The table still saves when the errors are not as planned"
+    if plan.losing:
+        heading = "The table loses its advantage with " + ", or ".join(case.name for case in plan.losing)
+    return PageSection(heading, [cases_figure(plan), cases_table(plan)])
+
+
+def _agreement_section(plan: LegPlan) -> list[PageSection]:
+    """Compare the costs in the trials with those of the integral equation, where it covers the mission."""
+    if not plan.integral_applies:
+        return []
+    own = plan.cases[0]
+    compared = [(own.fixed, plan.fixed_cost), *([(own.adaptive, plan.expected_cost)] if plan.adapts else [])]
+    agree = all(abs(trials.cost - expected) <= 3.0 * trials.standard_error for trials, expected in compared)
+    heading = "agree" if agree else "differ by more than chance"
+    return [PageSection(f"Trials and integral equation {heading}", [trials_table(plan)])]
+
+
+PLOTS: Mapping[str, Drawing] = {"legs": draw_lengths, "aims": draw_aims, "savings": draw_savings}
+"""Plots on given axes by name, the main one first."""

@@ -1,0 +1,334 @@
+"""Result of `plan-legs`: how long a leg should be at each distance left, and what that saves or loses."""
+
+from dataclasses import dataclass
+from typing import Annotated, ClassVar
+
+import numpy as np
+import pandas as pd
+
+from missionplan.arrays import Array
+from missionplan.montecarlo.statistics import Probability, Statistic
+from missionplan.physics.energy import JOULES_PER_WATT_HOUR
+from missionplan.results.base import Provenance, Result, to_csv, to_yaml
+from missionplan.results.entries import Entry, Record
+from missionplan.results.under_doubts import MemberOutcome
+
+
+@dataclass(frozen=True)
+class SampledCost(Record):
+    """Cost of a plan in the mission's Monte Carlo, of the trials that arrived by both plans."""
+
+    cost: Annotated[float, Entry("mean of c (Briggs et al., Eq. 25)")]
+    standard_error: Annotated[float, Entry("of the cost")]
+    surfacings: Annotated[float, Entry("mean number, the arrival's included")]
+    arrived: Annotated[Probability, Entry("of arriving")]
+
+
+@dataclass(frozen=True)
+class MeanAndError(Record):
+    """A mean difference of paired trials, and its standard error."""
+
+    mean: Annotated[float, Entry("mean difference")]
+    standard_error: Annotated[float, Entry("of the mean")]
+
+
+@dataclass(frozen=True)
+class LegCase(Record):
+    """Both plans on the same trials: in the mission as it is, or with a navigation error that is not as planned.
+
+    Attributes
+    ----------
+    name : str
+        How the case differs from the mission; empty for the mission itself.
+    saving, saving_error : float
+        Mean time that the table saves, and its standard error, paired trial by trial [s].
+    energy_saving, energy_saving_error : float
+        Mean energy that the table saves, likewise; nan where the mission has no energy budget [J].
+    late_saving, late_saving_error : float
+        For the aim ``p95`` alone: by how much sooner 95 % of all trials arrive, and its standard error [s]; where the
+        mission has a deadline, by how much its probability is greater.
+    """
+
+    name: str
+    sigma: Annotated[float, Entry("σ_v of the trials", "m/s")]
+    mean_error: Annotated[
+        tuple[float, float], Entry("velocity under way in addition to the mission's, east and north", "m/s")
+    ]
+    surface_drift: Annotated[
+        tuple[float, float], Entry("velocity at the surface in addition to the mission's, east and north", "m/s")
+    ]
+    fixed: Annotated[SampledCost, Entry("with the best fixed d_max")]
+    adaptive: Annotated[SampledCost, Entry("with the table of legs")]
+    saving: float
+    saving_error: float
+    energy_saving: float
+    energy_saving_error: float
+    late_saving: float = float("nan")
+    late_saving_error: float = float("nan")
+    probability: Annotated[
+        float | None,
+        Entry("of the explanation that the case takes to hold", key="explanation", optional=True),
+    ] = None
+
+    @property
+    def title(self) -> Annotated[str, Entry(key="name")]:
+        """How the case differs from the mission."""
+        return self.name or "as the mission"
+
+    @property
+    def saved_time(self) -> Annotated[MeanAndError, Entry(unit="s", key="saving")]:
+        """Mean time that the table saves, paired trial by trial."""
+        return MeanAndError(self.saving, self.saving_error)
+
+    @property
+    def saved_energy(self) -> Annotated[MeanAndError, Entry(unit="W h", key="energy_saving")]:
+        """Mean energy that the table saves; null where the mission has no energy budget."""
+        return MeanAndError(self.energy_saving / JOULES_PER_WATT_HOUR, self.energy_saving_error / JOULES_PER_WATT_HOUR)
+
+    @property
+    def gain_p95(self) -> Annotated[MeanAndError | None, Entry(optional=True)]:
+        """By how much sooner 95 % of all trials arrive [s], or how much likelier in time, for the aim ``p95``."""
+        late = np.isfinite(self.late_saving_error)
+        return MeanAndError(self.late_saving, self.late_saving_error) if late else None
+
+    def saving_for(self, aim: str) -> tuple[float, float]:
+        """Return what the table saves by an aim, and its standard error [J for energy, s, or a probability]."""
+        if aim == "energy":
+            return self.energy_saving, self.energy_saving_error
+        if aim == "p95":
+            return self.late_saving, self.late_saving_error
+        return self.saving, self.saving_error
+
+
+@dataclass(frozen=True)
+class CandidatePlan(Record):
+    """A plan of legs judged by its aim, on trials other than those on which it was chosen.
+
+    Attributes
+    ----------
+    energy : Statistic
+        [J]
+    value, standard_error : float
+        What the aim minimises [s, or J]; for a deadline the probability of meeting it, which is maximised.
+    """
+
+    name: Annotated[str, Entry("of the plan")]
+    speed: Annotated[float, Entry("through the water", "m/s")]
+    duration: Annotated[
+        Statistic, Entry("of the transit, of the trials that arrived, the arrival's surfacing included", "s")
+    ]
+    energy: Statistic
+    on_time: Annotated[Probability, Entry("of arriving by the deadline; of arriving where there is none")]
+    value: float
+    standard_error: float
+
+    @property
+    def energy_in_wh(self) -> Annotated[dict[str, float | None], Entry(unit="W h", key="energy")]:
+        """Energy of the transit, of the trials that arrived."""
+        energy = self.energy.summary().items()
+        return {key: value if value is None else value / JOULES_PER_WATT_HOUR for key, value in energy}
+
+
+LEAST_SHARE = 0.01
+"""Share of what the fixed d_max takes that a table must save to be worth its complication."""
+LEAST_ERRORS = 3.0
+"""Standard errors of the saving that a table must save."""
+
+
+@dataclass(frozen=True)
+class LegKnot(Record):
+    """A knot of a table of legs."""
+
+    distance_left: Annotated[float, Entry("distance left", "m")]
+    leg: Annotated[float, Entry("length of the leg", "m")]
+
+
+@dataclass(frozen=True)
+class LegPlan(Result):
+    """Legs that adapt to the distance left, beside the best fixed d_max.
+
+    Attributes
+    ----------
+    phase_index : int
+        Place of the transit among the mission's phases.
+    arrival_radius, surfacing_time : float
+        Of the transit, distributions at their means [m, s].
+    mission_speed : float
+        The mission's own [m/s].
+    goal : tuple of float
+        Of the transit, east and north [m].
+    left, leg : array, shape (k,)
+        Knots of the table: distance left and leg length [m].
+    fixed_tracks, adaptive_tracks : array, shape (2, m, j)
+        The same few trials by both plans: the start, then where they surfaced and dived; nan after arrival [m].
+    members : tuple of LegCase
+        Both plans in each member of the current's ensemble; empty without one.
+    """
+
+    report: ClassVar[str] = "missionplan.studies.leg_length.plan_page"
+
+    provenance: Provenance
+    phase: Annotated[str, Entry("name of the transit")]
+    phase_index: int
+    aim: Annotated[
+        str,
+        Entry(
+            "what the legs minimise: ``mean``, the expected time; ``p95``, the time that 95 % of the trials keep "
+            "(or, with a deadline of the mission, the risk of missing it); ``energy``"
+        ),
+    ]
+    how_found: Annotated[str, Entry("how the table was found, in a sentence", key="machinery")]
+    deadline: Annotated[float, Entry("for the end of the transit, for ``p95``; null without one", "s")]
+    distance: Annotated[float, Entry("length of the transit", "m")]
+    speed: Annotated[float, Entry("of the transit; chosen for ``energy``", "m/s")]
+    mission_speed: float
+    arrival_radius: float
+    required_arrival: Annotated[
+        float, Entry("probability of arriving that legs must have to be recommended: the mission's requirement on it")
+    ]
+    surfacing_time: float
+    sigma: Annotated[float, Entry("velocity error of the transit", "m/s")]
+    planned_sigma: Annotated[float, Entry("of a leg's velocity, planned for", "m/s", "planned.sigma")]
+    base_spread: Annotated[float, Entry("of a leg's end whatever its length, planned for", "m", "planned.base_spread")]
+    goal: tuple[float, float]
+    left: Array
+    leg: Array
+    expected_cost: Annotated[float, Entry("of the table, from the integral equation", key="adaptive.cost")]
+    least_cost: Annotated[float, Entry("least expected cost of any legs", key="adaptive.least_cost")]
+    expected_surfacings: Annotated[float, Entry("of the table, the arrival's included", key="adaptive.surfacings")]
+    fixed_d_max: Annotated[float, Entry("best fixed d_max", "m", "fixed.d_max")]
+    fixed_cost: Annotated[float, Entry("expected cost with that d_max", key="fixed.cost")]
+    one_leg_cost: Annotated[float, Entry("expected cost of a single leg", key="one_leg.cost")]
+    cases: Annotated[tuple[LegCase, ...], Entry("the mission itself, then others for robustness")]
+    candidates: Annotated[
+        tuple[CandidatePlan, ...],
+        Entry(
+            "the best fixed d_max, the best legs for the mean time, and the table; empty for the aim ``mean``",
+            key="contenders",
+        ),
+    ]
+    fixed_tracks: Array
+    adaptive_tracks: Array
+    members: tuple[LegCase, ...] = ()
+
+    @property
+    def nominal_time(self) -> Annotated[float, Entry(unit="s")]:
+        """t_nom = ‖x_f − x_0‖/U [s]."""
+        return self.distance / self.speed
+
+    @property
+    def saving(self) -> Annotated[float, Entry(unit="s")]:
+        """Expected time that the legs save against the best fixed d_max [s]."""
+        return (self.fixed_cost - self.expected_cost) * self.nominal_time
+
+    @property
+    def integral_applies(self) -> bool:
+        """Whether the integral equation covers all that the mission has, so that its costs are those of the trials."""
+        return self.planned_sigma == self.sigma and self.base_spread == 0.0
+
+    @property
+    def recommended(self) -> bool:
+        """Whether to take the table: it saves enough for certain, under every doubt, and arrives as often."""
+        return self.adapts and self.saves_for_certain and self.saves_enough and self.keeps_arrivals and not self.losing
+
+    @property
+    def saves_for_certain(self) -> bool:
+        """Whether the table saves more than three standard errors in the mission's own trials."""
+        saving, error = self.cases[0].saving_for(self.aim)
+        return saving > LEAST_ERRORS * error
+
+    @property
+    def saves_enough(self) -> bool:
+        """Whether the table saves more than a hundredth of what the fixed d_max takes."""
+        return self.cases[0].saving_for(self.aim)[0] > LEAST_SHARE * self.whole
+
+    @property
+    def keeps_arrivals(self) -> bool:
+        """Whether the table arrives as often as required, or as the fixed d_max where that does not either."""
+        own = self.cases[0]
+        return own.adaptive.arrived.value >= min(self.required_arrival, own.fixed.arrived.value)
+
+    @property
+    def losing(self) -> tuple[LegCase, ...]:
+        """The doubts under which the table does not save."""
+        return tuple(case for case in self.cases[1:] if not case.saving_for(self.aim)[0] > 0.0)
+
+    @property
+    def whole(self) -> float:
+        """What the best fixed d_max takes by the aim, of which the table saves a part [s, J, or 1 for a deadline]."""
+        if self.aim == "energy" or (self.aim == "p95" and not np.isfinite(self.deadline)):
+            return self.candidates[0].value
+        return 1.0 if self.aim == "p95" else (1.0 + self.cases[0].fixed.cost) * self.nominal_time
+
+    @property
+    def chosen(self) -> SampledCost:
+        """Trials of the plan that is recommended."""
+        return self.cases[0].adaptive if self.recommended else self.cases[0].fixed
+
+    @property
+    def arrivals(self) -> Annotated[tuple[MemberOutcome, ...], Entry(key="members")]:
+        """How often the plan that is recommended arrives in each member of the current's ensemble."""
+        return tuple(
+            MemberOutcome(
+                case.name, case.probability or 0.0, (case.adaptive if self.recommended else case.fixed).arrived
+            )
+            for case in self.members
+        )
+
+    @property
+    def reaches(self) -> Annotated[bool, Entry(key="reaches_required_arrival")]:
+        """Whether the plan that is recommended arrives as often as required."""
+        return self.chosen.arrived.value >= self.required_arrival
+
+    @property
+    def adapts(self) -> bool:
+        """Whether the table is more than a fixed d_max."""
+        return self.left.size > 1
+
+    @property
+    def d_max(self) -> dict[str, list[list[str]]] | str:
+        """What is recommended as in a mission file: the table to 0.1 m, else the fixed d_max."""
+        if not self.recommended:
+            return f"{self.fixed_d_max:.1f} m"
+        return {"table": [[f"{left:.1f} m", f"{leg:.1f} m"] for left, leg in zip(self.left, self.leg, strict=True)]}
+
+    @property
+    def changes(self) -> dict[str, object]:
+        """Keys of the transit that the plan changes, as in a mission file."""
+        speed = {"speed": f"{self.speed:.3f} m/s"} if self.speed != self.mission_speed else {}
+        return {**speed, "d_max": self.d_max}
+
+    def mission_with_legs(self) -> dict[str, object]:
+        """Return the mission's data with the transit as planned."""
+        phases = self.provenance.data["phases"]
+        if not isinstance(phases, list):
+            raise TypeError("the mission's phases are not a list")
+        planned = [
+            {"transit": {**entry["transit"], **self.changes}} if index == self.phase_index else entry
+            for index, entry in enumerate(phases)
+        ]
+        return {**self.provenance.data, "phases": planned}
+
+    def to_frame(self) -> pd.DataFrame:
+        """One row per knot of the table where it is recommended; else one row, the fixed d_max."""
+        if not self.recommended:
+            return pd.DataFrame({"distance_left_m": [self.distance], "leg_m": [self.fixed_d_max]})
+        return pd.DataFrame({"distance_left_m": self.left, "leg_m": self.leg, "aim_short_m": self.left - self.leg})
+
+    def files(self) -> dict[str, str | bytes]:
+        """Return ``legs.csv``, ``legs.yaml`` (the changed keys of the transit) and ``mission-with-legs.yaml``."""
+        return {
+            "legs.csv": to_csv(self.to_frame()),
+            "legs.yaml": to_yaml(self.changes),
+            "mission-with-legs.yaml": to_yaml(self.mission_with_legs()),
+        }
+
+    @property
+    def choice(self) -> Annotated[str, Entry(key="recommended")]:
+        """``adaptive`` or ``fixed``."""
+        return "adaptive" if self.recommended else "fixed"
+
+    @property
+    def knots(self) -> Annotated[tuple[LegKnot, ...], Entry(key="adaptive.table")]:
+        """Knots of the table."""
+        return tuple(LegKnot(float(left), float(leg)) for left, leg in zip(self.left, self.leg, strict=True))

@@ -1,0 +1,311 @@
+"""Report of `sweep-dmax`: which d_max to choose, what it saves, and the curve of Fig. 8."""
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+
+from missionplan.report.explained import members_in_words, members_section
+from missionplan.report.numbers import number, percent, share
+from missionplan.report.page import Drawing, Page, PageSection, Table, Terminal
+from missionplan.report.quantities import Unit, length_in_words, quantity, reader_unit, time_in_words, with_error
+from missionplan.report.wording import phase_in_words
+from missionplan.results.under_doubts import label
+from missionplan.studies.leg_length.sweep_figures import (
+    close_up_figure,
+    cost_figure,
+    draw_costs,
+    draw_surfacings,
+    surfacings_figure,
+)
+from missionplan.studies.leg_length.sweep_result import Sweep, SweepCurve
+
+_PERCENT = Unit("%", 0.01)
+_MINUTES = Unit("min", 60.0)
+_WHY_TEETH = (
+    "With d_max at 1/a of the distance, the last of a legs aims at the goal itself. More often than not it misses by "
+    "more than the arrival radius, so that the vehicle must surface once more and come back from wherever it ended. "
+    "With d_max a little shorter, the long legs stop short of the goal: the extra surfacing then comes on the way, and "
+    "a short last leg with a small error takes the vehicle in. So the cost is low just below each critical point, and "
+    "high at it and just above. Where a whole leg errs by less than the arrival radius, teeth are small or reversed."
+)
+_SAILED = "With the recommended d_max of the middle curve, and all trials in one member."
+_FEWEST_FOR_TEETH = 12
+"""Points of a curve below which no tooth can be told."""
+
+
+def page(sweep: Sweep) -> Page:
+    """Build the page of a sweep."""
+    return Page(
+        title=f"Maximum leg length for {phase_in_words(sweep.phase)}: {sweep.provenance.mission}",
+        answer=answer(sweep),
+        figure=cost_figure(sweep),
+        numbers=_numbers(sweep),
+        sections=[
+            PageSection(_choice_heading(sweep), [choice_table(sweep), _as_good_in_words(sweep)]),
+            *_explanation_section(sweep),
+            *members_section(sweep.members, "plan", "arrive (95 % interval)", _SAILED),
+            *_table_section(sweep),
+            *_arrival_section(sweep),
+            _close_up_section(sweep),
+            PageSection(_surfacings_heading(sweep), [surfacings_figure(sweep), "The surfacing on arrival is counted."]),
+            PageSection("The numbers behind the curves", [cost_table(sweep)]),
+        ],
+        verdict=_verdict(sweep),
+    )
+
+
+def terminal(sweep: Sweep) -> Terminal:
+    """Build the terminal's view of a sweep."""
+    return Terminal(answer(sweep), *_chosen_rows(sweep), verdict=_verdict(sweep))
+
+
+def answer(sweep: Sweep) -> str:
+    """Write which d_max to choose and what it saves."""
+    curve = sweep.middle
+    chosen = curve.recommended
+    sigma, d_max = f"σ_v = {quantity(curve.sigma, 'm/s', 'g')}", length_in_words(chosen.d_max)
+    if not np.isfinite(chosen.cost):
+        return f"With {sigma} no plan of this sweep arrives."
+    time = time_in_words(sweep.nominal_time * (1.0 + chosen.cost))
+    if not curve.reaches(chosen):
+        return (
+            f"With {sigma} no d_max of this sweep arrives as often as {100.0 * curve.required_arrival:g}\u00a0%: the "
+            f"likeliest to arrive, {d_max}, does so in {share(chosen.arrived)} of the trials. The mean time of the "
+            f"{share(chosen.arrived)} that arrive is {time}.{_members_in_words(sweep)}"
+        )
+    if chosen.arrived.value < 1.0:
+        took = f"{share(chosen.arrived)} of the trials arrive, and the mean time of the {share(chosen.arrived)} that "
+        took += f"arrive is {time}"
+    else:
+        took = f"the transit then takes {time} on average"
+    words = f"Choose d_max = {d_max} for {sigma}: {took}{_against_one_leg(sweep, curve)}.{_doubt_in_words(sweep)}"
+    return f"{words}{_members_in_words(sweep)}"
+
+
+def _members_in_words(sweep: Sweep) -> str:
+    words = members_in_words(sweep.members, "arrives")
+    return words and f" {words}"
+
+
+def _doubt_in_words(sweep: Sweep) -> str:
+    """Say whether what is in doubt changes the choice; nothing for a mission without doubts."""
+    if not sweep.explanations:
+        return ""
+    others = [each for each in sweep.explanations if not each.keeps_choice]
+    if not others:
+        return " Whichever explanation holds, this d_max is as good as the best for it, to 1\u00a0% of the time."
+    worst = max(others, key=lambda each: (not each.curve.reaches(each.chosen), each.excess))
+    own = f"with {label(worst.causes)} the best would be {length_in_words(worst.curve.recommended.d_max)}"
+    if not worst.curve.reaches(worst.chosen):
+        arrive = share(worst.chosen.arrived)
+        return f" The doubt changes the choice: {own}; this one arrives in {arrive} of the trials then."
+    return f" The doubt changes the choice: {own}, and this one takes {100.0 * worst.excess:.0f}\u00a0% longer then."
+
+
+def _explanation_section(sweep: Sweep) -> list[PageSection]:
+    """Tabulate what is best under each explanation, and what the choice over all of them loses."""
+    rows = [
+        [
+            label(each.causes),
+            f"{100.0 * each.probability:.1f}\u00a0%",
+            length_in_words(each.curve.recommended.d_max),
+            share(each.chosen.arrived),
+            f"{100.0 * each.excess:.1f}\u00a0%" if np.isfinite(each.excess) else "–",
+        ]
+        for each in sweep.explanations
+    ]
+    columns = (
+        "explanation",
+        "probability",
+        "best d_max for it",
+        "arrive with the choice",
+        "time that the choice loses",
+    )
+    note = "The middle curve again, with each explanation known to hold; the same random numbers."
+    return [PageSection("Which explanation holds", [Table(columns, rows, note)])] if rows else []
+
+
+def _against_one_leg(sweep: Sweep, curve: SweepCurve) -> str:
+    """Write what the recommended d_max saves against a single leg, where both arrive as often as required."""
+    if not curve.reaches(curve.one_leg):
+        return f"; in one leg {share(curve.one_leg.arrived)} arrive"
+    saved = curve.saving(curve.recommended)
+    if saved > 2.0 * _saving_error(sweep, curve):
+        return f", {time_in_words(saved)} less than in one leg"
+    return "; one leg does as well"
+
+
+def _verdict(sweep: Sweep) -> str:
+    return "" if sweep.middle.reaches(sweep.middle.recommended) else "bad"
+
+
+def _numbers(sweep: Sweep) -> list[tuple[str, str]]:
+    curve = sweep.middle
+    chosen = curve.recommended
+    saved = with_error(curve.saving(chosen), _saving_error(sweep, curve), _MINUTES)
+    what = "Recommended d_max" if curve.reaches(chosen) else "d_max that is likeliest to arrive"
+    return [
+        (what, f"{length_in_words(chosen.d_max)} ({number(chosen.d_max_over_distance)} of the distance)"),
+        ("Trials that arrive with it", percent(chosen.arrived)),
+        ("Mean cost of those that arrive", with_error(chosen.cost, chosen.standard_error, _PERCENT)),
+        *([("Time saved against one leg", saved)] if curve.reaches(curve.one_leg) else []),
+    ]
+
+
+def _saving_error(sweep: Sweep, curve: SweepCurve) -> float:
+    return float(np.hypot(curve.one_leg.standard_error, curve.recommended.standard_error)) * sweep.nominal_time
+
+
+def _choice_heading(sweep: Sweep) -> str:
+    ratios = sorted(curve.recommended.d_max_over_distance for curve in sweep.curves)
+    low, high = f"{ratios[0]:.2f}", f"{ratios[-1]:.2f}"
+    if not all(curve.reaches(curve.recommended) for curve in sweep.curves):
+        return "Where no d_max arrives as often as required, the likeliest to arrive is shown"
+    if low == high:
+        return f"The recommended d_max is {low} of the distance"
+    return f"The recommended d_max lies between {low} and {high} of the distance, depending on the velocity error"
+
+
+def choice_table(sweep: Sweep) -> Table:
+    """Tabulate the recommended d_max of each velocity error."""
+    caption = (
+        f"Nominal time {time_in_words(sweep.nominal_time)} over {length_in_words(sweep.distance)} at "
+        f"{quantity(sweep.speed, 'm/s', 'g')}. Recommended is the d_max of least cost among those at which "
+        f"{100.0 * sweep.middle.required_arrival:g} % of the trials arrive. Costs are of those that arrive."
+    )
+    return Table(*_chosen_rows(sweep), caption=caption)
+
+
+def _chosen_rows(sweep: Sweep) -> tuple[list[str], list[list[str]]]:
+    speed = reader_unit("m/s", 0.0)
+    columns = [f"σ_v{speed.axis}", "d_max", "of distance", "Arrive", "Mean cost (%)", "One leg (%)", "Saved (min)"]
+    rows = [
+        [
+            speed.cell(curve.sigma, "g"),
+            length_in_words(curve.recommended.d_max),
+            f"{curve.recommended.d_max_over_distance:.3f}",
+            share(curve.recommended.arrived),
+            _without_unit(curve.recommended.cost, curve.recommended.standard_error, _PERCENT),
+            _without_unit(curve.one_leg.cost, curve.one_leg.standard_error, _PERCENT),
+            _without_unit(curve.saving(curve.recommended), _saving_error(sweep, curve), _MINUTES),
+        ]
+        for curve in sweep.curves
+    ]
+    return columns, rows
+
+
+def _without_unit(value: float, error: float, unit: Unit) -> str:
+    """Write a number with its error; the unit stands in the column's head."""
+    return with_error(value, error, Unit("", unit.size))
+
+
+def _as_good_in_words(sweep: Sweep) -> str:
+    """Write which d_max the trials cannot distinguish from the best."""
+    parts = []
+    for curve in sweep.curves:
+        ratios = [point.d_max_over_distance for point in curve.as_good]
+        if ratios:
+            low, high = f"{min(ratios):.3f}", f"{max(ratios):.3f}"
+            parts.append(f"{low if low == high else f'{low} to {high}'} for σ_v = {quantity(curve.sigma, 'm/s', 'g')}")
+    return (
+        "As good as the best, as far as these trials show (cost higher by less than two standard errors of the paired "
+        f"difference), is a d_max of these shares of the distance: {'; '.join(parts)}."
+    )
+
+
+def _table_section(sweep: Sweep) -> list[PageSection]:
+    """Compare the mission's own table of legs with the best fixed d_max, where it has one."""
+    speed = reader_unit("m/s", 0.0)
+    rows = [
+        [
+            speed.cell(curve.sigma, "g"),
+            _without_unit(curve.table.cost, curve.table.standard_error, _PERCENT),
+            _without_unit(curve.best.cost, curve.best.standard_error, _PERCENT),
+            _without_unit(
+                (curve.best.cost - curve.table.cost) * sweep.nominal_time,
+                curve.table.excess_error * sweep.nominal_time,
+                _MINUTES,
+            ),
+        ]
+        for curve in sweep.curves
+        if curve.table is not None
+    ]
+    if not rows:
+        return []
+    heads = [f"σ_v{speed.axis}", "Table (%)", "Best fixed d_max (%)", "The table saves (min)"]
+    return [PageSection("The mission's own table of legs beside the best fixed d_max", [Table(heads, rows)])]
+
+
+def _arrival_section(sweep: Sweep) -> list[PageSection]:
+    """Warn where some trials never arrive."""
+    worst = min((p for c in sweep.curves for p in c.points), key=lambda point: point.arrived.value)
+    if worst.arrived.value >= 1.0:
+        return []
+    words = (
+        f"At d_max = {length_in_words(worst.d_max)} only {100 * worst.arrived.value:.1f} % of the trials arrive within "
+        "the mission's max_legs. Costs are means over the trials that arrived: where some did not, they are too low."
+    )
+    return [PageSection("Not every trial arrives", [words])]
+
+
+def _close_up_section(sweep: Sweep) -> PageSection:
+    """Draw the curve about its least cost, and explain its teeth where it has some."""
+    drawn = close_up_figure(sweep, sweep.middle)
+    if has_teeth(sweep.middle, sweep.critical_points):
+        return PageSection("The cost jumps at each critical point", [_WHY_TEETH, drawn])
+    return PageSection("The cost about its least", [drawn])
+
+
+def has_teeth(curve: SweepCurve, critical_points: Sequence[float]) -> bool:
+    """Whether the cost jumps up at a critical point: beyond chance, and by more than it changes on either side.
+
+    A step of the curve counts as at a critical point if it begins or ends within half a step of it.
+    """
+    ratio = np.array([point.d_max_over_distance for point in curve.points])
+    cost = np.array([point.cost for point in curve.points])
+    error = np.array([point.standard_error for point in curve.points])
+    if len(ratio) < _FEWEST_FOR_TEETH or not np.isfinite(cost).all():
+        return False
+    rise, noise, width = np.diff(cost), np.hypot(error[1:], error[:-1]), np.diff(ratio)
+    around = np.maximum(np.abs(np.roll(rise, 2)), np.abs(np.roll(rise, -2)))
+    jumps = (rise > 3.0 * noise) & (rise > 2.0 * around)
+    jumps[:2] = jumps[-2:] = False
+    near = [
+        np.minimum(np.abs(ratio[1:] - place), np.abs(ratio[:-1] - place)) <= 0.55 * width
+        for place in critical_points
+        if place < 1.0
+    ]
+    return bool(np.any(jumps & np.any(near, axis=0))) if near else False
+
+
+def _surfacings_heading(sweep: Sweep) -> str:
+    curve = sweep.middle
+    return (
+        f"With the d_max chosen for σ_v = {quantity(curve.sigma, 'm/s', 'g')} the vehicle surfaces "
+        f"{curve.recommended.surfacings:.1f} times on average"
+    )
+
+
+def cost_table(sweep: Sweep) -> Table:
+    """Tabulate cost against d_max at about 20 places; `sweep.csv` has all of them."""
+    first, *_ = sweep.curves
+    count = len(first.points)
+    chosen = sorted({round(index) for index in np.linspace(0, count - 1, min(count, 21))})
+    columns = [
+        "d_max / distance",
+        "d_max",
+        *(f"Cost (%), σ_v {quantity(curve.sigma, 'm/s', 'g')}" for curve in sweep.curves),
+    ]
+    rows = [
+        [
+            f"{first.points[index].d_max_over_distance:.3f}",
+            length_in_words(first.points[index].d_max),
+            *(_without_unit(c.points[index].cost, c.points[index].standard_error, _PERCENT) for c in sweep.curves),
+        ]
+        for index in chosen
+    ]
+    return Table(columns, rows, caption=f"{len(rows)} of {count} rows; all of them are in sweep.csv.")
+
+
+PLOTS: Mapping[str, Drawing] = {"cost": draw_costs, "surfacings": draw_surfacings}
+"""Plots on given axes by name, the main one first."""

@@ -1,0 +1,234 @@
+"""Report of a rare failure: how probable it is, and how it comes about."""
+
+import math
+import shlex
+from collections.abc import Iterator, Mapping
+
+from matplotlib.axes import Axes
+
+from missionplan.report.numbers import number
+from missionplan.report.page import Block, Drawing, Page, PageSection, Table, Terminal
+from missionplan.report.simulation.quantities import failure_in_words
+from missionplan.report.wording import capitalised, in_words
+from missionplan.studies.rare_failure.result import Cause, FailureMode, RareFailure, WayDriven
+
+_FAILS = "not total.success"
+_DEGREES = 180.0 / math.pi
+
+
+def page(found: RareFailure) -> Page:
+    """Build the page of a rare failure."""
+    return Page(
+        title=f"Rare failure: {found.provenance.mission or found.provenance.file}",
+        answer=answer(found),
+        figure=None,
+        numbers=_numbers(found),
+        sections=[*_how(found), *_driven(found), *_precision(found)],
+        rerun=_rerun(found),
+    )
+
+
+def terminal(found: RareFailure) -> Terminal:
+    """Build the terminal's view: the answer, and the ways to fail."""
+    rows = [(_way(mode), _percent(mode.share)) for mode in found.modes]
+    is_failure = any(mode.step for mode in found.modes)
+    return Terminal(answer(found), ("way to fail" if is_failure else "in", "of all of these"), rows)
+
+
+def answer(found: RareFailure) -> str:
+    """Write how probable the failure is, and how it comes about."""
+    if not found.reached:
+        return (
+            f"No {event_in_words(found.event)} was found, in {number(found.provenance.trials)} trials led towards each "
+            f"way to fail by its own margin. By plain trials alone it is at most {_power(found.probability.high)}."
+        )
+    chance = f"{_power(found.probability.value)} ({_power(found.probability.low)} to {_power(found.probability.high)})"
+    words = f"{_event(found)} with probability {chance}: {_one_in(found.probability.value)}."
+    if not found.modes:
+        return words
+    commonest = found.modes[0]
+    causes = _causes_in_words(commonest)
+    if not commonest.step:
+        return f"{words} It comes with {causes}." if causes else words
+    how = f" with {causes}" if causes else ""
+    return f"{words} {_percent(commonest.share)} of these are {failure_in_words(commonest.step)}{how}."
+
+
+def _event(found: RareFailure) -> str:
+    return "This mission fails" if found.event == _FAILS else f"{capitalised(event_in_words(found.event))} comes about"
+
+
+def event_in_words(event: str) -> str:
+    """Write an event in words: ``offset of the anchor (moor) above 30 m``, ``failure``."""
+    if event == _FAILS:
+        return "failure"
+    for sign, word in ((" > ", "above"), (" < ", "below")):
+        quantity, found, limit = event.partition(sign)
+        if found:
+            return f"{in_words(quantity.strip())} {word} {limit.strip()}"
+    denied = event.removeprefix("not ")
+    return f"failure of “{in_words(denied)}”" if denied != event else in_words(event)
+
+
+def _way(mode: FailureMode) -> str:
+    return failure_in_words(mode.step) if mode.step else "missions that otherwise succeed"
+
+
+def _causes_in_words(mode: FailureMode) -> str:
+    return ", ".join(
+        f"{'high' if cause.shift > 0.0 else 'low'} {in_words(cause.source)} ({_value(cause, cause.mean)} where "
+        f"{_value(cause, cause.usual)} is usual)"
+        for cause in mode.causes[:3]
+    )
+
+
+def _value(cause: Cause, value: float) -> str:
+    """Write a value in SI; an angle in degrees."""
+    is_angle = cause.source.endswith((".toward", ".angle"))
+    size, unit = (_DEGREES, "°") if is_angle else (1.0, _unit(cause.source))
+    return f"{number(size * value, 0.05 * size * cause.usual_sd)}{unit}"
+
+
+def _unit(source: str) -> str:
+    """Unit of the inputs whose names tell it."""
+    name = source.rpartition("velocity_error" if "velocity_error" in source else ".")[2]
+    if "velocity_error" in source or name.endswith(("speed", "east", "north")):
+        return "\u00a0m/s"
+    if "fix_error" in source or name.endswith(("length", "depth", "diameter", "down_to")):
+        return "\u00a0m"
+    if name.endswith(("time", "hold", "galvanic_release")):
+        return "\u00a0s"
+    return "\u00a0N" if name.endswith(("weight", "buoyancy", "strength")) else ""
+
+
+def _how(found: RareFailure) -> Iterator[PageSection]:
+    """Say of each way to fail how often it is, and what is not as usual in it."""
+    if not found.modes:
+        return
+    blocks: list[Block] = []
+    is_failure = any(mode.step for mode in found.modes)
+    of_these = "the failures" if is_failure else "these missions"
+    for mode in found.modes:
+        causes = _causes_in_words(mode)
+        blocks.append(
+            f"{_percent(mode.share)} of {of_these} are {_way(mode)}"
+            + (f", with {causes}." if causes else "; no input is far from usual in them.")
+        )
+    rows = [
+        (
+            _way(mode),
+            in_words(cause.source),
+            _value(cause, cause.mean),
+            _value(cause, cause.usual),
+            f"{cause.shift:+.1f}",
+        )
+        for mode in found.modes
+        for cause in mode.causes
+    ]
+    if rows:
+        columns = ("way to fail" if is_failure else "in", "input", "mean then", "usual mean", "shift (sd)")
+        caption = (
+            "SI units; shift in standard deviations of all trials. Velocity errors are means over a transit's legs."
+        )
+        blocks.append(Table(columns, rows, caption, text_columns=2))
+    blocks.append(
+        "failures.csv has trials in which it comes about, each as likely as any other, with all that was drawn in them."
+    )
+    heading = "How it fails" if is_failure else "How it comes about"
+    yield PageSection(f"{heading}: {_way(found.modes[0])}", blocks)
+
+
+def _driven(found: RareFailure) -> Iterator[PageSection]:
+    """Say of each way to fail what was found of it, and of those without a failure what bounds them."""
+    met = sorted((way for way in found.ways if way.probability > 0.0), key=lambda way: -way.probability)
+    unmet = [way for way in found.ways if way.probability == 0.0 and way.way]
+    rows = [(_driven_way(found, way), _power(way.probability), "", "") for way in met]
+    rows += [
+        (_driven_way(found, way), "none found", _power(way.nearest) if way.nearest < 1.0 else "—", _power(way.bound))
+        for way in unmet
+    ]
+    if not rows:
+        return
+    caption = (
+        "A trial that fails in several ways counts for each of them here, and once in the whole. Where none was found: "
+        "the probability of coming as near as the nearest trials, beyond which the margin did not lead (— where it "
+        "varies with nothing that is drawn), and what plain trials alone allow at most."
+    )
+    heading = "Each way to fail, driven by its own margin"
+    if unmet and found.reached:
+        heading = f"{len(unmet)} of {len(met) + len(unmet)} ways to fail were not met"
+    columns = ("way to fail", "probability", "nearest without failing", "at most, by plain trials")
+    yield PageSection(heading, [Table(columns, rows, caption)])
+
+
+def _driven_way(found: RareFailure, way: WayDriven) -> str:
+    if not way.way:
+        return "none of the known margins"
+    return capitalised(event_in_words(way.way)) if way.way == found.event else failure_in_words(way.way)
+
+
+def _precision(found: RareFailure) -> Iterator[PageSection]:
+    if not found.reached:
+        return
+    yield PageSection(
+        f"Known to {100.0 * found.variation:.0f} % from {number(found.provenance.trials)} trials",
+        [
+            f"{found.repetitions} independent runs of subset simulation with up to {found.levels} levels, each with a "
+            "pilot of its own; the interval follows from their scatter (Student's t on the logarithm). A plain Monte "
+            f"Carlo would know the probability as well after {_power(found.plain_trials)} trials.",
+            "The probability is that of the model: what the mission file leaves out is not in it, and one in a million "
+            "is to be believed only as far as the tails of the distributions given.",
+        ],
+    )
+
+
+def _numbers(found: RareFailure) -> list[tuple[str, str]]:
+    if not found.reached:
+        return []
+    low, high = _power(found.probability.low), _power(found.probability.high)
+    return [
+        ("Probability", _power(found.probability.value)),
+        ("95 % interval", f"{low} to {high}"),
+        ("Coefficient of variation", f"{100.0 * found.variation:.1f} %"),
+    ]
+
+
+def _rerun(found: RareFailure) -> str:
+    made = found.provenance
+    more = "".join(
+        f" --{name} {made.options[name]}" for name in ("trials", "precision") if made.options.get(name) is not None
+    )
+    return f"missionplan simulate {shlex.quote(made.file)} --rare {shlex.quote(found.event)} --seed {made.seed}{more}"
+
+
+_SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
+
+
+def _power(value: float) -> str:
+    """Write a probability or a number of trials in two digits: ``0.046``, ``1.2·10⁻⁶``, ``3.4·10⁸``."""
+    if value <= 0.0 or not math.isfinite(value):
+        return "0" if value <= 0.0 else "∞"
+    if 1e-3 <= value < 1e4:
+        return f"{value:.2g}" if value < 100.0 else f"{value:.0f}"
+    digits, exponent = f"{value:.1e}".split("e")
+    return f"{digits}·10{str(int(exponent)).translate(_SUPERSCRIPTS)}"
+
+
+def _one_in(value: float) -> str:
+    return f"about one mission in {number(float(f'{1.0 / value:.1e}'))}" if value < 0.5 else "more often than not"
+
+
+def _percent(share: float) -> str:
+    return f"{100.0 * share:.0f}\u00a0%"
+
+
+def failures(axes: Axes, found: RareFailure) -> None:
+    """Draw the share of each way to fail."""
+    modes = found.modes[::-1]
+    axes.barh(range(len(modes)), [100.0 * mode.share for mode in modes])
+    axes.set_yticks(range(len(modes)), [failure_in_words(mode.step) if mode.step else "any" for mode in modes])
+    axes.set(xlabel="of the failures (%)", xlim=(0.0, 100.0))
+
+
+PLOTS: Mapping[str, Drawing] = {"failures": failures}
+"""Plots on given axes by name, the main one first."""

@@ -1,0 +1,317 @@
+"""Report of `sweep-transition`: depth, pitch and energy of slowing down to hover, after Palmer, Hearn & Stevenson."""
+
+import shlex
+from collections.abc import Callable, Mapping, Sequence
+
+import matplotlib as mpl
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure as MatplotlibFigure
+
+from missionplan.arrays import Array
+from missionplan.report.axes import name_axis
+from missionplan.report.page import (
+    BLUE,
+    GREEN,
+    GREY,
+    ORANGE,
+    Drawing,
+    Figure,
+    Page,
+    PageSection,
+    Table,
+    Terminal,
+    to_figure,
+)
+from missionplan.report.quantities import as_written, quantity, span_of
+from missionplan.studies.transition.result import FORCE, PAIR, SUCTION, TimeHistory, TransitionSweep
+
+_SHOWN_UNTIL = 260.0
+"""End of the histories, after the deceleration began [s]."""
+
+
+def unassisted_figure(result: TransitionSweep) -> Figure:
+    """Draw sternplane, pitch and depth without thrusters (Fig. 3)."""
+    track = result.unassisted
+    shown = (track.time >= -20.0) & (track.speed > 0.2)
+    figure = MatplotlibFigure(figsize=(6.0, 5.0))
+    angles, depth = figure.subplots(2, 1, sharex=True)
+    angles.plot(track.time[shown], np.degrees(track.pitch[shown]), color=BLUE, label="pitch")
+    angles.plot(track.time[shown], np.degrees(track.sternplane[shown]), color=ORANGE, label="sternplane")
+    angles.set_ylabel("angle (°)")
+    depth.plot(track.time[shown], -track.depth[shown], color=BLUE)
+    name_axis(depth.yaxis, "rise above target", "m")
+    depth.set_xlabel("time since the deceleration began (s)")
+    if np.isfinite(result.saturation_speed):
+        _mark_saturation(angles, depth, result)
+    angles.legend(loc="upper left")
+    alt = (
+        "Pitch, sternplane and rise against time without thrusters: once the sternplane is at its limit depth is lost."
+    )
+    return to_figure(
+        figure, "fig-3-no-thrusters", alt, "Without thrusters (the paper's Fig. 3); speed falls with time."
+    )
+
+
+def _mark_saturation(angles: Axes, depth: Axes, result: TransitionSweep) -> None:
+    """Draw where the sternplane comes to its limit."""
+    track = result.unassisted
+    crossing = track.time[np.argmax(track.speed < result.saturation_speed)]
+    for axes in (angles, depth):
+        axes.axvline(crossing, color=GREY, linewidth=1.0, linestyle=":")
+    depth.annotate(
+        f"A: {quantity(result.saturation_speed, 'm/s', '.2f')}",
+        (crossing, depth.get_ylim()[1]),
+        xytext=(-4, -4),
+        textcoords="offset points",
+        ha="right",
+        va="top",
+    )
+
+
+def _histories(
+    tracks: Sequence[TimeHistory], name: str, alt: str, caption: str, y: Callable[[TimeHistory], Array], label: str
+) -> Figure:
+    figure = MatplotlibFigure()
+    draw_histories(figure.subplots(), tracks, y, label)
+    return to_figure(figure, name, alt, caption)
+
+
+def draw_histories(axes: Axes, tracks: Sequence[TimeHistory], y: Callable[[TimeHistory], Array], label: str) -> None:
+    """Draw a line against time for each run."""
+    colours = mpl.colormaps["viridis"](np.linspace(0.0, 0.85, len(tracks)))
+    for track, colour in zip(tracks, colours, strict=True):
+        shown = (track.time >= 0.0) & (track.time <= _SHOWN_UNTIL)
+        axes.plot(track.time[shown], y(track)[shown], color=colour, label=as_written(track.label, "m/s"), linewidth=1.3)
+    axes.set_xlabel("time since the deceleration began (s)")
+    axes.set_ylabel(label)
+    axes.legend(ncols=2)
+
+
+def rise_of(track: TimeHistory) -> Array:
+    """Height above the target depth [m]."""
+    return -track.depth
+
+
+def pitch_of(track: TimeHistory) -> Array:
+    """Pitch [deg]."""
+    return np.degrees(track.pitch)
+
+
+def depth_by_mid_speed(result: TransitionSweep) -> Figure:
+    """Draw rise against time for each mid-transition speed (Fig. 6)."""
+    alt = "Rise above the target depth against time: the lower the mid-transition speed, the larger."
+    caption = "By mid-transition speed u* (the paper's Fig. 6)."
+    return _histories(result.by_mid_speed, "fig-6-depth", alt, caption, rise_of, "rise above target (m)")
+
+
+def depth_by_steepness(result: TransitionSweep) -> Figure:
+    """Draw rise against time for each steepness (Fig. 7)."""
+    alt = "Rise above the target depth against time for each steepness of the interchange."
+    caption = "By steepness of the interchange (the paper's Fig. 7)."
+    return _histories(result.by_steepness, "fig-7-depth", alt, caption, rise_of, "rise above target (m)")
+
+
+def pitch_by_mid_speed(result: TransitionSweep) -> Figure:
+    """Draw pitch against time for each mid-transition speed (Fig. 8)."""
+    alt = "Pitch against time: lower mid-transition speeds pitch further and swing more at hover."
+    caption = "By mid-transition speed u* (the paper's Fig. 8)."
+    return _histories(result.by_mid_speed, "fig-8-pitch", alt, caption, pitch_of, "pitch (°)")
+
+
+def pitch_by_steepness(result: TransitionSweep) -> Figure:
+    """Draw pitch against time for each steepness (Fig. 9)."""
+    alt = "Pitch against time for each steepness of the interchange."
+    caption = "By steepness of the interchange (the paper's Fig. 9)."
+    return _histories(result.by_steepness, "fig-9-pitch", alt, caption, pitch_of, "pitch (°)")
+
+
+def energy_figure(result: TransitionSweep, option: str) -> Figure:
+    """Draw energy against mid-transition speed for each steepness (Figs. 10 and 11)."""
+    figure = MatplotlibFigure()
+    draw_energy(figure.subplots(), result, option)
+    until = "until the slowest run of the set hovers" if option == "a" else "until each run hovers"
+    number = "10" if option == "a" else "11"
+    alt = f"Thruster energy {until} against mid-transition speed, one line a steepness."
+    return to_figure(
+        figure, f"fig-{number}-energy", alt, f"Energy {until}: option ({option}), the paper's Fig. {number}."
+    )
+
+
+def draw_energy(axes: Axes, result: TransitionSweep, option: str = "a") -> None:
+    """Draw energy against mid-transition speed, a line for each steepness."""
+    table = result.energy(FORCE, option)
+    colours = mpl.colormaps["viridis"](np.linspace(0.0, 0.85, len(table.columns)))
+    for steepness, colour in zip(table.columns, colours, strict=True):
+        axes.plot(
+            table.index,
+            table[steepness],
+            "o-",
+            color=colour,
+            markersize=3,
+            label=quantity(float(steepness), "m/s", "g"),
+        )
+    name_axis(axes.xaxis, "mid-transition speed", "m/s")
+    axes.set_ylabel("energy (W\u202fh)")
+    axes.set_ylim(bottom=0.0)
+    axes.legend(title="steepness", ncols=2)
+
+
+def pitch_by_variant(result: TransitionSweep) -> Figure:
+    """Draw pitch against time for one thruster, one with suction, and a pair (Fig. 14)."""
+    figure = MatplotlibFigure()
+    axes = figure.subplots()
+    for track, colour, dash in zip(result.by_variant, (BLUE, ORANGE, GREEN), ("-", "--", "-"), strict=True):
+        shown = track.time >= 0.0
+        axes.plot(track.time[shown], pitch_of(track)[shown], dash, color=colour, label=track.label)
+    axes.set_xlabel("time since the deceleration began (s)")
+    axes.set_ylabel("pitch (°)")
+    axes.legend()
+    alt = "Pitch against time of the three variants: the pair's oscillation dies out, the others' goes on."
+    return to_figure(figure, "fig-14-pitch", alt, "The three variants (the paper's Fig. 14).")
+
+
+def all_figures(result: TransitionSweep) -> list[Figure]:
+    """Every figure of the page, in its order."""
+    return [
+        unassisted_figure(result),
+        depth_by_mid_speed(result),
+        depth_by_steepness(result),
+        pitch_by_mid_speed(result),
+        pitch_by_steepness(result),
+        energy_figure(result, "a"),
+        energy_figure(result, "b"),
+        pitch_by_variant(result),
+    ]
+
+
+def page(result: TransitionSweep) -> Page:
+    """Build the page of a sweep."""
+    made = result.provenance
+    phase = shlex.quote(str(made.options["phase"]))
+    return Page(
+        title="Transition from survey speed to hover",
+        answer=answer(result),
+        figure=unassisted_figure(result),
+        numbers=_numbers(result),
+        sections=_sections(result),
+        rerun=f"missionplan sweep-transition {shlex.quote(made.file)} --phase {phase}",
+    )
+
+
+def terminal(result: TransitionSweep) -> Terminal:
+    """Build the terminal's view of a sweep."""
+    cells = result.shown(FORCE)
+    cells = cells[cells["steepness_m_s"] == cells["steepness_m_s"].median()]
+    names = ("mid_speed_m_s", "depth_excursion_m", "pitch_excursion_rad", "energy_common_wh", "energy_to_hover_wh")
+    rows = [
+        (
+            quantity(speed, "m/s", "g"),
+            quantity(depth, "m", ".2f"),
+            f"{np.degrees(pitch):.1f}°",
+            f"{common:.1f} W h",
+            f"{own:.1f} W h",
+        )
+        for speed, depth, pitch, common, own in cells[list(names)].to_numpy(dtype=float)
+    ]
+    columns = ("mid-transition speed", "depth excursion", "pitch excursion", "energy, all hover", "it hovers")
+    return Terminal(answer(result), columns, rows)
+
+
+def answer(result: TransitionSweep) -> str:
+    """Write below which speed the vehicle needs thrusters, and the speed at which they take least energy."""
+    best = result.best
+    slowest = result.saturation_speed
+    alone = (
+        f"cannot hold depth below {quantity(slowest, 'm/s', '.2f')}"
+        if np.isfinite(slowest)
+        else "holds depth at all speeds tried"
+    )
+    return (
+        f"Without thrusters the vehicle {alone}. One tunnel thruster takes it to hover with least energy, "
+        f"{best['energy_common_wh']:.1f} W h, at a mid-transition speed of "
+        f"{quantity(best['mid_speed_m_s'], 'm/s', 'g')}, the best of those tried; it then strays from its "
+        "depth by up to "
+        f"{quantity(best['depth_excursion_m'], 'm', '.2f')}."
+    )
+
+
+def _numbers(result: TransitionSweep) -> list[tuple[str, str]]:
+    hover, depth = result.hover, result.shown(FORCE)["depth_excursion_m"]
+    return [
+        ("Hover", f"{hover['revolutions_per_s']:.2f} rev/s, {hover['power_w']:.0f} W"),
+        ("Hover with a pair", f"{hover['pair_power_w']:.0f} W"),
+        ("Depth excursion", span_of(depth.min(), depth.max(), "m", ".2f")),
+    ]
+
+
+def _sections(result: TransitionSweep) -> list[PageSection]:
+    energy = result.shown(FORCE)["energy_common_wh"]
+    return [
+        PageSection("Lower mid-transition speeds cost depth", [depth_by_mid_speed(result), depth_by_steepness(result)]),
+        PageSection(
+            "Pitch grows likewise, and keeps swinging at hover",
+            [pitch_by_mid_speed(result), pitch_by_steepness(result)],
+        ),
+        PageSection(
+            f"Slowing down takes {energy.min():.1f} to {energy.max():.1f} W h",
+            [energy_figure(result, "a"), energy_figure(result, "b"), energy_table(result)],
+        ),
+        PageSection("A pair of thrusters damps the pitch", [pitch_by_variant(result), variant_table(result)]),
+        PageSection("Limits of these results", [_limits(result)]),
+    ]
+
+
+def _limits(result: TransitionSweep) -> str:
+    share = result.cells["energy_out_of_range"].max()
+    return (
+        "Derivatives, inertia, propeller and gains of the example are not Autosub's: the vehicle file marks what is "
+        f"assumed or calibrated. At most {100 * share:.1f} % of a run's energy was spent beyond the force minimum, "
+        "where the thrusters' exponential loss has not been checked. Stall of the sternplanes is not modelled."
+    )
+
+
+def energy_table(result: TransitionSweep) -> Table:
+    """Tabulate the energy by option (a): mid-transition speeds down, steepnesses across."""
+    table = result.energy(FORCE, "a")
+    rows = [
+        (quantity(speed, "m/s", "g"), *(f"{value:.2f}" for value in row))
+        for speed, row in zip(table.index, table.to_numpy(), strict=True)
+    ]
+    return Table(
+        ("mid-transition speed", *(quantity(float(s), "m/s", "g") for s in table.columns)),
+        rows,
+        "Energy until the slowest run of the set hovers (W\u202fh), by steepness.",
+    )
+
+
+def variant_table(result: TransitionSweep) -> Table:
+    """Tabulate means over the grid at the shown deceleration, for each variant."""
+    rows = []
+    for variant in (FORCE, SUCTION, PAIR):
+        cells = result.shown(variant)
+        rows.append(
+            (
+                variant,
+                quantity(cells["depth_excursion_m"].mean(), "m", ".2f"),
+                f"{np.degrees(cells['pitch_excursion_rad']).mean():.1f}°",
+                f"{np.degrees(cells['hover_pitch_rad']).mean():.3f}°",
+                f"{cells['energy_common_wh'].mean():.2f} W h",
+            )
+        )
+    columns = ("variant", "depth excursion", "pitch excursion", "pitch swing at hover", "energy, all hover")
+    return Table(columns, rows, "Means over mid-transition speeds and steepnesses.")
+
+
+def rise(axes: Axes, result: TransitionSweep) -> None:
+    """Draw the rise above the target depth for each mid-transition speed."""
+    draw_histories(axes, result.by_mid_speed, rise_of, "rise above target (m)")
+
+
+def pitch(axes: Axes, result: TransitionSweep) -> None:
+    """Draw the pitch for each mid-transition speed."""
+    draw_histories(axes, result.by_mid_speed, pitch_of, "pitch (°)")
+
+
+PLOTS: Mapping[str, Drawing] = {"energy": draw_energy, "rise": rise, "pitch": pitch}
+"""Plots on given axes by name, the main one first."""
