@@ -118,6 +118,8 @@ if TYPE_CHECKING:
 else:
     Words = Moments = pd.Series
 
+PASCALS_A_METRE = 1.0e4
+"""Pressure over depth in the sea, to 1 %."""
 _EPOCH = {"epoch": 1.0, "unix": 1.0, "s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9, "days": 86400.0}
 _MATLAB_1970 = 719529.0
 """Matlab's day number of 1970-01-01."""
@@ -181,7 +183,7 @@ def quantities(words: Words, unit: str, wanted: str) -> Array:
 
 @lru_cache(maxsize=64)
 def unit_factor(unit: str, wanted: str) -> float:
-    """Return what a number in a unit is multiplied by to be in the wanted one.
+    """Return what a number in a unit is multiplied by to be in the wanted one; a pressure becomes a depth.
 
     Raises
     ------
@@ -191,9 +193,13 @@ def unit_factor(unit: str, wanted: str) -> float:
     try:
         return parse_number_with_unit(f"1 {unit}", wanted)
     except QuantityError as error:
-        raise InputError(
-            [Problem(problem.message, key="map", hint=problem.hint) for problem in error.problems]
-        ) from None
+        problems = error.problems
+    try:
+        if wanted == "m":
+            return parse_number_with_unit(f"1 {unit}", "Pa") / PASCALS_A_METRE
+    except QuantityError:
+        pass
+    raise InputError([Problem(problem.message, key="map", hint=problem.hint) for problem in problems])
 
 
 def times(words: Words, unit: str) -> Array:

@@ -22,8 +22,6 @@ if TYPE_CHECKING:
 
 MAGIC = (b"CDF", b"\x89HDF")
 """First bytes of NetCDF 3 and 4 files."""
-_METRES_A_DBAR = 1.0
-"""Depth over pressure in the sea, to 1 % [m/dbar]."""
 _GOOD_FLAGS = (1.0, 2.0, 5.0, 8.0)
 """Quality flags (OceanSITES, reference table 2) of values that are good, probably good, changed or interpolated."""
 _BAD_FLAGS = (3.0, 4.0)
@@ -187,10 +185,6 @@ def _factor(unit: str, wanted: str) -> float:
     """Factor from a unit as files write it; 1 where it states none that is known."""
     if not unit or unit == wanted:
         return 1.0
-    if wanted == "m" and unit.lower() in ("dbar", "decibar", "decibars"):
-        return _METRES_A_DBAR
-    if wanted == "m" and unit.lower() in ("bar", "bars"):
-        return 10.0 * _METRES_A_DBAR
     try:
         return unit_factor(_SUFFIX.sub("^-1", unit), wanted)
     except InputError:

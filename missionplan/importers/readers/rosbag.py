@@ -19,6 +19,7 @@ from missionplan.arrays import Array
 from missionplan.errors import InputError, Problem, shown
 from missionplan.importers.geodesy import origin_of, plane_positions
 from missionplan.importers.importer import Importer, ReadOptions, SourceLog, needed_module
+from missionplan.importers.mapping import PASCALS_A_METRE
 from missionplan.importers.stores import Samples
 from missionplan.importers.track import Positions, Series, Track, fixes, positions, series
 
@@ -38,8 +39,6 @@ _COLUMNS = {
     "depth": ("t", "depth"),
 }
 _SECOND_FORMAT = (".db3", ".mcap")
-_PASCALS_A_METRE = 1.0e4
-"""Pressure over depth in the sea, to 1 %."""
 
 
 def recognises(path: Path, head: bytes) -> bool:
@@ -155,7 +154,7 @@ def _odometry(message: Any, logged: float) -> tuple[float, ...]:
 
 def _depth(message: Any, logged: float) -> tuple[float, ...]:
     if hasattr(message, "fluid_pressure"):
-        return _time(message, logged), message.fluid_pressure / _PASCALS_A_METRE
+        return _time(message, logged), message.fluid_pressure / PASCALS_A_METRE
     return logged, float(message.data)
 
 

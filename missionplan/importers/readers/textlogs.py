@@ -21,7 +21,7 @@ import pandas as pd
 
 from missionplan.arrays import Array
 from missionplan.importers.importer import Identity, Importer, ReadOptions, SourceLog, unpacked
-from missionplan.importers.mapping import angles, mapped, plain_numbers
+from missionplan.importers.mapping import MappedName, angles, mapped, plain_numbers
 from missionplan.importers.readers import track
 from missionplan.importers.readers.track import read_header
 from missionplan.importers.stores import ColumnStore
@@ -155,20 +155,22 @@ _IVER_COLUMNS = {
     "time": "Date+Time[%m/%d/%Y %H:%M:%S]",
     "lat": "Latitude[deg]",
     "lon": "Longitude[deg]",
-    "depth": "DFS Depth (m)[m]",
+    "depth": "DFS Depth[m]",
     "heading_true": "C True Heading[deg]",
     "pitch": "Pitch Angle[deg]",
-    "speed": "Vehicle Speed (kn)[knot]",
+    "speed": "Vehicle Speed[kn]",
     "hdop": "HDOP",
     "satellites": "Number of Sats",
 }
-_IVER_NEEDED = {"latitude", "longitude", "time", "date", "dfs depth (m)"}
+"""Columns without the units that stand in brackets behind their names, and the units where none do."""
+_IVER_NEEDED = {"latitude", "longitude", "time", "date", "dfs depth"}
+_BRACKETS = re.compile(r"\s*\(([^()]*)\)\s*$")
 _IVER_NAME = re.compile(r"(iver\d*-\d+|ecomapper[-_]?\d+)", re.IGNORECASE)
 
 
 def recognises_iver(path: Path, head: bytes) -> bool:
     """Whether a file's first line has the columns of such a log."""
-    return set(_first_line(head)) >= _IVER_NEEDED
+    return {_BRACKETS.sub("", word) for word in _first_line(head)} >= _IVER_NEEDED
 
 
 def identity_iver(path: Path) -> Identity:
@@ -179,13 +181,14 @@ def identity_iver(path: Path) -> Identity:
 
 def read_iver(files: Sequence[Path], options: ReadOptions, log: SourceLog) -> Track:
     """Read logs as one track."""
-    there = {name.lower(): name for name in read_header(files[0])}
-    usual = {quantity: mapped(quantity, name) for quantity, name in _IVER_COLUMNS.items()}
+    there = {_BRACKETS.sub("", name).lower(): name for name in read_header(files[0])}
     names = {}
-    for quantity, each in usual.items():
-        own = [there.get(part.lower()) for part in each.name.split("+")]
+    for quantity, name in _IVER_COLUMNS.items():
+        usual = mapped(quantity, name)
+        own = [there.get(part.lower(), "") for part in usual.name.split("+")]
         if all(own):
-            names[quantity] = replace(each, name="+".join(str(part) for part in own))
+            unit = _BRACKETS.search(own[0])
+            names[quantity] = MappedName("+".join(own), unit[1].lower() if unit else usual.unit)
     found = track.read(files, replace(options, names={**names, **options.names}), log)
     return replace(found, name="Iver", format="iver", reckoning="the vehicle's own position under water")
 

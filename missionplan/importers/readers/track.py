@@ -32,8 +32,6 @@ _ANGLES = ("lat", "lon", "dr_lat", "dr_lon")
 _NO_COLUMNS = ("origin", "gps", "odometry")
 _QUALITIES = {"hdop": "hdop", "accuracy": "hacc", "satellites": "satellites", "valid": "valid"}
 _PLACES = (("lat", "lon"), ("dr_lat", "dr_lon"), ("x", "y"), ("dr_x", "dr_y"))
-_DEPTH_UNITS = {"dbar": 1.0, "bar": 10.0}
-"""Depth over pressure in the sea, to 1 % [m]."""
 
 
 def recognises(path: Path, head: bytes) -> bool:
@@ -93,8 +91,6 @@ def _of_text(chunk: pd.DataFrame, columns: Mapping[str, MappedName]) -> dict[str
             found["t"] = times(words, each.unit)
         elif quantity in _ANGLES:
             found[quantity] = angles(words, each.unit)
-        elif quantity == "depth" and each.unit in _DEPTH_UNITS:
-            found[quantity] = quantities(words, "", "") * _DEPTH_UNITS[each.unit]
         else:
             found[quantity] = quantities(words, each.unit, QUANTITIES[quantity])
     return found
@@ -126,8 +122,6 @@ def _netcdf_times(file: Variables, name: str, unit: str) -> Array:
 
 
 def _netcdf_factor(quantity: str, unit: str) -> float:
-    if quantity == "depth" and unit in _DEPTH_UNITS:
-        return _DEPTH_UNITS[unit]
     wanted = QUANTITIES[quantity]
     return 1.0 if unit == wanted or not wanted else unit_factor(unit, wanted)
 

@@ -1,0 +1,160 @@
+"""Tables and NetCDF of one voyage in many writings: order of columns and rows, separators, units, dimensions, vehicles."""
+
+import numpy as np
+import pytest
+from made_tracks import made
+from test_ardupilot import dataflash
+from test_new_formats import cf, iver, one_position
+from test_structure import VOYAGE as SEA_VOYAGE
+from test_structure import agree, gli, og1, seaglider
+
+from missionplan.errors import InputError
+from missionplan.importers.importing import import_logs
+
+ELSEWHERE = made(legs=3, duration=1200.0, pause=240.0, step=20.0, headings=[45.0, 90.0, 135.0])
+
+
+def rewritten(path, source, change):
+    """Write the lines of a table again, each changed as a list of cells; the first has the names."""
+    lines = [line.split(";") for line in source.read_text().splitlines()]
+    path.write_text("\n".join(";".join(cells) for cells in change(lines)) + "\n")
+    return path
+
+
+def turned(lines):
+    order = np.random.default_rng(5).permutation(len(lines[0]))
+    return [[cells[k] for k in order] for cells in lines]
+
+
+def quoted(lines):
+    return [[f'"{name}"' for name in lines[0]], *lines[1:]]
+
+
+def backwards(lines):
+    return [lines[0], *lines[:0:-1]]
+
+
+def mixed(lines):
+    return [lines[0], *np.random.default_rng(6).permutation(np.array(lines[1:], dtype=object)).tolist()]
+
+
+def spaced(lines):
+    return [[f" {cell} " for cell in cells] for cells in lines]
+
+
+def with_more(lines):
+    return [["Temperature", *lines[0], "Voltage"], *(["9.1", *cells, "28.4"] for cells in lines[1:])]
+
+
+CHANGES = (turned, quoted, backwards, mixed, spaced, with_more)
+
+
+@pytest.mark.parametrize("change", CHANGES)
+def test_a_seaexplorers_columns_and_rows_in_any_order(tmp_path, change):
+    source = gli(tmp_path / "sea001.1.gli.sub.1")
+    found = import_logs([rewritten(tmp_path / "sea001.1.gli.sub.2", source, change)])
+    agree(import_logs([source]), found, metres=0.5)
+
+
+@pytest.mark.parametrize("change", CHANGES)
+def test_an_ivers_columns_and_rows_in_any_order(tmp_path, change):
+    source = iver(tmp_path / "a.log")
+    agree(import_logs([source]), import_logs([rewritten(tmp_path / "b.log", source, change)]))
+
+
+def test_an_ivers_log_with_commas_feet_and_metres_a_second(tmp_path):
+    source = iver(tmp_path / "a.log")
+    plain = import_logs([source])
+    (tmp_path / "b.csv").write_text(source.read_text().replace(";", ","))
+    agree(plain, import_logs([tmp_path / "b.csv"]))
+
+    def in_feet(lines):
+        k = lines[0].index("DFS Depth (m)")
+        lines[0][k] = "DFS Depth (ft)"
+        return [lines[0], *([*cells[:k], f"{float(cells[k]) / 0.3048:.3f}", *cells[k + 1 :]] for cells in lines[1:])]
+
+    agree(plain, import_logs([rewritten(tmp_path / "c.log", source, in_feet)]))
+
+
+def test_ivers_of_two_names_are_asked_for(tmp_path):
+    for k, name in enumerate(("IVER2-135", "IVER2-136")):
+        iver(tmp_path / f"2023_UTC_0_box_{name}.log", decimals=bool(k))
+    with pytest.raises(InputError, match=r"IVER2-135 \(1 file\), IVER2-136 \(1 file\)"):
+        import_logs([tmp_path])
+
+
+def test_trajectories_with_dimensions_and_rows_in_any_order(tmp_path):
+    netcdf = pytest.importorskip("netCDF4", reason="netCDF4 is not installed")
+    plain = import_logs([cf(tmp_path / "a.nc")])
+    with netcdf.Dataset(cf(tmp_path / "b.nc"), "a") as file:  # rows in no order of time
+        order = np.random.default_rng(7).permutation(len(file["time"]))
+        for name in ("time", "lat", "lon", "z", "heading"):
+            file[name][:] = file[name][:][order]
+    agree(plain, import_logs([tmp_path / "b.nc"]))
+    t, lat, lon, depth, _ = one_position()
+    for k, (dims, unit) in enumerate(((("obs", "trajectory"), "days since 1950-01-01T00:00:00Z"),
+                                      (("trajectory", "obs"), "milliseconds since 1970-01-01"))):  # fmt: skip
+        with netcdf.Dataset(tmp_path / f"c{k}.nc", "w") as file:
+            file.featureType = "Trajectory"
+            file.createDimension("obs", len(t))
+            file.createDimension("trajectory", 1)
+            file.createDimension("letters", 4)
+            name = file.createVariable("name", "S1", ("trajectory", "letters"))
+            name.cf_role = "trajectory_id"
+            name[:] = np.array([list("auv1")], dtype="S1")
+            days = t / 86400.0 + 7305.0
+            columns = {"when": (days if "days" in unit else t * 1e3, {"units": unit, "standard_name": "time"}),
+                       "LATITUDE": (np.radians(lat), {"units": "radians", "standard_name": "LATITUDE"}),
+                       "LONGITUDE": (np.radians(lon), {"units": "radians", "standard_name": "longitude"}),
+                       "p": (depth * 1e4, {"units": "Pa", "standard_name": "sea_water_pressure"})}  # fmt: skip
+            for key, (values, attributes) in columns.items():
+                variable = file.createVariable(key, "f8", dims, fill_value=-9999.0)
+                variable.setncatts(attributes)
+                variable[:] = np.reshape(values, (-1, 1) if dims[0] == "obs" else (1, -1))
+        agree(plain, import_logs([tmp_path / f"c{k}.nc"]))
+
+
+def test_og1_of_two_gliders_are_asked_for(tmp_path):
+    netcdf = pytest.importorskip("netCDF4", reason="netCDF4 is not installed")
+    og1(tmp_path / "a.nc")
+    with netcdf.Dataset(og1(tmp_path / "b.nc", upper=False), "a") as file:
+        file.id = "sg034_20231114T000000_delayed"
+    with pytest.raises(InputError, match=r"sg033 \(1 file\), sg034 \(1 file\)"):
+        import_logs([tmp_path])
+    assert import_logs([tmp_path], vehicle="SG034").counted == 4
+
+
+def test_a_seaglider_without_its_model_is_reckoned_aloud(tmp_path):
+    """Raw files of a dive have headings and pitches, and no displacements."""
+    netcdf = pytest.importorskip("netCDF4", reason="netCDF4 is not installed")
+    plain = import_logs([seaglider(tmp_path / "a")])
+    for path in sorted(seaglider(tmp_path / "b").iterdir()):
+        with netcdf.Dataset(path, "a") as file:
+            for name in ("east_displacement", "north_displacement", "horz_speed"):
+                file.renameVariable(name, f"not_{name}")
+            t = file["time"][:]
+            track = SEA_VOYAGE.track
+            for name, values in (("eng_head", track.heading.at(t)), ("eng_pitchAng", track.pitch.held(t))):
+                variable = file.createVariable(name, "f8", ("sg_data_point",))
+                variable[:] = values
+            variation = file.createVariable("log_gps_magvar", "f8", ("gps_info",))
+            variation[:] = 0.0
+    found = import_logs([tmp_path / "b"])
+    assert repr(found).splitlines()[1].startswith("The logs hold no dead reckoning: it was made from heading")
+    agree(plain, found, metres=60.0)
+
+
+def test_dataflash_logs_of_two_autopilots_are_asked_for_or_found_out(tmp_path):
+    pytest.importorskip("pymavlink", reason="pymavlink is not installed")
+    one, two = dataflash(tmp_path / "1.BIN"), dataflash(tmp_path / "2.BIN", ELSEWHERE, satellites=11)
+    with pytest.raises(InputError, match="are they of two vehicles"):
+        import_logs([one, two])
+    numbers = (b"ArduSub V4.1.0", b"003E0037 31365118 3835373")
+    for path, last in ((one, b"1"), (two, b"2")):
+        data = path.read_bytes()
+        path.write_bytes(
+            data.replace(numbers[0].ljust(64, b"\0"), (numbers[0] + b" " + numbers[1] + last).ljust(64, b"\0"))
+        )
+    with pytest.raises(InputError, match=r"003E00373136511838353731 \(1 file\), 003E00373136511838353732"):
+        import_logs([one, two])
+    assert import_logs([one, two], vehicle="003E00373136511838353732").counted == 3
