@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from missionplan.diagnosis.diagnose import diagnose
     from missionplan.diagnosis.scoring.score import score
     from missionplan.diagnosis.together.campaign import diagnose_campaign
+    from missionplan.diagnosis.why import why
     from missionplan.importers.importing import import_logs
     from missionplan.importers.importing import import_logs as import_log
     from missionplan.mission import Mission, load
@@ -70,6 +71,7 @@ __all__ = [
     "tide",
     "validate",
     "verify",
+    "why",
 ]
 
 _MODULES = {
@@ -98,6 +100,7 @@ _MODULES = {
     "tide": "missionplan.studies.tide.find_tide",
     "validate": "missionplan.studies.validation.validate",
     "verify": "missionplan.verification",
+    "why": "missionplan.diagnosis.why",
 }
 """Module of each public name, imported when the name is first used."""
 _ALIASES = {"import_log": "import_logs"}

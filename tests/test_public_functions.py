@@ -65,6 +65,7 @@ CALLS: dict[str, Callable[[], object]] = {
     "schema": lambda: missionplan.schema("dataset"),
     "reports": lambda: missionplan.reports(Path(__file__).parent),
     "validate": lambda: missionplan.validate([MISSIONS / "fig8.yaml", mission("chesapeake")]),
+    "why": lambda: missionplan.why(Path(__file__).parent / "importers" / "made.gli", tempfile.mkdtemp()),
     "init": lambda: missionplan.init(tempfile.mkdtemp()),
     "diagnose": lambda: missionplan.diagnose(mission("chesapeake"), MISSIONS / "measured" / "avila-drag", plan=False),
     "plan_legs": lambda: missionplan.plan_legs(mission("fig8"), trials=20, seed=1),

@@ -6,17 +6,20 @@
 
 import atexit
 import gc
+import json
 import signal
 import sys
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from importlib.metadata import version
 from typing import Annotated
 
 import typer
+from typer.models import CommandInfo
 
 from missionplan.cli import exploring, exporting, files, importing, measurements, planning, reports, tides
 from missionplan.cli.streams import answering, note, prepare_streams
-from missionplan.errors import OUT_OF_FILES, MissionplanError, out_of_files
+from missionplan.errors import OUT_OF_FILES, MissionplanError, Problem, out_of_files
 
 INTERRUPTED = 130
 GARBAGE = 50_000
@@ -31,6 +34,36 @@ app = typer.Typer(
 )
 for module in (planning, exploring, measurements, tides, importing, exporting, files, reports):
     module.register(app)
+
+PANELS = {
+    "Start: begin with init": ("init", "validate"),
+    "Plan a mission: begin with simulate": ("simulate", "sweep-dmax", "plan-legs", "size-anchor", "export"),
+    "Choose: begin with optimise": ("optimise", "explore", "compare"),
+    "Learn from logs: begin with why": ("why", "import", "diagnose", "score", "history", "tide"),
+    "Vehicle and tank: begin with identify": ("identify", "sweep-transition", "effects"),
+    "Reports and files: begin with reports": ("reports", "verify", "schema"),
+}
+"""Commands in the order of use, in the groups of `--help`, each with the one to begin with."""
+
+
+def _in_panels(commands: list[CommandInfo]) -> list[CommandInfo]:
+    """Return the commands in their order and groups; one that is in no group comes last."""
+    place = {name: (number, panel) for number, (panel, name) in enumerate(_named_panels())}
+    for command in commands:
+        command.rich_help_panel = place.get(_name_of(command), (0, command.rich_help_panel))[1]
+    return sorted(commands, key=lambda command: place.get(_name_of(command), (len(place), ""))[0])
+
+
+def _named_panels() -> Iterator[tuple[str, str]]:
+    for panel, names in PANELS.items():
+        yield from ((panel, name) for name in names)
+
+
+def _name_of(command: CommandInfo) -> str:
+    return command.name or (command.callback.__name__ if command.callback else "").replace("_", "-")
+
+
+app.registered_commands = _in_panels(app.registered_commands)
 
 
 @app.callback(invoke_without_command=True)
@@ -51,7 +84,11 @@ def main() -> None:
         with answering():
             status = app(args=planning.with_default_event(sys.argv[1:]), standalone_mode=False)
     except MissionplanError as error:
-        note(f"{'Error' if error.exit_status == 1 else 'Cannot start'}:\n{_in_options(error)}")
+        if "--json" in sys.argv:
+            _print_errors(_as_options(error))
+        else:
+            words = "\n".join(map(str, _as_options(error)))
+            note(f"{'Error' if error.exit_status == 1 else 'Cannot start'}:\n{words}")
         status = error.exit_status
     except KeyboardInterrupt:
         status = INTERRUPTED
@@ -72,16 +109,31 @@ _OPTIONS = {
 """Arguments of the public functions that hints name, as options."""
 
 
-def _in_options(error: MissionplanError) -> str:
+def _as_options(error: MissionplanError) -> list[Problem]:
     """Say what is wrong with arguments of the public functions as what is wrong with options."""
-    lines = []
+    found = []
     for problem in getattr(error, "problems", ()):
         hint = problem.hint
         for argument, option in _OPTIONS.items():
             hint = hint.replace(argument, option)
         key = f"--{problem.key.replace('_', '-')}" if problem.key and not problem.file else problem.key
-        lines.append(str(replace(problem, hint=hint, key=key)))
-    return "\n".join(lines) or str(error)
+        found.append(replace(problem, hint=hint, key=key))
+    return found or [Problem(str(error))]
+
+
+def _print_errors(problems: Sequence[Problem]) -> None:
+    """Write what is wrong as JSON on standard output, for scripts."""
+    errors = [
+        {
+            "file": problem.file,
+            "line": problem.line,
+            "key": problem.key,
+            "message": problem.message,
+            "expected": problem.message.partition("expected ")[2] or problem.hint,
+        }
+        for problem in problems
+    ]
+    typer.echo(json.dumps({"errors": errors}, ensure_ascii=True, indent=1))
 
 
 def _interrupt_on_termination() -> None:
@@ -112,7 +164,10 @@ def _usage_error(error: Exception) -> int:
         note(f"Error:\n{OUT_OF_FILES}")
         return 1
     if hasattr(error, "show") and hasattr(error, "exit_code"):
-        error.show()
+        if "--json" in sys.argv and hasattr(error, "format_message"):
+            _print_errors([Problem(error.format_message())])
+        else:
+            error.show()
         return int(error.exit_code)
     raise error
 

@@ -1,5 +1,6 @@
 """Commands about files: validate missions and data sets, write a starter mission, list effects, compare reports."""
 
+import json
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -99,17 +100,34 @@ _Files = Annotated[
 ]
 
 
-def validate(files: _Files, allow_outside: o.AllowOutside = False, quiet: o.Quiet = False) -> None:
+def validate(
+    files: _Files, allow_outside: o.AllowOutside = False, as_json: o.Json = False, quiet: o.Quiet = False
+) -> None:
     """Check missions and data sets without running anything, and list which commands each is ready for."""
     from missionplan.studies.validation.validate import validate
 
     found = validate(files, allow_outside=allow_outside)
-    if not quiet:
+    if as_json and not any(each.problems for each in found):
+        typer.echo(json.dumps({"errors": [], "files": [_valid(each) for each in found]}, indent=1))
+    elif not quiet and not as_json:
         for each in found:
             _print_valid(each)
     problems: list[Problem] = [problem for each in found for problem in each.problems]
     if problems:
         raise InputError(problems)
+
+
+def _valid(found: "Validated") -> dict[str, object]:
+    return {
+        "file": str(found.path),
+        "summary": found.summary,
+        "values": [str(value) for value in found.values],
+        "commands": [
+            {"command": row.command, "ready": not row.needs, "needs": list(row.needs), "without": row.without}
+            for row in found.table
+        ],
+        "notices": list(found.notices),
+    }
 
 
 def _print_valid(found: "Validated") -> None:

@@ -1,20 +1,26 @@
-"""The command `import`: a vehicle's own logs to a data set."""
+"""Commands that begin with a vehicle's own logs: `import`, to a data set, and `why`, to a diagnosis of it."""
 
 import re
+from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from missionplan.cli import options as o
-from missionplan.cli.running import deliver, progress_bar, report_folder
+from missionplan.cli.measurements import NextTrial, diagnosed
+from missionplan.cli.running import Progress, deliver, progress_bar, report_folder
 from missionplan.errors import InputError, Problem, shown
 from missionplan.store.paths import exists, is_file
 
+if TYPE_CHECKING:
+    from missionplan.results.imported import ImportedData
+
 
 def register(app: typer.Typer) -> None:
-    """Add the command."""
-    app.command("import")(import_)
+    """Add the commands."""
+    app.command("import")(o.with_option_groups(import_))
+    app.command()(o.with_option_groups(why))
 
 
 _Sources = Annotated[
@@ -64,69 +70,135 @@ _Explain = Annotated[
     list[int] | None, typer.Option(metavar="LEG", help="Tell and draw what a leg rests on; may be repeated.")
 ]
 _Force = Annotated[bool, typer.Option("--force", help="Overwrite files in a folder that is not empty.")]
-_Json = Annotated[
-    bool, typer.Option("--json", help="Print the summary as JSON on standard output, and nothing else there.")
-]
+
+
+@dataclass(frozen=True)
+class ImportOptions:
+    """How logs are read, and which legs count."""
+
+    format: _Format = None
+    kind: _Kind = "transit"
+    map: _Map = None
+    cache: _Cache = None
+    name: _Name = None
+    shift_origin: _Shift = None
+    shortest: _Shortest = None
+    longest_gap: _Gap = None
+    dive_depth: _DiveDepth = None
+    take_out_current: _TakeOut = False
+    mark: _Mark = None
+    vehicle: _Vehicle = None
+    deployment: _Deployment = None
+    strict: _Strict = False
+    explain: _Explain = None
+
+    def logs(self, sources: list[str]) -> list[Path]:
+        """Return the sources that are logs: `--map lat=A lon=B` leaves the second assignment to the sources."""
+        entries = self._entries(sources)
+        paths = [Path(each) for each in sources if each not in entries]
+        if not paths:
+            raise InputError([Problem("no log files are named", key="map")])
+        return paths
+
+    def imported(self, sources: list[str], progress: Progress) -> "ImportedData":
+        """Import the logs."""
+        from missionplan.importers.dives import LegRules
+        from missionplan.importers.importing import import_logs
+
+        rules = LegRules(
+            _quantity(self.shortest, "shortest", "s"),
+            _quantity(self.longest_gap, "longest_gap", "s"),
+            _quantity(self.dive_depth, "dive_depth", "m"),
+            self.take_out_current,
+        )
+        return import_logs(
+            self.logs(sources),
+            format=self.format,
+            kind=self.kind,  # type: ignore[arg-type]  # it is checked there
+            names=[*(self.map or ()), *self._entries(sources)],
+            cache=self.cache,
+            name=self.name,
+            shift_origin=_place(self.shift_origin),
+            rules=rules,
+            marks=self.mark or (),
+            vehicle=self.vehicle,
+            deployment=self.deployment,
+            is_strict=self.strict,
+            explain=self.explain or (),
+            progress=progress,
+        )
+
+    @staticmethod
+    def _entries(sources: list[str]) -> list[str]:
+        from missionplan.importers.mapping import ASSIGNMENT
+
+        return [each for each in sources if ASSIGNMENT.fullmatch(each) and not exists(Path(each))]
 
 
 def import_(
     sources: _Sources,
     out: _Out,
-    format: _Format = None,
-    kind: _Kind = "transit",
-    map: _Map = None,
-    cache: _Cache = None,
-    name: _Name = None,
-    shift_origin: _Shift = None,
-    shortest: _Shortest = None,
-    longest_gap: _Gap = None,
-    dive_depth: _DiveDepth = None,
-    take_out_current: _TakeOut = False,
-    mark: _Mark = None,
-    vehicle: _Vehicle = None,
-    deployment: _Deployment = None,
-    strict: _Strict = False,
-    explain: _Explain = None,
+    *,
+    reading: ImportOptions,
     force: _Force = False,
-    as_json: _Json = False,
+    as_json: o.Json = False,
     quiet: o.Quiet = False,
 ) -> None:
     """Make a data set of a vehicle's own logs, with a report of what was made of them and a starter mission."""
-    from missionplan.importers.dives import LegRules
-    from missionplan.importers.importing import import_logs
-    from missionplan.importers.mapping import ASSIGNMENT
-
-    # `--map lat=A lon=B` leaves the second to the sources
-    entries = [each for each in sources if ASSIGNMENT.fullmatch(each) and not exists(Path(each))]
-    paths = [Path(each) for each in sources if each not in entries]
-    if not paths:
-        raise InputError([Problem("no log files are named", key="map")])
     output = o.OutputOptions(out, force, as_json, quiet)
-    rules = LegRules(
-        _quantity(shortest, "shortest", "s"),
-        _quantity(longest_gap, "longest_gap", "s"),
-        _quantity(dive_depth, "dive_depth", "m"),
-        take_out_current,
-    )
-    with report_folder(output, "", "import", [path for path in paths if is_file(path)]) as folder:
+    with report_folder(output, "", "import", [path for path in reading.logs(sources) if is_file(path)]) as folder:
         with progress_bar("import", shown=not quiet) as progress:
-            result = import_logs(
-                paths,
-                format=format,
-                kind=kind,  # type: ignore[arg-type]  # it is checked there
-                names=[*(map or ()), *entries],
-                cache=cache,
-                name=name,
-                shift_origin=_place(shift_origin),
-                rules=rules,
-                marks=mark or (),
-                vehicle=vehicle,
-                deployment=deployment,
-                is_strict=strict,
-                explain=explain or (),
-                progress=progress,
-            )
+            result = reading.imported(sources, progress)
         deliver(result, folder, output)
+
+
+_Mission = Annotated[
+    Path | None,
+    typer.Option(
+        "--mission",
+        metavar="MISSION",
+        help="Mission that the vehicle sailed; default: one that is made of its logs.",
+        show_default=False,
+    ),
+]
+
+
+def why(
+    sources: _Sources,
+    mission: _Mission = None,
+    seed: o.Seed = None,
+    jobs: o.Jobs = 0,
+    *,
+    reading: ImportOptions,
+    next_trial: NextTrial = False,
+    output: o.OutputOptions,
+    allow_outside: o.AllowOutside = False,
+) -> None:
+    """Say why the vehicle was not where it reckoned, from its logs: how sure that is, what to do, the next mission.
+
+    It is `import` and `diagnose` in one. The folder holds the report, mission.yaml extended by what was found, the data
+    set in `dataset`, and what was made of the logs in dataset/report.html. Example: missionplan why logs/
+    """
+    from missionplan.diagnosis.why import DATASET, MISSION
+
+    paths = reading.logs(sources)
+    with report_folder(output, paths[0].resolve().stem, "why", [path for path in paths if is_file(path)]) as folder:
+        dataset = folder / DATASET
+        with progress_bar("import", shown=not output.quiet) as progress:
+            logs = reading.imported(sources, progress)
+        deliver(logs, dataset, replace(output, as_json=False, quiet=output.quiet or output.as_json, force=True))
+        found = diagnosed(
+            mission or dataset / MISSION,
+            [dataset],
+            folder,
+            seed=seed,
+            jobs=jobs,
+            next_trial=next_trial,
+            holdout=None,
+            allow_outside=allow_outside,
+            quiet=output.quiet,
+        )
+        deliver(found, folder, replace(output, force=True))
 
 
 def _quantity(text: str | None, key: str, unit: str) -> float | None:

@@ -1,12 +1,13 @@
 """Commands that learn from measurements: diagnose, identify, score, history."""
 
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from missionplan.cli import options as o
-from missionplan.cli.running import Progress, deliver, report_folder, run_study
+from missionplan.cli.running import Progress, deliver, loaded, progress_bar, report_folder, run_study
 from missionplan.errors import InputError
 
 if TYPE_CHECKING:
@@ -32,6 +33,9 @@ _Holdout = Annotated[
         show_default=False,
     ),
 ]
+NextTrial = Annotated[
+    bool, typer.Option("--next-trial", help="Value the trials that could be made next: a few seconds more.")
+]
 _Diagnosed = Annotated[
     list[Path], typer.Argument(metavar="DATASET...", help="Data sets: folders with dataset.yaml.", show_default=False)
 ]
@@ -55,9 +59,7 @@ def diagnose(
     jobs: o.Jobs = 0,
     *,
     output: o.OutputOptions,
-    next_trial: Annotated[
-        bool, typer.Option("--next-trial", help="Value the trials that could be made next: a few seconds more.")
-    ] = False,
+    next_trial: NextTrial = False,
     holdout: _Holdout = None,
     allow_outside: o.AllowOutside = False,
 ) -> None:
@@ -67,33 +69,63 @@ def diagnose(
     """
     if len(datasets) > 1 and (next_trial or holdout is not None):
         raise InputError("--next-trial and --holdout are for a single data set")
+    with report_folder(output, mission.stem, "diagnose") as folder:
+        result = diagnosed(
+            mission,
+            datasets,
+            folder,
+            seed=seed,
+            jobs=jobs,
+            next_trial=next_trial,
+            holdout=holdout,
+            allow_outside=allow_outside,
+            quiet=output.quiet,
+        )
+        deliver(result, folder, output)
 
+
+def diagnosed(
+    mission: Path,
+    datasets: Sequence[Path],
+    folder: Path,
+    *,
+    seed: int | None,
+    jobs: int,
+    next_trial: bool,
+    holdout: float | None,
+    allow_outside: bool,
+    quiet: bool,
+) -> "Result":
+    """Load a mission and diagnose data sets, with workers that import what fits need while this process does."""
     from missionplan.montecarlo.parallel.mapping import MAX_PROCESSES
     from missionplan.montecarlo.parallel.pool import preloaded_pool
 
     processes = o.worker_count(jobs)
+    with preloaded_pool(min(processes, MAX_PROCESSES) - 1, *_WORKERS_NEED):
+        mission_loaded = loaded(mission, datasets, folder, allow_outside=allow_outside)
+        with progress_bar("diagnose", shown=not quiet) as progress:
+            from missionplan.diagnosis.diagnose import diagnose
+            from missionplan.diagnosis.together.campaign import diagnose_campaign
 
-    def study(loaded: "Mission", progress: Progress) -> "Result":
-        from missionplan.diagnosis.diagnose import diagnose
-        from missionplan.diagnosis.together.campaign import diagnose_campaign
-
-        if len(datasets) > 1:
-            return diagnose_campaign(
-                loaded, datasets, seed=seed, jobs=processes, allow_outside=allow_outside, progress=progress
+            if len(datasets) > 1:
+                return diagnose_campaign(
+                    mission_loaded,
+                    datasets,
+                    seed=seed,
+                    jobs=processes,
+                    allow_outside=allow_outside,
+                    progress=progress,
+                )
+            return diagnose(
+                mission_loaded,
+                datasets[0],
+                seed=seed,
+                jobs=processes,
+                next_trial=next_trial,
+                holdout=holdout,
+                allow_outside=allow_outside,
+                progress=progress,
             )
-        return diagnose(
-            loaded,
-            datasets[0],
-            seed=seed,
-            jobs=processes,
-            next_trial=next_trial,
-            holdout=holdout,
-            allow_outside=allow_outside,
-            progress=progress,
-        )
-
-    with preloaded_pool(min(processes, MAX_PROCESSES) - 1, *_WORKERS_NEED):  # they import while this process does
-        run_study(mission, "diagnose", study, output, allow_outside=allow_outside, datasets=datasets)
 
 
 def identify(dataset: o.DatasetFolder, *, output: o.OutputOptions, allow_outside: o.AllowOutside = False) -> None:

@@ -56,7 +56,7 @@ _Units = Annotated[
     typer.Option("--units", help="Units of the report; default: the mission's. Files are in SI.", show_default=False),
 ]
 _Force = Annotated[bool, typer.Option("--force", help="Overwrite files in a folder that is not empty.")]
-_Json = Annotated[
+Json = Annotated[
     bool, typer.Option("--json", help="Print the summary as JSON on standard output, and nothing else there.")
 ]
 
@@ -103,7 +103,7 @@ class OutputOptions:
 
     out: _Out = None
     force: _Force = False
-    as_json: _Json = False
+    as_json: Json = False
     quiet: Quiet = False
     units: _Units = None
 

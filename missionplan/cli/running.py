@@ -38,14 +38,14 @@ def run_study(
 ) -> "Result":
     """Load a mission, run a study of it, save the report, print and return the result; data sets are read besides."""
     with report_folder(output, path.stem, command) as folder:
-        mission = _loaded(path, datasets, folder, allow_outside=allow_outside)
+        mission = loaded(path, datasets, folder, allow_outside=allow_outside)
         with progress_bar(command, shown=not output.quiet) as progress:
             result = study(mission, progress)
         deliver(result, folder, output)
     return result
 
 
-def _loaded(path: Path, datasets: Sequence[Path], folder: Path, *, allow_outside: bool) -> "Mission":
+def loaded(path: Path, datasets: Sequence[Path], folder: Path, *, allow_outside: bool) -> "Mission":
     """Load a mission, and read data sets for what is wrong with them; the report's folder may hold none of their files.
 
     Raises

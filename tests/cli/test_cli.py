@@ -12,7 +12,7 @@ from shutil import copytree
 
 import pytest
 
-from missionplan.cli import main
+from missionplan.cli import PANELS, _name_of, app, main
 from missionplan.errors import RunError
 
 MISSIONS = Path(__file__).parents[2] / "missions"
@@ -462,3 +462,34 @@ def test_a_name_that_is_too_long_is_said(
     monkeypatch.chdir(tmp_path)
     assert run(monkeypatch, *command, "a" * 300) in (1, 2)
     assert "a" * 300 in capsys.readouterr().err
+
+
+def test_every_command_stands_in_one_group_of_the_help() -> None:
+    named = [name for names in PANELS.values() for name in names]
+    assert sorted(named) == sorted(_name_of(command) for command in app.registered_commands)
+    for panel, names in PANELS.items():
+        assert panel.rpartition(" ")[2] in names, "each group says where to begin"
+
+
+def test_bad_input_is_json_for_scripts(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    bad = tmp_path / "bad.yaml"
+    bad.write_text("name: x\nphaes: []\n", encoding="utf-8")
+    for command in ("validate", "simulate"):
+        assert run(monkeypatch, command, str(bad), "--json") == 2
+        (first, *_) = json.loads(capsys.readouterr().out)["errors"]
+        assert (first["line"], first["key"], first["expected"]) == (2, "phaes", "did you mean phases?")
+    assert run(monkeypatch, "simulate", str(bad), "--json", "--trials", "none") == 2
+    assert "--trials" in json.loads(capsys.readouterr().out)["errors"][0]["message"]
+
+
+def test_validate_as_json_says_what_files_are_good_for(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert run(monkeypatch, "validate", str(MISSIONS / "fig8.yaml"), "--json") == 0
+    found = json.loads(capsys.readouterr().out)
+    assert found["errors"] == []
+    ready = {row["command"]: row["ready"] for row in found["files"][0]["commands"]}
+    assert ready["simulate"]
+    assert not ready["size-anchor"]

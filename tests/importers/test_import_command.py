@@ -253,3 +253,33 @@ def test_explaining_a_leg_draws_it_and_tells_it(raw_folder, tmp_path):
     assert "longest gap under water" in told.stdout
     assert (tmp_path / "data" / "figures" / "leg-3.svg").is_file()
     assert "Leg 3: what it rests on" in (tmp_path / "data" / "report.html").read_text()
+
+
+def test_why_goes_from_logs_to_a_verdict_in_one_command(raw_folder, tmp_path):
+    done = run(
+        "why",
+        raw_folder / "one.csv",
+        raw_folder / "two.csv",
+        "--map",
+        *NAMES.split(),
+        "--jobs",
+        1,
+        "--out",
+        tmp_path / "why",
+        "--json",
+        cwd=tmp_path,
+    )
+    assert done.returncode == 0, done.stderr
+    summary = json.loads(done.stdout)
+    assert summary["command"] == "diagnose"
+    assert "mean-current" in {cause for causes in summary["credible_set"] for cause in causes}
+    for name in ("report.html", "mission.yaml", "dataset/legs.csv", "dataset/mission.yaml", "dataset/report.html"):
+        assert (tmp_path / "why" / name).is_file(), name
+    assert load(tmp_path / "why" / "mission.yaml").effects
+
+
+def test_what_is_wrong_with_logs_is_json_for_scripts(tmp_path):
+    done = run("why", tmp_path / "nothing", "--json", cwd=tmp_path)
+    assert done.returncode == 2
+    (error,) = json.loads(done.stdout)["errors"]
+    assert "nothing" in error["file"] + error["message"]
