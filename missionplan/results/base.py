@@ -21,6 +21,7 @@ from missionplan.identity import Identity
 from missionplan.packages import how_to_install
 from missionplan.rendering import Plot, presenter, render
 from missionplan.results.entries import Entry, Record, summary_of
+from missionplan.results.place import Coverage
 from missionplan.store.folder import check_holds_no_input, new_folder, write_atomically
 from missionplan.store.paths import as_path
 
@@ -66,6 +67,10 @@ class Provenance(Record):
         tuple[str, ...], Entry("notes on the input: truncated distributions, values outside a model's range")
     ] = ()
     inputs: Mapping[str, object] = field(default_factory=dict)
+    holds: Annotated[
+        tuple[Coverage, ...],
+        Entry("what a probability of success holds of the world, and what not", key="probability_holds"),
+    ] = ()
     created: datetime = field(default_factory=lambda: datetime.now(UTC))
 
     @cached_property
@@ -117,7 +122,18 @@ class Provenance(Record):
 
 
 OF_THE_RUN = frozenset(
-    {"schema", "version", "options", "elapsed_s", "file", "created_utc", "python", "libraries", "notices"}
+    {
+        "schema",
+        "version",
+        "probability_holds",
+        "options",
+        "elapsed_s",
+        "file",
+        "created_utc",
+        "python",
+        "libraries",
+        "notices",
+    }
     | {"identity", "identity_parts"}
 )
 """Keys of a summary that tell of the run and not of its answer."""

@@ -18,3 +18,12 @@ class PlaceContact(Record):
     legs: Annotated[Mapping[str, int], Entry("trials by the leg on which it happened, from 1; 0 at a mooring")]
     east: Annotated[float, Entry("mean of the places, east of the origin", "m")]
     north: Annotated[float, Entry("mean of the places, north of the origin", "m")]
+
+
+@dataclass(frozen=True)
+class Coverage(Record):
+    """Something that a mission may fail of, and whether its probability of success holds it."""
+
+    what: Annotated[str, Entry("``ground``, ``coast``, ``wind``, ``waves``, ``traffic``, ``equipment``, …")]
+    held: Annotated[bool, Entry("whether the probability holds it")]
+    why: Annotated[str, Entry("what is held of it, or why it matters here")]

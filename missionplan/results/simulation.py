@@ -243,6 +243,16 @@ class Outcome(Result):
         return read_trials(self.trials_table)
 
     @property
+    def decision(self) -> Annotated[dict[str, list[str]], Entry()]:
+        """What the probability of success does not hold."""
+        return {"not_in_this_probability": [each.what for each in self.provenance.holds if not each.held]}
+
+    @property
+    def holds_equipment(self) -> bool:
+        """Whether failures of equipment are among those of the trials."""
+        return any(each.held for each in self.provenance.holds if each.what == "equipment")
+
+    @property
     def requirements_met(self) -> bool:
         """Whether every requirement of the mission is met."""
         return all(requirement.met for requirement in self.requirements)

@@ -14,6 +14,7 @@ from missionplan.montecarlo.parallel.blocks import IN_THIS_PROCESS, Backend, Pro
 from missionplan.phases.currents import Current
 from missionplan.results.base import Provenance
 from missionplan.scenario.currents.members import members_of, trials_of_each, under_each_member
+from missionplan.studies.coverage import probability_holds
 
 MAX_JOBS = 10_000
 
@@ -206,6 +207,7 @@ class Run:
             data=self.mission.raw,
             notices=tuple(notices),
             inputs={**identified(self.mission), **(identified_datasets(datasets) if datasets else {})},
+            holds=probability_holds(self.mission),
         )
 
 

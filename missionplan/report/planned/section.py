@@ -119,7 +119,17 @@ def planned_sections(provenance: Provenance) -> list[PageSection]:
     drawn = site_map(data)
     blocks: list[Block] = [*([drawn] if drawn else []), *([table] if rows else [])]
     heading = "The starter mission" if provenance.command == "import" else "What was planned"
-    return [PageSection(heading, blocks, is_summary=True)] if blocks else []
+    planned = [PageSection(heading, blocks, is_summary=True)] if blocks else []
+    return [*not_held(provenance), *planned]
+
+
+def not_held(provenance: Provenance) -> list[PageSection]:
+    """Show what a probability of success holds of the world, and what not."""
+    if not provenance.holds:
+        return []
+    rows = [(each.what, "in" if each.held else "not in", each.why) for each in provenance.holds]
+    table = Table(("", "", "what of it, or why it matters here"), rows, text_columns=3)
+    return [PageSection("What this probability does not hold", [table], is_summary=True)]
 
 
 def _named(key: str) -> str:

@@ -90,6 +90,7 @@ def answer(outcome: Outcome) -> str:
     """Write how often the mission works, what fails it most, and how many requirements are met."""
     parts = (
         _success_in_words(outcome),
+        "" if outcome.holds_equipment else "That is of navigation and physics: nothing breaks in it.",
         explanation_in_words(outcome),
         member_in_words(outcome),
         *_anchors_in_words(outcome),
@@ -190,7 +191,8 @@ def _judged(outcome: Outcome) -> str:
 
 def _numbers(outcome: Outcome) -> list[tuple[str, str]]:
     labels = {"duration_s": "Duration", "energy_wh": "Energy"}
-    shown = [("Mission succeeds (95 % interval)", percent(outcome.total.events["success"]))]
+    scope = "" if outcome.holds_equipment else " of navigation and physics"
+    shown = [(f"P(success){scope} (95 % interval)", percent(outcome.total.events["success"]))]
     for key, label in labels.items():
         statistic = outcome.total.quantities.get(key)
         if statistic is not None and math.isfinite(statistic.p50):

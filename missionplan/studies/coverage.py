@@ -1,0 +1,117 @@
+"""What the probability of a mission's success holds of the world, and what not: the fixed box of every first page."""
+
+import math
+from collections.abc import Iterator
+
+import numpy as np
+
+from missionplan.mission import Mission
+from missionplan.mission.schema.site import Site
+from missionplan.montecarlo.distributions import mean_of
+from missionplan.results.place import Coverage
+from missionplan.scenario.place.building import mission_places
+
+_GLIDERS = 0.5, 90.0
+"""Share of deep gliders that end a mission of so many days as planned (Brito, Smeed & Griffiths 2014, 205 deployments):
+the yardstick for equipment whose hazards a mission does not give."""
+_DAY, _HOUR = 86400.0, 3600.0
+_GROWS = 7.0 * _DAY
+"""Time after which growth on a hull is worth a thought [s]."""
+
+
+def probability_holds(mission: Mission) -> tuple[Coverage, ...]:
+    """Return the box: ground, coast, wind, waves, traffic, equipment, biofouling, operators; none without a phase."""
+    if not mission.phases:
+        return ()
+    return tuple(Coverage(what, held, why) for what, held, why in _rows(mission))
+
+
+def _rows(mission: Mission) -> Iterator[tuple[str, bool, str]]:
+    site = mission.site or Site()
+    afloat = 0.0 if mission.navigation is None else mean_of(mission.navigation.surfacing_time)
+    length, time = _way(mission)
+    yield ("ground", *_ground(mission, site))
+    yield ("coast", *_coast(site, length))
+    yield ("wind", *_wind(site, afloat))
+    depth = min((mean_of(phase.depth) for phase in mission.transits), default=0.0)
+    waves = (
+        f"runs {_m(depth)} below the surface and is {afloat:.0f} s afloat at each fix, which waves push and lengthen"
+    )
+    yield "waves", False, waves
+    yield ("traffic", *_traffic(site, length, _leg(mission), afloat))
+    yield ("equipment", *_equipment(mission, time))
+    growth = f"in {_duration(time)} it grows a little"
+    if time >= _GROWS:
+        growth = f"in {_duration(time)} growth slows the vehicle and weighs on it"
+    yield "biofouling", False, f"drag and weight stay those of a clean hull; {growth}"
+    yield "operators", False, "ballast, settings and launch are as in the file: a check-list holds slips, this does not"
+
+
+def _ground(mission: Mission, site: Site) -> tuple[bool, str]:
+    deepest = max((mean_of(phase.depth) for phase in mission.transits), default=0.0)
+    if site.bathymetry is not None:
+        datum = site.depth_datum or "an unstated datum"
+        tide = "with the tide" if site.tide_height is not None else "without a tide"
+        kept = f"{_m(mean_of(site.clearance))} kept under the hull"
+        return True, f"depths below {datum}, {tide}, {kept}; rocks between cells are not in"
+    if site.depth is None:
+        return False, f"no depth is known: it runs {_m(deepest)} deep over whatever there is (site.bathymetry)"
+    everywhere = f"{_m(mean_of(site.depth))} everywhere, running {_m(deepest)} deep"
+    return False, f"{everywhere}: a shoal on the way is not in (site.bathymetry)"
+
+
+def _coast(site: Site, length: float) -> tuple[bool, str]:
+    if site.land is not None:
+        return True, "polygons of land; what they leave out, such as piers and rocks, is not in"
+    if site.bathymetry is not None:
+        return True, "where the grid of depths rises above the water; what its cells smooth away is not in"
+    return False, f"{length / 1000.0:.3g} km of straight ways cross whatever lies between (site.land)"
+
+
+def _wind(site: Site, afloat: float) -> tuple[bool, str]:
+    if site.wind is not None:
+        return True, "the vehicle's leeway while it is afloat"
+    carried = f"10 m/s of wind at a leeway of 3 % carry it {_m(0.3 * afloat)}"
+    return False, f"afloat {afloat:.0f} s at each fix: {carried} (site.wind)"
+
+
+def _traffic(site: Site, length: float, leg: float, afloat: float) -> tuple[bool, str]:
+    if site.keep_out is not None:
+        return True, "zones kept out of; ships, nets and lines in the water between them are not in"
+    times = f"{max(1, math.ceil(length / leg))} times or more" if leg > 0.0 else "again and again"
+    return False, f"at the surface {times} for {afloat:.0f} s; nets and lines at depth are not in either"
+
+
+def _equipment(mission: Mission, time: float) -> tuple[bool, str]:
+    hazards = mission.vehicle.reliability if mission.vehicle is not None else ()
+    if hazards:
+        named = ", ".join(dict.fromkeys(hazard.per for hazard in hazards))
+        return True, f"hazards per {named}; what they leave out is not in"
+    survival, days = _GLIDERS
+    lost = 1.0 - survival ** (time / _DAY / days)
+    share = f"{100.0 * lost:.2g} %" if lost >= 5e-4 else "less than 0.1 %"
+    rate = f"at the rate of deep gliders (Brito et al. 2014) {share} fail in {_duration(time)}"
+    return False, f"nothing breaks; {rate} (vehicle.reliability)"
+
+
+def _way(mission: Mission) -> tuple[float, float]:
+    """Length of the straight ways [m], and time of the mission [s], both nominal."""
+    places = mission_places(mission) if mission.transits else np.zeros((2, 1))
+    length = float(np.hypot(*np.diff(places, axis=1)).sum())
+    speeds = [mean_of(phase.speed) for phase in mission.transits]
+    speed = float(np.nanmean(speeds)) if speeds and not np.isnan(speeds).all() else np.inf
+    stays = [(phase.hold, phase.galvanic_release, phase.release_time) for phase in mission.moors]
+    return length, length / speed + sum(mean_of(time) for stay in stays for time in stay)
+
+
+def _leg(mission: Mission) -> float:
+    """Longest leg of the transits; 0 where tables give them [m]."""
+    return max((mean_of(p.d_max) for p in mission.transits if not hasattr(p.d_max, "table")), default=0.0)
+
+
+def _m(length: float) -> str:
+    return f"{length:.3g} m"
+
+
+def _duration(time: float) -> str:
+    return f"{time / _DAY:.3g} days" if time >= 2.0 * _DAY else f"{time / _HOUR:.2g} h"
