@@ -4,6 +4,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Annotated
 
+from missionplan.arrays import Array
 from missionplan.montecarlo.statistics import Probability
 from missionplan.results.entries import Entry, Record
 
@@ -18,6 +19,26 @@ class PlaceContact(Record):
     legs: Annotated[Mapping[str, int], Entry("trials by the leg on which it happened, from 1; 0 at a mooring")]
     east: Annotated[float, Entry("mean of the places, east of the origin", "m")]
     north: Annotated[float, Entry("mean of the places, north of the origin", "m")]
+
+
+@dataclass(frozen=True)
+class SeaChart:
+    """Depths, land and zones kept out of about the tracks, for maps.
+
+    Attributes
+    ----------
+    east, north : array, shape (columns,) and (rows,)
+        [m]
+    depth : array, shape (rows, columns), or None
+        Of the water at the mission's start, nan where unknown; None without a grid of depths [m].
+    shapes : tuple of (str, tuple of array, shape (k, 2))
+        ``land`` or ``keep-out``, with the outline of each polygon and its holes, east and north [m].
+    """
+
+    east: Array
+    north: Array
+    depth: Array | None
+    shapes: tuple[tuple[str, tuple[Array, ...]], ...] = ()
 
 
 @dataclass(frozen=True)

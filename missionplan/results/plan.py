@@ -1,8 +1,10 @@
 """The plan as a vehicle takes it: where to go, how deep, how fast, when to surface, when to release the anchor."""
 
 import math
-from dataclasses import dataclass, replace
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
 from datetime import datetime
+from itertools import pairwise
 
 TIME_OUT_MARGIN = 1.1
 """Time-out over the 99 % duration."""
@@ -268,6 +270,11 @@ class PlannedMooring:
         return 3.0 * self.galvanic_release + FIX_WAIT
 
 
+def _area(ring: list[list[float]]) -> float:
+    """Twice the area inside a closed ring, positive where it runs counter-clockwise."""
+    return sum(a[0] * b[1] - b[0] * a[1] for a, b in pairwise(ring))
+
+
 @dataclass(frozen=True)
 class Fence:
     """A zone that the vehicle keeps out of.
@@ -279,11 +286,27 @@ class Fence:
         Corners, latitude and longitude, the first one not repeated [rad].
     is_limited : bool
         Whether the mission forbids it at some times or depths alone.
+    kind : str
+        ``land`` or ``keep-out``.
+    holes : tuple of tuple of (float, float)
+        Corners of the water inside it, as the outline's [rad].
+    limits : mapping of str to float
+        When and at which depths it holds: ``from_s``, ``to_s`` since the mission's start, ``above_m``, ``below_m``.
     """
 
     name: str
     outline: tuple[tuple[float, float], ...]
     is_limited: bool
+    kind: str = "keep-out"
+    holes: tuple[tuple[tuple[float, float], ...], ...] = ()
+    limits: Mapping[str, float] = field(default_factory=dict)
+
+    @property
+    def rings(self) -> tuple[list[list[float]], ...]:
+        """Outline and holes, closed, as longitudes and latitudes: the first counter-clockwise, as GeoJSON wants [deg]."""
+        closed = [[*ring, ring[0]] for ring in (self.outline, *self.holes)]
+        made = [[[math.degrees(east), math.degrees(north)] for north, east in ring] for ring in closed]
+        return tuple(ring if (_area(ring) > 0.0) == (not number) else ring[::-1] for number, ring in enumerate(made))
 
 
 @dataclass(frozen=True)

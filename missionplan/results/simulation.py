@@ -17,7 +17,7 @@ from missionplan.results.entries import Entry, Record
 from missionplan.results.mooring.held_vehicle import HeldVehicle
 from missionplan.results.mooring.sized_anchor import MooringAnchor
 from missionplan.results.overdue import Overdue
-from missionplan.results.place import PlaceContact
+from missionplan.results.place import PlaceContact, SeaChart
 from missionplan.results.plan import Plan
 from missionplan.results.under_doubts import ExplainedOutcome
 from missionplan.store.trials_table import read_trials
@@ -181,6 +181,8 @@ class Outcome(Result):
         True end position of each phase relative to its goal, of the first trials, for CEP circles [m].
     trials_table : bytes or None
         Parquet, one row per trial, on request.
+    chart : SeaChart or None
+        Depths, land and zones about the tracks; None where the mission says nothing of them.
     plan : Plan or None
         As vehicles take it; None where the mission has no transit, or more legs than it allows.
     members : tuple of ExplainedOutcome
@@ -232,6 +234,7 @@ class Outcome(Result):
         Entry("the same trials by the explanation that holds in each; empty for a mission without doubts"),
     ] = ()
     members: tuple[ExplainedOutcome, ...] = ()
+    chart: SeaChart | None = None
     contacts: Annotated[
         tuple[PlaceContact, ...],
         Entry("what missions meet of ground, coast and zones kept out of; empty where they meet nothing"),

@@ -17,6 +17,8 @@ COLOURS = {
     "anchor": "#cc79a7",
     "hover": "#d55e00",
     "search area": "#d55e00",
+    "land": "#8c7a3c",
+    "keep-out": "#d55e00",
 }
 """By kind, as #rrggbb."""
 WIDTHS = {"planned track": 2.0, "median track": 3.0, "sample track": 1.0}

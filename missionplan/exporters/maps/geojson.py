@@ -51,6 +51,8 @@ def features(plan: Plan, *, circles: bool = True) -> Iterator[Feature]:
             centre, radius, kind = (phase.goal.east, phase.goal.north), phase.arrival_radius, "arrival circle"
         if circles:
             yield _circle(phase.name, kind, centre, radius, origin)
+    for fence in plan.fences:
+        yield feature("Polygon", list(fence.rings), fence.kind, name=fence.name, **fence.limits)
 
 
 def _transit(transit: PlannedTransit, origin: Origin) -> Iterator[Feature]:

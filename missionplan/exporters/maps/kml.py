@@ -14,7 +14,7 @@ TITLE = "KML 2.2"
 NEEDS_ORIGIN = True
 NAMESPACE = "http://www.opengis.net/kml/2.2"
 
-_KINDS = ("planned track", "waypoint", "mooring", "arrival circle", "mooring circle")
+_KINDS = ("planned track", "waypoint", "mooring", "arrival circle", "mooring circle", "land", "keep-out")
 
 
 def lost(plan: Plan) -> tuple[str, ...]:
@@ -42,6 +42,12 @@ def plan_folders(container: Element, plan: Plan, *, circles: bool = True) -> Non
             _mooring(folder, plan, phase, circles=circles)
         else:
             _transit(folder, plan, phase, circles=circles)
+    if plan.fences:
+        folder = add(container, "Folder")
+        add(folder, "name", "Keep out")
+        for fence in plan.fences:
+            outline, *holes = fence.rings
+            polygon(placemark(folder, fence.name, fence.kind, fence.limits), outline, holes)
 
 
 def styles(container: Element, kinds: Iterable[str]) -> None:
@@ -102,11 +108,13 @@ def line(mark: Element, points: Iterable[Iterable[float]]) -> None:
     add(geometry, "coordinates", coordinates(points))
 
 
-def polygon(mark: Element, ring: Iterable[Iterable[float]]) -> None:
-    """Add a polygon by its closed boundary [deg]."""
+def polygon(mark: Element, ring: Iterable[Iterable[float]], holes: Iterable[Iterable[Iterable[float]]] = ()) -> None:
+    """Add a polygon by its closed boundary, and those of its holes [deg]."""
     geometry = add(mark, "Polygon")
     add(geometry, "tessellate", "1")
     add(add(add(geometry, "outerBoundaryIs"), "LinearRing"), "coordinates", coordinates(ring))
+    for hole in holes:
+        add(add(add(geometry, "innerBoundaryIs"), "LinearRing"), "coordinates", coordinates(hole))
 
 
 def point(mark: Element, place: Iterable[float]) -> None:

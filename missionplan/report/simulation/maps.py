@@ -8,8 +8,12 @@ from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure as MatplotlibFigure
 from matplotlib.lines import Line2D
+from matplotlib.patches import PathPatch
+from matplotlib.path import Path
+from matplotlib.ticker import MaxNLocator
 
 from missionplan.arrays import Array
+from missionplan.exporters.maps.colours import COLOURS
 from missionplan.report.axes import name_axis
 from missionplan.report.geography.plan_view import (
     Frame,
@@ -22,20 +26,21 @@ from missionplan.report.geography.plan_view import (
     rings,
     track,
 )
-from missionplan.report.page import BLUE, GREEN, INK, ORANGE, PINK, SKY, YELLOW, Figure, to_figure
+from missionplan.report.page import BLUE, GREEN, GREY, INK, ORANGE, PINK, SKY, YELLOW, Figure, to_figure
 from missionplan.report.quantities import quantity
 from missionplan.report.simulation.figures import WIDTH
 from missionplan.report.wording import phase_in_words
+from missionplan.results.place import SeaChart
 from missionplan.results.simulation import Outcome
 
-_COLOURS = {"arrival circle": GREEN, "mooring circle": YELLOW, "CEP": BLUE, "mooring ellipse": PINK}
+_OF_RINGS = {"arrival circle": GREEN, "mooring circle": YELLOW, "CEP": BLUE, "mooring ellipse": PINK}
 _DASHED = (0, (4, 2))
 """Line style of what holds 95 % of the trials."""
 
 
 def draw_ring(axes: Axes, ring: Ring, line: Array, *, linewidth: float) -> None:
     """Draw the line of a circle or ellipse, shape (2, k), in the colour of its kind."""
-    axes.plot(*line, color=_COLOURS[ring.kind], linestyle=_DASHED if ring.share > 0.9 else "-", linewidth=linewidth)
+    axes.plot(*line, color=_OF_RINGS[ring.kind], linestyle=_DASHED if ring.share > 0.9 else "-", linewidth=linewidth)
 
 
 def close_ups(outcome: Outcome) -> Figure | None:
@@ -73,7 +78,7 @@ def _panels(count: int) -> tuple[MatplotlibFigure, Sequence[Axes], Sequence[Axes
 
 def _legend(figure: MatplotlibFigure, spare: Sequence[Axes], kinds: set[str]) -> None:
     """Explain the lines in the spare panel, or below the figure where there is none."""
-    handles = [Line2D([], [], color=colour, label=kind) for kind, colour in _COLOURS.items() if kind in kinds]
+    handles = [Line2D([], [], color=colour, label=kind) for kind, colour in _OF_RINGS.items() if kind in kinds]
     handles.append(Line2D([], [], color=INK, linestyle="-", label="holds 50 %"))
     handles.append(Line2D([], [], color=INK, linestyle=_DASHED, label="holds 95 %"))
     for axes in spare:
@@ -114,8 +119,30 @@ def track_map(outcome: Outcome) -> Figure:
         "track-map",
         f"Map of {count} trials from above, with the goals of the phases; north is up.",
         f"{count} trials (light), the median trial (orange, a dot at each fix), and the circles and ellipses that "
-        f"the close-ups explain. Both axes have the same scale.{shown.outliers_in_words()}",
+        f"the close-ups explain. Both axes have the same scale.{_place_in_words(outcome)}{shown.outliers_in_words()}",
     )
+
+
+def _place_in_words(outcome: Outcome) -> str:
+    if outcome.chart is None:
+        return ""
+    depths = " Grey lines: depth of the water at the start." if outcome.chart.depth is not None else ""
+    kinds = {kind for kind, _ in outcome.chart.shapes}
+    return f"{depths}{' Brown: land.' if 'land' in kinds else ''}{' Hatched: keep out.' if 'keep-out' in kinds else ''}"
+
+
+def _draw_place(axes: Axes, chart: SeaChart) -> None:
+    """Draw depths, land and zones kept out of behind the tracks."""
+    if chart.depth is not None and np.isfinite(chart.depth).any():
+        water = np.ma.masked_invalid(chart.depth)
+        levels = np.unique(np.concatenate(([0.0], MaxNLocator(6).tick_values(0.0, float(max(water.max(), 1.0))))))
+        axes.contourf(chart.east, chart.north, -water, [0.0, 1e5], colors=[COLOURS["land"]], alpha=0.35, zorder=0.1)
+        drawn = axes.contour(chart.east, chart.north, water, levels, colors=GREY, linewidths=0.5, zorder=0.2)
+        axes.clabel(drawn, fontsize=7, fmt=lambda depth: quantity(depth, "m", "g"))
+    for kind, outlines in chart.shapes:
+        shape = Path.make_compound_path(*(Path(ring, closed=True) for ring in outlines))
+        hatch = "///" if kind == "keep-out" else None
+        axes.add_patch(PathPatch(shape, color=COLOURS[kind], alpha=0.35, hatch=hatch, zorder=0.3))
 
 
 def _lines(outcome: Outcome) -> list[Array]:
@@ -135,6 +162,8 @@ def _frame(outcome: Outcome) -> Frame:
 def draw_tracks(axes: Axes, outcome: Outcome) -> None:
     """Draw tracks, the median trial, circles and ellipses, the north arrow and a scale."""
     tracks, lines, shown = outcome.tracks, _lines(outcome), _frame(outcome)
+    if outcome.chart is not None:
+        _draw_place(axes, outcome.chart)
     axes.add_collection(LineCollection([line.T for line in lines], colors=SKY, linewidths=0.5, alpha=0.45))
     middle = track(tracks, median_trial(tracks))
     axes.plot(*middle, color=ORANGE, linewidth=1.4, marker="o", markersize=2.5, label="median trial")

@@ -2,7 +2,7 @@
 
 import hashlib
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import replace
 from importlib.metadata import version
 
@@ -281,18 +281,27 @@ def _sailed_by_its_vehicle(
 
 
 def _fences(means: Scenario) -> Iterator[Fence]:
-    """Yield the outlines of land and of zones kept out of; holes in them are left out, which keeps out of more."""
+    """Yield land and zones kept out of, a polygon each."""
     site = means.mission.site
     if site is None or site.origin is None or means.place is None:
         return
+    origin = site.origin
+
+    def corners(ring: Iterable[tuple[float, float]]) -> tuple[tuple[float, float], ...]:
+        east, north = np.array(list(ring))[:-1, :2].T
+        return tuple(zip(*(axis.tolist() for axis in to_geographic(east, north, origin)), strict=True))
+
     for zone in means.place.zones:
+        limits = {"from_s": zone.since, "to_s": zone.until, "above_m": zone.above, "below_m": zone.below}
+        given = {key: value for key, value in limits.items() if math.isfinite(value)}
         for part in getattr(zone.geometry, "geoms", (zone.geometry,)):
-            east, north = np.array(part.exterior.coords)[:-1, :2].T
-            limits = (-zone.since, zone.until, zone.above, -zone.below)
             yield Fence(
                 name=zone.name,
-                outline=tuple(zip(*(axis.tolist() for axis in to_geographic(east, north, site.origin)), strict=True)),
-                is_limited=not all(limit == np.inf for limit in limits),
+                outline=corners(part.exterior.coords),
+                is_limited=bool(given),
+                kind="land" if zone.is_land else "keep-out",
+                holes=tuple(corners(hole.coords) for hole in part.interiors),
+                limits=given,
             )
 
 

@@ -4,6 +4,8 @@ from collections.abc import Generator, Sequence
 from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
+
 from missionplan.exporters.formats import VEHICLES
 from missionplan.identity import Identity, digest_of_files
 from missionplan.mission import Mission, MissionOrPath
@@ -11,6 +13,7 @@ from missionplan.montecarlo.parallel.blocks import Backend, Progress
 from missionplan.montecarlo.statistics import Probability
 from missionplan.montecarlo.streams import BLOCK, block_count, block_size
 from missionplan.results.overdue import Overdue
+from missionplan.results.place import SeaChart
 from missionplan.results.simulation import Outcome
 from missionplan.scenario.scenario import Scenario
 from missionplan.scenario.site_current import recorded_current
@@ -41,10 +44,14 @@ from missionplan.studies.simulation.checks import (
     run_notices,
 )
 from missionplan.studies.simulation.outcome_builder import OutcomeBuilder
-from missionplan.studies.simulation.trial_block import MissionTrials, run_block
+from missionplan.studies.simulation.trial_block import MapTracks, MissionTrials, run_block
 
 MAX_TRIALS = 10_000_000
 """Trials after which a run to a given precision ends, unless the number of trials is given."""
+
+
+CHART_NODES = 150
+"""Of the depths on maps, along each side."""
 
 
 def simulate(
@@ -142,7 +149,31 @@ def simulate(
     anchors, held = mooring_anchors(mission, means), held_vehicles(means)
     builder = OutcomeBuilder(mission, merged.totals, tracks, merged.failures, table, anchors, held, task.members)
     built = builder.outcome(provenance)
-    return replace(built, plan=plan_if_any(mission, means, seed), overdue=_overdue(task, merged.first, searches))
+    chart = _chart(means, tracks)
+    return replace(
+        built, plan=plan_if_any(mission, means, seed), overdue=_overdue(task, merged.first, searches), chart=chart
+    )
+
+
+def _chart(means: Scenario, tracks: MapTracks) -> SeaChart | None:
+    """Depths, land and zones about the tracks, as far as a map may show; None where the mission says nothing of them."""
+    place = means.place
+    if place is None:
+        return None
+    points = np.concatenate((np.moveaxis(tracks.position, 1, 0).reshape(2, -1), tracks.goals[:, :2].T), axis=1)
+    known = points[:, np.isfinite(points).all(axis=0)]
+    low, high = np.quantile(known, 0.01, axis=1), np.quantile(known, 0.99, axis=1)
+    margin = float(np.max(high - low))
+    east, north = (np.linspace(a - margin, b + margin, CHART_NODES) for a, b in zip(low, high, strict=True))
+    lattice = np.stack([axis.ravel() for axis in np.meshgrid(east, north)])
+    depth = place.water_at(lattice, np.zeros(lattice.shape[1])).reshape(CHART_NODES, CHART_NODES)
+    shapes = [
+        ("land" if zone.is_land else "keep-out", tuple(np.array(ring.coords)[:, :2] for ring in outlines))
+        for zone in place.zones
+        for part in getattr(zone.geometry, "geoms", (zone.geometry,))
+        for outlines in ((part.exterior, *part.interiors),)
+    ]
+    return SeaChart(east, north, depth if place.ground is not None else None, tuple(shapes))
 
 
 def event_probabilities(mission: Mission, *, trials: int, seed: int) -> dict[str, Probability]:
