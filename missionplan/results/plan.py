@@ -303,7 +303,7 @@ class Fence:
 
     @property
     def rings(self) -> tuple[list[list[float]], ...]:
-        """Outline and holes, closed, as longitudes and latitudes: the first counter-clockwise, as GeoJSON wants [deg]."""
+        """Outline and holes, closed, as longitudes and latitudes; the outline counter-clockwise [deg]."""
         closed = [[*ring, ring[0]] for ring in (self.outline, *self.holes)]
         made = [[[math.degrees(east), math.degrees(north)] for north, east in ring] for ring in closed]
         return tuple(ring if (_area(ring) > 0.0) == (not number) else ring[::-1] for number, ring in enumerate(made))

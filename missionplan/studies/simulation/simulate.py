@@ -156,7 +156,7 @@ def simulate(
 
 
 def _chart(means: Scenario, tracks: MapTracks) -> SeaChart | None:
-    """Depths, land and zones about the tracks, as far as a map may show; None where the mission says nothing of them."""
+    """Depths, land and zones about the tracks; None where the mission says nothing of them."""
     place = means.place
     if place is None:
         return None

@@ -208,3 +208,26 @@ def test_shoals_are_gone_round_too(write):
     assert "out: aground" not in failing(simulate_block(around, seed=1, block=0, trials=200))
     with pytest.raises(InputError):
         check_place(Scenario.at_means(write(shoal)))
+
+
+def test_maps_and_exports_hold_depths_and_fences(write, tmp_path):
+    from missionplan.exporters.maps import geojson, kml
+
+    mission = write(
+        lambda x, y: 40.0 + 0.01 * x,
+        land=[(480.0, 300.0, 520.0, 900.0)],
+        origin={"latitude": "37 deg", "longitude": "-76 deg"},
+    )
+    outcome = simulate(mission, trials=60, seed=1)
+    assert outcome.chart.depth.shape == (150, 150)
+    assert [kind for kind, _ in outcome.chart.shapes] == ["land"]
+    (text,) = geojson.files(outcome.plan, "m").values()
+    (fence,) = [each for each in json.loads(text)["features"] if each["properties"]["kind"] == "land"]
+    ring = shapely.Polygon(fence["geometry"]["coordinates"][0])
+    assert ring.exterior.is_ccw
+    assert ring.bounds[0] == pytest.approx(
+        -76.0 + math.degrees(480.0 / 6378137.0) / math.cos(math.radians(37.0)), abs=2e-5
+    )
+    (text,) = kml.files(outcome.plan, "m").values()
+    assert "Keep out" in text
+    assert "track-map" in {path.stem for path in (outcome.save(tmp_path / "out") / "figures").iterdir()}

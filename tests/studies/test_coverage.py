@@ -1,0 +1,46 @@
+"""The box of what a probability holds: from the mission, on the page and in the summary."""
+
+import missionplan
+from missionplan.mission import load
+from missionplan.studies.coverage import probability_holds
+
+TOPICS = ["ground", "coast", "wind", "waves", "traffic", "equipment", "biofouling", "operators"]
+
+
+def box(mission):
+    return {each.what: each for each in probability_holds(mission)}
+
+
+def test_the_box_has_its_topics_and_says_why_each_matters_here(transit_mission):
+    found = box(transit_mission)
+    assert list(found) == TOPICS
+    assert not any(each.held for each in found.values())
+    assert "8 km" in found["coast"].why
+    assert "27 m" in found["wind"].why  # 3 % of 10 m/s for 90 s
+    assert "8 times" in found["traffic"].why
+
+
+def test_what_the_mission_gives_is_in(mission, transit_mission):
+    raw = dict(transit_mission.raw)
+    raw["vehicle"] = {
+        "hull": {"length": "1 m", "diameter": "0.1 m"},
+        "reliability": [{"per": "hour", "rate": "1e-4 1/h"}, {"per": "dive", "rate": 0.001}],
+    }
+    found = box(mission(raw))
+    assert found["equipment"].held
+    assert "hour, dive" in found["equipment"].why
+
+
+def test_page_and_summary_have_it_and_the_headline_says_of_what_it_is(transit_mission, tmp_path):
+    outcome = missionplan.simulate(transit_mission, trials=50)
+    summary = outcome.summary()
+    assert [each["what"] for each in summary["probability_holds"]] == TOPICS
+    assert summary["decision"]["not_in_this_probability"] == TOPICS
+    page = (outcome.save(tmp_path / "out") / "report.html").read_text()
+    assert "What this probability does not hold" in page
+    assert "of navigation and physics" in page
+
+
+def test_a_mission_without_phases_has_none(tmp_path):
+    (tmp_path / "m.yaml").write_text("name: nothing\n")
+    assert probability_holds(load(tmp_path / "m.yaml")) == ()
