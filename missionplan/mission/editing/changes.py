@@ -117,7 +117,7 @@ def find_key(key: str, data: Mapping[str, object], model: type[BaseModel]) -> li
     if path[0] == "effects" and len(path) > 1 and isinstance(path[1], str):
         return [_effect_path(key, path, data.get("effects"), 1)]
     if path[0] == "effects" and ONE_OF in path[2:3] and path[4:5] not in _OF_EXPLANATIONS:
-        return [_effect_path(key, path, _explained(path, data), 4)]
+        return [_effect_path(key, path, value_at(data, (*path[:4], "effects")), 4)]
     if overridden(path, data):
         said = name_in_force(key)
         raise UnclearKeyError(key, f"changes nothing: the mission's own {said} goes before it", f"did you mean {said}?")
@@ -151,17 +151,6 @@ def _effect_path(key: str, path: KeyPath, effects: object, at: int) -> KeyPath:
     known = [name for entry in entries if isinstance(entry, dict) for name in entry]
     hint = did_you_mean(str(path[at]), known) or f"it has {', '.join(known) or 'none'}"
     raise UnclearKeyError(key, "the mission has no such effect", hint)
-
-
-def _explained(path: KeyPath, data: Mapping[str, object]) -> object:
-    """Effects of the explanation that a path begins with; None where there is no such explanation."""
-    found: object = data
-    for part in (*path[:4], "effects"):
-        if isinstance(found, list) and isinstance(part, int) and part < len(found):
-            found = found[part]
-        else:
-            found = found.get(part) if isinstance(found, dict) and isinstance(part, str) else None
-    return found
 
 
 def _alone(key: str, data: Mapping[str, object], model: type[BaseModel]) -> list[KeyPath]:
@@ -261,6 +250,16 @@ def changed_data(
     if problems:
         raise InputError(problems)
     return changed
+
+
+def value_at(data: object, path: KeyPath) -> object:
+    """Return what data hold at a key path; None where they hold nothing."""
+    for part in path:
+        if isinstance(data, Mapping):
+            data = data.get(str(part))
+        else:
+            data = data[part] if isinstance(data, list) and isinstance(part, int) and part < len(data) else None
+    return data
 
 
 def _set(data: dict[str, object], path: KeyPath, value: object, key: str) -> None:

@@ -1,20 +1,19 @@
 """Keys that are varied, with their values: read as people write them, and put in their places in a mission."""
 
-import copy
 import math
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from datetime import UTC, datetime, timedelta
 from pathlib import Path
-from typing import Any
 
 import yaml
 from pydantic import BaseModel
 
 from missionplan.errors import InputError, Problem, did_you_mean, shown
 from missionplan.mission import Mission
-from missionplan.mission.quantity_paths import phase_of_path, resolved_path
+from missionplan.mission.editing.changes import UnclearKeyError, changed_data, find_key, value_at
+from missionplan.mission.quantity_paths import resolved_path
 from missionplan.mission.reading.documents import load_document
 from missionplan.mission.schema.shared_sections import name_in_force, overridden
 from missionplan.mission.units import QuantityError, parse_number_with_unit
@@ -91,63 +90,15 @@ def with_values(data: Mapping[str, object], values: Mapping[str, object]) -> dic
     InputError
         When a path leads through something that is no section.
     """
-    changed = copy.deepcopy(dict(data))
-    for key, value in values.items():
-        _put(changed, key, copy.deepcopy(value))
-    return changed
-
-
-def _put(data: dict[str, object], key: str, value: object) -> None:
-    section, steps = _within(data, key)
-    try:
-        for step in steps[:-1]:
-            section = section[int(step[1:-1])] if step.startswith("[") else _below(section, step)
-        last = steps[-1]
-        section[int(last[1:-1]) if last.startswith("[") else last] = value
-    except (TypeError, IndexError, KeyError):
-        raise InputError([Problem("leads through a value that has no keys", key=key)]) from None
-
-
-def _below(section: Any, step: str) -> Any:
-    """Return what a key of a section holds; of a list of effects, the parameters of the one of that name."""
-    effects = _effects_of(section, step)
-    return section.setdefault(step, {}) if effects is None else _parameters(effects, step)
-
-
-def _effects_of(section: Any, step: str) -> list[Any] | None:
-    """Return the effects in which a step looks for one by its name: a list of them, or those of an explanation."""
-    if isinstance(section, list):
-        return section
-    if not isinstance(section, dict) or "probability" not in section or step in section:
-        return None
-    held = section.get("effects")
-    return held if isinstance(held, list) else None
-
-
-def _parameters(effects: list[Any], name: str) -> Any:
-    return next((entry[name] for entry in effects if isinstance(entry, dict) and name in entry), None)
-
-
-def _within(data: dict[str, object], key: str) -> tuple[Any, list[str]]:
-    """Return the section in which a path begins, the phase's where it begins with the name of one, and its steps."""
-    named = phase_of_path(key, data)
-    return (data, _STEP.findall(key)) if named is None else (named[0].section, _STEP.findall(named[1]))
+    return changed_data(data, values, Mission)
 
 
 def _is_written(data: Mapping[str, object], key: str) -> bool:
     """Whether the mission's file has something at a path."""
-    section, steps = _within(dict(data), key)
-    for step in steps:
-        if isinstance(section, list) and step.startswith("["):
-            index = int(step[1:-1])
-            section = section[index] if index < len(section) else None
-        elif (effects := _effects_of(section, step)) is not None:
-            section = _parameters(effects, step)
-        else:
-            section = section.get(step) if isinstance(section, Mapping) else None
-        if section is None:
-            return False
-    return bool(steps)
+    try:
+        return all(value_at(data, path) is not None for path in find_key(key, data, Mission))
+    except UnclearKeyError:
+        return False
 
 
 MAX_CELLS = 5000
