@@ -80,21 +80,25 @@ class _Editor:
         """Note the edits that give a node other data; `key` is that of its mapping, where it has one."""
         flow = in_flow or bool(getattr(node, "flow_style", False))
         if isinstance(node, yaml.MappingNode) and isinstance(data, dict) and data and node.value:
-            given = {inner.value for inner, _ in node.value}
-            if given - set(data) and flow:
+            if flow and {inner.value for inner, _ in node.value} - set(data):
                 self._replace(node, data, key, in_flow=in_flow)
-                return
-            for inner_key, value in node.value:
-                if inner_key.value in data:
-                    self.compare(value, data[inner_key.value], inner_key, in_flow=flow)
-                else:
-                    self._remove(inner_key, value)
-            self._append(node, [(name, value) for name, value in data.items() if name not in given], in_flow=flow)
+            else:
+                self._compare_keys(node, data, in_flow=flow)
         elif isinstance(node, yaml.SequenceNode) and isinstance(data, list) and len(data) == len(node.value):
             for inner, item in zip(node.value, data, strict=True):
                 self.compare(inner, item, None, in_flow=flow)
         elif not self._holds(node, data):
             self._replace(node, data, key, in_flow=in_flow)
+
+    def _compare_keys(self, node: yaml.MappingNode, data: Mapping[str, object], *, in_flow: bool) -> None:
+        """Note the edits of each key of a mapping, of those that go and of those that come."""
+        for inner_key, value in node.value:
+            if inner_key.value in data:
+                self.compare(value, data[inner_key.value], inner_key, in_flow=in_flow)
+            else:
+                self._remove(inner_key, value)
+        given = {inner.value for inner, _ in node.value}
+        self._append(node, [(name, value) for name, value in data.items() if name not in given], in_flow=in_flow)
 
     def applied(self) -> str:
         """Return the text with the edits made."""

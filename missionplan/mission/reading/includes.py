@@ -34,21 +34,26 @@ def include_files(document: Document, folder: Path, *, allow_outside: bool) -> l
     if isinstance(vehicle, str) and not files.include(vehicle, ("vehicle",)):
         del document.data["vehicle"]
     site = document.data.get("site")
-    if isinstance(site, dict) and isinstance(site.get("chart"), str):
-        site["chart"] = str(files.resolve(site["chart"], ("site", "chart")) or site["chart"])
-    wind = site.get("wind") if isinstance(site, dict) else None
+    if isinstance(site, dict):
+        _resolve_site(site, files)
+    return files.problems
+
+
+def _resolve_site(site: dict[str, object], files: "_Files") -> None:
+    """Resolve the paths of the site's files, and put that of the tide in its place."""
+    chart, wind, current = site.get("chart"), site.get("wind"), site.get("current")
+    if isinstance(chart, str):
+        site["chart"] = str(files.resolve(chart, ("site", "chart")) or chart)
     if isinstance(wind, dict) and isinstance(wind.get("file"), str):
         wind["file"] = files.resolve_many(wind["file"], ("site", "wind", "file")) or wind["file"]
     for key in ("bathymetry", "land", "keep_out", "tide_height"):
-        section = site.get(key) if isinstance(site, dict) else None
+        section = site.get(key)
         if isinstance(section, dict) and isinstance(section.get("file"), str):
             section["file"] = str(files.resolve(section["file"], ("site", key, "file")) or section["file"])
-    current = site.get("current") if isinstance(site, dict) else None
     if isinstance(current, dict):
         _resolve_current(current, files)
         if isinstance(current.get("tide"), str) and not files.include(current["tide"], ("site", "current", "tide")):
             del site["current"]
-    return files.problems
 
 
 def _resolve_current(current: dict[str, object], files: "_Files") -> None:

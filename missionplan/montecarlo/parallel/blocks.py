@@ -34,7 +34,7 @@ def run_blocks(
     backend: Backend = "loky",
     scheduler: str | None = None,
     progress: Progress | None = None,
-) -> Iterator[Result]:
+) -> Generator[Result, None, None]:
     """Run a task on every item and yield the results in the order of the items, as soon as they are available.
 
     Parameters
@@ -80,7 +80,7 @@ class Workers:
     scheduler: str | None = None
     progress: Progress | None = None
 
-    def run(self, task: Callable[[Item], Result], items: Sequence[Item]) -> Iterator[Result]:
+    def run(self, task: Callable[[Item], Result], items: Sequence[Item]) -> Generator[Result, None, None]:
         """Run a task on every item."""
         return run_blocks(
             task, items, jobs=self.jobs, backend=self.backend, scheduler=self.scheduler, progress=self.progress

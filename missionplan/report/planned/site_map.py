@@ -6,6 +6,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from itertools import chain, pairwise
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -69,16 +70,9 @@ def _shapes(data: object, depth: float | None) -> Iterator[tuple[str, list[list[
     if not isinstance(data, Mapping):
         raise ValueError("expected a GeoJSON object")
     kind, coordinates = data.get("type"), list(data.get("coordinates") or ())
-    if kind == "FeatureCollection":
-        for feature in data["features"]:
-            yield from _shapes(feature, None)
-    elif kind == "Feature":
-        found = (data.get("properties") or {}).get("depth")
-        if data.get("geometry") is not None:
-            yield from _shapes(data["geometry"], float(found) if isinstance(found, int | float) else None)
-    elif kind == "GeometryCollection":
-        for geometry in data["geometries"]:
-            yield from _shapes(geometry, depth)
+    if kind in ("FeatureCollection", "Feature", "GeometryCollection"):
+        for part, its_depth in _members_of(data, depth):
+            yield from _shapes(part, its_depth)
     elif kind == "Polygon":
         yield "Polygon", coordinates[0], depth
     elif kind == "MultiPolygon":
@@ -87,6 +81,16 @@ def _shapes(data: object, depth: float | None) -> Iterator[tuple[str, list[list[
         yield "LineString", coordinates, depth
     elif kind == "MultiLineString":
         yield from (("LineString", line, depth) for line in coordinates)
+
+
+def _members_of(data: Mapping[str, Any], depth: float | None) -> list[tuple[object, float | None]]:
+    """Return what a collection or a feature of GeoJSON holds, with the depth that it has [m]."""
+    if data["type"] == "FeatureCollection":
+        return [(feature, None) for feature in data["features"]]
+    if data["type"] == "GeometryCollection":
+        return [(geometry, depth) for geometry in data["geometries"]]
+    found, geometry = (data.get("properties") or {}).get("depth"), data.get("geometry")
+    return [] if geometry is None else [(geometry, float(found) if isinstance(found, int | float) else None)]
 
 
 def _draw_picture(axes: Axes, path: Path, origin: Geographic) -> None:

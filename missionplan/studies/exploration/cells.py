@@ -264,7 +264,7 @@ class _Blocks:
         numbered = {item: (item[0] * MAX_BLOCKS + item[1], item[2]) for item in self.items}
         kept = self.store.intact(numbered.values()) if self.store is not None else set()
         todo = [item for item in self.items if numbered[item] not in kept]
-        with contextlib.closing(workers.run(self.task, todo)) as fresh:  # type: ignore[type-var]
+        with contextlib.closing(workers.run(self.task, todo)) as fresh:
             for item in self.items:
                 block = self._stored(numbered[item]) if numbered[item] in kept else None
                 if block is None:

@@ -2,7 +2,7 @@
 
 import math
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from datetime import UTC, datetime, timedelta
 from pathlib import Path
@@ -224,20 +224,25 @@ def _times(mission: Mission, values: str) -> Axis:
         if None in moments:
             raise _wrong(f"given {shown(values)}, expected times, such as 04:00,05:30 or 2026-06-01T04:00")
         return _starts([moment for moment in moments if moment is not None])
-    parts = values.split(":")
-    for second in range(len(parts) - 1, 1, -1):  # the last colon is that before the step
-        step = _seconds(":".join(parts[second:]))
-        for first in range(1, second):
-            begin, end = (_moment(mission.start, ":".join(part)) for part in (parts[:first], parts[first:second]))
-            alike = len(parts[:first]) == len(parts[first:second])
-            if step is not None and begin is not None and end is not None and alike:
-                if end < begin < begin + timedelta(seconds=step):
-                    raise _wrong(f"given {shown(values)}: the last time is before the first")
-                seconds = steps(0.0, (end - begin).total_seconds(), step)
-                return _starts([begin + timedelta(seconds=each) for each in seconds])
+    for begin, end, step in _ranges_of_times(mission.start, values.split(":")):
+        if end < begin < begin + timedelta(seconds=step):
+            raise _wrong(f"given {shown(values)}: the last time is before the first")
+        seconds = steps(0.0, (end - begin).total_seconds(), step)
+        return _starts([begin + timedelta(seconds=each) for each in seconds])
     raise _wrong(
         f"given {shown(values)}, expected FROM:TO:STEP", "such as start=04:00:12:00:10 min or =0 h:12 h:15 min"
     )
+
+
+def _ranges_of_times(base: datetime, parts: list[str]) -> Iterator[tuple[datetime, datetime, float]]:
+    """Yield every way to read parts between colons as first time, last time and step [s]; the likeliest first."""
+    for second in range(len(parts) - 1, 1, -1):  # the last colon is that before the step
+        step = _seconds(":".join(parts[second:]))
+        for first in range(1, second):
+            begin, end = (_moment(base, ":".join(part)) for part in (parts[:first], parts[first:second]))
+            alike = len(parts[:first]) == len(parts[first:second])
+            if step is not None and begin is not None and end is not None and alike:
+                yield begin, end, step
 
 
 def _moment(base: datetime, text: str) -> datetime | None:

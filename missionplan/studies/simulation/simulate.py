@@ -1,6 +1,6 @@
 """Will the mission work? With what probability, how long, how much energy, and why it fails when it does."""
 
-from collections.abc import Generator, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -27,7 +27,6 @@ from missionplan.studies.overdue.searches import Search, read_searches
 from missionplan.studies.run import Run, identified
 from missionplan.studies.simulation.block_sequence import (
     BlockItem,
-    BlockOutcome,
     BlockSequence,
     BlockTask,
     MergedBlocks,
@@ -131,11 +130,7 @@ def simulate(
         goal=goal,
         table=TrialsTable() if keep_trials else None,
     )
-
-    def run_items(todo: Sequence[BlockItem]) -> Generator[BlockOutcome, None, None]:
-        yield from run.workers.quiet.run(task, todo)
-
-    merged = sequence.run(run_items, progress)
+    merged = sequence.run(lambda todo: run.workers.quiet.run(task, todo), progress)
     _check_record(means, merged)
     if as_exported is not None:
         notices = (*notices, _loss(mission, as_exported, merged, seed))
