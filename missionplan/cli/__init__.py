@@ -1,6 +1,6 @@
 """The command line: load → one study → render → exit status. Heavy imports wait until a command needs them.
 
-`planning`, `measurements`, `tides`, `importing`, `exporting` and `files` have the commands, `options` what they share,
+`planning`, `exploring`, `measurements`, `exchange` and `files` have the commands, `options` what they share,
 `running` and `resuming` what is done around a study.
 """
 
@@ -9,15 +9,14 @@ import gc
 import json
 import signal
 import sys
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from importlib.metadata import version
 from typing import Annotated
 
 import typer
-from typer.models import CommandInfo
 
-from missionplan.cli import exploring, exporting, files, importing, measurements, planning, reports, tides
+from missionplan.cli import exchange, exploring, files, measurements, options, planning
 from missionplan.cli.streams import answering, note, prepare_streams
 from missionplan.errors import OUT_OF_FILES, MissionplanError, Problem, out_of_files
 
@@ -32,38 +31,43 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
     context_settings={"help_option_names": ["-h", "--help"]},
 )
-for module in (planning, exploring, measurements, tides, importing, exporting, files, reports):
-    module.register(app)
-
-PANELS = {
-    "Start: begin with init": ("init", "validate"),
-    "Plan a mission: begin with simulate": ("simulate", "sweep-dmax", "plan-legs", "size-anchor", "export"),
-    "Choose: begin with optimise": ("optimise", "explore", "compare"),
-    "Learn from logs: begin with why": ("why", "import", "diagnose", "score", "history", "tide"),
-    "Vehicle and tank: begin with identify": ("identify", "sweep-transition", "effects"),
-    "Reports and files: begin with reports": ("reports", "verify", "schema"),
+PANELS: Mapping[str, Mapping[str, Callable[..., None]]] = {
+    "Start: begin with init": {"init": files.init, "validate": files.validate},
+    "Plan a mission: begin with simulate": {
+        "simulate": planning.simulate,
+        "sweep-dmax": planning.sweep_dmax,
+        "plan-legs": planning.plan_legs,
+        "size-anchor": planning.size_anchor,
+        "export": exchange.export,
+    },
+    "Choose: begin with optimise": {
+        "optimise": exploring.optimise,
+        "explore": exploring.explore,
+        "compare": files.compare,
+    },
+    "Learn from logs: begin with why": {
+        "why": exchange.why,
+        "import": exchange.import_,
+        "diagnose": measurements.diagnose,
+        "score": measurements.score,
+        "history": measurements.history,
+        "tide": measurements.tide,
+    },
+    "Vehicle and tank: begin with identify": {
+        "identify": measurements.identify,
+        "sweep-transition": planning.sweep_transition,
+        "effects": files.effects,
+    },
+    "Reports and files: begin with reports": {
+        "reports": files.reports,
+        "verify": files.verify,
+        "schema": files.schema,
+    },
 }
-"""Commands in the order of use, in the groups of `--help`, each with the one to begin with."""
-
-
-def _in_panels(commands: list[CommandInfo]) -> list[CommandInfo]:
-    """Return the commands in their order and groups; one that is in no group comes last."""
-    place = {name: (number, panel) for number, (panel, name) in enumerate(_named_panels())}
-    for command in commands:
-        command.rich_help_panel = place.get(_name_of(command), (0, command.rich_help_panel))[1]
-    return sorted(commands, key=lambda command: place.get(_name_of(command), (len(place), ""))[0])
-
-
-def _named_panels() -> Iterator[tuple[str, str]]:
-    for panel, names in PANELS.items():
-        yield from ((panel, name) for name in names)
-
-
-def _name_of(command: CommandInfo) -> str:
-    return command.name or (command.callback.__name__ if command.callback else "").replace("_", "-")
-
-
-app.registered_commands = _in_panels(app.registered_commands)
+"""All commands in the order of use, in the groups of `--help`, each with the one to begin with."""
+for panel, commands in PANELS.items():
+    for name, command in commands.items():
+        app.command(name, rich_help_panel=panel)(options.with_option_groups(command))
 
 
 @app.callback(invoke_without_command=True)

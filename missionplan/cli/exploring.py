@@ -28,12 +28,6 @@ class ExplorationAim(StrEnum):
     DURATION = "duration"
 
 
-def register(app: typer.Typer) -> None:
-    """Add the commands."""
-    app.command()(o.with_option_groups(explore))
-    app.command()(o.with_option_groups(optimise))
-
-
 _Vary = Annotated[
     list[str],
     typer.Option(

@@ -1,4 +1,4 @@
-"""Commands that learn from measurements: diagnose, identify, score, history."""
+"""Commands that learn from measurements: diagnose, identify, score, history, tide."""
 
 from collections.abc import Sequence
 from pathlib import Path
@@ -13,6 +13,7 @@ from missionplan.errors import InputError
 if TYPE_CHECKING:
     from missionplan.mission import Mission
     from missionplan.results.base import Result
+
 
 OUTSIDE_CHANCE = 3
 """Exit status of a score whose intervals hold more or less than chance allows."""
@@ -42,14 +43,6 @@ _Diagnosed = Annotated[
 _Datasets = Annotated[
     list[Path], typer.Argument(metavar="DATASET...", help="Data sets of legs or dives.", show_default=False)
 ]
-
-
-def register(app: typer.Typer) -> None:
-    """Add the commands."""
-    app.command()(o.with_option_groups(diagnose))
-    app.command()(o.with_option_groups(identify))
-    app.command()(o.with_option_groups(score))
-    app.command()(o.with_option_groups(history))
 
 
 def diagnose(
@@ -177,3 +170,29 @@ def history(
 
     with report_folder(output, folder.resolve().name, "history") as report:
         deliver(history(folder), report, output)
+
+
+_Record = Annotated[
+    Path, typer.Argument(metavar="RECORD", help="Record of a current: CSV or NetCDF.", show_default=False)
+]
+_Latitude = Annotated[
+    str | None,
+    typer.Option(metavar="ANGLE", help="Where it was measured; default: as the file says.", show_default=False),
+]
+_Start = Annotated[
+    str | None,
+    typer.Option(metavar="TIME", help="From which seconds in a CSV file count (ISO 8601, UTC).", show_default=False),
+]
+
+
+def tide(record: _Record, latitude: _Latitude = None, start: _Start = None, *, output: o.OutputOptions) -> None:
+    """Find the tide in a record of a current, with errors, and write it as the current of a mission.
+
+    Example: missionplan tide mooring.csv --latitude '37.2 deg'
+    """
+    from missionplan.studies.tide.find_tide import tide as find_tide
+
+    with report_folder(output, record.stem, "tide", [record]) as folder:
+        with progress_bar("tide", shown=not output.quiet) as progress:
+            result = find_tide(record, latitude=latitude, start=start, progress=progress)
+        deliver(result, folder, output)

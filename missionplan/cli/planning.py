@@ -35,15 +35,6 @@ class LegObjective(StrEnum):
     ENERGY = "energy"
 
 
-def register(app: typer.Typer) -> None:
-    """Add the commands."""
-    app.command("sweep-dmax")(o.with_option_groups(sweep_dmax))
-    app.command("plan-legs")(o.with_option_groups(plan_legs))
-    app.command("size-anchor")(o.with_option_groups(size_anchor))
-    app.command()(o.with_option_groups(simulate))
-    app.command("sweep-transition")(o.with_option_groups(sweep_transition))
-
-
 _Method = Annotated[
     CostMethod | None, typer.Option(help="Default: both where the analytic form applies.", show_default=False)
 ]

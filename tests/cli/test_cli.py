@@ -12,7 +12,7 @@ from shutil import copytree
 
 import pytest
 
-from missionplan.cli import PANELS, _name_of, app, main
+from missionplan.cli import PANELS, app, main
 from missionplan.errors import RunError
 
 MISSIONS = Path(__file__).parents[2] / "missions"
@@ -466,7 +466,7 @@ def test_a_name_that_is_too_long_is_said(
 
 def test_every_command_stands_in_one_group_of_the_help() -> None:
     named = [name for names in PANELS.values() for name in names]
-    assert sorted(named) == sorted(_name_of(command) for command in app.registered_commands)
+    assert sorted(named) == sorted(str(command.name) for command in app.registered_commands)
     for panel, names in PANELS.items():
         assert panel.rpartition(" ")[2] in names, "each group says where to begin"
 

@@ -9,7 +9,7 @@ import yaml
 
 import missionplan
 from missionplan.cli import main
-from missionplan.cli.exporting import PlanFormat
+from missionplan.cli.exchange import PlanFormat
 from missionplan.errors import InputError
 from missionplan.exporters.formats import FORMATS, format_named
 

@@ -1,7 +1,8 @@
-"""Commands that begin with a vehicle's own logs: `import`, to a data set, and `why`, to a diagnosis of it."""
+"""Commands that exchange with vehicles: import their logs, export the plan."""
 
 import re
 from dataclasses import dataclass, replace
+from enum import StrEnum
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -10,17 +11,12 @@ import typer
 from missionplan.cli import options as o
 from missionplan.cli.measurements import NextTrial, diagnosed
 from missionplan.cli.running import Progress, deliver, progress_bar, report_folder
+from missionplan.cli.streams import remark
 from missionplan.errors import InputError, Problem, shown
 from missionplan.store.paths import exists, is_file
 
 if TYPE_CHECKING:
     from missionplan.results.imported import ImportedData
-
-
-def register(app: typer.Typer) -> None:
-    """Add the commands."""
-    app.command("import")(o.with_option_groups(import_))
-    app.command()(o.with_option_groups(why))
 
 
 _Sources = Annotated[
@@ -228,3 +224,57 @@ def _place(text: str | None) -> tuple[float, float] | None:
     raise InputError(
         [Problem(f"given {shown(text)}, expected a latitude and a longitude such as 10,20", key="shift_origin")]
     )
+
+
+class PlanFormat(StrEnum):
+    """Formats that a plan is written in; the names are those of `missionplan.exporters.formats`."""
+
+    CSV = "csv"
+    JSON = "json"
+    GPX = "gpx"
+    GEOJSON = "geojson"
+    KML = "kml"
+    GPKG = "gpkg"
+    SLOCUM = "slocum"
+    MOOS = "moos"
+    NEPTUS = "neptus"
+    IVER = "iver"
+    QGC = "qgc"
+
+
+_To = Annotated[PlanFormat, typer.Option(metavar="FORMAT", help=f"One of {', '.join(PlanFormat)}.", show_default=False)]
+_PlanFile = Annotated[
+    Path | None,
+    typer.Option(
+        "--out",
+        "-o",
+        help="File or folder to write; default: MISSION.FORMAT or MISSION-FORMAT here.",
+        show_default=False,
+    ),
+]
+_WriteOver = Annotated[bool, typer.Option("--force", help="Write over files that are there.")]
+
+
+def export(
+    mission: o.MissionFile,
+    to: _To,
+    out: _PlanFile = None,
+    seed: o.Seed = None,
+    force: _WriteOver = False,
+    allow_outside: o.AllowOutside = False,
+    quiet: o.Quiet = False,
+) -> None:
+    """Write the plan as a vehicle takes it: waypoints, depth, speed, time-outs, surfacings, release of the anchor."""
+    from missionplan.mission import load
+    from missionplan.report.wording import typeset
+    from missionplan.studies.mission_plan.export import export
+
+    written = export(load(mission, allow_outside=allow_outside), to.value, out=out, seed=seed, force=force)
+    if quiet:
+        return
+    for path in written.files:
+        typer.echo(str(path))
+    for words in written.notes:
+        remark(f"Note: {typeset(words)}")
+    for words in written.lost:
+        remark(f"Not in this format: {typeset(words)}")
