@@ -144,10 +144,6 @@ class DataKind(ABC):
         """Return the causes of a fit that do not hold still over the record."""
         return ()
 
-    def inseparable(self, causes: Causes) -> tuple[Causes, ...]:
-        """Return the sets that these data cannot separate from a set, however the evidence falls."""
-        return ()
-
     def suspect_labels(self, base: CauseFit, best: CauseFit, jobs: int) -> str:
         """Say which labels of the record look wrong, given the fits of the base model and the best set; else empty."""
         return ""

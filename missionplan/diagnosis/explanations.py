@@ -23,6 +23,7 @@ from missionplan.diagnosis.judgement import Judgement
 from missionplan.diagnosis.kinds import bind_dataset
 from missionplan.diagnosis.mission_in_doubt import ROOT, Hypothesis, items, renamed
 from missionplan.diagnosis.pipeline import PipelineResult
+from missionplan.diagnosis.verdict import LIKELY
 from missionplan.errors import RunError
 from missionplan.mission import Mission
 from missionplan.mission.schema.effect_list import ONE_OF
@@ -168,25 +169,37 @@ def with_found(explanations: Sequence[Weighed], found: PipelineResult, jobs: int
         With that explanation.
     jobs : int
     """
-    if found.claimed is None:
+    if not found.best.causes:
         return tuple(explanations)
     first, others = explanations[0], explanations[1:]
-    gain, own = _gain(found), found.best.log_evidence - found.selection.base.log_evidence
-    return (replace(first, gain=gain), *(_with_causes(one, found.best.causes, gain - own, jobs) for one in others))
+    gain, own = _gain(found), _added(first, found.best.causes, jobs)
+    if not others or own is None:
+        return (replace(first, gain=gain), *others)
+    first = replace(first, gain=gain, extended=own[0])  # fitted as beside the others: what they share is told once
+    return (first, *(_with_causes(one, found.best.causes, gain - own[1], jobs) for one in others))
 
 
 def _with_causes(one: Weighed, causes: Causes, odds: float, jobs: int) -> Weighed:
     """Add causes, of which those without an explanation have log odds in prior and checks, to an explanation."""
+    added = _added(one, causes, jobs)
+    if added is None:
+        return one
+    fit, evidence = added
+    gain = odds + evidence
+    return replace(one, extended=fit, gain=gain) if gain > 0.0 else one
+
+
+def _added(one: Weighed, causes: Causes, jobs: int) -> tuple[CauseFit, float] | None:
+    """Causes fitted beside an explanation, and the log evidence that they add to it; None where they cannot be."""
     model = one.bound.model
     if one.base is None or not set(causes) <= set(model.candidates):
-        return one
+        return None
     if any(len(group & set(causes)) > 1 for group in model.alternatives):
-        return one
+        return None
     (fit,) = fitted(model, [(causes, (one.base,))], jobs)
     if isinstance(fit, FailedFit) or not fit.possible:
-        return one
-    gain = odds + fit.log_evidence - one.base.log_evidence
-    return replace(one, extended=fit, gain=gain) if gain > 0.0 else one
+        return None
+    return fit, fit.log_evidence - one.base.log_evidence
 
 
 def _gain(found: PipelineResult) -> float:
@@ -199,8 +212,7 @@ def hypotheses(
 ) -> tuple[Hypothesis, ...]:
     """Return what may hold after a diagnosis, with 95 % of the probability, the likeliest first.
 
-    These are the sets of causes found beside the likeliest explanation, and the other explanations as they are. Sets
-    that the data cannot separate from the claimed one share its probability equally: their prior odds.
+    These are the sets of causes found beside the likeliest explanation, and the other explanations as they are.
 
     Parameters
     ----------
@@ -216,6 +228,8 @@ def hypotheses(
     fits = {candidate.causes: candidate.fit for candidate in found.selection.ranking} | {(): found.selection.base}
     shares = shares_in_doubt(found, judgement, fits)
     masses = explanation_weights(explanations)
+    if first.extended is not None:
+        fits[first.extended.causes] = first.extended
     listed = [(first, fits[causes], masses[0] * share) for causes, share in shares.items()]
     listed += [(one, one.fit, mass) for one, mass in zip(others, masses[1:], strict=True) if one.fit is not None]
     kept = _credible(listed)
@@ -244,12 +258,13 @@ def explanation_weights(explanations: Sequence[Weighed]) -> Array:
 
 def shares_in_doubt(found: PipelineResult, judgement: Judgement, fits: Collection[Causes]) -> dict[Causes, float]:
     """Probabilities of the sets found beside the likeliest explanation; one set alone where no other is in question."""
-    if not judgement.rivals:
+    if judgement.verdict == "explained" and not judgement.rivals:
         return {found.best.causes: 1.0}
-    shares = {causes: found.posterior.get(causes, 0.0) for causes in judgement.credible_set if causes in fits}
-    alike = [found.best.causes, *(causes for causes in judgement.inseparable if causes in fits)]
-    together = sum(shares.get(causes, 0.0) for causes in alike)
-    return shares | {causes: together / len(alike) for causes in alike}
+    nothing = found.reading.nothing
+    if nothing >= LIKELY:
+        return {(): 1.0}
+    named = {causes: found.posterior[causes] for causes in judgement.credible_set if causes in fits}
+    return named | ({(): nothing} if () in named else {})
 
 
 def _credible(listed: Sequence[tuple[Weighed, CauseFit, float]]) -> list[tuple[Weighed, CauseFit, float]]:

@@ -3,17 +3,18 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
+from typing import cast
 
 import numpy as np
 
-from missionplan.diagnosis.inference.adequacy.discrepancy import discrepancy
+from missionplan.diagnosis.inference.adequacy.discrepancy import discrepancy, none_of_these
 from missionplan.diagnosis.inference.adequacy.residual_tests import outlying_groups
 from missionplan.diagnosis.inference.cross_validation import HeldOutComparison, compare_held_out
 from missionplan.diagnosis.inference.importance_sampling import SampledEvidence
-from missionplan.diagnosis.inference.model import CauseFit, Model
+from missionplan.diagnosis.inference.model import CauseFit, Model, SearchedModel
 from missionplan.diagnosis.inference.posterior import credible_set, posteriors
 from missionplan.diagnosis.inference.selection import Candidate, Progress, Selection, no_progress, select
-from missionplan.diagnosis.verdict import Claim, claim, verdict
+from missionplan.diagnosis.verdict import Reading
 from missionplan.montecarlo.parallel.mapping import parallel_map
 from missionplan.results.learned.evidence import Causes, Discrepancy, ParameterEstimate, Verdict
 
@@ -35,10 +36,8 @@ class PipelineResult:
 
     Attributes
     ----------
-    verdict : str
-        By the rules of `verdict`.
-    claimed : Claim or None
-        The set claimed, and its rivals.
+    reading : Reading
+        What the posterior says.
     best : CauseFit
         The claimed set's fit, else the base model's.
     selection : Selection
@@ -57,8 +56,7 @@ class PipelineResult:
         Groups that the best model cannot explain, with p-values.
     """
 
-    verdict: Verdict
-    claimed: Claim | None
+    reading: Reading
     best: CauseFit
     selection: Selection
     posterior: Mapping[Causes, float]
@@ -68,6 +66,11 @@ class PipelineResult:
     discrepancy: Discrepancy
     base_discrepancy: Discrepancy
     outlying_groups: OutlyingGroups
+
+    @property
+    def verdict(self) -> Verdict:
+        """What the posterior says, whether causes hold still not asked."""
+        return self.reading.verdict()
 
     def without_learning(self, known: tuple[ParameterEstimate, ...]) -> "PipelineResult":
         """Return what was found with the mission's own effects as they were known before."""
@@ -93,20 +96,27 @@ def run_pipeline(
     """
     selection = select(model, progress, jobs, search=search)
     held_out = _held_out(model, selection, progress, jobs)
-    found = _sampled(model, selection, tuple(held_out), jobs)
+    found = {} if selection.posterior else _sampled(model, selection, tuple(held_out), jobs)
     sampled = {causes: each.log_evidence for causes, each in found.items()}
     checked = {causes: each.log_evidence for causes, each in found.items() if each.effective >= EFFECTIVE}
-    first = selection.ranking[0] if selection.ranking else None
-    claimed = claim(selection, held_out.get(first.causes) if first else None, checked)
+    posterior = posteriors(selection, checked)
+    fits = {one.causes: one.fit for one in selection.ranking} | {(): selection.base}
     progress("testing what is left", 0, 1)
-    best = claimed.candidate.fit if claimed is not None else selection.base
-    fits = [selection.base] if claimed is None else [selection.base, best]
-    tested = parallel_map(partial(_tested_residuals, model), fits, jobs=jobs)
+    likeliest = fits.get(max(posterior, key=lambda causes: posterior[causes]), selection.base)
+    wanted = [selection.base] if likeliest is selection.base else [selection.base, likeliest]
+    tested = parallel_map(partial(_tested_residuals, model), wanted, jobs=jobs)
     (base_discrepancy, _), (left, outlying) = tested[0], tested[-1]
-    posterior = posteriors(selection, claimed.candidate.causes if claimed else None, checked)
+    other = selection.none_of_these
+    other = none_of_these(left, selection.catalogue) if other is None else other
+    nothing = selection.nothing
+    if nothing is None:
+        nothing = 0.0 if left.significant else posterior[()]
+    reading = Reading(posterior, nothing, other, selection.families)
+    best = fits.get(reading.claimed, selection.base)
+    if best is selection.base:
+        left, outlying = base_discrepancy, tested[0][1]
     return PipelineResult(
-        verdict=verdict(claimed, left),
-        claimed=claimed,
+        reading=reading,
         best=best,
         selection=selection,
         posterior=posterior,
@@ -142,14 +152,14 @@ def _sampled(model: Model, selection: Selection, scored: Sequence[Causes], jobs:
         return {}
     fits = {candidate.causes: candidate.fit for candidate in selection.ranking}
     wanted = [selection.base, *(fits[causes] for causes in scored)]
-    base, *found = parallel_map(partial(_sampled_evidences, model), wanted, jobs=jobs)
+    base, *found = parallel_map(partial(_sampled_evidences, cast(SearchedModel, model)), wanted, jobs=jobs)
     return {
         causes: SampledEvidence(each.log_evidence - base.log_evidence, min(each.effective, base.effective))
         for causes, each in zip(scored, found, strict=True)
     }
 
 
-def _sampled_evidences(model: Model, fits: Sequence[CauseFit]) -> list[SampledEvidence]:
+def _sampled_evidences(model: SearchedModel, fits: Sequence[CauseFit]) -> list[SampledEvidence]:
     return [model.sampled_evidence(fit) for fit in fits]
 
 

@@ -21,18 +21,15 @@ LISTED = 12
 def as_reported(bound: DataKind, found: PipelineResult, jobs: int = 1) -> PipelineResult:
     """Return what was found with the estimates of the base model and of the sets listed as they are reported."""
     ranking = found.selection.ranking
-    base, *fits = parallel_map(
+    base, *reported = parallel_map(
         partial(_reported_fits, bound), [found.selection.base, *(each.fit for each in ranking[:LISTED])], jobs=jobs
     )
-    listed = tuple(replace(each, fit=fit) for each, fit in zip(ranking, fits, strict=False))
-    claimed = found.claimed and replace(
-        found.claimed, candidate=next(each for each in listed if each.causes == found.claimed.candidate.causes)
-    )
+    listed = tuple(replace(each, fit=fit) for each, fit in zip(ranking, reported, strict=False))
+    fits = {each.causes: each.fit for each in (*listed, *ranking[LISTED:])}
     return replace(
         found,
         selection=replace(found.selection, base=base, ranking=listed + ranking[LISTED:]),
-        claimed=claimed,
-        best=base if claimed is None else claimed.candidate.fit,
+        best=fits.get(found.best.causes, base),
     )
 
 

@@ -1,57 +1,62 @@
-"""Verdict: what may be said of a data set, by fixed rules (`docs/diagnosis.md`)."""
+"""Verdict: what may be said of a data set, a reading of the posterior (`docs/diagnosis.md`)."""
 
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from types import MappingProxyType
 
-from missionplan.diagnosis.inference.cross_validation import HeldOutComparison
-from missionplan.diagnosis.inference.posterior import LogBayesFactors, rivals
-from missionplan.diagnosis.inference.selection import Candidate, Selection
-from missionplan.results.learned.evidence import CLAIM, Discrepancy, Verdict
+from missionplan.effects import CATALOGUE
+from missionplan.results.learned.evidence import Causes, Verdict
+
+SURE = 0.95
+"""Probability from which something is said to be so."""
+LIKELY = 0.5
 
 
 @dataclass(frozen=True)
-class Claim:
-    """A claimed set with its rivals."""
+class Reading:
+    """What a posterior says.
 
-    candidate: Candidate
-    rivals: tuple[Candidate, ...]
-
-
-def claim(
-    selection: Selection, held_out: HeldOutComparison | None, checked: LogBayesFactors = MappingProxyType({})
-) -> Claim | None:
-    """Claim the best non-empty set if its score exceeds 4 nats and its held-out gain is positive.
-
-    Signs and sizes were judged before: impossible sets are not in the ranking.
-
-    Parameters
+    Attributes
     ----------
-    selection : Selection
-        Every set that was tried.
-    held_out : HeldOutComparison or None
-        Of the best set, where it was measured.
-    checked : mapping
-        ln Bayes factors of the sets that were checked by importance sampling, for the rivals.
+    posterior : mapping
+        Probability of each set of causes.
+    nothing : float
+        That nothing is there: no cause, and nothing that no cause explains.
+    none_of_these : float
+        That something which no cause explains is there.
+    families : sequence of sequence of set
+        Sets that differ in nothing that these data show, and that are told as one.
     """
-    if not selection.ranking or held_out is None:
-        return None
-    best = selection.ranking[0]
-    if best.score <= CLAIM or held_out.gain.log_score_gain <= 0.0:
-        return None
-    return Claim(best, tuple(rivals(selection, best, checked)))
+
+    posterior: Mapping[Causes, float]
+    nothing: float
+    none_of_these: float
+    families: Sequence[Sequence[Causes]] = ()
+
+    @property
+    def claimed(self) -> Causes:
+        """The likeliest set, where something is there; of a family its likeliest member."""
+        if 1.0 - self.nothing < SURE or not self.posterior:
+            return ()
+        return max(self.posterior, key=lambda causes: self.posterior[causes])
+
+    def probability(self, causes: Causes) -> float:
+        """Probability of a set, its supersets and those of the sets told as one with it counted."""
+        alike = next((family for family in self.families if causes in family), (causes,))
+        held = [other for other in self.posterior if any(set(one) <= set(other) for one in alike)]
+        return sum(self.posterior[other] for other in held)
+
+    def verdict(self, *, is_constant: bool = True) -> Verdict:
+        """Return the first verdict that fits."""
+        if 1.0 - self.nothing < SURE:
+            return "adequate"
+        claimed = self.claimed
+        if not is_physical(claimed) or sum(p for causes, p in self.posterior.items() if is_physical(causes)) < LIKELY:
+            return "unexplained"
+        if self.none_of_these >= LIKELY or not is_constant:
+            return "partly-explained"
+        return "ambiguous" if self.probability(claimed) < SURE else "explained"
 
 
-def limited(verdict: Verdict, *, is_constant: bool, is_separable: bool) -> Verdict:
-    """Return a verdict as far as a claimed cause that changes, or that looks like another, allows it."""
-    if verdict in ("explained", "ambiguous") and not is_constant:
-        return "partly-explained"
-    return "ambiguous" if verdict == "explained" and not is_separable else verdict
-
-
-def verdict(claimed: Claim | None, discrepancy: Discrepancy) -> Verdict:
-    """Return the first verdict that fits."""
-    if claimed is None:
-        return "unexplained" if discrepancy.significant else "adequate"
-    if discrepancy.significant:
-        return "partly-explained"
-    return "ambiguous" if claimed.rivals else "explained"
+def is_physical(causes: Causes) -> bool:
+    """Whether a set names a physical cause; the others only describe the errors."""
+    return any(CATALOGUE[name].tier == "physical" for name in causes)

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from missionplan.arrays import Scalars
 from missionplan.effects.finding import Finding
-from missionplan.effects.info import EffectInfo, Instrument, LegRecord, Likeness, Parameter
+from missionplan.effects.info import EffectInfo, Instrument, Likeness, Parameter
 from missionplan.phases.hooks import Leg, TransitEffect
 
 
@@ -24,14 +24,6 @@ class CompassDeviation(TransitEffect):
         east, north = leg.along
         angle = self.amplitude * (np.cos(self.phase) * north + np.sin(self.phase) * east)
         return np.exp(-1j * np.asarray(angle))
-
-
-MAX_MEAN_HEADING = 2.0 / math.pi
-"""Mean resultant length of headings that are uniform over half the compass (Mardia & Jupp 2000, Section 2.3)."""
-
-
-def _lacking(record: LegRecord) -> str:
-    return "needs headings over at least half the compass" if record.mean_heading > MAX_MEAN_HEADING else ""
 
 
 INFO = EffectInfo(
@@ -55,7 +47,6 @@ INFO = EffectInfo(
     distinguished_by="Legs on headings all round the compass.",
     polar=(("amplitude", "phase"),),
     linear=False,
-    lacking=_lacking,
     likeness=Likeness(
         "amplitude", math.radians(10.0), "an error that depends on heading, as a compass deviation would"
     ),

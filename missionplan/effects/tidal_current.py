@@ -7,7 +7,7 @@ import numpy as np
 
 from missionplan.arrays import Array, Scalars
 from missionplan.effects.finding import Finding
-from missionplan.effects.info import EffectInfo, LegRecord, Parameter
+from missionplan.effects.info import EffectInfo, Parameter
 from missionplan.effects.oscillation import MODULATION_PARAMETERS, USUAL_TIME, Oscillation, mean_phasor, polar, wave
 from missionplan.phases.hooks import DriftParts, Leg
 
@@ -23,6 +23,10 @@ PERIODS = {
     "m4": 6.2103006 * 3600.0,
 }
 """Periods of the constituents, those of UTide's table, which a test compares: reading it takes half a second [s]."""
+
+
+STRONGEST = ("m2",)
+"""What stands for the tide in a record that resolves no constituent: it cannot tell one from another."""
 
 
 def _beat(first: str, second: str) -> float:
@@ -161,12 +165,8 @@ def _parameters() -> dict[str, Parameter]:
     return entries
 
 
-def _lacking(record: LegRecord) -> str:
-    return "" if resolvable_constituents(record.duration) else "needs a record of at least half a tidal period"
-
-
 def _resolvable(duration: float) -> tuple[str, ...]:
-    tides = resolvable_constituents(duration)
+    tides = resolvable_constituents(duration) or STRONGEST
     return tuple(name for name in _parameters() if name.split("_")[0] in tides)
 
 
@@ -190,6 +190,5 @@ INFO = EffectInfo(
     ),
     polar=tuple((f"{name}_{d}", f"{name}_{d}_phase") for name in PERIODS for d in ("east", "north")),
     is_modulated=True,
-    lacking=_lacking,
     resolvable=_resolvable,
 )

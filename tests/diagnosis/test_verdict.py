@@ -2,15 +2,15 @@
 
 import itertools
 import math
+from dataclasses import replace
 
 import pytest
 
 from missionplan.diagnosis.inference.cross_validation import compare_held_out
 from missionplan.diagnosis.inference.model import CauseFit, HeldOutScore
-from missionplan.diagnosis.inference.posterior import credible_set, posteriors, rivals
+from missionplan.diagnosis.inference.posterior import credible_set, inclusion, posteriors, rivals
 from missionplan.diagnosis.inference.selection import Candidate, Selection
-from missionplan.diagnosis.verdict import claim, verdict
-from missionplan.results.learned.evidence import Discrepancy
+from missionplan.diagnosis.verdict import Reading
 
 GOOD, BAD = (
     compare_held_out(
@@ -27,52 +27,60 @@ def selection(*entries):
     return Selection(CauseFit((), 0.0, (), {}, True, None), ranking, (), (), 12)
 
 
-def left(significant):
-    return Discrepancy(5.0 if significant else 0.0, "time" if significant else None, (), ())
-
-
 def test_score_charges_each_further_cause():
     ranking = selection((("a",), 10.0), (("a", "b"), 14.0), (("a", "b", "c"), 14.5)).ranking
     assert [candidate.score for candidate in ranking] == [11.0, 10.0, 8.5]
 
 
+A, B, STATISTICAL = ("compass-bias",), ("speed-scale",), ("persistent-error",)
+BOTH = ("compass-bias", "speed-scale")
+
+
 @pytest.mark.parametrize(
-    ("entries", "gain", "significant", "expected"),
+    ("posterior", "nothing", "none_of_these", "expected"),
     [
-        ([(("a",), 3.9)], GOOD, False, "adequate"),
-        ([(("a",), 3.9)], GOOD, True, "unexplained"),
-        ([(("a",), 4.1)], GOOD, False, "explained"),
-        ([(("a",), 8.0)], BAD, False, "adequate"),
-        ([(("a",), 8.0), (("b",), 4.0)], GOOD, False, "explained"),
-        ([(("a",), 8.0), (("b",), 5.5)], GOOD, False, "ambiguous"),
-        ([(("a",), 8.0), (("b",), 5.5)], GOOD, True, "partly-explained"),
-        ([(("a",), 8.0), (("a", "b"), 10.5)], GOOD, False, "explained"),
-        ([], None, False, "adequate"),
+        ({(): 0.06, A: 0.94}, 0.06, 0.0, "adequate"),
+        ({(): 0.9, A: 0.1}, 0.01, 0.9, "unexplained"),
+        ({STATISTICAL: 0.97, A: 0.03}, 0.0, 0.0, "unexplained"),
+        ({A: 0.97, B: 0.03}, 0.0, 0.0, "explained"),
+        ({A: 0.7, BOTH: 0.27, B: 0.03}, 0.0, 0.0, "explained"),
+        ({A: 0.7, B: 0.3}, 0.0, 0.0, "ambiguous"),
+        ({A: 0.97, B: 0.03}, 0.0, 0.6, "partly-explained"),
     ],
 )
-def test_verdict_is_the_first_that_fits(entries, gain, significant, expected):
-    assert verdict(claim(selection(*entries), gain), left(significant)) == expected
+def test_verdict_is_the_first_that_fits(posterior, nothing, none_of_these, expected):
+    assert Reading(posterior, nothing, none_of_these).verdict() == expected
 
 
-def test_evidence_by_importance_sampling_decides_on_rivals_and_probabilities():
+def test_a_cause_that_changes_explains_a_part():
+    assert Reading({A: 1.0}, 0.0, 0.0).verdict(is_constant=False) == "partly-explained"
+
+
+def test_sets_told_as_one_are_one_explanation():
+    reading = Reading({A: 0.6, B: 0.38, (): 0.02}, 0.02, 0.0)
+    assert reading.verdict() == "ambiguous"
+    assert replace(reading, families=((A, B),)).verdict() == "explained"
+
+
+def test_evidence_by_importance_sampling_decides_on_probabilities():
     """Linearised, the first is 4.2 nats better; by importance sampling 2.1."""
     found = selection((("a",), 11.2), (("b",), 7.0))
     checked = {("a",): 9.1, ("b",): 7.0}
-    assert not rivals(found, found.ranking[0])
-    assert [candidate.causes for candidate in rivals(found, found.ranking[0], checked)] == [("b",)]
-    assert verdict(claim(found, GOOD, checked), left(False)) == "ambiguous"
-    probabilities = posteriors(found, ("a",), checked)
+    assert rivals(posteriors(found), ("a",)) == []
+    probabilities = posteriors(found, checked)
+    assert rivals(probabilities, ("a",)) == [("b",)]
     assert probabilities["a",] / probabilities["b",] == pytest.approx(math.exp(2.1))
 
 
-def test_supersets_of_the_claimed_set_are_no_rivals():
-    found = selection((("a",), 10.0), (("a", "b"), 12.0), (("c",), 9.0))
-    assert [candidate.causes for candidate in rivals(found, found.ranking[0])] == [("c",)]
-    assert ("a", "b") not in posteriors(found, ("a",))
+def test_supersets_of_the_claimed_set_count_and_are_no_rivals():
+    found = posteriors(selection((("a",), 10.0), (("a", "b"), 12.0), (("c",), 9.0)))
+    assert rivals(found, ("a",)) == [("c",)]
+    assert found["a", "b"] / found["a",] == pytest.approx(math.exp(2.0 - 3.0))
+    assert inclusion(found)["a"] == pytest.approx(found["a",] + found["a", "b"])
 
 
 def test_each_set_has_the_prior_of_the_contract():
-    found = posteriors(selection((("a",), 0.0), (("b",), 0.0)), None)
+    found = posteriors(selection((("a",), 0.0), (("b",), 0.0)))
     assert found[()] == pytest.approx(12.0 / 14.0)
     assert sum(found.values()) == pytest.approx(1.0)
 

@@ -104,10 +104,6 @@ class Model(Protocol):
         """Groups of effects that exclude each other: a set holds at most one of each."""
         ...
 
-    def minimum_evidence_gain(self, causes: Causes) -> float:
-        """Minimum relative evidence gain of a further cause beside these, allowing for errors of their shapes."""
-        ...
-
     def may_be_multimodal(self, causes: Causes) -> bool:
         """Whether their likelihood may have several maxima, so that a search that ended badly is repeated afresh."""
         ...
@@ -119,14 +115,6 @@ class Model(Protocol):
 
     def fit_all(self, wanted: Sequence[FitRequest]) -> list[CauseFit | FailedFit]:
         """Fit several sets of causes, each started from the fits given with it and independent of the other sets."""
-        ...
-
-    def estimated_gain(self, causes: Causes, parent: CauseFit) -> float:
-        """Estimate the log evidence that a set adds to a fit of a part of it, without fitting; inf if unknown."""
-        ...
-
-    def sampled_evidence(self, fit: CauseFit) -> SampledEvidence:
-        """Evidence of a fit's causes by importance sampling."""
         ...
 
     def residuals(self, fit: CauseFit) -> Residuals:
@@ -144,6 +132,22 @@ class Model(Protocol):
 
     def discrimination(self, first: CauseFit, second: CauseFit, entry: int | None) -> float:
         """Expected log Bayes factor of the first fit over the second if the first is true, with or without a design."""
+        ...
+
+
+class SearchedModel(Model, Protocol):
+    """A model whose sets are fitted one by one, and searched."""
+
+    def minimum_evidence_gain(self, causes: Causes) -> float:
+        """Minimum relative evidence gain of a further cause beside these, allowing for errors of their shapes."""
+        ...
+
+    def estimated_gain(self, causes: Causes, parent: CauseFit) -> float:
+        """Estimate the log evidence that a set adds to a fit of a part of it, without fitting; inf if unknown."""
+        ...
+
+    def sampled_evidence(self, fit: CauseFit) -> SampledEvidence:
+        """Evidence of a fit's causes by importance sampling."""
         ...
 
 

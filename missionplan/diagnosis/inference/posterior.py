@@ -19,21 +19,30 @@ def _score(candidate: Candidate, checked: LogBayesFactors) -> float:
     return candidate.score if own is None else candidate.score + own - candidate.log_bayes_factor
 
 
-def posteriors(
-    selection: Selection, claimed: Causes | None, checked: LogBayesFactors = MappingProxyType({})
-) -> dict[Causes, float]:
-    """Return the posterior probability of each set, the empty one included; supersets of a claimed set are left out.
+def posteriors(selection: Selection, checked: LogBayesFactors = MappingProxyType({})) -> dict[Causes, float]:
+    """Return the posterior probability of each set, the empty one and supersets included, greatest first.
 
     Prior odds times Bayes factor, normalised (Kass & Raftery 1995, *J. Am. Stat. Assoc.* 90). Each non-empty set has
     prior 1/(size of the catalogue) relative to the empty set, so that the chance of a false claim does not grow with
     the catalogue (Scott & Berger 2010, *Ann. Stat.* 38, on multiplicity), and a factor exp(−3) for each cause beyond
     the first.
     """
-    kept = [candidate for candidate in selection.ranking if claimed is None or not set(claimed) < set(candidate.causes)]
-    logs = np.array([0.0] + [_score(candidate, checked) - np.log(selection.catalogue) for candidate in kept])
+    if selection.posterior:
+        return dict(selection.posterior)
+    logs = np.array([0.0] + [_score(one, checked) - np.log(selection.catalogue) for one in selection.ranking])
     weights = np.exp(logs - logs.max())
     weights /= weights.sum()
-    return dict(zip([(), *(candidate.causes for candidate in kept)], weights.tolist(), strict=True))
+    found = dict(zip([(), *(one.causes for one in selection.ranking)], weights.tolist(), strict=True))
+    return dict(sorted(found.items(), key=lambda item: -item[1]))
+
+
+def inclusion(posterior: Mapping[Causes, float]) -> dict[str, float]:
+    """Probability of each effect, over all sets that have it."""
+    found: dict[str, float] = {}
+    for causes, probability in posterior.items():
+        for name in causes:
+            found[name] = found.get(name, 0.0) + probability
+    return found
 
 
 def credible_set(posterior: dict[Causes, float]) -> list[Causes]:
@@ -52,14 +61,8 @@ def credible_set(posterior: dict[Causes, float]) -> list[Causes]:
     return chosen
 
 
-def rivals(
-    selection: Selection, claimed: Candidate, checked: LogBayesFactors = MappingProxyType({})
-) -> list[Candidate]:
-    """Return the other sets within 3 nats of the claimed one, its supersets left out."""
-    return [
-        candidate
-        for candidate in selection.ranking
-        if candidate.causes != claimed.causes
-        and not set(claimed.causes) < set(candidate.causes)
-        and _score(candidate, checked) > _score(claimed, checked) - COMPLEXITY_PENALTY
-    ]
+def rivals(posterior: Mapping[Causes, float], claimed: Causes) -> list[Causes]:
+    """Return the other sets within 3 nats of the claimed one, its supersets left out, greatest first."""
+    least = posterior.get(claimed, 0.0) * np.exp(-COMPLEXITY_PENALTY)
+    others = sorted(posterior.items(), key=lambda item: -item[1])
+    return [c for c, p in others if c and c != claimed and p > least and not set(claimed) < set(c)]

@@ -8,13 +8,14 @@ window does (Madigan & Raftery 1994, *J. Am. Stat. Assoc.* 89).
 """
 
 import itertools
-from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Protocol, cast, runtime_checkable
 
 import numpy as np
 
 from missionplan.diagnosis.inference.fitting import fitted
-from missionplan.diagnosis.inference.model import CauseFit, FailedFit, Model
+from missionplan.diagnosis.inference.model import CauseFit, FailedFit, Model, SearchedModel
 from missionplan.errors import RunError
 from missionplan.results.learned.evidence import Causes
 
@@ -34,6 +35,15 @@ Progress = Callable[[str, int, int], None]
 
 Extension = tuple[Causes, CauseFit]
 """A set to fit, and the fit that it extends by a cause."""
+
+
+@runtime_checkable
+class WeighsAllSets(Protocol):
+    """A model that computes the posterior of all its sets at once."""
+
+    def all_sets(self) -> "Selection":
+        """Return the sets with their probabilities."""
+        ...
 
 
 def no_progress(what: str, done: int, of: int) -> None:
@@ -81,7 +91,17 @@ class Selection:
     failed : tuple of FailedFit
         Sets that could not be fitted, and why.
     catalogue : int
-        Number of effects that the data could show.
+        Number of effects in the catalogue.
+    posterior : mapping
+        Probability of each set; empty where that is left to `inference.posterior.posteriors`.
+    responses : tuple
+        Neutral responses by axis and in words, with their probabilities.
+    families : tuple
+        Sets that differ in nothing that the data show, and that are told as one.
+    nothing : float or None
+        Probability that neither a cause nor a response is there; None: that of the empty set.
+    not_computed : float
+        Estimate of the probability of sets that were not computed.
     """
 
     base: CauseFit
@@ -89,6 +109,16 @@ class Selection:
     impossible: tuple[Candidate, ...]
     failed: tuple[FailedFit, ...]
     catalogue: int
+    posterior: Mapping[Causes, float] = field(default_factory=dict)
+    responses: tuple[tuple[str, str, float], ...] = ()
+    families: tuple[tuple[Causes, ...], ...] = ()
+    nothing: float | None = None
+    not_computed: float = 0.0
+
+    @property
+    def none_of_these(self) -> float | None:
+        """Probability of a neutral response; None where none was in the model."""
+        return min(sum(p for *_, p in self.responses), 1.0) if self.responses else None
 
 
 def select(model: Model, progress: Progress = no_progress, jobs: int = 1, *, search: bool = True) -> Selection:
@@ -110,12 +140,18 @@ def select(model: Model, progress: Progress = no_progress, jobs: int = 1, *, sea
     RunError
         When not even the base model can be fitted.
     """
+    if search and isinstance(model, WeighsAllSets):
+        progress("weighing all sets of causes", 0, 1)
+        try:
+            return model.all_sets()
+        except np.linalg.LinAlgError as error:
+            raise RunError(f"the base model cannot be fitted: {error}") from error
     base = fitted(model, [((), ())])[0]
     if isinstance(base, FailedFit):
         raise RunError(f"the base model cannot be fitted: {base.reason}")
     if not search:
         return Selection(base, (), (), (), len(model.candidates))
-    tried = _Search(model, base)
+    tried = _Search(cast(SearchedModel, model), base)
     frontier: Sequence[Candidate] = [Candidate(base, 0.0)]
     for size in range(1, MOST_CAUSES + 1):
         wanted = tried.extensions(frontier, size)
@@ -130,7 +166,7 @@ def select(model: Model, progress: Progress = no_progress, jobs: int = 1, *, sea
 class _Search:
     """Sets tried so far."""
 
-    def __init__(self, model: Model, base: CauseFit) -> None:
+    def __init__(self, model: SearchedModel, base: CauseFit) -> None:
         self._model, self._base = model, base
         self._tried: dict[frozenset[str], Candidate] = {}
         self._failed: list[FailedFit] = []
@@ -204,7 +240,7 @@ class _Search:
         ranked = self._ranked()
         return Selection(
             base=self._base,
-            ranking=tuple(each for each in ranked if each.fit.possible and self._passes_penalty(each)),
+            ranking=tuple(each for each in ranked if each.fit.possible and self._exceeds_errors_of_shape(each)),
             impossible=tuple(each for each in ranked if not each.fit.possible),
             failed=tuple(self._failed),
             catalogue=len(self._model.candidates),
@@ -214,14 +250,19 @@ class _Search:
         return sorted(self._tried.values(), key=lambda candidate: -candidate.score)
 
     def _passes_penalty(self, candidate: Candidate) -> bool:
-        """Whether each cause of a set adds enough evidence to the rest of it."""
+        """Whether each cause of a set adds what its prior costs, and more than errors of shape."""
+        return self._adds(candidate, COMPLEXITY_PENALTY)
+
+    def _exceeds_errors_of_shape(self, candidate: Candidate) -> bool:
+        """Whether each cause of a set adds more than what errors of the others' shapes may, where they add any."""
+        return self._adds(candidate, -np.inf)
+
+    def _adds(self, candidate: Candidate, least: float) -> bool:
         if len(candidate.causes) == 1:
             return True
         parts = [self._tried.get(frozenset(candidate.causes) - {name}) for name in candidate.causes]
-        required = [
-            part.log_bayes_factor
-            + max(COMPLEXITY_PENALTY, self._model.minimum_evidence_gain(part.causes) * part.log_bayes_factor)
-            for part in parts
-            if part is not None
-        ]
-        return candidate.log_bayes_factor >= max(required, default=-np.inf)
+        gains = [(candidate.log_bayes_factor - part.log_bayes_factor, part) for part in parts if part is not None]
+        shape = [self._model.minimum_evidence_gain(part.causes) * part.log_bayes_factor for _, part in gains]
+        return all(
+            gain >= max(least, error if gain > 0.0 else -np.inf) for (gain, _), error in zip(gains, shape, strict=True)
+        )

@@ -1,15 +1,14 @@
 """Fits of sets of causes to a navigation log: hyperparameters by Laplace's method, coefficients exactly."""
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from missionplan.arrays import Array
-from missionplan.diagnosis.coordinates import LOWER, UPPER, Coordinate, estimates, is_possible
+from missionplan.diagnosis.coordinates import Coordinate, estimates, is_possible
 from missionplan.diagnosis.given.effects import GivenEffect, RecordPosterior, held, tied
-from missionplan.diagnosis.inference.importance_sampling import SampledEvidence, sampled_evidence, weighted_draws
 from missionplan.diagnosis.inference.laplace import Laplace, laplace
 from missionplan.diagnosis.inference.marginal_likelihood import QUANTILE_95
 from missionplan.diagnosis.inference.model import CauseFit
@@ -35,8 +34,6 @@ PAIR = 2
 """Coordinates of an oscillation of one amplitude and phase."""
 LARGEST_RATIO = 1.9
 """Largest size of an oscillation that wanders, over its mean amplitude in the record, that the effect can carry."""
-EFFECTIVE_DRAWS = 30.0
-"""Effective draws below which quantiles by importance sampling are worse than those of the normal approximation."""
 CONVERGED = 0.005
 """Move of the coordinates, in slabs, below which it is not."""
 
@@ -44,6 +41,11 @@ CONVERGED = 0.005
 @dataclass(frozen=True)
 class TransitFitting(TransitCovariance):
     """The likelihood of the legs, with fits of sets of causes."""
+
+    @property
+    def given_forms(self) -> Forms:
+        """The mission's own oscillations that are modulated."""
+        return Forms(modulated=tuple(each.effect for each in self.given_in_covariance if _modulates(each)))
 
     def fit(self, causes: Causes, near: Sequence[CauseFit] = ()) -> CauseFit:
         """Fit a set of causes, linearised about its own posterior mean.
@@ -64,15 +66,26 @@ class TransitFitting(TransitCovariance):
         numpy.linalg.LinAlgError
             When no covariance near the start is positive definite.
         """
+        states, weights = self._in_each_form(causes, near)
+        evidences = np.array([state.posterior.log_evidence for state in states])
+        return self.fit_of(causes, _likeliest(states), float(np.logaddexp.reduce(evidences + weights)))
+
+    def over_forms(self, causes: Causes) -> tuple[float, float, TransitState]:
+        """Log evidence of a set whose oscillations need not be steady, what that adds, and its likeliest state."""
+        states, weights = self._in_each_form(causes, ())
+        evidences = np.array([state.posterior.log_evidence for state in states])
+        together = float(np.logaddexp.reduce(evidences + weights))
+        return together, together - float(evidences[0]), _likeliest(states)
+
+    def _in_each_form(self, causes: Causes, near: Sequence[CauseFit]) -> tuple[list[TransitState], Array]:
+        """States of a set with its oscillations in each form, steady ones first, and the forms' log prior weights."""
         states: list[TransitState] = []
         weights: list[float] = []
         for forms, weight in self._variants(causes, near):
             starts = [fit.state for fit in near] + states[-1:]
             states.append(self._fitted(causes, forms, starts, ALL_LEGS, integrate=True))
             weights.append(math.log(weight))
-        evidences = np.array([state.posterior.log_evidence for state in states])
-        evidence = float(np.logaddexp.reduce(evidences + weights))
-        return self._fit_of(causes, states[int(np.argmax(evidences - CLEARLY * np.arange(len(states))))], evidence)
+        return states, np.array(weights)
 
     def _variants(self, causes: Causes, near: Sequence[CauseFit]) -> list[tuple[Forms, float]]:
         """Forms of the oscillations with their prior probabilities; those that a smaller set has as steady stay so.
@@ -98,7 +111,7 @@ class TransitFitting(TransitCovariance):
     def refitted(self, fit: CauseFit, rows: LegSelection) -> CauseFit:
         """Fit the same set to some of the legs: the mode alone, without evidence."""
         state = self._fitted(fit.causes, fit.state.forms, [fit.state], rows, integrate=False)
-        return self._fit_of(fit.causes, state, math.nan)
+        return self.fit_of(fit.causes, state, math.nan)
 
     def _fitted(
         self, causes: Causes, forms: Forms, near: Sequence[TransitState], rows: LegSelection, *, integrate: bool
@@ -147,51 +160,8 @@ class TransitFitting(TransitCovariance):
 
         return laplace(log_posterior, starts, covariance, integrate=integrate)
 
-    def sampled_evidence(self, fit: CauseFit) -> SampledEvidence:
-        """Evidence of a fit by importance sampling of the hyperparameters; the coefficients exactly, as in the fit.
-
-        Oscillations are steady or modulated as in the fit; what the other case adds is as in the fit.
-        """
-        state = fit.state
-        found = sampled_evidence(self._log_joint(state), state.posterior.mode, state.posterior.covariance)
-        others = fit.log_evidence - state.posterior.log_evidence
-        return replace(found, log_evidence=found.log_evidence + others)
-
-    def _log_joint(self, state: TransitState) -> Callable[[Array], Array]:
-        """Log joint density of the log and the logarithms of the hyperparameters, shape (s, h) → (s,)."""
-        selected = self.selected(state.linear)
-        prior = HyperparameterPrior.of(state.hyperparameters, self.given_in_covariance)
-
-        def of_one(logarithms: Array) -> float:
-            try:
-                likelihood = self.log_density(state.hyperparameters, logarithms, selected)
-            except np.linalg.LinAlgError:
-                return -math.inf
-            return prior.log_density(logarithms) + likelihood
-
-        return lambda draws: np.array([of_one(logarithms) for logarithms in draws])
-
-    def with_sampled_sizes(self, fit: CauseFit) -> CauseFit:
-        """Give a fit the sizes and times of its random effects by quantiles of their posterior, which may be skew.
-
-        A size of which a record shows no more than that it is small has a posterior far from log-normal. The value is
-        the median; the standard deviation is that of the log-normal distribution with an interval as wide.
-        """
-        state, known = fit.state, {(each.effect, each.name) for each in (*fit.estimates, *fit.given)}
-        own = [(h.key, place) for place, h in enumerate(state.hyperparameters) if h.key in known]
-        if not own:
-            return fit
-        draws = weighted_draws(self._log_joint(state), state.posterior.mode, state.posterior.covariance)
-        if draws.effective < EFFECTIVE_DRAWS:
-            return fit
-        found = {key: np.exp(draws.quantiles(place, (LOWER, 0.5, UPPER))) for key, place in own}
-        estimates, given = (
-            tuple(_by_quantiles(each, found.get((each.effect, each.name))) for each in several)
-            for several in (fit.estimates, fit.given)
-        )
-        return replace(fit, estimates=estimates, given=given)
-
-    def _fit_of(self, causes: Causes, state: TransitState, evidence: float) -> CauseFit:
+    def fit_of(self, causes: Causes, state: TransitState, evidence: float) -> CauseFit:
+        """Return the fit of a set with a state."""
         chosen = [i for i, coordinate in enumerate(self.coordinates) if coordinate.effect in causes]
         own, covariance = [self.coordinates[i] for i in chosen], self._spread(causes, state)
         found = estimates(own, state.mean[chosen], covariance[np.ix_(chosen, chosen)])
@@ -254,7 +224,13 @@ class TransitFitting(TransitCovariance):
         return tuple(found)
 
 
-def _by_quantiles(estimate: ParameterEstimate, quantiles: Array | None) -> ParameterEstimate:
+def _likeliest(states: Sequence[TransitState]) -> TransitState:
+    """The likeliest of several forms, the plainer one where another is hardly likelier."""
+    evidences = np.array([state.posterior.log_evidence for state in states])
+    return states[int(np.argmax(evidences - CLEARLY * np.arange(len(states))))]
+
+
+def by_quantiles(estimate: ParameterEstimate, quantiles: Array | None) -> ParameterEstimate:
     """Give an estimate the 5, 50 and 95 % quantiles of its posterior, if it has any."""
     if quantiles is None:
         return estimate

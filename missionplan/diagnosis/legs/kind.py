@@ -15,7 +15,6 @@ from missionplan.diagnosis.inference.model import CauseFit
 from missionplan.diagnosis.learned_data import unlearned
 from missionplan.diagnosis.legs.constancy import not_constant
 from missionplan.diagnosis.legs.extended_mission import extended_transit_mission, widened
-from missionplan.diagnosis.legs.headings import inseparable
 from missionplan.diagnosis.legs.model import TransitModel
 from missionplan.diagnosis.legs.model_factory import transit_model
 from missionplan.diagnosis.legs.one_step import one_step
@@ -73,10 +72,6 @@ class TransitKind(DataKind):
         """Compare the maximum leg lengths chosen."""
         return plan_gain(leg_length_choice, base, extended, seed=seed, jobs=jobs)
 
-    def as_reported(self, fit: CauseFit) -> CauseFit:
-        """Return a fit with the sizes of random effects by quantiles of their posterior."""
-        return self.model.with_sampled_sizes(fit)
-
     def widened(self, best: CauseFit, scale: float) -> CauseFit:
         """Return a fit with the velocity error and the random causes scaled."""
         return widened(best, scale)
@@ -84,10 +79,6 @@ class TransitKind(DataKind):
     def not_constant(self, best: CauseFit) -> Causes:
         """Return the physical causes whose parameters differ between the halves of the log."""
         return not_constant(self.model, best)
-
-    def inseparable(self, causes: Causes) -> tuple[Causes, ...]:
-        """Return the sets that the headings flown cannot separate from a set."""
-        return inseparable(self.model, causes)
 
     def calibration(self, best: CauseFit) -> dict[str, float]:
         """Return the nuisance parameters as fitted, and how well the next leg's position error is predicted [m]."""

@@ -1,6 +1,5 @@
 """Model of a navigation log for the diagnosis: fits of sets of causes, their residuals and predictions, and designs."""
 
-import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
@@ -13,12 +12,15 @@ from missionplan.diagnosis.coordinates import has_shape
 from missionplan.diagnosis.inference.adequacy.residuals import Residuals
 from missionplan.diagnosis.inference.marginal_likelihood import QUANTILE_95, expected_log_ratio
 from missionplan.diagnosis.inference.model import CauseFit, FailedFit, FitRequest, HeldOutScore
+from missionplan.diagnosis.inference.selection import Selection
 from missionplan.diagnosis.legs.axes import transit_axes
 from missionplan.diagnosis.legs.designs import DESIGNS, designs_for, with_further_legs
 from missionplan.diagnosis.legs.fitting import TransitFitting
 from missionplan.diagnosis.legs.likelihood.covariance import ALL_LEGS
 from missionplan.diagnosis.legs.likelihood.linearised import LinearisedLegs
-from missionplan.effects import CATALOGUE, exclusive_groups
+from missionplan.diagnosis.legs.posterior import LegInference, infer, with_forms
+from missionplan.diagnosis.legs.responses import responses_along
+from missionplan.effects import exclusive_groups
 from missionplan.results.learned.evidence import Causes
 
 ALTERNATIVES = exclusive_groups("transit")
@@ -44,18 +46,15 @@ class TransitModel(TransitFitting):
                 found.append(FailedFit(causes, str(error)))
         return found
 
-    def estimated_gain(self, causes: Causes, parent: CauseFit) -> float:
-        """Gain in log density of causes over a parent's, its hyperparameters held; inf if it cannot be estimated."""
-        further = [CATALOGUE[name] for name in causes if name not in parent.causes]
-        if any(info.part == "covariance" or info.is_modulated for info in further):
-            return math.inf
-        state, known = parent.state, dict(zip(parent.state.hyperparameters, parent.state.posterior.mode, strict=True))
-        hyperparameters = self.hyperparameters(causes, state.forms)
-        at = np.array([known.get(each, each.centre) for each in hyperparameters])
-        with_causes = self.marginal(hyperparameters, at, self.linearised(causes, forms=state.forms))
-        plain = self.linearised(parent.causes, forms=state.forms)
-        without = self.marginal(state.hyperparameters, state.posterior.mode, plain)
-        return with_causes.log_density - without.log_density
+    def all_sets(self) -> Selection:
+        """Return all sets of causes with their probabilities."""
+        neutral = responses_along(transit_axes(self.data, self.leg, self.axes), self.columns_at_usual_sizes)
+        return with_forms(infer(LegInference(self, neutral))).selection()
+
+    @property
+    def columns_at_usual_sizes(self) -> Array:
+        """Velocity errors of the effects in the mean at their usual sizes, shape (2, n, k) [m/s]."""
+        return np.asarray(self.columns_as_expected * [coordinate.slab for coordinate in self.coordinates])
 
     def may_be_multimodal(self, causes: Causes) -> bool:
         """Whether a cause has a shape of its own."""

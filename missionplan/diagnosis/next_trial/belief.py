@@ -87,9 +87,7 @@ def possible_fits(explanations: Sequence[Weighed], found: PipelineResult, judgem
         With that one.
     """
     fits = {candidate.causes: candidate.fit for candidate in found.selection.ranking} | {(): found.selection.base}
-    shares = {causes: found.posterior.get(causes, 0.0) for causes in judgement.credible_set if causes in fits}
-    if judgement.rivals or not any(shares.values()):
-        shares = shares_in_doubt(found, judgement, fits)
+    shares = shares_in_doubt(found, judgement, fits)
     masses = explanation_weights(explanations)
     listed = [
         (explanations[0], fits[causes], float(masses[0]) * share / sum(shares.values()))

@@ -18,13 +18,12 @@ def one_step_coverages(ensemble: Ensemble, found: OneStep, low: Array, high: Arr
     """
     generator = np.random.default_rng([seed, 1])
     mixture, inside = found.mixture, np.zeros(RECORDS)
-    scales = len(mixture.weights) // len(found.roots)
     for group, rows in enumerate(ensemble.slices()):
         weights = mixture.weights[:, rows.start]
         counts = generator.multinomial(RECORDS, weights / weights.sum())
         drawn = []
         for index in np.flatnonzero(counts).tolist():
-            root = found.roots[index // scales][group]
+            root = found.roots[index][group]
             wider = mixture.sds[index, rows] / np.sqrt(np.sum(root**2, axis=1))
             normals = generator.standard_normal((counts[index], len(root)))
             drawn.append(mixture.means[index, rows] + normals @ root.T * wider)

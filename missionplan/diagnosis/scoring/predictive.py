@@ -114,7 +114,7 @@ class OneStep:
     ----------
     mixture : Mixture
     roots : list of list of array
-        For each component and group, the triangular root of the covariance of the group's values.
+        For each component of the mixture and each group, the triangular root of the covariance of the group's values.
     effective : float
         Effective number of components at the end of the record, 1/Σw².
     """
@@ -146,7 +146,8 @@ def one_step_ahead(ensemble: Ensemble) -> OneStep:
     logs = np.array(log_weights)
     weights = np.exp(logs - logsumexp(logs, axis=0))
     mixture = _with_scales(weights[:, ensemble.groups], np.array(means), scaled)
-    return OneStep(mixture, roots, float(1.0 / np.sum(weights[:, -1] ** 2)))
+    each = [own for own, sizes in zip(roots, scaled, strict=True) for _ in sizes]
+    return OneStep(mixture, each, float(1.0 / np.sum(weights[:, -1] ** 2)))
 
 
 def _scaled_sds(variance: Array, component: Component) -> Array:
@@ -157,10 +158,10 @@ def _scaled_sds(variance: Array, component: Component) -> Array:
 
 
 def _with_scales(weights: Array, means: Array, scaled: list[Array]) -> Mixture:
-    """Mixture of c components, each of s scales of its tails."""
-    sds = np.concatenate(scaled)
-    each = len(scaled[0])
-    return Mixture(np.repeat(weights / each, each, axis=0), np.repeat(means, each, axis=0), sds)
+    """Mixture of c components, each of as many equally likely scales of its tails as it has."""
+    each = np.array([len(own) for own in scaled])
+    shares = np.repeat(weights / each[:, None], each, axis=0)
+    return Mixture(shares, np.repeat(means, each, axis=0), np.concatenate(scaled))
 
 
 def without_past(ensemble: Ensemble) -> Mixture:

@@ -97,7 +97,6 @@ def how_sure(diagnosis: Diagnosis) -> list[str]:
     """Write the paragraphs; the sections below them have the statistics."""
     words = [
         _among_the_tried(diagnosis),
-        _not_considered(diagnosis),
         _shared_words(diagnosis),
         _held_out(diagnosis),
         _coverage_words(diagnosis.coverage),
@@ -126,15 +125,6 @@ def _among_the_tried(diagnosis: Diagnosis) -> str:
     return (
         f"Among the explanations tried, {names(best.causes)} has a probability of {percent(best.posterior)}; {other}."
     )
-
-
-def _not_considered(diagnosis: Diagnosis) -> str:
-    """Say that a physical cause was not weighed against errors that merely persist or scatter, where there is one."""
-    descriptions = (effect for effect in diagnosis.untestable if CATALOGUE[effect].tier == "statistical")
-    first = next(descriptions, None)
-    if first is None or not diagnosis.causes:
-        return ""
-    return f"That the errors merely persist or scatter was not considered: {diagnosis.untestable[first]}."
 
 
 def _shared_words(diagnosis: Diagnosis) -> str:

@@ -66,8 +66,8 @@ def selected(evidence: Mapping[Causes, float], **options: Any) -> Any:
 
 def test_a_cause_alone_and_what_hardly_adds_to_it() -> None:
     found = selected({(DRAG,): 40.0, (DRAG, CLOCK): 42.9, (LIFT,): 2.0})
-    assert [candidate.causes for candidate in found.ranking[:2]] == [(DRAG,), (LIFT,)]
-    assert all(len(candidate.causes) == 1 for candidate in found.ranking)
+    assert [candidate.causes for candidate in found.ranking[:2]] == [(DRAG,), (DRAG, CLOCK)]
+    assert found.ranking[1].score == pytest.approx(39.9)
 
 
 def test_each_cause_beyond_the_first_is_penalised() -> None:
@@ -116,13 +116,13 @@ def test_without_a_base_model_there_is_no_selection() -> None:
 def test_the_credible_set_holds_the_rivals() -> None:
     found = selected({(DRAG,): 20.0, (CLOCK,): 19.0, (LIFT,): 9.0})
     claimed = found.ranking[0]
-    assert [candidate.causes for candidate in rivals(found, claimed)] == [(CLOCK,)]
-    posterior = posteriors(found, claimed.causes)
+    posterior = posteriors(found)
+    assert rivals(posterior, claimed.causes) == [(CLOCK,)]
     assert sum(posterior.values()) == pytest.approx(1.0)
-    assert credible_set(posterior) == [(DRAG,), (CLOCK,)]
+    assert credible_set(posterior)[:2] == [(DRAG,), (CLOCK,)]
 
 
 def test_effect_free_data_keep_the_base_model() -> None:
     found = selected({})
-    assert credible_set(posteriors(found, None))[0] == ()
+    assert credible_set(posteriors(found))[0] == ()
     assert found.ranking[0].score < 0.0

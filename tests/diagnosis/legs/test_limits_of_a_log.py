@@ -9,10 +9,9 @@ import pytest
 
 from missionplan import diagnose
 from missionplan.datasets.legs import read_transit
-from missionplan.diagnosis.judgement import none_of_these
+from missionplan.diagnosis.inference.adequacy.discrepancy import none_of_these
 from missionplan.diagnosis.legs.extended_mission import widened
 from missionplan.diagnosis.legs.model_factory import transit_model
-from missionplan.effects import CATALOGUE
 from missionplan.report.diagnosis.page import answer
 from missionplan.report.render import render_report
 from missionplan.results.learned.evidence import Coverage, Discrepancy, ResidualTest
@@ -48,12 +47,11 @@ def turned(angle):
 
 
 @pytest.mark.parametrize("count", [8, 14, 19])
-def test_few_legs_are_not_described_statistically(count, folder, transit_mission, legs):
+def test_few_legs_leave_it_possible_that_errors_merely_persist(count, folder, transit_mission, legs):
     found = diagnose(transit_mission, folder(KIND, legs(count, error=drifting(0.2, 9000.0))), plan=False)
-    assert all(CATALOGUE[cause].tier == "physical" for entry in found.ranking for cause in entry.causes)
-    assert found.untestable["persistent-error"] == f"a statistical description needs 20 legs; these are {count}"
-    told = f"merely persist or scatter was not considered: a statistical description needs 20 legs; these are {count}."
-    assert (told in words_of(found)) == bool(found.causes)
+    assert "persistent-error" not in found.untestable
+    assert any("persistent-error" in causes for causes in found.credible_set)
+    assert found.verdict != "explained"
 
 
 def test_eight_legs_of_a_compass_swing_are_enough(folder, transit_mission, legs):
@@ -64,15 +62,18 @@ def test_eight_legs_of_a_compass_swing_are_enough(folder, transit_mission, legs)
 
 
 @pytest.mark.parametrize("seed", [1, 2, 3])
-def test_headings_that_separate_nothing_leave_both_in_the_set(seed, folder, transit_mission, legs):
-    """A vehicle that is 6 % slow, or meets a current, with headings within ±10°."""
+def test_headings_that_separate_nothing_leave_a_current_its_chance(seed, folder, transit_mission, legs):
+    """A vehicle that is 6 % slow with headings within ±10°, or a current that happens to run along its course.
+
+    The data tell them apart by less than a nat; that a current of any direction runs along the course to a twentieth
+    of its usual size is as improbable as that.
+    """
     table = legs(48, seed=seed, error=slow(-0.06), about=(1.0, np.radians(10.0)))
     found = diagnose(transit_mission, folder(KIND, table), plan=False)
-    assert {("speed-scale",), ("mean-current",)} <= set(found.credible_set)
-    assert found.verdict != "explained"
-    page = words_of(found)
-    assert "100.0 %" not in page
-    assert found.next_measurements
+    assert found.causes == ("speed-scale",)
+    evidence = {entry.causes: entry.log_bayes_factor for entry in found.ranking}
+    assert evidence["speed-scale",] - evidence["mean-current",] < 5.0
+    assert "100.0 %" not in words_of(found)
 
 
 def test_headings_all_round_separate_them(folder, transit_mission, legs):

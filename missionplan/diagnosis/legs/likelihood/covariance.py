@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TypeGuard
 
@@ -39,6 +39,9 @@ SIGMA_LOG_SD = 0.7
 """Prior standard deviation of the logarithm of the velocity error's size, about the mission's."""
 FIX_LOG_SD = 0.15
 """The same for a fix error that data set or mission states: one that is worse is no calibration but `fix-error`."""
+LONGEST = 3.0
+"""Longest time of persistence, over the record's: two errors a record apart are then alike to 0.72, and beyond that the
+record shows a mean."""
 FIX_UNSTATED = (3.0, 0.7)
 """Prior median [m] and log-sd of the fix error where neither data set nor mission states one."""
 
@@ -70,7 +73,7 @@ class TransitCovariance(TransitMean):
             elif info.part == "mean":
                 found.append(slab_scale(info.id))
             else:
-                found += _of_shapes(info, info.parameters)
+                found += self._random(info)
         given = held(self.given_in_covariance, causes)
         known = {each.effect for each in given}
         for name in forms.modulated:
@@ -79,6 +82,14 @@ class TransitCovariance(TransitMean):
             own = zip(each.coordinates, each.mean, np.sqrt(np.diag(each.here)), strict=True)
             found += [Hyperparameter(c.effect, c.name, float(centre), float(sd)) for c, centre, sd in own]
         return tuple(found)
+
+    def _random(self, info: EffectInfo) -> list[Hyperparameter]:
+        """Sizes and times of a random cause: what persists for much longer than the record is a mean over it."""
+        found = _of_shapes(info, info.parameters)
+        if not _has_process(info):
+            return found
+        ceiling = math.log(LONGEST * max(float(np.ptp(self.data.middle)), 1.0))
+        return [replace(each, ceiling=ceiling) if info.parameters[each.name].unit == "s" else each for each in found]
 
     @cached_property
     def given_in_covariance(self) -> tuple[GivenEffect, ...]:
@@ -250,6 +261,10 @@ def _is_process(effect: TransitEffect) -> TypeGuard[MarkovProcess]:
     if kind not in _is_of_process:
         _is_of_process[kind] = isinstance(effect, MarkovProcess)
     return _is_of_process[kind]
+
+
+def _has_process(info: EffectInfo) -> bool:
+    return isinstance(info.make({}), MarkovProcess)
 
 
 _is_of_process: dict[type[TransitEffect], bool] = {}

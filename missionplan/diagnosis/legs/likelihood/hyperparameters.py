@@ -12,6 +12,8 @@ from missionplan.diagnosis.given.effects import GivenEffect, tied
 from missionplan.diagnosis.inference.marginal_likelihood import LOG_2PI
 from missionplan.diagnosis.inference.prior import DOF
 
+SOFT = 0.1
+"""Width over which the prior falls off above a ceiling: searches need a slope [logarithm]."""
 HyperparameterValues = Mapping[tuple[str, str], float]
 """Hyperparameters by effect and name, not their logarithms."""
 Law = Literal["normal", "student", "reciprocal", "slab scale"]
@@ -37,6 +39,8 @@ class Hyperparameter:
         ``normal``; ``student``, a Student-t distribution with `inference.prior.DOF` degrees of freedom; ``reciprocal``,
         the value's reciprocal uniform from nil to twice that at the centre, where `spread` is a scale for searches; or
         ``slab scale``, that of √λ in `inference.prior`: a slab of √λ standard deviations is then such a distribution.
+    ceiling : float
+        Logarithm above which it is none of this hyperparameter's values.
     """
 
     effect: str
@@ -44,6 +48,7 @@ class Hyperparameter:
     centre: float
     spread: float
     law: Law = "normal"
+    ceiling: float = math.inf
 
     @property
     def key(self) -> tuple[str, str]:
@@ -52,6 +57,10 @@ class Hyperparameter:
 
     def log_prior(self, logarithm: float) -> float:
         """Log prior density of the logarithm."""
+        above = max(logarithm - self.ceiling, 0.0)
+        return self._log_density(logarithm) - (above / SOFT) ** 2
+
+    def _log_density(self, logarithm: float) -> float:
         if self.law == "slab scale":
             half = 0.5 * DOF
             return (

@@ -12,7 +12,6 @@ from missionplan.arrays import Array
 from missionplan.datasets.records import TransitData
 from missionplan.diagnosis.coordinates import Coordinate, coordinates_of, parameters_from
 from missionplan.diagnosis.given.effects import GivenEffect, held, tied
-from missionplan.diagnosis.inference.model import MINIMUM_EVIDENCE_GAIN
 from missionplan.diagnosis.legs.likelihood.fix_gaps import FixGaps, fix_gaps
 from missionplan.diagnosis.legs.likelihood.linearised import CoordinatePrior, LinearisedLegs
 from missionplan.diagnosis.legs.likelihood.modulation import (
@@ -22,14 +21,12 @@ from missionplan.diagnosis.legs.likelihood.modulation import (
     modulated_columns,
     smooth_functions,
 )
-from missionplan.effects import CATALOGUE, EffectInfo, effects_of
+from missionplan.effects import CATALOGUE, effects_of
 from missionplan.effects.info import LegRecord
 from missionplan.effects.oscillation import MODULATION_PARAMETERS
 from missionplan.phases.hooks import Leg, TransitEffect, surface_velocity, velocity_error
 from missionplan.results.learned.evidence import Causes
 
-LEGS_OF_A_DESCRIPTION = 20
-"""Legs below which the errors are not described statistically: so few look persistent by chance."""
 DIFFERENCE_STEP = 1e-3
 """Step of the central differences, in slabs (prior standard deviations of a cause)."""
 
@@ -67,20 +64,11 @@ class TransitMean:
     only: tuple[Coordinate, ...] | None = None
     fix_share: float = 0.0
 
-    def minimum_evidence_gain(self, causes: Causes) -> float:
-        """Return the default: effects are nearly linear in their strengths, and of known shape."""
-        return MINIMUM_EVIDENCE_GAIN
-
     @cached_property
     def untestable(self) -> Mapping[str, str]:
         """Effects that this record cannot show, and why."""
-        reasons = {info.id: self._lacking(info) or info.lacking(self._record) for info in effects_of("transit")}
+        reasons = {info.id: info.lacking(self._record) for info in effects_of("transit")}
         return {effect: reason for effect, reason in reasons.items() if reason}
-
-    def _lacking(self, info: EffectInfo) -> str:
-        if info.tier == "physical" or self.data.n >= LEGS_OF_A_DESCRIPTION:
-            return ""
-        return f"a statistical description needs {LEGS_OF_A_DESCRIPTION} legs; these are {self.data.n}"
 
     @cached_property
     def _record(self) -> LegRecord:

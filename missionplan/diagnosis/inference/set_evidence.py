@@ -1,0 +1,102 @@
+"""Evidence of many sets of causes at once: a linear model under one noise and many priors of its coefficients.
+
+Given the noise, a set of causes differs from another by the prior of the coefficients alone, so that all sets share the
+inner products of the whitened columns (Rasmussen & Williams 2006, Eqs. 2.8 and 2.30; Bishop 2006, Eq. 3.86).
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from missionplan.arrays import Array
+from missionplan.diagnosis.inference.marginal_likelihood import LOG_2PI, gaussian_log_density
+
+SCALES = (0.75, 1.13, 1.9, 4.5)
+"""Factors √λ on a slab, λ inverse-gamma (3/2, 3/2): with them a slab is a Student-t law of three degrees of freedom, so
+that a strong effect is not shrunk (Gelman et al. 2013, section 17.2). Medians of its parts of probability
+`SCALE_PRIOR`."""
+SCALE_PRIOR = (0.3, 0.35, 0.25, 0.1)
+
+
+@dataclass(frozen=True)
+class GramMatrix:
+    """Whitened data and columns of a linear model under one noise.
+
+    Attributes
+    ----------
+    products : array, shape (k + 1, k + 1)
+        Inner products of the columns and, last, the data.
+    log_normaliser : float
+        ln density of the data where all of them are nil.
+    """
+
+    products: Array
+    log_normaliser: float
+
+    @classmethod
+    def of(cls, products: Array, log_determinant: float, count: int) -> "GramMatrix":
+        """Make one of a normal noise with ln |covariance| and so many data."""
+        return cls(products, -0.5 * (log_determinant + count * LOG_2PI))
+
+    def part(self, chosen: NDArray[np.int_]) -> "GramMatrix":
+        """Return that of some of the columns."""
+        kept = np.append(chosen, len(self.products) - 1)
+        return GramMatrix(self.products[np.ix_(kept, kept)], self.log_normaliser)
+
+
+@dataclass(frozen=True)
+class SetPriors:
+    """Normal priors of k coefficients under s sets: means (s, k), and factors L of the covariances L Lᵀ, (s, k, k)."""
+
+    mean: Array
+    factor: Array
+
+    def of(self, chosen: NDArray[np.int_]) -> "SetPriors":
+        """Return those of some of the sets."""
+        return SetPriors(self.mean[chosen], self.factor[chosen])
+
+    def log_densities(self, grams: Sequence[GramMatrix]) -> Array:
+        """Log density of the data under each set with each of j noises, shape (j, s)."""
+        products, normalisers = _stacked(grams)
+        return self._solved(products, normalisers)[0]
+
+    def log_density(self, gram: GramMatrix) -> float:
+        """Log density of the data under the first set."""
+        moved = _moved(gram.products, self.mean[0])
+        return gaussian_log_density(moved, self.factor[0], 0.0, 0) + gram.log_normaliser
+
+    def _solved(self, products: Array, normalisers: Array) -> tuple[Array, Array, Array]:
+        """Log densities (j, s), Cholesky factors of the precisions (j, s, k, k), whitened right sides (j, s, k)."""
+        columns, with_data = products[:, None, :-1, :-1], products[:, :-1, -1]
+        turned = np.swapaxes(self.factor, 1, 2)
+        precision = turned @ columns @ self.factor
+        precision += np.eye(precision.shape[-1])
+        moved = self.mean @ products[:, :-1, :-1]
+        right = ((with_data[:, None] - moved)[:, :, None, :] @ self.factor)[:, :, 0]
+        factor = np.linalg.cholesky(precision)
+        white = np.linalg.solve(factor, right[..., None])[..., 0]
+        squared = products[:, -1, -1, None] - 2.0 * (with_data @ self.mean.T) + np.sum(moved * self.mean, axis=-1)
+        logs = normalisers[:, None] - 0.5 * (squared - np.sum(white**2, axis=-1))
+        logs -= np.log(np.diagonal(factor, axis1=-2, axis2=-1)).sum(axis=-1)
+        return np.asarray(logs), np.asarray(factor, dtype=float), np.asarray(white)
+
+    def posterior(self, grams: Sequence[GramMatrix]) -> tuple[Array, Array]:
+        """Posterior means (j, s, k) and factors R, (j, s, k, k), of the covariances R Rᵀ."""
+        _, factor, white = self._solved(*_stacked(grams))
+        root = self.factor @ np.swapaxes(np.linalg.inv(factor), -1, -2)
+        return self.mean + (root @ white[..., None])[..., 0], root
+
+
+def _stacked(grams: Sequence[GramMatrix]) -> tuple[Array, Array]:
+    return np.stack([gram.products for gram in grams]), np.array([gram.log_normaliser for gram in grams])
+
+
+def _moved(products: Array, mean: Array) -> Array:
+    """Inner products with the data less the columns times a mean."""
+    if not mean.any():
+        return products
+    change = np.eye(len(products))
+    change[:-1, -1] = -mean
+    return np.asarray(change.T @ products @ change)
