@@ -627,7 +627,7 @@ def test_qgc(plan):
             assert (item["command"], item["frame"], [*first, altitude]) == (command, 3, numbers)
             assert item["Altitude"] == altitude
             assert off(plan, point, latitude, longitude) < 0.01
-        assert (jump["command"], jump["params"][:2]) == (177, [len(items) - 1, 1 + transit.extra_legs])
+        assert (jump["command"], jump["params"][:2]) == (177, [len(items), 1 + transit.extra_legs])
 
 
 def test_qgc_as_mavlink_messages(plan):

@@ -4,7 +4,9 @@ import re
 from dataclasses import dataclass
 from pathlib import Path
 
+import dune
 import numpy as np
+import others
 import pytest
 from helm import Helm, Sailed
 from sea import Voyage
@@ -31,7 +33,7 @@ def sail(number: int, voyages: int, tmp_path: Path, climb: float) -> Compared:
     data, sea, facts = voyage_of(number)
     data["site"].pop("origin")  # points in the mission's own plane: the frame of UTM is tested with the files
     mission = Mission.from_data(data, file="voyage.yaml")
-    (path,) = missionplan.export(mission, "moos", out=tmp_path / "voyage.bhv", seed=5).files
+    (path,) = missionplan.export(mission, "moos", out=tmp_path / "voyage.bhv").files
     text, sailed = path.read_text(), []
     for k in range(voyages):
         voyage = Voyage(sea, np.random.default_rng((number, k)))
@@ -66,6 +68,57 @@ def check(found: Compared) -> None:
     agree(within.astype(float), (error < radius).astype(float), at_least=0.02)
 
 
+HOME = (37.25, -76.38)
+
+
+def sail_other(form: str, number: int, voyages: int, folder: Path) -> None:
+    """Legs, and arrivals by the last fix, as `simulate --as-exported` has them."""
+    data, sea, facts = voyage_of(number, gliding=form == "slocum")
+    mission = Mission.from_data(data, file="voyage.yaml")
+    written = missionplan.export(mission, form, out=folder / "out").files
+    texts = [path.read_text() for path in written if path.suffix in (".mis", ".ma") or "ardusub" in path.name]
+    radius = float(data["phases"][0]["transit"]["arrival_radius"].split()[0])
+    arrived, off, legs = [], [], []
+    for k in range(voyages):
+        voyage = Voyage(sea, np.random.default_rng((number, k)))
+        if form == "neptus":
+            home, plans = dune.read(written[0].read_bytes())
+            assert home == pytest.approx(HOME)
+            done = dune.sail(plans, voyage)
+        elif form == "iver":
+            done = others.iver(texts, HOME, voyage)
+        elif form == "qgc":
+            done = others.autopilot(texts, HOME, voyage)
+        else:
+            named = {path.name: text for path, text in zip(written, texts, strict=True)}
+            done = others.glider(named, HOME, voyage, facts["speed"], facts["depth"])
+        true, fix = done.ends[0]
+        arrived.append(float(np.hypot(*np.subtract(fix, facts["goal"])) < radius))
+        legs.append(float(done.legs[0]))
+        off.append(float(np.hypot(*np.subtract(true, facts["goal"]))))
+    trials = missionplan.simulate(mission, trials=TRIALS, seed=9, as_exported=form, keep_trials=True).trials
+    came = np.array(arrived) > 0.0
+    agree(np.array(arrived), trials["out.arrived"].to_numpy(dtype=float), at_least=0.02)
+    if came.any():
+        agree(np.array(legs)[came], trials["out.surfacings"].dropna().to_numpy(dtype=float), at_least=0.1)
+        agree(np.array(off)[came], trials["out.arrival_error_m"].dropna().to_numpy(dtype=float), at_least=0.3)
+
+
+OTHERS = ["neptus", "iver", "qgc", "slocum"]
+
+
+@pytest.mark.parametrize("form", OTHERS)
+def test_others(form, tmp_path):
+    sail_other(form, 3, 150, tmp_path)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("form", OTHERS)
+@pytest.mark.parametrize("number", [n for n in range(20) if n != 3])
+def test_others_many(form, number, tmp_path):
+    sail_other(form, number, 400, tmp_path)
+
+
 def voyage_goal(found: Compared) -> tuple[float, float]:
     east, north = found.data["phases"][0]["transit"]["to"]
     return float(east.split()[0]), float(north.split()[0])
@@ -91,7 +144,7 @@ def test_no_leg_is_longer_and_none_released_before_a_fix_however_the_vehicle_cli
 
 
 def test_the_interpreters_share_nothing_with_the_package():
-    for path in ("helm.py", "sea.py", "dune.py", "logs.py"):
+    for path in ("helm.py", "sea.py", "dune.py", "logs.py", "others.py"):
         source = (Path(__file__).parent / path).read_text()
         assert not re.search(r"^\s*(from|import) missionplan", source, re.M)
 
@@ -103,7 +156,7 @@ def test_a_way_round_is_sailed_point_by_point(tmp_path):
     east, north = facts["goal"]
     data["phases"][0]["transit"]["via"] = [[f"{east / 2 - north / 3} m", f"{north / 2 + east / 3} m"]]
     mission = Mission.from_data(data, file="voyage.yaml")
-    (path,) = missionplan.export(mission, "moos", out=tmp_path / "voyage.bhv", seed=5).files
+    (path,) = missionplan.export(mission, "moos", out=tmp_path / "voyage.bhv").files
     sailed = Helm(path.read_text(), Voyage(sea, np.random.default_rng(1)), 0.3, facts["goal"], (facts["bottom"], 120.0))
     done = sailed.sail()
     assert not done.aborted

@@ -11,8 +11,8 @@ MISSIONS = Path(__file__).parents[2] / "missions"
 VEHICLE = yaml.safe_load((MISSIONS / "vehicles" / "vt475-self-mooring.yaml").read_text())
 
 
-def voyage_of(number: int) -> tuple[dict, Sea, dict]:
-    """Mission's data, its sea, and what its interpreters need beside the file: goal, hold."""
+def voyage_of(number: int, *, gliding: bool = False) -> tuple[dict, Sea, dict]:
+    """Mission's data, its sea, and what its interpreters need beside the file; a glider's is slower and deeper."""
     rng = np.random.default_rng(1000 + number)
 
     def between(low: float, high: float) -> float:
@@ -24,10 +24,13 @@ def voyage_of(number: int) -> tuple[dict, Sea, dict]:
     toward, upper, lower = between(0.0, 360.0), between(0.0, 0.25), between(0.0, 0.15)
     scatter, sigma, fix_sd, fix_time = between(0.0, 0.04), between(0.005, 0.04), between(1.0, 4.0), between(20.0, 90.0)
     bias = between(-4.0, 4.0) if number % 2 else 0.0
+    if gliding:
+        depth, speed, upper, lower = depth + 5.0, 0.25 * speed, 0.3 * upper, 0.3 * lower
+        scatter, sigma = 0.3 * scatter, 0.3 * sigma
     transit = {"depth": f"{depth} m", "speed": f"{speed} m/s", "d_max": f"{between(250.0, 500.0)} m"}
     transit |= {"arrival_radius": f"{between(15.0, 40.0)} m"}
     current = [
-        {"down_to": "8 m", "speed": {"mean": f"{upper} m/s", "sd": f"{scatter} m/s"}, "toward": f"{toward} deg"},
+        {"down_to": "14 m", "speed": {"mean": f"{upper} m/s", "sd": f"{scatter} m/s"}, "toward": f"{toward} deg"},
         {"down_to": f"{water} m", "speed": {"mean": f"{lower} m/s", "sd": f"{scatter} m/s"}, "toward": f"{toward} deg"},
     ]
     data = {
@@ -62,10 +65,10 @@ def voyage_of(number: int) -> tuple[dict, Sea, dict]:
         ],
     }
     sea = Sea(
-        ((8.0, upper, scatter, toward), (water, lower, scatter, toward)),
+        ((14.0, upper, scatter, toward), (water, lower, scatter, toward)),
         sigma,
         fix_sd,
         fix_time,
         compass_bias=bias,
     )
-    return data, sea, {"goal": goal, "bottom": water - 5.0, "galvanic": 120.0}
+    return data, sea, {"goal": goal, "bottom": water - 5.0, "galvanic": 120.0, "speed": speed, "depth": depth}

@@ -56,7 +56,9 @@ JUMPS = 1
 def executes(transit: PlannedTransit) -> Execution:
     """Return how the autopilot carries out a transit: through the legs' ends, at each of which it holds its place."""
     points = np.array([(point.east, point.north) for point in _ends(transit)]).T
-    return Execution(ends="count", aim=points[:, -1], points=points, surface_time=_loiter(transit), holds=True)
+    return Execution(
+        ends="count", aim=points[:, -1], points=points, surface_time=_loiter(transit), return_time=RETURN_TIME
+    )
 
 
 def lost(plan: Plan) -> tuple[str, ...]:
@@ -66,6 +68,7 @@ def lost(plan: Plan) -> tuple[str, ...]:
         "waiting for a fix: it holds its place at the surface, with power, for a fixed time "
         f"({', '.join(f'{transit.name} {_loiter(transit):.0f} s' for transit in plan.transits)})",
         "arrival by the fix: where one comes the vehicle goes on to the place at the surface, and does not ask for one",
+        "what the battery gives for holding the place, which simulate --as-exported leaves out",
         "legs by distance: it goes through the ends of the planned legs",
         "the acceptance radius in ArduSub, which is its parameter WPNAV_RADIUS; its speed may be WPNAV_SPEED",
         "time-outs and the guard for the battery, which the autopilot's failsafes have",
@@ -119,13 +122,12 @@ def _plan(plan: Plan, transit: PlannedTransit, suffix: str) -> str:
 
 
 def _items(transit: PlannedTransit) -> Iterator[dict[str, object]]:
-    """Yield the commands: speed; for each leg down, to its end, and up; the jump back to the last leg."""
+    """Yield the commands: speed; for each leg down, to its end, and up; then a jump back to the last end."""
     speed = [1, round(transit.speed, 4), -1, 0, 0, 0, 0]
     yield _item(1, SPEED, MISSION_FRAME, speed)
     number, place, depth = 2, transit.start, min(-transit.depth, SURFACE)
     radius = round(transit.arrival_radius, 2)
     for end in (*transit.waypoints[1:-1], transit.goal):
-        last_leg = number
         for command, at, altitude, first in (
             (WAYPOINT, place, depth, 0.0),
             (WAYPOINT, end, depth, 0.0),
@@ -135,7 +137,7 @@ def _items(transit: PlannedTransit) -> Iterator[dict[str, object]]:
             yield _item(number, command, RELATIVE_TO_HOME, [*own, *_place(at), round(altitude, 3)])
             number += 1
         place = end
-    yield _item(number, JUMP, MISSION_FRAME, [last_leg, JUMPS + transit.extra_legs, 0, 0, 0, 0, 0])
+    yield _item(number, JUMP, MISSION_FRAME, [number - 2, JUMPS + transit.extra_legs, 0, 0, 0, 0, 0])
 
 
 def _item(number: int, command: int, frame: int, parameters: Sequence[object]) -> dict[str, object]:

@@ -42,8 +42,9 @@ class Execution:
         Time after which the vehicle gives the transit up [s].
     corrects : bool
         Whether the vehicle itself aims off by the drift of its last leg; else not at all.
-    holds : bool
-        Whether it goes on to the leg's end at the surface, under power, once it has a fix.
+    return_time : float
+        For which it goes on to the leg's end at the surface once it has a fix, within its time there [s]. What that
+        takes of the battery is not counted.
     """
 
     ends: Literal["fix", "reckoning", "count"]
@@ -54,7 +55,7 @@ class Execution:
     capture: float = 0.0
     time_out: float = float("inf")
     corrects: bool = False
-    holds: bool = False
+    return_time: float = 0.0
 
 
 class ExecutedLegLoop(LegLoop):
@@ -94,13 +95,13 @@ class ExecutedLegLoop(LegLoop):
     @override
     def _surface(self, number: int) -> Array:
         surfaced = super()._surface(number)
-        if self.execution.holds:
+        if self.execution.return_time > 0.0:
             back = self._point() - self._fix
+            reach = self._plan.speed * self.execution.return_time / np.maximum(length_of(back), 1e-300)
+            back = back * np.minimum(reach, 1.0)
             if self._moving is not None:
                 back = back * self._moving
-            self._x = self._x + back
-            self._fix = self._fix + back
-            self._distance += length_of(back)
+            self._x, self._fix = self._x + back, self._fix + back
         return surfaced
 
     @override

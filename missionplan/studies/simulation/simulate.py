@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
-from missionplan.exporters.formats import VEHICLES
+from missionplan.exporters.formats import VEHICLES, format_named
 from missionplan.identity import Identity, digest_of_files
 from missionplan.mission import Mission, MissionOrPath
 from missionplan.montecarlo.parallel.blocks import Backend, Progress
@@ -20,7 +20,7 @@ from missionplan.scenario.site_current import recorded_current
 from missionplan.store.checkpoints import Checkpoints
 from missionplan.store.paths import as_path
 from missionplan.store.trials_table import TrialsTable
-from missionplan.studies.mission_plan.build import executions, plan_if_any
+from missionplan.studies.mission_plan.build import executions, mission_plan, plan_if_any
 from missionplan.studies.nominal_dive import check_dives
 from missionplan.studies.overdue.overdue import overdue
 from missionplan.studies.overdue.searches import Search, read_searches
@@ -122,7 +122,7 @@ def simulate(
     means = _checked_means(mission)
     notices = input_notices(mission, means)
     if as_exported is not None:
-        means = replace(means, executions=executions(mission, as_exported, seed=seed, means=means))
+        means = replace(means, executions=executions(mission, as_exported, means))
     task = BlockTask(means, seed, keep_trials)
     sequence = BlockSequence(
         items=_items(trials or (MAX_TRIALS if goal else mission.monte_carlo.trials)),
@@ -133,7 +133,7 @@ def simulate(
     merged = sequence.run(lambda todo: run.workers.quiet.run(task, todo), progress)
     _check_record(means, merged)
     if as_exported is not None:
-        notices = (*notices, _loss(mission, as_exported, merged, seed))
+        notices = (*notices, *_loss(mission, as_exported, merged, seed))
     tracks = merged.tracks or task.tracks(*merged.first)  # block 0 has them, unless it failed
     options: dict[str, object] = {"jobs": jobs, "backend": backend, "precision": precision, "keep_trials": keep_trials}
     options |= {} if searched is None else {"searched": digest_of_files([as_path(searched, "searched")])}
@@ -240,8 +240,8 @@ def simulate_block(mission: Mission, *, seed: int, block: int, trials: int = BLO
     return BlockTask(Scenario.at_means(mission, recorded_current(mission)), seed).trials(block, trials)
 
 
-def _loss(mission: Mission, as_exported: str, merged: MergedBlocks, seed: int) -> str:
-    """Say how the mission as exported compares with the mission as it is meant, on the same trials."""
+def _loss(mission: Mission, as_exported: str, merged: MergedBlocks, seed: int) -> tuple[str, ...]:
+    """Say how the mission as exported compares with the mission as it is meant, on the same trials, and why."""
     trials = min(merged.totals.trials, BLOCK)
     meant = event_probabilities(mission, trials=trials, seed=seed)
     parts = [
@@ -250,7 +250,9 @@ def _loss(mission: Mission, as_exported: str, merged: MergedBlocks, seed: int) -
         for name in meant
         if name == "total.success" or name.endswith(".arrived")
     ]
-    return f"As the vehicle carries out its {as_exported} files: {'; '.join(parts)}."
+    plan = mission_plan(mission, to=as_exported)
+    lost = (f"Not in its files: {words}." for words in format_named(as_exported).lost(plan))
+    return (f"As the vehicle carries out its {as_exported} files: {'; '.join(parts)}.", *lost)
 
 
 def _identity(task: BlockTask, as_exported: str | None) -> Identity:
