@@ -3,6 +3,8 @@
 import copy
 import hashlib
 import json
+import re
+from pathlib import Path
 
 import jsonschema
 import numpy as np
@@ -13,11 +15,13 @@ from pyproj import Geod
 
 import missionplan
 from missionplan.errors import InputError
+from missionplan.exporters.conformance import conformance, conformance_table
+from missionplan.exporters.formats import VEHICLES
 from missionplan.exporters.plan_json import plan_data, plan_json
 from missionplan.mission import Mission
 from missionplan.results.base import to_yaml
 from missionplan.results.plan import time_out
-from missionplan.results.plan_states import mermaid, states_of
+from missionplan.results.plan_states import GUARDS, mermaid, states_of
 from missionplan.studies.leg_length.sweep_dmax import sweep_dmax
 from missionplan.studies.mission_plan.build import mission_plan
 from missionplan.studies.simulation.simulate import simulate, simulate_block
@@ -211,3 +215,12 @@ def test_a_course_of_more_legs_than_the_mission_allows_is_no_plan():
 @pytest.mark.parametrize("start", ["2026-06-01T14:00:00+02:00", "2026-06-01T12:00:00", "2026-06-01T12:00:00Z"])
 def test_the_start_is_in_utc(start):
     assert plan_data(mission_plan(by_table({"start": start})))["start_utc"] == "2026-06-01T12:00:00+00:00"
+
+
+def test_the_table_of_guards_in_the_documents_is_that_of_the_formats():
+    """`python -c "from missionplan.exporters.conformance import *; print(conformance_table())"` writes it."""
+    page = (Path(__file__).parents[2] / "docs" / "vehicles.md").read_text()
+    assert conformance_table() in page
+    for name in VEHICLES:
+        assert set(conformance(name)) == set(GUARDS)
+        assert all(re.match("kept|weaker: |done otherwise: |refused", words) for words in conformance(name).values())
