@@ -31,6 +31,8 @@ from missionplan.store.paths import as_path
 KINDS = ("transit", "descent")
 _JUMPS = 0.2
 """Share of fixes that jump from which on they are of no one track."""
+_RETURNS = 5
+"""Times that they do at least."""
 _ABOUT = 900.0
 """Time before and after a leg of which its picture shows fixes and depths [s]."""
 
@@ -204,8 +206,9 @@ def transit_data(reading: Reading, rules: LegRules, explain: Sequence[int] = ())
 
 def _check_found(track: Track, parts: CutTrack) -> None:
     good, rejected = len(parts.fixes.good), len(parts.fixes.rejected)
-    jumps = parts.fixes.reasons.count(JUMPED)
-    if jumps > max(_JUMPS * (good + jumps), 5):
+    jumped = parts.fixes.rejected.t[np.array(parts.fixes.reasons, dtype=object) == JUMPED]
+    jumps, returns = len(jumped), len(np.unique(np.searchsorted(parts.fixes.good.t, jumped)))
+    if jumps > _JUMPS * (good + jumps) and returns > _RETURNS:  # not the boat that carried the vehicle, there and back
         message = f"{jumps} of {good + jumps} fixes jump from their neighbours and back: are they of two vehicles?"
         hint = "name the files of one, or choose it with --vehicle"
         raise InputError([Problem(message, key="sources", hint=hint)])
