@@ -57,31 +57,17 @@ class TrackLines:
 
 
 @dataclass(frozen=True)
-class Basis:
-    """What all legs rest on.
+class Basis(Record):
+    """What all legs rest on; depths are below what the gauge reads at the surface."""
 
-    Attributes
-    ----------
-    dive_depth, surface_depth : float
-        What counts as a dive, and what as the surface, below what the gauge reads there [m].
-    gauge_zero : float
-        What the gauge reads at the surface [m].
-    gauge_zero_by : str
-        ``state`` of the vehicle, ``fixes``, or ``assumed``.
-    heading, speed : str
-        North that headings are from, and where speeds come from, in words.
-    shortest, longest_gap : float
-        Time from fix to fix, and without a reading, that a leg needs to keep [s].
-    """
-
-    dive_depth: float
-    surface_depth: float
-    gauge_zero: float
-    gauge_zero_by: str
-    heading: str
-    speed: str
-    shortest: float
-    longest_gap: float
+    dive_depth: Annotated[float, Entry("depth that a dive reaches", "m")]
+    surface_depth: Annotated[float, Entry("depth above which the vehicle is at the surface", "m")]
+    gauge_zero: Annotated[float, Entry("what the gauge reads at the surface", "m")]
+    gauge_zero_by: Annotated[str, Entry("what shows that: `state` of the vehicle, `fixes`, or `assumed`")]
+    heading: Annotated[str, Entry("north that headings are from")]
+    speed: Annotated[str, Entry("where speeds come from")]
+    shortest: Annotated[float, Entry("time from fix to fix that a leg lasts at least", "s")]
+    longest_gap: Annotated[float, Entry("time without a reading under water that a leg has at most", "s")]
 
 
 @dataclass(frozen=True)
