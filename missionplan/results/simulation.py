@@ -1,6 +1,5 @@
 """Result of `simulate`: each phase over all trials, what makes missions fail, and which uncertain inputs matter."""
 
-import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Annotated, ClassVar, Literal
@@ -110,6 +109,9 @@ class RequirementOutcome(Record):
     undecided: Annotated[bool, Entry("whether the required probability lies inside the interval")]
     trials: int = 0
     written: str = ""
+    reached: Annotated[
+        float | None, Entry("value that the required share of the trials stays within, SI", optional=True)
+    ] = None
 
     @property
     def label(self) -> Annotated[str, Entry(key="quantity")]:
@@ -132,9 +134,19 @@ class RequirementOutcome(Record):
         return trials_to_decide(self.probability.value, self.required) if self.undecided else None
 
     @property
-    def margin(self) -> int:
-        """Trials more than required that do as the requirement asks; negative where they are too few."""
-        return round(self.probability.value * self.trials) - math.ceil(self.required * self.trials - 1e-9)
+    def bound_in_words(self) -> str:
+        """``at most`` or ``at least``; empty for an event."""
+        return (self.bound or "").replace("_", " ")
+
+    @property
+    def slack(self) -> float:
+        """How far from being missed: of a limit, the share of it that is left; of an event, of what it may fail by."""
+        if self.limit is None:
+            return (self.probability.value - self.required) / max(1.0 - self.required, 1e-9)
+        if self.reached is None:
+            return 0.0
+        room = self.limit - self.reached if self.bound == "at_most" else self.reached - self.limit
+        return room / max(abs(self.limit), abs(self.reached), 1e-12)
 
 
 Sensitivity = Influence

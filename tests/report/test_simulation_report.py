@@ -152,11 +152,17 @@ def test_requirements_that_are_met_not_met_and_undecided_are_counted_apart(outco
     assert terminal_view(replace(outcome, requirements=items)).verdict == "bad"
 
 
-def test_the_tightest_is_the_requirement_with_the_fewest_trials_to_spare(outcome):
-    loose, tight = requirement(outcome, 500, 500), requirement(outcome, 480, 500)
+def test_the_tightest_requirement_is_that_whose_limit_is_nearest_to_what_is_reached(outcome):
+    """A limit of 100 m of which 95 of 100 trials stay within 12 m is not tight, however many trials are within it."""
+    loose = replace(requirement(outcome, 500, 500), bound="at_most", limit=100.0, reached=12.0)
+    tight = replace(requirement(outcome, 500, 500), bound="at_most", limit=100.0, reached=91.0)
+    assert (loose.slack, tight.slack) == (pytest.approx(0.88), pytest.approx(0.09))
+    event = replace(requirement(outcome, 480, 500), bound=None, limit=None)
+    assert event.slack == pytest.approx((0.96 - 0.9) / 0.1)
     headings = [part.heading for part in simulation.page(replace(outcome, requirements=(loose, tight))).sections]
-    assert "is the tightest, with 30 of 500 trials to spare" in headings[0]
-    assert not any("is the tightest" in heading for heading in headings[1:])
+    assert "; the tightest is " in headings[0]
+    assert ": 90 of 100 missions reach at most " in headings[0]
+    assert not any("tightest" in heading for heading in headings[1:])
     alone = simulation.page(replace(outcome, requirements=(loose,)))
     assert alone.sections[0].heading == "Every requirement is met"
 

@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 
 from missionplan.montecarlo.statistics import Statistic, wilson
 from missionplan.report.numbers import number, percent, share
@@ -85,7 +86,7 @@ def requirement_in_words(outcome: Outcome, requirement: RequirementOutcome) -> s
     key = next((key for key in _keys(outcome, phase) if key.rpartition(quantity)[1]), quantity)
     unit = unit_for(phase, key, outcome.provenance.data, typical=requirement.limit)
     limit = unit(requirement.limit / si_per_unit(key))
-    return f"{name} {requirement.bound.replace('_', ' ')} {number(limit)}{unit.suffix}"
+    return f"{name} {requirement.bound_in_words} {number(limit)}{unit.suffix}"
 
 
 def _keys(outcome: Outcome, phase: str) -> Sequence[str]:
@@ -193,12 +194,15 @@ def _heading(outcome: Outcome) -> str:
 
 
 def _tightest(outcome: Outcome) -> str:
-    """Name the requirement, of several that are met, that has the fewest trials to spare."""
+    """Name the requirement, of several that are met, that is nearest to being missed, and what is reached of it."""
     if len(outcome.requirements) < 2:
         return "Every requirement is met"
-    tight = min(outcome.requirements, key=lambda item: item.margin)
-    spare = f"{number(tight.margin)} of {number(tight.trials)} trials to spare"
-    return f"Every requirement is met; {requirement_in_words(outcome, tight)} is the tightest, with {spare}"
+    tight = min(outcome.requirements, key=lambda item: item.slack)
+    words = f"Every requirement is met; the tightest is {requirement_in_words(outcome, tight)}"
+    if tight.limit is None or tight.reached is None:
+        return f"{words}, reached in {percent(tight.probability)}"
+    reached = requirement_in_words(outcome, replace(tight, limit=tight.reached)).rpartition(tight.bound_in_words)[2]
+    return f"{words}: {100.0 * tight.required:g} of 100 missions reach {tight.bound_in_words} {reached.strip()}"
 
 
 def _met(items: Sequence[RequirementOutcome]) -> list[RequirementOutcome]:

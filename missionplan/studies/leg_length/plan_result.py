@@ -316,11 +316,15 @@ class LegPlan(Result):
         return pd.DataFrame({"distance_left_m": self.left, "leg_m": self.leg, "aim_short_m": self.left - self.leg})
 
     def files(self) -> dict[str, str | bytes]:
-        """Return ``legs.csv``, ``legs.yaml`` (the changed keys of the transit) and ``mission-with-legs.yaml``."""
+        """Return ``legs.csv``, and the mission with what is recommended: a table of legs, or one ``d_max``.
+
+        The changed keys of the transit stand alone in ``legs.yaml`` or ``d_max.yaml``.
+        """
+        name = "legs" if self.recommended else "d_max"
         return {
             "legs.csv": to_csv(self.to_frame()),
-            "legs.yaml": to_yaml(self.changes),
-            "mission-with-legs.yaml": to_yaml(self.mission_with_legs()),
+            f"{name}.yaml": to_yaml(self.changes),
+            f"mission-with-{name}.yaml": to_yaml(self.mission_with_legs()),
         }
 
     @property

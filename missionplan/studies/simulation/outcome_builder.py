@@ -30,7 +30,9 @@ from missionplan.results.under_doubts import Causes, ExplainedOutcome
 from missionplan.scenario.currents.drawn_current import MEMBER
 from missionplan.studies.simulation.block_statistics import (
     LIMIT,
+    SCALES,
     BlockStatistics,
+    Side,
     bound_of,
     explained_name,
     requirement_key,
@@ -156,8 +158,9 @@ class OutcomeBuilder:
 
     def _requirement(self, index: int, requirement: Requirement) -> RequirementOutcome:
         probability = self.totals.counts[f"requirement {index}"].probability()
-        required, (_, unit) = requirement.probability, requirement_key(self.mission, requirement.quantity)
+        required, (key, unit) = requirement.probability, requirement_key(self.mission, requirement.quantity)
         side, limit = bound_of(requirement) or (None, None)
+        reached = self._reached(key, unit or "", side, required, self.totals.counts[f"requirement {index}"].trials)
         return RequirementOutcome(
             quantity=requirement.quantity,
             bound=side,
@@ -169,7 +172,18 @@ class OutcomeBuilder:
             undecided=probability.low <= required <= probability.high,
             trials=self.totals.counts[f"requirement {index}"].trials,
             written=requirement.written,
+            reached=reached,
         )
+
+    def _reached(self, key: str, unit: str, side: Side | None, required: float, trials: int) -> float | None:
+        """Value within which the required share of all trials stays, SI; None where too few have one."""
+        if side is None or key not in self.totals.statistics:
+            return None
+        running = self.totals.statistics[key]
+        share = required * trials / running.moments.count if running.moments.count else math.inf
+        if share > 1.0:
+            return None
+        return running.quantile(float(share if side == "at_most" else 1.0 - share)) / SCALES.get(unit, 1.0)
 
     def _attrition(self) -> tuple[Attrition, ...]:
         steps, left, trials = [], self.totals.trials, self.totals.trials
