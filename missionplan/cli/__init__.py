@@ -90,9 +90,8 @@ def main() -> None:
     except MissionplanError as error:
         if "--json" in sys.argv:
             _print_errors(_as_options(error))
-        else:
-            words = "\n".join(map(str, _as_options(error)))
-            note(f"{'Error' if error.exit_status == 1 else 'Cannot start'}:\n{words}")
+        words = "\n".join(map(str, _as_options(error)))
+        note(f"{'Error' if error.exit_status == 1 else 'Cannot start'}:\n{words}")
         status = error.exit_status
     except KeyboardInterrupt:
         status = INTERRUPTED
@@ -170,8 +169,7 @@ def _usage_error(error: Exception) -> int:
     if hasattr(error, "show") and hasattr(error, "exit_code"):
         if "--json" in sys.argv and hasattr(error, "format_message"):
             _print_errors([Problem(error.format_message())])
-        else:
-            error.show()
+        error.show()
         return int(error.exit_code)
     raise error
 

@@ -147,7 +147,7 @@ def test_help_defers_heavy_imports() -> None:
     assert not imported_by("--help") & (HEAVY - {"rich"} | {"numpy", "pydantic", "scipy"})
 
 
-@pytest.mark.parametrize("tasks", ["studies.exploration.cells", "studies.simulation.task"])
+@pytest.mark.parametrize("tasks", ["studies.exploration.cells", "studies.simulation.block_sequence"])
 def test_workers_import_what_trials_need(tasks: str) -> None:
     code = f"import sys, missionplan.{tasks}\nprint(*sys.modules)"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
@@ -202,7 +202,7 @@ def test_validate_imports_only_what_a_mission_needs() -> None:
     ]
     imported = imported_by("validate", *missions)
     assert {"numpy", "missionplan.studies.validation.validate"} <= imported
-    unwanted = HEAVY | {"missionplan.studies.validation.validate", "missionplan.studies.simulation.simulate"}
+    unwanted = HEAVY | {"missionplan.studies.simulation.simulate"}
     assert not imported & (unwanted - {"rich"})  # which typer 0.15 imports by itself
 
 
@@ -277,7 +277,7 @@ def test_a_run_that_is_cut_short_tells_how_to_go_on(
         yield from map(task, items[:blocks])
         raise error
 
-    monkeypatch.setattr("missionplan.studies.simulation.simulate.run_blocks", cut_short)
+    monkeypatch.setattr("missionplan.montecarlo.parallel.blocks.run_blocks", cut_short)
     out = mission.with_name("report")
     assert run(monkeypatch, "simulate", str(mission), "--trials", "5000", "--out", str(out)) == status
     assert (f"--resume --out {out}" in capsys.readouterr().err.replace("\n", "")) == bool(blocks)

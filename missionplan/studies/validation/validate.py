@@ -1,18 +1,10 @@
 """`validate`: what missions, data sets and folders are good for, and every problem of theirs at once."""
 
-from collections.abc import Callable, Iterable, Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterable, Iterator
 from pathlib import Path, PurePath
 
-from missionplan.datasets.dives import read_descent
-from missionplan.datasets.legs import read_transit
-from missionplan.datasets.reading import dataset_kind, files_outside
-from missionplan.datasets.records import DescentData, TransitData
-from missionplan.datasets.summaries import SummaryData, read_summary
-from missionplan.datasets.tank.data import TANK_FORMATS, read_tank_data
 from missionplan.errors import InputError, Problem
 from missionplan.mission import Mission, MissionOrPath, load
-from missionplan.mission.schema.shared_sections import ValueInForce
 from missionplan.mission.views import TransitionMission, TransitMission
 from missionplan.scenario.anchors import design_current
 from missionplan.scenario.scenario import Scenario
@@ -23,136 +15,7 @@ from missionplan.studies.nominal_dive import check_dives
 from missionplan.studies.optimisation.choosable import read_lattice
 from missionplan.studies.simulation.checks import check_complete, check_cover, cover_in_words, input_notices
 from missionplan.studies.validation.place import check_place, tracks_lost
-
-
-@dataclass(frozen=True)
-class Readiness:
-    """Whether one command can use a file.
-
-    Attributes
-    ----------
-    command : str
-    needs : tuple of str
-        What is missing or wrong; none where it is ready.
-    without : str
-        What a part of its answer needs, where it is ready.
-    """
-
-    command: str
-    needs: tuple[str, ...] = ()
-    without: str = ""
-
-    def __str__(self) -> str:
-        words = f"needs {'; '.join(self.needs)}" if self.needs else "ready"
-        return f"{self.command:<17} {words}" + (f"; needs {self.without}" if self.without and not self.needs else "")
-
-
-@dataclass(frozen=True)
-class Validated:
-    """What was found of one file or data set.
-
-    Attributes
-    ----------
-    path : Path
-    summary : str
-        What it is.
-    values : tuple of ValueInForce
-        Of a mission, what is in force of the keys that its vehicle file may give too.
-    table : tuple of Readiness
-        What it is good for.
-    notices : tuple of str
-        What is unusual.
-    problems : tuple of Problem
-        What is wrong; then there is no more.
-    """
-
-    path: Path
-    summary: str = ""
-    values: tuple[ValueInForce, ...] = ()
-    table: tuple[Readiness, ...] = ()
-    notices: tuple[str, ...] = ()
-    problems: tuple[Problem, ...] = ()
-
-
-def needs(check: Callable[[], object]) -> tuple[str, ...]:
-    """What a check refuses, in words: the key path where it is missing."""
-    try:
-        check()
-    except InputError as error:
-        return tuple(_in_words(problem) for problem in error.problems)
-    return ()
-
-
-def _in_words(problem: Problem) -> str:
-    if problem.message.startswith("missing"):
-        return problem.key
-    words = problem.message.removeprefix("the mission has no ")
-    return f"a {words}" if words != problem.message else f"{problem.key}: {words}" if problem.key else words
-
-
-_Read = Callable[[Path, Mission], TransitData | DescentData | SummaryData]
-DIAGNOSED: dict[str, _Read] = {"transit": read_transit, "descent": read_descent, "summary": read_summary}
-SCORED = ("transit", "descent")
-"""Kinds of data that `score` takes."""
-_STAND_IN = {
-    "site": {"depth": "11 km"},
-    "phases": [{"moor": {"radius": "1 m", "line_length": "1 m", "anchor_wet_weight": "1 N"}}],
-}
-"""Mission of a data set that is checked alone: what its runs leave to the mission is taken to be there."""
-
-
-def check_dataset(path: Path, mission: Mission | None, *, allow_outside: bool = False) -> None:
-    """Read a data set for what is wrong with it, before a diagnosis is imported for it.
-
-    Parameters
-    ----------
-    path : Path
-        Of its folder.
-    mission : Mission or None
-        None where it cannot be read: the data set is then checked alone.
-    allow_outside : bool
-        Whether its table may lie outside its folder.
-
-    Raises
-    ------
-    InputError
-        All problems of the data set.
-    """
-    with files_outside(allowed=allow_outside):
-        kind = dataset_kind(path, (*DIAGNOSED, *TANK_FORMATS))
-        if kind in TANK_FORMATS:
-            read_tank_data(path)
-        else:
-            DIAGNOSED[kind](path, mission or Mission.from_data(_STAND_IN))
-
-
-def validated_dataset(path: Path, missions: Sequence[Mission]) -> Validated:
-    """Check a data set with the first of some missions that gives it what its runs leave to it."""
-    try:
-        if not (path / "dataset.yaml").is_file():
-            raise InputError([Problem("holds neither a mission nor a data set", str(path))])
-        kind = dataset_kind(path, (*DIAGNOSED, *TANK_FORMATS))
-        summary = f"valid data set of kind {kind}."
-        if kind in TANK_FORMATS:
-            read_tank_data(path)
-            return Validated(path, summary, table=(Readiness("identify"), Readiness("diagnose")))
-        alone = DIAGNOSED[kind](path, Mission.from_data(_STAND_IN)).notices
-    except InputError as error:
-        return Validated(path, problems=error.problems)
-    lacking: tuple[str, ...] = ("a mission beside it, to check what the runs leave to it",)
-    for mission in missions:
-        try:
-            notices = DIAGNOSED[kind](path, mission).notices
-        except InputError as error:
-            lacking = tuple(f"{problem.key}: {problem.message} ({mission.file})" for problem in error.problems)
-        else:
-            return Validated(path, summary, table=_readiness(kind, ()), notices=notices)
-    return Validated(path, summary, table=_readiness(kind, lacking), notices=alone)
-
-
-def _readiness(kind: str, lacking: tuple[str, ...]) -> tuple[Readiness, ...]:
-    """Say which commands take a data set that lacks some things."""
-    return tuple(Readiness(command, lacking) for command in ("diagnose", *(("score",) if kind in SCORED else ())))
+from missionplan.studies.validation.readiness import Readiness, Validated, needs
 
 
 def validated_mission(path: Path, mission: Mission) -> Validated:
@@ -267,7 +130,7 @@ def validate(paths: MissionOrPath | Iterable[MissionOrPath], *, allow_outside: b
             valid.append(mission)
     if datasets:
         from missionplan.datasets.reading import files_outside
-        from missionplan.studies.validation.validate import validated_dataset
+        from missionplan.studies.validation.data_sets import validated_dataset
 
         with files_outside(allowed=allow_outside):
             done += [validated_dataset(path, valid) for path in datasets]
