@@ -265,7 +265,7 @@ def of_transit(transit, name, following, goal, aim):
 
     return {
         f"waypoint_{leg}": waypoint(leg, [], aim, 1.0, 3.0, enter(up)),
-        f"early_{leg}": waypoint(leg, [f"NAV_DEPTH > {0.8 * transit.depth:.2f}"], aim, climb, 0.0, enter(up)),
+        f"early_{leg}": waypoint(leg, [f"NAV_DEPTH > {0.5 * transit.depth:.2f}"], aim, climb, 0.0, enter(up)),
         **level(leg, transit.depth),
         f"interval_{leg}": (
             *("Timer", [f"PHASE = {leg}"], enter(up)),
@@ -339,7 +339,7 @@ def test_moos(plan):
     expected = {
         "fix_clock": ("PeriodicSurface", [], [], {**FOREVER, **forever, "max_time_at_surface": 1e6}),
         "fixed": (
-            *("Timer", ["NAV_DEPTH <= 0.3", "FIX_CLOCK > 999997", "FIXED = false"], ["FIXED = true"]),
+            *("Timer", ["NAV_DEPTH <= 0.3", "FIX_CLOCK > 999990", "FIXED = false"], ["FIXED = true"]),
             timer(0.0),
         ),
         "under_water": ("Timer", ["NAV_DEPTH > 0.3", "FIXED = true"], ["FIXED = false"], timer(0.0)),

@@ -1,5 +1,6 @@
 """Exported files, sailed by their formats' own semantics in their missions' own sea, against `simulate --as-exported`."""
 
+import json
 import re
 from dataclasses import dataclass
 from pathlib import Path
@@ -8,6 +9,7 @@ import dune
 import numpy as np
 import others
 import pytest
+import states
 from helm import Helm, Sailed
 from sea import Voyage
 from voyages import voyage_of
@@ -143,8 +145,28 @@ def test_no_leg_is_longer_and_none_released_before_a_fix_however_the_vehicle_cli
     assert all(each.release["fix_off"] < 40.0 and each.release["depth"] == 0.0 for each in found.sailed)
 
 
+def test_simulate_runs_the_states_of_the_plan(tmp_path):
+    """A mission without a correction for drift: the states of plan.json, run one by one, are its trials."""
+    data, sea, facts = voyage_of(5)
+    data["navigation"]["drift_compensation"] = "none"
+    data["phases"] = data["phases"][:1]
+    mission = Mission.from_data(data, file="voyage.yaml")
+    (path,) = missionplan.export(mission, "json", out=tmp_path / "plan.json").files
+    plan = json.loads(path.read_text())
+    sailed = [states.sail(plan, Voyage(sea, np.random.default_rng((5, k)))) for k in range(80)]
+    trials = missionplan.simulate(mission, trials=TRIALS, seed=9, keep_trials=True).trials
+    radius = float(data["phases"][0]["transit"]["arrival_radius"].split()[0])
+    fixes = [np.hypot(*np.subtract(each.ends[0][1], facts["goal"])) for each in sailed]
+    assert max(fixes) < radius
+    agree(np.array([float(each.legs[0]) for each in sailed]), trials["out.surfacings"].to_numpy(dtype=float), 0.1)
+    off = np.array([np.hypot(*np.subtract(each.ends[0][0], facts["goal"])) for each in sailed])
+    agree(off, trials["out.arrival_error_m"].to_numpy(dtype=float), 0.3)
+    times = np.array([each.fixes[-1][0] for each in sailed])
+    agree(times, trials["out.duration_s"].to_numpy(dtype=float), 5.0)
+
+
 def test_the_interpreters_share_nothing_with_the_package():
-    for path in ("helm.py", "sea.py", "dune.py", "logs.py", "others.py"):
+    for path in ("helm.py", "sea.py", "dune.py", "logs.py", "others.py", "states.py"):
         source = (Path(__file__).parent / path).read_text()
         assert not re.search(r"^\s*(from|import) missionplan", source, re.M)
 

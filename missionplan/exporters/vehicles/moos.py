@@ -37,11 +37,10 @@ CONFORMANCE: Mapping[GuardKind, str] = {
     "energy-used": "refused: no variable of the helm tells the battery",
 }
 
-FRESH = 3.0
-"""Age up to which a fix is one that has just come [s]."""
+FRESH = 10.0
+"""Age up to which a fix is one that has just come: many iterations of a helm under time warp [s]."""
 SETTLE, DECISION = 1.0, 3.0
-"""For the navigation to take the fix over, and for the helm to compare it with the goal; together longer than a fix is
-fresh, so that none counts twice [s]."""
+"""For the navigation to take the fix over, and for the helm to compare it with the goal [s]."""
 HANDLING = SETTLE + 2.0
 """From the fix to the release's clock, with the mail between the helm's iterations [s]."""
 LATENCY = 1.0
@@ -186,7 +185,7 @@ def _transit(plan: Plan, transit: PlannedTransit, name: str, following: str) -> 
         *_waypoint(f"waypoint_{leg}", [_in(leg)], steer, (_NEAR, _PASSED), _enter(up)),
     ]
     if transit.depth > 2.0 * SURFACE_DEPTH:  # up early, but not before it has been down
-        down = f"NAV_DEPTH > {0.8 * transit.depth:.2f}"
+        down = f"NAV_DEPTH > {0.5 * transit.depth:.2f}"
         lines += _waypoint(f"early_{leg}", [_in(leg), down], steer, (max(margin, _NEAR), 0.0), _enter(up))
     return [
         *lines,
