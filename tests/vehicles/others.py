@@ -20,15 +20,17 @@ def ended(boat: Dead, legs: int) -> None:
 
 
 def iver(texts: list[str], home: tuple[float, float], voyage: Voyage) -> Sailed:
-    """VectorMap missions: to each point at D feet and S knots, then P minutes parked at the surface, adrift."""
+    """VectorMap missions: near each point at D feet and S knots, then P minutes parked at the surface, adrift."""
     plane, boat = Proj(proj="aeqd", lat_0=home[0], lon_0=home[1], ellps="WGS84"), Dead(voyage)
     for text in texts:
         lines = text.splitlines()
+        near = float(next(line for line in lines if line.startswith("UVC=WPRadius=")).partition("WPRadius=")[2])
         stops = lines[lines.index("START") + 1 : lines.index("END")][1:]
         for stop in stops:
             _, latitude, longitude, _, _, commands, *_ = (part.strip() for part in stop.split(";"))
             depth, park, speed = (float(re.search(rf"\b{key}([\d.]+)", commands)[1]) for key in "DPS")
-            boat.run(Order(*plane(float(longitude), float(latitude)), speed * KNOT, depth * FOOT))
+            order = Order(*plane(float(longitude), float(latitude)), speed * KNOT, depth * FOOT)
+            boat.run(order, max(math.dist((order.east, order.north), boat.nav) - near, 0.0))
             boat.drift(60.0 * park)
         ended(boat, len(stops))
     return boat.done

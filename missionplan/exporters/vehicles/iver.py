@@ -19,7 +19,7 @@ from missionplan.results.plan_states import GuardKind
 TITLE = "mission for Iver (VectorMap)"
 NEEDS_ORIGIN = True
 CONFORMANCE: Mapping[GuardKind, str] = {
-    "reckoned-within": "kept, to whole metres of the arrival radius",
+    "reckoned-within": "weaker: within 5 m of the point (WPRadius)",
     "way-made": "weaker: legs go through fixed points and may be longer than d_max by the drift",
     "at-surface": "kept: it parks at the surface",
     "fix-received": "weaker: it parks for whole minutes, in which 99 % of fixes come",
@@ -36,6 +36,8 @@ FOOT = 0.3048
 """[m]"""
 KNOT = 1852.0 / 3600.0
 """[m/s]"""
+NEAR = 5.0
+"""A vehicle under way turns for the next waypoint within so much of one [m]."""
 _COLUMNS = (
     "2X ;WP Number; Latitude; Longitude; Distance(m); Heading; Depth(ft) (D:depth from surface, H: Height from bottom, "
     "U:undulate); P:Parking(mins) VC:Video Camera S:Speed(kn) SS:Sidescan MB:Multibeam"
@@ -45,7 +47,10 @@ _COLUMNS = (
 def executes(transit: PlannedTransit) -> Execution:
     """Return how the vehicle carries out a transit: to each point by dead reckoning, and up for a fixed time."""
     points = np.array([(point.east, point.north) for point in transit.sequence]).T
-    return Execution(ends="count", aim=points[:, -1], points=points, surface_time=60.0 * _minutes(transit))
+    near = _radius(transit)
+    return Execution(
+        ends="count", aim=points[:, -1], points=points, capture=near, surface_time=60.0 * _minutes(transit)
+    )
 
 
 def lost(plan: Plan) -> tuple[str, ...]:
@@ -75,7 +80,7 @@ def _mission(plan: Plan, transit: PlannedTransit, name: str) -> str:
     lines += [_line(number, transit, waypoint, park) for number, waypoint in enumerate(stops, start=1)]
     lines += ["END", "WP TIMING", *_timing(stops, park), "END WP TIMING"]
     lines += ["START NOTES", *(plain(line) for line in header(plan, TITLE, lost(plan))), "END NOTES"]
-    lines += ["START VEHICLE", f"UVC=WPRadius={transit.arrival_radius:.0f}", "END VEHICLE"]
+    lines += ["START VEHICLE", f"UVC=WPRadius={_radius(transit):.0f}", "END VEHICLE"]
     return "\r\n".join(lines) + "\r\n"
 
 
@@ -98,6 +103,11 @@ def _timing(stops: Sequence[Waypoint], park: int) -> Iterator[str]:
         yield f"WP{number};Time={time:.1f};Dist={distance:.1f}"
     hours, rest = divmod(round(time), 3600)
     yield f"Total Time = {hours:02d}:{rest // 60:02d}:{rest % 60:02d};Total Distance = {distance:.2f}"
+
+
+def _radius(transit: PlannedTransit) -> float:
+    """Distance at which a waypoint counts as reached by dead reckoning, which is not the arrival radius [m]."""
+    return min(NEAR, max(math.floor(transit.arrival_radius), 1.0))
 
 
 def _minutes(transit: PlannedTransit) -> int:
