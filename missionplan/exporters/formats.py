@@ -1,12 +1,13 @@
 """The formats that a plan can be written in, by name."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from importlib import import_module
 from typing import Protocol, cast
 
 from missionplan.errors import Problem
 from missionplan.phases.transit.execution import Execution
 from missionplan.results.plan import Plan, PlannedTransit
+from missionplan.results.plan_states import GUARDS, GuardKind
 
 FORMATS = {
     "csv": "missionplan.exporters.table",
@@ -57,3 +58,18 @@ def refusals_of(name: str, plan: Plan) -> tuple[Problem, ...]:
 def format_named(name: str) -> Format:
     """Return the module of a format."""
     return cast(Format, import_module(FORMATS[name]))
+
+
+def conformance(name: str) -> Mapping[GuardKind, str]:
+    """Return what the format of a vehicle does with each guard, in words."""
+    return cast(Mapping[GuardKind, str], import_module(FORMATS[name]).CONFORMANCE)
+
+
+def conformance_table() -> str:
+    """Return the table of `docs/vehicles.md`: guards by formats, in Markdown."""
+    told = [conformance(name) for name in VEHICLES]
+    lines = [f"| guard | {' | '.join(f'`{name}`' for name in VEHICLES)} |", "|---" * (len(VEHICLES) + 1) + "|"]
+    for guard, (words, unit) in GUARDS.items():
+        asked = words.format(f"so many {unit}" if unit else "")
+        lines.append(f"| {asked} | {' | '.join(each[guard] for each in told)} |")
+    return "\n".join(lines) + "\n"

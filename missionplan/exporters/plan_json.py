@@ -6,7 +6,7 @@ from dataclasses import asdict
 from importlib.resources import files as files_of
 from typing import cast
 
-from missionplan.exporters.rows import known, place, waypoint_row
+from missionplan.exporters.table import known, place, waypoint_row
 from missionplan.results.base import to_json
 from missionplan.results.plan import Plan, PlannedMooring, PlannedTransit
 from missionplan.results.plan_states import ACTIONS, GUARDS, State, states_of

@@ -1,14 +1,16 @@
-"""A CSV of waypoints and moorings, for spreadsheets and one's own programs; needs no origin."""
+"""Waypoints and moorings in columns: a CSV for spreadsheets, and for other forms with columns or attributes."""
 
-import pandas as pd
+import math
+from collections.abc import Iterator
 
 from missionplan.exporters.header import header, one_line
-from missionplan.exporters.rows import rows
 from missionplan.results.base import to_csv
-from missionplan.results.plan import Plan
+from missionplan.results.plan import Plan, PlannedMooring, PlannedTransit, Waypoint
 
 TITLE = "CSV"
 NEEDS_ORIGIN = False
+
+Cell = str | float | None
 
 
 def lost(plan: Plan) -> tuple[str, ...]:
@@ -24,8 +26,78 @@ def files(plan: Plan, stem: str) -> dict[str, str | bytes]:
 
 def waypoints_csv(plan: Plan) -> str:
     """Write the table."""
+    import pandas as pd  # half a second, and the other forms need none
+
     frame = pd.DataFrame(list(rows(plan)))
     for name in ("name", "phase"):
         frame[name] = frame[name].map(one_line)
     comments = "".join(f"# {line}\n" for line in header(plan, TITLE, lost(plan)))
     return comments + to_csv(frame)
+
+
+def rows(plan: Plan) -> Iterator[dict[str, Cell]]:
+    """Yield a row for each waypoint and each mooring: names with units, angles in degrees, None where unknown."""
+    for phase in plan.phases:
+        if isinstance(phase, PlannedMooring):
+            yield mooring_row(phase)
+        else:
+            yield from (waypoint_row(phase, waypoint) for waypoint in phase.waypoints)
+
+
+def waypoint_row(transit: PlannedTransit, waypoint: Waypoint) -> dict[str, Cell]:
+    """Return what a form in columns or with attributes says of a waypoint."""
+    at_start = waypoint.kind == "start"
+    return {
+        "name": waypoint.name,
+        "phase": transit.name,
+        "kind": waypoint.kind,
+        **place(waypoint),
+        "course_deg": known(math.degrees(waypoint.course), 3),
+        "leg_m": known(waypoint.length, 3),
+        "depth_m": known(transit.depth, 3),
+        "speed_m_s": known(transit.speed, 4),
+        "duration_s": known(waypoint.duration, 1),
+        "duration_p99_s": known(waypoint.duration_p99, 1),
+        "time_out_s": None if at_start else waypoint.time_out,
+        "surface_time_s": None if at_start else known(transit.surfacing.surface_time, 1),
+        "elapsed_s": known(waypoint.elapsed, 1),
+        "radius_m": known(transit.arrival_radius, 3) if waypoint.kind == "arrival" else None,
+        "release_time_s": None,
+        "hold_s": None,
+        "galvanic_release_s": None,
+    }
+
+
+def mooring_row(mooring: PlannedMooring) -> dict[str, Cell]:
+    """Return what a form in columns or with attributes says of a mooring: the same names."""
+    blank = dict.fromkeys(
+        ("course_deg", "leg_m", "speed_m_s", "duration_s", "duration_p99_s", "time_out_s", "surface_time_s")
+    )
+    return {
+        "name": mooring.name,
+        "phase": mooring.name,
+        "kind": "mooring",
+        **place(mooring),
+        "depth_m": known(mooring.water_depth, 3),
+        **blank,
+        "elapsed_s": known(mooring.elapsed, 1),
+        "radius_m": known(mooring.radius, 3),
+        "release_time_s": known(mooring.release_time, 1),
+        "hold_s": known(mooring.hold, 1),
+        "galvanic_release_s": known(mooring.galvanic_release, 1),
+    }
+
+
+def place(point: Waypoint | PlannedMooring) -> dict[str, Cell]:
+    """Return the columns of a position."""
+    return {
+        "east_m": round(point.east, 3),
+        "north_m": round(point.north, 3),
+        "latitude_deg": known(math.degrees(point.latitude), 8),
+        "longitude_deg": known(math.degrees(point.longitude), 8),
+    }
+
+
+def known(value: float, digits: int) -> float | None:
+    """Return a number rounded; None where it is not finite."""
+    return round(value, digits) if math.isfinite(value) else None

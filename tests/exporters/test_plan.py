@@ -15,8 +15,7 @@ from pyproj import Geod
 
 import missionplan
 from missionplan.errors import InputError
-from missionplan.exporters.conformance import conformance, conformance_table
-from missionplan.exporters.formats import VEHICLES
+from missionplan.exporters.formats import VEHICLES, conformance, conformance_table
 from missionplan.exporters.plan_json import plan_data, plan_json
 from missionplan.mission import Mission
 from missionplan.results.base import to_yaml
@@ -218,7 +217,7 @@ def test_the_start_is_in_utc(start):
 
 
 def test_the_table_of_guards_in_the_documents_is_that_of_the_formats():
-    """`python -c "from missionplan.exporters.conformance import *; print(conformance_table())"` writes it."""
+    """`python -c "from missionplan.exporters.formats import *; print(conformance_table())"` writes it."""
     page = (Path(__file__).parents[2] / "docs" / "vehicles.md").read_text()
     assert conformance_table() in page
     for name in VEHICLES:

@@ -13,7 +13,7 @@ from missionplan.exporters.maps.geometry import (
     longitudes_latitudes,
     parts,
 )
-from missionplan.exporters.rows import mooring_row, waypoint_row
+from missionplan.exporters.table import mooring_row, waypoint_row
 from missionplan.results.plan import Plan, PlannedMooring, PlannedTransit
 
 TITLE = "GeoJSON"

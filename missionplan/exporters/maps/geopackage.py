@@ -13,7 +13,7 @@ from missionplan.arrays import Array
 from missionplan.errors import InputError, Problem
 from missionplan.exporters.header import header, one_interval
 from missionplan.exporters.maps.geometry import Origin, circle, course_line, longitudes_latitudes, parts
-from missionplan.exporters.rows import Cell, rows
+from missionplan.exporters.table import Cell, rows
 from missionplan.packages import how_to_install
 from missionplan.results.plan import Plan, PlannedMooring
 

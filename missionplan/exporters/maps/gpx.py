@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from xml.etree import ElementTree
 
 from missionplan.exporters.header import header, one_interval
-from missionplan.exporters.rows import Cell, mooring_row, waypoint_row
+from missionplan.exporters.table import Cell, mooring_row, waypoint_row
 from missionplan.exporters.xml import Element, add, document
 from missionplan.results.plan import Plan, PlannedTransit
 

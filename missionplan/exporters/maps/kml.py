@@ -6,7 +6,7 @@ from xml.etree import ElementTree
 from missionplan.exporters.header import header, one_interval
 from missionplan.exporters.maps.colours import WIDTHS, kml_colour
 from missionplan.exporters.maps.geometry import circle, course_line, longitude_latitude, longitudes_latitudes
-from missionplan.exporters.rows import mooring_row, waypoint_row
+from missionplan.exporters.table import mooring_row, waypoint_row
 from missionplan.exporters.xml import Element, add, document
 from missionplan.results.plan import Plan, PlannedMooring, PlannedTransit
 
