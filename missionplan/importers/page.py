@@ -190,7 +190,20 @@ _LISTED = 60
 
 def page(result: ImportedData) -> Page:
     """Build the page of an import."""
-    is_transit = result.kind == "transit"
+    return Page(
+        title=f"Import: {result.name}",
+        answer=answer(result),
+        draw=lambda: track_figure(result) if result.kind == "transit" else None,
+        numbers=_numbers(result),
+        write=lambda: _sections(result),
+        verdict="" if result.counted else "bad",
+        rerun=f"missionplan import SOURCE --out DATASET --kind {result.kind} --format {shlex.quote(result.format)}",
+        glance=lambda: terminal(result),
+        plots=PLOTS,
+    )
+
+
+def _sections(result: ImportedData) -> list[PageSection]:
     depth = depth_figure(result)
     sections = [
         _what_they_show(result),
@@ -199,17 +212,9 @@ def page(result: ImportedData) -> Page:
         *(explained_section(result, each) for each in result.pictures),
         _sources(result),
     ]
-    if is_transit and result.counted:
+    if result.kind == "transit" and result.counted:
         sections.insert(1, PageSection("How long the legs are, and where they go", [histograms(result)]))
-    return Page(
-        title=f"Import: {result.name}",
-        answer=answer(result),
-        figure=track_figure(result) if is_transit else None,
-        numbers=_numbers(result),
-        sections=sections,
-        verdict="" if result.counted else "bad",
-        rerun=f"missionplan import SOURCE --out DATASET --kind {result.kind} --format {shlex.quote(result.format)}",
-    )
+    return sections
 
 
 def terminal(result: ImportedData) -> Terminal:

@@ -90,11 +90,13 @@ def page(found: Optimised) -> Page:
     return Page(
         title=f"What to choose? {found.provenance.mission}",
         answer=answer(found),
-        figure=front_figure(found),
+        draw=lambda: front_figure(found),
         numbers=_numbers(found),
-        sections=[section for part in _PARTS for section in part(found)],
+        write=lambda: [section for part in _PARTS for section in part(found)],
         verdict="good" if found.feasible else "bad",
         rerun=_rerun(found),
+        glance=lambda: terminal(found),
+        plots=PLOTS,
     )
 
 

@@ -3,6 +3,7 @@
 import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import TYPE_CHECKING
 
 from missionplan.report.drawn import DrawnFigure, drawing_of
@@ -93,7 +94,10 @@ class PageSection:
 
 @dataclass(frozen=True)
 class Page:
-    """A report: the answer in a sentence, the figure that shows it, the main numbers, then sections.
+    """All that a result shows, listed once: page, terminal, notebook and plots each take from it what they show.
+
+    The answer in a sentence, the figure that shows it, the main numbers, then sections. What only some show is a
+    function, called when it is shown: a terminal draws no figure.
 
     Attributes
     ----------
@@ -101,28 +105,44 @@ class Page:
         The question.
     answer : str
         The answer in a sentence or two.
-    figure : Figure or None
-        The figure that shows the answer.
+    draw : callable
+        Draws the figure that shows the answer; None where there is none.
     numbers : sequence of (label, value)
         Two or three main numbers, with intervals and units.
-    sections : sequence of PageSection
-        Everything else.
+    write : callable
+        Writes the sections with everything else.
+    glance : callable
+        Makes the view for a terminal, and for a notebook.
+    plots : mapping of str to Drawing
+        Plots on given axes by name, the main one first.
     verdict : str
         How the answer is marked: "good", "bad" or "".
     rerun : str
         The command that reproduces the result, where it is not the study's own on the folder's `mission.yaml`.
-    files : mapping
-        Files for other programs, by name.
+    export : callable
+        Writes files for other programs, by name.
     """
 
     title: str
     answer: str
-    figure: Figure | None
     numbers: Sequence[tuple[str, str]]
-    sections: Sequence[PageSection]
+    write: Callable[[], Sequence[PageSection]]
+    glance: Callable[[], "Terminal"]
+    draw: Callable[[], Figure | None] = lambda: None
+    plots: Mapping[str, Drawing] = field(default_factory=dict)
     verdict: str = ""
     rerun: str = ""
-    files: Mapping[str, str] = field(default_factory=dict)
+    export: Callable[[], Mapping[str, str]] = dict
+
+    @cached_property
+    def figure(self) -> Figure | None:
+        """The figure that shows the answer."""
+        return self.draw()
+
+    @cached_property
+    def sections(self) -> Sequence[PageSection]:
+        """Everything else."""
+        return self.write()
 
 
 @dataclass(frozen=True)

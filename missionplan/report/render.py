@@ -22,13 +22,10 @@ if TYPE_CHECKING:
 
 
 class ReportModule(Protocol):
-    """What each module named by `Result.report` has: the result as a page and for a terminal."""
+    """What each module named by `Result.report` has."""
 
     def page(self, result: Result, /) -> Page:
-        """Build the page."""
-
-    def terminal(self, result: Result, /) -> Terminal:
-        """Build the view for a terminal."""
+        """List all that a result shows."""
 
 
 @contextmanager
@@ -42,7 +39,7 @@ def render_report(result: Result) -> Rendered:
     """Render a result as one self-contained page, its figures, and files for other programs."""
     made = result.provenance
     with shown_as_asked(result):
-        page, planned = _module(result).page(result), planned_sections(made)
+        page, planned = _page(result), planned_sections(made)
         page = typeset_page(page)
         return render_page(page, _sections(planned), made, [typeset(notice) for notice in made.notices])
 
@@ -50,14 +47,15 @@ def render_report(result: Result) -> Rendered:
 def terminal_view(result: Result) -> Terminal:
     """Present a result for a terminal."""
     with reading_in(units_of(result.provenance.data)):
-        shown = _module(result).terminal(result)
+        shown = _page(result).glance()
     columns, rows = _cells(shown.columns), [_cells(row) for row in shown.rows]
     return replace(shown, sentence=typeset(shown.sentence), columns=columns, rows=rows)
 
 
 def drawings_of(result: Result) -> Mapping[str, Drawing]:
     """Return the drawings of a result by name, the main one first; none where it has none."""
-    return cast("Mapping[str, Drawing]", getattr(_module(result), "PLOTS", {}))
+    with reading_in(units_of(result.provenance.data)):
+        return _page(result).plots
 
 
 def plots_of(result: Result) -> dict[str, Plot]:
@@ -82,8 +80,8 @@ def _plot(result: Result, draw: Drawing, *, ax: "Axes | None" = None, **options:
     return ax
 
 
-def _module(result: Result) -> ReportModule:
-    return cast(ReportModule, import_module(result.report))
+def _page(result: Result) -> Page:
+    return cast(ReportModule, import_module(result.report)).page(result)
 
 
 def typeset_page(page: Page) -> Page:
@@ -92,9 +90,9 @@ def typeset_page(page: Page) -> Page:
         page,
         title=typeset(page.title),
         answer=typeset(page.answer),
-        figure=_figure(page.figure) if page.figure else None,
+        draw=lambda: _figure(page.figure) if page.figure else None,
         numbers=[(typeset(label), typeset(value)) for label, value in page.numbers],
-        sections=_sections(page.sections),
+        write=lambda: _sections(page.sections),
     )
 
 

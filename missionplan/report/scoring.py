@@ -135,21 +135,25 @@ SHARES = ((0.8, "four fifths"), (2 / 3, "two thirds"), (0.5, "half"), (1 / 3, "a
 
 def page(score: Score) -> Page:
     """Build the page of a score."""
-    sections = [PageSection("All data sets", [_overview(score)])] if len(score.datasets) > 1 else []
-    for each in score.datasets:
-        sections += dataset_sections(each)
     made = score.provenance
     folders = made.options["datasets"]
     named = [shlex.quote(str(path)) for path in (folders if isinstance(folders, list) else [])]
     return Page(
         title=f"How well {made.mission} predicts what was measured",
         answer=answer(score),
-        figure=prediction_figure(score.datasets[0]),
+        draw=lambda: prediction_figure(score.datasets[0]),
         numbers=_numbers(score.datasets[0]),
-        sections=sections,
+        write=lambda: _sections(score),
         verdict=_verdict(score),
         rerun=f"missionplan score {shlex.quote(made.file)} {' '.join(named)} --seed {made.seed}",
+        glance=lambda: terminal(score),
+        plots=PLOTS,
     )
+
+
+def _sections(score: Score) -> list[PageSection]:
+    all_of_them = [PageSection("All data sets", [_overview(score)])] if len(score.datasets) > 1 else []
+    return [*all_of_them, *(section for each in score.datasets for section in dataset_sections(each))]
 
 
 def terminal(score: Score) -> Terminal:

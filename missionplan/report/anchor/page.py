@@ -77,7 +77,7 @@ def page(sizing: AnchorSizing) -> Page:
     return Page(
         title=f"Anchor for {phase_in_words(sizing.phase)}: {sizing.provenance.mission}",
         answer=answer(sizing),
-        figure=_main_figure(anchor),
+        draw=lambda: _main_figure(anchor),
         numbers=[
             ("Wet weight", quantity(anchor.wet_weight, "N", ".2f")),
             ("Terminal velocity it is sized for", quantity(anchor.terminal_velocity, "m/s", ".2f")),
@@ -87,7 +87,7 @@ def page(sizing: AnchorSizing) -> Page:
                 percent(anchor.probabilities.good),
             ),
         ],
-        sections=[
+        write=lambda: [
             *sections.problems(anchor),
             *sections.probable(sizing),
             *explanation_section(sizing),
@@ -100,6 +100,8 @@ def page(sizing: AnchorSizing) -> Page:
             sections.all_numbers(sizing),
         ],
         verdict=_verdict(sizing),
+        glance=lambda: terminal(sizing),
+        plots=PLOTS,
     )
 
 

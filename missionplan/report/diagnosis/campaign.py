@@ -25,6 +25,18 @@ def page(campaign: Campaign) -> Page:
     made = campaign.provenance
     folders = made.options["datasets"]
     given = [made.file, *(folders if isinstance(folders, list) else [])]
+    return Page(
+        title=f"Diagnosis of {made.mission} with {len(campaign.diagnoses)} data sets",
+        answer=answer(campaign),
+        numbers=[("Data sets", str(len(campaign.diagnoses))), ("Effects learned of", str(len(campaign.informed_by)))],
+        write=lambda: _sections(campaign),
+        rerun=f"missionplan diagnose {' '.join(shlex.quote(str(path)) for path in given)} --seed {made.seed}",
+        glance=lambda: terminal(campaign),
+        plots=PLOTS,
+    )
+
+
+def _sections(campaign: Campaign) -> list[PageSection]:
     sections = [
         PageSection("What each data set showed", [Table(COLUMNS, _rows(campaign), text_columns=5)]),
         PageSection("What they share", _shared(campaign)),
@@ -36,14 +48,7 @@ def page(campaign: Campaign) -> Page:
             blocks.append(replace(figure, name=f"{figure.name}-{index}"))
         blocks.append(f"Everything about it is in the folder {index}-{each.kind}.")
         sections.append(PageSection(name, blocks))
-    return Page(
-        title=f"Diagnosis of {made.mission} with {len(campaign.diagnoses)} data sets",
-        answer=answer(campaign),
-        figure=None,
-        numbers=[("Data sets", str(len(campaign.diagnoses))), ("Effects learned of", str(len(campaign.informed_by)))],
-        sections=sections,
-        rerun=f"missionplan diagnose {' '.join(shlex.quote(str(path)) for path in given)} --seed {made.seed}",
-    )
+    return sections
 
 
 def terminal(campaign: Campaign) -> Terminal:

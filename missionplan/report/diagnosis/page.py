@@ -67,7 +67,21 @@ _BEYOND_DOUBT = math.log(1e4)
 def page(diagnosis: Diagnosis) -> Page:
     """Build the page of a diagnosis."""
     kind = REPORTS[diagnosis.kind]
-    sections = [
+    return Page(
+        title=f"Diagnosis of {diagnosis.provenance.mission} with {diagnosis.data}",
+        answer=answer(diagnosis),
+        draw=lambda: kind.data_figure(diagnosis),
+        numbers=_numbers(diagnosis),
+        write=lambda: _sections(diagnosis),
+        verdict={"adequate": "good", "explained": "good", "unexplained": "bad"}.get(diagnosis.verdict, ""),
+        rerun=_rerun(diagnosis),
+        glance=lambda: terminal(diagnosis),
+        plots=PLOTS,
+    )
+
+
+def _sections(diagnosis: Diagnosis) -> list[PageSection]:
+    return [
         PageSection("What to do next", _next_words(diagnosis), is_summary=True),
         *plan_section(diagnosis),
         PageSection("How sure this is", how_sure(diagnosis), is_summary=True),
@@ -82,15 +96,6 @@ def page(diagnosis: Diagnosis) -> Page:
         distinction_section(diagnosis),
         PageSection("How the data were treated", _treatment(diagnosis)),
     ]
-    return Page(
-        title=f"Diagnosis of {diagnosis.provenance.mission} with {diagnosis.data}",
-        answer=answer(diagnosis),
-        figure=kind.data_figure(diagnosis),
-        numbers=_numbers(diagnosis),
-        sections=sections,
-        verdict={"adequate": "good", "explained": "good", "unexplained": "bad"}.get(diagnosis.verdict, ""),
-        rerun=_rerun(diagnosis),
-    )
 
 
 def _rerun(diagnosis: Diagnosis) -> str:

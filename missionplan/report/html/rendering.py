@@ -63,7 +63,7 @@ def render_page(page: Page, planned: Sequence[PageSection], provenance: Provenan
     )
     shown = [page.figure] if page.figure else []
     shown += [block for section in (*first, *details) for block in section.blocks if isinstance(block, Figure)]
-    return Rendered(html, {figure.name: figure.svg for figure in shown}, dict(page.files))
+    return Rendered(html, {figure.name: figure.svg for figure in shown}, dict(page.export()))
 
 
 def named_apart(page: Page) -> Page:
@@ -78,10 +78,8 @@ def named_apart(page: Page) -> Page:
         taken.add(name)
         return replace(block, name=name)
 
-    return replace(
-        page,
-        sections=[replace(section, blocks=[named(block) for block in section.blocks]) for section in page.sections],
-    )
+    sections = [replace(section, blocks=[named(block) for block in section.blocks]) for section in page.sections]
+    return replace(page, write=lambda: sections)
 
 
 def _begun(notice: str) -> str:

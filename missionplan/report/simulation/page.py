@@ -40,9 +40,9 @@ def page(outcome: Outcome) -> Page:
     return Page(
         title=f"Simulation: {outcome.provenance.mission or outcome.provenance.file}",
         answer=answer(outcome),
-        figure=waterfall(outcome),
+        draw=lambda: waterfall(outcome),
         numbers=_numbers(outcome),
-        sections=[
+        write=lambda: [
             *sections.failed_blocks(outcome),
             *requirements_section(outcome),
             *explanation_sections(outcome),
@@ -57,7 +57,9 @@ def page(outcome: Outcome) -> Page:
             sections.quantities(outcome),
         ],
         verdict=verdict(outcome),
-        files=_files(outcome),
+        export=lambda: _files(outcome),
+        glance=lambda: terminal(outcome),
+        plots=PLOTS,
     )
 
 

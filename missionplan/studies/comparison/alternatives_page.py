@@ -2,6 +2,7 @@
 
 import shlex
 from collections.abc import Iterator, Mapping
+from functools import cache
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -36,20 +37,21 @@ _MOST_ABREAST = 3
 
 def page(found: Alternatives) -> Page:
     """Build the page."""
-    curves = curves_figure(found)
-    dots = alternatives_figure(found)
+    curves = cache(lambda: curves_figure(found))
     return Page(
         title=f"Which is better? {found.provenance.mission}",
         answer=answer(found),
-        figure=curves or dots,
+        draw=lambda: curves() or alternatives_figure(found),
         numbers=[(each.name, percent(each.success)) for each in found.alternatives[:3]],
-        sections=[
-            *_table_section(found, [dots] if curves else []),
+        write=lambda: [
+            *_table_section(found, [alternatives_figure(found)] if curves() else []),
             *requirements_section(found),
             *cells_section(found),
             *differing_section(found),
         ],
         rerun=_rerun(found),
+        glance=lambda: terminal(found),
+        plots=PLOTS,
     )
 
 

@@ -174,10 +174,12 @@ def page(comparison: Comparison) -> Page:
     return Page(
         title=f"Two runs of {comparison.compared}: {comparison.provenance.mission}",
         answer=answer(comparison),
-        figure=changes_figure(comparison),
+        draw=lambda: changes_figure(comparison),
         numbers=_numbers(comparison),
-        sections=[section for part in _PARTS for section in part(comparison)],
+        write=lambda: [section for part in _PARTS for section in part(comparison)],
         rerun=f"missionplan compare {' '.join(folders)}",
+        glance=lambda: terminal(comparison),
+        plots=PLOTS,
     )
 
 

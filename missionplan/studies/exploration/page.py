@@ -51,11 +51,13 @@ def page(found: Exploration) -> Page:
     return Page(
         title=f"Which {what}? {found.provenance.mission}",
         answer=answer(found),
-        figure=curves_figure(found) if len(found.axes) == 1 else maps_figure(found, "success"),
+        draw=lambda: curves_figure(found) if len(found.axes) == 1 else maps_figure(found, "success"),
         numbers=_numbers(found),
-        sections=[section for part in (_maps, _good, _sailed, _front, _all, _invalid) for section in part(found)],
+        write=lambda: [section for part in (_maps, _good, _sailed, _front, _all, _invalid) for section in part(found)],
         verdict=_verdict(found),
         rerun=_rerun(found),
+        glance=lambda: terminal(found),
+        plots=PLOTS,
     )
 
 

@@ -27,15 +27,17 @@ def page(history: History) -> Page:
     return Page(
         title="What was learned from mission to mission",
         answer=answer(history),
-        figure=_figure(history),
+        draw=lambda: _figure(history),
         numbers=[
             ("Diagnoses", str(len(history.reports))),
             ("Parameters", str(len(history.parameters))),
             ("Changes", str(len(history.changes))),
         ],
-        sections=[PageSection("All values", [Table(COLUMNS, _rows(history), f"In the order of {order}.", 2)])],
+        write=lambda: [PageSection("All values", [Table(COLUMNS, _rows(history), f"In the order of {order}.", 2)])],
         verdict="",
         rerun=f"missionplan history {folder}",
+        glance=lambda: terminal(history),
+        plots=PLOTS,
     )
 
 

@@ -41,24 +41,29 @@ _MANY = 60
 
 def page(result: Identification) -> Page:
     """Build the page of an identification."""
-    figures = [panel_figure(panel) for panel in result.analysis.panels]
+    return Page(
+        title=f"Identification: {result.name}",
+        answer=result.analysis.answer,
+        draw=lambda: panel_figure(result.analysis.panels[0]),
+        numbers=_numbers(result),
+        write=lambda: _sections(result),
+        rerun=f"missionplan identify {shlex.quote(result.provenance.file)}",
+        glance=lambda: terminal(result),
+        plots=PLOTS,
+    )
+
+
+def _sections(result: Identification) -> list[PageSection]:
     source = [f"The data: {result.source}"] if result.source else []
     blocks: list[Block] = [parameter_table(result), *result.analysis.remarks, *source]
     sections = [PageSection(_fits_heading(result.fits), blocks)]
-    if len(figures) > 1:
-        sections.append(PageSection("The fit against the other readings", list[Block](figures[1:])))
+    if others := [panel_figure(panel) for panel in result.analysis.panels[1:]]:
+        sections.append(PageSection("The fit against the other readings", list[Block](others)))
     fragment = "Paste this into the vehicle file; it is also in vehicle-fragment.yaml."
     sections.append(
         PageSection("What to write in the vehicle file", [fragment, Listing(to_yaml(result.analysis.fragment))])
     )
-    return Page(
-        title=f"Identification: {result.name}",
-        answer=result.analysis.answer,
-        figure=figures[0],
-        numbers=_numbers(result),
-        sections=sections,
-        rerun=f"missionplan identify {shlex.quote(result.provenance.file)}",
-    )
+    return sections
 
 
 def _numbers(result: Identification) -> list[tuple[str, str]]:

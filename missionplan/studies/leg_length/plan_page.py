@@ -41,9 +41,9 @@ def page(plan: LegPlan) -> Page:
     return Page(
         title=f"Legs for {phase_in_words(plan.phase)}: {plan.provenance.mission}",
         answer=answer(plan),
-        figure=policy_figure(plan),
+        draw=lambda: policy_figure(plan),
         numbers=_numbers(plan),
-        sections=[
+        write=lambda: [
             *_approximation_section(plan),
             *_candidates_section(plan),
             *members_section(plan.arrivals, "plan", "arrive (95 % interval)", _SAILED),
@@ -53,6 +53,8 @@ def page(plan: LegPlan) -> Page:
             *_agreement_section(plan),
         ],
         verdict=_verdict(plan),
+        glance=lambda: terminal(plan),
+        plots=PLOTS,
     )
 
 

@@ -38,9 +38,9 @@ def page(sweep: Sweep) -> Page:
     return Page(
         title=f"Maximum leg length for {phase_in_words(sweep.phase)}: {sweep.provenance.mission}",
         answer=answer(sweep),
-        figure=cost_figure(sweep),
+        draw=lambda: cost_figure(sweep),
         numbers=_numbers(sweep),
-        sections=[
+        write=lambda: [
             PageSection(_choice_heading(sweep), [choice_table(sweep), _as_good_in_words(sweep)]),
             *_explanation_section(sweep),
             *members_section(sweep.members, "plan", "arrive (95 % interval)", _SAILED),
@@ -51,6 +51,8 @@ def page(sweep: Sweep) -> Page:
             PageSection("The numbers behind the curves", [cost_table(sweep)]),
         ],
         verdict=_verdict(sweep),
+        glance=lambda: terminal(sweep),
+        plots=PLOTS,
     )
 
 

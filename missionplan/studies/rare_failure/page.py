@@ -21,10 +21,11 @@ def page(found: RareFailure) -> Page:
     return Page(
         title=f"Rare failure: {found.provenance.mission or found.provenance.file}",
         answer=answer(found),
-        figure=None,
         numbers=_numbers(found),
-        sections=[*_how(found), *_driven(found), *_precision(found)],
+        write=lambda: [*_how(found), *_driven(found), *_precision(found)],
         rerun=_rerun(found),
+        glance=lambda: terminal(found),
+        plots=PLOTS,
     )
 
 

@@ -130,15 +130,17 @@ def page(result: TideResult) -> Page:
     return Page(
         title=f"Tide: {result.provenance.mission}",
         answer=answer(result),
-        figure=ellipses_figure(result),
+        draw=lambda: ellipses_figure(result),
         numbers=_numbers(result.shown),
-        sections=[
+        write=lambda: [
             PageSection("What was measured, and the tide in it", [record_figure(result)]),
             _how_far(result),
             _in_a_mission(result),
             *(_constituents(tide) for tide in result.depths),
         ],
         rerun=_rerun(result),
+        glance=lambda: terminal(result),
+        plots=PLOTS,
     )
 
 

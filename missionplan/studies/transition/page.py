@@ -192,10 +192,12 @@ def page(result: TransitionSweep) -> Page:
     return Page(
         title="Transition from survey speed to hover",
         answer=answer(result),
-        figure=unassisted_figure(result),
+        draw=lambda: unassisted_figure(result),
         numbers=_numbers(result),
-        sections=_sections(result),
+        write=lambda: _sections(result),
         rerun=f"missionplan sweep-transition {shlex.quote(made.file)} --phase {phase}",
+        glance=lambda: terminal(result),
+        plots=PLOTS,
     )
 
 
