@@ -9,7 +9,7 @@ import os
 
 os.environ.setdefault("OMP_NUM_THREADS", "1")
 
-from benchmarks import choosing, commands, currents, descent, monaco_peer, rare, scaling, sweep, table
+from benchmarks import choosing, commands, currents, descent, monaco_peer, place, rare, scaling, sweep, table
 from benchmarks.common import Comparison, Options, circumstances, load_average
 
 COMPARISONS: dict[str, Comparison] = {
@@ -22,6 +22,7 @@ COMPARISONS: dict[str, Comparison] = {
     "rare": rare.compare,
     "choosing": choosing.compare,
     "currents": currents.compare,
+    "place": place.compare,
     "trials": scaling.trials,
     "legs": scaling.legs,
 }

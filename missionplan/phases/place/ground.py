@@ -17,6 +17,8 @@ _SPLIT = 4
 """Parts into which a way is cut that may be too shallow somewhere."""
 _FINEST = 2.0
 """Cells below which a way is sampled rather than cut."""
+_BEYOND = -10.0
+"""Column and row of what lies beyond the part of the plane that a grid was read for."""
 _SAMPLES = 17
 """Along such a way: eight a cell. Bilinear depth between two samples is within twist/512 of linear, the twist being the
 difference of a cell's diagonals' sums."""
@@ -54,20 +56,20 @@ class Frame:
         return None
 
     def cells(self, places: Array) -> Array:
-        """Columns and rows of places, shape (2, n), whole numbers at the centres of cells."""
-        clipped = np.clip(places, self.low[:, None], self.high[:, None])
-        x, y = (2.0 * clipped - (self.low + self.high)[:, None]) / (self.high - self.low)[:, None]
+        """Columns and rows of places, shape (2, n), whole at cells' centres; `_BEYOND` where it was not fitted."""
+        half = 0.5 * (self.high - self.low)[:, None]
+        scaled = (places - (self.low[:, None] + half)) / half
+        beyond = np.abs(scaled).max(axis=0) > 1.0
+        x, y = np.clip(scaled, -1.0, 1.0) if beyond.any() else scaled
         found = np.zeros((2, x.size))
         for i in range(len(self.terms) - 1, -1, -1):
             along = np.zeros((2, x.size))
             for j in range(len(self.terms) - 1 - i, -1, -1):
                 along = along * y + self.terms[i, j][:, None]
             found = found * x + along
+        if beyond.any():
+            found[:, beyond] = _BEYOND
         return found
-
-    def holds(self, places: Array) -> NDArray[np.bool_]:
-        """Whether places, shape (2, n), lie where it was fitted."""
-        return np.asarray(np.all((places >= self.low[:, None]) & (places <= self.high[:, None]), axis=0))
 
 
 @dataclass(frozen=True)
@@ -86,7 +88,7 @@ class Ground:
 
     def depth_at(self, places: Array) -> Array:
         """Depth at places of shape (2, n), shape (n,); nan where unknown [m]."""
-        return np.where(self.frame.holds(places), self._bilinear(self.frame.cells(places)), np.nan)
+        return self._bilinear(self.frame.cells(places))
 
     def slope_at(self, places: Array, step: float = 1.0) -> tuple[Array, Array]:
         """Angle of the seafloor, and the direction toward which it falls, clockwise from north, shape (n,) [rad].
@@ -127,27 +129,26 @@ class Ground:
         """
         count = start.shape[1]
         share, depth, unknown = np.full(count, np.inf), np.full(count, np.nan), np.full(count, np.inf)
-        ends = self.frame.cells(start), self.frame.cells(end)
+        first, last = begun, ended = self.frame.cells(start), self.frame.cells(end)
         way, low, high = np.arange(count), np.zeros(count), np.ones(count)
-        inside = self.frame.holds(start) & self.frame.holds(end)
+        needed = least.max(axis=0)
         while way.size:
-            first, last = (ends[0][:, way] + at * (ends[1] - ends[0])[:, way] for at in (low, high))
-            needed = least.max(axis=0)[way]
-            extent = np.abs(last - first).max(initial=0.0)
-            suspect = ~inside[way] | ~(self._shallowest(first, last, extent) > needed)
+            extent = float(np.abs(last - first).max(initial=0.0))
+            suspect = ~(self._shallowest(first, last, extent) > needed[way])
             way, low, high = way[suspect], low[suspect], high[suspect]
             if extent <= _FINEST:
                 break
             parts = np.linspace(0.0, 1.0, _SPLIT + 1)
             length, way = high - low, np.repeat(way, _SPLIT)
             low, high = ((low[:, None] + length[:, None] * cut).ravel() for cut in (parts[:-1], parts[1:]))
+            first, last = (begun[:, way] + at * (ended - begun)[:, way] for at in (low, high))
         if way.size:
-            at = self._samples(ends[0][:, way], (ends[1] - ends[0])[:, way], low, high)
+            at = self._samples(begun[:, way], (ended - begun)[:, way], low, high)
             over = start[:, way, None] + at * (end - start)[:, way, None]
             sampled = self.depth_at(over.reshape(2, -1)).reshape(at.shape)
-            needed = least[0][way, None] + at * (least[1] - least[0])[way, None]
+            limit = least[0][way, None] + at * (least[1] - least[0])[way, None]
             np.minimum.at(unknown, way, np.where(np.isnan(sampled), at, np.inf).min(axis=1))
-            np.minimum.at(share, way, np.where(sampled <= needed, at, np.inf).min(axis=1))
+            np.minimum.at(share, way, np.where(sampled <= limit, at, np.inf).min(axis=1))
             met = np.isfinite(share)
             depth[met] = self.depth_at(start[:, met] + share[met] * (end - start)[:, met])
         return share, depth, unknown
@@ -181,25 +182,29 @@ class Ground:
         high = self.depth[north, west] * (1.0 - across) + self.depth[north, east] * across
         return np.where(inside, low * (1.0 - up) + high * up, np.nan)
 
-    def _shallowest(self, first: Array, last: Array, extent: float) -> Array:
+    def _shallowest(self, first: Array, last: Array, extent: float) -> Depths:
         """Least depth of all cells in the blocks that hold ways of at most an extent [cells], -inf beyond the grid."""
-        level = min(max(int(np.ceil(np.log2(max(extent, 1.0) + 1.0))), 0), len(self._blocks) - 1)
-        blocks, size = self._blocks[level], 1 << level
-        low = np.floor(np.minimum(first, last)).astype(np.intp) // size
-        high = (np.floor(np.maximum(first, last)).astype(np.intp) + 1) // size
-        top = np.array(blocks.shape[::-1])[:, None] - 1
-        low, high = np.clip(low, 0, top), np.clip(high, 0, top)
-        least = np.minimum.reduce([blocks[r, c] for r in (low[1], high[1]) for c in (low[0], high[0])])
-        edge = np.array(self.depth.shape[::-1])[:, None] - 0.5
-        beyond = np.any((np.minimum(first, last) < -0.5) | (np.maximum(first, last) > edge), axis=0)
-        return np.asarray(np.where(beyond, -np.inf, least), dtype=float)
+        level = min(int(np.ceil(np.log2(extent + 2.0))), len(self._blocks) - 1)
+        blocks = self._blocks[level]
+        corner = (np.floor(np.minimum(first, last)).astype(np.int64) >> level) + 1
+        top = blocks.shape
+        found: Depths = blocks[np.clip(corner[1], 0, top[0] - 1), np.clip(corner[0], 0, top[1] - 1)]
+        return found
 
     @cached_property
     def _blocks(self) -> list[Depths]:
-        """Least depth of blocks of 1, 2, 4, … cells to a side; -inf where one is unknown."""
-        found = [np.where(np.isnan(self.depth), np.float32(-np.inf), self.depth)]
-        while max(found[-1].shape) > 2:
-            rows, columns = found[-1].shape
-            padded = np.pad(found[-1], ((0, rows % 2), (0, columns % 2)), constant_values=np.inf)
-            found.append(padded.reshape(padded.shape[0] // 2, 2, padded.shape[1] // 2, 2).min(axis=(1, 3)))
-        return found
+        """Least depth of two by two blocks of 1, 2, 4, … cells to a side, -inf where unknown or beyond the grid.
+
+        By the block at their corner, counted from the one before the first.
+        """
+        cells = np.where(np.isnan(self.depth), np.float32(-np.inf), self.depth)
+        found = []
+        while True:
+            ringed = np.pad(cells, 1, constant_values=-np.inf)
+            across = np.minimum(ringed[:, :-1], ringed[:, 1:])
+            found.append(np.minimum(across[:-1], across[1:]))
+            if max(cells.shape) <= 2:
+                return found
+            rows, columns = cells.shape
+            padded = np.pad(cells, ((0, rows % 2), (0, columns % 2)), constant_values=-np.inf)
+            cells = padded.reshape(padded.shape[0] // 2, 2, padded.shape[1] // 2, 2).min(axis=(1, 3))

@@ -12,9 +12,6 @@ from missionplan.phases.place.place import Cause, Contact, Place, Way
 from missionplan.scenario.mooring import is_too_shallow, moor_plan
 from missionplan.scenario.place.ways import blocked
 from missionplan.scenario.scenario import Scenario, leg_spread
-from missionplan.studies.simulation.block_statistics import failures_by_step
-from missionplan.studies.simulation.phase_trials import MET
-from missionplan.studies.simulation.trial_block import run_block
 
 AHEAD = 400
 """Tracks that are drawn ahead."""
@@ -127,6 +124,11 @@ def tracks_lost(means: Scenario) -> tuple[str, ...]:
     """Notice of the tracks drawn ahead that meet ground, coast or a zone; none where the mission has no place."""
     if means.place is None:
         return ()
+    # what simulates is loaded for missions with a place alone
+    from missionplan.studies.simulation.block_statistics import failures_by_step
+    from missionplan.studies.simulation.phase_trials import MET
+    from missionplan.studies.simulation.trial_block import run_block
+
     seed = means.mission.monte_carlo.seed
     ahead = run_block(means.sampled(seed=seed, block=0, size=AHEAD), seed, 0, AHEAD, inputs=False)
     steps = failures_by_step(ahead)
