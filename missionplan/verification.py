@@ -3,7 +3,7 @@
 import json
 import tempfile
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -189,10 +189,13 @@ class _Made:
         """Compute some blocks of a simulation again; returns how many values there are and those that differ."""
         from missionplan.scenario.scenario import Scenario
         from missionplan.scenario.site_current import recorded_current
+        from missionplan.studies.mission_plan.build import executions
         from missionplan.studies.simulation.block_sequence import BlockResult, BlockTask
 
         mission = self.mission()
         means = Scenario.at_means(mission, recorded_current(mission))
+        if self.options.get("as_exported"):
+            means = replace(means, executions=executions(mission, self.options["as_exported"], means))
         task = BlockTask(means, whole(self.summary.get("seed")), bool(self.options.get("keep_trials")))
         values, different = 0, list[str]()
         results = run_blocks(task, chosen, jobs=self.jobs, progress=self.progress)
@@ -240,7 +243,8 @@ def _simulate(made: _Made, **extra: Any) -> "Result":
     if options.get("rare"):
         chosen = {"event": options["rare"], "trials": options.get("trials"), "precision": options.get("precision")}
         return find_rare_failure(made.mission(), **chosen, **made.seeded)
-    return simulate(made.mission(), keep_trials=bool(options.get("keep_trials")), **made.drawn, **extra)
+    chosen = {"keep_trials": bool(options.get("keep_trials")), "as_exported": options.get("as_exported")}
+    return simulate(made.mission(), **chosen, **made.drawn, **extra)
 
 
 def _sweep_dmax(made: _Made) -> "Result":

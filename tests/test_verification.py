@@ -55,6 +55,15 @@ def test_some_blocks_come_out_the_same(report):
     assert {path: path.read_bytes() for path in report.rglob("*") if path.is_file()} == before
 
 
+def test_a_mission_as_exported_comes_out_the_same(tmp_path):
+    folder = tmp_path / "report"
+    mission = Mission.from_data(TRANSIT)
+    run = {"trials": 200, "seed": 3, "as_exported": "moos", "checkpoint": folder / "blocks"}
+    missionplan.simulate(mission, **run).save(folder, force=True)
+    assert verify(folder).same
+    assert verify(folder, all_blocks=True).same
+
+
 def test_one_bit_of_a_block_is_found_where_that_block_is_computed(report):
     name = rewrite(report, 1, 4096)
     assert verify(report).same  # the first, the third and the last of four are

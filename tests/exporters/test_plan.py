@@ -223,3 +223,14 @@ def test_the_table_of_guards_in_the_documents_is_that_of_the_formats():
     for name in VEHICLES:
         assert set(conformance(name)) == set(GUARDS)
         assert all(re.match("kept|weaker: |done otherwise: |refused", words) for words in conformance(name).values())
+
+
+def test_a_zone_kept_out_of_is_a_fence_of_the_plan(tmp_path):
+    ring = [[-76.375, 37.252], [-76.370, 37.252], [-76.370, 37.256], [-76.375, 37.256], [-76.375, 37.252]]
+    zone = {"type": "Feature", "properties": {"name": "range"}, "geometry": {"type": "Polygon", "coordinates": [ring]}}
+    (tmp_path / "zones.geojson").write_text(json.dumps({"type": "FeatureCollection", "features": [zone]}))
+    mission = chesapeake().with_({"site.keep_out": {"file": str(tmp_path / "zones.geojson")}})
+    (fence,) = mission_plan(mission).fences
+    assert not fence.is_limited
+    found = {tuple(np.round(np.degrees(corner), 6)) for corner in fence.outline}
+    assert found == {(latitude, longitude) for longitude, latitude in ring}
