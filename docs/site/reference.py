@@ -19,6 +19,7 @@ from missionplan.datasets.legs import TRANSIT
 from missionplan.datasets.summaries import SUMMARY
 from missionplan.datasets.tank import TANK_FORMATS
 from missionplan.effects import CATALOGUE
+from missionplan.exporters.formats import conformance_table
 from missionplan.mission import Mission
 from missionplan.mission.reading.fields import keys_of, meaning_of, parsers_of, sections_in
 from missionplan.mission.schema.limits import Limit
@@ -34,6 +35,7 @@ def pages() -> dict[str, str]:
     return {
         "reference/commands.md": _commands(),
         "reference/effects.md": _effects(),
+        "reference/formats.md": _formats(),
         "reference/keys.md": _keys(),
         "reference/python.md": _functions(),
         "reference/summaries.md": _summaries(),
@@ -150,6 +152,11 @@ def _effects() -> str:
     for name in sorted(CATALOGUE):
         parts += [f"## {name}\n", f"```text\n{effect_text(CATALOGUE[name]).rstrip()}\n```\n"]
     return "\n".join(parts)
+
+
+def _formats() -> str:
+    words = "What the format of each vehicle keeps of the guards that lead from one state of a plan to the next"
+    return f"# Formats of plans\n\n{words} ([vehicles](../vehicles.md)).\n\n{conformance_table()}"
 
 
 def _functions() -> str:

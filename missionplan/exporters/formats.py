@@ -66,7 +66,7 @@ def conformance(name: str) -> Mapping[GuardKind, str]:
 
 
 def conformance_table() -> str:
-    """Return the table of `docs/vehicles.md`: guards by formats, in Markdown."""
+    """Return the table of the reference: guards by formats, in Markdown."""
     told = [conformance(name) for name in VEHICLES]
     lines = [f"| guard | {' | '.join(f'`{name}`' for name in VEHICLES)} |", "|---" * (len(VEHICLES) + 1) + "|"]
     for guard, (words, unit) in GUARDS.items():
