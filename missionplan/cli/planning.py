@@ -55,7 +55,7 @@ def sweep_dmax(
 
         return sweep_dmax(loaded, method=method.value if method else None, progress=progress, **run.arguments())
 
-    run_study(mission, "sweep-dmax", study, output, allow_outside=allow_outside)
+    _exit_as_judged(run_study(mission, "sweep-dmax", study, output, allow_outside=allow_outside))
 
 
 _Aim = Annotated[
@@ -82,7 +82,14 @@ def plan_legs(
 
         return plan_legs(loaded, aim=aim.value, progress=progress, **run.arguments())
 
-    run_study(mission, "plan-legs", study, output, allow_outside=allow_outside)
+    _exit_as_judged(run_study(mission, "plan-legs", study, output, allow_outside=allow_outside))
+
+
+def _exit_as_judged(result: "Result | None") -> None:
+    """Exit with 3 where the mission with what is recommended misses a requirement."""
+    judged = getattr(result, "judged", None)
+    if judged is not None and not judged.requirements_met:
+        raise typer.Exit(REQUIREMENT_NOT_MET)
 
 
 _Probability = Annotated[

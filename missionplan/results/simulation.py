@@ -14,7 +14,6 @@ from missionplan.montecarlo.statistics import Probability, Statistic, trials_to_
 from missionplan.results.base import Provenance, Result, to_csv
 from missionplan.results.entries import Entry, Record
 from missionplan.results.mooring.held_vehicle import HeldVehicle
-from missionplan.results.mooring.sized_anchor import MooringAnchor
 from missionplan.results.overdue import Overdue
 from missionplan.results.place import PlaceContact, SeaChart
 from missionplan.results.plan import Plan
@@ -151,6 +150,37 @@ class RequirementOutcome(Record):
 
 Sensitivity = Influence
 """Influence of one uncertain input on one key figure, such as of ``moor.release_time`` on ``moor.offset_m``."""
+
+
+@dataclass(frozen=True)
+class MooringAnchor:
+    """The anchor of a mooring that the mission leaves to be sized, or whose parts it gives.
+
+    Attributes
+    ----------
+    phase : str
+    wet_weight : float
+        [N]
+    is_sized : bool
+        Whether it is the worst case's (Briggs et al., Eqs. 1 and 15).
+    failures : tuple of str
+        Why its parts cannot make it; empty where they can, or are not given.
+    """
+
+    phase: str
+    wet_weight: float
+    is_sized: bool
+    failures: tuple[str, ...] = ()
+
+    def summary(self) -> dict[str, object]:
+        """Return the entry of `summary.json`."""
+        return {
+            "phase": self.phase,
+            "wet_weight_n": self.wet_weight,
+            "sized": self.is_sized,
+            "feasible": not self.failures,
+            "problems": list(self.failures),
+        }
 
 
 @dataclass(frozen=True)
@@ -300,3 +330,14 @@ class Outcome(Result):
         table = {"trials.parquet": self.trials_table} if self.trials_table is not None else {}
         areas = {"search-areas.csv": to_csv(self.overdue.to_frame())} if self.overdue else {}
         return {"quantities.csv": to_csv(self.to_frame()), **areas, **table}
+
+
+_JUDGED = ("seed", "trials", "total", "requirements")
+
+
+def judgement_summary(judged: Outcome | None) -> dict[str, object] | None:
+    """Return what ``summary.json`` says of a mission that was simulated with a recommendation, on fresh draws."""
+    if judged is None:
+        return None
+    stated = judged.summary()
+    return {"requirements_met": judged.requirements_met, **{key: stated[key] for key in _JUDGED}}

@@ -48,10 +48,11 @@ def test_an_anchor_that_misses_the_radius_is_no_good_news(sizing):
 
 
 def test_a_requirement_that_no_anchor_meets_is_told(sizing):
-    missed = replace(sizing, probable=ProbableAnchor(0.99, None, "the line is too short", 0.5), required=0.999)
+    missed = replace(sizing, probable=ProbableAnchor(0.99, None, "the line is too short", 12.0, 0.5))
     assert not missed.succeeds
-    assert answer(missed).startswith("No anchor reaches 99\u00a0%. An anchor of 11.7\u00a0N wet")
-    assert "the mission requires 99.9\u00a0% within the radius" in answer(missed)
+    assert answer(missed).startswith(
+        "No anchor does 99\u00a0% of dives that succeed: the line is too short. An anchor of 11.7\u00a0N wet"
+    )
 
 
 def test_the_page_has_its_figures(sizing, tmp_path):

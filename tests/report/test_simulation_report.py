@@ -16,8 +16,7 @@ from missionplan.report.page import Figure
 from missionplan.report.render import render_report, terminal_view
 from missionplan.report.simulation import page as simulation
 from missionplan.report.simulation.quantities import judged
-from missionplan.results.mooring.sized_anchor import MooringAnchor
-from missionplan.results.simulation import Attrition, Outcome, RequirementOutcome, Sensitivity
+from missionplan.results.simulation import Attrition, MooringAnchor, Outcome, RequirementOutcome, Sensitivity
 
 
 @pytest.fixture(scope="module")

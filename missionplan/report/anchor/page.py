@@ -13,6 +13,7 @@ from missionplan.report.anchor.sections import numbers_table
 from missionplan.report.axes import name_axis
 from missionplan.report.explained import members_in_words, members_section
 from missionplan.report.held_vehicle import hold_section
+from missionplan.report.judgement import judged_in_words
 from missionplan.report.numbers import percent, share
 from missionplan.report.page import Drawing, Figure, Page, PageSection, Table, Terminal
 from missionplan.report.quantities import quantity, reader_unit
@@ -120,7 +121,8 @@ def _verdict(sizing: AnchorSizing) -> str:
 def answer(sizing: AnchorSizing) -> str:
     """Write which anchor to build and what it achieves, what that of the worst case would, and whether it drags."""
     sailed = members_in_words(sizing.members, "succeeds")
-    return f"{_which(sizing)}{explanation_in_words(sizing)}{sailed and f' {sailed}'}{_drags_in_words(sizing)}"
+    which = f"{_which(sizing)}{sections.margin_in_words(sizing)}{judged_in_words(sizing.judged)}"
+    return f"{which}{explanation_in_words(sizing)}{sailed and f' {sailed}'}{_drags_in_words(sizing)}"
 
 
 def _which(sizing: AnchorSizing) -> str:
@@ -130,12 +132,11 @@ def _which(sizing: AnchorSizing) -> str:
     if probable is None:
         return built
     if probable.anchor is None:
-        return f"No anchor reaches {100.0 * probable.required:g}\u00a0%. {built}"
+        return f"No anchor does {sections.asked_in_words(probable)}: {probable.reason}. {built}"
     if probable.lighter is not None:
-        required = f"{100.0 * probable.required:g}\u00a0%"
         built += (
-            f" For {required}, {quantity(probable.lighter, 'N', '.2f')} would do, but these parts make no "
-            "lighter anchor."
+            f" For {sections.asked_in_words(probable)}, {quantity(probable.lighter, 'N', '.2f')} would do, but these "
+            "parts make no lighter anchor."
         )
     worst = f"The worst-case anchor of Eq. 1, {sections.weight_in_words(sizing.anchor)} wet, reaches "
     return f"{built} {worst}{percent(sizing.anchor.probabilities.good)}."
@@ -160,8 +161,6 @@ def _achieved(sizing: AnchorSizing, anchor: SizedAnchor) -> str:
         "clear of the bottom"
         f"{sections.holding_in_words(anchor)}"
     )
-    if sizing.required is not None and not sizing.meets_requirement:
-        return f"{words}; the mission requires {100.0 * sizing.required:g}\u00a0% within the radius."
     return f"{words}."
 
 

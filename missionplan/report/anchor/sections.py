@@ -32,17 +32,41 @@ def problems(anchor: SizedAnchor) -> Iterator[PageSection]:
 
 
 def probable(sizing: AnchorSizing) -> Iterator[PageSection]:
-    """Present the anchor for the probability required, where one was given."""
+    """Present the lightest anchor that does what is asked of its dives, where anything is."""
     if sizing.probable is None:
         return
-    wanted = f"{100 * sizing.probable.required:g}\u00a0%"
-    found = sizing.probable.anchor
+    wanted, found = asked_in_words(sizing.probable), sizing.probable.anchor
     if found is None:
-        yield PageSection(f"No anchor reaches {wanted}", _why_none(sizing, sizing.probable))
+        yield PageSection(f"No anchor does {wanted}", _why_none(sizing, sizing.probable))
     else:
         heading = f"For {wanted} the anchor weighs {weight_in_words(found)}"
         problems = [f"{capitalised(problem)}." for problem in found.problems]
-        yield PageSection(heading, [_compared(sizing, found, wanted), _WORST_CASE, *problems])
+        yield PageSection(heading, [_compared(sizing, found, wanted), _WORST_CASE, *_margins(sizing), *problems])
+
+
+def asked_in_words(probable: ProbableAnchor) -> str:
+    """Write what is asked of dives: ``95 % of dives that succeed``, or what the mission requires."""
+    share = "" if probable.required is None else f"{100 * probable.required:g}\u00a0% of dives that succeed"
+    return share or "all that the mission requires of its dives"
+
+
+def _margins(sizing: AnchorSizing) -> Iterator[str]:
+    """Write how the dives of anchors a little lighter and heavier than the one found end."""
+    for each in sizing.probable.margins if sizing.probable is not None else ():
+        dives = each.probabilities
+        ends = f"{percent(dives.good)} of dives succeed, {percent(dives.struck)} strike the seafloor"
+        missed = f"; missed: {', '.join(each.misses)}" if each.misses else ""
+        yield f"With {quantity(each.weight, 'N', '.2f')} {ends}{missed}."
+
+
+def margin_in_words(sizing: AnchorSizing) -> str:
+    """Write what is missed by an anchor that turns out a tenth heavier; nothing where nothing is."""
+    if sizing.probable is None or not sizing.probable.margins:
+        return ""
+    heavier = sizing.probable.margins[-1]
+    if not heavier.misses:
+        return ""
+    return f" Built heavier, with {quantity(heavier.weight, 'N', '.2f')}, it would miss {', '.join(heavier.misses)}."
 
 
 def _why_none(sizing: AnchorSizing, probable: ProbableAnchor) -> list[str]:
@@ -61,9 +85,8 @@ def _compared(sizing: AnchorSizing, found: SizedAnchor, wanted: str) -> str:
     difference = found.wet_weight - worst.wet_weight
     which = "lightest" if sizing.probable is None or sizing.probable.lighter is None else "lightest buildable"
     return (
-        f"The {which} anchor that stays within {quantity(sizing.radius, 'm', '.1f')} without the vehicle "
-        f"striking in {wanted} of "
-        f"dives weighs {weight_in_words(found)} wet, {quantity(abs(difference), 'N', '.1f')} "
+        f"The {which} anchor that does {wanted} weighs {weight_in_words(found)} wet, "
+        f"{quantity(abs(difference), 'N', '.1f')} "
         f"{'lighter' if difference < 0.0 else 'heavier'} than the worst-case anchor, which reaches "
         f"{percent(worst.probabilities.good)}. It is {dive_in_words(found)}."
     )
@@ -249,11 +272,12 @@ def numbers_table(sizing: AnchorSizing) -> tuple[list[str], list[list[str]]]:
     """Return the column heads, an anchor each, and the rows."""
     anchors = {"Worst case": sizing.anchor}
     if sizing.probable is not None and sizing.probable.anchor is not None:
-        anchors[f"{100 * sizing.probable.required:g} %"] = sizing.probable.anchor
+        required = sizing.probable.required
+        anchors["as required" if required is None else f"{100 * required:g} %"] = sizing.probable.anchor
     rows = [
         [row.label, *(row.cell(anchor) for anchor in anchors.values())]
         for row in _ROWS
         if row.value(sizing.anchor) is not None
     ]
     good = [percent(anchor.probabilities.good) for anchor in anchors.values()]
-    return ["", *anchors], [*rows, ["Within the radius and not struck", *good]]
+    return ["", *anchors], [*rows, ["Dives that succeed", *good]]

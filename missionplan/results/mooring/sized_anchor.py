@@ -10,6 +10,7 @@ from missionplan.phases.mooring.profile import DescentProfile
 from missionplan.physics.anchor import AnchorDesign
 from missionplan.physics.anchor_remedies import MAX_WET_WEIGHT, Remedy
 from missionplan.physics.vehicle_drag import DragBuildUp
+from missionplan.results.simulation import RequirementOutcome
 
 
 @dataclass(frozen=True)
@@ -19,24 +20,24 @@ class DiveProbabilities:
     Attributes
     ----------
     good : Probability
-        Of coming down within the radius and holding, without the vehicle striking the seafloor.
-    enough : Probability
-        Of coming down within the radius and holding.
+        Of the mooring failing in no way: within the radius, not struck, and what else the files let be known.
     within, struck : Probability
         Of the anchor coming down within the radius, and of the vehicle striking the seafloor.
     holds : Probability or None
         Of the anchor holding; None where the vehicle file does not say how it does, and every anchor counts as holding.
     offset, lowest_altitude : Statistic
         Of the anchor from the last fix, and of the vehicle above the seafloor [m].
+    requirements : tuple of RequirementOutcome
+        What the mission requires of the mooring.
     """
 
     good: Probability
-    enough: Probability
     within: Probability
     holds: Probability | None
     struck: Probability
     offset: Statistic
     lowest_altitude: Statistic
+    requirements: tuple[RequirementOutcome, ...] = ()
 
     def summary(self) -> dict[str, object]:
         """Return the section `odds` of ``summary.json``."""
@@ -47,6 +48,7 @@ class DiveProbabilities:
             **({} if self.holds is None else {"anchor_holds": self.holds.summary()}),
             "offset_m": self.offset.summary(),
             "lowest_altitude_m": self.lowest_altitude.summary(),
+            **({"requirements": [item.summary() for item in self.requirements]} if self.requirements else {}),
         }
 
 
@@ -201,34 +203,3 @@ _BUILT: Mapping[str, str] = {
     "flooded_mass_kg": "flooded_mass",
 }
 """Keys of ``summary.json`` and the properties of the design that they hold."""
-
-
-@dataclass(frozen=True)
-class MooringAnchor:
-    """The anchor of a mooring that the mission leaves to be sized, or whose parts it gives.
-
-    Attributes
-    ----------
-    phase : str
-    wet_weight : float
-        [N]
-    is_sized : bool
-        Whether it is the worst case's (Briggs et al., Eqs. 1 and 15).
-    failures : tuple of str
-        Why its parts cannot make it; empty where they can, or are not given.
-    """
-
-    phase: str
-    wet_weight: float
-    is_sized: bool
-    failures: tuple[str, ...] = ()
-
-    def summary(self) -> dict[str, object]:
-        """Return the entry of `summary.json`."""
-        return {
-            "phase": self.phase,
-            "wet_weight_n": self.wet_weight,
-            "sized": self.is_sized,
-            "feasible": not self.failures,
-            "problems": list(self.failures),
-        }

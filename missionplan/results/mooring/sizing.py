@@ -1,4 +1,4 @@
-"""Result of `size-anchor`: the anchor for the worst case and for a probability, and the nominal dive."""
+"""Result of `size-anchor`: the anchor for the worst case and for what is asked of dives, and the nominal dive."""
 
 from dataclasses import dataclass
 from typing import ClassVar
@@ -11,36 +11,60 @@ from missionplan.phases.mooring.profile import DescentProfile
 from missionplan.physics.trim import TrimState
 from missionplan.results.base import Provenance, Result, to_csv
 from missionplan.results.mooring.held_vehicle import HeldVehicle
-from missionplan.results.mooring.sized_anchor import SizedAnchor
+from missionplan.results.mooring.sized_anchor import DiveProbabilities, SizedAnchor
+from missionplan.results.simulation import Outcome, judgement_summary
 from missionplan.results.under_doubts import MemberOutcome
 
 
 @dataclass(frozen=True)
+class Deviation:
+    """An anchor of another weight, as one that was built heavier: its wet weight [N], and how its dives end."""
+
+    weight: float
+    probabilities: DiveProbabilities
+    misses: tuple[str, ...]
+
+    def summary(self) -> dict[str, object]:
+        """Return an entry of ``summary.json``."""
+        return {
+            "wet_weight_n": self.weight,
+            "misses": list(self.misses),
+            "odds": self.probabilities.summary(),
+        }
+
+
+@dataclass(frozen=True)
 class ProbableAnchor:
-    """The lightest anchor that reaches a probability, or the reason why there is none.
+    """The lightest anchor that does all that is asked of its dives, or which demands stand against which.
 
     Attributes
     ----------
-    required : float
-        Probability required.
+    required : float or None
+        Probability asked of dives that succeed; None where only the mission's requirements are asked.
     anchor : SizedAnchor or None
-        The lightest that can be built; that of any parts where none can; None where no anchor reaches it.
+        The lightest that can be built; that of any parts where none can; None where no anchor does.
     reason : str
-        Why none reaches it; empty otherwise.
+        Why none does, with the numbers of the best compromise; empty otherwise.
+    compromise : float
+        Wet weight that comes nearest [N].
     best : float
-        Highest probability found among the weights tried.
+        Share of its dives that succeed.
+    margins : tuple of Deviation
+        Anchors a tenth lighter and heavier than the one found.
     line_length : float or None
-        Shortest line [m] with which some anchor would reach it, where the line is what fails.
+        Shortest line [m] with which some anchor would do, where the line is what fails.
     line_anchor_weight : float or None
         Wet weight of that anchor [N].
     lighter : float or None
         Wet weight [N] of a lighter anchor that reaches it, where the parts cannot make that one.
     """
 
-    required: float
+    required: float | None
     anchor: SizedAnchor | None
     reason: str
+    compromise: float
     best: float
+    margins: tuple[Deviation, ...] = ()
     line_length: float | None = None
     line_anchor_weight: float | None = None
     lighter: float | None = None
@@ -53,6 +77,8 @@ class ProbableAnchor:
             "found": found is not None,
             "reason": self.reason,
             "best": self.best,
+            "best_wet_weight_n": self.compromise,
+            "margins": [each.summary() for each in self.margins],
             "anchor": found.summary() if found else None,
             "descent": found.descent_summary() if found else None,
             "odds": found.probabilities.summary() if found else None,
@@ -124,8 +150,8 @@ class AnchorSizing(Result):
         Where a probability was given.
     notes : tuple of str
         Formulae that are used outside their range.
-    required : float or None
-        Probability of staying within the radius that the mission requires, where it does.
+    judged : Outcome or None
+        The mission with the anchor to build, simulated with fresh draws; None where it requires nothing.
     held : HeldVehicle or None
         How the vehicle stands on its line above the anchor to build.
     trim : tuple of TrimState
@@ -149,7 +175,7 @@ class AnchorSizing(Result):
     anchor: SizedAnchor
     probable: ProbableAnchor | None
     notes: tuple[str, ...]
-    required: float | None = None
+    judged: Outcome | None = None
     held: HeldVehicle | None = None
     trim: tuple[TrimState, ...] = ()
     explanations: tuple[ExplainedAnchor, ...] = ()
@@ -161,16 +187,16 @@ class AnchorSizing(Result):
         return self.probable.anchor if self.probable and self.probable.anchor else self.anchor
 
     @property
-    def meets_requirement(self) -> bool:
-        """Whether the anchor to build stays within the radius as often as the mission requires, if it does."""
-        return self.required is None or self.to_build.probabilities.within.value >= self.required
+    def meets_requirements(self) -> bool:
+        """Whether the mission with the anchor to build meets all requirements on fresh draws, if it has any."""
+        return self.judged is None or self.judged.requirements_met
 
     @property
     def succeeds(self) -> bool:
-        """Whether the anchor to build can be built, is ever good, reaches the probability and meets the requirement."""
+        """Whether the anchor to build can be built, is ever good, does all that is asked, and so does the mission."""
         reached = self.probable is None or self.probable.anchor is not None
         some_succeed = self.to_build.probabilities.good.value > 0.0
-        return reached and some_succeed and not self.to_build.problems and self.meets_requirement
+        return reached and some_succeed and not self.to_build.problems and self.meets_requirements
 
     def summary(self) -> dict[str, object]:
         """Return the contents of ``summary.json``."""
@@ -186,8 +212,8 @@ class AnchorSizing(Result):
             "odds": self.anchor.probabilities.summary(),
             "probable": self.probable.summary() if self.probable else None,
             "to_build": "worst-case" if self.to_build is self.anchor else "probable",
-            "required": self.required,
-            "meets_requirement": self.meets_requirement,
+            "meets_requirements": self.meets_requirements,
+            "judged": judgement_summary(self.judged),
             "succeeds": self.succeeds,
             "hold": self.held.summary() if self.held else None,
             "trim": [state.summary() for state in self.trim],

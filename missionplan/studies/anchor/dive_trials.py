@@ -1,56 +1,45 @@
 """Many dives with one anchor, on random numbers common to all anchors."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import partial, reduce
 
 import numpy as np
 
+from missionplan.arrays import Array
 from missionplan.mission import Mission
+from missionplan.mission.schema.monte_carlo import Requirement
 from missionplan.mission.views import MooringMission
 from missionplan.montecarlo.parallel.blocks import IN_THIS_PROCESS, Workers
 from missionplan.montecarlo.statistics import Count, RunningStatistic
-from missionplan.montecarlo.streams import block_count, block_size, stream
+from missionplan.montecarlo.streams import BlockStreams, block_count, block_size, stream
 from missionplan.phases.currents import Current
-from missionplan.phases.hooks import surface_velocity
-from missionplan.phases.mooring.descent import descend
-from missionplan.phases.mooring.hold import hold_vehicle, lifted
+from missionplan.phases.state import TrialState
 from missionplan.results.mooring.sized_anchor import DiveProbabilities
-from missionplan.scenario.anchors import laden
-from missionplan.scenario.held_vehicle import hold_of
-from missionplan.scenario.mooring import dive_of, is_too_shallow, start_of
-from missionplan.scenario.scenario import STILL_WATER, Scenario
-
-STEP = 0.2
-"""Of the integration [s]; times are then within a tenth of a millisecond, which is enough for probabilities."""
+from missionplan.scenario.mooring import start_of
+from missionplan.scenario.scenario import Scenario
+from missionplan.studies.simulation.block_statistics import requirement_flags
+from missionplan.studies.simulation.mooring_trials import mooring_trials
+from missionplan.studies.simulation.outcome_builder import requirement_outcome
+from missionplan.studies.simulation.phase_trials import Flags, TrialBlock
 
 
 @dataclass(frozen=True)
 class _Totals:
-    """Merged dives; the statistics are of those that landed."""
+    """Merged dives: counts by name, and statistics of those that landed."""
 
-    good: Count
-    enough: Count
-    within: Count
-    holds: Count
-    struck: Count
+    counts: Mapping[str, Count]
     offset: RunningStatistic
     lowest: RunningStatistic
 
     def merge(self, other: "_Totals") -> "_Totals":
-        return _Totals(
-            self.good.merge(other.good),
-            self.enough.merge(other.enough),
-            self.within.merge(other.within),
-            self.holds.merge(other.holds),
-            self.struck.merge(other.struck),
-            self.offset.merge(other.offset),
-            self.lowest.merge(other.lowest),
-        )
+        counts = {name: count.merge(other.counts[name]) for name, count in self.counts.items()}
+        return _Totals(counts, self.offset.merge(other.offset), self.lowest.merge(other.lowest))
 
 
 @dataclass(frozen=True)
 class AnchorTrials:
-    """Dives of a mission's mooring, each trial with the same draws for every anchor.
+    """Dives of a mission's mooring from the planned fix, each trial with the same draws for every anchor.
 
     Attributes
     ----------
@@ -75,61 +64,55 @@ class AnchorTrials:
         """Whether an anchor must also hold: where the vehicle file says how it does."""
         return MooringMission.of(self.mission).anchor.holding_factor is not None
 
+    @property
+    def requirements(self) -> tuple[Requirement, ...]:
+        """What the mission requires of this mooring."""
+        return tuple(item for item in self.mission.requirements if item.quantity.rpartition(".")[0] == self.phase)
+
     def probabilities(self, weight: float, line_length: float | None = None) -> DiveProbabilities:
         """Estimate the probabilities of an anchor of a wet weight [N], with another line [m] if one is given."""
         task = partial(_block, replace(self, workers=IN_THIS_PROCESS), weight, line_length)
         totals = reduce(_Totals.merge, self.workers.run(task, range(block_count(self.trials))))
+        shares = {name: count.probability() for name, count in totals.counts.items()}
         return DiveProbabilities(
-            good=totals.good.probability(),
-            enough=totals.enough.probability(),
-            within=totals.within.probability(),
-            holds=totals.holds.probability() if self.counts_holding else None,
-            struck=totals.struck.probability(),
+            good=shares["good"],
+            within=shares["within_radius"],
+            holds=shares["anchor_holds"] if self.counts_holding else None,
+            struck=shares["struck_seafloor"],
             offset=totals.offset.statistic(),
             lowest_altitude=totals.lowest.statistic(),
+            requirements=tuple(
+                requirement_outcome(self.mission, item, totals.counts[f"requirement {index}"])
+                for index, item in enumerate(self.requirements)
+            ),
         )
 
 
 def _block(study: AnchorTrials, weight: float, line_length: float | None, block: int) -> _Totals:
-    """Dive with one block of trials."""
-    size = block_size(study.trials, block)
-    scenario = Scenario.at_means(study.mission, study.recorded).sampled(seed=study.seed, block=block, size=size)
+    """Dive with one block of trials; a dive is good where the mooring fails in no way."""
+    size, source = block_size(study.trials, block), BlockStreams(study.seed, block)
+    scenario = Scenario.at_means(study.mission, study.recorded).sampled_from(source, size)
     phase = scenario.moor(study.phase)
-    dive = dive_of(scenario, phase, weight)
-    if line_length is not None:
-        dive = replace(dive, line_length=line_length)
-    release = np.broadcast_to(np.asarray(phase.release_time, dtype=float), (size,))
-    place, t_start = start_of(scenario, phase)
+    length = phase.line_length if line_length is None else line_length
+    phase = phase.model_copy(update={"anchor_wet_weight": weight, "line_length": length})
+    place, start = start_of(scenario, phase)
     position = np.broadcast_to(place.reshape(2, -1), (2, size))
-    start = np.full(size, t_start)
-    record = descend(
-        dive,
-        effects=scenario.descent_effects,
-        release_time=release,
-        current=scenario.current or STILL_WATER,
+    fix_error = scenario.fix_sd * stream(study.seed, f"{study.phase}.fix", block).standard_normal((2, size))
+    state = TrialState(
         position=position,
-        t_start=start,
-        surface_velocity=surface_velocity(scenario.effects_afloat, start, release, position),
-        step=STEP,
+        fix=position + fix_error,
+        clock=np.full(size, start),
+        energy=np.zeros(size),
+        alive=np.ones(size, dtype=bool),
     )
-    fix_error = scenario.fix_error * stream(study.seed, f"{study.phase}.fix", block).standard_normal((2, size))
-    landed = record.touched_down & ~is_too_shallow(dive, laden(scenario, phase).mooring.vehicle.hull.length)
-    offset = np.where(landed, np.hypot(*(record.offset - fix_error)), np.nan)
-    within = offset <= phase.radius
-    struck, holds = record.struck & landed, landed
-    if study.counts_holding:
-        hold = hold_of(scenario, phase, weight)
-        hold = lifted(replace(hold, line=replace(hold.line, length=dive.line_length)), scenario.descent_effects)
-        touchdown = start + release + np.where(landed, record.descent_time, 0.0)
-        lasting = phase.hold + phase.galvanic_release
-        current = scenario.current or STILL_WATER
-        holds = landed & hold_vehicle(hold, current, position + record.offset, touchdown, lasting).anchor_holds
+    with np.errstate(divide="raise", over="raise", invalid="raise"):
+        _, done = mooring_trials(TrialBlock(scenario, source, 0, inputs=False), phase, state, place.reshape(2, -1))
+    columns: dict[str, Array | Flags] = {f"{phase.name}.{name}": values for name, values in done.quantities.items()}
+    columns |= {f"{phase.name}.{name}": values for name, values in done.events.items()}
+    flags = requirement_flags(study.mission.model_copy(update={"requirements": study.requirements}), columns)
+    good = ~np.logical_or.reduce(list(done.failures.values()))
     return _Totals(
-        Count.of(within & holds & ~struck),
-        Count.of(within & holds),
-        Count.of(within),
-        Count.of(holds),
-        Count.of(struck),
-        RunningStatistic.of(offset),
-        RunningStatistic.of(np.where(landed, record.lowest_altitude, np.nan)),
+        {name: Count.of(trials) for name, trials in {"good": good, **done.events, **flags}.items()},
+        RunningStatistic.of(done.quantities["offset_m"]),
+        RunningStatistic.of(done.quantities["lowest_altitude_m"]),
     )

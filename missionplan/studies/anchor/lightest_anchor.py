@@ -1,8 +1,11 @@
-"""The lightest anchor that reaches a probability, or why there is none and how long a line would do."""
+"""The lightest anchor that does all that is asked of its dive, or what stands against what."""
 
+import itertools
 import math
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field, replace
+
+import numpy as np
 
 from missionplan.results.mooring.sized_anchor import DiveProbabilities
 
@@ -11,11 +14,44 @@ MAX_WEIGHT_RATIO = 10.0
 what is left."""
 MAX_LINE_RATIO = 20.0
 """Longest line tried over the given one."""
-WEIGHT_STEP = 1.02
-"""Ratio of the weights tried where heavier anchors strike more often."""
+_STEPS = 6
+"""Intervals into which the weights are divided before the search, a factor of two each."""
+_NARROW = 1.2
+"""Ratio of weights within which a hill, whose height both ends miss, is not looked for."""
+_NEAR = 1.25
+"""Factor about what few dives find within which many are looked for: their lightest differs by some percent."""
+_RESOLUTION = 1.001
+_LINE_RESOLUTION = 1.02
 
 ProbabilitiesOf = Callable[[float, float | None], DiveProbabilities]
 """Probabilities of a wet weight [N] with a line [m], None for the mission's own."""
+
+
+@dataclass(frozen=True)
+class Demand:
+    """Something that dives have to do so often.
+
+    Attributes
+    ----------
+    words : str
+    required : float
+    share : callable
+        How often they do.
+    needs_height : bool
+        Whether a longer line helps.
+    is_hill : bool
+        Whether the share may rise with the weight and then fall; else it does one of both.
+    """
+
+    words: str
+    required: float
+    share: Callable[[DiveProbabilities], float]
+    needs_height: bool = False
+    is_hill: bool = False
+
+    def slack(self, found: DiveProbabilities) -> float:
+        """Share of the dives less that required."""
+        return self.share(found) - self.required
 
 
 @dataclass(frozen=True)
@@ -25,121 +61,174 @@ class LightestAnchor:
     Attributes
     ----------
     weight : float or None
-        Lightest wet weight that reaches the probability [N].
-    best : float
-        Highest probability found.
+        Lightest wet weight that does all that is asked [N].
+    compromise : float
+        Weight that comes nearest to it; the same where there is one [N].
     reason : str
-        Why none reaches it; empty otherwise.
+        Which demand stands against which where there is none; empty otherwise.
     line_length, line_weight : float or None
         Shortest line with which an anchor does, and the anchor's wet weight [m, N].
     """
 
     weight: float | None
-    best: float
+    compromise: float
     reason: str = ""
     line_length: float | None = None
     line_weight: float | None = None
 
 
 def lightest_anchor(
-    probabilities: ProbabilitiesOf, required: float, start: float, line_length: float
+    probabilities: ProbabilitiesOf,
+    demands: Sequence[Demand],
+    start: float,
+    line_length: float,
+    rough: ProbabilitiesOf | None = None,
 ) -> LightestAnchor:
-    """Search wet weights for the lightest that reaches a probability.
+    """Search wet weights for the lightest that meets all demands.
 
-    On common random numbers (Law 2015, Simulation Modeling and Analysis, sect. 11.2) the share of trials within the
-    radius, and that of anchors that hold, only rise with the weight, and so does the share of trials that strike. The
-    lightest candidate is therefore the weight at which the first two reach the probability; from there on only strikes
-    can prevent it.
+    On common random numbers (Law 2015, Simulation Modeling and Analysis, sect. 11.2) most shares only rise with the
+    weight, as that of dives within the radius, or only fall, as that of dives clear of the seafloor: where both ends of
+    an interval miss such a demand, so does all between them. Other intervals are halved.
 
     Parameters
     ----------
     probabilities : ProbabilitiesOf
-    required : float
-        P(within the radius, not struck, and holding where that counts).
+    demands : sequence of Demand
     start : float
-        Wet weight to begin with, such as the worst case's [N].
+        Wet weight about which to search, such as the worst case's [N].
     line_length : float
         The mission's [m].
+    rough : callable, optional
+        Of fewer dives, which say where to look, and for the search of a longer line; default: the same.
     """
-    first = _lightest(probabilities, required, start, None)
-    if first.weight is not None or first.reason:
-        return first
-    reason = (
-        f"an anchor heavy enough for the radius drives the vehicle into the seafloor: at best "
-        f"{100 * first.best:.1f} % of dives stay within the radius and do not strike"
-    )
-    line, weight = _shortest_line(probabilities, required, start, line_length)
+    tried = _Tried(probabilities, demands)
+    about = _Tried(rough, demands).lightest(start) if rough is not None else None
+    weight = tried.lightest_about(about) if about is not None else None
+    weight = tried.lightest(start) if weight is None else weight
+    if weight is not None:
+        return LightestAnchor(weight, weight)
+    compromise = tried.compromise()
+    found = LightestAnchor(None, compromise, tried.why_none(compromise))
+    if not tried.could_do_with_height():
+        return found
+    line, weight = _shortest_line(rough or probabilities, demands, start, line_length)
     if line is None:
-        reason += f"; no line up to {MAX_LINE_RATIO:g} times as long prevents it"
-    return LightestAnchor(None, first.best, reason, line, weight)
+        return replace(found, reason=f"{found.reason}; no line up to {MAX_LINE_RATIO:g} times as long helps")
+    return replace(found, line_length=line, line_weight=weight)
 
 
-def _lightest(
-    probabilities: ProbabilitiesOf, required: float, start: float, line: float | None, resolution: float = 1.001
-) -> LightestAnchor:
-    """Lightest weight, to a ratio, with one line; neither weight nor reason where strikes prevent it."""
-    heaviest = start * MAX_WEIGHT_RATIO
-    heavy = probabilities(heaviest, line)
-    share = heavy.enough.value
-    if share < required:
-        reason = f"even an anchor of {heaviest:.0f} N "
-        if heavy.within.value < required:
-            reason += (
-                f"comes down within the radius in {100 * heavy.within.value:.1f} % of dives: the drift before the "
-            )
-            reason += "line is taut takes the rest"
+@dataclass
+class _Tried:
+    """Weights with one line, and what each leaves of every demand."""
+
+    probabilities: ProbabilitiesOf
+    demands: Sequence[Demand]
+    line: float | None = None
+    resolution: float = _RESOLUTION
+    known: dict[float, DiveProbabilities] = field(default_factory=dict)
+
+    def slacks(self, weight: float) -> list[float]:
+        """Share of the dives less that required, of each demand."""
+        if weight not in self.known:
+            self.known[weight] = self.probabilities(weight, self.line)
+        return [demand.slack(self.known[weight]) for demand in self.demands]
+
+    def lightest(self, start: float) -> float | None:
+        """Lightest weight [N] that meets all demands, from a tenth to ten times a weight; None where none does."""
+        grid = np.geomspace(start / MAX_WEIGHT_RATIO, start * MAX_WEIGHT_RATIO, _STEPS + 1).tolist()
+        found = (self._within(light, heavy) for light, heavy in itertools.pairwise(grid))
+        return next((weight for weight in found if weight is not None), None)
+
+    def lightest_about(self, weight: float) -> float | None:
+        """Lightest weight [N] that meets all demands, near one that fewer dives found; None where it is not near."""
+        grid = np.geomspace(weight / _NEAR, weight * _NEAR, 7).tolist()
+        if min(self.slacks(grid[0])) >= 0.0:
+            return None
+        found = (self._within(light, heavy) for light, heavy in itertools.pairwise(grid))
+        return next((weight for weight in found if weight is not None), None)
+
+    def _within(self, light: float, heavy: float) -> float | None:
+        below, above = self.slacks(light), self.slacks(heavy)
+        if min(below) >= 0.0:
+            return light
+        is_narrow = heavy <= light * _NARROW
+        for demand, one, other in zip(self.demands, below, above, strict=True):
+            if one < 0.0 and other < 0.0 and (is_narrow or not demand.is_hill):
+                return None
+        if heavy <= light * self.resolution:
+            return heavy if min(above) >= 0.0 else None
+        middle = math.sqrt(light * heavy)
+        lighter = self._within(light, middle)
+        return self._within(middle, heavy) if lighter is None else lighter
+
+    def compromise(self) -> float:
+        """Weight whose worst demand is missed by least [N]; of equal ones the lightest."""
+
+        def worst(weight: float) -> tuple[float, float]:
+            return min(self.slacks(weight)), -weight
+
+        for _ in range(6):
+            weights = sorted(self.known)
+            place = weights.index(max(weights, key=worst))
+            for light, heavy in itertools.pairwise(weights[max(place - 1, 0) : place + 2]):
+                self.slacks(math.sqrt(light * heavy))
+        return max(self.known, key=worst)
+
+    def could_do_with_height(self) -> bool:
+        """Whether dives are too low, or strike where they would otherwise do what is asked."""
+        too_low = (
+            item.required - found.struck.value <= item.share(found) < item.required
+            for found in self.known.values()
+            for item in self.demands
+        )
+        return any(item.needs_height for item in self.demands) or any(too_low)
+
+    def why_none(self, compromise: float) -> str:
+        """Write which demand no weight meets, or which need more than others allow, and what the compromise does."""
+        weights = sorted(self.known)
+        met = [[w for w in weights if self.slacks(w)[number] >= 0.0] for number in range(len(self.demands))]
+        never = [demand for demand, some in zip(self.demands, met, strict=True) if not some]
+        if never:
+            words = "; ".join(self._at_best(demand) for demand in never)
         else:
-            reason += f"comes down within the radius and holds in {100 * share:.1f} % of dives"
-        return LightestAnchor(None, share, reason)
+            low = max(range(len(met)), key=lambda number: met[number][0])
+            high = min(range(len(met)), key=lambda number: met[number][-1])
+            words = (
+                f"{self.demands[low].words} asks for {met[low][0]:.3g} N or more, {self.demands[high].words} for "
+                f"{met[high][-1]:.3g} N or less"
+            )
+        shares = ", ".join(
+            f"{demand.words} in {100.0 * demand.share(self.known[compromise]):.1f} % of dives "
+            f"({100.0 * demand.required:g} % asked)"
+            for demand in self.demands
+        )
+        return f"{words}. The best compromise, {compromise:.3g} N: {shares}"
 
-    def is_heavy_enough(weight: float) -> bool:
-        return probabilities(weight, line).enough.value >= required
-
-    def is_good(weight: float) -> bool:
-        return probabilities(weight, line).good.value >= required
-
-    light = _bisect(is_heavy_enough, start / MAX_WEIGHT_RATIO, heaviest, resolution)
-    best, weight = 0.0, light
-    while weight <= heaviest:
-        found = probabilities(weight, line)
-        best = max(best, found.good.value)
-        if found.good.value >= required:
-            break
-        if 1.0 - found.struck.value < required:
-            return LightestAnchor(None, best)
-        weight *= WEIGHT_STEP
-    if weight > light:
-        weight = _bisect(is_good, weight / WEIGHT_STEP, weight, resolution)
-    return LightestAnchor(weight, probabilities(weight, line).good.value)
+    def _at_best(self, demand: Demand) -> str:
+        weight, found = max(self.known.items(), key=lambda item: (demand.share(item[1]), -item[0]))
+        words = f"{demand.words} in {100.0 * demand.share(found):.1f} % of dives at best, with {weight:.3g} N"
+        if found.within.value < demand.required:
+            words += f"; {100.0 * found.within.value:.1f} % come down within the radius: drift before the line is taut"
+        return words
 
 
 def _shortest_line(
-    probabilities: ProbabilitiesOf, required: float, start: float, given: float
+    probabilities: ProbabilitiesOf, demands: Sequence[Demand], start: float, given: float
 ) -> tuple[float | None, float | None]:
-    """Shortest line with which an anchor reaches the probability, and its wet weight; None where none does."""
-    weights: dict[float, float] = {}
+    """Shortest line with which an anchor meets all demands, and its wet weight; None where none does."""
+    weights: dict[float, float | None] = {}
 
     def is_enough(length: float) -> bool:
-        found = _lightest(probabilities, required, start, length, 1.02)
-        if found.weight is not None:
-            weights[length] = found.weight
-        return found.weight is not None
+        weights[length] = _Tried(probabilities, demands, length, _LINE_RESOLUTION).lightest(start)
+        return weights[length] is not None
 
     length = given
     while not is_enough(length):
-        length *= 1.25
+        length *= 1.5
         if length > given * MAX_LINE_RATIO:
             return None, None
-    shortest = _bisect(is_enough, length / 1.25, length, 1.02)
-    return shortest, weights[shortest]
-
-
-def _bisect(holds: Callable[[float], bool], low: float, high: float, resolution: float) -> float:
-    """Least value, to a ratio, at which a condition holds that holds at `high` and above that value.
-
-    Bisection of the logarithm (Press et al. 2007, Numerical Recipes, sect. 9.1).
-    """
-    while high / low > resolution:
-        middle = math.sqrt(low * high)
-        low, high = (low, middle) if holds(middle) else (middle, high)
-    return high
+    low = length / 1.5
+    while length > low * _LINE_RESOLUTION:  # the logarithm is halved (Press et al. 2007, sect. 9.1)
+        middle = math.sqrt(low * length)
+        low, length = (low, middle) if is_enough(middle) else (middle, length)
+    return length, weights[length]

@@ -1,28 +1,33 @@
 """Which anchor? From the worst current to an anchor one can build, the dive it gives, and how often that is enough."""
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
+from functools import partial
 
 from missionplan.errors import InputError, Problem, shown
 from missionplan.mission import Mission, MissionOrPath
-from missionplan.mission.schema.phases import MoorPhase
 from missionplan.mission.views import MooringMission
 from missionplan.montecarlo.parallel.blocks import Backend, Progress
 from missionplan.results.base import Provenance
 from missionplan.results.mooring.sized_anchor import SizedAnchor
 from missionplan.results.mooring.sizing import AnchorSizing, ExplainedAnchor, ProbableAnchor
+from missionplan.results.simulation import Outcome
 from missionplan.results.under_doubts import MemberOutcome
 from missionplan.scenario.anchors import laden, worst_case_weight
 from missionplan.scenario.scenario import Scenario
 from missionplan.scenario.site_current import recorded_current
 from missionplan.studies.anchor.dive_trials import AnchorTrials
-from missionplan.studies.anchor.lightest_anchor import lightest_anchor
+from missionplan.studies.anchor.lightest_anchor import Demand, lightest_anchor
 from missionplan.studies.anchor.sizing import AnchorSizer
 from missionplan.studies.anchor.trim_check import trim_states
 from missionplan.studies.held_vehicle import held_vehicle
+from missionplan.studies.judgement import judged
 from missionplan.studies.nominal_dive import check_dives
 from missionplan.studies.run import Run
 from missionplan.studies.simulation.checks import check_cover
+
+HEAVIER = (1.005, 1.01, 1.02, 1.03, 1.05)
+"""Factors by which an anchor is made heavier where fresh draws do not agree with those on which it was found."""
 
 
 def size_anchor(
@@ -43,8 +48,7 @@ def size_anchor(
     ----------
     mission : Mission, str or Path
     probability : float, optional
-        Also find the lightest anchor that stays within the radius, without the vehicle striking, so often; default:
-        what the mission requires of ``within_radius``, where it does.
+        Share of the dives that must succeed, besides what the mission requires of the mooring.
     phase : str, optional
         Name of the mooring; default: the first.
     trials, seed : int, optional
@@ -70,8 +74,6 @@ def size_anchor(
     mission = run.mission
     moor = MooringMission.of(mission).mooring(phase)
     _check_probability(probability)
-    required = _required(mission, moor)
-    wanted = required if probability is None else probability
     recorded = recorded_current(mission)
     check_cover(mission, Scenario.at_means(mission, recorded))
     check_dives(Scenario.at_means(mission, recorded))
@@ -82,23 +84,60 @@ def size_anchor(
     try:
         weight = worst_case_weight(sizer.means, sizer.moor)
         anchor = sizer.sized(weight)
-        probable = sizer.probable(wanted, weight) if wanted is not None else None
+        probable = sizer.probable(probability, weight)
+        judge = partial(_judged, dives)
+        outcome = judge(weight if probable is None or probable.anchor is None else probable.anchor.wet_weight)
+        if probable is not None and probable.anchor is not None:
+            probable, outcome = _confirmed(sizer, probable, probability, outcome, judge)
     except ValueError as error:
         raise InputError([Problem(str(error), mission.file, key="vehicle.anchor")]) from error
     options = {"probability": probability, "phase": phase, "jobs": jobs, "backend": backend, "scheduler": scheduler}
-    sizing = _anchor_sizing(run.provenance(options, mission.notices()), sizer, anchor, probable, required)
-    explained = tuple(_explained(sizing, dives, wanted, weight, run))
+    sizing = replace(
+        _anchor_sizing(run.provenance(options, mission.notices()), sizer, anchor, probable), judged=outcome
+    )
+    explained = tuple(_explained(sizing, dives, sizer.demands(probability), weight, run))
     return replace(sizing, explanations=explained, members=tuple(_members(sizing, dives, run)))
 
 
+def _judged(dives: AnchorTrials, weight: float) -> Outcome | None:
+    """Simulate the whole mission with an anchor of a wet weight [N], on fresh draws."""
+    given = {f"{dives.phase}.anchor_wet_weight": f"{weight!r} N"}
+    return judged(dives.mission, given, trials=dives.trials, seed=dives.seed, jobs=dives.workers.jobs)
+
+
+def _confirmed(
+    sizer: AnchorSizer,
+    probable: ProbableAnchor,
+    probability: float | None,
+    outcome: Outcome | None,
+    judge: Callable[[float], Outcome | None],
+) -> tuple[ProbableAnchor, Outcome | None]:
+    """Make the anchor that is the lightest on one set of draws heavier until fresh ones agree, where a little does."""
+    first, demands = probable.anchor, sizer.demands(probability)
+    if first is None or outcome is None or not _misses(outcome, sizer.moor.name):
+        return probable, outcome
+    for factor in HEAVIER:
+        anchor = sizer.sized(factor * first.wet_weight)
+        if any(demand.slack(anchor.probabilities) < 0.0 for demand in demands) or anchor.problems:
+            continue
+        again = judge(anchor.wet_weight)
+        if again is not None and not _misses(again, sizer.moor.name):
+            return replace(probable, anchor=anchor, best=anchor.probabilities.good.value), again
+    return probable, outcome
+
+
+def _misses(outcome: Outcome, phase: str) -> bool:
+    return any(not item.met and item.quantity.rpartition(".")[0] == phase for item in outcome.requirements)
+
+
 def _explained(
-    sizing: AnchorSizing, dives: AnchorTrials, wanted: float | None, worst_case: float, run: Run
+    sizing: AnchorSizing, dives: AnchorTrials, demands: Sequence[Demand], worst_case: float, run: Run
 ) -> Iterator[ExplainedAnchor]:
     """Dive with the anchor to build under each explanation, and seek the lightest that would do for it alone."""
     weight, line = sizing.to_build.wet_weight, sizing.line_length
     for each, _ in run.under_explanations():
         known = replace(dives, mission=each.mission)
-        needed = lightest_anchor(known.probabilities, wanted, worst_case, line).weight if wanted is not None else None
+        needed = lightest_anchor(known.probabilities, demands, worst_case, line).weight if demands else None
         yield ExplainedAnchor(each.causes, each.probability, known.probabilities(weight).good, needed)
 
 
@@ -117,27 +156,11 @@ def _check_probability(probability: float | None) -> None:
     raise InputError([Problem(f"given {shown(probability)}, expected between 0 and 1", key="probability", hint=hint)])
 
 
-def _required(mission: Mission, moor: MoorPhase) -> float | None:
-    """Probability below 1 of staying within the radius that the mission requires; None where it requires none.
-
-    A requirement that the offset be at most the radius says the same.
-    """
-    radius = moor.radius
-    required = [
-        item.probability
-        for item in mission.requirements
-        if item.quantity == f"{moor.name}.within_radius"
-        or (item.quantity == f"{moor.name}.offset" and item.at_most is not None and item.at_most == radius)
-    ]
-    return max((probability for probability in required if 0.0 < probability < 1.0), default=None)
-
-
 def _anchor_sizing(
     provenance: Provenance,
     sizer: AnchorSizer,
     anchor: SizedAnchor,
     probable: ProbableAnchor | None,
-    required: float | None,
 ) -> AnchorSizing:
     sizing = AnchorSizing(
         provenance=provenance,
@@ -151,7 +174,6 @@ def _anchor_sizing(
         anchor=anchor,
         probable=probable,
         notes=(),
-        required=required,
     )
     chosen = sizing.to_build
     return replace(

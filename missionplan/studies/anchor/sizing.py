@@ -1,10 +1,13 @@
 """One anchor of a mooring: its construction, nominal dive and probabilities; and the lightest that is enough."""
 
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 
 from missionplan.arrays import Scalars
+from missionplan.mission.schema.monte_carlo import Requirement
 from missionplan.mission.schema.phases import MoorPhase
 from missionplan.phases.mooring.forces import DescentHooks, SteadyDescent
 from missionplan.phases.mooring.profile import simulate_profile
@@ -12,14 +15,21 @@ from missionplan.physics.anchor import AnchorDesign, solve_anchor
 from missionplan.physics.anchor_remedies import buildable_weights, find_remedies
 from missionplan.physics.mooring import required_terminal_velocity, required_terminal_velocity_vector
 from missionplan.physics.vehicle_drag import DragBuildUp, QuadraticDrag, anchor_drag, range_notes, terminal_velocity
-from missionplan.results.mooring.sized_anchor import SizedAnchor
-from missionplan.results.mooring.sizing import DesignLayer, ProbableAnchor
+from missionplan.results.mooring.sized_anchor import DiveProbabilities, SizedAnchor
+from missionplan.results.mooring.sizing import DesignLayer, Deviation, ProbableAnchor
 from missionplan.scenario.anchors import anchor_problem, design_current
 from missionplan.scenario.mooring import dive_of, start_of
 from missionplan.scenario.scenario import STILL_WATER, Scenario
 from missionplan.studies.anchor.dive_trials import AnchorTrials
-from missionplan.studies.anchor.lightest_anchor import lightest_anchor
+from missionplan.studies.anchor.lightest_anchor import Demand, lightest_anchor
 from missionplan.studies.nominal_dive import flooding_notice
+from missionplan.studies.simulation.block_statistics import bound_of, requirement_key
+
+MARGIN = 0.1
+"""Share by which an anchor may turn out lighter or heavier than it was meant to be."""
+FEW = 500
+"""Dives that say where to look, and of the search for a longer line, at most."""
+_INSIDE = (".within_radius", ".offset")
 
 
 @dataclass(frozen=True)
@@ -101,28 +111,70 @@ class AnchorSizer:
             probabilities=self.trials.probabilities(weight),
         )
 
-    def probable(self, required: float, worst_case: float) -> ProbableAnchor:
-        """Lightest anchor that reaches a probability, searched from the worst-case weight [N]."""
+    def demands(self, probability: float | None) -> tuple[Demand, ...]:
+        """What dives have to do: what the mission requires of this mooring, and so often to succeed.
+
+        A mission that must succeed so often needs a dive that does. One that strikes is not taken as within the radius.
+        """
+        must = [item.probability for item in self.trials.mission.requirements if item.quantity == "total.success"]
+        shares = [*([] if probability is None else [probability]), *must]
+        found = list(_succeeding(max(shares), holds=self.trials.counts_holding)) if shares else []
+        for index, item in enumerate(self.trials.requirements):
+            found.append(
+                Demand(
+                    self._in_words(item),
+                    item.probability,
+                    lambda found, index=index: found.requirements[index].probability.value,  # type: ignore[misc]
+                    needs_height=item.quantity.endswith(".lowest_altitude"),
+                )
+            )
+        inside = [item.probability for item in self.trials.requirements if item.quantity.endswith(_INSIDE)]
+        if inside:
+            found.append(Demand("a dive clear of the seafloor", max(inside), _clear, needs_height=True))
+        return tuple(found)
+
+    def probable(self, probability: float | None, worst_case: float) -> ProbableAnchor | None:
+        """Lightest anchor that meets all demands, searched from the worst-case weight [N]; None without any."""
+        demands = self.demands(probability)
+        if not demands:
+            return None
         start = worst_case + max(float(self.means.mooring.vehicle.net_buoyancy), 0.0)
-        found = lightest_anchor(self.trials.probabilities, required, start, self.line_length)
+        rough = replace(self.trials, trials=min(self.trials.trials, FEW))
+        search = partial(lightest_anchor, self.trials.probabilities, demands, start, self.line_length)
+        found = search(rough.probabilities)
         anchor = self.sized(found.weight) if found.weight is not None else None
-        heavier = self._buildable(anchor, required) if anchor is not None else None
+        heavier = self._buildable(anchor, demands) if anchor is not None else None
+        chosen = heavier or anchor
+        best = self.trials.probabilities(found.compromise) if chosen is None else chosen.probabilities
         return ProbableAnchor(
-            required,
-            heavier or anchor,
-            found.reason,
-            found.best,
-            found.line_length,
-            found.line_weight,
-            found.weight if heavier is not None else None,
+            required=probability,
+            anchor=chosen,
+            reason=found.reason,
+            compromise=found.compromise,
+            best=best.good.value,
+            margins=tuple(self._deviations(chosen.wet_weight, demands)) if chosen is not None else (),
+            line_length=found.line_length,
+            line_anchor_weight=found.line_weight,
+            lighter=found.weight if heavier is not None else None,
         )
 
-    def _buildable(self, anchor: SizedAnchor, required: float) -> SizedAnchor | None:
+    def _deviations(self, weight: float, demands: Sequence[Demand]) -> Iterator[Deviation]:
+        """Yield anchors that turned out lighter and heavier, and what their dives then miss."""
+        for factor in (1.0 - MARGIN, 1.0 + MARGIN):
+            found = self.trials.probabilities(factor * weight)
+            misses = tuple(
+                f"{demand.words}: {100.0 * demand.share(found):.1f} % of {100.0 * demand.required:g} %"
+                for demand in demands
+                if demand.slack(found) < 0.0
+            )
+            yield Deviation(factor * weight, found, misses)
+
+    def _buildable(self, anchor: SizedAnchor, demands: Sequence[Demand]) -> SizedAnchor | None:
         """Lightest heavier anchor that the parts can make, if that one is impossible and this one does too."""
         if anchor.buildable is None or anchor.buildable[0] <= anchor.wet_weight:
             return None
-        weight = anchor.buildable[0]
-        return self.sized(weight) if self.trials.probabilities(weight).good.value >= required else None
+        heavier = self.sized(anchor.buildable[0])
+        return heavier if all(demand.slack(heavier.probabilities) >= 0.0 for demand in demands) else None
 
     def notes(self, anchor: SizedAnchor) -> tuple[str, ...]:
         """Sentences on where the model leaves its range for an anchor."""
@@ -166,3 +218,25 @@ class AnchorSizer:
     def _anchor_drag(self) -> QuadraticDrag:
         anchor = self.means.mooring.anchor
         return anchor_drag(anchor.diameter, anchor.drag_coefficient, self.means.water.density)
+
+    def _in_words(self, requirement: Requirement) -> str:
+        """Write a requirement as its file does, with its bound in SI."""
+        bound = bound_of(requirement)
+        if bound is None:
+            return requirement.quantity
+        (side, limit), (_, unit) = bound, requirement_key(self.trials.mission, requirement.quantity)
+        return f"{requirement.quantity} {side.replace('_', ' ')} {limit:.4g} {unit or ''}".rstrip()
+
+
+def _clear(found: DiveProbabilities) -> float:
+    """Share of the dives that do not strike."""
+    return 1.0 - found.struck.value
+
+
+def _succeeding(required: float, *, holds: bool) -> Iterator[Demand]:
+    """Yield a dive that succeeds, and what every such dive does: of that the shares rise or fall with the weight."""
+    yield Demand("an anchor within the radius", required, lambda found: found.within.value)
+    yield Demand("a dive clear of the seafloor", required, _clear, needs_height=True)
+    if holds:
+        yield Demand("an anchor that holds", required, lambda found: found.holds.value if found.holds else 1.0)
+    yield Demand("a dive that succeeds", required, lambda found: found.good.value, is_hill=True)

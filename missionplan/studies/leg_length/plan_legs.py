@@ -11,6 +11,7 @@ from missionplan.montecarlo.statistics import Moments
 from missionplan.montecarlo.streams import block_count
 from missionplan.results.base import Provenance
 from missionplan.results.under_doubts import label
+from missionplan.studies.judgement import judged
 from missionplan.studies.leg_length.analytic_transit import analytic_obstacle
 from missionplan.studies.leg_length.optimise_legs import Aim, LegAim, OptimisedLegs, optimise_legs
 from missionplan.studies.leg_length.paired_trials import AS_PLANNED
@@ -83,7 +84,9 @@ def plan_legs(
     )
     options = {"aim": aim, "jobs": jobs, "backend": backend, "scheduler": scheduler}
     provenance = run.provenance(options, (*run.mission.notices(), *_notices(scenario)))
-    return _leg_plan(provenance, scenario, wanted, best, evaluation)
+    plan = _leg_plan(provenance, scenario, wanted, best, evaluation)
+    recommended = {f"{plan.phase}.{key}": value for key, value in plan.changes.items()}
+    return replace(plan, judged=judged(run.mission, recommended, trials=run.trials, seed=seed, jobs=jobs))
 
 
 @dataclass(frozen=True)

@@ -6,6 +6,7 @@ import numpy as np
 
 from missionplan.physics.energy import JOULES_PER_WATT_HOUR
 from missionplan.report.explained import members_in_words, members_section
+from missionplan.report.judgement import judged_in_words
 from missionplan.report.numbers import percent, share
 from missionplan.report.page import Drawing, Listing, Page, PageSection, Terminal
 from missionplan.report.quantities import Unit, length_in_words, quantity, reader_unit, time_in_words, with_error
@@ -73,7 +74,7 @@ def terminal(plan: LegPlan) -> Terminal:
 
 
 def _verdict(plan: LegPlan) -> str:
-    if not plan.reaches:
+    if not plan.reaches or not (plan.judged is None or plan.judged.requirements_met):
         return "bad"
     return "good" if plan.recommended else ""
 
@@ -81,7 +82,7 @@ def _verdict(plan: LegPlan) -> str:
 def answer(plan: LegPlan) -> str:
     """Write whether to let the legs adapt, what it saves, and whether what is in doubt changes that."""
     sailed = members_in_words(plan.arrivals, "arrives")
-    return f"{_choice(plan)}{_doubt_in_words(plan)}{sailed and f' {sailed}'}"
+    return f"{_choice(plan)}{judged_in_words(plan.judged)}{_doubt_in_words(plan)}{sailed and f' {sailed}'}"
 
 
 def _doubt_in_words(plan: LegPlan) -> str:

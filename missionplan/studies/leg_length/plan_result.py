@@ -11,6 +11,7 @@ from missionplan.montecarlo.statistics import Probability, Statistic
 from missionplan.physics.energy import JOULES_PER_WATT_HOUR
 from missionplan.results.base import Provenance, Result, to_csv, to_yaml
 from missionplan.results.entries import Entry, Record
+from missionplan.results.simulation import Outcome
 from missionplan.results.under_doubts import MemberOutcome
 
 
@@ -210,6 +211,13 @@ class LegPlan(Result):
     fixed_tracks: Array
     adaptive_tracks: Array
     members: tuple[LegCase, ...] = ()
+    judged: Annotated[
+        Outcome | None,
+        Entry(
+            "the mission with what is recommended, simulated with fresh draws; null where it requires nothing",
+            parts=("seed", "trials", "total", "requirements"),
+        ),
+    ] = None
 
     @property
     def nominal_time(self) -> Annotated[float, Entry(unit="s")]:

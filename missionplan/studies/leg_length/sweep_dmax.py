@@ -15,6 +15,7 @@ from missionplan.montecarlo.statistics import Probability, wilson
 from missionplan.montecarlo.streams import block_count, block_size
 from missionplan.phases.transit.analytic.expectation import TransitExpectation
 from missionplan.results.under_doubts import MemberOutcome
+from missionplan.studies.judgement import judged
 from missionplan.studies.leg_length.analytic_transit import analytic_curve, analytic_obstacle
 from missionplan.studies.leg_length.sweep_result import ExplainedSweep, Sweep, SweepCurve, SweepPoint
 from missionplan.studies.leg_length.sweep_scenario import CellTotals, SweepScenario, run_cells
@@ -83,7 +84,11 @@ def sweep_dmax(
     )
     quiet = replace(run, workers=run.workers.quiet)
     explained, members = _explained(sweep, scenario, quiet), _members(sweep, scenario, quiet)
-    return replace(sweep, explanations=tuple(explained), members=tuple(members))
+    outcome = None
+    if run.trials and np.isfinite(sweep.middle.recommended.cost):
+        recommended = {f"{sweep.phase}.d_max": f"{sweep.middle.recommended.d_max!r} m"}
+        outcome = judged(run.mission, recommended, trials=run.trials, seed=run.seed, jobs=jobs)
+    return replace(sweep, explanations=tuple(explained), members=tuple(members), judged=outcome)
 
 
 def _sampled(run: Run, scenario: SweepScenario) -> dict[int, CellTotals]:

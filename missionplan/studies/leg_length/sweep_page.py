@@ -5,6 +5,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from missionplan.report.explained import members_in_words, members_section
+from missionplan.report.judgement import judged_in_words
 from missionplan.report.numbers import number, percent, share
 from missionplan.report.page import Drawing, Page, PageSection, Table, Terminal
 from missionplan.report.quantities import Unit, length_in_words, quantity, reader_unit, time_in_words, with_error
@@ -62,7 +63,11 @@ def terminal(sweep: Sweep) -> Terminal:
 
 
 def answer(sweep: Sweep) -> str:
-    """Write which d_max to choose and what it saves."""
+    """Write which d_max to choose, what it saves, and what the mission with it does."""
+    return f"{_choice(sweep)}{judged_in_words(sweep.judged)}"
+
+
+def _choice(sweep: Sweep) -> str:
     curve = sweep.middle
     chosen = curve.recommended
     sigma, d_max = f"σ_v = {quantity(curve.sigma, 'm/s', 'g')}", length_in_words(chosen.d_max)
@@ -138,7 +143,8 @@ def _against_one_leg(sweep: Sweep, curve: SweepCurve) -> str:
 
 
 def _verdict(sweep: Sweep) -> str:
-    return "" if sweep.middle.reaches(sweep.middle.recommended) else "bad"
+    meets = sweep.judged is None or sweep.judged.requirements_met
+    return "" if meets and sweep.middle.reaches(sweep.middle.recommended) else "bad"
 
 
 def _numbers(sweep: Sweep) -> list[tuple[str, str]]:

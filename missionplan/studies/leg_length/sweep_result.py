@@ -10,6 +10,7 @@ import pandas as pd
 from missionplan.montecarlo.statistics import Probability
 from missionplan.results.base import Provenance, Result, to_csv, to_grid
 from missionplan.results.entries import Entry, Record
+from missionplan.results.simulation import Outcome
 from missionplan.results.under_doubts import MemberOutcome
 
 if TYPE_CHECKING:
@@ -197,6 +198,13 @@ class Sweep(Result):
         tuple[MemberOutcome, ...],
         Entry("arrival with the recommended d_max in each member of the current's ensemble", optional=True),
     ] = ()
+    judged: Annotated[
+        Outcome | None,
+        Entry(
+            "the mission with what is recommended, simulated with fresh draws; null where it requires nothing",
+            parts=("seed", "trials", "total", "requirements"),
+        ),
+    ] = None
 
     @property
     def nominal_time(self) -> Annotated[float, Entry(unit="s")]:

@@ -8,7 +8,7 @@ from typing import Literal
 import numpy as np
 
 from missionplan.errors import InputError, Problem
-from missionplan.mission import Mission, MissionOrPath
+from missionplan.mission import MissionOrPath
 from missionplan.montecarlo.paired import paired_difference, pareto_front
 from missionplan.montecarlo.statistics import Probability
 from missionplan.results.optimisation import Obstacle, Optimised, Relaxation, Tried
@@ -18,20 +18,16 @@ from missionplan.store.paths import as_path
 from missionplan.studies.exploration.cells import SUCCESS, SharedCurrent
 from missionplan.studies.exploration.findings import AIM_COLUMNS
 from missionplan.studies.exploration.variation import first_start, with_values
+from missionplan.studies.judgement import is_good, judged, simulated_with
 from missionplan.studies.optimisation.choices import Lattice, Point
 from missionplan.studies.optimisation.choosable import read_lattice
 from missionplan.studies.optimisation.evaluations import ChoiceTask, Evaluation, Evaluations, columns_needed
 from missionplan.studies.optimisation.judging import Demand, demands_of, is_feasible, violations
 from missionplan.studies.optimisation.search import FINE, Search
 from missionplan.studies.run import Run
-from missionplan.studies.simulation.simulate import simulate
 
 MOST_CHECKS = 12
-"""Choices that are checked with all trials, the least costly first."""
-_DOUBT = 2.0
-"""Standard errors by which a choice may fall short with few trials and still be checked with all."""
-_FRESH = 1_000_003
-"""Added to the mission's seed for the check on fresh random numbers."""
+"""Choices that are checked with all trials, the best first."""
 Progress = Callable[[int, int], None]
 
 
@@ -111,11 +107,11 @@ class _Problem:
         self._report(0)
         search.widely()
         self._report(1)
-        ranked = search.closely()
+        search.closely()
         self._check_any_runs()
         self._report(2)
+        choice, checked, fresh = self._check(search)
         spent = self.evaluations.spent
-        choice, checked, fresh = self._check([each for each in ranked if is_feasible(self.demands, each, doubt=_DOUBT)])
         self._report(3)
         relaxations = () if choice is None else self._relaxations(search, choice)
         self._report(4)
@@ -157,25 +153,33 @@ class _Problem:
         settings = {"monte_carlo.trials": self.run.trials, "monte_carlo.seed": self.run.seed}
         return with_values(self.evaluations.mission.raw, {**values, **settings})
 
-    def _check(self, candidates: Sequence[Evaluation]) -> tuple[Evaluation | None, Outcome | None, Outcome | None]:
-        """Simulate candidates with all trials, on the same random numbers and on fresh ones, until one meets all."""
-        for each in candidates[:MOST_CHECKS]:
-            mission = Mission.from_data(self._mission_data(each.point), file=self.evaluations.mission.file)
-            checked = self._simulated(mission, self.run.seed)
-            if checked is None or not _is_good(checked):
-                continue
-            fresh = self._simulated(mission, self.run.seed + _FRESH)
-            if fresh is not None and _is_good(fresh):
-                return each, checked, fresh
+    def _check(self, search: Search) -> tuple[Evaluation | None, Outcome | None, Outcome | None]:
+        """Simulate the best choice with all trials, on the same random numbers and on fresh ones, until one does."""
+        refused: set[Point] = set()
+        for _ in range(MOST_CHECKS):
+            ranked = search.until_it_stands(refused)
+            if not ranked:
+                break
+            checked, fresh = self._simulated(ranked[0].point)
+            if checked is not None and fresh is not None:
+                return ranked[0], checked, fresh
+            refused.add(ranked[0].point)
         return None, None, None
 
-    def _simulated(self, mission: Mission, seed: int) -> Outcome | None:
-        """Simulate a choice as the command does; None where it refuses to, as where a record does not cover it."""
+    def _simulated(self, point: Point) -> tuple[Outcome | None, Outcome | None]:
+        """Simulate a choice as the command does; None where it refuses to, as where a record does not cover it.
+
+        None too where it misses a requirement, and on fresh draws where it did on the others.
+        """
+        mission, values = self.evaluations.mission, self.lattice.values_at(point)
+        how = {"trials": self.run.trials, "jobs": self.run.workers.jobs}
         self.checked_trials += self.run.trials
-        try:
-            return simulate(mission, trials=self.run.trials, seed=seed, jobs=self.run.workers.jobs)
-        except InputError:
-            return None
+        checked = simulated_with(mission, values, seed=self.run.seed, **how)
+        if checked is None or not is_good(checked):
+            return None, None
+        self.checked_trials += self.run.trials
+        fresh = judged(mission, values, seed=self.run.seed, **how)
+        return checked, fresh if is_good(fresh) else None
 
     def _nearest(self) -> Evaluation:
         """Return the choice that comes nearest to meeting all requirements."""
@@ -251,10 +255,6 @@ def _obstacle(demand: Demand, nearest: Evaluation, *, alone: bool) -> Obstacle:
         would_do=demand.would_do(nearest),
         alone=alone,
     )
-
-
-def _is_good(outcome: Outcome) -> bool:
-    return outcome.requirements_met and outcome.can_be_built
 
 
 def _share(each: Evaluation) -> float:

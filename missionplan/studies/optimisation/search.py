@@ -5,7 +5,7 @@ demand's margin say where a choice may be better than the best so far and meet t
 choices have the same random numbers, so that the surfaces are smooth and differences between choices precise.
 """
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -13,7 +13,9 @@ import scipy
 
 from missionplan.arrays import Array
 from missionplan.montecarlo.kriging import Kriging, expected_improvement
+from missionplan.montecarlo.paired import paired_difference
 from missionplan.results.axis import Aim
+from missionplan.studies.exploration.findings import AIM_COLUMNS
 from missionplan.studies.optimisation.choices import Point
 from missionplan.studies.optimisation.evaluations import Evaluation, Evaluations
 from missionplan.studies.optimisation.judging import Demand, is_feasible, violations
@@ -37,6 +39,10 @@ _CANDIDATES = 3000
 _DOUBT = 2.0
 """Standard errors by which few trials may fall short and a choice still be looked at with more."""
 _NEIGHBOURED = 5
+_AT_ONCE = 8
+"""Choices that are run with many trials before the winner is looked at again."""
+_DOUBTFUL = 4
+"""Choices that cost less and may meet the demands, but did not with many trials, that are put before one that did."""
 
 
 @dataclass
@@ -93,6 +99,58 @@ class Search:
             self.evaluations.of(todo, FINE)
         found = [each for (_, trials), each in self.evaluations.kept.items() if trials == FINE]
         return sorted(found, key=lambda each: self._rank(each, demands, 0.0))
+
+    def until_it_stands(self, refused: Collection[Point] = ()) -> list[Evaluation]:
+        """Run the winner's neighbours, and every choice that may be better, until none is left that may.
+
+        A choice may be better that has had few trials, may meet the demands, and on the same trials does not cost more
+        than the winner by two standard errors of the difference.
+
+        Parameters
+        ----------
+        refused : collection of Point
+            That more trials have shown not to meet the demands.
+
+        Returns
+        -------
+        list of Evaluation
+            Those run with many trials that meet the demands or may, and were not refused: by their cost, but of those
+            that only may at most a few before the first that does.
+        """
+        while True:
+            fine = {point for point, trials in self.evaluations.kept if trials == FINE}
+            ranked = self._contenders(fine.difference(refused))
+            winner = next((each for each in ranked if is_feasible(self.demands, each)), None)
+            if winner is not None:
+                self.evaluations.of(list(self.evaluations.lattice.neighbours(winner.point)), COARSE)
+            rest = [each for each in self.evaluations.best_known() if each.point not in fine.union(refused)]
+            todo = [each for each in rest if self._may_beat(each, winner)]
+            if not todo:
+                return ranked
+            self.evaluations.of([each.point for each in sorted(todo, key=self._by_rank)[:_AT_ONCE]], FINE)
+
+    def _contenders(self, fine: Collection[Point]) -> list[Evaluation]:
+        known = sorted((self.evaluations.kept[point, FINE] for point in fine), key=lambda each: each.cost(self.aim))
+        sure = [each for each in known if is_feasible(self.demands, each)]
+        least = sure[0].cost(self.aim) if sure else np.inf
+        cheaper = [
+            each
+            for each in known
+            if not is_feasible(self.demands, each)
+            and is_feasible(self.demands, each, doubt=_DOUBT)
+            and each.cost(self.aim) < least
+        ]
+        return [*cheaper[:_DOUBTFUL], *sure, *cheaper[_DOUBTFUL:]]
+
+    def _may_beat(self, each: Evaluation, winner: Evaluation | None) -> bool:
+        """Whether a choice with few trials may cost less than the winner, and meet the demands."""
+        if not is_feasible(self.demands, each, doubt=_DOUBT):
+            return False
+        if winner is None:
+            return True
+        column = AIM_COLUMNS[self.aim]
+        worse, error, _ = paired_difference(winner.columns[column][: each.trials], each.columns[column], most=False)
+        return worse <= _DOUBT * error
 
     def _while_hopeful(self, rng: np.random.Generator, most: int) -> None:
         """Run with few trials what the surfaces hope most of, until that is little or so many choices are known."""

@@ -20,7 +20,7 @@ from missionplan.phases.recorded_currents import RecordedCurrent
 from missionplan.physics.anchor import solve_anchor
 from missionplan.physics.vehicle_drag import range_notes
 from missionplan.results.mooring.held_vehicle import HeldVehicle
-from missionplan.results.mooring.sized_anchor import MooringAnchor
+from missionplan.results.simulation import MooringAnchor
 from missionplan.scenario.anchors import anchor_problem, wet_weight_of
 from missionplan.scenario.scenario import Scenario
 from missionplan.studies.held_vehicle import held_vehicle

@@ -15,11 +15,11 @@ from missionplan.montecarlo.statistics import Count, Integers, RunningStatistic,
 from missionplan.phases.place.place import Cause
 from missionplan.results.base import Provenance
 from missionplan.results.mooring.held_vehicle import HeldVehicle
-from missionplan.results.mooring.sized_anchor import MooringAnchor
 from missionplan.results.place import PlaceContact
 from missionplan.results.simulation import (
     Attrition,
     Histogram,
+    MooringAnchor,
     Outcome,
     PhaseOutcome,
     RequirementOutcome,
@@ -157,23 +157,10 @@ class OutcomeBuilder:
         return tuple(self._requirement(*numbered) for numbered in enumerate(self.mission.requirements))
 
     def _requirement(self, index: int, requirement: Requirement) -> RequirementOutcome:
-        probability = self.totals.counts[f"requirement {index}"].probability()
-        required, (key, unit) = requirement.probability, requirement_key(self.mission, requirement.quantity)
-        side, limit = bound_of(requirement) or (None, None)
-        reached = self._reached(key, unit or "", side, required, self.totals.counts[f"requirement {index}"].trials)
-        return RequirementOutcome(
-            quantity=requirement.quantity,
-            bound=side,
-            limit=limit,
-            unit=unit or "",
-            required=required,
-            probability=probability,
-            met=probability.value >= required,
-            undecided=probability.low <= required <= probability.high,
-            trials=self.totals.counts[f"requirement {index}"].trials,
-            written=requirement.written,
-            reached=reached,
-        )
+        found = requirement_outcome(self.mission, requirement, self.totals.counts[f"requirement {index}"])
+        key, unit = requirement_key(self.mission, requirement.quantity)
+        reached = self._reached(key, unit or "", found.bound, found.required, found.trials)
+        return replace(found, reached=reached)
 
     def _reached(self, key: str, unit: str, side: Side | None, required: float, trials: int) -> float | None:
         """Value within which the required share of all trials stays, SI; None where too few have one."""
@@ -263,4 +250,23 @@ def simulation_tracks(mission: Mission, tracks: MapTracks) -> Tracks:
         },
         anchors=tracks.anchors,
         origin=(origin.latitude, origin.longitude) if origin else None,
+    )
+
+
+def requirement_outcome(mission: Mission, requirement: Requirement, count: Count) -> RequirementOutcome:
+    """Return a requirement with the trials that do as it asks."""
+    probability, required = count.probability(), requirement.probability
+    _, unit = requirement_key(mission, requirement.quantity)
+    side, limit = bound_of(requirement) or (None, None)
+    return RequirementOutcome(
+        quantity=requirement.quantity,
+        bound=side,
+        limit=limit,
+        unit=unit or "",
+        required=required,
+        probability=probability,
+        met=probability.value >= required,
+        undecided=probability.low <= required <= probability.high,
+        trials=count.trials,
+        written=requirement.written,
     )

@@ -1,0 +1,57 @@
+"""Whether a recommendation does what the mission requires: the mission with it in place, simulated with fresh draws.
+
+Every command that recommends (`size-anchor`, `optimise`, `plan-legs`, `sweep-dmax`) asks here, and its headline and
+exit status follow: what was chosen on one set of random numbers is held to another.
+"""
+
+from collections.abc import Mapping
+
+from missionplan.errors import InputError
+from missionplan.mission import Mission
+from missionplan.results.simulation import Outcome
+from missionplan.studies.exploration.variation import with_values
+from missionplan.studies.simulation.simulate import simulate
+
+FRESH = 1_000_003
+"""Added to the seed on which the recommendation was chosen."""
+
+
+def judged(
+    mission: Mission, recommended: Mapping[str, object], *, trials: int, seed: int, jobs: int = 1
+) -> Outcome | None:
+    """Simulate a mission with what is recommended.
+
+    Parameters
+    ----------
+    mission : Mission
+        As its file has it.
+    recommended : mapping of str to object
+        Values by key path, as a mission file has them.
+    trials, seed : int
+        With which the recommendation was chosen; the draws are those of another seed.
+    jobs : int
+
+    Returns
+    -------
+    Outcome or None
+        None where the mission requires nothing, or cannot be simulated as a whole.
+    """
+    if not mission.requirements:
+        return None
+    return simulated_with(mission, recommended, trials=trials, seed=seed + FRESH, jobs=jobs)
+
+
+def simulated_with(
+    mission: Mission, values: Mapping[str, object], *, trials: int, seed: int, jobs: int = 1
+) -> Outcome | None:
+    """Simulate a mission with other values at some key paths; None where it cannot be."""
+    try:
+        whole = Mission.from_data(with_values(mission.raw, values), file=mission.file)
+        return simulate(whole, trials=trials, seed=seed, jobs=jobs)
+    except InputError:
+        return None
+
+
+def is_good(outcome: Outcome | None) -> bool:
+    """Whether every requirement is met, and every anchor can be built; so too where nothing was judged."""
+    return outcome is None or (outcome.requirements_met and outcome.can_be_built)
