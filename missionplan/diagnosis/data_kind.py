@@ -13,7 +13,7 @@ from missionplan.diagnosis.inference.model import CauseFit, Model
 from missionplan.effects import instruments
 from missionplan.mission import Mission
 from missionplan.results.learned.diagnosis import PlanGain
-from missionplan.results.learned.evidence import Causes, ParameterEstimate, Verdict
+from missionplan.results.learned.evidence import Alias, Causes, ParameterEstimate, Verdict
 
 
 class Dataset(Protocol):
@@ -143,6 +143,14 @@ class DataKind(ABC):
     def not_constant(self, best: CauseFit) -> Causes:
         """Return the causes of a fit that do not hold still over the record."""
         return ()
+
+    def aliases(self, best: CauseFit) -> tuple[Alias, ...]:
+        """Return effects that do to these data what a claimed cause does, but not on the way back."""
+        return ()
+
+    def is_better_ahead(self, base: CauseFit, best: CauseFit) -> bool:
+        """Whether a fit to the first part of the record predicts the rest all the way better than the base model."""
+        return True
 
     def suspect_labels(self, base: CauseFit, best: CauseFit, jobs: int) -> str:
         """Say which labels of the record look wrong, given the fits of the base model and the best set; else empty."""

@@ -14,7 +14,7 @@ from missionplan.diagnosis.explanations import Weighed, hypotheses, odds, weighe
 from missionplan.diagnosis.extended_mission import having_learned
 from missionplan.diagnosis.forecast_error import forecast_notice
 from missionplan.diagnosis.inference.experiment_design import Discrimination, discriminations
-from missionplan.diagnosis.judgement import Judgement, judge
+from missionplan.diagnosis.judgement import Judgement, judge, read
 from missionplan.diagnosis.mission_in_doubt import mission_in_doubt
 from missionplan.diagnosis.pipeline import PipelineResult, run_pipeline
 from missionplan.diagnosis.result_builder import as_reported, group_scores, ranked_sets
@@ -174,6 +174,7 @@ def _result(
         residuals=residuals,
         extended=extended,
         learned_from=() if bound.is_known else bound.data.identities,
+        readings=read(bound, found),
     )
 
 

@@ -9,6 +9,11 @@ from missionplan.mission.mission import MOST_LEARNED
 from missionplan.montecarlo.draws import Correlation
 from missionplan.results.learned.evidence import ParameterEstimate
 
+SIGMA_FACTOR = "sigma_v_factor"
+"""Key of the calibration that says within what factor σ_v is known, in two of three cases."""
+LEAST_FACTOR = 1.02
+"""Factor below which σ_v is written as a number."""
+
 
 def extended_mission(
     raw: Mapping[str, object],
@@ -39,8 +44,15 @@ def extended_mission(
     navigation = mission.get("navigation")
     error = navigation.get("velocity_error") if isinstance(navigation, dict) else None
     if isinstance(error, dict) and "sigma" in error and "sigma_v_m_s" in calibration:
-        error["sigma"] = f"{calibration['sigma_v_m_s']:.4g} m/s"
+        error["sigma"] = _sigma(calibration)
     return mission
+
+
+def _sigma(calibration: Mapping[str, float]) -> object:
+    """Write σ_v, as a distribution where it is known how uncertain it is."""
+    middle = f"{calibration['sigma_v_m_s']:.4g} m/s"
+    factor = calibration.get(SIGMA_FACTOR, 1.0)
+    return {"median": middle, "factor": float(f"{factor:.4g}")} if factor > LEAST_FACTOR else middle
 
 
 def having_learned(extended: Mapping[str, object], identities: Sequence[str]) -> dict[str, object]:

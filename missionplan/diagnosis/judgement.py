@@ -5,9 +5,9 @@ from dataclasses import dataclass
 from missionplan.diagnosis.data_kind import DataKind
 from missionplan.diagnosis.inference.interval_coverage import interval_coverage
 from missionplan.diagnosis.inference.model import HeldOutScore
-from missionplan.diagnosis.inference.posterior import rivals
+from missionplan.diagnosis.inference.posterior import inclusion, rivals
 from missionplan.diagnosis.pipeline import PipelineResult
-from missionplan.results.learned.evidence import Causes, Coverage, Verdict
+from missionplan.results.learned.evidence import Causes, Coverage, Readings, Verdict
 
 
 @dataclass(frozen=True)
@@ -65,3 +65,24 @@ def _held_out(found: PipelineResult) -> tuple[HeldOutScore, ...]:
     if own is not None:
         return own.extended
     return next((comparison.base for comparison in found.held_out.values()), ()) if not found.best.causes else ()
+
+
+def read(bound: DataKind, found: PipelineResult) -> Readings:
+    """Return what else the posterior says."""
+    selection, best = found.selection, found.best
+    return Readings(
+        inclusion(found.posterior),
+        selection.responses,
+        selection.not_computed,
+        tuple(family for family in selection.families if best.causes in family),
+        bound.aliases(best) if best.causes else (),
+        _predicts_better(bound, found) if best.causes else None,
+    )
+
+
+def _predicts_better(bound: DataKind, found: PipelineResult) -> bool | None:
+    """Whether the claimed set predicts data kept away better, in single groups and all the way."""
+    held_out = found.held_out.get(found.best.causes)
+    if held_out is None:
+        return None
+    return held_out.gain.log_score_gain > 0.0 and bound.is_better_ahead(found.selection.base, found.best)

@@ -8,6 +8,7 @@ import numpy as np
 
 from missionplan.arrays import Array
 from missionplan.diagnosis.coordinates import Coordinate, estimates, is_possible
+from missionplan.diagnosis.extended_mission import SIGMA_FACTOR
 from missionplan.diagnosis.given.effects import GivenEffect, RecordPosterior, held, tied
 from missionplan.diagnosis.inference.laplace import Laplace, laplace
 from missionplan.diagnosis.inference.marginal_likelihood import QUANTILE_95
@@ -172,6 +173,8 @@ class TransitFitting(TransitCovariance):
             for h, value in zip(state.hyperparameters, state.posterior.mode, strict=True)
             if not h.effect
         }
+        place = [h.key for h in state.hyperparameters].index(("", "sigma_v"))
+        calibration[SIGMA_FACTOR] = math.exp(math.sqrt(state.posterior.covariance[place, place]))
         together = RecordPosterior(self.coordinates, state.mean, covariance).correlations(
             tied(held(self.given_in_mean, causes)), self.places, chosen
         )

@@ -13,6 +13,7 @@ from missionplan.diagnosis.coordinates import Coordinate
 from missionplan.diagnosis.data_kind import DataKind
 from missionplan.diagnosis.inference.model import CauseFit
 from missionplan.diagnosis.learned_data import unlearned
+from missionplan.diagnosis.legs.aliases import aliases
 from missionplan.diagnosis.legs.constancy import not_constant
 from missionplan.diagnosis.legs.extended_mission import extended_transit_mission, widened
 from missionplan.diagnosis.legs.model import TransitModel
@@ -22,7 +23,7 @@ from missionplan.diagnosis.legs.tables import transit_misfit, transit_residuals,
 from missionplan.diagnosis.plan_gain import leg_length_choice, plan_gain
 from missionplan.mission import Mission
 from missionplan.results.learned.diagnosis import PlanGain
-from missionplan.results.learned.evidence import Causes, ParameterEstimate
+from missionplan.results.learned.evidence import Alias, Causes, ParameterEstimate
 
 
 @dataclass(frozen=True)
@@ -79,6 +80,15 @@ class TransitKind(DataKind):
     def not_constant(self, best: CauseFit) -> Causes:
         """Return the physical causes whose parameters differ between the halves of the log."""
         return not_constant(self.model, best)
+
+    def aliases(self, best: CauseFit) -> tuple[Alias, ...]:
+        """Return effects that do to these legs what a claimed cause does, but not on the way back."""
+        return aliases(self.model, best)
+
+    def is_better_ahead(self, base: CauseFit, best: CauseFit) -> bool:
+        """Whether a fit to the first two thirds predicts the others all the way better, in density and in place."""
+        without, with_causes = (self.model.last_part_ahead(fit) for fit in (base, best))
+        return with_causes.log_score > without.log_score and with_causes.squared_error < without.squared_error
 
     def calibration(self, best: CauseFit) -> dict[str, float]:
         """Return the nuisance parameters as fitted, and how well the next leg's position error is predicted [m]."""

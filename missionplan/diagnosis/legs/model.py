@@ -132,6 +132,10 @@ class TransitModel(TransitFitting):
         """Predict each block of legs from the others, with hyperparameters fitted to the others alone."""
         return [[self._block_score(fit, block) for block in self.blocks()] for fit in fits]
 
+    def last_part_ahead(self, fit: CauseFit) -> HeldOutScore:
+        """Predict the last third of the legs, all the way, with a fit to those before."""
+        return self._block_score(fit, np.arange(self.data.n - self.data.n // 3, self.data.n))
+
     def _block_score(self, fit: CauseFit, block: NDArray[np.int_]) -> HeldOutScore:
         others = np.setdiff1d(np.arange(self.data.n), block)
         trained = self.refitted(fit, others)

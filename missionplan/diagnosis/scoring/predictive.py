@@ -19,6 +19,8 @@ from missionplan.diagnosis.scoring.ensemble import Component, Ensemble, Noise, P
 WHOLE_COMPONENTS = 1024
 """Components, at most, of the distribution without the past."""
 BISECTIONS = 50
+LEAST_WEIGHT = 1e-300
+"""Weight that stands for none in logarithms."""
 EXACT_PAIRS = 100
 """Components up to which the pairs of the CRPS are summed in closed form."""
 
@@ -55,7 +57,8 @@ class Mixture:
     def log_density(self, y: Array) -> Array:
         """Ln density at y, shape (v,)."""
         z = (y - self.means) / self.sds
-        return np.asarray(logsumexp(-0.5 * z**2 - np.log(self.sds), axis=0, b=self.weights) - 0.5 * np.log(2.0 * np.pi))
+        logs = np.log(np.maximum(self.weights, LEAST_WEIGHT)) - 0.5 * z**2 - np.log(self.sds)
+        return np.asarray(logsumexp(logs, axis=0) - 0.5 * np.log(2.0 * np.pi))
 
     def quantile(self, probability: float) -> Array:
         """Quantile of each value, by bisection, shape (v,)."""

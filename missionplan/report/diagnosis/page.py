@@ -5,7 +5,7 @@ import shlex
 from collections.abc import Mapping
 
 from missionplan.effects import CATALOGUE
-from missionplan.report.diagnosis.causes import causes_section, explanations_in_words, found_causes, names
+from missionplan.report.diagnosis.causes import causes_section, explanations_in_words, found_causes, names, percent
 from missionplan.report.diagnosis.data_kinds.kinds import REPORTS
 from missionplan.report.diagnosis.evidence import (
     claimed_parameters,
@@ -137,6 +137,8 @@ def _verdict_words(diagnosis: Diagnosis) -> str:
         return f"The mission's model is adequate for these data: {asks}.{_confirmed(diagnosis)}"
     if diagnosis.verdict == "unexplained" and diagnosis.suspect_labels:
         return "No cause of the catalogue explains the dives as they are labelled."
+    if diagnosis.verdict == "unexplained" and diagnosis.causes:
+        return f"The data fit {named}, which describes the errors: their physical cause is not identified."
     if diagnosis.verdict == "unexplained":
         return f"Something is left that no cause of the catalogue explains: it {left}."
     if diagnosis.verdict == "partly-explained":
@@ -147,13 +149,23 @@ def _verdict_words(diagnosis: Diagnosis) -> str:
         rest = f"; {' or '.join(others)} would do nearly as well" if others else "; so few numbers prove nothing"
         words = f"The data fit {named}{rest}."
     else:
-        words = f"The misfit is explained by {named}."
+        words = f"The misfit is explained by {named}.{_told_as_one(diagnosis)}"
+    if diagnosis.readings.plan_with is False:
+        words += " Named, but plan without it: on legs kept away from the fit the extended mission predicts no better."
     words += _changed(diagnosis)
     if diagnosis.not_constant:
         words += _not_constant(diagnosis)
     if any(CATALOGUE[cause].tier == "statistical" for cause in diagnosis.causes):
         words += " Part of this describes the errors statistically; its physical cause is not identified."
     return words
+
+
+def _told_as_one(diagnosis: Diagnosis) -> str:
+    """Say that a current may be steady or turn, where the record does not show which."""
+    shares = {entry.causes: entry.posterior for entry in diagnosis.ranking if entry.posterior is not None}
+    members = next((family for family in diagnosis.readings.families if diagnosis.causes in family), ())
+    told = [f"{names(causes)} {percent(shares[causes])}" for causes in members if causes in shares]
+    return f" Whether this current turns, the record cannot show: {', '.join(told)}." if len(told) > 1 else ""
 
 
 def _not_constant(diagnosis: Diagnosis) -> str:

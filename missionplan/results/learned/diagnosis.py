@@ -16,6 +16,7 @@ from missionplan.results.learned.evidence import (
     NextMeasurement,
     ParameterEstimate,
     RankedSet,
+    Readings,
     Verdict,
 )
 from missionplan.results.learned.next_trial import NextTrial
@@ -113,6 +114,8 @@ class Diagnosis(Result):
         The extended mission's score on the part of the record that was held out of everything, where one was.
     learned_from : tuple of str
         Hash of each leg, dive or run that was new to the mission.
+    readings : Readings
+        What else the posterior says.
     """
 
     report: ClassVar[str] = "missionplan.report.diagnosis.page"
@@ -149,6 +152,7 @@ class Diagnosis(Result):
     explanations: tuple[ExplanationOdds, ...] = ()
     last_part: DatasetScore | None = None
     learned_from: tuple[str, ...] = ()
+    readings: Readings = field(default_factory=Readings)
 
     @property
     def best(self) -> RankedSet | None:
@@ -198,6 +202,7 @@ class Diagnosis(Result):
             "not_constant": list(self.not_constant),
             "suspect_labels": self.suspect_labels,
             "none_of_these": self.none_of_these,
+            **self.readings.summary(),
             "coverage_scale": self.coverage.scale if self.coverage is not None else 1.0,
             **({"next_trial": self.next_trial.summary()} if self.next_trial is not None else {}),
         }

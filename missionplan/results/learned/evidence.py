@@ -1,7 +1,8 @@
 """Parts of the answer of a diagnosis: sets of causes with their evidence and estimates, held-out gain, discrepancy."""
 
 import math
-from dataclasses import asdict, dataclass
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass, field
 from typing import Literal
 
 from missionplan.arrays import Array
@@ -132,6 +133,63 @@ class ExplanationOdds:
         """Return the entry of ``explanations``."""
         before = {} if self.prior is None else {"prior": self.prior}
         return {"causes": list(self.causes), **before, "probability": self.probability}
+
+
+@dataclass(frozen=True)
+class Alias:
+    """An effect that does to these data what a claimed cause does, but not on the way back.
+
+    Attributes
+    ----------
+    claimed, other : str
+    matters_from : float
+        Distance from which it would matter which it is [m].
+    trial : str
+        What tells them apart.
+    """
+
+    claimed: str
+    other: str
+    matters_from: float
+    trial: str
+
+
+@dataclass(frozen=True)
+class Readings:
+    """What else the posterior says.
+
+    Attributes
+    ----------
+    inclusion : mapping
+        Probability of each effect.
+    responses : tuple
+        Smooth errors outside the catalogue by axis and in words, with their probabilities.
+    not_computed : float
+        Estimate of the probability of sets that were not computed.
+    families : tuple
+        Sets that are told as one, as the data do not tell them apart.
+    aliases : tuple of Alias
+    plan_with : bool or None
+        Whether the extended mission predicts data kept away better, one step and all the way; None where unknown.
+    """
+
+    inclusion: Mapping[str, float] = field(default_factory=dict)
+    responses: tuple[tuple[str, str, float], ...] = ()
+    not_computed: float = 0.0
+    families: tuple[tuple[Causes, ...], ...] = ()
+    aliases: tuple[Alias, ...] = ()
+    plan_with: bool | None = None
+
+    def summary(self) -> dict[str, object]:
+        """Return the entries of ``diagnosis.json``."""
+        return {
+            "inclusion": dict(self.inclusion),
+            "responses": [{"axis": axis, "what": what, "probability": p} for axis, what, p in self.responses],
+            "not_computed": self.not_computed,
+            "families": [[list(causes) for causes in family] for family in self.families],
+            "aliases": [asdict(alias) for alias in self.aliases],
+            "plan_with": self.plan_with,
+        }
 
 
 @dataclass(frozen=True)

@@ -150,6 +150,7 @@ REPORT = KindReport(
     not_constant="not constant over the record: the halves of the record disagree",
     calibration={
         "sigma_v_m_s": "Velocity error of a leg, σ_v (m/s)",
+        "sigma_v_factor": "Factor within which σ_v is known in two of three cases",
         "fix_sd_m": "Error of a fix (m)",
         "next_leg_mean_so_far_rms_m": "Next leg's position error, predicted by the mean so far (m)",
         "next_leg_last_leg_rms_m": "Next leg's position error, predicted by the last leg (m)",
