@@ -203,7 +203,11 @@ def read_bhv(text):
         conditions = [value for key, value in pairs if key == "condition"]
         assert conditions[0] == "MODE == ACTIVE"
         flags = [value for key, value in pairs if key == "endflag"]
-        own = {key: number(value) for key, value in pairs if key not in ("condition", "endflag", "name")}
+        own = {
+            key: number(value) for key, value in pairs if key not in ("condition", "endflag", "name", "post_mapping")
+        }
+        silent = [value for key, value in pairs if key == "post_mapping"]
+        assert silent == (["TIMER_IDLE,silent", "TIMER_RUNNING,silent"] if kind == "BHV_Timer" else [])
         name = dict(pairs)["name"]
         assert name not in behaviours
         behaviours[name] = (kind.removeprefix("BHV_"), conditions[1:], flags, own)
@@ -227,15 +231,6 @@ FOREVER = {"duration": "no-time-limit", "pwt": 100.0}
 def timer(seconds, begins=None):
     reset = {} if begins is None else {"duration_reset": f"PHASE={begins}"}
     return {"pwt": 100.0, "duration": pytest.approx(seconds, abs=0.051), "perpetual": "true", **reset}
-
-
-def still(state, *more):
-    """Stopped at the surface."""
-    within = [f"PHASE = {state}", *more]
-    return {
-        f"stop_{state}": ("ConstantSpeed", within, [], {**FOREVER, "speed": 0.0}),
-        f"course_{state}": ("ConstantHeading", within, [], {**FOREVER, "heading": 0.0}),
-    }
 
 
 def level(state, depth):
@@ -272,22 +267,17 @@ def of_transit(transit, name, following, goal, aim):
             timer(rule.interval_time - climb / transit.speed, leg),
         ),
         f"rise_{up}": waypoint(up, ["WAY = true"], aim, 1.0, 3.0, ["WAY = false"]),
-        **level(up, 0.0),
         f"whole_{leg}": (
             *("Timer", [f"STAGE = {name}", "WAY = true"], ["WAY = false"]),
             timer(rule.interval_time - 1.0, leg),
         ),
-        **still(up, "WAY = false"),
         f"surfaced_{up}": (
             *("Timer", [f"PHASE = {up}", "WAY = false", "NAV_DEPTH <= 0.3"], enter(fix)),
             timer(1.0, up),
         ),
         f"fixed_{up}": ("Timer", [f"PHASE = {up}", "FIXED = true"], enter(decide), timer(10.0, up)),
-        **level(fix, 0.0),
-        **still(fix),
         f"fixed_{fix}": ("Timer", [f"PHASE = {fix}", "FIXED = true"], enter(decide), timer(1.0, fix)),
         f"no_fix_{fix}": ("Timer", [f"PHASE = {fix}"], aborted("NO_FIX"), timer(wait, fix)),
-        **level(decide, 0.0),
         f"stop_{decide}": ("ConstantSpeed", [f"PHASE = {decide}"], [], {**FOREVER, "speed": 0.0, "pwt": 1000.0}),
         f"arrived_{decide}": waypoint(decide, [], goal, transit.arrival_radius, 0.0, [*enter(following), "WAY = true"]),
         f"further_{decide}": (
@@ -304,14 +294,11 @@ def of_transit(transit, name, following, goal, aim):
 def of_mooring(mooring, name, following):
     release, sink, hold, rise, fix = (f"{name}_{state}" for state in ("release", "descend", "hold", "ascend", "fix"))
     down = 0.9 * (mooring.water_depth - mooring.line_length)
-    states = {}
-    for state in (release, sink, hold, rise, fix):
-        states |= {**level(state, 0.0), **still(state)}
 
     def at(state, seconds, flags, *more):
         return ("Timer", [f"PHASE = {state}", *more], flags, timer(seconds, state))
 
-    return states | {
+    return {
         f"at_{release}": at(release, mooring.release_time - 3.0, ["ANCHOR_RELEASE = true", *enter(sink)]),
         f"down_{sink}": at(sink, 0.0, enter(hold), f"NAV_DEPTH > {down:.2f}"),
         f"lies_{sink}": at(sink, max(60.0, 5.0 * mooring.water_depth), enter(hold)),
@@ -345,8 +332,12 @@ def test_moos(plan):
         "under_water": ("Timer", ["NAV_DEPTH > 0.3", "FIXED = true"], ["FIXED = false"], timer(0.0)),
         **of_mooring(mooring, "2_moor", "3_egress_leg"),
     }
-    for end in ("done", "abort"):
-        expected |= {**level(end, 0.0), **still(end)}
+    idle = {**FOREVER, "pwt": 0.1}
+    expected |= {
+        "idle_depth": ("ConstantDepth", [], [], {**idle, "depth": 0.0, "peakwidth": 0.0, "basewidth": 2.0}),
+        "idle_speed": ("ConstantSpeed", [], [], {**idle, "speed": 0.0}),
+        "idle_course": ("ConstantHeading", [], [], {**idle, "heading": 0.0}),
+    }
     for transit, name, following in zip(
         plan.transits, ("1_ingress", "3_egress"), ("2_moor_release", "done"), strict=True
     ):

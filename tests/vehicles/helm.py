@@ -15,7 +15,7 @@ from dataclasses import dataclass, field
 
 from sea import Voyage
 
-COMMON = {"name", "pwt", "condition", "endflag", "duration", "duration_reset", "perpetual"}
+COMMON = {"name", "pwt", "condition", "endflag", "duration", "duration_reset", "perpetual", "post_mapping"}
 PARAMETERS = {
     "BHV_Waypoint": {"points", "speed", "capture_radius", "slip_radius", "repeat"},
     "BHV_ConstantDepth": {"depth", "peakwidth", "basewidth"},
@@ -140,10 +140,8 @@ class Helm:
             self._run(each, mail, wishes)
         for key, value in mail:
             self._post(key, value)
-        assert {"speed", "course", "depth"} <= wishes.keys() or mail, f"no wish for all variables in {phase}"
-        self.speed = wishes.get("speed", (0.0, 0.0))[1]
-        self.wanted_depth = wishes.get("depth", (0.0, 0.0))[1]
-        self.heading = wishes.get("course", (0.0, self.heading))[1]
+        assert wishes.keys() == {"speed", "course", "depth"}, f"{phase} leaves a decision without a wish"
+        self.speed, self.wanted_depth, self.heading = (wishes[key][1] for key in ("speed", "depth", "course"))
 
     def _run(self, each: Behaviour, mail: list, wishes: dict) -> None:
         if "duration_reset" in each.values:

@@ -95,13 +95,12 @@ def files(plan: Plan, stem: str) -> dict[str, str | bytes]:
     ]
     lines += ["set MODE = ACTIVE {", "  DEPLOY = true", "} INACTIVE", ""]
     lines += [f"// FIX_CLOCK counts down from {_CLOCK:.0f} s since the last fix", *_fix_clock()]
+    lines += ["// stopped at the surface, where no state asks for anything else", *_idle()]
     for (phase, name), following in zip(parts, [*firsts[1:], _END], strict=True):
         if isinstance(phase, PlannedMooring):
             lines += _mooring(plan, phase, name, following)
         else:
             lines += _transit(plan, phase, name, following)
-    for end in (_END, _ABORT):
-        lines += _still(end)
     return {f"{stem}.bhv": "\n".join(lines)}
 
 
@@ -193,17 +192,13 @@ def _transit(plan: Plan, transit: PlannedTransit, name: str, following: str) -> 
         *_timer(f"interval_{leg}", [_in(leg)], level, _enter(up), leg),
         "// up, and on to the point, or as far as a leg is long",
         *_waypoint(f"rise_{up}", [_in(up), "WAY = true"], steer, (_NEAR, _PASSED), ["WAY = false"]),
-        *_behaviour("BHV_ConstantDepth", f"depth_{up}", [_in(up)], _depth(0.0)),
         *_timer(f"whole_{leg}", [f"STAGE = {name}", "WAY = true"], rule.interval_time - LATENCY, ["WAY = false"], leg),
-        *_stop(up, "WAY = false"),
         *_timer(f"surfaced_{up}", [_in(up), "WAY = false", _UP], SETTLE, _enter(fix), up),
         *_timer(f"fixed_{up}", [_in(up), _FIXED], FIX_UNDER_WAY, _enter(decide), up),
         "// at the surface, until a fix comes",
-        *_still(fix),
         *_timer(f"fixed_{fix}", [_in(fix), _FIXED], SETTLE, _enter(decide), fix),
         *_timer(f"no_fix_{fix}", [_in(fix)], rule.fix_wait, _aborted("NO_FIX"), fix),
         "// arrived where the fix lies within the radius; else a further leg",
-        *_behaviour("BHV_ConstantDepth", f"depth_{decide}", [_in(decide)], _depth(0.0)),
         *_behaviour("BHV_ConstantSpeed", f"stop_{decide}", [_in(decide)], {"speed": "0"}, _FIRST),
         *_waypoint(
             f"arrived_{decide}",
@@ -224,7 +219,6 @@ def _mooring(plan: Plan, mooring: PlannedMooring, name: str, following: str) -> 
     lines = [
         f"// {plain(mooring.name)}: release {mooring.release_time:.1f} s after the fix, of which {HANDLING:.1f} s have "
         f"gone; by {mooring.release_time_p99:.1f} s in 99 % of cases",
-        *_still(release),
         *_timer(
             f"at_{release}",
             [_in(release)],
@@ -232,7 +226,6 @@ def _mooring(plan: Plan, mooring: PlannedMooring, name: str, following: str) -> 
             ["ANCHOR_RELEASE = true", *_enter(sink)],
             release,
         ),
-        *_still(sink),
     ]
     if math.isfinite(mooring.touchdown_depth):
         lines += _timer(
@@ -241,20 +234,17 @@ def _mooring(plan: Plan, mooring: PlannedMooring, name: str, following: str) -> 
     return [
         *lines,
         *_timer(f"lies_{sink}", [_in(sink)], mooring.longest_sinking, _enter(hold), sink),
-        *_still(hold),
         *_timer(f"at_{hold}", [_in(hold)], mooring.hold, ["GALVANIC_RELEASE = true", *_enter(rise)], hold),
-        *_still(rise),
         *_timer(f"parted_{rise}", [_in(rise)], mooring.galvanic_release, ["WAY = false"], rise),
         *_timer(f"surfaced_{rise}", [_in(rise), "WAY = false", _UP], SETTLE, _enter(fix), rise),
         *_timer(f"late_{rise}", [_in(rise)], mooring.longest_release, _aborted("ASCENT"), rise),
-        *_still(fix),
         *_timer(f"fixed_{fix}", [_in(fix), _FIXED], SETTLE, [*_enter(following), "WAY = true"], fix),
         *_timer(f"no_fix_{fix}", [_in(fix)], mooring.fix_wait, _aborted("NO_FIX"), fix),
     ]
 
 
-_FIRST = 1000
-"""Priority of a stop over a waypoint's speed."""
+_FIRST, _LAST = 1000, 0.1
+"""Priorities of a stop over a waypoint's speed, and of what is wished where nothing else is."""
 _Parameters = dict[str, str | list[str]]
 
 
@@ -276,20 +266,12 @@ def _depth(depth: float) -> _Parameters:
     return {"depth": f"{depth:.2f}", "peakwidth": "0", "basewidth": "2"}
 
 
-def _still(state: str) -> list[str]:
-    """Stop at the surface."""
+def _idle() -> list[str]:
+    """Wishes of hardly any weight for all that a helm decides: without one for each it reports an error and stops."""
     return [
-        *_behaviour("BHV_ConstantDepth", f"depth_{state}", [_in(state)], _depth(0.0)),
-        *_stop(state),
-    ]
-
-
-def _stop(state: str, *conditions: str) -> list[str]:
-    """Stop; a helm needs a wish for each of its variables, the course too."""
-    within = [_in(state), *conditions]
-    return [
-        *_behaviour("BHV_ConstantSpeed", f"stop_{state}", within, {"speed": "0"}),
-        *_behaviour("BHV_ConstantHeading", f"course_{state}", within, {"heading": "0"}),
+        *_behaviour("BHV_ConstantDepth", "idle_depth", [], _depth(0.0), _LAST),
+        *_behaviour("BHV_ConstantSpeed", "idle_speed", [], {"speed": "0"}, _LAST),
+        *_behaviour("BHV_ConstantHeading", "idle_course", [], {"heading": "0"}, _LAST),
     ]
 
 
@@ -310,16 +292,17 @@ def _waypoint(
 def _timer(name: str, conditions: list[str], seconds: float, flags: list[str], begins: str = "") -> list[str]:
     """Post flags a time after a state began, or after the conditions first held where none is named."""
     parameters: _Parameters = {"duration": f"{seconds:.1f}", "endflag": flags, "perpetual": "true"}
+    parameters["post_mapping"] = ["TIMER_IDLE,silent", "TIMER_RUNNING,silent"]  # else posted by each at every iteration
     if begins:
         parameters["duration_reset"] = f"PHASE={begins}"
     return _behaviour("BHV_Timer", name, conditions, parameters)
 
 
-def _behaviour(kind: str, name: str, conditions: list[str], parameters: _Parameters, weight: int = 100) -> list[str]:
+def _behaviour(kind: str, name: str, conditions: list[str], parameters: _Parameters, weight: float = 100) -> list[str]:
     lines = [f"Behavior = {kind}", "{"]
     given: _Parameters = {
         "name": name,
-        "pwt": str(weight),
+        "pwt": f"{weight:g}",
         "condition": ["MODE == ACTIVE", *conditions],
         **parameters,
     }
