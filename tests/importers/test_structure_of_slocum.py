@@ -156,3 +156,8 @@ def test_two_gliders_are_asked_for(plain, tmp_path):
     with pytest.raises(InputError, match=r"other \(1 file\), unit \(1 file\)"):
         import_logs([tmp_path])
     agree(plain, import_logs([tmp_path], vehicle="unit"))
+    for k in (1, 2):  # packed, under the names of the card
+        (tmp_path / f"0160000{k}.scd").write_bytes(packed((tmp_path / f"{k}.sbd").read_bytes()))
+        (tmp_path / f"{k}.sbd").unlink()
+    with pytest.raises(InputError, match=r"other \(1 file\), unit \(1 file\)"):
+        import_logs([tmp_path])

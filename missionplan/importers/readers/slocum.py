@@ -15,7 +15,7 @@ import numpy as np
 
 from missionplan.arrays import Array
 from missionplan.errors import InputError, Problem
-from missionplan.importers.importer import Identity, Importer, ReadOptions, SourceLog, needed_module
+from missionplan.importers.importer import DAMAGED, Identity, Importer, ReadOptions, SourceLog, needed_module
 from missionplan.importers.stores import ChannelStore
 from missionplan.importers.track import Break, Fixes, Positions, Track, fixes, positions
 
@@ -43,11 +43,26 @@ def recognises(path: Path, head: bytes) -> bool:
 
 
 def identity(path: Path) -> Identity:
-    """Vehicle that a file's header names, ``full_filename: maria-2022-164-7-0``; its own name where it is packed."""
-    with path.open("rb") as stream:
-        found = re.search(rb"full_filename:\s*(\S+)", stream.read(_HEADER))
+    """Vehicle that a file's header names, ``full_filename: maria-2022-164-7-0``, or its own name."""
+    found = re.search(rb"full_filename:\s*(\S+)", _header(path))
     matched = _NAME.match(found[1].decode("latin-1") if found else path.stem)
     return Identity(matched[1] if matched else "")
+
+
+def _header(path: Path) -> bytes:
+    """First bytes of a file, in which its header stands; unpacked where it is packed.
+
+    Raises
+    ------
+    OSError, RuntimeError
+        When it cannot be read, or not unpacked.
+    """
+    if path.suffix[2:3].lower() != "c":
+        with path.open("rb") as stream:
+            return stream.read(_HEADER)
+    library = needed_module("dbdreader.decompress", "slocum", "slocum")
+    with library.Decompressor(str(path)) as packed:
+        return bytes(next(packed.decompressed_blocks(1), b""))[:_HEADER]
 
 
 def read(files: Sequence[Path], options: ReadOptions, log: SourceLog) -> Track:
@@ -97,8 +112,10 @@ def _link_sensor_lists(library: ModuleType, folder: Path, files: Sequence[Path],
 
 def _is_factored(path: Path) -> bool:
     """Whether a file refers to a list of its sensors elsewhere: those that hold one are read first."""
-    with path.open("rb") as stream:
-        found = re.search(rb"sensor_list_factored:\s*(\d)", stream.read(_HEADER))
+    try:
+        found = re.search(rb"sensor_list_factored:\s*(\d)", _header(path))
+    except DAMAGED:
+        return True  # it is told when it is read
     return found is not None and found[1] == b"1"
 
 
@@ -110,10 +127,9 @@ def _check_header(path: Path) -> None:
     ValueError
         When it is.
     """
-    with path.open("rb") as stream:
-        lines = stream.read(_HEADER).split(b"\n")
+    lines = _header(path).split(b"\n")
     if not lines[0].startswith(b"dbd_label"):
-        return  # packed, or no such file: the library says so
+        return  # no such file: the library says so
     found = next((line.partition(b":")[2] for line in lines if line.startswith(b"num_ascii_tags:")), b"")
     if not found.strip().isdigit() or int(found) >= len(lines):
         raise ValueError("its header is cut off")
