@@ -9,7 +9,7 @@ from datetime import UTC, datetime
 from functools import lru_cache
 from importlib import import_module
 from importlib.util import find_spec
-from typing import Protocol, TypeVar
+from typing import Any, TypeVar
 
 import numpy as np
 
@@ -163,16 +163,6 @@ WRONG = 1.5
 _INSTALL = f"{how_to_install('magnetic')} to check it"
 
 
-class _Declination(Protocol):
-    d: float
-
-
-class _Model(Protocol):
-    def calculate(
-        self, *, glat: float, glon: float, alt: float, time: float, allow_date_outside_lifespan: bool
-    ) -> _Declination: ...
-
-
 _MODELS = ("WMM_2010", "WMM_2015v2", "WMM_2020", "WMM_2025")
 
 
@@ -204,9 +194,8 @@ def model_declination(latitude: float, longitude: float, t: float) -> float | No
 
 
 @lru_cache(maxsize=4)
-def _model(name: str) -> _Model:
-    model: _Model = import_module("pygeomag").GeoMag(coefficients_file=f"wmm/{name}.COF")
-    return model
+def _model(name: str) -> Any:
+    return import_module("pygeomag").GeoMag(coefficients_file=f"wmm/{name}.COF")
 
 
 def with_declination(track: Track) -> Track:

@@ -17,9 +17,10 @@ _FINEST = 0.5
 
 
 def spaced(t: Array, interval: float) -> NDArray[np.bool_]:
-    """Which readings to keep for one in each interval [s]: the first in it, in the order that they came."""
-    which = np.floor(np.asarray(t) / interval)
-    return np.append(True, which[1:] != which[:-1])[: len(which)]
+    """Which readings to keep for one in each interval [s]: the first in it that came; they come in any order."""
+    keep = np.zeros(len(t), dtype=bool)
+    keep[np.unique(np.floor(np.asarray(t) / interval), return_index=True)[1]] = True
+    return keep
 
 
 class ChannelStore:
@@ -91,10 +92,13 @@ class Samples:
             self._thin()
 
     def _thin(self) -> None:
-        self._interval = 2.0 * (self._interval or 0.5 * _FINEST)
-        keep = spaced(self[self._names[0]], self._interval)
-        for name, column in self._columns.items():
-            column[:] = array("d", self[name][keep].tobytes())
+        """Thin to half of the most: of readings that come in no order of time, those of one interval come apart."""
+        while len(self) > MOST // 2:
+            keep = spaced(self[self._names[0]], self._interval or _FINEST)
+            for name, column in self._columns.items():
+                column[:] = array("d", self[name][keep].tobytes())
+            self._interval = self._interval or _FINEST
+            self._interval *= 2.0 if len(self) > MOST // 2 else 1.0
 
     def __getitem__(self, name: str) -> Array:
         """Values of a column."""

@@ -9,6 +9,7 @@ from made_tracks import made
 from test_structure import agree, alog
 
 from missionplan.errors import InputError
+from missionplan.importers import stores
 from missionplan.importers.geodesy import displacement
 from missionplan.importers.importing import import_logs
 
@@ -346,3 +347,20 @@ def test_rows_of_a_table_in_any_order_are_one_log(plain, tmp_path):
         path = tmp_path / f"rows-{k}.csv"
         path.write_text("\n".join([lines[0], *rows]) + "\n")
         agree(plain, import_logs([path, gps], format="track", names=NAMES))
+
+
+def test_readings_beyond_the_most_are_thinned_whatever_their_order(monkeypatch):
+    monkeypatch.setattr(stores, "MOST", 1000)
+    t = np.arange(20_000) * 0.1
+    for order in (np.arange(len(t)), np.random.default_rng(8).permutation(len(t)), np.arange(len(t))[::-1]):
+        samples, channels, columns = stores.Samples(("t", "x")), stores.ChannelStore(), stores.ColumnStore()
+        for k in order:
+            samples.add(t[k], 3.0 * t[k])
+        for part in np.array_split(order, 7):
+            channels.add("x", t[part], 3.0 * t[part])
+            columns.add({"t": t[part], "depth": 3.0 * t[part]})
+        kept = {"samples": np.sort(samples["t"]), "channels": channels.series("x").t, "columns": columns["t"]}
+        for name, held in kept.items():
+            assert 200 <= len(held) <= 1000, name
+            assert np.diff(held).max() < 40.0, name  # no long time of the 2000 s is lost
+        np.testing.assert_allclose(channels.series("x").values, 3.0 * kept["channels"])
