@@ -153,34 +153,21 @@ Sensitivity = Influence
 
 
 @dataclass(frozen=True)
-class MooringAnchor:
-    """The anchor of a mooring that the mission leaves to be sized, or whose parts it gives.
+class MooringAnchor(Record):
+    """The anchor of a mooring that the mission leaves to be sized, or whose parts it gives."""
 
-    Attributes
-    ----------
-    phase : str
-    wet_weight : float
-        [N]
-    is_sized : bool
-        Whether it is the worst case's (Briggs et al., Eqs. 1 and 15).
-    failures : tuple of str
-        Why its parts cannot make it; empty where they can, or are not given.
-    """
+    phase: Annotated[str, Entry("name of the mooring")]
+    wet_weight: Annotated[float, Entry("of the anchor", "N")]
+    is_sized: Annotated[bool, Entry("whether it is the worst case's (Briggs et al., Eqs. 1 and 15)", key="sized")]
+    failures: Annotated[
+        tuple[str, ...],
+        Entry("why its parts cannot make it; empty where they can, or are not given", key="problems"),
+    ] = ()
 
-    phase: str
-    wet_weight: float
-    is_sized: bool
-    failures: tuple[str, ...] = ()
-
-    def summary(self) -> dict[str, object]:
-        """Return the entry of `summary.json`."""
-        return {
-            "phase": self.phase,
-            "wet_weight_n": self.wet_weight,
-            "sized": self.is_sized,
-            "feasible": not self.failures,
-            "problems": list(self.failures),
-        }
+    @property
+    def feasible(self) -> Annotated[bool, Entry()]:
+        """Whether no part is known to make it impossible."""
+        return not self.failures
 
 
 @dataclass(frozen=True)
