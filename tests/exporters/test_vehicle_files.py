@@ -299,7 +299,10 @@ def of_mooring(mooring, name, following):
         return ("Timer", [f"PHASE = {state}", *more], flags, timer(seconds, state))
 
     return {
-        f"at_{release}": at(release, mooring.release_time - 3.0, ["ANCHOR_RELEASE = true", *enter(sink)]),
+        f"at_{release}": at(
+            release, mooring.release_time - 3.0, ["ANCHOR_RELEASE = true", *enter(sink)], "FIXED = true"
+        ),
+        f"no_fix_{release}": at(release, mooring.release_time + 600.0, aborted("NO_FIX")),
         f"down_{sink}": at(sink, 0.0, enter(hold), f"NAV_DEPTH > {down:.2f}"),
         f"lies_{sink}": at(sink, max(60.0, 5.0 * mooring.water_depth), enter(hold)),
         f"at_{hold}": at(hold, mooring.hold, ["GALVANIC_RELEASE = true", *enter(rise)]),
@@ -329,7 +332,7 @@ def test_moos(plan):
             *("Timer", ["NAV_DEPTH <= 0.3", "FIX_CLOCK > 999990", "FIXED = false"], ["FIXED = true"]),
             timer(0.0),
         ),
-        "under_water": ("Timer", ["NAV_DEPTH > 0.3", "FIXED = true"], ["FIXED = false"], timer(0.0)),
+        "under_water": ("Timer", ["NAV_DEPTH > 0.6", "FIXED = true"], ["FIXED = false"], timer(0.0)),
         **of_mooring(mooring, "2_moor", "3_egress_leg"),
     }
     idle = {**FOREVER, "pwt": 0.1}

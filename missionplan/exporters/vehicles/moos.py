@@ -98,7 +98,7 @@ def files(plan: Plan, stem: str) -> dict[str, str | bytes]:
     lines += ["// stopped at the surface, where no state asks for anything else", *_idle()]
     for (phase, name), following in zip(parts, [*firsts[1:], _END], strict=True):
         if isinstance(phase, PlannedMooring):
-            lines += _mooring(plan, phase, name, following)
+            lines += _mooring(phase, name, following)
         else:
             lines += _transit(plan, phase, name, following)
     return {f"{stem}.bhv": "\n".join(lines)}
@@ -153,7 +153,7 @@ def _enter(state: str) -> list[str]:
     return [f"PHASE = {state}", f"STAGE = {state.rpartition('_')[0] or state}"]
 
 
-_UP, _UNDER = f"NAV_DEPTH <= {SURFACE_DEPTH:g}", f"NAV_DEPTH > {SURFACE_DEPTH:g}"
+_UP, _UNDER = f"NAV_DEPTH <= {SURFACE_DEPTH:g}", f"NAV_DEPTH > {2.0 * SURFACE_DEPTH:g}"
 _FIXED = "FIXED = true"
 
 
@@ -212,20 +212,21 @@ def _transit(plan: Plan, transit: PlannedTransit, name: str, following: str) -> 
     ]
 
 
-def _mooring(plan: Plan, mooring: PlannedMooring, name: str, following: str) -> list[str]:
+def _mooring(mooring: PlannedMooring, name: str, following: str) -> list[str]:
     """At the surface until the release; then the helm is still while the vehicle is moored."""
-    del plan
+    latest = mooring.release_time + mooring.fix_wait
     release, sink, hold, rise, fix = (f"{name}_{state}" for state in ("release", "descend", "hold", "ascend", "fix"))
     lines = [
         f"// {plain(mooring.name)}: release {mooring.release_time:.1f} s after the fix, of which {HANDLING:.1f} s have "
         f"gone; by {mooring.release_time_p99:.1f} s in 99 % of cases",
         *_timer(
             f"at_{release}",
-            [_in(release)],
+            [_in(release), _FIXED],
             max(mooring.release_time - HANDLING, 0.0),
             ["ANCHOR_RELEASE = true", *_enter(sink)],
             release,
         ),
+        *_timer(f"no_fix_{release}", [_in(release)], latest, _aborted("NO_FIX"), release),
     ]
     if math.isfinite(mooring.touchdown_depth):
         lines += _timer(
