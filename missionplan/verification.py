@@ -243,7 +243,8 @@ def _simulate(made: _Made, **extra: Any) -> "Result":
     if options.get("rare"):
         chosen = {"event": options["rare"], "trials": options.get("trials"), "precision": options.get("precision")}
         return find_rare_failure(made.mission(), **chosen, **made.seeded)
-    chosen = {"keep_trials": bool(options.get("keep_trials")), "as_exported": options.get("as_exported")}
+    chosen = {name: bool(options.get(name)) for name in ("keep_trials", "assumptions")}
+    chosen |= {"as_exported": options.get("as_exported")}
     return simulate(made.mission(), **chosen, **made.drawn, **extra)
 
 

@@ -228,6 +228,7 @@ def simulate(
             resume=resume,
             keep_trials=keep_trials,
             searched=searched,
+            assumptions=True,
             as_exported=as_exported.value if as_exported else None,
             progress=progress,
             **run.arguments(),

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from missionplan.arrays import Array
 from missionplan.montecarlo.sensitivity import Influence
 from missionplan.montecarlo.statistics import Probability, Statistic, trials_to_decide
+from missionplan.results.assumption import Assumption
 from missionplan.results.base import Provenance, Result, to_csv
 from missionplan.results.entries import Entry, Record
 from missionplan.results.mooring.held_vehicle import HeldVehicle
@@ -264,6 +265,7 @@ class Outcome(Result):
     ] = ()
     members: tuple[ExplainedOutcome, ...] = ()
     chart: SeaChart | None = None
+    assumptions: tuple[Assumption, ...] = ()
     contacts: Annotated[
         tuple[PlaceContact, ...],
         Entry("what missions meet of ground, coast and zones kept out of; empty where they meet nothing"),
@@ -275,9 +277,12 @@ class Outcome(Result):
         return read_trials(self.trials_table)
 
     @property
-    def decision(self) -> Annotated[dict[str, list[str]], Entry()]:
-        """What the probability of success does not hold."""
-        return {"not_in_this_probability": [each.what for each in self.provenance.holds if not each.held]}
+    def decision(self) -> Annotated[dict[str, object], Entry()]:
+        """What the answer assumes, each with its worth, and what the probability of success does not hold."""
+        return {
+            "assumes": [each.summary() for each in self.assumptions],
+            "not_in_this_probability": [each.what for each in self.provenance.holds if not each.held],
+        }
 
     @property
     def holds_equipment(self) -> bool:

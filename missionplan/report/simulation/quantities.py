@@ -157,7 +157,46 @@ def verdict(outcome: Outcome) -> str:
         return ""
     if _missed(outcome.requirements):
         return "bad"
-    return "undecided" if _undecided(outcome.requirements) else "good"
+    in_doubt = _undecided(outcome.requirements) or any(each.turns for each in outcome.assumptions)
+    return "undecided" if in_doubt else "good"
+
+
+def assumptions_in_words(outcome: Outcome) -> str:
+    """Write which assumptions could turn the answer; none where none could."""
+    turning = [each for each in outcome.assumptions if each.turns]
+    if not turning:
+        return ""
+    first, others = turning[0], len(turning) - 1
+    words = (
+        f"But this assumes that {first.what}: with {first.otherwise} it works {100.0 * first.success:.0f} % of the time"
+    )
+    if first.missed:
+        words += f" and misses what it requires of {', '.join(in_words(each) for each in first.missed)}"
+    return (
+        f"{words}."
+        if not others
+        else f"{words}; {others} more such {'assumption' if others == 1 else 'assumptions'} below."
+    )
+
+
+def assumptions_section(outcome: Outcome) -> Iterator[PageSection]:
+    """Tabulate what the answer takes for granted, what matters most first."""
+    rows = [
+        (
+            each.what,
+            each.otherwise,
+            f"{100.0 * each.success:.3g}\u00a0%",
+            f"{100.0 * each.worth:+.2g}\u00a0%",
+            "could turn the answer" if each.turns else "",
+        )
+        for each in outcome.assumptions
+    ]
+    if rows:
+        columns = ("taken for granted", "instead", "success then", "change", "")
+        caption = "Each alone, on 400 trials of the same random numbers. What is not in the mission cannot be put off."
+        turning = sum(each.turns for each in outcome.assumptions)
+        heading = "No assumption could turn this" if not turning else f"{turning} of its assumptions could turn this"
+        yield PageSection(heading, [Table(columns, rows, caption, text_columns=2)], is_summary=True)
 
 
 def requirements_section(outcome: Outcome) -> Iterator[PageSection]:

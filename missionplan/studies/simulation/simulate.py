@@ -12,6 +12,7 @@ from missionplan.mission import Mission, MissionOrPath
 from missionplan.montecarlo.parallel.blocks import Backend, Progress
 from missionplan.montecarlo.statistics import Probability
 from missionplan.montecarlo.streams import BLOCK, block_count, block_size
+from missionplan.results.assumption import Assumption
 from missionplan.results.overdue import Overdue
 from missionplan.results.place import SeaChart
 from missionplan.results.simulation import Outcome
@@ -67,6 +68,7 @@ def simulate(
     keep_trials: bool = False,
     searched: str | Path | None = None,
     as_exported: str | None = None,
+    assumptions: bool = False,
     progress: Progress | None = None,
 ) -> Outcome:
     """Run the whole mission many times.
@@ -92,6 +94,8 @@ def simulate(
     as_exported : str, optional
         Format of a vehicle, of `missionplan.exporters.formats.VEHICLES`: run what that vehicle does with its files, by
         its own rules, instead of what the mission means. A notice says what of it is lost.
+    assumptions : bool
+        Run the mission again without each of its assumptions (`assumptions.ledger`), and tell what they are worth.
     progress : callable, optional
         Called with the trials done and their total.
 
@@ -138,6 +142,7 @@ def simulate(
     options: dict[str, object] = {"jobs": jobs, "backend": backend, "precision": precision, "keep_trials": keep_trials}
     options |= {} if searched is None else {"searched": digest_of_files([as_path(searched, "searched")])}
     options |= {} if as_exported is None else {"as_exported": as_exported}
+    options |= {"assumptions": True} if assumptions else {}
     notices = (*notices, *run_notices(merged, goal))
     provenance = run.provenance(options, notices, trials=merged.totals.trials)
     table = sequence.table.parquet() if sequence.table else None
@@ -146,8 +151,18 @@ def simulate(
     built = builder.outcome(provenance)
     chart = _chart(means, tracks)
     return replace(
-        built, plan=plan_if_any(mission, means, seed), overdue=_overdue(task, merged.first, searches), chart=chart
+        built,
+        plan=plan_if_any(mission, means, seed),
+        overdue=_overdue(task, merged.first, searches),
+        chart=chart,
+        assumptions=_ledger(mission, seed) if assumptions else (),
     )
+
+
+def _ledger(mission: Mission, seed: int) -> tuple[Assumption, ...]:
+    from missionplan.studies.simulation.assumptions import ledger  # which runs missions by this module
+
+    return ledger(mission, seed)
 
 
 def _chart(means: Scenario, tracks: MapTracks) -> SeaChart | None:

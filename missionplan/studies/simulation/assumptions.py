@@ -1,0 +1,115 @@
+"""The ledger of a mission's assumptions: each is put off by its usual size, and the mission is run again."""
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+
+from missionplan.errors import MissionplanError
+from missionplan.mission import Mission
+from missionplan.mission.schema.site import CurrentFile, TidalCurrent
+from missionplan.montecarlo.distributions import Distribution
+from missionplan.montecarlo.statistics import Probability
+from missionplan.results.assumption import Assumption
+from missionplan.studies.simulation.simulate import event_probabilities
+
+TRIALS = 400
+"""Of each run of the ledger; they share their random numbers, so that small differences show."""
+_SD = {"sd": "0.1 m/s"}
+"""Of a current: drifters differ by about 0.1 m/s from maps of the current that are measured there and then."""
+
+
+@dataclass(frozen=True)
+class Doubt:
+    """An assumption, and the mission without it.
+
+    Attributes
+    ----------
+    what, otherwise : str
+        What is taken for granted, and what is put in its place.
+    changes : mapping of str to object
+        Of the mission's keys (`Mission.with_`).
+    """
+
+    what: str
+    otherwise: str
+    changes: Mapping[str, object]
+
+
+def ledger(mission: Mission, seed: int, trials: int = TRIALS) -> tuple[Assumption, ...]:
+    """Run a mission without each of its assumptions; those that matter most come first.
+
+    Parameters
+    ----------
+    mission : Mission
+    seed : int
+    trials : int
+        Of each run.
+    """
+    doubts = tuple(doubts_of(mission))
+    if not doubts:
+        return ()
+    base = _judged(mission, trials, seed)
+    found = []
+    for doubt in doubts:
+        try:
+            other = _judged(mission.with_(dict(doubt.changes)), trials, seed)
+        except (MissionplanError, ArithmeticError):
+            continue  # not a mission that can be run: a plug-in's phase, a key that another forbids
+        missed = tuple(
+            requirement.written or requirement.quantity
+            for index, requirement in enumerate(mission.requirements)
+            if other[f"requirement {index}"].value < requirement.probability <= base[f"requirement {index}"].value
+        )
+        before, after = base["total.success"].value, other["total.success"].value
+        found.append(Assumption(doubt.what, doubt.otherwise, after - before, after, missed))
+    return tuple(sorted(found, key=lambda each: (not each.turns, each.worth)))
+
+
+def _judged(mission: Mission, trials: int, seed: int) -> Mapping[str, Probability]:
+    return event_probabilities(mission, trials=trials, seed=seed)
+
+
+def doubts_of(mission: Mission) -> Iterator[Doubt]:
+    """Yield what a mission takes for granted, as far as it can be put off by its usual size."""
+    yield from _current(mission)
+    site, navigation, vehicle = mission.site, mission.navigation, mission.vehicle
+    if site is not None and site.wind is None:
+        blows = {"speed": {"low": "0 m/s", "high": "12 m/s"}, "from": {"low": "0 deg", "high": "360 deg"}}
+        yield Doubt("there is no wind", "winds of 0 to 12 m/s from anywhere", {"site.wind": blows})
+    if navigation is not None and navigation.fix_error == 0.0 and mission.transits:
+        yield Doubt("fixes are exact", "an error of 5 m on each axis", {"navigation.fix_error": "5 m"})
+    anchor = vehicle.anchor if vehicle else None
+    if anchor is not None and isinstance(anchor.holding_factor, float) and mission.moors:
+        factor = {"median": anchor.holding_factor, "factor": 1.4}
+        words = "the anchor holds just as its holding factor says"
+        yield Doubt(words, "a factor of 1.4 more or less", {"vehicle.anchor.holding_factor": factor})
+    if anchor is not None and anchor.flooding_time is None and mission.moors:
+        yield Doubt(
+            "the anchor is full of water at once",
+            "10 s until it is",
+            {"vehicle.anchor.flooding_time": "10 s"},
+        )
+    for phase in mission.moors:
+        if phase.line_diameter is not None and phase.line_material is None and phase.line_wet_weight is None:
+            yield Doubt(
+                f"the line has no weight ({phase.label})",
+                "polyester",
+                {f"{phase.name}.line_material": "polyester"},
+            )
+
+
+def _current(mission: Mission) -> Iterator[Doubt]:
+    """Yield a current that is taken as exact: numbers for layers, a record or a tide without an error."""
+    current = mission.site.current if mission.site else ()
+    if isinstance(current, CurrentFile | TidalCurrent):
+        single = not isinstance(current, CurrentFile) or len(current.members) == 1
+        if current.error is None and single:
+            error = {"sigma": "0.1 m/s", "time": "12 h"}
+            yield Doubt("the current is as recorded", "0.1 m/s off on each axis", {"site.current.error": error})
+        return
+    exact = [number for number, layer in enumerate(current) if not isinstance(layer.speed, Distribution)]
+    if exact:
+        changes = {
+            f"site.current[{number}].speed": {"mean": f"{float(current[number].speed)!r} m/s", **_SD}  # type: ignore[arg-type]
+            for number in exact
+        }
+        yield Doubt("the layers flow just as fast as stated", "0.1 m/s faster or slower", changes)

@@ -1,0 +1,67 @@
+"""The ledger of assumptions: what each is worth, against closed forms, and a headline that is green only where none turns it."""
+
+from pathlib import Path
+
+import pytest
+import scipy
+
+import missionplan
+from missionplan.report.render import terminal_view
+from missionplan.studies.simulation.assumptions import doubts_of, ledger
+
+ONE_LEG = """
+name: One leg across an exact current
+site:
+  depth: 30 m
+  current: [{down_to: 30 m, speed: %s, toward: 90 deg}]
+  wind: {speed: 0 m/s, from: 0 deg}
+navigation: {velocity_error: {sigma: 0.001 m/s}, surfacing_time: 1 s, fix_error: 0.1 m, max_legs: 1}
+phases:
+  - transit: {name: out, from: [0 m, 0 m], to: [0 m, 1000 m], speed: 1 m/s, d_max: 1200 m, arrival_radius: 60 m}
+requirements: [{quantity: out.arrived, probability: 0.9}]
+monte_carlo: {trials: 400, seed: 1}
+"""
+
+
+@pytest.fixture
+def one_leg(tmp_path: Path):
+    def load(speed: str) -> missionplan.Mission:
+        path = tmp_path / "one-leg.yaml"
+        path.write_text(ONE_LEG % speed, encoding="utf-8")
+        return missionplan.load(path)
+
+    return load
+
+
+def test_a_current_that_is_not_exact_is_worth_what_the_normal_distribution_says(one_leg):
+    """1000 s at 0.1 m/s times z, within 60 m: P(|z| < 0.6)."""
+    mission = one_leg("0 m/s")
+    (found,) = ledger(mission, seed=3)
+    expected = 2.0 * scipy.stats.norm.cdf(0.6) - 1.0
+    assert found.success == pytest.approx(expected, abs=0.08)
+    assert found.worth == pytest.approx(expected - 1.0, abs=0.08)
+    assert found.missed == ("out.arrived",)
+    assert found.turns
+
+
+def test_the_headline_is_green_only_where_no_assumption_could_turn_it(one_leg):
+    shown = terminal_view(missionplan.simulate(one_leg("0 m/s"), assumptions=True))
+    assert shown.verdict == "undecided"
+    assert "But this assumes that the layers flow just as fast as stated" in shown.sentence
+    stated = one_leg("{mean: 0 m/s, sd: 0.01 m/s}")
+    assert ledger(stated, seed=3) == ()
+    outcome = missionplan.simulate(stated, assumptions=True)
+    assert terminal_view(outcome).verdict == "good"
+    assert outcome.summary()["decision"]["assumes"] == []
+
+
+def test_what_is_taken_for_granted_is_named(tmp_path):
+    path = tmp_path / "bare.yaml"
+    path.write_text(
+        "name: bare\nnavigation: {velocity_error: {sigma: 0.02 m/s}, surfacing_time: 60 s}\nsite: {depth: 20 m}\n"
+        "phases: [{transit: {from: [0 m, 0 m], to: [0 m, 800 m], speed: 1 m/s, d_max: 400 m, arrival_radius: 50 m}}]\n",
+        encoding="utf-8",
+    )
+    assert [doubt.what for doubt in doubts_of(missionplan.load(path))] == ["there is no wind", "fixes are exact"]
+    found = ledger(missionplan.load(path), seed=1, trials=100)
+    assert {each.what for each in found} == {"there is no wind", "fixes are exact"}
