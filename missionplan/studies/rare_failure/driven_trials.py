@@ -90,15 +90,16 @@ def _of_transit(phase: TransitPhase[Scalars], done: PhaseTrials, scenario: Scena
     used = done.quantities["surfacings"] + np.minimum(done.quantities["arrival_error_m"] / done.radius, 1.0)
     yield _NOT_ARRIVED, scenario.navigation.max_legs + 1.0 - used
     site = scenario.drawn.site
-    if site is not None and site.depth is not None:
+    if site is not None and site.depth is not None and not _has_grid(scenario):
         yield AGROUND, _each(site.depth - phase.depth, done)
 
 
 def _of_mooring(phase: MoorPhase[Scalars], done: PhaseTrials, scenario: Scenario) -> Iterator[tuple[str, Array]]:
     found = done.quantities
     scenario = laden(scenario, phase)
-    above_line = scenario.mooring.depth - phase.line_length
-    yield TOO_SHALLOW, _each(above_line - scenario.mooring.vehicle.hull.length, done)
+    if not _has_grid(scenario):
+        above_line = scenario.mooring.depth - phase.line_length
+        yield TOO_SHALLOW, _each(above_line - scenario.mooring.vehicle.hull.length, done)
     yield TOO_LIGHT, found["terminal_velocity_m_s"]
     yield _OUTSIDE, done.radius - found["offset_m"]
     yield _STRUCK, found["lowest_altitude_m"]
@@ -108,6 +109,11 @@ def _of_mooring(phase: MoorPhase[Scalars], done: PhaseTrials, scenario: Scenario
     if strength is not None:
         tension = np.fmax(found["line_tension_n"], found.get("snatch_tension_n", found["line_tension_n"]))
         yield LINE_PARTED, strength - tension
+
+
+def _has_grid(scenario: Scenario) -> bool:
+    """Whether each trial has depths of its own, of which no margin is known."""
+    return scenario.place is not None and scenario.place.ground is not None
 
 
 def _each(values: Scalars, done: PhaseTrials) -> Array:
