@@ -144,6 +144,8 @@ def _site(data: Mapping[str, object]) -> Iterator[Row]:
             yield "chart", Path(str(value)).name
         elif key == "depth":
             yield "depth of the water", value_in_words(value)
+        elif isinstance(value, Mapping) and isinstance(value.get("file"), str):
+            yield _named(key), value_in_words({**value, "file": Path(value["file"]).name})
         else:
             yield _named(key), value_in_words(value)
 
