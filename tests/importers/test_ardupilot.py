@@ -10,6 +10,7 @@ from test_structure import agree
 
 from missionplan.errors import InputError
 from missionplan.importers.importing import import_logs
+from missionplan.importers.readers.ardupilot import _records
 
 pytest.importorskip("pymavlink", reason="pymavlink is not installed")
 VOYAGE = made(legs=3, duration=1200.0, pause=240.0, step=20.0)
@@ -170,3 +171,28 @@ def test_public_logs_without_dives_are_refused_with_the_right_reason(name, why):
         pytest.skip(f"no raw logs: {RAW / name}")
     with pytest.raises(InputError, match=why):
         import_logs([RAW / name])
+
+
+def test_records_of_a_public_log_are_those_that_its_makers_library_reads():
+    if not (RAW / "small.BIN").exists():
+        pytest.skip(f"no raw logs: {RAW / 'small.BIN'}")
+    mavutil = pytest.importorskip("pymavlink.mavutil", reason="pymavlink is not installed")
+    kinds = ("CTUN", "ATT", "BARO", "XKF1", "MSG")
+    log = mavutil.mavlink_connection(str(RAW / "small.BIN"))
+    theirs = []
+    while (message := log.recv_match(type=list(kinds))) is not None:
+        theirs.append(message)
+    log.close()
+    ours = list(_records(RAW / "small.BIN", kinds))
+    assert [kind for kind, _ in ours] == [each.get_type() for each in theirs]
+    for (_, own), other in zip(ours, theirs, strict=True):
+        for name, value in vars(own).items():
+            assert getattr(other, name) == (value if isinstance(value, str) else pytest.approx(value, nan_ok=True))
+
+
+def test_what_is_no_message_within_a_log_is_passed_over(flashed, tmp_path):
+    path = dataflash(tmp_path / "noisy.BIN")
+    data = path.read_bytes()
+    cut = data.index(b"\xa3\x95\x83", len(data) // 2)  # before a position
+    path.write_bytes(data[:cut] + b"\xa3\x95\x07\x00noise\xa3" + data[cut:])
+    agree(flashed, import_logs([path]), metres=0.1, seconds=0.01)

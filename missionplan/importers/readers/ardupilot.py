@@ -1,4 +1,4 @@
-"""ArduSub, and ArduPilot else: dataflash logs (`.BIN`) and telemetry logs (`.tlog`), decoded by pymavlink.
+"""ArduSub, and ArduPilot else: dataflash logs (`.BIN`) and telemetry logs (`.tlog`), these decoded by pymavlink.
 
 Fixes are those of the receiver (`GPS`, `GPS_RAW_INT`: valid from a 3D fix on); the dead-reckoned position is the
 autopilot's own estimate (`POS`, `GLOBAL_POSITION_INT`), else its metres north and east of the filter's origin (`XKF1`,
@@ -8,13 +8,14 @@ Set".
 
 import math
 import re
+import struct
 from collections import Counter
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from contextlib import closing, redirect_stderr, redirect_stdout
 from functools import partial
 from io import StringIO
 from pathlib import Path
-from types import ModuleType
+from types import ModuleType, SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -30,6 +31,20 @@ _MAGIC = b"\xa3\x95\x80"
 """First bytes of a dataflash log: the format of its formats."""
 _STARTS = (b"\xfe", b"\xfd")
 """First byte of a MAVLink 1 or 2 packet, after a time of 8 bytes."""
+_FORMATS = 0x80
+"""Kind of the messages that tell the others' formats."""
+_FORMAT = struct.Struct("<BB4s16s64s")
+_PIECE = 1 << 20
+_MICRO = 1e-6
+_GPS_EPOCH = 315964800.0 - 18.0
+"""1980-01-06, when receivers' weeks begin, less the leap seconds since (18 from 2017 on) [s]."""
+_LETTERS = {
+    "a": ("64s", 1), "b": ("b", 1), "B": ("B", 1), "h": ("h", 1), "H": ("H", 1), "i": ("i", 1), "I": ("I", 1),
+    "f": ("f", 1), "d": ("d", 1), "g": ("e", 1), "n": ("4s", 1), "N": ("16s", 1), "Z": ("64s", 1), "M": ("B", 1),
+    "c": ("h", 0.01), "C": ("H", 0.01), "e": ("i", 0.01), "E": ("I", 0.01), "L": ("i", 1e-7), "q": ("q", 1),
+    "Q": ("Q", 1),
+}  # fmt: skip
+"""Letter of a field to its packing and the factor of its numbers (ArduPilot, libraries/AP_Logger/LogStructure.h)."""
 _PROCESSOR = re.compile(rb"\b([0-9A-F]{8} [0-9A-F]{8} [0-9A-F]{8})\b")
 _BEGINNING = 1_000_000
 """Bytes in which it stands."""
@@ -82,12 +97,14 @@ def read(files: Sequence[Path], options: ReadOptions, log: SourceLog) -> Track:
     InputError
         When they are of several vehicles of which none is chosen, or of one that does not dive.
     """
-    library = needed_module("pymavlink.mavutil", "ardupilot", "ardupilot")
     found = _Found()
     for path in log.each(sorted(files)):
         with log.reading(path):
-            system = _system(library, path, options.vehicle)
-            _each_message(library, path, _TAKEN, system, partial(_add, found))
+            if path.suffix.lower() == ".tlog":
+                library = needed_module("pymavlink.mavutil", "ardupilot", "ardupilot")
+                _each_packet(library, path, _TAKEN, _system(library, path, options.vehicle), partial(_add, found))
+            else:
+                _each_record(path, _TAKEN, partial(_add, found))
     kind = found.kinds.most_common(1)[0][0] if found.kinds else _SUBMARINE
     if kind != _SUBMARINE:
         what = _KINDS.get(kind, f"a vehicle of MAV_TYPE {kind}")
@@ -114,8 +131,8 @@ def read(files: Sequence[Path], options: ReadOptions, log: SourceLog) -> Track:
     )  # fmt: skip
 
 
-def _each_message(
-    library: ModuleType, path: Path, kinds: Collection[str], system: int | None, take: Callable[[Any], None]
+def _each_packet(
+    library: ModuleType, path: Path, kinds: Collection[str], system: int | None, take: Callable[[str, float, Any], None]
 ) -> None:
     """Take each message of some kinds, of one vehicle; what the library prints is kept from the terminal."""
     with (
@@ -125,25 +142,82 @@ def _each_message(
     ):
         while (message := log.recv_match(type=list(kinds))) is not None:
             if system is None or message.get_srcSystem() == system:
-                take(message)
+                take(message.get_type(), float(message._timestamp), message)
+
+
+def _each_record(path: Path, kinds: Collection[str], take: Callable[[str, float, Any], None]) -> None:
+    """Take each message of some kinds of a dataflash log, from which all is read a piece at a time.
+
+    Times count from the autopilot's start; the first message of the receiver with a week tells when that was.
+    """
+    started = next((_gps_time(m) - _MICRO * m.TimeUS for _, m in _records(path, ("GPS",)) if m.GWk > 0), 0.0)
+    for kind, message in _records(path, kinds):
+        take(kind, started + _MICRO * getattr(message, "TimeUS", math.nan), message)
+
+
+def _gps_time(message: Any) -> float:
+    """Time since 1970 by the receiver's week and milliseconds [s]."""
+    return _GPS_EPOCH + 604800.0 * float(message.GWk) + 1e-3 * float(message.GMS)
+
+
+def _records(path: Path, kinds: Collection[str]) -> Iterator[tuple[str, Any]]:
+    """Messages of a dataflash log, by the formats that it begins with; what is no message is passed over."""
+    lengths, packings = [0] * 256, dict[int, _Packing]()
+    lengths[_FORMATS] = _FORMAT.size + len(_MAGIC)
+    with path.open("rb") as stream:
+        data, place = b"", 0
+        while piece := stream.read(_PIECE):
+            data, place = data[place:] + piece, 0
+            while place + len(_MAGIC) <= len(data):
+                kind, length = data[place + 2], lengths[data[place + 2]]
+                if data[place] != _MAGIC[0] or data[place + 1] != _MAGIC[1] or not length:
+                    found = data.find(_MAGIC[:2], place + 1)
+                    place = found if found >= 0 else len(data) - 1
+                    continue
+                if place + length > len(data):
+                    break
+                if kind == _FORMATS:
+                    number, size, *words = _FORMAT.unpack_from(data, place + len(_MAGIC))
+                    lengths[number] = size
+                    name, letters, labels = (word.rstrip(b"\0").decode("latin-1") for word in words)
+                    if name in kinds:
+                        packings[number] = _Packing(name, letters, labels)
+                elif kind in packings:
+                    yield packings[kind].name, packings[kind].unpacked(data, place + len(_MAGIC))
+                place += length
+
+
+class _Packing:
+    """How the messages of one kind are packed: a letter a field."""
+
+    def __init__(self, name: str, letters: str, labels: str) -> None:
+        self.name, self._labels = name, labels.split(",")
+        self._struct = struct.Struct("<" + "".join(_LETTERS[letter][0] for letter in letters))
+        self._factors = [_LETTERS[letter][1] for letter in letters]
+
+    def unpacked(self, data: bytes, place: int) -> Any:
+        """Fields as attributes, in their units."""
+        values = self._struct.unpack_from(data, place)
+        return SimpleNamespace(**{
+            label: value.rstrip(b"\0").decode("latin-1") if isinstance(value, bytes) else value * factor
+            for label, value, factor in zip(self._labels, values, self._factors, strict=False)
+        })  # fmt: skip
 
 
 def _system(library: ModuleType, path: Path, wanted: str | None) -> int | None:
-    """System of a telemetry log whose messages are read; None for a dataflash log, which is of one vehicle.
+    """System of a telemetry log whose messages are read.
 
     Raises
     ------
     InputError
         With the list, when it holds several and none of them is chosen.
     """
-    if path.suffix.lower() != ".tlog":
-        return None
     heard: Counter[int] = Counter()
 
-    def hear(message: Any) -> None:
+    def hear(kind: str, t: float, message: Any) -> None:
         heard[message.get_srcSystem()] += int(message.type not in _NO_VEHICLES)
 
-    _each_message(library, path, ("HEARTBEAT",), None, hear)
+    _each_packet(library, path, ("HEARTBEAT",), None, hear)
     heard = +heard  # without those of which there are none
     if wanted is not None and wanted.isdigit() and int(wanted) in heard:
         return int(wanted)
@@ -155,9 +229,9 @@ def _system(library: ModuleType, path: Path, wanted: str | None) -> int | None:
     return next(iter(heard), None)
 
 
-def _add(found: _Found, m: Any) -> None:
+def _add(found: _Found, kind: str, t: float, m: Any) -> None:
     """Add what one message says."""
-    _TAKEN[m.get_type()](found, float(m._timestamp), m)
+    _TAKEN[kind](found, t, m)
 
 
 def _add_kind(found: _Found, t: float, m: Any) -> None:
