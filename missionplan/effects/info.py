@@ -32,14 +32,11 @@ class LegRecord:
         Whether the time at the surface before each fix is logged.
     duration : float
         Between the middles of the first and the last leg [s].
-    mean_heading : float
-        Mean resultant length of the headings: 1 for a single heading, 0 for headings all round.
     """
 
     latitude: float
     has_surface_time: bool
     duration: float
-    mean_heading: float
 
 
 @dataclass(frozen=True)

@@ -10,6 +10,7 @@ import yaml
 from missionplan.report.diagnosis.findings import how_sure
 from missionplan.report.diagnosis.page import answer
 from missionplan.report.diagnosis.plan import next_trial_pointer, next_trial_words
+from missionplan.results.learned.evidence import Readings
 from missionplan.results.learned.next_trial import NextTrial, OutcomeRule, TrialOutcome, ValuedDesign
 
 LEGS = ValuedDesign("two opposite legs of 400 m", 28.0, 3.1, 1.4, 1.2, 0.1)
@@ -68,6 +69,7 @@ def diagnosed(**given: Any) -> Any:
         "explanations": (),
         "verdict": "ambiguous",
         "untestable": {},
+        "readings": Readings(),
     }
     return SimpleNamespace(**{**usual, **given})
 
@@ -113,8 +115,7 @@ def test_a_cause_that_changes_with_time_leaves_no_structure_along_nothing() -> N
     ("verdict", "score", "expected"),
     [
         ("adequate", 0.3, "none is needed: the data look as the mission expects"),
-        ("adequate", 3.4, "none is claimed: the likeliest, heavy tails, makes the data 30 times more probable"),
-        ("adequate", 900.0, "over a million times more probable, and a claim needs 55 times and better predictions"),
+        ("adequate", 3.4, "none is claimed: the likeliest, heavy tails, has a probability of 70.0 %"),
         ("unexplained", 3.4, "none fits what the data show"),
     ],
 )

@@ -1,4 +1,4 @@
-"""Importance sampling: evidences and quantiles that assume neither linearity nor a normal posterior.
+"""Importance sampling: evidences that assume neither linearity nor a normal posterior.
 
 Geweke (1989), *Econometrica* 57; Owen (2013), *Monte Carlo Theory, Methods and Examples*, chapter 9.
 """
@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from scipy.linalg import solve_triangular
-from scipy.special import gammaincinv, gammaln, ndtri
+from scipy.special import gammaln
 
 from missionplan.arrays import Array
 from missionplan.montecarlo.streams import stream
@@ -19,31 +19,9 @@ RAISED = (0.0, 1e-14, 1e-12, 1e-10)
 """Shares by which variances are raised in turn until their matrix has a factor."""
 
 
-@dataclass(frozen=True)
-class _Proposal:
-    """Student-t distribution from which draws are made.
-
-    Attributes
-    ----------
-    quantity : str
-        Name of the stream of random numbers; empty: points that fill the space evenly.
-    draws : int
-    dof : int
-        Degrees of freedom.
-    widened : float
-        Factor on the posterior's standard deviations.
-    """
-
-    quantity: str
-    draws: int
-    dof: int
-    widened: float
-
-
-FOR_EVIDENCE = _Proposal("diagnose.importance", DRAWS, 5, 1.2)
-"""Tails heavier than the posterior's keep the weights bounded (Geweke 1989)."""
-FOR_QUANTILES = _Proposal("", DRAWS, 3, 1.6)
-"""Heavier ones still, as such a posterior may be far from symmetric; even points tell quantiles with fewer of them."""
+TAILS, WIDENED = 5, 1.2
+"""Degrees of freedom of the law from which draws are made, and factor on the posterior's standard deviations: tails
+heavier than the posterior's keep the weights bounded (Geweke 1989)."""
 
 
 @dataclass(frozen=True)
@@ -82,7 +60,7 @@ def sampled_evidence(log_joint: Callable[[Array], Array], mean: Array, covarianc
     numpy.linalg.LinAlgError
         When the covariance is not positive definite.
     """
-    _, logs = _weighed(log_joint, mean, covariance, FOR_EVIDENCE)
+    logs = _weighed(log_joint, mean, covariance)
     if np.all(np.isneginf(logs)):
         return SampledEvidence(-np.inf, 0.0)
     weights = np.exp(logs - logs.max())
@@ -90,60 +68,15 @@ def sampled_evidence(log_joint: Callable[[Array], Array], mean: Array, covarianc
     return SampledEvidence(evidence, float(weights.sum() ** 2 / np.sum(weights**2)))
 
 
-@dataclass(frozen=True)
-class WeightedDraws:
-    """Draws with the weights that make them a sample of a posterior.
-
-    Attributes
-    ----------
-    at : array, shape (s, k)
-    weights : array, shape (s,)
-        Their sum is 1.
-    """
-
-    at: Array
-    weights: Array
-
-    @property
-    def effective(self) -> float:
-        """Effective number of draws."""
-        return 1.0 / float(np.sum(self.weights**2))
-
-    def quantiles(self, coordinate: int, probabilities: tuple[float, ...]) -> Array:
-        """Quantiles of one coordinate, interpolated between the middles of the draws' shares of probability."""
-        order = np.argsort(self.at[:, coordinate])
-        weights = self.weights[order]
-        return np.asarray(np.interp(probabilities, np.cumsum(weights) - 0.5 * weights, self.at[order, coordinate]))
-
-
-def weighted_draws(log_joint: Callable[[Array], Array], mean: Array, covariance: Array) -> WeightedDraws:
-    """Draw from a Student-t about the assumed posterior and weigh the draws by the true one.
-
-    Parameters and errors as of `sampled_evidence`; a LinAlgError also when no draw is possible.
-    """
-    at, logs = _weighed(log_joint, mean, covariance, FOR_QUANTILES)
-    if np.all(np.isneginf(logs)):
-        raise np.linalg.LinAlgError("no draw is possible")
-    weights = np.exp(logs - logs.max())
-    return WeightedDraws(at, weights / weights.sum())
-
-
-def _weighed(
-    log_joint: Callable[[Array], Array], mean: Array, covariance: Array, proposal: _Proposal
-) -> tuple[Array, Array]:
-    """Draw from a proposal, shape (s, k), and return the logs of the weights, shape (s,), too."""
-    shape, factor = _with_factor(proposal.widened**2 * covariance)
-    if proposal.quantity:
-        generator = stream(0, proposal.quantity, 0)
-        scale = generator.chisquare(proposal.dof, proposal.draws) / proposal.dof
-        normals = generator.multivariate_normal(np.zeros(len(mean)), shape, proposal.draws)
-    else:
-        even = even_points(proposal.draws, len(mean) + 1)
-        scale = 2.0 * gammaincinv(0.5 * proposal.dof, even[:, -1]) / proposal.dof
-        normals = ndtri(even[:, :-1]) @ factor.T
+def _weighed(log_joint: Callable[[Array], Array], mean: Array, covariance: Array) -> Array:
+    """Logs of the weights of draws from the proposal, shape (s,)."""
+    shape, factor = _with_factor(WIDENED**2 * covariance)
+    generator = stream(0, "diagnose.importance", 0)
+    scale = generator.chisquare(TAILS, DRAWS) / TAILS
+    normals = generator.multivariate_normal(np.zeros(len(mean)), shape, DRAWS)
     at: Array = mean + normals / np.sqrt(scale)[:, None]
-    logs = log_joint(at) - log_student_density(at, mean, factor, proposal.dof)
-    return at, np.where(np.isfinite(logs), logs, -np.inf)
+    logs = log_joint(at) - log_student_density(at, mean, factor, TAILS)
+    return np.where(np.isfinite(logs), logs, -np.inf)
 
 
 def even_points(count: int, dimension: int) -> Array:

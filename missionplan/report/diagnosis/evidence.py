@@ -30,23 +30,18 @@ def ranking_figure(diagnosis: Diagnosis) -> Figure:
     figure = MatplotlibFigure(figsize=(6.2, 0.36 * len(entries) + 0.9))
     draw_ranking(figure.subplots(), diagnosis)
     first = f"; {names(diagnosis.ranking[0].causes)} first" if diagnosis.causes else ""
-    alt = f"Scores of the best {len(entries)} sets of causes{first}"
-    return to_figure(figure, "ranking", alt=alt, caption="Evidence for each set of causes over the mission's model.")
+    alt = f"Probabilities of the best {len(entries)} sets of causes{first}"
+    return to_figure(figure, "ranking", alt=alt, caption="Probability of each set of causes.")
 
 
 def draw_ranking(axes: Axes, diagnosis: Diagnosis) -> None:
     """Draw a bar for each of the best sets; those claimed are blue."""
     entries = list(reversed(diagnosis.ranking[:_LISTED]))
-    scores = [entry.score for entry in entries]
+    shares = [100.0 * (entry.posterior or 0.0) for entry in entries]
     colours = [BLUE if entry.causes == diagnosis.causes else GREY for entry in entries]
-    axes.barh(range(len(entries)), scores, color=colours, height=0.6)
+    axes.barh(range(len(entries)), shares, color=colours, height=0.6)
     axes.set_yticks(range(len(entries)), [names(entry.causes) for entry in entries], fontsize=9)
-    axes.axvline(3.0, color=ORANGE, linewidth=1.0, linestyle="--")
-    axes.annotate(
-        "claimed above 3", (3.0, 1.0), (4, 2), xycoords=("data", "axes fraction"), textcoords="offset points",
-        fontsize=9, color=ORANGE, annotation_clip=False,
-    )  # fmt: skip
-    axes.set_xlabel("Score (nats)")
+    axes.set(xlim=(0.0, 100.0), xlabel="Probability (%)")
 
 
 def discrepancy_figure(found: Discrepancy, shape: DiscrepancyShape) -> Figure:

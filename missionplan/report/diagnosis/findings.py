@@ -11,7 +11,7 @@ from missionplan.report.diagnosis.data_kinds.kinds import REPORTS
 from missionplan.report.diagnosis.evidence import claimed_parameters, sized
 from missionplan.report.wording import capitalised
 from missionplan.results.learned.diagnosis import Diagnosis
-from missionplan.results.learned.evidence import CLAIM, Coverage, ParameterEstimate
+from missionplan.results.learned.evidence import Coverage, ParameterEstimate
 
 _PERCENT = 100.0
 
@@ -88,7 +88,6 @@ def _gained(diagnosis: Diagnosis) -> str:
 
 WORTH_TELLING = 1.0
 """Score of a cause that is not claimed from which it is told [nat]."""
-_MILLION = math.log(1e6)
 _ALIKE = 5e-4
 """Difference of probabilities that is rounding."""
 
@@ -112,12 +111,10 @@ def _among_the_tried(diagnosis: Diagnosis) -> str:
     if not diagnosis.causes:
         if diagnosis.verdict == "unexplained":
             return f"Of the explanations tried none fits what the data show; {other}."
-        if best.score > WORTH_TELLING:
-            times = f"{math.exp(best.score):.0f}" if best.score < _MILLION else "over a million"
+        if best.score > WORTH_TELLING and best.posterior is not None:
             return (
-                f"Of the explanations tried none is claimed: the likeliest, {names(best.causes)}, makes the data "
-                f"{times} times more probable, and a claim needs {math.exp(CLAIM):.0f} times and "
-                f"better predictions of what it has not seen. In doubt, {other}."
+                f"Of the explanations tried none is claimed: the likeliest, {names(best.causes)}, has a probability of "
+                f"{percent(best.posterior)}, and that there is some cause needs 95 %. In doubt, {other}."
             )
         return f"Of the explanations tried none is needed: the data look as the mission expects. In doubt, {other}."
     if best.posterior is None:

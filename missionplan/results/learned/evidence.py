@@ -9,10 +9,6 @@ from missionplan.arrays import Array
 
 Verdict = Literal["adequate", "explained", "ambiguous", "partly-explained", "unexplained"]
 Causes = tuple[str, ...]
-CLAIM = 4.0
-"""Score [nat] that a claim must exceed: 55 to 1 over the mission's own model, and so 3 or 4 to 1 where each of some
-fifteen causes had a fifteenth of its prior probability. The best of so many exceeds 3 by chance in one log of a hundred
-(`docs/diagnosis.md`)."""
 
 
 @dataclass(frozen=True)

@@ -9,7 +9,6 @@ from missionplan.diagnosis.inference.importance_sampling import (
     even_points,
     log_student_density,
     sampled_evidence,
-    weighted_draws,
 )
 
 
@@ -45,22 +44,6 @@ def test_student_density_is_scipys():
     at = rng.normal(size=(9, 3))
     expected = multivariate_t(mean, root @ root.T, df=5).logpdf(at)
     assert log_student_density(at, mean, root, 5) == pytest.approx(expected, rel=1e-12)
-
-
-def test_quantiles_of_a_skew_posterior_are_its_own():
-    """ln s of a size s that is half-normal about nil; by its mode and curvature it would be ln 1 ± 0.71."""
-    found = weighted_draws(lambda at: at[:, 0] - 0.5 * np.exp(2.0 * at[:, 0]), np.zeros(1), np.array([[0.5]]))
-    low, median, high = np.exp(found.quantiles(0, (0.05, 0.5, 0.95)))
-    expected = norm.ppf([0.525, 0.75, 0.975])
-    assert median == pytest.approx(expected[1], rel=0.1)
-    assert high == pytest.approx(expected[2], rel=0.1)
-    assert low == pytest.approx(expected[0], rel=0.5)
-    assert low < 0.5 * np.exp(-1.645 * 0.71)
-
-
-def test_no_possible_draw_is_an_error():
-    with pytest.raises(np.linalg.LinAlgError, match="no draw"):
-        weighted_draws(lambda at: np.full(len(at), -np.inf), np.zeros(1), np.eye(1))
 
 
 @pytest.mark.parametrize("dimension", [1, 3, 6])

@@ -73,8 +73,8 @@ class TransitMean:
     @cached_property
     def _record(self) -> LegRecord:
         """What the record holds, as the effects ask for it."""
-        data, mean_heading = self.data, float(np.hypot(*self.leg.along.mean(axis=1)))
-        return LegRecord(data.latitude, data.has_surface_time, float(np.ptp(data.middle)), mean_heading)
+        data = self.data
+        return LegRecord(data.latitude, data.has_surface_time, float(np.ptp(data.middle)))
 
     @cached_property
     def candidates(self) -> Causes:

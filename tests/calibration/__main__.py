@@ -1,0 +1,116 @@
+"""``python -m tests.calibration``: are the probabilities, intervals and predictions of `diagnose` what they say?
+
+Draws truths from the stated prior (pairs, weak and untestable ones included) and some from outside the catalogue, makes
+logs by code that shares nothing with the model, diagnoses them, and compares what is said with what is true. A few logs
+by default; ``--logs 1000`` for figures to publish.
+"""
+
+import argparse
+import json
+import tempfile
+from pathlib import Path
+
+import numpy as np
+
+import missionplan
+from missionplan.mission import Mission
+from missionplan.results.learned.diagnosis import Diagnosis
+
+from .truths import names, outside, truth
+from .voyages import Truth, Voyage, mission, sail, write
+
+
+def record(seed: int, is_outside: bool) -> dict[str, object]:
+    """Diagnose one log; what is said beside what is true."""
+    rng = np.random.default_rng([seed, int(is_outside)])
+    count, under_way = int(rng.integers(12, 70)), float(rng.uniform(300.0, 1500.0))
+    middle, half = rng.uniform(0.0, 2.0 * np.pi), float(rng.choice([np.pi, np.pi, np.pi, 0.8]))
+    latitude = float(rng.uniform(35.0, 65.0))
+
+    def legs(more: int, begins: float) -> Voyage:
+        headings = middle + half * rng.uniform(-1.0, 1.0, more)
+        return Voyage(headings, under_way, sigma=0.02, latitude=latitude, begins=begins)
+
+    seen, later = legs(count, 0.0), legs(20, (count + 5) * (under_way + 60.0))
+    what = outside(rng) if is_outside else truth(names(rng), rng, latitude)
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        base = Mission.from_data(mission(seen, 0.02 * rng.uniform(0.8, 1.25)))
+        found = missionplan.diagnose(base, write(folder / "seen", sail(seen, what, rng), seen.fix), plan=False)
+        fresh = write(folder / "fresh", sail(later, what, rng), seen.fix)
+        score = missionplan.score(Mission.from_data(found.extended), fresh)
+        whole = score.summary()["datasets"][0]["predictions"]["whole"]
+    return {"seed": seed, "truth": sorted(what.names), "outside": what.outside, **_said(found, what), **_held(whole)}
+
+
+def _said(found: Diagnosis, what: Truth) -> dict[str, object]:
+    sets = {tuple(sorted(entry.causes)): entry.posterior or 0.0 for entry in found.ranking}
+    inside = []
+    entry = next((each for each in found.ranking if set(each.causes) == set(what.names)), None)
+    for each in entry.parameters if entry is not None else ():
+        true = what.parameters.get(f"{each.effect}.{each.name}")
+        if true is not None:
+            inside.append((each.low <= true <= each.high, abs(true - each.value) < 0.6745 * each.sd))
+    return {
+        "verdict": found.verdict,
+        "causes": sorted(found.causes),
+        "sets": [[list(causes), p] for causes, p in sets.items()],
+        "credible": [sorted(causes) for causes in found.credible_set],
+        "none_of_these": found.none_of_these,
+        "inside": inside,
+    }
+
+
+def _held(whole: dict) -> dict[str, float]:
+    return {"fresh_90": whole["coverage_90"]["value"], "fresh_50": whole["coverage_50"]["value"]}
+
+
+def summary(lines: list[dict]) -> list[str]:
+    """Return the figures in words."""
+    own = [line for line in lines if not line["outside"]]
+    told = [(p, causes == line["truth"]) for line in own for causes, p in line["sets"]]
+    sure = [right for p, right in told if p >= 0.99]
+    p, right = np.array([each[0] for each in told]), np.array([each[1] for each in told], dtype=float)
+    bins = np.digitize(p, np.linspace(0.0, 1.0, 11)[1:-1])
+    error = sum(abs(p[bins == b].sum() - right[bins == b].sum()) for b in range(10)) / max(len(p), 1)
+    held = [line["truth"] in line["credible"] for line in own]
+    parameters = np.array([pair for line in own for pair in line["inside"]], dtype=float).reshape(-1, 2)
+    outer = [line["none_of_these"] for line in lines if line["outside"]]
+    inner = [line["none_of_these"] for line in own]
+    auc = np.mean([(a > b) + 0.5 * (a == b) for a in outer for b in inner]) if outer and inner else float("nan")
+    return [
+        f"{len(own)} logs of the catalogue, {len(outer)} from outside it",
+        f"expected calibration error of {len(p)} sets: {error:.3f}",
+        f"P >= 0.99 right: {sum(sure)} of {len(sure)}",
+        f"truth in the 95 % set: {sum(held)} of {len(held)}; its mean size {np.mean([len(x['credible']) for x in own]):.2f}",
+        f"parameters in 90 and 50 % intervals: {parameters.mean(axis=0).round(3).tolist()} of {len(parameters)}",
+        f"fresh legs in 90 and 50 % intervals: {np.mean([x['fresh_90'] for x in own]):.3f}, "
+        f"{np.mean([x['fresh_50'] for x in own]):.3f}",
+        f"none_of_these, AUC between outside and inside: {auc:.2f}",
+    ]
+
+
+def main() -> None:
+    """Run and print."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--logs", type=int, default=12)
+    parser.add_argument("--outside", type=int, default=4)
+    parser.add_argument("--seed", type=int, default=90_000_000)
+    parser.add_argument("--lines", type=Path, help="file of a line a log, continued where it ends")
+    options = parser.parse_args()
+    wanted = [(k, False) for k in range(options.logs)] + [(k, True) for k in range(options.outside)]
+    lines = [json.loads(text) for text in options.lines.read_text().splitlines()] if _exists(options.lines) else []
+    for k, is_outside in wanted[len(lines) :]:
+        lines.append(record(options.seed + k, is_outside))
+        if options.lines is not None:
+            with options.lines.open("a") as file:
+                file.write(json.dumps(lines[-1], default=bool) + "\n")
+    print("\n".join(summary(lines)))
+
+
+def _exists(path: Path | None) -> bool:
+    return path is not None and path.exists()
+
+
+if __name__ == "__main__":
+    main()
