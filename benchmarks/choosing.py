@@ -12,8 +12,9 @@ import numpy as np
 
 from benchmarks.common import MISSIONS, Options, Row, Section
 from missionplan.mission import Mission, load
+from missionplan.montecarlo.parallel.blocks import IN_THIS_PROCESS
 from missionplan.results.axis import Axis
-from missionplan.studies.exploration.cells import CellRun, CellTrials
+from missionplan.studies.exploration.cells import CellTrials, cell_trials
 from missionplan.studies.exploration.explore import CellPlan
 from missionplan.studies.exploration.findings import ENERGY, cell_of, race, rank
 from missionplan.studies.exploration.variation import read_axes
@@ -126,7 +127,7 @@ def full(name: str, trials: int) -> Grid:
     mission = load(MISSIONS / f"{name}.yaml")
     axes = read_axes(mission, CASES[name])
     plan = CellPlan.of(mission, axes, 1, columns_needed(mission))
-    found = CellRun(plan.task, [(cell, 0, trials) for cell in plan.cells]).run(plan.cells)
+    found = cell_trials(plan.task, [(cell, 0, trials) for cell in plan.cells], plan.cells, IN_THIS_PROCESS)
     return Grid(mission, axes, found, trials)
 
 
