@@ -1,6 +1,7 @@
 """A block of trials through a mooring, as `simulate` takes it."""
 
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 import scipy
@@ -52,15 +53,7 @@ def mooring_trials(
     scenario, begun = block.scenario, state.alive
     current = scenario.current or STILL_WATER
     normals = fix_normals(f"{phase.name}.fix", block.source, state.trials)
-
-    def moored_in(scenario: Scenario) -> Moored:
-        plan = moor_plan(scenario, phase)
-        prevented = _prevented(block, phase, plan, begun)
-        taut = begun & ~np.logical_or.reduce(list(prevented.values()))
-        effects, surface = scenario.descent_effects, scenario.effects_afloat
-        alive = replace(state, alive=taut)
-        return Moored(plan, prevented, *moor(plan, alive, normals, current, effects=effects, surface_effects=surface))
-
+    moored_in = partial(_moored_in, block, phase, state, normals)
     plan, prevented, after, record = (
         moored_in(scenario) if scenario.place is None else on_ground(scenario, phase, state, moored_in)
     )
@@ -76,6 +69,13 @@ def mooring_trials(
     continuing, exhausted = end_exhausted(after, scenario.capacity)
     moored, ended = moored & ~lost, after.alive & ~exhausted
     within, struck = moored & record.within_radius, moored & record.struck
+    failures = {
+        **({} if contact is None else {name: begun & met for name, met in failures_met(contact).items()}),
+        **prevented,
+        LEFT_RECORD: lost,
+        **_failures(block, record, begun, taut, moored),
+        OUT_OF_ENERGY: exhausted,
+    }
     track, times = _track(plan, state, after, record, block.tracked)
     found = PhaseTrials(
         name=phase.name,
@@ -85,19 +85,7 @@ def mooring_trials(
         limits=limit_events(current, left_record=left),
         start=where_reached(begun, state.clock),
         end=where_reached(ended, after.clock),
-        failures={
-            **({} if contact is None else {name: begun & met for name, met in failures_met(contact).items()}),
-            **prevented,
-            LEFT_RECORD: lost,
-            LINE_PARTED: taut & record.line_parted,
-            TOO_LIGHT: begun & ~moored & (record.descent.terminal_velocity <= 0.0),
-            "anchor did not reach the seafloor": begun & ~moored,
-            "anchor outside the radius": moored & ~within,
-            "struck the seafloor": struck,
-            **_hold_failures(block, record, moored),
-            "did not surface": moored & ~record.surfaced,
-            OUT_OF_ENERGY: exhausted,
-        },
+        failures=failures,
         miss=where_reached(moored, record.anchor - goal),
         track=track,
         track_time=times,
@@ -109,6 +97,32 @@ def mooring_trials(
         exposure=_exposure(plan, begun, record),
     )
     return continuing, found
+
+
+def _moored_in(
+    block: TrialBlock, phase: MoorPhase[Scalars], state: TrialState, normals: Array, scenario: Scenario
+) -> Moored:
+    """Moor in a scenario: the block's, or that with the depths of the trials' own places."""
+    plan = moor_plan(scenario, phase)
+    prevented = _prevented(block, phase, plan, state.alive)
+    taut = state.alive & ~np.logical_or.reduce(list(prevented.values()))
+    current = block.scenario.current or STILL_WATER
+    effects, surface = scenario.descent_effects, scenario.effects_afloat
+    alive = replace(state, alive=taut)
+    return Moored(plan, prevented, *moor(plan, alive, normals, current, effects=effects, surface_effects=surface))
+
+
+def _failures(block: TrialBlock, record: MoorRecord, begun: Flags, taut: Flags, moored: Flags) -> dict[str, Flags]:
+    """Return the trials that fail by each way of the dive and the hold, in the order in which they come about."""
+    return {
+        LINE_PARTED: taut & record.line_parted,
+        TOO_LIGHT: begun & ~moored & (record.descent.terminal_velocity <= 0.0),
+        "anchor did not reach the seafloor": begun & ~moored,
+        "anchor outside the radius": moored & ~record.within_radius,
+        "struck the seafloor": moored & record.struck,
+        **_hold_failures(block, record, moored),
+        "did not surface": moored & ~record.surfaced,
+    }
 
 
 def _exposure(plan: MoorPlan, begun: Flags, record: MoorRecord) -> Exposure:

@@ -128,35 +128,38 @@ def simulate(
     if as_exported is not None:
         means = replace(means, executions=executions(mission, as_exported, means))
     task = BlockTask(means, seed, keep_trials)
-    sequence = BlockSequence(
-        items=_items(trials or (MAX_TRIALS if goal else mission.monte_carlo.trials)),
-        store=Checkpoints(folder, _identity(task, as_exported), resume=resume) if folder else None,
-        goal=goal,
-        table=TrialsTable() if keep_trials else None,
-    )
+    items = _items(trials or (MAX_TRIALS if goal else mission.monte_carlo.trials))
+    store = Checkpoints(folder, _identity(task, as_exported), resume=resume) if folder else None
+    sequence = BlockSequence(items, store, goal, TrialsTable() if keep_trials else None)
     merged = sequence.run(lambda todo: run.workers.quiet.run(task, todo), progress)
     _check_record(means, merged)
     if as_exported is not None:
         notices = (*notices, *_loss(mission, as_exported, merged, seed))
     tracks = merged.tracks or task.tracks(*merged.first)  # block 0 has them, unless it failed
     options: dict[str, object] = {"jobs": jobs, "backend": backend, "precision": precision, "keep_trials": keep_trials}
-    options |= {} if searched is None else {"searched": digest_of_files([as_path(searched, "searched")])}
-    options |= {} if as_exported is None else {"as_exported": as_exported}
-    options |= {"assumptions": True} if assumptions else {}
-    notices = (*notices, *run_notices(merged, goal))
-    provenance = run.provenance(options, notices, trials=merged.totals.trials)
+    options |= _uncommon_options(searched, as_exported, assumptions=assumptions)
+    provenance = run.provenance(options, (*notices, *run_notices(merged, goal)), trials=merged.totals.trials)
     table = sequence.table.parquet() if sequence.table else None
     anchors, held = mooring_anchors(mission, means), held_vehicles(means)
     builder = OutcomeBuilder(mission, merged.totals, tracks, merged.failures, table, anchors, held, task.members)
     built = builder.outcome(provenance)
-    chart = _chart(means, tracks)
     return replace(
         built,
         plan=plan_if_any(mission, means, seed),
         overdue=_overdue(task, merged.first, searches),
-        chart=chart,
+        chart=_chart(means, tracks),
         assumptions=_ledger(mission, seed) if assumptions else (),
     )
+
+
+def _uncommon_options(searched: str | Path | None, as_exported: str | None, *, assumptions: bool) -> dict[str, object]:
+    """Return the options that stand in a provenance only where they were given."""
+    options: dict[str, object] = {}
+    if searched is not None:
+        options["searched"] = digest_of_files([as_path(searched, "searched")])
+    if as_exported is not None:
+        options["as_exported"] = as_exported
+    return options | ({"assumptions": True} if assumptions else {})
 
 
 def _ledger(mission: Mission, seed: int) -> tuple[Assumption, ...]:
