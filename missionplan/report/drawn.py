@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Protocol
 
 import matplotlib as mpl
+import numpy as np
 from loky import ProcessPoolExecutor
 from loky.backend.reduction import dumps
 from matplotlib.backends.backend_svg import FigureCanvasSVG
@@ -72,6 +73,8 @@ def draw(figure: "Figure", slider: Slider | None = None) -> Drawn:
         layout.execute(figure)
         with mpl.rc_context({"figure.constrained_layout.use": False}):
             figure.set_layout_engine(None)
+        for axes in figure.axes:  # the solver's last bits vary from run to run, and ids in the SVG are made of them
+            axes.set_position(np.round(axes.get_position(original=True).bounds, 9), which="original")
     series = name_series(figure)
     buffer = io.StringIO()
     figure.savefig(buffer, format="svg", metadata={"Date": None, "Creator": None, "Format": None, "Type": None})
