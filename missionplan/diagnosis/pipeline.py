@@ -120,7 +120,7 @@ def run_pipeline(
         best=best,
         selection=selection,
         posterior=posterior,
-        credible_set=tuple(credible_set(posterior)),
+        credible_set=selection.credible or tuple(credible_set(posterior)),
         held_out=held_out,
         sampled=sampled,
         discrepancy=left,

@@ -45,7 +45,7 @@ def inclusion(posterior: Mapping[Causes, float]) -> dict[str, float]:
     return found
 
 
-def credible_set(posterior: dict[Causes, float]) -> list[Causes]:
+def credible_set(posterior: Mapping[Causes, float]) -> list[Causes]:
     """Return the smallest list of sets that holds 95 % of the probability, best first.
 
     The highest-posterior-density region of a discrete variable (Box & Tiao 1973, *Bayesian Inference in Statistical

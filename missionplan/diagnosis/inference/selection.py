@@ -102,6 +102,8 @@ class Selection:
         Probability that neither a cause nor a response is there; None: that of the empty set.
     not_computed : float
         Estimate of the probability of sets that were not computed.
+    credible : tuple
+        Sets that hold 95 % of the probability; empty where that is left to `inference.posterior.credible_set`.
     """
 
     base: CauseFit
@@ -114,6 +116,7 @@ class Selection:
     families: tuple[tuple[Causes, ...], ...] = ()
     nothing: float | None = None
     not_computed: float = 0.0
+    credible: tuple[Causes, ...] = ()
 
     @property
     def none_of_these(self) -> float | None:

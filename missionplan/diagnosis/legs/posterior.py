@@ -24,6 +24,7 @@ from missionplan.diagnosis.inference.importance_sampling import even_points, log
 from missionplan.diagnosis.inference.laplace import Laplace, laplace
 from missionplan.diagnosis.inference.marginal_likelihood import student_marginal
 from missionplan.diagnosis.inference.model import CauseFit
+from missionplan.diagnosis.inference.posterior import credible_set
 from missionplan.diagnosis.inference.selection import Candidate, Selection
 from missionplan.diagnosis.inference.set_evidence import SCALE_PRIOR, SCALES, GramMatrix, SetPriors
 from missionplan.diagnosis.legs.fitting import TransitFitting, by_quantiles
@@ -520,15 +521,23 @@ class LegPosterior:
 
     @cached_property
     def probabilities(self) -> dict[Causes, float]:
-        """Probability of each set of causes by name, with a neutral response or without; greatest first.
-
-        A statistical description names no cause: where a set is likelier without it, its probability goes with that.
-        """
+        """Probability of each set of causes, with a neutral response or without; greatest first."""
         total = logsumexp(list(self.log_masses.values()))
         found: dict[Causes, float] = {}
         for (causes, _), mass in self.log_masses.items():
-            named = self._described(causes)
-            found[named] = found.get(named, 0.0) + math.exp(mass - total)
+            found[causes] = found.get(causes, 0.0) + math.exp(mass - total)
+        return dict(sorted(found.items(), key=lambda item: -item[1]))
+
+    @property
+    def named(self) -> dict[Causes, float]:
+        """Probabilities of sets as they are listed, greatest first.
+
+        A statistical description names no cause: where a set is likelier without it, its probability goes with that.
+        """
+        found: dict[Causes, float] = {}
+        for causes, probability in self.probabilities.items():
+            listed = self._described(causes)
+            found[listed] = found.get(listed, 0.0) + probability
         return dict(sorted(found.items(), key=lambda item: -item[1]))
 
     def _described(self, causes: Causes) -> Causes:
@@ -628,6 +637,7 @@ class LegPosterior:
         """Return the sets with their probabilities, the likeliest fitted."""
         probabilities = self.probabilities
         listed = [causes for causes in probabilities if causes][:LISTED]
+        listed += [causes for causes in credible_set(self.named) if causes and causes not in listed]
         fits = [self.fit(causes) for causes in listed]
         base = self.fit(())
         impossible = [fit for fit in fits if not fit.possible]
@@ -650,6 +660,7 @@ class LegPosterior:
             self._families(posterior),
             math.exp(nothing) / total,
             self.not_computed,
+            tuple(credible_set({c: p for c, p in self.named.items() if c not in ruled_out})),
         )
 
     def _families(self, posterior: Mapping[Causes, float]) -> tuple[tuple[Causes, ...], ...]:
