@@ -196,13 +196,21 @@ def site_map(data: Mapping[str, object]) -> Figure | None:
     )
 
 
+_DRAWN = (".json", ".geojson", ".tif", ".tiff")
+"""Endings of files that are drawn."""
+
+
 def _draw_chart(axes: Axes, data: Mapping[str, object]) -> str:
-    """Draw the chart that the mission names, where it names one; returns what is to be said of it."""
-    file, origin = mapping(data.get("site")).get("chart"), _origin(data)
-    if not isinstance(file, str) or origin is None:
-        return ""
-    problem = draw_chart(axes, file, origin)
-    return f" {problem}" if problem else f" Chart: {Path(file).name}; not for navigation."
+    """Draw the chart, the land and the zones that the mission names; returns what is to be said of them."""
+    site, origin = mapping(data.get("site")), _origin(data)
+    polygons = [mapping(site.get(key)) for key in ("land", "keep_out")]
+    files = [site.get("chart"), *(each.get("file") for each in polygons if "projection" not in each)]
+    words = ""
+    for file in files:
+        if isinstance(file, str) and origin is not None and file.lower().endswith(_DRAWN):
+            problem = draw_chart(axes, file, origin)
+            words += f" {problem}" if problem else f" Chart: {Path(file).name}; not for navigation."
+    return words
 
 
 def _names(goals: list[Goal]) -> Iterator[tuple[str, Point]]:

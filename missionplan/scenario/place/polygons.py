@@ -116,35 +116,70 @@ def read_zones(chart: Chart, start: datetime | None, *, is_land: bool) -> list[Z
 
     known, system = features(chart)
     box = shapely.box(*chart.low, *chart.high)
+    windows = _windows(chart) if system == DEGREES else []
     zones: list[Zone] = []
-    polygons = 0
+    count = 0
     for number, (geometry, properties) in enumerate(known, start=1):
-        parts = [part for part in shapely.get_parts(geometry) if part.geom_type == "Polygon"]
-        polygons += len(parts)
-        placed = [_placed(chart, part, system) for part in parts]
+        parts = _polygons(geometry)
+        count += len(parts)
+        placed = [each for part in parts for each in _placed(chart, part, system, windows)]
         near = [part for part in placed if shapely.intersects(part, box)]
         if near:
             name = str(properties.get("name") or f"{chart.path.stem} {number}")
             limits: list[dict[str, float]] = [{}] if is_land else _limits(chart, properties, name, start)
-            whole = shapely.make_valid(shapely.union_all(near))
-            zones += [Zone(whole, name, is_land=is_land, **limit) for limit in limits]
-    if not polygons:
+            zones += [Zone(shapely.union_all(near), name, is_land=is_land, **limit) for limit in limits]
+    if not count:
         raise chart.problem("holds no polygons", "coastlines are lines: land needs polygons")
     return zones
 
 
-def _placed(chart: Chart, polygon: "Geometry", system: str) -> "Geometry":
+def _polygons(geometry: "Geometry") -> "list[Geometry]":
+    """Polygons of a geometry, valid: those of collections too."""
     import shapely
 
-    if system == DEGREES:
-        polygon = shapely.segmentize(polygon, _LONGEST_EDGE)
+    if geometry.geom_type == "Polygon" and geometry.is_valid:
+        return [] if geometry.is_empty else [geometry]
+    if geometry.geom_type == "Polygon":
+        return _polygons(shapely.make_valid(geometry))
+    parts = shapely.get_parts(geometry) if hasattr(geometry, "geoms") else ()
+    return [polygon for part in parts for polygon in _polygons(part)]
+
+
+def _windows(chart: Chart) -> list[tuple[float, float, float, float]]:
+    """West, south, east and north of what is wanted, with a rim, in each convention of longitude [deg]."""
+    longitude, latitude = chart.from_plane(chart.wanted(), DEGREES)
+    low, high = np.array([longitude.min(), latitude.min()]), np.array([longitude.max(), latitude.max()])
+    rim = 0.1 * (high - low)
+    (west, south), (east, north) = low - rim, high + rim
+    return [(west - turn, south, east - turn, north) for turn in (-360.0, 0.0, 360.0)]
+
+
+def _placed(
+    chart: Chart, polygon: "Geometry", system: str, windows: list[tuple[float, float, float, float]]
+) -> "list[Geometry]":
+    """Place a polygon in the plane; of one in degrees, which may be a continent, what lies in the windows."""
+    import shapely
+
     if system == LOCAL:
-        return shapely.make_valid(polygon)
+        return [polygon]
 
     def moved(points: Array) -> Array:
         return chart.to_plane(points[:, 0], points[:, 1], system).T
 
-    return shapely.make_valid(shapely.transform(shapely.force_2d(polygon), moved))
+    if system == DEGREES:
+        _check_degrees(chart, polygon)
+        cut = [shapely.clip_by_rect(polygon, *window) for window in windows]
+        parts = [shapely.segmentize(each, _LONGEST_EDGE) for piece in cut for each in _polygons(piece)]
+    else:
+        parts = [polygon]
+    return [each for part in parts for each in _polygons(shapely.transform(shapely.force_2d(part), moved))]
+
+
+def _check_degrees(chart: Chart, polygon: "Geometry") -> None:
+    west, south, east, north = polygon.bounds
+    if not (-361.0 <= west <= east <= 361.0 and -90.001 <= south <= north <= 90.001):
+        hint = f"{chart.key}.projection: EPSG:… names their system; `local` is for metres from the origin"
+        raise chart.problem("its coordinates are not degrees", hint)
 
 
 def _limits(

@@ -276,3 +276,32 @@ def test_a_constituent_has_its_period_and_amplitude_and_the_error_its_spread(tmp
     assert hours[np.argmax(tide_alone[:240])] + 12.42 == pytest.approx(
         hours[248 + np.argmax(tide_alone[248:])], abs=0.1
     )
+
+
+def test_continents_collections_and_crossed_outlines_are_read(tmp_path, write):
+    land = shapely.box(-130.0, 20.0, -75.99, 60.0).difference(shapely.box(-76.5, 36.5, -75.995, 37.5))
+    bowtie = {
+        "type": "Polygon",
+        "coordinates": [[[-76.01, 37], [-76.0, 37.01], [-76.0, 37], [-76.01, 37.01], [-76.01, 37]]],
+    }
+    both = {"type": "GeometryCollection", "geometries": [shapely.geometry.mapping(land), bowtie]}
+    (tmp_path / "land.geojson").write_text(json.dumps(both))
+    (zone,) = placed(write("m", land={"file": "land.geojson"})).zones
+    assert zone.geometry.geom_type in ("Polygon", "MultiPolygon")
+    assert zone.geometry.bounds[0] > -60_000.0  # cut to what the mission needs
+    assert shapely.intersects(zone.geometry, shapely.Point(600.0, 0.0))  # the strip from 75.995 to 75.99 W
+    assert not shapely.intersects(zone.geometry, shapely.Point(-5000.0, 0.0))
+
+
+def test_a_polygon_over_the_date_line_is_where_it_is(tmp_path, write):
+    (tmp_path / "k.geojson").write_text(json.dumps(shapely.geometry.mapping(shapely.box(179.99, -1.0, 180.02, 1.0))))
+    path = write("m", origin={"latitude": "0 deg", "longitude": "-179.99 deg"}, keep_out={"file": "k.geojson"})
+    (zone,) = placed(path).zones
+    assert zone.geometry.bounds[2] == pytest.approx(0.01 * 111_320.0, rel=1e-3)
+    assert zone.geometry.bounds[0] == pytest.approx(-0.02 * 111_320.0, rel=1e-3)
+
+
+def test_polygons_in_metres_that_name_no_system_are_refused(tmp_path, write):
+    (tmp_path / "k.geojson").write_text(json.dumps(shapely.geometry.mapping(shapely.box(400.0, 0.0, 900.0, 50.0))))
+    with pytest.raises(InputError, match="not degrees"):
+        placed(write("m", keep_out={"file": "k.geojson"}))
