@@ -8,6 +8,7 @@ import pytest
 
 from missionplan.errors import InputError
 from missionplan.mission import Mission, load
+from missionplan.studies.judgement import FRESH
 from missionplan.studies.leg_length.plan_legs import plan_legs
 from missionplan.studies.leg_length.sweep_dmax import sweep_dmax
 from missionplan.studies.leg_length.sweep_scenario import MAX_PAIRED, CellTotals, _totals
@@ -253,3 +254,16 @@ def test_a_transit_that_the_battery_cannot_pay_is_refused(study):
     vehicle = {**data["vehicle"], "energy": {**data["vehicle"]["energy"], "capacity": "1 W*h"}}
     with pytest.raises(InputError, match=r"the straight course alone takes [5-9]\.\d+ W h, the battery holds 1 W h"):
         study(Mission.from_data({**data, "vehicle": vehicle, "requirements": []}), trials=10)
+
+
+@pytest.mark.parametrize(("hours", "met"), [("100 h", True), ("1 s", False)])
+def test_what_is_recommended_is_held_to_the_whole_mission_on_fresh_draws(tmp_path, hours, met):
+    text = FIG8.read_text()
+    requirement = f"\nrequirements: [{{quantity: total.duration, at_most: {hours}, probability: 0.9}}]\n"
+    (tmp_path / "mission.yaml").write_text(text + requirement)
+    for study in (sweep_dmax, plan_legs):
+        found = study(tmp_path / "mission.yaml", trials=64)
+        assert found.judged.requirements_met is met
+        assert found.judged.provenance.seed == found.provenance.seed + FRESH
+        assert found.summary()["judged"]["requirements"][0]["met"] is met
+    assert sweep_dmax(FIG8, trials=64).judged is None
