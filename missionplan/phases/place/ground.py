@@ -86,6 +86,13 @@ class Ground:
     depth: Depths = field(repr=False)
     frame: Frame
 
+    @property
+    def cell(self) -> float:
+        """Shorter side of a cell [m]."""
+        middle = 0.5 * (self.frame.low + self.frame.high)[:, None]
+        away = self.frame.cells(middle + np.array([[0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]))
+        return float(1.0 / np.hypot(*(away[:, 1:] - away[:, :1])).max())
+
     def depth_at(self, places: Array) -> Array:
         """Depth at places of shape (2, n), shape (n,); nan where unknown [m]."""
         return self._bilinear(self.frame.cells(places))

@@ -7,13 +7,14 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from missionplan.arrays import Array
+from missionplan.phases.place.ground import Ground
 from missionplan.phases.place.place import Place
 
 if TYPE_CHECKING:
     from shapely import Geometry
 
-_NODES = 400
-"""Of the lattice on which depths are contoured, along each side."""
+_MOST_NODES = 1200
+"""Of the lattice on which depths are contoured, along each side; two a cell of the grid where these suffice."""
 _LENIENT = 0.8
 """Share of the margin that a way keeps which leaves out a point: it is worth more than a turn less."""
 
@@ -30,7 +31,8 @@ def blocked(place: Place, low: Array, high: Array, depth: float, *, at_some_time
     depth : float
         Of the transit [m].
     at_some_time : bool
-        Whether zones count that hold at some times alone.
+        Whether zones count that hold at some times alone. Without them nothing is returned that might be passed: shoals
+        less a node of the lattice, and none where that is coarser than the grid.
     """
     import shapely
 
@@ -40,18 +42,23 @@ def blocked(place: Place, low: Array, high: Array, depth: float, *, at_some_time
         if zone.below < depth < zone.above and (at_some_time or (zone.since, zone.until) == (-np.inf, np.inf))
     ]
     if place.ground is not None:
-        parts.append(_shoals(place, low, high, depth))
+        parts.append(_shoals(place, place.ground, (low, high), depth, surely=not at_some_time))
     return shapely.union_all([part for part in parts if not part.is_empty] or [shapely.Polygon()])
 
 
-def _shoals(place: Place, low: Array, high: Array, depth: float) -> "Geometry":
+def _shoals(place: Place, ground: Ground, box: tuple[Array, Array], depth: float, *, surely: bool) -> "Geometry":
     """Water that is not deeper than a vehicle at a depth needs, by contours on a lattice, at the start's sea level."""
     import shapely
     from contourpy import FillType, contour_generator
 
-    east, north = (np.linspace(a, b, _NODES) for a, b in zip(low, high, strict=True))
+    low, high = box
+    step = max(0.5 * ground.cell, float((high - low).max()) / (_MOST_NODES - 1.0))
+    if surely and step > ground.cell:
+        return shapely.Polygon()
+    low, high = low - 2.0 * step, high + 2.0 * step  # what is shrunk is shrunk at the box's edges too
+    east, north = (np.linspace(a, b, int(np.ceil((b - a) / step)) + 1) for a, b in zip(low, high, strict=True))
     places = np.stack([axis.ravel() for axis in np.meshgrid(east, north)])
-    water = place.water_at(places, np.zeros(places.shape[1])).reshape(_NODES, _NODES)
+    water = place.water_at(places, np.zeros(places.shape[1])).reshape(north.size, east.size)
     needed = depth + float(np.mean(place.draught)) + float(np.mean(place.clearance))
     lines = contour_generator(east, north, np.nan_to_num(water, nan=-1e4), fill_type=FillType.OuterOffset)
     outlines, offsets = lines.filled(-1e5, needed)[:2]
@@ -60,7 +67,8 @@ def _shoals(place: Place, low: Array, high: Array, depth: float) -> "Geometry":
         for outline, starts in zip(outlines, offsets, strict=True)
         if outline is not None and starts is not None
     ]
-    return shapely.union_all([shapely.make_valid(shapely.Polygon(ring[0], ring[1:])) for ring in rings])
+    found = shapely.union_all([shapely.make_valid(shapely.Polygon(ring[0], ring[1:])) for ring in rings])
+    return found.buffer(-step) if surely else found
 
 
 def way_round(place: Place, start: Array, goal: Array, depth: float, margin: float) -> tuple[Array, ...] | None:

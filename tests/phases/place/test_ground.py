@@ -87,3 +87,7 @@ def test_ways_are_found_shallow_as_by_dense_sampling(seed):
     clear = np.isinf(rough.too_shallow(start, end, np.stack((needed, needed)))[0])
     sure = np.abs(least - needed) > 0.15  # the samples of both are some centimetres off the least depth
     assert (clear == (least > needed))[sure].all()
+
+
+def test_the_side_of_a_cell_is_known():
+    assert plane().cell == pytest.approx(STEP)
