@@ -182,4 +182,5 @@ def _adjusted_share(sums: Array) -> Array:
     trials = count.sum(axis=0)
     total = sum_yy.sum(axis=0) - sum_y.sum(axis=0) ** 2 / trials
     freedom = trials - np.count_nonzero(used, axis=0) - np.count_nonzero(sloped, axis=0)
-    return np.asarray(1.0 - (residual / freedom) / (total / (trials - 1)))
+    varies = total > 1e-9 * sum_yy.sum(axis=0)  # without the one trial that differs it may not
+    return np.where(varies, 1.0 - (residual / freedom) / (np.where(varies, total, 1.0) / (trials - 1)), 0.0)

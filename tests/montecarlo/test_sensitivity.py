@@ -94,3 +94,13 @@ def test_rank_correlation_of_ties_is_spearmans():
     y = np.round(x + random.standard_normal(400))
     (found,) = sensitivities({"x": x}, {"y": y})
     assert found.rank_correlation == pytest.approx(stats.spearmanr(x, y).statistic)
+
+
+def test_an_event_of_one_trial_has_an_index_with_an_error():
+    """Left out with its group, nothing of the event varies any more."""
+    x = np.random.default_rng(10).standard_normal(MIN_TRIALS)
+    for event in (0.0, 1.0):
+        y = np.full(MIN_TRIALS, 1.0 - event)
+        y[17] = event
+        (found,) = sensitivities({"x": x}, {"y": y})
+        assert np.isfinite([found.first_order, found.standard_error]).all()
