@@ -4,13 +4,15 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from enum import Enum
-from typing import Annotated, Final, Literal, get_args
+from typing import TYPE_CHECKING, Annotated, Final, Literal, get_args
 
 import numpy as np
-import pandas as pd
 
 from missionplan.arrays import Array
 from missionplan.results.entries import Entry, Record
+
+if TYPE_CHECKING:  # workers import this module: pandas takes half a second
+    import pandas as pd
 
 SHARES = (0.5, 0.9, 0.95)
 """Of the trials that search areas hold."""
@@ -130,6 +132,8 @@ class Overdue(Record):
         back = self.times[-1]
         return next(time for time in (back.p999, back.p99, back.p95) if math.isfinite(time))
 
-    def to_frame(self) -> pd.DataFrame:
+    def to_frame(self) -> "pd.DataFrame":
         """One row per way and hours overdue."""
-        return pd.DataFrame([area.row() for area in self.areas])
+        from pandas import DataFrame
+
+        return DataFrame([area.row() for area in self.areas])

@@ -2,10 +2,9 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Annotated, ClassVar, Literal
+from typing import TYPE_CHECKING, Annotated, ClassVar, Literal
 
 import numpy as np
-import pandas as pd
 from numpy.typing import NDArray
 
 from missionplan.arrays import Array
@@ -20,6 +19,9 @@ from missionplan.results.place import PlaceContact, SeaChart
 from missionplan.results.plan import Plan
 from missionplan.results.under_doubts import ExplainedOutcome
 from missionplan.store.trials_table import read_trials
+
+if TYPE_CHECKING:  # workers import this module: pandas takes half a second
+    import pandas as pd
 
 
 @dataclass(frozen=True)
@@ -272,7 +274,7 @@ class Outcome(Result):
     ] = ()
 
     @property
-    def trials(self) -> pd.DataFrame:
+    def trials(self) -> "pd.DataFrame":
         """One row per trial: what was drawn, quantities and events; InputError where they were not kept."""
         return read_trials(self.trials_table)
 
@@ -308,14 +310,16 @@ class Outcome(Result):
             for name, entry in entries
         ]
 
-    def to_frame(self) -> pd.DataFrame:
+    def to_frame(self) -> "pd.DataFrame":
         """One row per quantity of each phase and of the whole mission."""
+        from pandas import DataFrame
+
         rows = [
             {"phase": phase.label, "quantity": name, **statistic.summary(), "trials": statistic.count}
             for phase in (*self.phases, self.total)
             for name, statistic in phase.quantities.items()
         ]
-        return pd.DataFrame(rows)
+        return DataFrame(rows)
 
     def files(self) -> dict[str, str | bytes]:
         """Return `quantities.csv`, `search-areas.csv`, and `trials.parquet` where requested."""

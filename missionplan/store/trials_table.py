@@ -3,14 +3,16 @@
 import io
 from collections.abc import Mapping
 from importlib import import_module
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import pandas as pd
 from numpy.typing import NDArray
 
 from missionplan.errors import InputError, Problem
 from missionplan.packages import how_to_install
+
+if TYPE_CHECKING:  # workers import this module: pandas takes half a second
+    import pandas as pd
 
 
 class TrialsTable:
@@ -52,7 +54,7 @@ class TrialsTable:
         return self._content.getvalue()
 
 
-def read_trials(content: bytes | None) -> pd.DataFrame:
+def read_trials(content: bytes | None) -> "pd.DataFrame":
     """Read the table that a run kept.
 
     Raises
@@ -63,4 +65,6 @@ def read_trials(content: bytes | None) -> pd.DataFrame:
     if content is None:
         hint = "simulate(..., keep_trials=True) keeps them"
         raise InputError([Problem("the trials were not kept", key="trials", hint=hint)])
-    return pd.read_parquet(io.BytesIO(content))
+    from pandas import read_parquet
+
+    return read_parquet(io.BytesIO(content))

@@ -219,7 +219,12 @@ def _as_named(path: KeyPath, data: Mapping[str, object]) -> str:
 
 
 def changed_data(
-    data: Mapping[str, object], changes: Mapping[str, object], model: type[BaseModel], file: str = ""
+    data: Mapping[str, object],
+    changes: Mapping[str, object],
+    model: type[BaseModel],
+    file: str = "",
+    *,
+    in_si: bool = True,
 ) -> dict[str, object]:
     """Return a mission's data with changes.
 
@@ -233,6 +238,8 @@ def changed_data(
         Of a mission.
     file : str
         How messages name the mission.
+    in_si : bool
+        Whether bare numbers are in SI, as in Python, and get the unit of their key; else they stay as a file's.
 
     Raises
     ------
@@ -244,7 +251,7 @@ def changed_data(
     for key, value in changes.items():
         try:
             for path in find_key(str(key), changed, model):
-                _set(changed, path, as_written(value, path, model), str(key))
+                _set(changed, path, as_written(value, path, model) if in_si else copy.deepcopy(value), str(key))
         except UnclearKeyError as error:
             problems.append(Problem(error.problem.message, file, key=str(key), hint=error.problem.hint))
     if problems:

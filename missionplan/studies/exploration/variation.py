@@ -90,7 +90,7 @@ def with_values(data: Mapping[str, object], values: Mapping[str, object]) -> dic
     InputError
         When a path leads through something that is no section.
     """
-    return changed_data(data, values, Mission)
+    return changed_data(data, values, Mission, in_si=False)
 
 
 def _is_written(data: Mapping[str, object], key: str) -> bool:
