@@ -304,29 +304,29 @@ SOFT = {"quantity": "moor.touchdown_speed", "at_most": "1.75 m/s", "probability"
 @pytest.mark.parametrize(
     ("requirements", "factor"),
     [
-        ((INSIDE,), "0.4"),
         ((INSIDE, HIGH), "0.4"),
-        ((INSIDE, HOLDS), "1.5"),
         ((HOLDS, HIGH, SOFT), "1.5"),
-        ((HOLDS,), "0.9"),
+        pytest.param((INSIDE,), "0.4", marks=pytest.mark.slow),
+        pytest.param((INSIDE, HOLDS), "1.5", marks=pytest.mark.slow),
+        pytest.param((HOLDS,), "0.9", marks=pytest.mark.slow),
     ],
 )
 def test_the_lightest_anchor_meets_all_requirements_on_its_dive_as_brute_force_has_it(tmp_path, requirements, factor):
     mission = demanding(tmp_path, *requirements, factor=factor)
-    found = size_anchor(mission, trials=100).probable
-    dives = AnchorTrials(mission, "moor", None, 100, mission.monte_carlo.seed)
-    grid = np.geomspace(3.0, 40.0, 30)
+    found = size_anchor(mission, trials=60).probable
+    dives = AnchorTrials(mission, "moor", None, 60, mission.monte_carlo.seed)
+    grid = np.geomspace(3.0, 40.0, 15)
     good = [w for w in grid if all(item.met for item in dives.probabilities(float(w)).requirements)]
     if not good:
         assert found.anchor is None
         return
     lightest = found.anchor.wet_weight if found.lighter is None else found.lighter  # of any parts
-    assert good[0] / 1.1 <= lightest <= good[0] * 1.06
+    assert good[0] / 1.21 <= lightest <= good[0] * 1.06
     assert all(item.met for item in found.anchor.probabilities.requirements)
 
 
 def test_requirements_that_exclude_each_other_are_told_and_fail(tmp_path):
-    sizing = size_anchor(demanding(tmp_path, HOLDS, {**HIGH, "at_least": "1.6 m"}), trials=100)
+    sizing = size_anchor(demanding(tmp_path, HOLDS, {**HIGH, "at_least": "1.6 m"}), trials=60)
     assert sizing.probable.anchor is None
     assert "moor.anchor_holds" in sizing.probable.reason
     assert "moor.lowest_altitude at least 1.6 m" in sizing.probable.reason
@@ -334,7 +334,7 @@ def test_requirements_that_exclude_each_other_are_told_and_fail(tmp_path):
 
 
 def test_the_margin_says_what_a_heavier_anchor_misses(tmp_path):
-    sizing = size_anchor(demanding(tmp_path, INSIDE, {**HIGH, "at_least": "1.45 m"}), trials=100)
+    sizing = size_anchor(demanding(tmp_path, INSIDE, {**HIGH, "at_least": "1.45 m"}), trials=60)
     lighter, heavier = sizing.probable.margins
     weight = sizing.probable.anchor.wet_weight
     assert (lighter.weight, heavier.weight) == pytest.approx((0.9 * weight, 1.1 * weight))
@@ -344,7 +344,7 @@ def test_the_margin_says_what_a_heavier_anchor_misses(tmp_path):
 
 def test_the_headline_is_that_of_the_whole_mission_on_fresh_draws(tmp_path):
     late = {"quantity": "total.duration", "at_most": "10 s", "probability": 0.9}
-    sizing = size_anchor(demanding(tmp_path, INSIDE, late), trials=100)
+    sizing = size_anchor(demanding(tmp_path, INSIDE, late), trials=60)
     assert sizing.probable.anchor is not None
     assert sizing.judged.provenance.seed == sizing.provenance.seed + FRESH
     assert [item.met for item in sizing.judged.requirements] == [True, False]
@@ -399,9 +399,9 @@ def test_the_report_holds_the_snatch_where_the_files_let_it_be_known(tmp_path):
         "mass: 10.2 kg ",
         "centre_of_gravity: {from_nose: 0.56 m}\ncentre_of_buoyancy: {from_nose: 0.56 m}\nmass: 10.2 kg ",
     )
-    plain = size_anchor(altered(tmp_path), trials=100).summary()["descent"]
+    plain = size_anchor(altered(tmp_path), trials=60).summary()["descent"]
     assert not {"snatch_tension_n", "nose_down_time_s", "depth_lost_m"} & set(plain)
-    found = size_anchor(altered(tmp_path, stiff, vehicle=[centres]), trials=100)
+    found = size_anchor(altered(tmp_path, stiff, vehicle=[centres]), trials=60)
     summary = found.summary()
     assert summary["descent"]["snatch_tension_n"] == pytest.approx(440.0, abs=2.0)
     assert 1.0 < summary["descent"]["nose_down_time_s"] < 2.0
