@@ -7,7 +7,7 @@ data that it was made from a mission gains no cause.
 
 import copy
 import math
-from collections.abc import Callable, Collection, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import product
 from pathlib import Path
@@ -24,9 +24,11 @@ from missionplan.diagnosis.kinds import bind_dataset
 from missionplan.diagnosis.mission_in_doubt import ROOT, Hypothesis, items, renamed
 from missionplan.diagnosis.pipeline import PipelineResult
 from missionplan.diagnosis.verdict import LIKELY
+from missionplan.effects import CATALOGUE, exclusive_groups
 from missionplan.errors import RunError
 from missionplan.mission import Mission
 from missionplan.mission.schema.effect_list import ONE_OF
+from missionplan.phases.hooks import MarkovProcess
 from missionplan.results.learned.evidence import Causes, ExplanationOdds
 
 MOST = 12
@@ -264,7 +266,34 @@ def shares_in_doubt(found: PipelineResult, judgement: Judgement, fits: Collectio
     if nothing >= LIKELY:
         return {(): 1.0}
     named = {causes: found.posterior[causes] for causes in judgement.credible_set if causes in fits}
-    return named | ({(): nothing} if () in named else {})
+    return _stationary(named | ({(): nothing} if () in named else {}), fits)
+
+
+def _stationary(shares: Mapping[Causes, float], fits: Collection[Causes]) -> dict[Causes, float]:
+    """Give the share of a set with a walk to the same set with a law that is stationary, where that was fitted.
+
+    A walk starts from nothing with each record: on the next one its present velocity would be forgotten, and what it
+    started from be taken for a current.
+    """
+    laws = {name for group in exclusive_groups("transit") for name in group if _process(name) is not None}
+    walks = {name for name in laws if not np.any(_process(name))}
+    found: dict[Causes, float] = {}
+    for causes, share in shares.items():
+        others = [fit for fit in fits if _differs_in(fit, causes, laws - walks, walks)]
+        own = others[0] if set(causes) & walks and others else causes
+        found[own] = found.get(own, 0.0) + share
+    return found
+
+
+def _differs_in(other: Causes, causes: Causes, laws: set[str], walks: set[str]) -> bool:
+    return set(other) - laws == set(causes) - walks and bool(set(other) & laws)
+
+
+def _process(name: str) -> float | None:
+    """Variance with which a process begins, at its usual size; None where the effect is none."""
+    info = CATALOGUE[name]
+    usual = info.make({key: parameter.median for key, parameter in info.parameters.items()})
+    return float(np.max(usual.first_variance)) if isinstance(usual, MarkovProcess) else None
 
 
 def _credible(listed: Sequence[tuple[Weighed, CauseFit, float]]) -> list[tuple[Weighed, CauseFit, float]]:
