@@ -235,7 +235,7 @@ def test_one_table_says_what_each_leg_rests_on(raw_folder):
     assert (dives["dr_by"] == "logged").all()
     assert dives["covered"].between(0.9, 1.0).all()
     assert (dives["gap_s"] <= result.basis.longest_gap).all()
-    assert result.basis.heading == "true"
+    assert result.basis.heading == "true north"
     rows = basis_rows(dives, result.basis)
     assert len(rows) == 24
     assert all(len(row) == len(COLUMNS) for row in rows)
