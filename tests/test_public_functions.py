@@ -1,7 +1,9 @@
 """Every public function can be called again in one process: none is replaced by a module of its name once imported."""
 
+import cmath
 import math
 import pkgutil
+import random
 import tempfile
 from collections.abc import Callable
 from functools import cache
@@ -48,6 +50,25 @@ def a_record() -> Path:
     return path
 
 
+@cache
+def a_log() -> Path:
+    """A table of ten legs of half an hour round the compass, in a current: fixes at the surface, else reckoned."""
+    path, rows, place = Path(tempfile.mkdtemp()) / "log.csv", ["t,lat,lon,a,b,depth"], 0j
+    rng = random.Random(1)
+
+    def row(t: int, here: complex, *, is_fix: bool, depth: int) -> str:
+        at = f"{48 + here.imag / 111_200:.7f},{-123 + here.real / 74_600:.7f}"
+        return f"{1_750_000_000 + t},{at if is_fix else ','},{at},{depth}"
+
+    for leg in range(10):
+        begin, way = 2400 * leg, 0.5 * cmath.exp(0.7j * leg)
+        rows += [row(t, place, is_fix=True, depth=0) for t in range(begin, begin + 600, 60)]
+        rows += [row(begin + 540 + t, place + way * t, is_fix=False, depth=20) for t in range(60, 1800, 60)]
+        place += (way + complex(0.1 + rng.gauss(0.0, 0.02), rng.gauss(0.0, 0.02))) * 1800.0
+    path.write_text("\n".join([*rows, row(24_000, place, is_fix=True, depth=0)]) + "\n")
+    return path
+
+
 def a_required_mission() -> missionplan.Mission:
     required = {"quantity": "ingress.arrived", "probability": 0.5}
     return missionplan.Mission.from_data({**mission("fig8").raw, "requirements": [required]})
@@ -65,7 +86,11 @@ CALLS: dict[str, Callable[[], object]] = {
     "schema": lambda: missionplan.schema("dataset"),
     "reports": lambda: missionplan.reports(Path(__file__).parent),
     "validate": lambda: missionplan.validate([MISSIONS / "fig8.yaml", mission("chesapeake")]),
-    "why": lambda: missionplan.why(Path(__file__).parent / "importers" / "made.gli", tempfile.mkdtemp()),
+    "why": lambda: missionplan.why(
+        a_log(),
+        tempfile.mkdtemp(),
+        names=["time=t[epoch]", "lat=lat", "lon=lon", "dr_lat=a", "dr_lon=b", "depth=depth"],
+    ),
     "init": lambda: missionplan.init(tempfile.mkdtemp()),
     "diagnose": lambda: missionplan.diagnose(mission("chesapeake"), MISSIONS / "measured" / "avila-drag", plan=False),
     "plan_legs": lambda: missionplan.plan_legs(mission("fig8"), trials=20, seed=1),

@@ -123,8 +123,9 @@ def test_summary_has_the_contracts_names(outcome):
         *("release_time_s", "payout_time_s", "descent_time_s", "terminal_velocity_m_s", "offset_m"),
         *("target_offset_m", "lowest_altitude_m", "ascent_time_s", "duration_s", "energy_wh"),
         *("nose_altitude_m", "excursion_m", "line_tension_n", "holding_margin", "touchdown_speed_m_s"),
+        "snatch_tension_n",
     }
-    assert set(moor["events"]) == {"within_radius", "struck_seafloor", "anchor_holds", "grounded"}
+    assert set(moor["events"]) == {"within_radius", "struck_seafloor", "anchor_holds", "grounded", "line_parts"}
     assert set(summary["total"]["quantities"]) == {"duration_s", "energy_wh"}
     assert set(summary["total"]["events"]) == {"success"}
     assert set(ingress["quantities"]["duration_s"]) == {"mean", "sd", "p05", "p50", "p95", "standard_error"}
