@@ -50,7 +50,12 @@ class Laplace:
 
 
 def laplace(
-    log_posterior: Callable[[Array], float], starts: list[Array], spread: Array, *, integrate: bool = True
+    log_posterior: Callable[[Array], float],
+    starts: list[Array],
+    spread: Array,
+    *,
+    integrate: bool = True,
+    keep_inside: bool = False,
 ) -> Laplace:
     """Maximise a log posterior (normalised prior times likelihood) and integrate it about its mode.
 
@@ -67,6 +72,9 @@ def laplace(
         A guess of the posterior covariance: the first inverse Hessian of the search.
     integrate : bool
         Whether the curvature is wanted; without it the evidence is nan and the covariance is the guess.
+    keep_inside : bool
+        Take a mode on the boundary of the support just inside it, which serves to draw about it: the evidence is that
+        of a normal law that the boundary does not cut.
 
     Raises
     ------
@@ -91,6 +99,8 @@ def laplace(
     mode = found.x if found.fun <= negative(best) else best
     if not integrate:
         return Laplace(math.nan, mode, spread)
+    if keep_inside:
+        mode = _inside(negative, mode)
     curvature = _curvature(negative, mode)
     values, vectors = np.linalg.eigh(curvature)
     values = np.maximum(values, LEAST_CURVATURE)
@@ -122,6 +132,15 @@ def _curvature(negative: Callable[[Array], float], mode: Array) -> Array:
             mixed = both + neither - ahead[i] - ahead[j] - behind[i] - behind[j] + 2.0 * centre
             result[i, j] = result[j, i] = mixed / (2.0 * steps[i] * steps[j])
     return result
+
+
+def _inside(negative: Callable[[Array], float], mode: Array) -> Array:
+    """A mode with room on both sides of each coordinate for the shortest step of the curvature's differences."""
+    for step in 2.0 * CURVATURE_STEP * 0.5**HALVINGS * np.eye(len(mode)):
+        ahead, behind = (negative(mode + sign * step) < IMPOSSIBLE for sign in (1.0, -1.0))
+        if ahead != behind:
+            mode = mode + (step if ahead else -step)
+    return mode
 
 
 def _either_side(negative: Callable[[Array], float], mode: Array, step: Array) -> tuple[Array, float, float]:

@@ -334,7 +334,7 @@ class _LawSearch:
             if h.law in ("student", "reciprocal") and h.key not in start:
                 starts += [centre + sign * h.spread * np.eye(len(centre))[index] for sign in (-1.0, 1.0)]
         spread = np.diag([min(0.1, h.spread**2) for h in self.hyperparameters])
-        return laplace(log_posterior, starts, spread, integrate=integrate)
+        return laplace(log_posterior, starts, spread, integrate=integrate, keep_inside=True)
 
     def at(self, found: Laplace) -> Noise:
         """The noise at a mode, by name."""

@@ -45,3 +45,14 @@ def test_laplace_fails_where_the_mode_is_on_the_boundary():
 
     with pytest.raises(np.linalg.LinAlgError, match="edge"):
         laplace(log_posterior, [np.array([0.0])], np.eye(1))
+
+
+def test_laplace_draws_about_a_mode_on_the_boundary_from_just_inside_it():
+    """A normal law of standard deviation 0.5 whose peak lies beyond the boundary."""
+
+    def log_posterior(at):
+        return -0.5 * float(((at[0] + 0.1) / 0.5) ** 2) if at[0] >= 0.0 else -np.inf
+
+    found = laplace(log_posterior, [np.array([0.0])], np.eye(1), keep_inside=True)
+    assert 0.0 <= found.mode[0] < 0.01
+    assert np.sqrt(found.covariance[0, 0]) == pytest.approx(0.5, rel=0.01)
