@@ -48,12 +48,12 @@ BESIDE = 3
 """Likeliest sets beside which oscillations that need not be steady are tried."""
 LEAST_SHARE = 1e-6
 """Of a set's probability, below which one of its scales is left out of its moments."""
-EFFECTIVE = 8.0
+EFFECTIVE = 12.0
 """Effective points below which the noise is drawn anew about what the points show of it."""
 WORTH_PAIRING = 3.0
 """Nats below the likeliest within which a random effect is tried together with another."""
-DRAWN = 32
-"""Points of the noise about each anchor."""
+DRAWN, MOST_DRAWN = 32, 256
+"""Points of the noise about each anchor, at first, and where too few of them count."""
 TAILS, WIDENED = 5, 1.25
 """Degrees of freedom of the law from which they are drawn, and factor on its standard deviations."""
 WIDEST = 1.5
@@ -350,9 +350,9 @@ class _LawSearch:
         ]
         return _Compared(self, plain, rich, np.asarray(np.max(found, axis=0) + priors))
 
-    def integrated(self, anchors: Sequence[Laplace], sets: Sequence[MeanSet]) -> Law:
-        """Integrate sets over the noise."""
-        at, log_proposal = _drawn(anchors)
+    def integrated(self, anchors: Sequence[Laplace], sets: Sequence[MeanSet], count: int) -> Law:
+        """Integrate sets over the noise, with a number of points about each anchor."""
+        at, log_proposal = _drawn(anchors, count)
         inference = self.inference
         in_groups = _grouped(sets, inference.group)
         groups = {group: {sets[i].response for i in own} for group, own in in_groups.items()}
@@ -421,17 +421,18 @@ class _Compared:
         anchors = [search.likeliest(self.top, search.at(self.rich), integrate=True)]
         if nothing in sets and self.top != nothing:
             anchors.append(search.likeliest(nothing, search.at(self.plain), integrate=True))
-        law = search.integrated(anchors, sets)
-        if law.effective < EFFECTIVE:
-            law = search.integrated([*anchors, law.noise()], sets)
+        law, count = search.integrated(anchors, sets, DRAWN), DRAWN
+        while law.effective < EFFECTIVE and count < MOST_DRAWN:
+            count *= 2
+            law = search.integrated([*anchors, law.noise()], sets, count)
         return law
 
 
-def _drawn(anchors: Sequence[Laplace]) -> tuple[Array, Array]:
+def _drawn(anchors: Sequence[Laplace], count: int) -> tuple[Array, Array]:
     """Points of a mixture of Student-t laws about modes, shape (j, h), and its log density there."""
     parts = [_proposal(found) for found in anchors]
     size = len(anchors[0].mode)
-    even = even_points(DRAWN, size + 1)
+    even = even_points(count, size + 1)
     scale = 2.0 * gammaincinv(0.5 * TAILS, even[:, -1]) / TAILS
     at = np.concatenate([mode + (ndtri(even[:, :-1]) @ factor.T) / np.sqrt(scale)[:, None] for mode, factor in parts])
     logs = np.stack([log_student_density(at, mode, factor, TAILS) for mode, factor in parts])
