@@ -18,8 +18,9 @@ from missionplan.diagnosis.legs.designs import DESIGNS, designs_for, with_furthe
 from missionplan.diagnosis.legs.fitting import TransitFitting
 from missionplan.diagnosis.legs.likelihood.covariance import ALL_LEGS
 from missionplan.diagnosis.legs.likelihood.linearised import LinearisedLegs
-from missionplan.diagnosis.legs.posterior import LegInference, infer, with_forms
+from missionplan.diagnosis.legs.posterior import infer, with_forms
 from missionplan.diagnosis.legs.responses import responses_along
+from missionplan.diagnosis.legs.set_density import LegInference
 from missionplan.effects import exclusive_groups
 from missionplan.results.learned.evidence import Causes
 

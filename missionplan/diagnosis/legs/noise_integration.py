@@ -1,0 +1,225 @@
+"""The noise of a navigation log under some random effects: where it is likely, and the sets integrated over it.
+
+The noise is integrated over by importance sampling (Owen 2013, *Monte Carlo Theory, Methods and Examples*, chapter 9)
+from a mixture of Student-t laws about the likeliest noise without a cause and with the likeliest ones.
+"""
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.special import gammaincinv, logsumexp, ndtri
+
+from missionplan.arrays import Array
+from missionplan.diagnosis.inference.importance_sampling import even_points, log_student_density
+from missionplan.diagnosis.inference.laplace import Laplace, laplace
+from missionplan.diagnosis.inference.set_evidence import SCALE_PRIOR, SCALES, GramMatrix
+from missionplan.diagnosis.legs.likelihood.hyperparameters import Hyperparameter, HyperparameterPrior
+from missionplan.diagnosis.legs.set_density import LegInference, MeanSet, Noise, RandomErrors, grouped
+from missionplan.results.learned.evidence import Causes
+
+EFFECTIVE = 12.0
+"""Effective points below which the noise is drawn anew about what the points show of it."""
+DRAWN, MOST_DRAWN = 32, 256
+"""Points of the noise about each anchor, at first, and where too few of them count."""
+TAILS, WIDENED = 5, 1.25
+"""Degrees of freedom of the law from which they are drawn, and factor on its standard deviations."""
+WIDEST = 1.5
+"""Largest standard deviation of that law along any direction [logarithms]."""
+BETWEEN = (0.0, 0.5, 1.0)
+"""Places between the noise without causes and with all of them where sets are compared first."""
+
+
+@dataclass(frozen=True)
+class Law:
+    """Random effects with sets in the mean, integrated over the noise.
+
+    Attributes
+    ----------
+    effects : tuple of str
+    hyperparameters : tuple of Hyperparameter
+    at : array, shape (j, h)
+        Logarithms of the noise at its points.
+    sets : tuple of MeanSet
+    log_weights : array, shape (s, j, c)
+        Of each set at each noise and scale of the slabs, prior included; their sum is the evidence times the prior.
+    grams : mapping
+        By group, the inner products at each noise.
+    """
+
+    effects: Causes
+    hyperparameters: tuple[Hyperparameter, ...]
+    at: Array
+    sets: tuple[MeanSet, ...]
+    log_weights: Array
+    grams: Mapping[Causes, Sequence[GramMatrix]]
+
+    @property
+    def effective(self) -> float:
+        """Effective number of noises (Owen 2013, section 9.3)."""
+        shares = self._shares
+        return 1.0 / float(np.sum(shares**2))
+
+    @property
+    def _shares(self) -> Array:
+        logs = logsumexp(self.log_weights, axis=(0, 2))
+        return np.asarray(np.exp(logs - logsumexp(logs)))
+
+    def noise(self) -> Laplace:
+        """Mean and covariance of the noise's posterior as drawn."""
+        return self.noise_of(self._shares)
+
+    def noise_of(self, shares: Array) -> Laplace:
+        """Mean and covariance of the noise with shares of its points, shape (j,)."""
+        mean = shares @ self.at
+        apart = self.at - mean
+        spread = (shares[:, None] * apart).T @ apart + np.diag(np.full(len(mean), 1e-4))
+        return Laplace(math.nan, mean, spread)
+
+
+class NoiseSearch:
+    """The noise of some random effects: where it is likely, and which sets are likely with it."""
+
+    def __init__(self, inference: LegInference, effects: Causes, reference: MeanSet) -> None:
+        model = inference.model
+        self.inference, self.effects = inference, effects
+        self.hyperparameters = model.hyperparameters(effects, model.given_forms)
+        self.errors = RandomErrors(effects, self.hyperparameters, reference)
+        self.prior = HyperparameterPrior.of(self.hyperparameters, model.given_in_covariance)
+
+    def likeliest(self, one: MeanSet, start: Noise | None = None, *, integrate: bool = False) -> Laplace:
+        """Find the likeliest noise with a set, and with its spread if that is wanted."""
+        start = start or {}
+
+        def log_posterior(logs: Array) -> float:
+            return self.prior.log_density(logs) + float(self.inference.log_densities(self.errors, logs, [one], 1)[0])
+
+        centre = np.array([start.get(h.key, h.centre) for h in self.hyperparameters])
+        starts = [centre]
+        for index, h in enumerate(self.hyperparameters):
+            if h.law in ("student", "reciprocal") and h.key not in start:
+                starts += [centre + sign * h.spread * np.eye(len(centre))[index] for sign in (-1.0, 1.0)]
+        spread = np.diag([min(0.1, h.spread**2) for h in self.hyperparameters])
+        return laplace(log_posterior, starts, spread, integrate=integrate, keep_inside=True)
+
+    def at(self, found: Laplace) -> Noise:
+        """The noise at a mode, by name."""
+        return {h.key: float(value) for h, value in zip(self.hyperparameters, found.mode, strict=True)}
+
+    def compared(self, plain: Laplace, rich: Laplace) -> "ComparedSets":
+        """Compare all sets, each at its likeliest of a few noises."""
+        inference = self.inference
+        priors = np.array([inference.log_prior(one, self.effects) for one in inference.sets])
+        found = [
+            self.prior.log_density(logs) + inference.log_densities(self.errors, logs, inference.sets, 1)
+            for logs in (plain.mode + share * (rich.mode - plain.mode) for share in BETWEEN)
+        ]
+        return ComparedSets(self, plain, rich, np.asarray(np.max(found, axis=0) + priors))
+
+    def integrated(self, anchors: Sequence[Laplace], sets: Sequence[MeanSet], count: int) -> Law:
+        """Integrate sets over the noise, with a number of points about each anchor."""
+        at, log_proposal = _drawn(anchors, count)
+        kept, grams = self._inner_products(at, sets)
+        base = np.array([self.prior.log_density(at[i]) - log_proposal[i] - math.log(len(at)) for i in kept])
+        return Law(
+            self.effects, self.hyperparameters, at[kept], tuple(sets), self._log_weights(sets, grams, base), grams
+        )
+
+    def _inner_products(self, at: Array, sets: Sequence[MeanSet]) -> tuple[list[int], dict[Causes, list[GramMatrix]]]:
+        """Return which noises are possible, and the inner products of each group of sets at these."""
+        inference = self.inference
+        groups = {
+            group: {sets[i].response for i in members} for group, members in grouped(sets, inference.group).items()
+        }
+        kept: list[int] = []
+        grams: dict[Causes, list[GramMatrix]] = {group: [] for group in groups}
+        for index, logs in enumerate(at):
+            if not math.isfinite(self.prior.log_density(logs)):
+                continue
+            try:
+                found = {group: inference.gram(self.errors, logs, group, numbers) for group, numbers in groups.items()}
+            except np.linalg.LinAlgError:
+                continue
+            kept.append(index)
+            for group, gram in found.items():
+                grams[group].append(gram)
+        return kept, grams
+
+    def _log_weights(self, sets: Sequence[MeanSet], grams: Mapping[Causes, Sequence[GramMatrix]], base: Array) -> Array:
+        """Log weight of each set at each noise and scale of the slabs, shape (s, j, c)."""
+        inference = self.inference
+        logs = np.empty((len(sets), len(base), len(SCALES)))
+        for (group, response), members in grouped(sets, lambda one: (inference.group(one), one.response)).items():
+            chosen, places = [sets[i] for i in members], inference.places(response)
+            parts = [gram.part(places) for gram in grams[group]]
+            has_slabs = bool(response) or any(one.causes for one in chosen)
+            for scale in range(len(SCALES)):
+                if scale == 1 or has_slabs:
+                    found = inference.priors(chosen, scale).log_densities(parts).T
+                    logs[members, :, scale] = found + base + math.log(SCALE_PRIOR[scale])
+                else:
+                    logs[members, :, scale] = -np.inf
+        logs += np.array([inference.log_prior(one, self.effects) for one in sets])[:, None, None]
+        for i, one in enumerate(sets):
+            if not one.causes and not one.response:
+                logs[i, :, 1] -= math.log(SCALE_PRIOR[1])
+        return logs
+
+
+@dataclass(frozen=True)
+class ComparedSets:
+    """Sets compared under some random effects.
+
+    Attributes
+    ----------
+    search : NoiseSearch
+    plain, rich : Laplace
+        The likeliest noise without causes in the mean, and with many.
+    scores : array, shape (s,)
+        Log density and prior of all sets at their likeliest noises.
+    """
+
+    search: NoiseSearch
+    plain: Laplace
+    rich: Laplace
+    scores: Array
+
+    @property
+    def best(self) -> float:
+        """Greatest score."""
+        return float(self.scores.max())
+
+    @property
+    def top(self) -> MeanSet:
+        """The likeliest set."""
+        return self.search.inference.sets[int(np.argmax(self.scores))]
+
+    def integrated(self, sets: Sequence[MeanSet]) -> Law:
+        """Integrate some of the sets over the noise, from the likeliest noises of the best and without causes."""
+        nothing, search = MeanSet((), 0), self.search
+        anchors = [search.likeliest(self.top, search.at(self.rich), integrate=True)]
+        if nothing in sets and self.top != nothing:
+            anchors.append(search.likeliest(nothing, search.at(self.plain), integrate=True))
+        law, count = search.integrated(anchors, sets, DRAWN), DRAWN
+        while law.effective < EFFECTIVE and count < MOST_DRAWN:
+            count *= 2
+            law = search.integrated([*anchors, law.noise()], sets, count)
+        return law
+
+
+def _drawn(anchors: Sequence[Laplace], count: int) -> tuple[Array, Array]:
+    """Points of a mixture of Student-t laws about modes, shape (j, h), and its log density there."""
+    parts = [_proposal(found) for found in anchors]
+    size = len(anchors[0].mode)
+    even = even_points(count, size + 1)
+    scale = 2.0 * gammaincinv(0.5 * TAILS, even[:, -1]) / TAILS
+    at = np.concatenate([mode + (ndtri(even[:, :-1]) @ factor.T) / np.sqrt(scale)[:, None] for mode, factor in parts])
+    logs = np.stack([log_student_density(at, mode, factor, TAILS) for mode, factor in parts])
+    return at, np.asarray(logsumexp(logs, axis=0) - math.log(len(parts)))
+
+
+def _proposal(found: Laplace) -> tuple[Array, Array]:
+    values, vectors = np.linalg.eigh(found.covariance)
+    sd = np.clip(WIDENED * np.sqrt(np.maximum(values, 1e-8)), 1e-3, WIDEST)
+    return found.mode, np.asarray(np.linalg.cholesky((vectors * sd**2) @ vectors.T))
