@@ -15,10 +15,20 @@ def estimate(effect: str, name: str, value: float, sd: float, unit: str) -> Para
     return ParameterEstimate(effect, name, value, sd, value - 1.645 * sd, value + 1.645 * sd, unit)
 
 
-def told(*found: ParameterEstimate, verdict: str = "explained") -> str:
+def told(
+    *found: ParameterEstimate,
+    verdict: str = "explained",
+    rivals: tuple[tuple[str, ...], ...] = (),
+    measurements: tuple[str, ...] = (),
+) -> str:
     causes = tuple(dict.fromkeys(each.effect for each in found))
     best = SimpleNamespace(parameters=found, held_out=None)
-    return finding_in_words(SimpleNamespace(causes=causes, best=best, verdict=verdict, kind="transit"))
+    entries = [SimpleNamespace(measurement=words) for words in measurements]
+    return finding_in_words(
+        SimpleNamespace(
+            causes=causes, best=best, verdict=verdict, kind="transit", rivals=rivals, next_measurements=entries
+        )
+    )
 
 
 @pytest.mark.parametrize(("angle", "side"), [(0.0506, "low"), (-0.0506, "high")])
@@ -30,6 +40,24 @@ def test_a_compass_that_reads_low_is_told_so(angle, side):
 def test_a_share_is_told_in_per_cent_and_doubt_is_told():
     words = told(estimate("speed-scale", "fraction", -0.03, 0.004, ""), verdict="ambiguous")
     assert words.startswith("It looks as if the vehicle goes 3.0 ± 0.4\u00a0% slower than it reckons: ")
+
+
+def test_a_cause_that_a_rival_does_without_is_no_order():
+    """A speed scale and a current that such legs cannot tell apart: to calibrate the log would be to toss a coin."""
+    found = estimate("speed-scale", "fraction", -0.13, 0.01, "")
+    words = told(
+        found,
+        verdict="ambiguous",
+        rivals=(("mean-current",), ("mean-current", "heavy-tails")),
+        measurements=("two opposite legs of 400 m",),
+    )
+    assert "calibrate" not in words
+    assert words.endswith(
+        "But it may as well be mean current or mean current and heavy tails: correct nothing yet, first two opposite "
+        "legs of 400 m."
+    )
+    shared = told(found, verdict="ambiguous", rivals=(("speed-scale", "heavy-tails"),))
+    assert "correct nothing" not in shared, "every explanation has it"
 
 
 def test_a_current_has_a_size_and_a_direction():

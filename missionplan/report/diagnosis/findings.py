@@ -14,22 +14,42 @@ from missionplan.results.learned.diagnosis import Diagnosis
 from missionplan.results.learned.evidence import Coverage, ParameterEstimate
 
 _PERCENT = 100.0
+_RIVALS = 2
+"""Other explanations that the headline names."""
 
 
 def finding_in_words(diagnosis: Diagnosis) -> str:
     """Write what was found and what to do: ``The compass reads 2.9° ± 0.3° low: swing it, …``; empty without causes.
 
-    What the catalogue says nothing of, or too large to be its cause, is left to the verdict.
+    What the catalogue says nothing of, or too large to be its cause, is left to the verdict. A cause that a rival
+    explanation does without is no order: what the crew is to do is then to find out.
     """
-    found = claimed_parameters(diagnosis)
-    told = [_clause(cause, found) for cause in diagnosis.causes]
+    found, disputed = claimed_parameters(diagnosis), disputed_causes(diagnosis)
+    told = [_clause(cause, found, is_order=cause not in disputed) for cause in diagnosis.causes]
     if not told or not all(told):
         return ""
     hedge = "It looks as if " if diagnosis.verdict in ("ambiguous", "partly-explained") else ""
-    return capitalised(f"{hedge}{'; and '.join(told)}{_gained(diagnosis)}.")
+    words = capitalised(f"{hedge}{'; and '.join(told)}{_gained(diagnosis)}.")
+    return f"{words} {_find_out(diagnosis, disputed)}" if disputed else words
 
 
-def _clause(cause: str, found: tuple[ParameterEstimate, ...]) -> str:
+def disputed_causes(diagnosis: Diagnosis) -> frozenset[str]:
+    """Physical causes of the likeliest set that are not in every rival: to act on them is to toss a coin."""
+    if diagnosis.verdict != "ambiguous":
+        return frozenset()
+    physical = {cause for cause in diagnosis.causes if CATALOGUE[cause].tier != "statistical"}
+    return frozenset(cause for cause in physical if any(cause not in rival for rival in diagnosis.rivals))
+
+
+def _find_out(diagnosis: Diagnosis, disputed: frozenset[str]) -> str:
+    """Write what else it may be, and what would tell."""
+    rivals = [names(rival) if rival else "chance" for rival in diagnosis.rivals if not disputed <= set(rival)]
+    until = next((entry.measurement for entry in diagnosis.next_measurements), "")
+    tells = f"first {until}" if until else "first take data that tell them apart"
+    return f"But it may as well be {' or '.join(rivals[:_RIVALS])}: correct nothing yet, {tells}."
+
+
+def _clause(cause: str, found: tuple[ParameterEstimate, ...], *, is_order: bool) -> str:
     info = CATALOGUE[cause]
     finding = info.finding
     if finding is None:
@@ -39,7 +59,7 @@ def _clause(cause: str, found: tuple[ParameterEstimate, ...]) -> str:
     if limit is not None and limit.parameter in mine and abs(mine[limit.parameter].value) > limit.size:
         return ""
     words = _sized_clause(finding, mine)
-    return f"{words}: {finding.remedy}" if words and finding.remedy else words
+    return f"{words}: {finding.remedy}" if words and finding.remedy and is_order else words
 
 
 def _sized_clause(finding: Finding, mine: Mapping[str, ParameterEstimate]) -> str:
