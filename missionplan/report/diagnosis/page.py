@@ -124,32 +124,10 @@ def answer(diagnosis: Diagnosis) -> str:
 
 
 def _verdict_words(diagnosis: Diagnosis) -> str:
-    named = found_causes(diagnosis.causes, claimed_parameters(diagnosis))
-    left = resemblance(diagnosis.discrepancy)
-    structured = diagnosis.discrepancy.axis is not None
-    if not diagnosis.learned_from:
-        left_over = f" As it stands it leaves something in them: that {left}." if structured else ""
-        return f"Nothing new: the mission has learned from all of these data, which count once.{left_over}"
-    if diagnosis.verdict == "adequate":
-        best, asks = diagnosis.best, "nothing in them asks for a cause"
-        if best is not None and best.score > WORTH_TELLING:
-            asks = f"what speaks for a cause ({names(best.causes)}) is too weak to claim it"
-        return f"The mission's model is adequate for these data: {asks}.{_confirmed(diagnosis)}"
-    if diagnosis.verdict == "unexplained" and diagnosis.suspect_labels:
-        return "No cause of the catalogue explains the dives as they are labelled."
-    if diagnosis.verdict == "unexplained" and diagnosis.causes:
-        return f"The data fit {named}, which describes the errors: their physical cause is not identified."
-    if diagnosis.verdict == "unexplained":
-        return f"Something is left that no cause of the catalogue explains: it {left}."
-    if diagnosis.verdict == "partly-explained":
-        words = f"The largest share of the misfit resembles {named}, but not all of it"
-        words += f": what is left {left}." if structured else "."
-    elif diagnosis.verdict == "ambiguous":
-        others = [names(causes) for causes in diagnosis.rivals[:3]]
-        rest = f"; {' or '.join(others)} would do nearly as well" if others else "; so few numbers prove nothing"
-        words = f"The data fit {named}{rest}."
-    else:
-        words = f"The misfit is explained by {named}.{_told_as_one(diagnosis)}"
+    without = _without_cause(diagnosis)
+    if without:
+        return without
+    words = _claim(diagnosis)
     if diagnosis.readings.plan_with is False:
         words += " Named, but plan without it: on legs kept away from the fit the extended mission predicts no better."
     words += _changed(diagnosis)
@@ -158,6 +136,42 @@ def _verdict_words(diagnosis: Diagnosis) -> str:
     if any(CATALOGUE[cause].tier == "statistical" for cause in diagnosis.causes):
         words += " Part of this describes the errors statistically; its physical cause is not identified."
     return words
+
+
+def _without_cause(diagnosis: Diagnosis) -> str:
+    """Write the verdict where no physical cause is claimed; empty where one is."""
+    left = resemblance(diagnosis.discrepancy)
+    if not diagnosis.learned_from:
+        is_left = diagnosis.discrepancy.axis is not None
+        left_over = f" As it stands it leaves something in them: that {left}." if is_left else ""
+        return f"Nothing new: the mission has learned from all of these data, which count once.{left_over}"
+    if diagnosis.verdict == "adequate":
+        best, asks = diagnosis.best, "nothing in them asks for a cause"
+        if best is not None and best.score > WORTH_TELLING:
+            asks = f"what speaks for a cause ({names(best.causes)}) is too weak to claim it"
+        return f"The mission's model is adequate for these data: {asks}.{_confirmed(diagnosis)}"
+    if diagnosis.verdict != "unexplained":
+        return ""
+    if diagnosis.suspect_labels:
+        return "No cause of the catalogue explains the dives as they are labelled."
+    if diagnosis.causes:
+        named = found_causes(diagnosis.causes, claimed_parameters(diagnosis))
+        return f"The data fit {named}, which describes the errors: their physical cause is not identified."
+    return f"Something is left that no cause of the catalogue explains: it {left}."
+
+
+def _claim(diagnosis: Diagnosis) -> str:
+    """Write what is claimed, and how far."""
+    named = found_causes(diagnosis.causes, claimed_parameters(diagnosis))
+    if diagnosis.verdict == "partly-explained":
+        is_left = diagnosis.discrepancy.axis is not None
+        left = f": what is left {resemblance(diagnosis.discrepancy)}." if is_left else "."
+        return f"The largest share of the misfit resembles {named}, but not all of it{left}"
+    if diagnosis.verdict == "ambiguous":
+        others = [names(causes) for causes in diagnosis.rivals[:3]]
+        rest = f"; {' or '.join(others)} would do nearly as well" if others else "; so few numbers prove nothing"
+        return f"The data fit {named}{rest}."
+    return f"The misfit is explained by {named}.{_told_as_one(diagnosis)}"
 
 
 def _told_as_one(diagnosis: Diagnosis) -> str:
