@@ -291,22 +291,14 @@ def _quantiles(values: Array, shares: Array) -> Array:
 
 def with_forms(posterior: LegPosterior) -> LegPosterior:
     """Weigh oscillations that need not be steady, in records long enough to show them."""
-    model = posterior.inference.model
-    given = {each.effect for each in model.given}
-    names = [name for name in model.candidates if CATALOGUE[name].is_modulated and name not in given]
-    if not names or float(np.ptp(model.data.middle)) < SHORTEST:
-        return posterior
-    likely = list(posterior.probabilities)[:BESIDE]
-    order = {name: index for index, name in enumerate(model.candidates)}
-    tried = {tuple(sorted({*causes, name}, key=order.__getitem__)) for causes in [(), *likely] for name in names}
     masses, forms = dict(posterior.log_masses), {}
-    for causes in sorted(tried):
+    for causes in _modulated_sets(posterior):
         law = tuple(name for name in causes if name in posterior.inference.random)
         mean = MeanSet(tuple(name for name in causes if name not in law), 0)
         if len(mean.causes) > MOST_IN_MEAN:
             continue
         try:
-            evidence, gain, state = model.over_forms(causes)
+            evidence, gain, state = posterior.inference.model.over_forms(causes)
         except np.linalg.LinAlgError:
             continue
         steady = masses.get((causes, 0))
@@ -314,4 +306,17 @@ def with_forms(posterior: LegPosterior) -> LegPosterior:
         masses[causes, 0] = evidence + prior if steady is None else steady + gain
         if state.forms != Forms() or steady is None:
             forms[causes] = state
-    return replace(posterior, masses=masses, forms=forms)
+    return replace(posterior, masses=masses, forms=forms) if forms or masses != posterior.log_masses else posterior
+
+
+def _modulated_sets(posterior: LegPosterior) -> list[Causes]:
+    """Sets with an oscillation that need not be steady, beside nothing and the likeliest sets."""
+    model = posterior.inference.model
+    given = {each.effect for each in model.given}
+    names = [name for name in model.candidates if CATALOGUE[name].is_modulated and name not in given]
+    if not names or float(np.ptp(model.data.middle)) < SHORTEST:
+        return []
+    likely = list(posterior.probabilities)[:BESIDE]
+    order = {name: index for index, name in enumerate(model.candidates)}
+    found = {tuple(sorted({*causes, name}, key=order.__getitem__)) for causes in [(), *likely] for name in names}
+    return sorted(found)

@@ -1,11 +1,13 @@
 """The ledger of a mission's assumptions: each is put off by its usual size, and the mission is run again."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 from missionplan.errors import MissionplanError
 from missionplan.mission import Mission
+from missionplan.mission.schema.phases import MoorPhase
 from missionplan.mission.schema.site import CurrentFile, TidalCurrent
+from missionplan.mission.schema.vehicle import Anchor
 from missionplan.montecarlo.distributions import Distribution
 from missionplan.montecarlo.statistics import Probability
 from missionplan.results.assumption import Assumption
@@ -71,30 +73,31 @@ def _judged(mission: Mission, trials: int, seed: int) -> Mapping[str, Probabilit
 def doubts_of(mission: Mission) -> Iterator[Doubt]:
     """Yield what a mission takes for granted, as far as it can be put off by its usual size."""
     yield from _current(mission)
-    site, navigation, vehicle = mission.site, mission.navigation, mission.vehicle
-    if site is not None and site.wind is None:
+    if mission.site is not None and mission.site.wind is None:
         blows = {"speed": {"low": "0 m/s", "high": "12 m/s"}, "from": {"low": "0 deg", "high": "360 deg"}}
         yield Doubt("there is no wind", "winds of 0 to 12 m/s from anywhere", {"site.wind": blows})
-    if navigation is not None and navigation.fix_error == 0.0 and mission.transits:
+    if mission.transits and mission.navigation is not None and mission.navigation.fix_error == 0.0:
         yield Doubt("fixes are exact", "an error of 5 m on each axis", {"navigation.fix_error": "5 m"})
-    anchor = vehicle.anchor if vehicle else None
-    if anchor is not None and isinstance(anchor.holding_factor, float) and mission.moors:
+    if mission.moors:
+        yield from _anchor(mission.vehicle.anchor if mission.vehicle else None)
+        yield from _lines(mission.moors)
+
+
+def _anchor(anchor: Anchor | None) -> Iterator[Doubt]:
+    if anchor is not None and isinstance(anchor.holding_factor, float):
         factor = {"median": anchor.holding_factor, "factor": 1.4}
         words = "the anchor holds just as its holding factor says"
         yield Doubt(words, "a factor of 1.4 more or less", {"vehicle.anchor.holding_factor": factor})
-    if anchor is not None and anchor.flooding_time is None and mission.moors:
-        yield Doubt(
-            "the anchor is full of water at once",
-            "10 s until it is",
-            {"vehicle.anchor.flooding_time": "10 s"},
-        )
-    for phase in mission.moors:
+    if anchor is not None and anchor.flooding_time is None:
+        words = "the anchor is full of water at once"
+        yield Doubt(words, "10 s until it is", {"vehicle.anchor.flooding_time": "10 s"})
+
+
+def _lines(moors: Sequence[MoorPhase]) -> Iterator[Doubt]:
+    for phase in moors:
         if phase.line_diameter is not None and phase.line_material is None and phase.line_wet_weight is None:
-            yield Doubt(
-                f"the line has no weight ({phase.label})",
-                "polyester",
-                {f"{phase.name}.line_material": "polyester"},
-            )
+            words = f"the line has no weight ({phase.label})"
+            yield Doubt(words, "polyester", {f"{phase.name}.line_material": "polyester"})
 
 
 def _current(mission: Mission) -> Iterator[Doubt]:
