@@ -1,1 +1,1 @@
-"""Speed relative to reference programs, measured in one run: ``python -m benchmarks``; see `docs/validation.md`."""
+"""Speed relative to reference programs, measured in one run: ``python -m benchmarks``; see `docs/validation/speed.md`."""

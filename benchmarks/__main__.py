@@ -1,4 +1,4 @@
-"""Run the comparisons and update the tables of `docs/validation.md`: ``python -m benchmarks``.
+"""Run the comparisons and update the tables of `docs/validation/speed.md`: ``python -m benchmarks``.
 
 Each comparison alternates with its reference program and gives ratios. On two idle cores all of them
 take about eight minutes; name one to run it alone, --quick for a smoke test, --long to add ten million trials.

@@ -1,10 +1,10 @@
-"""Tables of the comparisons: as text, and between markers in `docs/validation.md`."""
+"""Tables of the comparisons: as text, and between markers in `docs/validation/speed.md`."""
 
 import re
 
 from benchmarks.common import ROOT, Row, Section
 
-PAGE = ROOT / "docs" / "validation.md"
+PAGE = ROOT / "docs" / "validation" / "speed.md"
 HEADINGS = ("", "missionplan", "reference", "ratio", "target", "met")
 MET = {None: "", True: "yes", False: "**no**"}
 
