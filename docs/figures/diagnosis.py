@@ -1,4 +1,4 @@
-"""Figures of docs/validation/index.md: two gliders (if their data are beside the repository) and Table I of Briggs et al."""
+"""Figures of docs/validation: two gliders (if their data are beside the repository) and Table I of Briggs et al."""
 
 from pathlib import Path
 
