@@ -26,6 +26,9 @@ class Presenter(Protocol):
     def report(self, result: object, /) -> Rendered:
         """Render the report."""
 
+    def headline(self, result: object, /) -> str:
+        """Write the answer in a sentence or two."""
+
     def text(self, result: object, /) -> str:
         """Write one screen of text."""
 

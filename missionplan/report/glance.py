@@ -198,6 +198,11 @@ def report(result: object, /) -> Rendered:
     return render_report(_checked(result))
 
 
+def headline(result: object, /) -> str:
+    """Write the answer in a sentence or two."""
+    return terminal_view(_checked(result)).sentence
+
+
 def text(result: object, /) -> str:
     """Write one screen of text."""
     return _text(_checked(result))

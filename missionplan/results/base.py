@@ -20,6 +20,8 @@ from missionplan.errors import InputError, Problem, did_you_mean, shown
 from missionplan.identity import Identity
 from missionplan.packages import how_to_install
 from missionplan.rendering import Plot, presenter, render
+from missionplan.results.assumption import Assumption
+from missionplan.results.decision import Decision, changes_of
 from missionplan.results.entries import Entry, Record, summary_of
 from missionplan.results.place import Coverage
 from missionplan.store.folder import check_holds_no_input, new_folder, write_atomically
@@ -153,7 +155,39 @@ class Result(Record, ABC):
 
     def summary(self) -> dict[str, object]:
         """Return the contents of `summary.json`: SI values, keys that end with the unit."""
-        return {**self.provenance.summary(), **summary_of(self)}
+        return self.with_decision({**self.provenance.summary(), **summary_of(self)})
+
+    def with_decision(self, entries: Mapping[str, object]) -> dict[str, object]:
+        """Return the entries of a summary with the decision among them."""
+        other = entries.get("decision")
+        decision = {**self.decision_for_crew().summary(), **(other if isinstance(other, Mapping) else {})}
+        return {**entries, "decision": decision}
+
+    @property
+    def certainty(self) -> Mapping[str, object] | None:
+        """How sure the answer is, as the entry ``sure`` of its decision: a probability; None where none is told."""
+        return None
+
+    @property
+    def assumed(self) -> tuple[Assumption, ...]:
+        """What the answer takes for granted, as far as its worth was computed."""
+        return ()
+
+    @property
+    def recommended_values(self) -> Mapping[str, object]:
+        """Values by key path that the mission is to have."""
+        return {}
+
+    def decision_for_crew(self) -> Decision:
+        """Return what to do, how sure that is, on which assumptions, and what changes in the mission."""
+        made = self.provenance
+        return Decision(
+            presenter().headline(self),
+            self.certainty,
+            self.assumed,
+            changes_of(made.data, self.recommended_values),
+            tuple(each.what for each in made.holds if not each.held),
+        )
 
     @abstractmethod
     def to_frame(self) -> "pd.DataFrame":

@@ -70,7 +70,7 @@ class Campaign(Result):
 
     def summary(self) -> dict[str, object]:
         """Return the dictionary of ``summary.json``."""
-        return {**self.provenance.summary(), **self.diagnosis()}
+        return self.with_decision({**self.provenance.summary(), **self.diagnosis()})
 
     def to_frame(self) -> pd.DataFrame:
         """One row a data set."""

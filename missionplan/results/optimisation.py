@@ -128,6 +128,16 @@ class Optimised(Result):
     relaxation_trials: Annotated[int, Entry("that the relaxed problems took", key="trials_of.relaxations")]
 
     @property
+    def certainty(self) -> Mapping[str, object] | None:
+        """Probability of success of the choice on fresh draws."""
+        return None if self.fresh is None else self.fresh.certainty
+
+    @property
+    def recommended_values(self) -> Mapping[str, object]:
+        """The choice, where it meets all requirements."""
+        return self.chosen if self.feasible else {}
+
+    @property
     def key(self) -> str:
         """Key of the mean that is least."""
         return "energy_wh" if self.aim == "energy" else "duration_s"

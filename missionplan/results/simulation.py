@@ -279,12 +279,14 @@ class Outcome(Result):
         return read_trials(self.trials_table)
 
     @property
-    def decision(self) -> Annotated[dict[str, object], Entry()]:
-        """What the answer assumes, each with its worth, and what the probability of success does not hold."""
-        return {
-            "assumes": [each.summary() for each in self.assumptions],
-            "not_in_this_probability": [each.what for each in self.provenance.holds if not each.held],
-        }
+    def certainty(self) -> Mapping[str, object]:
+        """Probability of success, with its interval."""
+        return self.total.events["success"].summary()
+
+    @property
+    def assumed(self) -> tuple[Assumption, ...]:
+        """What the mission takes for granted, each with its worth."""
+        return self.assumptions
 
     @property
     def holds_equipment(self) -> bool:

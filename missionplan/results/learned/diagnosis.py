@@ -209,7 +209,16 @@ class Diagnosis(Result):
 
     def summary(self) -> dict[str, object]:
         """Return the dictionary of ``summary.json``."""
-        return {**self.provenance.summary(), "dataset": self.data, "kind": self.kind, **self.diagnosis()}
+        entries = {**self.provenance.summary(), "dataset": self.data, "kind": self.kind, **self.diagnosis()}
+        return self.with_decision(entries)
+
+    @property
+    def certainty(self) -> Mapping[str, object] | None:
+        """Probability of the claimed set of causes, and that none of these is behind the data."""
+        best = self.best
+        if best is None or best.posterior is None:
+            return None
+        return {"posterior": best.posterior if self.causes else None, "none_of_these": self.none_of_these}
 
     def to_frame(self) -> pd.DataFrame:
         """One row a set of the ranking."""

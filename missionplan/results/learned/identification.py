@@ -199,7 +199,7 @@ class Identification(Result):
 
     def summary(self) -> dict[str, object]:
         """Return the contents of `summary.json`; a parameter's unit stands beside its value, not in its key."""
-        return {
+        entries = {
             **self.provenance.summary(),
             "kind": self.kind,
             "dataset": self.name,
@@ -210,6 +210,7 @@ class Identification(Result):
             "remarks": list(self.analysis.remarks),
             "vehicle_fragment": dict(self.analysis.fragment),
         }
+        return self.with_decision(entries)
 
     def to_frame(self) -> pd.DataFrame:
         """Parameters of every fitted model, one per row."""

@@ -1,5 +1,6 @@
 """Result of `size-anchor`: the anchor for the worst case and for what is asked of dives, and the nominal dive."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import ClassVar
 
@@ -200,7 +201,7 @@ class AnchorSizing(Result):
 
     def summary(self) -> dict[str, object]:
         """Return the contents of ``summary.json``."""
-        return {
+        entries = {
             **self.provenance.summary(),
             "phase": self.phase,
             "radius_m": self.radius,
@@ -221,6 +222,17 @@ class AnchorSizing(Result):
             **({"members": [each.summary() for each in self.members]} if self.members else {}),
             **({"explanations": [each.summary() for each in self.explanations]} if self.explanations else {}),
         }
+        return self.with_decision(entries)
+
+    @property
+    def certainty(self) -> Mapping[str, object]:
+        """Probability that a dive with the anchor to build does all that is asked."""
+        return self.to_build.probabilities.good.summary()
+
+    @property
+    def recommended_values(self) -> Mapping[str, object]:
+        """Wet weight of the anchor to build, where it succeeds."""
+        return {f"{self.phase}.anchor_wet_weight": f"{self.to_build.wet_weight:.3f} N"} if self.succeeds else {}
 
     def to_frame(self) -> pd.DataFrame:
         """One row per number: quantity, value for the worst case, value for the probable anchor."""

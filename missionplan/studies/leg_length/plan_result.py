@@ -1,5 +1,6 @@
 """Result of `plan-legs`: how long a leg should be at each distance left, and what that saves or loses."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Annotated, ClassVar
 
@@ -305,6 +306,16 @@ class LegPlan(Result):
         """Keys of the transit that the plan changes, as in a mission file."""
         speed = {"speed": f"{self.speed:.3f} m/s"} if self.speed != self.mission_speed else {}
         return {**speed, "d_max": self.d_max}
+
+    @property
+    def certainty(self) -> Mapping[str, object] | None:
+        """Probability of success of the mission with the plan, on fresh draws."""
+        return None if self.judged is None else self.judged.certainty
+
+    @property
+    def recommended_values(self) -> Mapping[str, object]:
+        """The changed keys of the transit, by their paths."""
+        return {f"{self.phase}.{key}": value for key, value in self.changes.items()}
 
     def mission_with_legs(self) -> dict[str, object]:
         """Return the mission's data with the transit as planned."""

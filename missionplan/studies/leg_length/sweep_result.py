@@ -1,5 +1,6 @@
 """Result of `sweep-dmax`: cost against the maximum leg length d_max, for each velocity error."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Annotated, ClassVar
@@ -205,6 +206,16 @@ class Sweep(Result):
             parts=("seed", "trials", "total", "requirements"),
         ),
     ] = None
+
+    @property
+    def certainty(self) -> Mapping[str, object] | None:
+        """Probability of success of the mission with what is recommended, on fresh draws."""
+        return None if self.judged is None else self.judged.certainty
+
+    @property
+    def recommended_values(self) -> Mapping[str, object]:
+        """The d_max that is recommended for the middle velocity error."""
+        return {f"{self.phase}.d_max": f"{self.middle.recommended.d_max:.1f} m"}
 
     @property
     def nominal_time(self) -> Annotated[float, Entry(unit="s")]:

@@ -8,6 +8,7 @@ from typing import Annotated, Any, Literal, Union, get_args, get_origin, get_typ
 from missionplan.montecarlo.statistics import Probability, Statistic
 from missionplan.results.base import SCHEMA, Provenance, Result
 from missionplan.results.campaign import Campaign
+from missionplan.results.decision import Decision
 from missionplan.results.entries import Record, StatedField, stated
 from missionplan.results.imported import ImportedData
 from missionplan.results.learned.diagnosis import Diagnosis
@@ -86,6 +87,10 @@ class _Records:
         top = self.written(Provenance) if issubclass(kind, Result) else _object({})
         for item in stated(kind):  # type: ignore[arg-type]  # a class is hashable
             self._put(top, item)
+        if issubclass(kind, Result):  # a diagnosis adds to it what the planner chooses before and after
+            decision = {**self.written(Decision), "additionalProperties": True}
+            top["properties"]["decision"] = {"description": "what the crew is to do", **decision}
+            top["required"].append("decision")
         return top if kind.summary in (Record.summary, Result.summary) else {**top, "additionalProperties": True}
 
     def _put(self, top: dict[str, Any], item: StatedField) -> None:
