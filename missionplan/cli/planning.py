@@ -135,6 +135,9 @@ _Precision = Annotated[
 ]
 _Resume = Annotated[bool, typer.Option("--resume", help="Go on with the finished blocks of a run cut short.")]
 _KeepTrials = Annotated[bool, typer.Option("--keep-trials", help="Write trials.parquet, one row per trial.")]
+_Assumptions = Annotated[
+    bool, typer.Option(help="Say what each assumption of the mission is worth: some hundred trials without each.")
+]
 _Searched = Annotated[
     Path | None,
     typer.Option(
@@ -201,6 +204,7 @@ def simulate(
     resume: _Resume = False,
     keep_trials: _KeepTrials = False,
     searched: _Searched = None,
+    assumptions: _Assumptions = True,
     as_exported: _AsExported = None,
     output: o.OutputOptions,
     allow_outside: o.AllowOutside = False,
@@ -228,7 +232,7 @@ def simulate(
             resume=resume,
             keep_trials=keep_trials,
             searched=searched,
-            assumptions=True,
+            assumptions=assumptions,
             as_exported=as_exported.value if as_exported else None,
             progress=progress,
             **run.arguments(),

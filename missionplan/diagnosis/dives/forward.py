@@ -117,6 +117,7 @@ class DescentForward:
             anchor_mass=tiled(dive.anchor_mass),
             anchor_added_mass=tiled(dive.anchor_added_mass),
             line_length=tiled(dive.line_length),
+            spring=None,  # depths tell nothing of the snatch
         )
 
 

@@ -182,6 +182,7 @@ def rerun_command(provenance: Provenance) -> str:
     options = [
         f"--{name.replace('_', '-')} {shlex.quote(str(value))}" for name, value in given.items() if _is_given(value)
     ]
+    options += ["--no-assumptions"] if provenance.options.get("assumptions") is False else []
     units = [f"--units {given_units()}"] if given_units() else []
     return " ".join(["missionplan", provenance.command, "mission.yaml", f"--seed {provenance.seed}", *options, *units])
 

@@ -159,7 +159,7 @@ def _uncommon_options(searched: str | Path | None, as_exported: str | None, *, a
         options["searched"] = digest_of_files([as_path(searched, "searched")])
     if as_exported is not None:
         options["as_exported"] = as_exported
-    return options | ({"assumptions": True} if assumptions else {})
+    return {**options, "assumptions": assumptions}
 
 
 def _ledger(mission: Mission, seed: int) -> tuple[Assumption, ...]:
