@@ -20,7 +20,7 @@ from missionplan.importers.fixes import JUMPED
 from missionplan.importers.geodesy import displacement, shifted, with_declination
 from missionplan.importers.importer import Identity, ReadOptions, SourceLog, known_importers
 from missionplan.importers.mapping import read_mapping
-from missionplan.importers.sources import Reading, find_sources, of_one
+from missionplan.importers.sources import Reading, Sources, find_sources, of_one
 from missionplan.importers.starter import LegNumbers, mission_text, numbers_of, prospects
 from missionplan.importers.track import Fixes, Positions, Track
 from missionplan.mission.geodesy import to_plane
@@ -104,10 +104,8 @@ def import_logs(
     found, identity = of_one(found, vehicle, deployment)
     log = SourceLog(progress=progress, is_strict=is_strict)
     options = ReadOptions(mapping, None if cache is None else as_path(cache, "cache"), vehicle)
-    track = found.importer.read([each.path for each in found.files], options, log)
-    if not log.read:
-        raise InputError([*log.passed_over, *found.passed_over])
-    track = with_declination(_of_one_deployment(track, None if identity.deployment else deployment))
+    track = _of_one_deployment(_read(found, options, log), None if identity.deployment else deployment)
+    track = with_declination(track)
     track = replace(track, notices=(*track.notices, *map(str, left_out)))
     if shift_origin is not None:
         track = shifted(track, *shift_origin)
@@ -121,6 +119,14 @@ def import_logs(
         began=began,
     )
     return transit_data(reading, rules, explain) if kind == "transit" else descent_data(reading, read_marks(marks))
+
+
+def _read(found: Sources, options: ReadOptions, log: SourceLog) -> Track:
+    """Read the files; where none can be read, say what is wrong with each."""
+    track = found.importer.read([each.path for each in found.files], options, log)
+    if not log.read:
+        raise InputError([*log.passed_over, *found.passed_over])
+    return track
 
 
 def _of_one_deployment(track: Track, begun: str | None) -> Track:

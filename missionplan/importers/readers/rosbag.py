@@ -105,14 +105,19 @@ def _topic(quantity: str, known: Mapping[str, str], options: ReadOptions) -> str
         fitting = {each: rank for each, rank in fitting.items() if options.vehicle in each.split("/")}
     best = [each for each, rank in sorted(fitting.items()) if rank == min(fitting.values())]
     if len(best) > 1:
-        spaces = sorted({each.split("/")[1] for each in best if each.count("/") > 1})
-        hint = f"name one with --map {quantity}={best[0]}"
-        hint += f", or a vehicle with --vehicle {spaces[0]}" if len(spaces) > 1 else ""
-        raise InputError([Problem(f"several topics of {quantity}: {', '.join(best)}", key="map", hint=hint)])
+        raise _several(quantity, best)
     if not best and quantity != "depth":
         message = f"no topic of {_TYPES[quantity][0]}; its topics are {', '.join(sorted(known)[:20])}"
         raise InputError([Problem(message, key="vehicle" if options.vehicle else "map")])
     return best[0] if best else ""
+
+
+def _several(quantity: str, topics: Sequence[str]) -> InputError:
+    """Return the error of a quantity that several topics hold."""
+    spaces = sorted({each.split("/")[1] for each in topics if each.count("/") > 1})
+    hint = f"name one with --map {quantity}={topics[0]}"
+    hint += f", or a vehicle with --vehicle {spaces[0]}" if len(spaces) > 1 else ""
+    return InputError([Problem(f"several topics of {quantity}: {', '.join(topics)}", key="map", hint=hint)])
 
 
 def _add(library: ModuleType, bag: Path, chosen: Mapping[str, str], found: Mapping[str, Samples]) -> None:

@@ -1,7 +1,7 @@
 """A current at one place from a CSV file: a series against time and depth. Arrays out, in SI."""
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from datetime import datetime
 from pathlib import Path
@@ -71,20 +71,7 @@ def read_series_csv(
         With every problem of the file.
     """
     shown = str(path)
-    check_file(path, MAX_BYTES)
-    try:
-        with open_table(path) as stream:
-            frame = pd.read_csv(stream, encoding="utf-8-sig", skipinitialspace=True)
-    except (OSError, ValueError) as error:
-        raise InputError([Problem(f"cannot be read as CSV: {str(error).strip()}", shown)]) from None
-    missing = [name for name in limits if name not in frame]
-    if missing:
-        message = f"lacks the column {', '.join(missing)}; expected {', '.join(limits)}"
-        raise InputError([Problem(message, shown, 1)])
-    twice = [name for name in limits if f"{name}.1" in frame]
-    if twice or frame.empty:
-        message = f"the column {twice[0]} stands twice" if twice else "has no rows of data"
-        raise InputError([Problem(message, shown, 1)])
+    frame = _table(path, limits)
     values = frame[list(limits)].apply(pd.to_numeric, errors="coerce")
     if not pd.api.types.is_numeric_dtype(frame["t_s"]):
         if epoch is not None:
@@ -110,6 +97,32 @@ def read_series_csv(
         table["east_m_s"].to_numpy(dtype=float),
         table["north_m_s"].to_numpy(dtype=float),
     )
+
+
+def _table(path: Path, columns: Iterable[str]) -> pd.DataFrame:
+    """Read a CSV file that has some columns, once each, and rows.
+
+    Raises
+    ------
+    InputError
+        When it is no such file.
+    """
+    shown = str(path)
+    check_file(path, MAX_BYTES)
+    try:
+        with open_table(path) as stream:
+            frame = pd.read_csv(stream, encoding="utf-8-sig", skipinitialspace=True)
+    except (OSError, ValueError) as error:
+        raise InputError([Problem(f"cannot be read as CSV: {str(error).strip()}", shown)]) from None
+    missing = [name for name in columns if name not in frame]
+    if missing:
+        message = f"lacks the column {', '.join(missing)}; expected {', '.join(columns)}"
+        raise InputError([Problem(message, shown, 1)])
+    twice = [name for name in columns if f"{name}.1" in frame]
+    if twice or frame.empty:
+        message = f"the column {twice[0]} stands twice" if twice else "has no rows of data"
+        raise InputError([Problem(message, shown, 1)])
+    return frame
 
 
 def _lead(start: datetime | None, epoch: datetime | None, shown: str) -> float:
