@@ -199,8 +199,8 @@ def report(result: object, /) -> Rendered:
 
 
 def headline(result: object, /) -> str:
-    """Write the answer in a sentence or two."""
-    return terminal_view(_checked(result)).sentence
+    """Write the answer in a sentence or two, in the units of the mission file, whatever the reader's are."""
+    return terminal_view(_checked(result), system="").sentence
 
 
 def text(result: object, /) -> str:

@@ -44,9 +44,9 @@ def render_report(result: Result) -> Rendered:
         return render_page(page, _sections(planned), made, [typeset(notice) for notice in made.notices])
 
 
-def terminal_view(result: Result) -> Terminal:
-    """Present a result for a terminal."""
-    with reading_in(units_of(result.provenance.data)):
+def terminal_view(result: Result, *, system: str | None = None) -> Terminal:
+    """Present a result for a terminal, in the units of the run or the mission, or of a system that is given."""
+    with reading_in(units_of(result.provenance.data) if system is None else system):
         shown = _page(result).glance()
     columns, rows = _cells(shown.columns), [_cells(row) for row in shown.rows]
     return replace(shown, sentence=typeset(shown.sentence), columns=columns, rows=rows)
