@@ -100,7 +100,7 @@ def find_sources(
     format_name : str or None
         Format of all files; None to recognise it.
     otherwise : str or None
-        Format of files of which none is recognised: tables whose columns the user names.
+        Format of files of which none is of another: tables whose columns the user names, alone or beside GPX and NMEA.
 
     Raises
     ------
@@ -114,7 +114,7 @@ def find_sources(
     if not paths:
         raise InputError([Problem("holds no files", str(each)) for each in given])
     chosen, passed_over = _recognised(paths, given, importers, format_name)
-    if not chosen and otherwise is not None and format_name in (None, otherwise):
+    if otherwise is not None and chosen.keys() <= {otherwise} and format_name in (None, otherwise):
         chosen, passed_over = _recognised(paths, given, importers, otherwise, is_mapped=True)
     if not chosen:
         known = ", ".join(importers)

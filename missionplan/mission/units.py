@@ -204,7 +204,9 @@ def _convert_by_pint(number: float, name: str, unit: str, difference: bool) -> f
     try:
         given = registry.parse_units(name)
     except pint.UndefinedUnitError as error:
-        hint = did_you_mean(name, _COMMON_UNITS, before="; ")
+        wanted = registry.parse_units(unit).dimensionality
+        alike = [each for each in _COMMON_UNITS if registry.parse_units(each).dimensionality == wanted]
+        hint = did_you_mean(name, alike, before="; ")
         raise QuantityError(f"given the unit {shown(name)}, which is not known{hint}") from error
     except Exception as error:  # pint and its tokenizer raise many kinds for what is no expression of units
         hint = did_you_mean(name, _COMMON_UNITS, before="; ")

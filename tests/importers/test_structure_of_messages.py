@@ -321,7 +321,42 @@ def nmea(path, voyage=VOYAGE, talker="GP", order=1, north=0.0, kinds=("GGA", "RM
     return path
 
 
+def gpx(path, voyage=VOYAGE, order=1, north=0.0, zone="Z", namespace=True, tag="trkpt", version="1.1", every=0):
+    """Write fixes as GPX by its public description (topografix.com/GPX/1/1), with nothing of the reader's library."""
+    fixes, rows = voyage.track.fixes, []
+    for t, lat, lon in list(zip(fixes.t, fixes.latitude + north, fixes.longitude, strict=True))[::order]:
+        hours = 0 if zone == "Z" else int(zone[:3])
+        moment = np.datetime64(round(t) + 3600 * hours, "s")
+        rows.append(f'<{tag} lon="{lon:.8f}" lat="{lat:.8f}"><time>{moment}{zone}</time></{tag}>')
+        if every and len(rows) % every == 0:
+            rows.append("</trkseg><trkseg>")
+    body = "".join(rows)
+    body = f"<trk><trkseg>{body}</trkseg></trk>" if tag == "trkpt" else f"<rte>{body}</rte>" if tag == "rtept" else body
+    space = f' xmlns="http://www.topografix.com/GPX/{version.replace(".", "/")}"' if namespace else ""
+    path.write_text(f'<?xml version="1.0"?>\n<gpx version="{version}" creator="made"{space}>{body}</gpx>')
+    return path
+
+
 NAMES = ["time=t[epoch] dr_lat=a dr_lon=b depth=depth"]
+
+
+def test_gpx_of_any_order_zone_version_and_kind_of_point_beside_a_table(plain, tmp_path):
+    """Without a format named: the table beside the GPX file is read by `--map`."""
+    pytest.importorskip("gpxpy", reason="gpxpy is not installed")
+    table = own_table(tmp_path / "own.csv")
+    changes = ({}, {"order": -1}, {"zone": "+02:00"}, {"zone": "-05:00"}, {"namespace": False}, {"version": "1.0"},
+               {"tag": "wpt"}, {"tag": "rtept"}, {"every": 7})  # fmt: skip
+    first = import_logs([table, gpx(tmp_path / "0.gpx")], format="track", names=NAMES)
+    for number, change in enumerate(changes, start=1):
+        agree(import_logs([table, gpx(tmp_path / f"{number}.gpx", **change)], names=NAMES), first)
+
+
+def test_gpx_of_two_vehicles_is_no_track(tmp_path):
+    pytest.importorskip("gpxpy", reason="gpxpy is not installed")
+    table = own_table(tmp_path / "own.csv")
+    both = [gpx(tmp_path / "a.gpx"), gpx(tmp_path / "b.gpx", north=0.5)]
+    with pytest.raises(InputError, match="two vehicles"):
+        import_logs([table, *both], names=NAMES)
 
 
 def test_sentences_of_any_talker_order_and_kind(plain, tmp_path):

@@ -190,3 +190,9 @@ def test_positions_are_read_as_charts_have_them(text, signs, degrees):
 def test_what_is_no_latitude_is_refused(text):
     with pytest.raises(QuantityError):
         CoordinateParser("rad", low=-math.pi / 2, high=math.pi / 2, fixed=True).parse(text)
+
+
+@pytest.mark.parametrize(("text", "unit", "near"), [("20 mni", "s", "min"), ("5 knn", "m/s", "kn")])
+def test_a_mistyped_unit_is_likened_to_units_of_its_kind(text, unit, near):
+    with pytest.raises(QuantityError, match=f"did you mean {near}\\?"):
+        parse_number_with_unit(text, unit)

@@ -321,14 +321,15 @@ def is_nmea(path: Path, head: bytes) -> bool:
 
 
 def add_gpx(path: Path, found: Samples) -> None:
-    """Add the points of a GPX track."""
+    """Add the points of a GPX file that have times: of its tracks, else of its routes and its waypoints."""
     gpxpy = needed_module("gpxpy", "track", "track (GPX)")
     with path.open(encoding="utf-8-sig") as stream:
         try:
             track = gpxpy.parse(stream)
         except gpxpy.gpx.GPXException as error:
             raise ValueError(str(error)) from None
-    for point in track.walk(only_points=True):
+    points = list(track.walk(only_points=True))
+    for point in points or (*track.waypoints, *(each for route in track.routes for each in route.points)):
         if point.time is not None:
             hdop = point.horizontal_dilution
             found.add(
