@@ -22,7 +22,7 @@ Way = Literal["not released", "adrift at the surface", "on the seafloor", "still
 WAYS: tuple[Way, ...] = get_args(Way)
 
 
-class Assumption(Enum):
+class DriftAssumption(Enum):
     """What search areas take for granted, and what that means."""
 
     NO_WIND = "The mission has no wind: a vehicle afloat goes with the water alone (site.wind)."
@@ -105,7 +105,7 @@ class Overdue(Record):
 
     Attributes
     ----------
-    assumptions : tuple of Assumption
+    assumptions : tuple of DriftAssumption
         On which the areas rest.
     """
 
@@ -113,7 +113,7 @@ class Overdue(Record):
     missing: Annotated[Mapping[str, float], Entry("share of the trials that never end, by the step at which they fail")]
     areas: Annotated[tuple[SearchArea, ...], Entry("way by way, by hours overdue")]
     searches: Annotated[int, Entry("searches that found nothing and are allowed for")] = 0
-    assumptions: tuple[Assumption, ...] = ()
+    assumptions: tuple[DriftAssumption, ...] = ()
 
     @property
     def assumed(self) -> Annotated[list[str], Entry(key="assumptions")]:

@@ -185,8 +185,8 @@ def assumptions_section(outcome: Outcome) -> Iterator[PageSection]:
         (
             each.what,
             each.otherwise,
-            f"{100.0 * each.success:.3g}\u00a0%",
-            f"{100.0 * each.worth:+.2g}\u00a0%",
+            "" if math.isnan(each.success) else f"{100.0 * each.success:.3g}\u00a0%",
+            "could not be run" if math.isnan(each.worth) else f"{100.0 * each.worth:+.2g}\u00a0%",
             "could turn the answer" if each.turns else "",
         )
         for each in outcome.assumptions
@@ -195,7 +195,11 @@ def assumptions_section(outcome: Outcome) -> Iterator[PageSection]:
         columns = ("taken for granted", "instead", "success then", "change", "")
         caption = "Each alone, on 400 trials of the same random numbers. What is not in the mission cannot be put off."
         turning = sum(each.turns for each in outcome.assumptions)
-        heading = "No assumption could turn this" if not turning else f"{turning} of its assumptions could turn this"
+        heading = (
+            "None of these assumptions alone could turn this"
+            if not turning
+            else f"{turning} of its assumptions could turn this"
+        )
         yield PageSection(heading, [Table(columns, rows, caption, text_columns=2)], is_summary=True)
 
 

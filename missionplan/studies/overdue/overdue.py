@@ -10,7 +10,7 @@ from missionplan.montecarlo.streams import stream
 from missionplan.phases.currents import LayeredCurrent
 from missionplan.phases.recorded_currents import RecordedCurrent
 from missionplan.physics.energy import JOULES_PER_WATT_HOUR
-from missionplan.results.overdue import Assumption, ExpectedTime, Overdue
+from missionplan.results.overdue import DriftAssumption, ExpectedTime, Overdue
 from missionplan.scenario.scenario import Scenario
 from missionplan.studies.overdue.drift import Drift
 from missionplan.studies.overdue.losses import losses
@@ -63,18 +63,18 @@ def overdue(scenario: Scenario, trials: MissionTrials, seed: int, searches: Sequ
     return replace(found, areas=areas, assumptions=tuple(_assumptions(scenario, drift, last)))
 
 
-def _assumptions(scenario: Scenario, drift: Drift, last: float) -> Iterator[Assumption]:
+def _assumptions(scenario: Scenario, drift: Drift, last: float) -> Iterator[DriftAssumption]:
     if scenario.leeway is None:
-        yield Assumption.NO_WIND
+        yield DriftAssumption.NO_WIND
     if drift.is_error_assumed:
-        yield Assumption.ERROR_OF_CURRENT
+        yield DriftAssumption.ERROR_OF_CURRENT
     if isinstance(scenario.current, LayeredCurrent):
-        yield Assumption.STEADY_LAYERS
+        yield DriftAssumption.STEADY_LAYERS
     records = (scenario.recorded, scenario.wind)
     if any(isinstance(record, RecordedCurrent) and record.time[-1] < last for record in records):
-        yield Assumption.BEYOND_RECORD
+        yield DriftAssumption.BEYOND_RECORD
     if drift.shore is None:
-        yield Assumption.NO_LAND
+        yield DriftAssumption.NO_LAND
 
 
 def _first_failures(trials: MissionTrials, missing: Flags) -> Iterator[tuple[tuple[str, str], Flags]]:

@@ -1,5 +1,6 @@
 """The ledger of a mission's assumptions: each is put off by its usual size, and the mission is run again."""
 
+import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
@@ -37,7 +38,7 @@ class Doubt:
 
 
 def ledger(mission: Mission, seed: int, trials: int = TRIALS) -> tuple[Assumption, ...]:
-    """Run a mission without each of its assumptions; those that matter most come first.
+    """Run a mission without each of its assumptions; those that matter most come first; nan where it cannot be run.
 
     Parameters
     ----------
@@ -54,8 +55,9 @@ def ledger(mission: Mission, seed: int, trials: int = TRIALS) -> tuple[Assumptio
     for doubt in doubts:
         try:
             other = _judged(mission.with_(dict(doubt.changes)), trials, seed)
-        except (MissionplanError, ArithmeticError):
-            continue  # not a mission that can be run: a plug-in's phase, a key that another forbids
+        except (MissionplanError, ArithmeticError):  # a plug-in's phase, a key that another forbids
+            found.append(Assumption(doubt.what, doubt.otherwise, math.nan, math.nan))
+            continue
         missed = tuple(
             requirement.written or requirement.quantity
             for index, requirement in enumerate(mission.requirements)
@@ -63,7 +65,7 @@ def ledger(mission: Mission, seed: int, trials: int = TRIALS) -> tuple[Assumptio
         )
         before, after = base["total.success"].value, other["total.success"].value
         found.append(Assumption(doubt.what, doubt.otherwise, after - before, after, missed))
-    return tuple(sorted(found, key=lambda each: (not each.turns, each.worth)))
+    return tuple(sorted(found, key=lambda each: (not each.turns, math.isnan(each.worth), each.worth)))
 
 
 def _judged(mission: Mission, trials: int, seed: int) -> Mapping[str, Probability]:

@@ -1,13 +1,15 @@
 """The ledger of assumptions: what each is worth, against closed forms, and a headline that is green only where none turns it."""
 
+import math
 from pathlib import Path
 
 import pytest
 import scipy
 
 import missionplan
+from missionplan.rendering import render
 from missionplan.report.render import terminal_view
-from missionplan.studies.simulation.assumptions import doubts_of, ledger
+from missionplan.studies.simulation.assumptions import Doubt, doubts_of, ledger
 
 ONE_LEG = """
 name: One leg across an exact current
@@ -65,3 +67,12 @@ def test_what_is_taken_for_granted_is_named(tmp_path):
     assert [doubt.what for doubt in doubts_of(missionplan.load(path))] == ["there is no wind", "fixes are exact"]
     found = ledger(missionplan.load(path), seed=1, trials=100)
     assert {each.what for each in found} == {"there is no wind", "fixes are exact"}
+
+
+def test_an_assumption_that_cannot_be_run_is_not_passed_over(one_leg, monkeypatch):
+    wrong = Doubt("the keel is even", "another", {"vehicle.keel": "uneven"})
+    monkeypatch.setattr("missionplan.studies.simulation.assumptions.doubts_of", lambda _: iter([wrong]))
+    outcome = missionplan.simulate(one_leg("0 m/s"), assumptions=True)
+    (found,) = outcome.assumptions
+    assert math.isnan(found.worth)
+    assert "could not be run" in render(outcome).html
