@@ -102,8 +102,9 @@ _ENDLESS = re.compile(r"\d\s*(\*\*|\^)|(\*\*|\^)[\s(+-]*\d{3}")
 _MAX_LENGTH = 80
 LEAST, GREATEST = 1e-30, 1e31
 _SENSIBLE = f"0, or from {LEAST:g} to {GREATEST:g} in size"
-_COMMON_UNITS = (*(name for names in FACTORS.values() for name in names), "degF", "K", "1/s", "s/m", "rpm")
-"""Units that a hint may name."""
+_UNITS_OF_PINT = ("degF", "K", "1/s", "s/m", "rpm")
+_COMMON_UNITS = (*(name for names in FACTORS.values() for name in names), *_UNITS_OF_PINT)
+"""Units that a hint may name; pint does not know all of the table's."""
 
 
 class QuantityError(ValueError):
@@ -205,7 +206,8 @@ def _convert_by_pint(number: float, name: str, unit: str, difference: bool) -> f
         given = registry.parse_units(name)
     except pint.UndefinedUnitError as error:
         wanted = registry.parse_units(unit).dimensionality
-        alike = [each for each in _COMMON_UNITS if registry.parse_units(each).dimensionality == wanted]
+        alike = [*FACTORS.get(unit, ())]
+        alike += [each for each in _UNITS_OF_PINT if registry.parse_units(each).dimensionality == wanted]
         hint = did_you_mean(name, alike, before="; ")
         raise QuantityError(f"given the unit {shown(name)}, which is not known{hint}") from error
     except Exception as error:  # pint and its tokenizer raise many kinds for what is no expression of units
