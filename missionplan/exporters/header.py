@@ -1,5 +1,6 @@
 """What every file says of itself: which mission it is the plan of, and what it cannot hold."""
 
+import math
 import re
 import unicodedata
 from collections.abc import Sequence
@@ -56,6 +57,11 @@ def no_decision(plan: Plan) -> tuple[str, ...]:
         "arrival by the fix: the vehicle does not compare it with the goal, makes a fixed number of further legs "
         f"({made}) and ends there",
     )
+
+
+def no_battery(plan: Plan, instead: str) -> tuple[str, ...]:
+    """Say what becomes of the plan's guard on the battery, where it has one."""
+    return (f"the guard for the battery of {plan.capacity:g} W h: {instead}",) if math.isfinite(plan.capacity) else ()
 
 
 def unheld_moorings(plan: Plan, what: str = "the mooring") -> tuple[str, ...]:

@@ -170,15 +170,13 @@ class Scenario(DrawnMission):
         Until the first mooring the vehicle carries the anchor on its nose, which lengthens the hull.
         """
         table, propelled, hotel = phase.d_max, self._propelled(phase), self.budget.hotel
-        execution = self.executions.get(phase.name)
-        waits = None if execution is None else execution.surface_time
         return TransitPlan(
             goal=self.position(phase.to),
             via=self.ways(phase),
             speed=phase.speed,
             arrival_radius=phase.arrival_radius,
             d_max=leg_table(table) if isinstance(table, LegTableSection) else table,
-            surfacing_time=self.surfacing_time if waits is None else waits,
+            surfacing_time=self.surfacing_time,
             velocity_error=self.velocity_error,
             fix_error=self.fix_error,
             depth=phase.depth,

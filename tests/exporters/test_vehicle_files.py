@@ -75,11 +75,46 @@ def decimal(number):
 
 MASTERDATA = {
     "num_legs_to_run": (-2, None), "num_waypoints": (1, 8), "initial_wpt": (-2, 7), "list_when_wpt_dist": (10, None),
-    "gps_wait_time": (120, None), "num_half_cycles_to_do": (-1, None), "d_target_depth": (3, 1000),
+    "gps_wait_time": (120, None), "when_secs": (120, None), "keystroke_wait_time": (0, 900), "num_half_cycles_to_do": (-1, None), "d_target_depth": (3, 1000),
     "c_target_depth": (3, 1000), "d_bpump_value": (-1000, 1000), "c_bpump_value": (-1000, 1000),
     "d_thruster_value": (1, 9), "c_thruster_value": (1, 9),
 }  # fmt: skip
-"""Least and greatest of the arguments that masterdata annotates with limits."""
+"""Least and greatest of the arguments that masterdata (release 10.5) annotates with limits."""
+BEHAVIOURS = {
+    "abend": {"overtime", "remaining_charge_min"},
+    "surface": {
+        *("args_from_file", "start_when", "when_secs", "end_action", "gps_wait_time", "keystroke_wait_time"),
+        *("c_use_bpump", "c_bpump_value", "c_use_pitch", "c_pitch_value"),
+    },
+    "goto_list": {
+        *("args_from_file", "start_when", "num_waypoints", "num_legs_to_run", "initial_wpt"),
+        *("list_stop_when", "list_when_wpt_dist"),
+    },
+    "yo": {
+        *("args_from_file", "start_when", "num_half_cycles_to_do", "end_action"),
+        *(f"{way}_{rest}" for way in "dc" for rest in (
+            *("target_depth", "use_bpump", "bpump_value", "use_pitch", "pitch_value"),
+            *("use_thruster", "thruster_value"),
+        )),
+    },
+    "prepare_to_dive": {"start_when", "wait_time"},
+    "sensors_in": set(),
+}  # fmt: skip
+"""Arguments of each behaviour that masterdata has, as far as they are used."""
+
+
+def read_mi(text):
+    """Behaviours of a mission in their order, with their arguments."""
+    assert text.isascii()
+    found = []
+    for line in (line.split("#")[0].strip() for line in text.splitlines()):
+        if behaviour := re.fullmatch(r"behavior: (\w+)", line):
+            found.append((behaviour[1], {}))
+        elif line and not line.startswith("sensor: "):
+            name, value = re.fullmatch(r"b_arg: (\w+)\([\w%]+\) (-?[\d.]+)", line).groups()
+            assert name in BEHAVIOURS[found[-1][0]]
+            found[-1][1][name] = float(value)
+    return found
 
 
 def for_a_glider(plan, *, speed=0.83, powered=True):
@@ -98,14 +133,28 @@ def test_slocum(plan, powered):
         plan, phases=tuple(replace(p, depth=p.depth + 1.5) if p in plan.transits else p for p in plan.phases)
     )
     texts = written(plan, "slocum")
-    found = {name: read_ma(text) for name, text in texts.items()}
+    found = {name: read_ma(text) for name, text in texts.items() if name.endswith(".ma")}
     assert set(found) == {f"{kind}{n}.ma" for n in (10, 11) for kind in ("goto_l", "surfac", "yo")} | {
         "surfac30.ma",
         "surfac31.ma",
     }
+    assert set(texts) - set(found) == {"plan10.mi", "plan11.mi"}
+    assert all({name for name, _ in arguments} <= BEHAVIOURS[kind] for kind, arguments, _ in found.values())
     for number, transit in zip((10, 11), plan.transits, strict=True):
         behaviour, arguments, [(longitude, latitude)] = found[f"goto_l{number}.ma"]
         assert behaviour == "goto_list"
+        assert read_mi(texts[f"plan{number}.mi"]) == [
+            ("abend", {"overtime": transit.abort_time, "remaining_charge_min": 10.0}),
+            ("surface", {"args_from_file": number + 20}),
+            ("surface", {"args_from_file": number}),
+            ("goto_list", {"args_from_file": number, "start_when": 0}),
+            ("yo", {"args_from_file": number, "start_when": 2}),
+            (
+                "prepare_to_dive",
+                {"start_when": 0, "wait_time": math.ceil(max(600, 5 * transit.surfacing.surface_time_p99))},
+            ),
+            ("sensors_in", {}),
+        ]
         assert arguments == {
             ("num_legs_to_run", "nodim"): -2,
             ("start_when", "enum"): 0,
@@ -117,9 +166,8 @@ def test_slocum(plan, powered):
         assert off(plan, transit.steered_for, decimal(latitude), decimal(longitude)) < 0.2
         rule = transit.surfacing
         at_surface = {
-            ("end_action", "enum"): 1,
-            ("gps_wait_time", "s"): max(math.ceil(rule.surface_time_p99), 120),
-            ("keystroke_wait_time", "s"): math.ceil(rule.surface_time),
+            ("gps_wait_time", "sec"): max(math.ceil(rule.surface_time_p99), 120),
+            ("keystroke_wait_time", "sec"): math.ceil(rule.surface_time),
             ("c_use_bpump", "enum"): 2,
             ("c_bpump_value", "X"): 1000,
             ("c_use_pitch", "enum"): 3,
@@ -127,8 +175,9 @@ def test_slocum(plan, powered):
         }
         climb = min(transit.depth / math.tan(0.4538), rule.interval / 2.0) / transit.speed
         every = {("start_when", "enum"): 6, ("when_secs", "sec"): math.floor(rule.interval_time - climb)}
-        assert found[f"surfac{number}.ma"] == ("surface", {**every, **at_surface}, [])
-        assert found[f"surfac{number + 20}.ma"] == ("surface", {("start_when", "enum"): 8, **at_surface}, [])
+        assert found[f"surfac{number}.ma"] == ("surface", {**every, ("end_action", "enum"): 1, **at_surface}, [])
+        done = {("start_when", "enum"): 3, ("end_action", "enum"): 0, **at_surface}
+        assert found[f"surfac{number + 20}.ma"] == ("surface", done, [])
         yo = {
             ("start_when", "enum"): 2,
             ("num_half_cycles_to_do", "nodim"): -1,
@@ -147,13 +196,13 @@ def test_slocum(plan, powered):
         assert found[f"yo{number}.ma"] == ("yo", yo, [])
         assert f"# {rule.interval:.1f} m at {transit.speed} m/s" in texts[f"surfac{number}.ma"]
     for text in texts.values():
-        assert all_within_masterdata(text) >= 1
+        assert all_within_masterdata(text) >= 1 or "behavior: abend" in text
 
 
 def all_within_masterdata(text):
     """Whether every argument with a limit keeps it and is annotated with it; how many there are."""
     count = 0
-    for name, value, rest in re.findall(r"^ *b_arg: (\w+)\(\w+\) (\S+)(.*)$", text, re.M):
+    for name, value, rest in re.findall(r"^ *b_arg: (\w+)\([\w%]+\) (\S+)(.*)$", text, re.M):
         low, high = MASTERDATA.get(name, (None, None))
         limits = [f"{word} = {limit:.1f}" for word, limit in (("min", low), ("max", high)) if limit is not None]
         assert (re.search(r"#! ([^#]*?)(?: #|$)", rest) or [None, ""])[1] == "; ".join(limits)
@@ -717,6 +766,50 @@ def unpacked(content):
 def test_a_glider_has_no_numbers_for_more_than_twenty_transits(plan):
     plan = for_a_glider(plan)
     transits = plan.transits[:1]
-    assert len(written(replace(plan, phases=transits * 20), "slocum")) == 80
-    with pytest.raises(InputError, match="21 transits"):
+    assert len(written(replace(plan, phases=transits * 20), "slocum")) == 100
+    with pytest.raises(InputError, match="21 lists"):
         written(replace(plan, phases=transits * 21), "slocum")
+
+
+def test_a_glider_gets_more_than_eight_points_as_missions_one_after_the_other(plan):
+    """Each list within masterdata's eight, all points in their order, a surfacing at each; the last ends the mission."""
+    there, *others = for_a_glider(plan).phases
+    start, *_, goal = there.waypoints
+    points = []
+    for n in range(1, 17):
+        east, north = 90.0 * n, -40.0 * n
+        latitude, longitude = on_earth(plan.origin, east, north)
+        placed = replace(goal, east=east, north=north, latitude=latitude, longitude=longitude)
+        points.append(replace(placed, name=f"by {n}", is_via=True))
+    way = replace(there, waypoints=(start, *points, goal), aim=None)
+    texts = written(replace(plan, phases=(way, *others), has_thruster=True), "slocum")
+    assert [name for name in texts if name.endswith(".mi")] == [f"plan{n}.mi" for n in (10, 11, 12, 13)]
+    listed = [read_ma(texts[f"goto_l{n}.ma"]) for n in (10, 11, 12)]
+    assert [len(places) for _, _, places in listed] == [8, 8, 1]
+    assert [arguments["num_waypoints", "nodim"] for _, arguments, _ in listed] == [8, 8, 1]
+    places = [place for *_, each in listed for place in each]
+    for point, (longitude, latitude) in zip([*points, goal], places, strict=True):
+        assert off(plan, point, decimal(latitude), decimal(longitude)) < 0.2
+    for number in (10, 11):
+        assert ("surface", {"args_from_file": number + 40}) in read_mi(texts[f"plan{number}.mi"])
+        assert read_ma(texts[f"surfac{number + 40}.ma"])[1]["start_when", "enum"] == 8
+    assert "surfac52.ma" not in texts
+
+
+def test_a_glider_is_not_let_up_sooner_than_masterdata_has_it(plan):
+    there, *others = for_a_glider(plan).phases
+    short = replace(there, surfacing=replace(there.surfacing, interval=100.0, interval_time=120.0))
+    with pytest.raises(InputError, match=r"surface 109 s after it dived, for legs of 100 m .* after 120 s"):
+        written(replace(for_a_glider(plan), phases=(short, *others)), "slocum")
+
+
+@pytest.mark.parametrize("name", ["slocum", "moos", "neptus", "iver", "qgc"])
+def test_what_becomes_of_the_guard_for_the_battery_is_in_every_file(plan, name):
+    guarded = replace(as_it_can(plan, name), capacity=71.25)
+    assert all("the guard for the battery of 71.25 W h: " in unpacked(each) for each in written(guarded, name).values())
+    assert "guard for the battery" not in " ".join(format_named(name).lost(as_it_can(plan, name)))
+    if name == "moos":
+        _, found = read_bhv(written(guarded, name)["trip.bhv"])
+        for stage in ("1_ingress", "3_egress"):
+            conditions = [f"STAGE = {stage}", "ENERGY_USED > 71.25"]
+            assert found[f"battery_{stage}"] == ("Timer", conditions, aborted("BATTERY"), timer(0.0))

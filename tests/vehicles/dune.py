@@ -89,13 +89,14 @@ class Dead:
             self.done.states.append((self.time, *self.nav, order.depth, heading, order.speed))
         return way
 
-    def drift(self, seconds: float) -> None:
-        """At the surface; a fix at the end."""
+    def drift(self, seconds: float, fixed: bool = True) -> None:
+        """At the surface; a fix at the end, if one has come."""
         east, north = self.voyage.current(0.0)
         self.true = [self.true[0] + east * seconds, self.true[1] + north * seconds]
         self.time += seconds
-        self.nav = list(self.voyage.fix(self.true))
-        self.done.fixes.append((self.time, *self.nav))
+        if fixed:
+            self.nav = list(self.voyage.fix(self.true))
+            self.done.fixes.append((self.time, *self.nav))
         self.done.states.append((self.time + 0.1, *self.nav, 0.0, 0.0, 0.0))
 
 

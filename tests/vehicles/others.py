@@ -31,7 +31,7 @@ def iver(texts: list[str], home: tuple[float, float], voyage: Voyage) -> Sailed:
             depth, park, speed = (float(re.search(rf"\b{key}([\d.]+)", commands)[1]) for key in "DPS")
             order = Order(*plane(float(longitude), float(latitude)), speed * KNOT, depth * FOOT)
             boat.run(order, max(math.dist((order.east, order.north), boat.nav) - near, 0.0))
-            boat.drift(60.0 * park)
+            boat.drift(60.0 * park, voyage.fix_time <= 60.0 * park)
         ended(boat, len(stops))
     return boat.done
 
@@ -54,7 +54,7 @@ def autopilot(texts: list[str], home: tuple[float, float], voyage: Voyage) -> Sa
             elif command == 19:
                 legs += 1
                 point = plane(own[5], own[4])
-                boat.drift(min(voyage.fix_time, own[0]))
+                boat.drift(min(voyage.fix_time, own[0]), voyage.fix_time <= own[0])
                 away = point[0] - boat.nav[0], point[1] - boat.nav[1]
                 share = min(1.0, speed * max(own[0] - voyage.fix_time, 0.0) / max(math.hypot(*away), 1e-9))
                 boat.true = [boat.true[axis] + share * away[axis] for axis in (0, 1)]
@@ -65,40 +65,48 @@ def autopilot(texts: list[str], home: tuple[float, float], voyage: Voyage) -> Sa
 
 
 def glider(files: dict[str, str], home: tuple[float, float], voyage: Voyage, speed: float, depth: float) -> Sailed:
-    """A list of waypoints and its surfacings; aims off by the drift of the last segment.
+    """Missions one after the other, by the files that they name; aims off by the drift of the last segment.
 
     `speed` and `depth` are how the glider happens to fly, which its files do not say.
     """
     plane, boat = Proj(proj="aeqd", lat_0=home[0], lon_0=home[1], ellps="WGS84"), Dead(voyage)
     climb = depth / math.tan(0.4538)
-    for number in (10, 11):
-        arguments = {name: float(value) for name, value in _b_args(files[f"goto_l{number}.ma"])}
-        surface = {name: float(value) for name, value in _b_args(files[f"surfac{number}.ma"])}
+    for mission in sorted(name for name in files if name.endswith(".mi")):
+        begun, named = (
+            boat.time,
+            re.findall(r"behavior: (\w+)\n    b_arg: args_from_file\(enum\) (\d+)", files[mission]),
+        )
+        (number,) = (each for behaviour, each in named if behaviour == "goto_list")
+        surfacings = [_b_args(files[f"surfac{each}.ma"]) for behaviour, each in named if behaviour == "surface"]
+        assert any((each["start_when"], each["end_action"]) == (3.0, 0.0) for each in surfacings)
+        (surface,) = (each for each in surfacings if each["start_when"] == 6.0)
+        near, overtime = _b_args(files[f"goto_l{number}.ma"])["list_when_wpt_dist"], _b_args(files[mission])["overtime"]
         block = files[f"goto_l{number}.ma"].split("<start:waypoints>")[1].split("<end:waypoints>")[0]
         points = [line.split() for line in block.splitlines() if line and not line.startswith("#")]
+        assert len(points) == 1 or any(each["start_when"] == 8.0 for each in surfacings)
         water, legs = (0.0, 0.0), 0
         for longitude, latitude in points:
             point, reached = plane(_degrees(longitude), _degrees(latitude)), False
-            while not reached and legs < 300:
+            while not reached and boat.time - begun < overtime:
                 left = math.dist(point, boat.nav)
-                whole = max(left - arguments["list_when_wpt_dist"], 0.0)
+                whole = max(left - near, 0.0)
                 longest = surface["when_secs"] * speed + climb
                 reached, way = whole <= longest, min(whole, longest)
                 span, ahead = way / speed, [(point[axis] - boat.nav[axis]) / max(left, 1e-9) for axis in (0, 1)]
                 aim = [boat.nav[axis] + ahead[axis] * way - water[axis] * span for axis in (0, 1)]
                 gone = boat.run(Order(aim[0], aim[1], speed, depth))
-                before = list(boat.true)
-                boat.drift(voyage.fix_time + surface["keystroke_wait_time"])
+                before, fixed = list(boat.true), voyage.fix_time <= surface["gps_wait_time"]
+                boat.drift(min(voyage.fix_time, surface["gps_wait_time"]) + surface["keystroke_wait_time"], fixed)
                 first = voyage.fix(before)  # on surfacing
-                if gone:
+                if gone and fixed:
                     water = tuple((first[axis] - aim[axis]) * speed / gone for axis in (0, 1))
                 legs += 1
         ended(boat, legs)
     return boat.done
 
 
-def _b_args(text: str) -> list[tuple[str, str]]:
-    return re.findall(r"b_arg: (\w+)\(\w+\) (\S+)", text)
+def _b_args(text: str) -> dict[str, float]:
+    return {name: float(value) for name, value in re.findall(r"b_arg: (\w+)\([\w%]+\) (\S+)", text)}
 
 
 def _degrees(written: str) -> float:

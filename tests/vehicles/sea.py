@@ -17,8 +17,8 @@ class Sea:
         Of the velocity error of a leg, each axis [m/s].
     fix_sd : float
         Each axis [m].
-    fix_time, fix_time_sd : float
-        At the surface until a fix [s].
+    fix_time, fix_time_more : float
+        At the surface until a fix, and how much more it may be, any time between being as likely [s].
     compass_bias : float
         Course made less course steered, clockwise [deg].
     speed_error : float
@@ -29,7 +29,7 @@ class Sea:
     sigma: float
     fix_sd: float
     fix_time: float
-    fix_time_sd: float = 0.0
+    fix_time_more: float = 0.0
     compass_bias: float = 0.0
     speed_error: float = 0.0
 
@@ -39,7 +39,7 @@ class Voyage:
 
     def __init__(self, sea: Sea, rng: np.random.Generator) -> None:
         self.sea, self.rng = sea, rng
-        self.fix_time = max(sea.fix_time + sea.fix_time_sd * rng.standard_normal(), 1.0)
+        self.fix_time = sea.fix_time + sea.fix_time_more * rng.random()
         self._layers = []
         for down_to, mean, sd, toward in sea.layers:
             speed, course = mean + sd * rng.standard_normal(), math.radians(toward)

@@ -83,7 +83,7 @@ def sail_other(form: str, number: int, voyages: int, folder: Path) -> None:
     data, sea, facts = voyage_of(number, gliding=form == "slocum")
     mission = Mission.from_data(data, file="voyage.yaml")
     written = missionplan.export(mission, form, out=folder / "out").files
-    texts = [path.read_text() for path in written if path.suffix in (".mis", ".ma") or "ardusub" in path.name]
+    texts = [path.read_text() for path in written if path.suffix in (".mis", ".ma", ".mi") or "ardusub" in path.name]
     radius = float(data["phases"][0]["transit"]["arrival_radius"].split()[0])
     arrived, off, legs = [], [], []
     for k in range(voyages):

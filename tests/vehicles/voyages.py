@@ -24,6 +24,7 @@ def voyage_of(number: int, *, gliding: bool = False) -> tuple[dict, Sea, dict]:
     toward, upper, lower = between(0.0, 360.0), between(0.0, 0.25), between(0.0, 0.15)
     scatter, sigma, fix_sd, fix_time = between(0.0, 0.04), between(0.005, 0.04), between(1.0, 4.0), between(20.0, 90.0)
     bias = between(-4.0, 4.0) if number % 2 else 0.0
+    fix_more = 3.0 * fix_time if number % 4 == 3 else 0.0
     if gliding:
         depth, speed, upper, lower = depth + 5.0, 0.25 * speed, 0.3 * upper, 0.3 * lower
         scatter, sigma = 0.3 * scatter, 0.3 * sigma
@@ -44,7 +45,9 @@ def voyage_of(number: int, *, gliding: bool = False) -> tuple[dict, Sea, dict]:
         },
         "navigation": {
             "velocity_error": {"sigma": f"{sigma} m/s"},
-            "surfacing_time": f"{fix_time} s",
+            "surfacing_time": {"low": f"{fix_time} s", "high": f"{fix_time + fix_more} s"}
+            if fix_more
+            else f"{fix_time} s",
             "fix_error": f"{fix_sd} m",
             "drift_compensation": "mean",
         },
@@ -69,6 +72,7 @@ def voyage_of(number: int, *, gliding: bool = False) -> tuple[dict, Sea, dict]:
         sigma,
         fix_sd,
         fix_time,
+        fix_more,
         compass_bias=bias,
     )
     return data, sea, {"goal": goal, "bottom": water - 5.0, "galvanic": 120.0, "speed": speed, "depth": depth}

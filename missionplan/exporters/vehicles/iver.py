@@ -11,7 +11,7 @@ from collections.abc import Iterator, Mapping, Sequence
 
 import numpy as np
 
-from missionplan.exporters.header import NO_CORRECTION, header, no_decision, plain, token, unheld_moorings
+from missionplan.exporters.header import NO_CORRECTION, header, no_battery, no_decision, plain, token, unheld_moorings
 from missionplan.phases.transit.execution import Execution
 from missionplan.results.plan import Plan, PlannedTransit, Waypoint
 from missionplan.results.plan_states import GuardKind
@@ -28,8 +28,8 @@ CONFORMANCE: Mapping[GuardKind, str] = {
     "since-fix": "refused: the crew releases the anchor between the missions",
     "at-depth": "refused, with the mooring",
     "in-state": "refused",
-    "in-phase": "refused: the vehicle's safety rules have a time-out of their own",
-    "energy-used": "refused: the vehicle's safety rules have a limit of their own",
+    "in-phase": "refused: the vehicle's safety rules have a time-out of their own (RunsLnger)",
+    "energy-used": "refused: the vehicle's safety rules have a limit of their own (MinPower)",
 }
 
 FOOT = 0.3048
@@ -59,7 +59,9 @@ def lost(plan: Plan) -> tuple[str, ...]:
     parked = ", ".join(f"{minutes} min for {time:.0f} s" for time, minutes in sorted(times))
     return (
         f"times at the surface but in whole minutes ({parked})",
-        "time-outs of legs",
+        "time-outs; the vehicle's safety rules, which the file leaves alone, have one (RunsLnger)",
+        "a fix that does not come while it parks: it goes on by dead reckoning",
+        *no_battery(plan, "the vehicle's safety rules, which the file leaves alone, have one (MinPower)"),
         "legs that begin where the vehicle surfaces: it parks at the ends of the planned legs",
         NO_CORRECTION,
         *no_decision(plan),

@@ -16,7 +16,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from missionplan.exporters.header import header, one_interval, plain, token
+from missionplan.exporters.header import header, no_battery, one_interval, plain, token
 from missionplan.phases.transit.execution import Execution
 from missionplan.results.plan import CLIMB, SURFACE_DEPTH, Plan, PlannedMooring, PlannedTransit, Waypoint
 from missionplan.results.plan_states import GuardKind
@@ -34,7 +34,7 @@ CONFORMANCE: Mapping[GuardKind, str] = {
     "at-depth": "kept",
     "in-state": "kept",
     "in-phase": "kept",
-    "energy-used": "refused: no variable of the helm tells the battery",
+    "energy-used": "kept, where the vehicle posts ENERGY_USED",
 }
 
 FRESH = 10.0
@@ -63,6 +63,8 @@ def executes(transit: PlannedTransit) -> Execution:
         ends="fix",
         aim=np.array([point.east, point.north]),
         interval=transit.surfacing.interval,
+        fix_wait=transit.surfacing.fix_wait,
+        aborts=True,
         time_out=transit.abort_time,
     )
 
@@ -75,7 +77,7 @@ def lost(plan: Plan) -> tuple[str, ...]:
         "legs by distance: the vehicle surfaces after the time that such a leg takes in still water, less the ascent",
         *one_interval(plan),
         f"the correction of the course for drift from fix to fix{instead}",
-        *(("the guard for the battery",) if math.isfinite(plan.capacity) else ()),
+        *no_battery(plan, "kept only where the vehicle posts ENERGY_USED, the W h used since the start"),
         "the release of an anchor but as the variable ANCHOR_RELEASE, which the vehicle's driver has to act on",
     )
 
@@ -209,7 +211,15 @@ def _transit(plan: Plan, transit: PlannedTransit, name: str, following: str) -> 
         ),
         *_timer(f"further_{decide}", [_in(decide)], DECISION, [*_enter(leg), "WAY = true", "FIXED = false"], decide),
         *_timer(f"time_out_{name}", [f"STAGE = {name}"], transit.abort_time, _aborted("TRANSIT")),
+        *_battery(plan, name),
     ]
+
+
+def _battery(plan: Plan, name: str) -> list[str]:
+    if not math.isfinite(plan.capacity):
+        return []
+    used = f"ENERGY_USED > {plan.capacity:.6g}"
+    return _timer(f"battery_{name}", [f"STAGE = {name}", used], 0.0, _aborted("BATTERY"))
 
 
 def _mooring(mooring: PlannedMooring, name: str, following: str) -> list[str]:

@@ -18,7 +18,7 @@ from xml.etree import ElementTree
 
 import numpy as np
 
-from missionplan.exporters.header import NO_CORRECTION, header, no_decision, token, unheld_moorings
+from missionplan.exporters.header import NO_CORRECTION, header, no_battery, no_decision, token, unheld_moorings
 from missionplan.exporters.xml import Element, add, document
 from missionplan.phases.transit.execution import Execution
 from missionplan.results.plan import Plan, PlannedTransit, Waypoint
@@ -37,7 +37,7 @@ CONFORMANCE: Mapping[GuardKind, str] = {
     "at-depth": "refused, with the mooring",
     "in-state": "refused: DUNE looks at no time-out",
     "in-phase": "refused: DUNE looks at no time-out",
-    "energy-used": "refused",
+    "energy-used": "refused: a transition has no guard on energy",
 }
 
 VEHICLE = "lauv-xplore-1"
@@ -60,6 +60,7 @@ def lost(plan: Plan) -> tuple[str, ...]:
         NO_CORRECTION,
         *no_decision(plan),
         "time-outs, and the greatest wait for a fix: DUNE looks at none of a manoeuvre's",
+        *no_battery(plan, "DUNE's configuration may have one (Monitors.FuelLevel)"),
         *unheld_moorings(plan),
     )
 

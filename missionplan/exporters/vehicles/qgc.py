@@ -16,7 +16,7 @@ from collections.abc import Iterator, Mapping, Sequence
 
 import numpy as np
 
-from missionplan.exporters.header import header, token, unheld_moorings
+from missionplan.exporters.header import header, no_battery, token, unheld_moorings
 from missionplan.phases.transit.execution import Execution
 from missionplan.results.plan import Plan, PlannedTransit, Waypoint
 from missionplan.results.plan_states import GuardKind
@@ -34,7 +34,7 @@ CONFORMANCE: Mapping[GuardKind, str] = {
     "at-depth": "refused, with the mooring",
     "in-state": "refused: the autopilot's failsafes have limits of their own",
     "in-phase": "refused: the autopilot's failsafes have limits of their own",
-    "energy-used": "refused: the autopilot's failsafe for the battery has its own",
+    "energy-used": "refused: by parameters set by hand, in ArduSub; PX4's failsafe lands or returns",
 }
 
 AUTOPILOTS = {"ardusub": ("ArduSub", 3), "px4": ("PX4", 12)}
@@ -56,9 +56,7 @@ JUMPS = 1
 def executes(transit: PlannedTransit) -> Execution:
     """Return how the autopilot carries out a transit: through the legs' ends, at each of which it holds its place."""
     points = np.array([(point.east, point.north) for point in _ends(transit)]).T
-    return Execution(
-        ends="count", aim=points[:, -1], points=points, surface_time=_loiter(transit), return_time=RETURN_TIME
-    )
+    return Execution(ends="count", aim=points[:, -1], points=points, surface_time=_loiter(transit), holds=True)
 
 
 def lost(plan: Plan) -> tuple[str, ...]:
@@ -71,7 +69,12 @@ def lost(plan: Plan) -> tuple[str, ...]:
         "what the battery gives for holding the place, which simulate --as-exported leaves out",
         "legs by distance: it goes through the ends of the planned legs",
         "the acceptance radius in ArduSub, which is its parameter WPNAV_RADIUS; its speed may be WPNAV_SPEED",
-        "time-outs and the guard for the battery, which the autopilot's failsafes have",
+        "time-outs, which the autopilot's failsafes have",
+        *no_battery(
+            plan,
+            "set by hand in ArduSub BATT_CAPACITY (mAh: 1000 times that over its volts), BATT_CRT_MAH (not 0) and "
+            "BATT_FS_CRT_ACT 3 (surface); in PX4 COM_LOW_BAT_ACT, which lands or returns",
+        ),
         *(
             ("times and depths of zones kept out of: fenced at all of them (" + ", ".join(zones) + ")",)
             if zones

@@ -1,11 +1,13 @@
-"""Teledyne Slocum gliders: `goto_l*.ma`, `surfac*.ma` and `yo*.ma`, the files that a glider's mission names by number.
+"""Teledyne Slocum gliders: missions (`plan*.mi`), and the files that these name by number (`goto_l*.ma` and others).
 
 Latitudes and longitudes are degrees and decimal minutes in one number, DDMM.mmmm and DDDMM.mmmm, longitude first and
-west negative; angles are radians. Each transit has a number of its own: 10 for the first, 11 for the second.
+west negative; angles are radians. A mission ends with its list of points, of which masterdata allows eight: a transit
+by more has several missions, which the glider runs one after the other (`sequence`). Files of mission 10 have numbers
+10, 30 and 50, of mission 11 numbers 11, 31 and 51.
 
-Arguments, their limits (`LIMITS`) and the meaning of `start_when` are those of Teledyne's masterdata, which annotates
-them with ``#!``; the files repeat the annotation. A glider flies no level run but with its thruster, between two depths
-about the run depth; what it cannot do is refused.
+Behaviours, arguments, their limits (`LIMITS`) and the meaning of `start_when` are those of Teledyne's masterdata, which
+annotates them with ``#!``; the files repeat the annotation. The missions are built as Teledyne's `thrstock.mi` is. A
+glider flies no level run but with its thruster, between two depths about the run depth; what it cannot do is refused.
 """
 
 import math
@@ -14,7 +16,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from missionplan.errors import InputError, Problem
-from missionplan.exporters.header import NO_REMAINING_LEGS, header, one_interval, plain, unheld_moorings
+from missionplan.exporters.header import NO_REMAINING_LEGS, header, no_battery, one_interval, plain, unheld_moorings
 from missionplan.phases.transit.execution import Execution
 from missionplan.results.plan import Plan, PlannedTransit
 from missionplan.results.plan_states import GuardKind
@@ -25,17 +27,17 @@ CONFORMANCE: Mapping[GuardKind, str] = {
     "reckoned-within": "weaker: within 10 m of the point, the least that masterdata allows",
     "way-made": "weaker: as time at the planned speed, from the end of the last surfacing",
     "at-surface": "kept",
-    "fix-received": "kept, for gps_wait_time at most",
+    "fix-received": "weaker: after gps_wait_time it goes on by dead reckoning; ten times without one, it aborts",
     "fix-within": "refused: the list ends where the dead reckoning is there",
     "fix-beyond": "refused: no further legs",
     "since-fix": "refused: the crew releases the anchor",
     "at-depth": "refused, with the mooring",
     "in-state": "refused, but for gps_wait_time",
-    "in-phase": "refused: the mission file's abend has a time-out of its own",
-    "energy-used": "refused: the mission file's abend has limits of its own",
+    "in-phase": "kept, by overtime of abend",
+    "energy-used": "kept, and earlier: with 10 % left, by remaining_charge_min of abend",
 }
 
-MASTERDATA = "masterdata of release 7 and later"
+MASTERDATA = "masterdata of release 10.5"
 """Whose annotations the limits are."""
 _NO = math.inf
 LIMITS: Mapping[str, tuple[float, float]] = {
@@ -43,7 +45,9 @@ LIMITS: Mapping[str, tuple[float, float]] = {
     "num_waypoints(nodim)": (1, 8),
     "initial_wpt(enum)": (-2, 7),
     "list_when_wpt_dist(m)": (10, _NO),
-    "gps_wait_time(s)": (120, _NO),
+    "when_secs(sec)": (120, _NO),
+    "gps_wait_time(sec)": (120, _NO),
+    "keystroke_wait_time(sec)": (0, 900),
     "num_half_cycles_to_do(nodim)": (-1, _NO),
     "d_target_depth(m)": (3, 1000),
     "c_target_depth(m)": (3, 1000),
@@ -54,17 +58,17 @@ LIMITS: Mapping[str, tuple[float, float]] = {
 }
 """Least and greatest value of the arguments that have limits."""
 
-FIRST = 10
-"""Number of the first transit's files."""
-AT_WAYPOINT = 30
-"""Number of the first transit's surfacing on arrival."""
+FIRST, ARRIVAL, ON_THE_WAY = 10, 30, 50
+"""Numbers of the first mission's files, of its surfacing on arrival, and of that at each point before."""
+RESERVE = 10
+"""Charge with which left a mission is given up, masterdata's default [%]."""
 FASTEST, GLIDING = 1.0, 0.5
 """Greatest speeds through the water with the thruster, and by buoyancy (Teledyne's data sheet of the G3) [m/s]."""
 BAND = 1.0
 """Half the height of the powered yo about the run depth [m]."""
 WATTS = 9
 """Of the thruster: the most that masterdata allows [W]."""
-_MOST = AT_WAYPOINT - FIRST
+_MOST = ARRIVAL - FIRST
 _CLIMB = (
     "c_use_bpump(enum) 2",
     "c_bpump_value(X) 1000",
@@ -76,7 +80,10 @@ _CLIMB_ANGLE, _SHALLOW = 0.4538, 0.209
 _SAW_TOOTH = (
     f"it glides up and down between {LIMITS['c_target_depth(m)'][0]:g} m and that depth, in all currents between"
 )
-_BAW_PITCH_IDLE, _BAW_WHEN_SECS, _BAW_WHEN_WPT_DIST, _BAW_WHEN_HIT_WAYPOINT = 2, 6, 7, 8
+_BAW_PITCH_IDLE, _BAW_HEADING_IDLE, _BAW_WHEN_SECS, _BAW_WHEN_WPT_DIST, _BAW_WHEN_HIT_WAYPOINT = 2, 3, 6, 7, 8
+_QUIT, _RESUME_AFTER_KEY, _RESUME = 0, 1, 2
+_List = tuple[PlannedTransit, ...]
+"""Straight parts of a transit whose ends are the points of one list."""
 
 
 def executes(transit: PlannedTransit) -> Execution:
@@ -89,7 +96,10 @@ def executes(transit: PlannedTransit) -> Execution:
         ends="reckoning",
         aim=np.array([transit.steered_for.east, transit.steered_for.north]),
         interval=transit.surfacing.interval,
-        surface_time=transit.surfacing.surface_time + _key_wait(transit),
+        fix_wait=_fix_wait(transit),
+        key_wait=_key_wait(transit),
+        time_out=transit.abort_time,
+        reserve=RESERVE / 100.0,
         capture=LIMITS["list_when_wpt_dist(m)"][0],
         corrects=True,
     )
@@ -97,11 +107,13 @@ def executes(transit: PlannedTransit) -> Execution:
 
 def refusals(plan: Plan) -> tuple[Problem, ...]:
     """Say what of a plan no glider can do, each with its number."""
-    found = [] if len(plan.transits) <= _MOST else [
-        f"the mission has {len(plan.transits)} transits; the files of a glider have numbers for {_MOST}"
+    lists = len(_lists(plan))
+    found = [] if lists <= _MOST else [
+        f"the mission has {lists} lists of points; the files of a glider have numbers for {_MOST}"
     ]  # fmt: skip
     top, fastest = LIMITS["c_target_depth(m)"][0], FASTEST if plan.has_thruster else GLIDING
     least = top + BAND * (1.0 if plan.has_thruster else 2.0)
+    shortest, _ = LIMITS["when_secs(sec)"]
     means = "with its thruster" if plan.has_thruster else "without a thruster, and the vehicle has none (propulsion)"
     for transit in plan.transits:
         cannot = f"{transit.name}: a Slocum glider cannot"
@@ -110,11 +122,13 @@ def refusals(plan: Plan) -> tuple[Problem, ...]:
                 f"{cannot} run at {transit.depth:g} m: masterdata lets its yo climb to {top:g} m at least, and the run "
                 f"depth has to be {least - top:g} m below that"
             )
-        most = LIMITS["num_waypoints(nodim)"][1]
-        if len(transit.parts) > most:
-            found.append(f"{cannot} go by {len(transit.parts)} points: masterdata lets a list hold {most:g}")
         if transit.speed > fastest:
             found.append(f"{cannot} make {transit.speed:g} m/s {means}: at most {fastest:g} m/s")
+        elif _interval(transit) < shortest:
+            found.append(
+                f"{cannot} surface {_interval(transit)} s after it dived, for legs of {transit.surfacing.interval:g} m "
+                f"(d_max) at {transit.speed:g} m/s less the climb: masterdata lets it do so after {shortest:g} s"
+            )
     return tuple(Problem(words, key="to") for words in found)
 
 
@@ -128,7 +142,13 @@ def lost(plan: Plan) -> tuple[str, ...]:
         "a level run: " + (f"a powered yo of {BAND:g} m about its depth" if plan.has_thruster else _SAW_TOOTH),
         f"arrival by the fix: the list ends where the dead reckoning is within {near:g} m of the point",
         NO_REMAINING_LEGS,
-        "time-outs and the order of the transits, which the mission file (.mi) that names these files has",
+        "a fix that does not come in gps_wait_time: it goes on by dead reckoning",
+        *no_battery(
+            plan,
+            f"it gives up with {RESERVE} % left (remaining_charge_min), if m_coulomb_amphr_total begins at 0 and "
+            "f_coulomb_battery_capacity is that of this battery",
+        ),
+        "all other limits of abend (overdepth, samedepth_for, undervolts, …), which are masterdata's defaults",
         "legs by distance: the glider surfaces after the time that such a leg takes at that speed in still water",
         *one_interval(plan),
         *unheld_moorings(plan),
@@ -136,20 +156,31 @@ def lost(plan: Plan) -> tuple[str, ...]:
 
 
 def files(plan: Plan, stem: str) -> dict[str, str | bytes]:
-    """Write for each transit a list with its goal, two surfacing behaviours, and a yo about its depth."""
+    """Write for each list of points a mission, the list, its surfacings, and a yo about the run depth."""
     del stem  # the glider knows its files by number
     refused = refusals(plan)
     if refused:
         raise InputError(refused)
     written: dict[str, str | bytes] = {}
-    for number, transit in enumerate(plan.transits):
-        name = FIRST + number
-        written[f"goto_l{name}.ma"] = _behaviour(plan, "goto_list", f"goto_l{name}.ma", *_goto(transit))
-        written[f"surfac{name}.ma"] = _behaviour(plan, "surface", f"surfac{name}.ma", _every(transit))
-        arrival = AT_WAYPOINT + number
-        written[f"surfac{arrival}.ma"] = _behaviour(plan, "surface", f"surfac{arrival}.ma", _on_arrival(transit))
-        written[f"yo{name}.ma"] = _behaviour(plan, "yo", f"yo{name}.ma", _yo(plan, transit))
+    for number, points in enumerate(_lists(plan)):
+        first, arrival, way = FIRST + number, ARRIVAL + number, ON_THE_WAY + number
+        transit, several = points[0], len(points) > 1
+        surfacings = {arrival: _on_arrival(transit)} | ({way: _on_the_way(transit)} if several else {})
+        surfacings[first] = _every(transit)
+        written[f"plan{first}.mi"] = _mission(plan, transit, first, list(surfacings))
+        written[f"goto_l{first}.ma"] = _behaviour(plan, "goto_list", f"goto_l{first}.ma", *_goto(points))
+        for at, arguments in surfacings.items():
+            written[f"surfac{at}.ma"] = _behaviour(plan, "surface", f"surfac{at}.ma", arguments)
+        written[f"yo{first}.ma"] = _behaviour(plan, "yo", f"yo{first}.ma", _yo(plan, transit))
     return written
+
+
+def _lists(plan: Plan) -> list[_List]:
+    """Split the parts of the transits into lists of as many points as masterdata allows."""
+    most = int(LIMITS["num_waypoints(nodim)"][1])
+    return [
+        transit.parts[begin : begin + most] for transit in plan.transits for begin in range(0, len(transit.parts), most)
+    ]
 
 
 def degrees_minutes(angle: float) -> str:
@@ -160,49 +191,87 @@ def degrees_minutes(angle: float) -> str:
     return f"{sign}{degrees:d}{rest / 10_000.0:07.4f}"
 
 
-def _goto(transit: PlannedTransit) -> tuple[list[str], list[str]]:
-    """Arguments and waypoints of the list: the goal, which the glider steers for after each surfacing, and via what."""
-    points = [part.steered_for for part in transit.parts]
+def _mission(plan: Plan, transit: PlannedTransit, number: int, surfacings: list[int]) -> str:
+    """Write a mission: behaviours in the order of their priority."""
+    stack = [
+        ("abend", f"overtime(sec) {transit.abort_time:.0f}", f"remaining_charge_min(%) {RESERVE:.1f}"),
+        *(("surface", f"args_from_file(enum) {each}") for each in surfacings),
+        ("goto_list", f"args_from_file(enum) {number}", "start_when(enum) 0 # BAW_IMMEDIATELY"),
+        ("yo", f"args_from_file(enum) {number}", f"start_when(enum) {_BAW_PITCH_IDLE} # BAW_PITCH_IDLE"),
+        (
+            "prepare_to_dive",
+            "start_when(enum) 0",
+            f"wait_time(sec) {math.ceil(transit.surfacing.fix_wait)} # for a fix",
+        ),
+        ("sensors_in",),
+    ]
+    lines = [f"# plan{number}.mi: {plain(transit.name)}", *_about(plan)]
+    lines += ["sensor: u_use_current_correction(nodim) 1 # steer by the drift of the last segment"]
+    for behaviour, *arguments in stack:
+        lines += ["", f"behavior: {behaviour}", *(f"    b_arg: {_annotated(argument)}" for argument in arguments)]
+    return "\n".join(lines) + "\n"
+
+
+def _goto(points: _List) -> tuple[list[str], list[str]]:
+    """Arguments and waypoints of a list: where the glider steers for after each surfacing, in turn."""
+    ends = [part.steered_for for part in points]
     arguments = [
         "num_legs_to_run(nodim) -2 # traverse the list once",
         "start_when(enum) 0 # BAW_IMMEDIATELY",
         f"list_stop_when(enum) {_BAW_WHEN_WPT_DIST} # BAW_WHEN_WPT_DIST",
         f"list_when_wpt_dist(m) {LIMITS['list_when_wpt_dist(m)'][0]:.1f}",
         "initial_wpt(enum) 0 # the first",
-        f"num_waypoints(nodim) {len(points)}",
+        f"num_waypoints(nodim) {len(ends)}",
     ]
-    return arguments, [f"{degrees_minutes(point.longitude)} {degrees_minutes(point.latitude)}" for point in points]
+    return arguments, [f"{degrees_minutes(point.longitude)} {degrees_minutes(point.latitude)}" for point in ends]
+
+
+def _interval(transit: PlannedTransit) -> int:
+    """Time under way after which it goes up: that of a leg, less that of the climb at the surface's pitch [s]."""
+    rule = transit.surfacing
+    climb = min(transit.depth / math.tan(_CLIMB_ANGLE), 0.5 * rule.interval) / transit.speed
+    return math.floor(rule.interval_time - climb)
 
 
 def _every(transit: PlannedTransit) -> list[str]:
-    """Surface after the time of a leg, less that of the climb at the surface's pitch."""
-    rule = transit.surfacing
-    climb = min(transit.depth / math.tan(_CLIMB_ANGLE), 0.5 * rule.interval) / transit.speed
     return [
         f"start_when(enum) {_BAW_WHEN_SECS} # BAW_WHEN_SECS, from the end of the last surfacing",
-        f"when_secs(sec) {math.floor(rule.interval_time - climb)} # {rule.interval:.1f} m at {transit.speed:g} m/s, "
+        f"when_secs(sec) {_interval(transit)} # {transit.surfacing.interval:.1f} m at {transit.speed:g} m/s, "
         "less the climb",
-        *_at_surface(transit),
+        *_at_surface(transit, _RESUME_AFTER_KEY),
     ]
 
 
 def _on_arrival(transit: PlannedTransit) -> list[str]:
-    return [f"start_when(enum) {_BAW_WHEN_HIT_WAYPOINT} # BAW_WHEN_HIT_WAYPOINT", *_at_surface(transit)]
+    """Come up when nothing is left to steer for, and end the mission."""
+    return [f"start_when(enum) {_BAW_HEADING_IDLE} # BAW_HEADING_IDLE", *_at_surface(transit, _QUIT)]
 
 
-def _at_surface(transit: PlannedTransit) -> list[str]:
-    least, _ = LIMITS["gps_wait_time(s)"]
+def _on_the_way(transit: PlannedTransit) -> list[str]:
     return [
-        "end_action(enum) 1 # wait for ^C, then resume",
-        f"gps_wait_time(s) {max(math.ceil(transit.surfacing.surface_time_p99), int(least))}",
-        f"keystroke_wait_time(s) {_key_wait(transit)}",
+        f"start_when(enum) {_BAW_WHEN_HIT_WAYPOINT} # BAW_WHEN_HIT_WAYPOINT",
+        *_at_surface(transit, _RESUME_AFTER_KEY),
+    ]
+
+
+def _at_surface(transit: PlannedTransit, then: int) -> list[str]:
+    words = {_QUIT: "quit: the list is done", _RESUME_AFTER_KEY: "wait for ^C, then resume"}
+    return [
+        f"end_action(enum) {then} # {words[then]}",
+        f"gps_wait_time(sec) {_fix_wait(transit)}",
+        f"keystroke_wait_time(sec) {_key_wait(transit)}",
         *_CLIMB,
     ]
 
 
+def _fix_wait(transit: PlannedTransit) -> int:
+    """For a fix: as long as 99 % take, and as masterdata allows [s]."""
+    return max(math.ceil(transit.surfacing.surface_time_p99), int(LIMITS["gps_wait_time(sec)"][0]))
+
+
 def _key_wait(transit: PlannedTransit) -> int:
-    """For a key, once there is a fix, or none: as long as a fix takes [s]."""
-    return math.ceil(transit.surfacing.surface_time)
+    """For a key, once there is a fix, or none: as long as a fix takes, and as masterdata allows [s]."""
+    return min(math.ceil(transit.surfacing.surface_time), int(LIMITS["keystroke_wait_time(sec)"][1]))
 
 
 def _yo(plan: Plan, transit: PlannedTransit) -> list[str]:
@@ -225,17 +294,20 @@ def _yo(plan: Plan, transit: PlannedTransit) -> list[str]:
             f"{way}_pitch_value(X) {pitch:.4f} # rad, {round(math.degrees(pitch))} deg",
         ]
         arguments += [f"{way}_use_thruster(enum) 4 # power", f"{way}_thruster_value(X) {WATTS} # W"] if powered else []
-    return [*arguments, "end_action(enum) 2 # resume"]
+    return [*arguments, f"end_action(enum) {_RESUME} # resume"]
 
 
 def _behaviour(plan: Plan, behaviour: str, name: str, arguments: list[str], waypoints: list[str] | None = None) -> str:
-    lines = [f"behavior_name={behaviour}", f"# {name}"]
-    lines += [f"# {plain(line)}" for line in header(plan, TITLE, lost(plan))]
-    lines += [f"# Limits (#!) are those of {MASTERDATA}"]
+    lines = [f"behavior_name={behaviour}", f"# {name}", *_about(plan)]
     lines += ["<start:b_arg>", *(f"    b_arg: {plain(_annotated(argument))}" for argument in arguments), "<end:b_arg>"]
     if waypoints is not None:
         lines += ["<start:waypoints>", "# longitude latitude, DDDMM.mmmm", *waypoints, "<end:waypoints>"]
     return "\n".join(lines) + "\n"
+
+
+def _about(plan: Plan) -> list[str]:
+    told = [f"# {plain(line)}" for line in header(plan, TITLE, lost(plan))]
+    return [*told, f"# Limits (#!) are those of {MASTERDATA}"]
 
 
 def _annotated(argument: str) -> str:

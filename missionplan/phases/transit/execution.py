@@ -3,17 +3,20 @@
 The plan's rules are those of `LegLoop`: legs of at most d_max for the goal, aimed off as the mission compensates for
 drift, and arrival where the fix on diving lies within the radius. A vehicle by another rule may take the point for
 reached when its dead reckoning is near it, go through fixed points, or end after a fixed number of legs, wherever that
-is.
+is. It may also go on without a fix that comes too late, by dead reckoning, or give up there or after a time.
+
+A leg ends when its way through the water is made, which takes the same time in every trial: no time-out of a single
+leg can end it before.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
 from typing_extensions import override
 
-from missionplan.arrays import Array
+from missionplan.arrays import Array, Scalars
 from missionplan.phases.state import TrialState
 from missionplan.phases.transit.leg_loop import LegLoop, length_of
 from missionplan.phases.transit.plan import Environment, TransitNormals, TransitPlan, column
@@ -33,29 +36,51 @@ class Execution:
     interval : float
         Greatest length of a leg [m].
     surface_time : float or None
-        At the surface after each leg, where the vehicle waits for a fixed time instead of for the fix [s].
+        At the surface after each leg, where the vehicle stays for a fixed time [s]; None: until it has a fix.
+    fix_wait : float
+        For which it waits for a fix where it stays for no fixed time [s].
+    key_wait : float
+        At the surface after that [s].
+    aborts : bool
+        Whether it gives up where no fix comes in its time at the surface; else it goes on by dead reckoning.
+    holds : bool
+        Whether it goes back to the leg's end at the surface once it has a fix, and holds its place there for the rest
+        of its time. What that takes of the battery is not counted.
     points : array, shape (2, m)
         Ends of the legs, in turn, of ``count``; else empty [m].
     capture : float
         Distance of the dead reckoning from the point at which a leg ends [m].
     time_out : float
         Time after which the vehicle gives the transit up [s].
+    reserve : float
+        Share of the battery's energy with which left it gives up.
     corrects : bool
         Whether the vehicle itself aims off by the drift of its last leg; else not at all.
-    return_time : float
-        For which it goes on to the leg's end at the surface once it has a fix, within its time there [s]. What that
-        takes of the battery is not counted.
     """
 
     ends: Literal["fix", "reckoning", "count"]
     aim: Array
     interval: float = float("inf")
     surface_time: float | None = None
+    fix_wait: float = float("inf")
+    key_wait: float = 0.0
+    aborts: bool = False
+    holds: bool = False
     points: Array | None = None
     capture: float = 0.0
     time_out: float = float("inf")
+    reserve: float = 0.0
     corrects: bool = False
-    return_time: float = 0.0
+
+    def at_surface(self, until_fix: Scalars) -> Scalars:
+        """Return the time at the surface after a leg [s], where a fix takes `until_fix` to come."""
+        if self.surface_time is not None:
+            return self.surface_time
+        return np.minimum(until_fix, self.fix_wait) + self.key_wait
+
+    def without_fix(self, until_fix: Scalars) -> NDArray[np.bool_]:
+        """Return the trials whose fixes come too late."""
+        return np.atleast_1d(until_fix > (self.fix_wait if self.surface_time is None else self.surface_time))
 
 
 class ExecutedLegLoop(LegLoop):
@@ -70,9 +95,15 @@ class ExecutedLegLoop(LegLoop):
         environment: Environment,
         tracked: int,
     ) -> None:
-        super().__init__(plan, state, normals, environment, tracked)
+        at_surface = execution.at_surface(plan.surfacing_time)
+        super().__init__(replace(plan, surfacing_time=at_surface), state, normals, environment, tracked)
         self.execution, self._number = execution, 0
         self._captured = np.zeros(state.trials, dtype=bool)
+        self._lost = np.broadcast_to(execution.without_fix(plan.surfacing_time), state.trials)
+        if self._lost.any() and self._fix is self._x:
+            self._fix = self._x.copy()
+        self._steered = np.zeros((2, state.trials))
+        self._for_holding = np.maximum(at_surface - plan.surfacing_time, 0.0) if execution.holds else 0.0
 
     def _point(self) -> Array:
         """End of the leg, relative to the goal, shape (2, 1) or (2, n) [m]."""
@@ -90,31 +121,50 @@ class ExecutedLegLoop(LegLoop):
         length = np.minimum(whole, rule.interval)
         if self._moving is not None:
             length *= self._moving
-        return length, course * (length / np.maximum(left, 1e-300))
+        self._steered = course * (length / np.maximum(left, 1e-300))
+        return length, self._steered
 
     @override
     def _surface(self, number: int) -> Array:
+        reckoned = self._fix + self._steered
         surfaced = super()._surface(number)
-        if self.execution.return_time > 0.0:
+        if self.execution.holds:  # the drift that is made good is that of all the time at the surface
             back = self._point() - self._fix
-            reach = self._plan.speed * self.execution.return_time / np.maximum(length_of(back), 1e-300)
+            reach = self._plan.speed * self._for_holding / np.maximum(length_of(back), 1e-300)
             back = back * np.minimum(reach, 1.0)
             if self._moving is not None:
                 back = back * self._moving
             self._x, self._fix = self._x + back, self._fix + back
-        return surfaced
+        if not self._lost.any():
+            return surfaced
+        self._fix = np.where(self._lost, reckoned, self._fix)
+        return np.where(self._lost, reckoned, surfaced)
 
     @override
     def _far_from_goal(self) -> NDArray[np.bool_]:
         self._number += 1
+        far: NDArray[np.bool_]
         if self.execution.points is not None:
-            return np.full(self._left.shape, self._number < self.execution.points.shape[1])
-        return ~self._captured if self.execution.ends == "reckoning" else super()._far_from_goal()
+            far = np.full(self._left.shape, self._number < self.execution.points.shape[1])
+        else:
+            far = ~self._captured if self.execution.ends == "reckoning" else super()._far_from_goal()
+        return far & ~self._gave_up(self._now() - self._clock)
+
+    def _gave_up(self, duration: Array) -> NDArray[np.bool_]:
+        """Trials that have run out of time, or have surfaced in vain."""
+        late: NDArray[np.bool_] = np.asarray(duration > self.execution.time_out)
+        return late | (self._lost & (duration > 0.0)) if self.execution.aborts else late
 
     @override
     def _is_droppable(self) -> bool:
         return False
 
+    @property
+    def plan(self) -> TransitPlan:
+        """The plan with the time that the vehicle stays at the surface."""
+        return self._plan
+
     def arrived(self, duration: Array) -> NDArray[np.bool_]:
-        """Trials whose last fix lies within the radius, in time."""
-        return (self._left < self._plan.arrival_radius) & (duration <= self.execution.time_out)
+        """Trials that end within the radius, by where they truly are if they have no fix of it, in time."""
+        off = np.where(self._lost, length_of(self._x), self._left)
+        return (off < self._plan.arrival_radius) & ~self._gave_up(duration)

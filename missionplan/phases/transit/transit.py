@@ -45,7 +45,7 @@ def transit(
     tracked : int
         Number of trials, the first ones, whose tracks are kept.
     execution : Execution, optional
-        Of a vehicle that goes by other rules than the plan's; with its time at the surface in the plan.
+        Of a vehicle that goes by other rules than the plan's.
 
     Returns
     -------
@@ -82,6 +82,8 @@ def _to_goal(
     """Take a block of trials straight to the goal."""
     run = plan, state, normals, environment, tracked
     legs = LegLoop(*run) if execution is None else ExecutedLegLoop(execution, *run)
+    if isinstance(legs, ExecutedLegLoop):
+        plan = legs.plan
     for number in range(plan.max_legs):
         if legs.all_arrived:
             break

@@ -223,15 +223,11 @@ def transit_trials(
     depth = np.inf if site is None or site.depth is None or not is_flat else site.depth
     aground = state.alive & np.atleast_1d(plan.depth >= depth)
     state = replace(state, alive=state.alive & ~aground)
-    after, record = transit(
-        plan,
-        state,
-        normals,
-        environment,
-        tracked=min(block.tracked, state.trials),
-        execution=scenario.executions.get(phase.name),
-    )
-    continuing, exhausted = end_exhausted(after, scenario.capacity)
+    execution = scenario.executions.get(phase.name)
+    tracked = min(block.tracked, state.trials)
+    after, record = transit(plan, state, normals, environment, tracked=tracked, execution=execution)
+    reserve = 0.0 if execution is None else execution.reserve
+    continuing, exhausted = end_exhausted(after, scenario.capacity * (1.0 - reserve))
     goal, arrived = column(plan.goal), record.arrived & ~exhausted
     found = PhaseTrials(
         name=phase.name,
