@@ -12,16 +12,18 @@ from missionplan.arrays import Array
 from missionplan.report.axes import name_axis
 from missionplan.report.page import BLUE, GREY, INK, ORANGE, SKY, Block, Figure, PageSection, Table, to_figure
 from missionplan.report.quantities import quantity
+from missionplan.report.wording import capitalised, phase_in_words
 from missionplan.results.mooring.held_vehicle import HeldState, HeldVehicle
 
 _CAP = np.linspace(-0.5 * math.pi, 0.5 * math.pi, 24)
 
 
-def hold_section(held: HeldVehicle) -> PageSection:
-    """Present how the vehicle stands on its line."""
+def hold_section(held: HeldVehicle, *, alone: bool = True) -> PageSection:
+    """Present how the vehicle stands on its line; the heading names the mooring where it is not the only one."""
     worst = held.states[-1]
+    where = "In" if alone else f"{capitalised(phase_in_words(held.phase))}: in"
     heading = (
-        f"In the {worst.current} ({quantity(worst.speed, 'm/s', '.2f')}) the nose stands "
+        f"{where} the {worst.current} ({quantity(worst.speed, 'm/s', '.2f')}) the nose stands "
         f"{quantity(worst.nose_altitude, 'm', '.1f')} above "
         f"the bottom, {quantity(worst.excursion, 'm', '.1f')} from the anchor, which {_holds_in_words(worst)}"
     )

@@ -192,6 +192,11 @@ class Tracks:
         Anchors on the seafloor, of one mooring after another; nan where there is none [m].
     origin : (latitude, longitude) or None
         Of the local plane [rad].
+    profile : array, shape (2, corners, trials)
+        When, since the mission's start, and how deep the vehicle is, straight between; nan after a trial has failed
+        [s, m].
+    success : array of bool, shape (trials,)
+        Whether the mission succeeds.
     """
 
     position: Array
@@ -200,6 +205,8 @@ class Tracks:
     targets: Mapping[str, tuple[tuple[float, float], float]]
     anchors: Array
     origin: tuple[float, float] | None
+    profile: Array
+    success: NDArray[np.bool_]
 
 
 @dataclass(frozen=True)

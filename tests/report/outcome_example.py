@@ -147,4 +147,5 @@ def _tracks(draw: Callable[..., np.ndarray], in_error, anchor, arrived, origin) 
     phase = np.repeat([0, 1, 2], [POINTS, 2, POINTS])
     targets = {"ingress": ((1600.0, 0.0), 15.0), "moor": ((1600.0, 0.0), 22.86), "egress": ((0.0, 0.0), 25.0)}
     time = np.where(np.isfinite(position[:, 0]), 120.0 * np.arange(len(position))[:, None], np.nan)
-    return Tracks(position, time, phase, targets, seabed, origin)
+    depth = np.where(np.isfinite(time), np.where(phase == 1, 10.0, 2.0)[:, None], np.nan)
+    return Tracks(position, time, phase, targets, seabed, origin, np.array([time, depth]), arrived[:MAPPED])

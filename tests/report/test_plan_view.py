@@ -54,7 +54,10 @@ def test_the_median_track_is_a_trial_that_came_furthest_and_ends_in_the_middle()
     position[1, 0], position[1, 1] = 10.0, (-2.0, -1.0, 0.1, 1.0, 2.0)
     position[2:, 0, :2], position[2:, 1, :2] = 20.0, (3.0, 2.0)
     position[2, 0, 3:], position[2, 1, 3:] = 20.0, (3.5, 9.0)
-    tracks = Tracks(position, np.zeros(position[:, 0].shape), np.array([0, 0, 1, 1]), {}, np.empty((2, 0)), None)
+    trials = position.shape[2]
+    profile, success = np.empty((2, 0, trials)), np.ones(trials, dtype=bool)
+    time, phase = np.zeros(position[:, 0].shape), np.array([0, 0, 1, 1])
+    tracks = Tracks(position, time, phase, {}, np.empty((2, 0)), None, profile, success)
     assert median_trial(tracks) == 3
     assert track(tracks, 3).shape == (2, 3)
 

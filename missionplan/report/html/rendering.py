@@ -36,14 +36,15 @@ def render_page(page: Page, planned: Sequence[PageSection], provenance: Provenan
     ----------
     page : Page
     planned : sequence of PageSection
-        What was planned; it follows the summary's own sections.
+        What was planned, and what its probability does not hold; they follow the page's own sections.
     provenance : Provenance
     notices : sequence of str
         Notes on the input.
     """
     page = named_apart(page)
-    first = [*(section for section in page.sections if section.is_summary), *planned]
-    details = sorted((section for section in page.sections if not section.is_summary), key=lambda each: each.is_sheet)
+    sections = [*page.sections, *planned]
+    first = [section for section in sections if section.is_summary]
+    appendix = sorted((section for section in sections if not section.is_summary), key=lambda each: each.is_sheet)
     script = (files("missionplan.report.html") / "page.js").read_text(encoding="utf-8")
     html = (
         _environment()
@@ -51,7 +52,7 @@ def render_page(page: Page, planned: Sequence[PageSection], provenance: Provenan
         .render(
             page=page,
             first=first,
-            details=details,
+            appendix=appendix,
             provenance=provenance,
             notices=[_begun(notice) for notice in notices],
             summary=provenance.summary(),
@@ -62,7 +63,7 @@ def render_page(page: Page, planned: Sequence[PageSection], provenance: Provenan
         )
     )
     shown = [page.figure] if page.figure else []
-    shown += [block for section in (*first, *details) for block in section.blocks if isinstance(block, Figure)]
+    shown += [block for section in (*first, *appendix) for block in section.blocks if isinstance(block, Figure)]
     return Rendered(html, {figure.name: figure.svg for figure in shown}, dict(page.export()))
 
 

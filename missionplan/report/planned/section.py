@@ -119,7 +119,7 @@ def planned_sections(provenance: Provenance) -> list[PageSection]:
     drawn = site_map(data)
     blocks: list[Block] = [*([drawn] if drawn else []), *([table] if rows else [])]
     heading = "The starter mission" if provenance.command == "import" else "What was planned"
-    planned = [PageSection(heading, blocks, is_summary=True)] if blocks else []
+    planned = [PageSection(heading, blocks)] if blocks else []
     return [*not_held(provenance), *planned]
 
 

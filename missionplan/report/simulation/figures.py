@@ -1,25 +1,27 @@
-"""Figures of a simulated mission: the waterfall of P(success), the timeline, and histograms of quantities."""
+"""Figures of a simulated mission: the waterfall of P(success), depth against time, and histograms of quantities."""
 
 import math
 import textwrap
-from collections.abc import Sequence
 
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure as MatplotlibFigure
+from numpy.typing import NDArray
 
 from missionplan.arrays import Array
 from missionplan.montecarlo.statistics import Probability
+from missionplan.report.axes import name_axis
+from missionplan.report.geography.plan_view import median_trial
 from missionplan.report.numbers import number, percent
-from missionplan.report.page import BLUE, INK, ORANGE, PINK, SKY, YELLOW, Figure, to_figure
+from missionplan.report.page import BLUE, INK, ORANGE, SKY, Figure, to_figure
 from missionplan.report.quantities import Unit, si_per_unit, span, unit_for
 from missionplan.report.simulation.quantities import requirement_on, unit_of
-from missionplan.report.wording import in_words, shortened
+from missionplan.report.wording import in_words
 from missionplan.results.simulation import Attrition, Histogram, Outcome, PhaseOutcome
 
 WIDTH = 5.0
 """Of a figure [in], so that its text can be read on a telephone."""
-_KINDS = {"transit": SKY, "moor": PINK}
 
 
 def waterfall(outcome: Outcome) -> Figure:
@@ -91,51 +93,44 @@ def _draw_success(axes: Axes, row: int, success: Probability) -> None:
     )
 
 
-def timeline_figure(outcome: Outcome) -> Figure:
-    """Draw when each phase begins and ends."""
-    phases = _reached(outcome)
-    unit = _timeline_unit(outcome)
-    figure = MatplotlibFigure(figsize=(WIDTH, 0.75 + 0.52 * len(phases)))
-    draw_timeline(figure.add_subplot(), outcome)
-    words = ", ".join(
-        f"{shortened(phase.label)} from {number(unit(phase.start.p50))} to {number(unit(phase.end.p50))} {unit.name}"
-        for phase in phases
-    )
-    return to_figure(
-        figure,
-        "timeline",
-        f"Timeline: {words} (medians).",
-        "Bars run from a phase's median start to its median end; lines show where 90 % of the starts and ends lie.",
-    )
+_PROFILED = 60
+"""Trials whose depth is drawn."""
 
 
-def _reached(outcome: Outcome) -> list[PhaseOutcome]:
-    return [phase for phase in outcome.phases if math.isfinite(phase.start.p50)]
+def draw_profile(axes: Axes, outcome: Outcome) -> None:
+    """Draw the depth of some trials against time, those that fail in another colour, and that of the median trial."""
+    tracks, unit = outcome.tracks, _time_unit(outcome)
+    when, depth = tracks.profile
+    shown = slice(min(_PROFILED, when.shape[1]))
+    for success, colour in ((True, SKY), (False, ORANGE)):
+        of = np.flatnonzero(tracks.success[shown] == success)
+        lines = [np.column_stack([when[:, trial] / unit.size, depth[:, trial]]) for trial in of]
+        axes.add_collection(LineCollection(lines, colors=colour, linewidths=0.5, alpha=0.5, zorder=2 + (not success)))
+    middle = median_trial(tracks)
+    axes.plot(when[:, middle] / unit.size, depth[:, middle], color=INK, linewidth=1.2)
+    _mark_failures(axes, when[:, shown] / unit.size, depth[:, shown], ~tracks.success[shown])
+    axes.margins(x=0.01)
+    axes.set(xlabel=f"time since the start{unit.axis}", xlim=(0.0, None), ylim=(_deepest(depth), 0.0))
+    name_axis(axes.yaxis, "depth", "m")
 
 
-def _timeline_unit(outcome: Outcome) -> Unit:
-    whole = max(phase.end.p95 for phase in _reached(outcome))
-    return unit_for("total", "duration_s", outcome.provenance.data, typical=whole)
+def _mark_failures(axes: Axes, when: Array, depth: Array, failed: NDArray[np.bool_]) -> None:
+    """Cross where trials fail: the last corner that each has."""
+    for trial in np.flatnonzero(failed):
+        had = np.flatnonzero(np.isfinite(when[:, trial]))
+        if len(had):
+            axes.plot(when[had[-1], trial], depth[had[-1], trial], "x", color=ORANGE, markersize=4)
 
 
-def draw_timeline(axes: Axes, outcome: Outcome) -> None:
-    """Draw a bar from the median start to the median end of each phase that trials reach."""
-    phases, unit = _reached(outcome), _timeline_unit(outcome)
-    _draw_phases(axes, phases, unit)
-    axes.set(yticks=range(len(phases)), xlabel=f"time since the start ({unit.name})", xlim=(0.0, None))
-    axes.set_yticklabels([textwrap.fill(shortened(phase.label), 16) for phase in phases])
-    axes.invert_yaxis()
-    axes.grid(visible=False, axis="y")
+def _deepest(depth: Array) -> float:
+    """Lower edge of the axis [m]."""
+    return 1.08 * float(np.nanmax(depth, initial=1.0))
 
 
-def _draw_phases(axes: Axes, phases: Sequence[PhaseOutcome], unit: Unit) -> None:
-    for row, phase in enumerate(phases):
-        start, end = phase.start, phase.end
-        colour = _KINDS.get(phase.kind, YELLOW)
-        axes.barh(row, unit(end.p50 - start.p50), left=unit(start.p50), color=colour, height=0.5)
-        for edge in (start, end):
-            if edge.p95 > edge.p05:
-                axes.plot([unit(edge.p05), unit(edge.p95)], [row, row], color=INK, linewidth=1.2, marker="|")
+def _time_unit(outcome: Outcome) -> Unit:
+    ended = [phase.end.p95 for phase in outcome.phases if math.isfinite(phase.end.p95)]
+    begun = [phase.start.p95 for phase in outcome.phases if math.isfinite(phase.start.p95)]
+    return unit_for("total", "duration_s", outcome.provenance.data, typical=max([*ended, *begun, 1.0]))
 
 
 def histogram_figure(outcome: Outcome, phase: PhaseOutcome, key: str) -> Figure:

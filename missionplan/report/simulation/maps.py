@@ -28,7 +28,7 @@ from missionplan.report.geography.plan_view import (
 )
 from missionplan.report.page import BLUE, GREEN, GREY, INK, ORANGE, PINK, SKY, YELLOW, Figure, to_figure
 from missionplan.report.quantities import quantity
-from missionplan.report.simulation.figures import WIDTH
+from missionplan.report.simulation.figures import WIDTH, draw_profile
 from missionplan.report.wording import phase_in_words
 from missionplan.results.place import SeaChart
 from missionplan.results.simulation import Outcome
@@ -109,18 +109,32 @@ _MAPPED = 200
 """Trials drawn."""
 
 
-def track_map(outcome: Outcome) -> Figure:
-    """Draw tracks from above, with goals, arrival circles, CEP and mooring ellipses."""
-    count, shown = len(_lines(outcome)), _frame(outcome)
-    figure = MatplotlibFigure(figsize=(WIDTH, 0.6 + (WIDTH - 0.9) * shown.shape))
-    draw_tracks(figure.add_subplot(), outcome)
+def mission_figure(outcome: Outcome) -> Figure:
+    """Draw the mission as simulated: from above where it moves over ground, and its depth against time."""
+    moves = moves_over_ground(outcome)
+    heights = [0.6 + (WIDTH - 0.9) * _frame(outcome).shape, 1.9] if moves else [1.9]
+    figure = MatplotlibFigure(figsize=(WIDTH, sum(heights)))
+    panels = figure.subplots(len(heights), 1, squeeze=False, height_ratios=heights).ravel()
+    if moves:
+        draw_tracks(panels[0], outcome)
+    draw_profile(panels[-1], outcome)
+    seen = "from above, north up, and their depth against time" if moves else "as depth against time"
+    failed = int(np.count_nonzero(~outcome.tracks.success[:_MAPPED]))
+    count = min(outcome.tracks.success.size, _MAPPED)
+    crosses = f" {failed} of them fail (orange, a cross where they end)." if failed else " None of them fails."
+    lines = f" Circles and ellipses are those of the close-ups.{_place_in_words(outcome)}" if moves else ""
+    astray = _frame(outcome).outliers_in_words() if moves else ""
     return to_figure(
         figure,
-        "track-map",
-        f"Map of {count} trials from above, with the goals of the phases; north is up.",
-        f"{count} trials (light), the median trial (orange, a dot at each fix), and the circles and ellipses that "
-        f"the close-ups explain. Both axes have the same scale.{_place_in_words(outcome)}{shown.outliers_in_words()}",
+        "mission",
+        f"{count} trials of the mission {seen}.{crosses}",
+        f"{count} trials (light) {seen}; dark: the median trial.{crosses}{lines}{astray}",
     )
+
+
+def moves_over_ground(outcome: Outcome) -> bool:
+    """Whether any phase has somewhere to go."""
+    return any(radius > 0.0 for _, radius in outcome.tracks.targets.values())
 
 
 def _place_in_words(outcome: Outcome) -> str:
@@ -164,9 +178,14 @@ def draw_tracks(axes: Axes, outcome: Outcome) -> None:
     tracks, lines, shown = outcome.tracks, _lines(outcome), _frame(outcome)
     if outcome.chart is not None:
         _draw_place(axes, outcome.chart)
-    axes.add_collection(LineCollection([line.T for line in lines], colors=SKY, linewidths=0.5, alpha=0.45))
+    fails = ~tracks.success[: len(lines)]
+    for failing, colour in ((False, SKY), (True, ORANGE)):
+        drawn = [line.T for line, fail in zip(lines, fails, strict=True) if fail == failing]
+        axes.add_collection(LineCollection(drawn, colors=colour, linewidths=0.5, alpha=0.45))
+    for line in (line for line, fail in zip(lines, fails, strict=True) if fail and line.size):
+        axes.plot(*line[:, -1], "x", color=ORANGE, markersize=4)
     middle = track(tracks, median_trial(tracks))
-    axes.plot(*middle, color=ORANGE, linewidth=1.4, marker="o", markersize=2.5, label="median trial")
+    axes.plot(*middle, color=INK, linewidth=1.2, marker="o", markersize=2.5, label="median trial")
     for ring in rings(outcome):
         draw_ring(axes, ring, ring.line, linewidth=1.0)
     axes.set(xlim=shown.west_east, ylim=shown.south_north, aspect="equal")

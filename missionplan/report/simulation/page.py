@@ -16,8 +16,8 @@ from missionplan.report.numbers import number, percent, share
 from missionplan.report.page import Drawing, Page, Terminal
 from missionplan.report.quantities import quantity
 from missionplan.report.simulation import sections
-from missionplan.report.simulation.figures import draw_histogram, draw_timeline, draw_waterfall, waterfall
-from missionplan.report.simulation.maps import draw_tracks
+from missionplan.report.simulation.figures import draw_histogram, draw_profile, draw_waterfall
+from missionplan.report.simulation.maps import draw_tracks, mission_figure
 from missionplan.report.simulation.overdue import overdue_section, search_areas_geojson
 from missionplan.report.simulation.quantities import (
     assumptions_in_words,
@@ -42,7 +42,7 @@ def page(outcome: Outcome) -> Page:
     return Page(
         title=f"Simulation: {outcome.provenance.mission or outcome.provenance.file}",
         answer=answer(outcome),
-        draw=lambda: waterfall(outcome),
+        draw=lambda: mission_figure(outcome),
         numbers=_numbers(outcome),
         write=lambda: [
             *sections.failed_blocks(outcome),
@@ -50,13 +50,12 @@ def page(outcome: Outcome) -> Page:
             *assumptions_section(outcome),
             *explanation_sections(outcome),
             *member_sections(outcome),
+            sections.attrition(outcome),
             *sections.tracks(outcome),
-            sections.timeline(outcome),
             *overdue_section(outcome),
-            *(hold_section(held) for held in outcome.held),
+            *(hold_section(held, alone=len(outcome.held) == 1) for held in outcome.held),
             sections.distributions(outcome),
             *sensitivity_sections(outcome),
-            sections.attrition(outcome),
             sections.quantities(outcome),
         ],
         verdict=verdict(outcome),
@@ -219,9 +218,9 @@ def histogram(axes: Axes, outcome: Outcome, quantity: str = "total.duration_s") 
 
 
 PLOTS: Mapping[str, Drawing] = {
-    "waterfall": draw_waterfall,
+    "profile": draw_profile,
     "tracks": draw_tracks,
-    "timeline": draw_timeline,
+    "waterfall": draw_waterfall,
     "histogram": histogram,
 }
 """Plots on given axes by name, the main one first."""

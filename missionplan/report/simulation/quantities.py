@@ -34,6 +34,8 @@ _FAILURES = {
 }
 
 
+LEAST_CHANGE = 0.02
+"""Change of P(success) below which an assumption is not said to matter."""
 LEAST_SPREAD = 1e-3
 """Standard deviation over mean below which a quantity is one value to anybody who reads it."""
 
@@ -194,13 +196,21 @@ def assumptions_section(outcome: Outcome) -> Iterator[PageSection]:
     if rows:
         columns = ("taken for granted", "instead", "success then", "change", "")
         caption = "Each alone, on 400 trials of the same random numbers. What is not in the mission cannot be put off."
-        turning = sum(each.turns for each in outcome.assumptions)
-        heading = (
-            "None of these assumptions alone could turn this"
-            if not turning
-            else f"{turning} of its assumptions could turn this"
-        )
-        yield PageSection(heading, [Table(columns, rows, caption, text_columns=2)], is_summary=True)
+        table = Table(columns, rows, caption, text_columns=2)
+        yield PageSection(_of_assumptions(outcome), [table], is_summary=True)
+
+
+def _of_assumptions(outcome: Outcome) -> str:
+    """Name what the assumptions could do: turn the answer, or, where nothing is required, change P(success) most."""
+    turning = sum(each.turns for each in outcome.assumptions)
+    if turning:
+        return f"{turning} of its assumptions could turn this"
+    if outcome.requirements:
+        return "None of these assumptions alone could turn this"
+    most = max(outcome.assumptions, key=lambda each: 0.0 if math.isnan(each.worth) else abs(each.worth))
+    if math.isnan(most.worth) or abs(most.worth) < LEAST_CHANGE:
+        return "None of these assumptions alone matters"
+    return f"Of its assumptions, that {most.what} matters most: {100.0 * most.worth:+.2g}\u00a0% otherwise"
 
 
 def requirements_section(outcome: Outcome) -> Iterator[PageSection]:

@@ -12,13 +12,12 @@ from missionplan.report.geography.plan_view import Ring, rings
 from missionplan.report.numbers import has_spread, number, percent, share
 from missionplan.report.page import BLUE, GREY, INK, ORANGE, Block, Figure, PageSection, Table, to_figure
 from missionplan.report.quantities import Unit, reader_unit, span, with_error
-from missionplan.report.simulation.figures import WIDTH, histogram_figure, timeline_figure
-from missionplan.report.simulation.maps import close_ups, track_map
+from missionplan.report.simulation.figures import WIDTH, histogram_figure, waterfall
+from missionplan.report.simulation.maps import close_ups, moves_over_ground
 from missionplan.report.simulation.quantities import (
     LEAST_SPREAD,
     failure_in_words,
     of_those_that_end,
-    range_in_words,
     relative_spread,
     requirement_on,
     unit_of,
@@ -185,8 +184,8 @@ def failed_blocks(outcome: Outcome) -> Iterator[PageSection]:
 
 
 def tracks(outcome: Outcome) -> Iterator[PageSection]:
-    """Draw the tracks from above, and where each phase ends about its goal; nothing where nothing moves over ground."""
-    if all(radius == 0.0 for _, radius in outcome.tracks.targets.values()):
+    """Draw where each phase ends about its goal; nothing where nothing moves over ground."""
+    if not moves_over_ground(outcome):
         return
     drawn = list(rings(outcome))
     unit = reader_unit("m", max(ring.radius for ring in drawn))
@@ -194,19 +193,11 @@ def tracks(outcome: Outcome) -> Iterator[PageSection]:
     caption = "Circles are about the goal; for an ellipse, the radius of the circle of equal area."
     table = Table(("phase", "line", "holds", f"radius{unit.axis}"), rows, caption, text_columns=2)
     close = close_ups(outcome)
-    figures: list[Block] = [track_map(outcome), *([close] if close else [])]
-    yield PageSection("Where the trials end", [*figures, table])
+    yield PageSection("Where the trials end", [*([close] if close else []), table])
 
 
 def _share(ring: Ring) -> str:
     return "" if math.isnan(ring.share) else f"{100.0 * ring.share:.0f}\u00a0%"
-
-
-def timeline(outcome: Outcome) -> PageSection:
-    """Draw when each phase begins and ends."""
-    duration = range_in_words(outcome, outcome.total, "duration_s")
-    which = of_those_that_end(outcome, "duration_s", " of ")
-    return PageSection(f"Nine missions in ten{which} take {duration}", [timeline_figure(outcome)])
 
 
 def distributions(outcome: Outcome) -> PageSection:
@@ -246,13 +237,23 @@ def _medians(outcome: Outcome) -> str:
 
 
 def attrition(outcome: Outcome) -> PageSection:
-    """Tabulate what is lost at each step."""
-    rows = [(step.step, percent(step.lost), percent(step.surviving)) for step in outcome.attrition]
+    """Draw and tabulate what is lost at each step at which any trial is; the others are named."""
     worst = worst_step(outcome)
-    heading = "No trial failed"
-    if worst is not None:
-        heading = f"{capitalised(failure_in_words(worst.step))} cost {percent(worst.lost)} of the trials"
-    return PageSection(heading, [Table(("step", "lost here", "still good"), rows, "Shares of all trials.")])
+    losing = [step for step in outcome.attrition if step.lost.value > 0.0]
+    spared = [failure_in_words(step.step) for step in outcome.attrition if step.lost.value == 0.0]
+    none = f"No trial of {number(outcome.provenance.trials)} fails by {_listed(spared)}" if spared else ""
+    most = f": each {percent(outcome.attrition[0].lost).partition('(')[2].rstrip(')')}" if spared and not losing else ""
+    if worst is None:
+        return PageSection("No trial failed", [f"{none}{most}."] if spared else [])
+    rows = [(step.step, percent(step.lost), percent(step.surviving)) for step in losing]
+    table = Table(("step", "lost here", "still good"), rows, "Shares of all trials.")
+    heading = f"{capitalised(failure_in_words(worst.step))} cost {percent(worst.lost)} of the trials"
+    return PageSection(heading, [waterfall(outcome), table, *([f"{none}."] if spared else [])], is_summary=True)
+
+
+def _listed(words: Sequence[str]) -> str:
+    *others, last = words
+    return f"{', '.join(others)} or {last}" if others else last
 
 
 def quantities(outcome: Outcome) -> PageSection:

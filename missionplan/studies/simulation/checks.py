@@ -244,7 +244,6 @@ def input_notices(mission: Mission, means: Scenario) -> tuple[str, ...]:
     return (
         *mission.notices(),
         *_energy_notices(mission),
-        *_drag_notices(mission, means),
         *interpolation_notices(means),
         *(words for phase in means.drawn.transits if (words := _drift_notice(means, phase))),
         *_effect_notices(mission),
@@ -265,8 +264,8 @@ def _energy_notices(mission: Mission) -> tuple[str, ...]:
     return ()
 
 
-def _drag_notices(mission: Mission, means: Scenario) -> tuple[str, ...]:
-    """Notices where the model of the drag leaves its range."""
+def vehicle_notices(mission: Mission, means: Scenario) -> tuple[str, ...]:
+    """Notices that hold for every mission with this vehicle at this speed: where the model of its drag ends."""
     if mission.vehicle is None or mission.site is None or mission.site.water is None or not mission.transits:
         return ()
     return range_notes(means.vehicle_drag, min(float(phase.speed) for phase in means.drawn.transits))

@@ -77,6 +77,7 @@ def mooring_trials(
         OUT_OF_ENERGY: exhausted,
     }
     track, times = _track(plan, state, after, record, block.tracked)
+    profile = _profile(plan, state, moored, after, record)[:, :, : block.tracked]
     found = PhaseTrials(
         name=phase.name,
         kind=phase.kind,
@@ -95,6 +96,7 @@ def mooring_trials(
         inputs={},
         contact=contact,
         exposure=_exposure(plan, begun, record),
+        profile=profile,
     )
     return continuing, found
 
@@ -185,6 +187,20 @@ def _track(
         np.stack([np.where(after.alive, point, np.nan)[:, :tracked] for point in points]),
         np.stack([np.where(after.alive, time, np.nan)[:tracked] for time in times]),
     )
+
+
+def _profile(plan: MoorPlan, before: TrialState, moored: Flags, after: TrialState, record: MoorRecord) -> Array:
+    """Depth of the nose against time: sinking, held on the line, rising, afloat, shape (2, 6, n) [s, m]."""
+    descent, end = record.descent, before.clock + record.duration
+    surfaced = end - plan.surfacing_time
+    held = plan.dive.site_depth - record.hold.nose_altitude
+    afloat = np.zeros(before.trials)
+    times = (before.clock, before.clock + descent.release_time, surfaced - record.ascent_time, surfaced, end)
+    begun, released, rising, surfacing, ended = (np.broadcast_to(time, afloat.shape) for time in times)
+    when = [begun, released, released + descent.descent_time, rising, surfacing, ended]
+    lasts = [before.alive, before.alive, moored, moored & after.alive, after.alive, after.alive]
+    depth = [afloat, afloat, afloat + held, afloat + held, afloat, afloat]
+    return np.array([np.where(lasts, when, np.nan), np.where(lasts, depth, np.nan)])
 
 
 def _is_covered(plan: MoorPlan, current: Current, before: TrialState, after: TrialState, record: MoorRecord) -> Flags:

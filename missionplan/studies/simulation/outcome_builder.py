@@ -249,6 +249,8 @@ def simulation_tracks(mission: Mission, tracks: MapTracks) -> Tracks:
             for phase, (east, north, radius) in zip(mission.phases, tracks.goals, strict=True)
         },
         anchors=tracks.anchors,
+        profile=tracks.profile,
+        success=tracks.success,
         origin=(origin.latitude, origin.longitude) if origin else None,
     )
 

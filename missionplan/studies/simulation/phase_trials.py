@@ -124,6 +124,8 @@ class PhaseTrials:
         Of the first trials, nan after the phase has ended for them [m].
     track_time : array, shape (points, k)
         Since the mission's start, at the points of the track [s].
+    profile : array, shape (2, corners, k)
+        When, since the mission's start, and how deep, of the same trials; straight between [s, m].
     anchor : array, shape (2, n) or (2, 0)
         On the seafloor; none in a transit [m].
     goal : array, shape (2, 1) or (2, n)
@@ -158,6 +160,7 @@ class PhaseTrials:
     contact: Contact | None = None
     exposure: Exposure = Exposure()
     left: Mapping[str, Flags] = field(default_factory=dict)
+    profile: Array = field(default_factory=lambda: np.empty((2, 0, 0)))
 
 
 def failures_met(contact: Contact) -> dict[str, Flags]:
@@ -247,8 +250,23 @@ def transit_trials(
         inputs=_leg_inputs(plan, normals, state, record, goal) if block.inputs and not plan.via else {},
         contact=record.contact if environment.place is not None else None,
         exposure=Exposure(record.duration, record.distance, record.surfacings, record.surfacings),
+        profile=_profile(plan, record.track_time),
     )
     return continuing, found
+
+
+def _profile(plan: TransitPlan, time: Array | None) -> Array:
+    """Depth against time of the tracked trials: down after each fix, up to the surface before the next one [s, m]."""
+    if time is None or len(time) < 2:
+        return np.empty((2, 0, 0 if time is None else time.shape[1]))
+    trials = time.shape[1]
+    depth, afloat = (np.atleast_1d(values)[:trials] for values in (plan.depth, plan.surfacing_time))
+    begun, ended = time[:-1], time[1:]
+    surfaced = np.maximum(ended - afloat, begun)
+    when = np.stack([begun, begun, surfaced, surfaced, ended], axis=1).reshape(-1, trials)
+    deep = np.where(np.isfinite(ended), depth, np.nan)
+    surface = np.zeros_like(deep)
+    return np.stack([when, np.stack([surface, deep, deep, surface, surface], axis=1).reshape(-1, trials)])
 
 
 def _limits(state: TrialState, record: TransitRecord, environment: Environment) -> dict[str, Flags]:
@@ -379,6 +397,7 @@ def transition_trials(
         goal=state.position,
         radius=0.0,
         inputs={},
+        profile=np.empty((2, 0, min(block.tracked, state.trials))),
     )
     return continuing, found
 

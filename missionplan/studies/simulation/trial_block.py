@@ -69,6 +69,10 @@ class MapTracks:
         Points of the tracks that are each phase's.
     anchors : array, shape (2, m)
         On the seafloor [m].
+    profile : array, shape (2, corners, k)
+        When, since the mission's start, and how deep, straight between [s, m].
+    success : array of bool, shape (k,)
+        Whether the mission succeeds.
     goals : array, shape (phases, 3)
         Goal, east and north, and arrival radius or mooring radius, at the trials' mean [m].
     """
@@ -78,6 +82,8 @@ class MapTracks:
     points: NDArray[np.int64]
     anchors: Array
     goals: Array
+    profile: Array
+    success: Flags
 
     @classmethod
     def from_arrays(cls, flat: Mapping[str, NDArray[np.generic]]) -> "MapTracks":
@@ -88,18 +94,23 @@ class MapTracks:
             points=np.asarray(flat["points"], dtype=np.int64),
             anchors=np.asarray(flat["anchors"], dtype=float),
             goals=np.asarray(flat["goals"], dtype=float),
+            profile=np.asarray(flat["profile"], dtype=float),
+            success=np.asarray(flat["success"], dtype=bool),
         )
 
     @classmethod
     def of(cls, trials: MissionTrials) -> "MapTracks":
         """Collect them from a block."""
         phases = trials.phases
+        position = np.concatenate([phase.track for phase in phases])
         return cls(
-            position=np.concatenate([phase.track for phase in phases]),
+            position=position,
             time=np.concatenate([phase.track_time for phase in phases]),
             points=np.array([len(phase.track) for phase in phases]),
             anchors=np.concatenate([phase.anchor for phase in phases], axis=1),
             goals=np.array([(*phase.goal.mean(axis=1), np.mean(phase.radius)) for phase in phases], dtype=float),
+            profile=np.concatenate([phase.profile for phase in phases], axis=1),
+            success=trials.success[: position.shape[2]],
         )
 
 

@@ -13,7 +13,13 @@ from missionplan.store.paths import as_path, is_folder
 from missionplan.studies.leg_length.sweep_scenario import SweepScenario
 from missionplan.studies.nominal_dive import check_dives
 from missionplan.studies.optimisation.choosable import read_lattice
-from missionplan.studies.simulation.checks import check_complete, check_cover, cover_in_words, input_notices
+from missionplan.studies.simulation.checks import (
+    check_complete,
+    check_cover,
+    cover_in_words,
+    input_notices,
+    vehicle_notices,
+)
 from missionplan.studies.validation.place import check_place, tracks_lost
 from missionplan.studies.validation.readiness import Readiness, Validated, needs
 
@@ -41,7 +47,7 @@ def validated_mission(path: Path, mission: Mission) -> Validated:
 
     def simulable() -> None:
         check_complete(mission)
-        notices.extend((*input_notices(mission, means), *tracks_lost(means)))
+        notices.extend((*vehicle_notices(mission, means), *input_notices(mission, means), *tracks_lost(means)))
 
     simulation = needs(simulable)
     kinds = ", ".join(phase.kind for phase in mission.phases) or "none"

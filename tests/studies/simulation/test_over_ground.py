@@ -230,4 +230,4 @@ def test_maps_and_exports_hold_depths_and_fences(write, tmp_path):
     )
     (text,) = kml.files(outcome.plan, "m").values()
     assert "Keep out" in text
-    assert "track-map" in {path.stem for path in (outcome.save(tmp_path / "out") / "figures").iterdir()}
+    assert "mission" in {path.stem for path in (outcome.save(tmp_path / "out") / "figures").iterdir()}
