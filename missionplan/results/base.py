@@ -1,5 +1,7 @@
 """Base of all results: provenance, a summary, tables, and saving as a report folder."""
 
+import csv
+import io
 import json
 import math
 import platform
@@ -334,16 +336,30 @@ def to_grid(frame: "pd.DataFrame", dimensions: Sequence[str], unit: Mapping[str,
     return grid
 
 
-def to_csv(frame: "pd.DataFrame") -> str:
-    """Write a table as CSV, without an index; text that a spreadsheet would compute gets a quote in front."""
-    from pandas import Series
-    from pandas.api.types import is_numeric_dtype
+def to_csv(table: "pd.DataFrame | Sequence[Mapping[str, object]]") -> str:
+    """Write a table, or its rows, as CSV without an index; text that a spreadsheet would compute gets a quote in front.
 
-    safe = frame.rename(columns=_no_formula)
-    for name in (each for each, cells in safe.items() if not is_numeric_dtype(cells)):
-        cells = safe[name]
-        safe[name] = Series([_no_formula(cell) for cell in cells], cells.index, cells.dtype)
-    return str(safe.to_csv(index=False, lineterminator="\n"))
+    Rows need no pandas, which takes as long to import as a small study to run.
+    """
+    if isinstance(table, Sequence):
+        columns = list(table[0]) if table else []
+        rows = [[row[name] for name in columns] for row in table]
+    else:
+        columns, rows = list(map(str, table.columns)), table.astype(object).to_numpy().tolist()
+    written = io.StringIO()
+    lines = csv.writer(written, lineterminator="\n")
+    lines.writerow(map(_no_formula, columns))
+    lines.writerows(map(_cell, row) for row in rows)
+    return written.getvalue()
+
+
+def _cell(value: object) -> object:
+    """Write a cell: nothing for what is missing, and numbers with all their digits."""
+    if hasattr(value, "item"):
+        value = value.item()
+    if value is None or type(value).__name__ in ("NAType", "NaTType") or (isinstance(value, float) and value != value):
+        return ""
+    return repr(value) if isinstance(value, float) else _no_formula(value)
 
 
 def _no_formula(cell: object) -> object:

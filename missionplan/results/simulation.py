@@ -323,18 +323,20 @@ class Outcome(Result):
         """One row per quantity of each phase and of the whole mission."""
         from pandas import DataFrame
 
-        rows = [
+        return DataFrame(self._rows())
+
+    def _rows(self) -> list[dict[str, object]]:
+        return [
             {"phase": phase.label, "quantity": name, **statistic.summary(), "trials": statistic.count}
             for phase in (*self.phases, self.total)
             for name, statistic in phase.quantities.items()
         ]
-        return DataFrame(rows)
 
     def files(self) -> dict[str, str | bytes]:
         """Return `quantities.csv`, `search-areas.csv`, and `trials.parquet` where requested."""
         table = {"trials.parquet": self.trials_table} if self.trials_table is not None else {}
-        areas = {"search-areas.csv": to_csv(self.overdue.to_frame())} if self.overdue else {}
-        return {"quantities.csv": to_csv(self.to_frame()), **areas, **table}
+        areas = {"search-areas.csv": to_csv([area.row() for area in self.overdue.areas])} if self.overdue else {}
+        return {"quantities.csv": to_csv(self._rows()), **areas, **table}
 
 
 _JUDGED = ("seed", "trials", "total", "requirements")
