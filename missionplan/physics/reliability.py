@@ -27,11 +27,10 @@ def age_weibull(shape: Scalars, scale: Scalars, normals: Array) -> Array:
     return np.asarray(scale * exponential(normals) ** (1.0 / np.asarray(shape)))
 
 
-def count_at_chance(chance: Scalars, normals: Array) -> Array:
-    """Number of the event at which a part fails that does so with a probability each time, from 1, shape (n,)."""
+def age_at_chance(chance: Scalars, normals: Array) -> Array:
+    """Age, in events, of a part that fails with a probability each time, shape (n,): it does so at the next event."""
     chance = np.asarray(chance, dtype=float)
-    rate = -np.log1p(-np.minimum(chance, 1.0 - 1e-15))
-    return np.maximum(np.ceil(age_at_rate(rate, normals)), 1.0)
+    return age_at_rate(-np.log1p(-np.minimum(chance, 1.0 - 1e-15)), normals)
 
 
 def rate_of_counts(failures: float, exposure: float, normals: Array) -> Array:

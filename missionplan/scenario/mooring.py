@@ -1,7 +1,6 @@
 """Parameters of a mission's moorings."""
 
 import numpy as np
-from numpy.typing import NDArray
 
 from missionplan.arrays import Array, Scalars
 from missionplan.mission.schema.phases import MoorPhase, TransitPhase
@@ -119,12 +118,12 @@ def _tied(scenario: Scenario, weight: Scalars, anchor_mass: Scalars) -> TiedBodi
     )
 
 
-def is_too_shallow(dive: Dive, length: Scalars) -> NDArray[np.bool_]:
-    """Whether the anchor lies on the seafloor before line and vehicle, of a length [m], are under water.
+def room_in_depth(dive: Dive, length: Scalars) -> Array:
+    """Depth of the water beyond line and vehicle, of a length [m]: at 0 the anchor lies before both are under water.
 
-    Of a shape that broadcasts to (n,).
+    Of a shape that broadcasts to (n,) [m].
     """
-    return np.atleast_1d(dive.line_length + length >= dive.site_depth)
+    return np.atleast_1d(dive.site_depth - dive.line_length - length)
 
 
 def start_of(scenario: Scenario, phase: MoorPhase[Scalars]) -> tuple[Array, float]:

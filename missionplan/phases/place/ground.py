@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
 
 from missionplan.arrays import Array
@@ -22,6 +23,10 @@ _BEYOND = -10.0
 _SAMPLES = 17
 """Along such a way: eight a cell. Bilinear depth between two samples is within twist/512 of linear, the twist being the
 difference of a cell's diagonals' sums."""
+_MOST_SAMPLES = 128
+"""Of a way whose nearness to shallow water is asked for."""
+_LEAST_NEEDED = 0.25
+"""Of the depths for which distances to less are tabulated [m]."""
 
 
 @dataclass(frozen=True)
@@ -95,7 +100,61 @@ class Ground:
 
     def depth_at(self, places: Array) -> Array:
         """Depth at places of shape (2, n), shape (n,); nan where unknown [m]."""
-        return self._bilinear(self.frame.cells(places))
+        return self._bilinear(self.depth, self.frame.cells(places))
+
+    def spare_along(self, start: Array, end: Array, least: Array) -> tuple[Array, Array]:
+        """How near straight ways come to water that is too shallow, and to where the depth is unknown.
+
+        Ways are sampled twice a cell: an order of nearness, while `too_shallow` alone says what is met.
+
+        Parameters
+        ----------
+        start, end, least : array, shape (2, n)
+            As in `too_shallow`.
+
+        Returns
+        -------
+        shallow : array, shape (n,)
+            Least depth beyond what is needed, times one and the distance in cells to water that is too shallow for it:
+            ways are led to a rise from afar, and over level ground by what is needed [m].
+        unknown : array, shape (n,)
+            Least distance to where the depth is unknown [cells].
+        """
+        first, last = self.frame.cells(start), self.frame.cells(end)
+        extent = np.abs(last - first).max(axis=0)
+        count = np.clip(2 ** np.ceil(np.log2(2.0 * extent + 1.0)), 2, _MOST_SAMPLES).astype(int)
+        level = np.ceil(4.0 * np.log2(np.maximum(least.max(axis=0), _LEAST_NEEDED))).astype(int)
+        shallow, unknown = np.full(count.size, np.inf), np.full(count.size, np.inf)
+        for samples, each in sorted(set(zip(count.tolist(), level.tolist(), strict=True))):
+            rows = np.flatnonzero((count == samples) & (level == each))
+            at = np.linspace(0.0, 1.0, samples)
+            cells = (first[:, rows, None] + at * (last - first)[:, rows, None]).reshape(2, -1)
+            needed = (least[0][rows, None] + at * (least[1] - least[0])[rows, None]).ravel()
+            spare = self._bilinear(self.depth, cells) - needed
+            beside = 1.0 + np.nan_to_num(self._bilinear(self._to_shallower(each), cells))
+            product = np.where(np.isnan(spare), np.inf, spare * beside).reshape(rows.size, samples)
+            shallow[rows] = product.min(axis=1)
+            away = np.nan_to_num(self._bilinear(self._to_unknown, cells)).reshape(rows.size, samples)
+            unknown[rows] = away.min(axis=1)
+        return shallow, unknown
+
+    def _to_shallower(self, level: int) -> Depths:
+        """Distance of each centre from water less deep than 2^(level/4) m; 0 everywhere without any [cells]."""
+        if level not in self._distances:
+            deep = ~(self.depth <= 2.0 ** (0.25 * level))
+            away = scipy.ndimage.distance_transform_edt(deep) if not deep.all() else np.zeros(deep.shape)
+            self._distances[level] = away.astype(np.float32)
+        return self._distances[level]
+
+    @cached_property
+    def _distances(self) -> dict[int, Depths]:
+        return {}
+
+    @cached_property
+    def _to_unknown(self) -> Depths:
+        """Distance of each centre from one without a depth, or from the grid's edge [cells]."""
+        known = np.pad(~np.isnan(self.depth), 1)
+        return np.asarray(scipy.ndimage.distance_transform_edt(known)[1:-1, 1:-1], dtype=np.float32)
 
     def slope_at(self, places: Array, step: float = 1.0) -> tuple[Array, Array]:
         """Angle of the seafloor, and the direction toward which it falls, clockwise from north, shape (n,) [rad].
@@ -174,8 +233,9 @@ class Ground:
             crossings.append(np.clip((lines - first[axis][:, None]) / step, low[:, None], high[:, None]))
         return np.concatenate(crossings, axis=1)
 
-    def _bilinear(self, cells: Array) -> Array:
-        rows, columns = self.depth.shape
+    @staticmethod
+    def _bilinear(table: Depths, cells: Array) -> Array:
+        rows, columns = table.shape
         column, row = cells
         inside = (np.abs(column - 0.5 * (columns - 1)) <= 0.5 * columns) & (
             np.abs(row - 0.5 * (rows - 1)) <= 0.5 * rows
@@ -185,8 +245,8 @@ class Ground:
         south = np.minimum(row.astype(np.intp), max(rows - 2, 0))
         east, north = np.minimum(west + 1, columns - 1), np.minimum(south + 1, rows - 1)
         across, up = column - west, row - south
-        low = self.depth[south, west] * (1.0 - across) + self.depth[south, east] * across
-        high = self.depth[north, west] * (1.0 - across) + self.depth[north, east] * across
+        low = table[south, west] * (1.0 - across) + table[south, east] * across
+        high = table[north, west] * (1.0 - across) + table[north, east] * across
         return np.where(inside, low * (1.0 - up) + high * up, np.nan)
 
     def _shallowest(self, first: Array, last: Array, extent: float) -> Depths:

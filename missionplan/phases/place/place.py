@@ -72,6 +72,16 @@ class Way:
     least: Scalars = 0.0
     greatest: Scalars = 0.0
 
+    @property
+    def times(self) -> Array:
+        """When they begin and end, shape (2, n) [s]."""
+        return np.stack((self.begun, self.ended))
+
+    @property
+    def depths(self) -> Array:
+        """Least and greatest depth on the way, shape (2, n) [m]."""
+        return np.array(np.broadcast_arrays(self.least, self.greatest, self.begun)[:2], dtype=float)
+
     def take(self, trials: NDArray[np.intp]) -> "Way":
         """Select trials."""
         start, end = self.start[:, trials], self.end[:, trials]
@@ -91,16 +101,23 @@ class Contact:
         From 1; 0 where nothing was met, or not on a leg.
     where : array, shape (2, n)
         nan where nothing was met [m].
+    nearest : array, shape (4, n) or (0, n)
+        How near each trial came to each cause but none: 0 where it was met first, infinite where it never was under
+        way; none where the place does not measure it. Of ground and unknown depths as in `Ground.spare_along`, of zones
+        in metres.
     """
 
     cause: NDArray[np.int8]
     leg: NDArray[np.int64]
     where: Array
+    nearest: Array
 
     @classmethod
-    def none(cls, trials: int) -> "Contact":
+    def none(cls, trials: int, *, measured: bool = False) -> "Contact":
         """Return that of trials that met nothing."""
-        return cls(np.zeros(trials, dtype=np.int8), np.zeros(trials, dtype=np.int64), np.full((2, trials), np.nan))
+        nearest = np.full((len(Cause) - 1 if measured else 0, trials), np.inf)
+        nothing = np.zeros(trials, dtype=np.int8), np.zeros(trials, dtype=np.int64)
+        return cls(*nothing, np.full((2, trials), np.nan), nearest)
 
     @property
     def met(self) -> NDArray[np.bool_]:
@@ -113,11 +130,14 @@ class Contact:
 
     def take(self, trials: NDArray[np.intp]) -> "Contact":
         """Select trials."""
-        return Contact(self.cause[trials], self.leg[trials], self.where[:, trials])
+        return Contact(self.cause[trials], self.leg[trials], self.where[:, trials], self.nearest[:, trials])
 
     def note(self, rows: NDArray[np.intp], other: "Contact", leg: int) -> None:
         """Enter what some trials met that had met nothing before."""
-        fresh = other.met & ~self.met[rows]
+        before = ~self.met[rows]
+        if len(self.nearest):
+            self.nearest[:, rows[before]] = np.minimum(self.nearest[:, rows], other.nearest)[:, before]
+        fresh = other.met & before
         chosen = rows[fresh]
         self.cause[chosen], self.leg[chosen] = other.cause[fresh], leg
         self.where[:, chosen] = other.where[:, fresh]
@@ -136,6 +156,8 @@ class Place:
         Of the hull below its axis [m].
     clearance : float or array, shape (n,)
         Water that is to stay under it [m].
+    is_measured : bool
+        Whether contacts say how near trials came to what they did not meet, which takes several times as long.
     """
 
     ground: Ground | None = None
@@ -143,6 +165,7 @@ class Place:
     sea_level: SeaLevel = field(default_factory=SeaLevel)
     draught: Scalars = 0.0
     clearance: Scalars = 0.0
+    is_measured: bool = False
 
     @property
     def zones(self) -> tuple[Zone, ...]:
@@ -171,15 +194,12 @@ class Place:
         count = way.begun.size
         cause, share = np.zeros(count, dtype=np.int8), np.full(count, np.inf)
         if self.ground is not None:
-            needed = way.greatest + np.asarray(self.draught) + np.asarray(self.clearance)
-            least = np.stack([needed - self.sea_level.at(t) for t in (way.begun, way.ended)])
-            shoal, _, unknown = self.ground.too_shallow(way.start, way.end, least)
+            shoal, _, unknown = self.ground.too_shallow(way.start, way.end, self._needed(way))
             share = np.minimum(shoal, unknown)
             cause[np.isfinite(share)] = Cause.AGROUND
             cause[unknown < shoal] = Cause.UNCHARTED
         if self.fence is not None:
-            depths = np.array(np.broadcast_arrays(way.least, way.greatest, way.begun)[:2], dtype=float)
-            touched, which = self.fence.first(way.start, way.end, np.stack((way.begun, way.ended)), depths)
+            touched, which = self.fence.first(way.start, way.end, way.times, way.depths)
             land = np.array([zone.is_land for zone in self.fence.zones])[which]
             sooner = np.isfinite(touched) & (touched <= share)
             cause[sooner] = np.where(land, Cause.ON_LAND, Cause.KEEP_OUT)[sooner]
@@ -187,7 +207,26 @@ class Place:
         met = np.isfinite(share)
         where = np.full((2, count), np.nan)
         where[:, met] = way.start[:, met] + share[met] * (way.end - way.start)[:, met]
-        return Contact(cause, np.zeros(count, dtype=np.int64), where)
+        nearest = self._nearest(way, cause) if self.is_measured else np.empty((0, count))
+        return Contact(cause, np.zeros(count, dtype=np.int64), where, nearest)
+
+    def _needed(self, way: Way) -> Array:
+        """Depth below the datum that has to be exceeded at both ends of ways, shape (2, n) [m]."""
+        needed = way.greatest + np.asarray(self.draught) + np.asarray(self.clearance)
+        return np.stack([needed - self.sea_level.at(t) for t in way.times])
+
+    def _nearest(self, way: Way, cause: NDArray[np.int8]) -> Array:
+        """How near ways come to each cause, as in `Contact`, given what they meet first."""
+        found = np.full((len(Cause), cause.size), np.inf)
+        if self.ground is not None:
+            spare = self.ground.spare_along(way.start, way.end, self._needed(way))
+            found[Cause.AGROUND], found[Cause.UNCHARTED] = spare
+        for zone in self.zones:
+            row = found[Cause.ON_LAND if zone.is_land else Cause.KEEP_OUT]
+            np.minimum(row, zone.distance(way.start, way.end, way.times, way.depths), out=row)
+        found = np.maximum(found, np.finfo(float).tiny)
+        found[cause, np.arange(cause.size)] = 0.0
+        return np.asarray(found[1:])
 
 
 @dataclass
@@ -203,6 +242,11 @@ class Lookout:
 
     place: Place
     contact: Contact
+
+    @classmethod
+    def over(cls, place: Place, trials: int) -> "Lookout":
+        """Return one of trials that have met nothing yet."""
+        return cls(place, Contact.none(trials, measured=place.is_measured))
 
     def watch(self, leg: int, way: Way, moving: Array | None) -> None:
         """See what the trials under way meet on leg `leg`, from 1."""

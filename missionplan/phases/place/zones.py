@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from missionplan.arrays import Array
 
 if TYPE_CHECKING:
-    from shapely import Geometry
+    from shapely import Geometry, STRtree
 
 _NODES = 160
 """Of the field of distances, along each side."""
@@ -83,6 +83,35 @@ class Zone:
         holds = meets <= np.minimum(leaves, (self.until - begin) / lasting)
         np.minimum.at(share, ways[owner][holds], meets[holds])
         return share
+
+    def distance(self, start: Array, end: Array, times: Array, depths: Array) -> Array:
+        """How near straight ways come to the zone while it holds, shape (n,): 0 where they touch it [m].
+
+        Time and depth by which they miss it count as lengths: what a way covers in that time, and metres.
+
+        Parameters are those of `contact`.
+        """
+        import shapely
+
+        away = np.full(start.shape[1], np.inf)
+        (ways, _), found = self._edges.query_nearest(_ways(start, end), return_distance=True, all_matches=False)
+        away[ways] = found
+        shapely.prepare(self.geometry)
+        away[shapely.intersects_xy(self.geometry, *start)] = 0.0
+        speed = np.hypot(*(end - start)) / np.maximum(times[1] - times[0], 1.0)
+        early, late = self.since - times[1], times[0] - self.until
+        deep, high = depths[0] - self.above, self.below - depths[1]
+        missed = [speed * np.maximum(np.maximum(early, late), 0.0), np.maximum(np.maximum(deep, high), 0.0)]
+        return np.asarray(np.sqrt(away**2 + missed[0] ** 2 + missed[1] ** 2))
+
+    @cached_property
+    def _edges(self) -> "STRtree":
+        import shapely
+
+        lines = shapely.get_parts(shapely.boundary(self.geometry))
+        return shapely.STRtree(
+            shapely.linestrings(np.concatenate([_edges(shapely.get_coordinates(line)) for line in lines]))
+        )
 
 
 def _ways(start: Array, end: Array) -> "NDArray[Any]":

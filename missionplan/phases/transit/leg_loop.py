@@ -41,11 +41,12 @@ class FinalState(NamedTuple):
     cause: NDArray[np.int8]
     leg: NDArray[np.int64]
     where: Array
+    nearest: Array
 
     @property
     def contact(self) -> Contact:
         """What each trial met first."""
-        return Contact(self.cause, self.leg, self.where)
+        return Contact(self.cause, self.leg, self.where, self.nearest)
 
 
 class _Aim(NamedTuple):
@@ -82,7 +83,7 @@ class LegLoop:
         self._memory: Memory = self._compensation.begin(state.trials) if self._compensation else ()
         self._legs_begun = None if plan.length_lost is None else 0.0 * self._distance
         self._moving: Array | None = None  # 1 for a trial under way, 0 for one that is not; None while all are
-        self._lookout = Lookout(environment.place, Contact.none(state.trials)) if environment.place else None
+        self._lookout = Lookout.over(environment.place, state.trials) if environment.place else None
         self._count = state.trials  # trials under way
         self._set_moving(state.alive & (self._left >= plan.arrival_radius))
         self._tracked = tracked
@@ -135,6 +136,7 @@ class LegLoop:
             met.cause,
             met.leg,
             met.where,
+            met.nearest,
         )
         if self._done is None:
             return now

@@ -147,7 +147,8 @@ def _later(normals: TransitNormals, first: int) -> TransitNormals:
 def _joined(records: Sequence[TransitRecord], end: TrialState, plan: TransitPlan) -> TransitRecord:
     """Join the records of the parts of a way."""
     trials = end.trials
-    contact, legs, rows = Contact.none(trials), np.zeros(trials), np.arange(trials)
+    measured = len(records[0].contact.nearest) > 0
+    contact, legs, rows = Contact.none(trials, measured=measured), np.zeros(trials), np.arange(trials)
     for record in records:
         contact.note(rows, record.contact, 0)
         here = record.contact.met

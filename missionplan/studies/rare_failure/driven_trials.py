@@ -16,15 +16,15 @@ from missionplan.montecarlo.rare_events.strata import DiscreteValue, StrataView
 from missionplan.montecarlo.rare_events.ways import TrialMargins
 from missionplan.phases.fields.ensemble import Ensemble
 from missionplan.physics.energy import JOULES_PER_WATT_HOUR
-from missionplan.scenario.anchors import laden
 from missionplan.scenario.currents.drawn_current import MEMBER
 from missionplan.scenario.held_vehicle import line_strength
 from missionplan.scenario.scenario import Scenario
 from missionplan.studies.rare_failure.event import RareEvent
 from missionplan.studies.simulation.block_statistics import failures_by_step
 from missionplan.studies.simulation.phase_trials import (
-    AGROUND,
+    EQUIPMENT,
     LINE_PARTED,
+    MET,
     OUT_OF_ENERGY,
     TOO_LIGHT,
     TOO_SHALLOW,
@@ -34,14 +34,15 @@ from missionplan.studies.simulation.trial_block import MissionTrials, run_trials
 
 _NOT_ARRIVED, _OUTSIDE, _STRUCK = "not arrived", "anchor outside the radius", "struck the seafloor"
 _DRAGGED, _GROUNDED = "anchor dragged", "grounded in the hold"
+_WORLD = (*MET.values(), EQUIPMENT)
 _REASONS = {
-    "arrived": (_NOT_ARRIVED, AGROUND, OUT_OF_ENERGY),
-    "within_radius": (_OUTSIDE, TOO_SHALLOW, TOO_LIGHT, LINE_PARTED),
+    "arrived": (_NOT_ARRIVED, OUT_OF_ENERGY, *_WORLD),
+    "within_radius": (_OUTSIDE, TOO_SHALLOW, TOO_LIGHT, LINE_PARTED, *_WORLD),
     "struck_seafloor": (_STRUCK,),
-    "anchor_holds": (_DRAGGED, TOO_SHALLOW, TOO_LIGHT, LINE_PARTED),
+    "anchor_holds": (_DRAGGED, TOO_SHALLOW, TOO_LIGHT, LINE_PARTED, *_WORLD),
     "grounded": (_GROUNDED,),
     "line_parts": (LINE_PARTED,),
-    "hovering": (OUT_OF_ENERGY,),
+    "hovering": (OUT_OF_ENERGY, EQUIPMENT),
 }
 """Ways in which a phase's event fails, by the event."""
 
@@ -76,30 +77,25 @@ def _of_phase(
     phase: "Phase[Scalars]", done: PhaseTrials, scenario: Scenario, spent: Scalars
 ) -> Iterator[tuple[str, Array]]:
     """Margins of one phase; `spent` until its end [W h]."""
+    for reason, values in done.margins.items():
+        yield reason, _each(values, done)
     if isinstance(phase, TransitPhase):
-        yield from _of_transit(phase, done, scenario)
+        yield from _of_transit(done, scenario)
     elif isinstance(phase, MoorPhase):
-        yield from _of_mooring(phase, done, scenario)
+        yield from _of_mooring(phase, done)
     left = scenario.capacity / JOULES_PER_WATT_HOUR - spent
     if np.all(np.isfinite(scenario.capacity)):
         yield OUT_OF_ENERGY, _each(left, done)
 
 
-def _of_transit(phase: TransitPhase[Scalars], done: PhaseTrials, scenario: Scenario) -> Iterator[tuple[str, Array]]:
+def _of_transit(done: PhaseTrials, scenario: Scenario) -> Iterator[tuple[str, Array]]:
     """Legs left on arrival, less the share of the arrival radius used up: a trial just inside nearly needed another."""
     used = done.quantities["surfacings"] + np.minimum(done.quantities["arrival_error_m"] / done.radius, 1.0)
     yield _NOT_ARRIVED, scenario.navigation.max_legs + 1.0 - used
-    site = scenario.drawn.site
-    if site is not None and site.depth is not None and not _has_grid(scenario):
-        yield AGROUND, _each(site.depth - phase.depth, done)
 
 
-def _of_mooring(phase: MoorPhase[Scalars], done: PhaseTrials, scenario: Scenario) -> Iterator[tuple[str, Array]]:
+def _of_mooring(phase: MoorPhase[Scalars], done: PhaseTrials) -> Iterator[tuple[str, Array]]:
     found = done.quantities
-    scenario = laden(scenario, phase)
-    if not _has_grid(scenario):
-        above_line = scenario.mooring.depth - phase.line_length
-        yield TOO_SHALLOW, _each(above_line - scenario.mooring.vehicle.hull.length, done)
     yield TOO_LIGHT, found["terminal_velocity_m_s"]
     yield _OUTSIDE, done.radius - found["offset_m"]
     yield _STRUCK, found["lowest_altitude_m"]
@@ -109,11 +105,6 @@ def _of_mooring(phase: MoorPhase[Scalars], done: PhaseTrials, scenario: Scenario
     if strength is not None:
         tension = np.fmax(found["line_tension_n"], found.get("snatch_tension_n", found["line_tension_n"]))
         yield LINE_PARTED, strength - tension
-
-
-def _has_grid(scenario: Scenario) -> bool:
-    """Whether each trial has depths of its own, of which no margin is known."""
-    return scenario.place is not None and scenario.place.ground is not None
 
 
 def _each(values: Scalars, done: PhaseTrials) -> Array:

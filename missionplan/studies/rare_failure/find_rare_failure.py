@@ -31,7 +31,10 @@ from missionplan.studies.rare_failure.driven_trials import (
 from missionplan.studies.rare_failure.event import FAILS, RareEvent, failure_modes
 from missionplan.studies.rare_failure.result import RareFailure, WayDriven
 from missionplan.studies.run import Run
+from missionplan.studies.simulation.block_statistics import failures_by_step
 from missionplan.studies.simulation.checks import check_complete, check_cover, input_notices
+from missionplan.studies.simulation.phase_trials import EQUIPMENT, MET, OUT_OF_ENERGY
+from missionplan.studies.simulation.trial_block import MissionTrials
 
 MAX_TRIALS = 1_000_000
 """Trials after which the search ends, unless their number is given."""
@@ -39,16 +42,18 @@ VARIATION = 0.1
 """Coefficient of variation at which it ends, unless one is given."""
 PLAIN_TRIALS = 2048
 """Plain trials, from which the ranks of the margins and the usual values of the inputs are taken."""
+_MARGIN_WHERE_POSSIBLE = (OUT_OF_ENERGY, EQUIPMENT, *MET.values())
 _KEPT = 2000
 """Failing trials in the table, drawn by their weights."""
 
 
 @dataclass(frozen=True)
 class _Usual:
-    """Plain trials: how many failed, in all and by their ways, and what was drawn in them."""
+    """Plain trials: how many failed, in all, by their ways and by those without a margin; what was drawn in them."""
 
     failed: int
     failed_by: Array
+    failed_without: Mapping[str, int]
     inputs: Mapping[str, Array]
 
 
@@ -106,6 +111,8 @@ def find_rare_failure(
     means = Scenario.at_means(mission, recorded_current(mission))
     check_cover(mission, means)
     check_dives(means)
+    if means.place is not None and not wanted.is_quantity:
+        means = replace(means, place=replace(means.place, is_measured=True))
     driven, indices, usual = _with_ways(means, wanted, seed)
     most = MAX_TRIALS if trials is None else trials
     found = find(
@@ -148,6 +155,7 @@ def _with_ways(means: Scenario, event: RareEvent, seed: int) -> tuple[DrivenMiss
     population = NormalPopulation(PLAIN_TRIALS, stream(seed, "rare failure, plain", 0))
     scenario, trials = driven.run(StrataView(population), inputs=True)
     found = margins(event, trials, scenario)
+    found = {way: values for way, values in found.items() if not np.isposinf(values).all()}
     driven = replace(driven, ways=tuple(found))
     plain = driven.margins_of(trials, found)
     fails_by = plain.fails_by
@@ -155,9 +163,22 @@ def _with_ways(means: Scenario, event: RareEvent, seed: int) -> tuple[DrivenMiss
     usual = _Usual(
         int(np.count_nonzero(plain.failed)),
         np.append(np.count_nonzero(fails_by, axis=1), np.count_nonzero(without)),
+        _without_margin(driven, trials),
         drawn_inputs(trials),
     )
     return driven, ReliabilityIndices.of(plain), usual
+
+
+def _without_margin(driven: DrivenMission, trials: MissionTrials) -> dict[str, int]:
+    """Count the plain trials that failed in each way that has no margin, where the event is any failure.
+
+    Energy, ground, zones and equipment have one wherever they can fail.
+    """
+    if driven.event.text != FAILS:
+        return {}
+    impossible = {f"{phase.name}: {reason}" for phase in trials.phases for reason in _MARGIN_WHERE_POSSIBLE}
+    left = {*failures_by_step(trials)} - {*driven.ways} - impossible
+    return {step: int(np.count_nonzero(failed)) for step, failed in failures_by_step(trials).items() if step in left}
 
 
 def _notices(found: Found[FailingTrials], aim: float) -> list[str]:
@@ -198,12 +219,14 @@ def _result(
 
 
 def _ways(ways: Sequence[str], found: Found[FailingTrials], usual: _Usual) -> tuple[WayDriven, ...]:
-    """Put together what is known of each way to fail, over all strata; the last is of no known margin."""
+    """Put together what is known of each way to fail, over all strata; those without a margin by plain trials."""
     driven = []
     for number, way in enumerate((*ways, "")):
         nearest = max(each.nearest for each in found.screened if each.part.way == number)
         bound = wilson(int(usual.failed_by[number]), PLAIN_TRIALS).high
         driven.append(WayDriven(way, found.probability(number), nearest, bound))
+    for way, count in usual.failed_without.items():
+        driven.append(WayDriven(way, count / PLAIN_TRIALS, 1.0, wilson(count, PLAIN_TRIALS).high))
     return tuple(driven)
 
 

@@ -8,11 +8,13 @@ import numpy as np
 from missionplan.arrays import Array, Scalars
 from missionplan.mission.schema.reliability import DistanceHazard, Hazard, HourlyHazard, Leaves, Per
 from missionplan.phases.state import TrialState
-from missionplan.physics.reliability import age_at_rate, age_weibull, count_at_chance, rate_of_counts
+from missionplan.physics.reliability import age_at_chance, age_at_rate, age_weibull, rate_of_counts
 from missionplan.studies.simulation.phase_trials import EQUIPMENT, Exposure, Flags, PhaseTrials, TrialBlock
 
 _LEAVES: dict[Per, Leaves] = {"release": "adrift", "wake-up": "moored"}
 _HOUR, _KM = 3600.0, 1000.0
+_TINY = 1e-300
+"""Age and exposure in the place of none, whose logarithm is finite."""
 
 
 @dataclass(frozen=True)
@@ -24,12 +26,20 @@ class Part:
     per : str
     leaves : str
     age : array, shape (n,)
-        Of the exposure: seconds, metres or events.
+        Of the exposure: seconds, metres or events, of which it strikes at the first after it.
+    shape : float or array, shape (n,)
+        Of the Weibull law; 1 where it strikes as likely at any age.
     """
 
     per: Per
     leaves: Leaves
     age: Array
+    shape: Scalars = 1.0
+
+    def margin(self, exposure: Array) -> Array:
+        """Logarithm of the cumulative hazard at which it strikes over that of an exposure, shape (n,)."""
+        shape = np.asarray(self.shape)
+        return np.asarray(shape * np.log(np.maximum(self.age, _TINY) / np.maximum(exposure, _TINY)))
 
 
 def parts_of(block: TrialBlock, trials: int) -> tuple[Part, ...]:
@@ -45,15 +55,14 @@ def _drawn(block: TrialBlock, number: int, hazard: "Hazard[Scalars]", trials: in
     leaves = hazard.leaves or _LEAVES.get(hazard.per, "adrift")
     unit = _HOUR if isinstance(hazard, HourlyHazard) else _KM if isinstance(hazard, DistanceHazard) else 1.0
     if hazard.shape is not None and hazard.scale is not None:
-        age = age_weibull(hazard.shape, hazard.scale, normals)
-        return Part(hazard.per, leaves, age if unit != 1.0 else np.maximum(np.ceil(age), 1.0))
+        return Part(hazard.per, leaves, age_weibull(hazard.shape, hazard.scale, normals), hazard.shape)
     if hazard.failures is not None and hazard.exposure is not None:
         rate: Scalars = rate_of_counts(hazard.failures, hazard.exposure, block.source.once(f"{stream}.rate")[:trials])
         if unit == 1.0:
-            return Part(hazard.per, leaves, count_at_chance(-np.expm1(-rate), normals))
+            return Part(hazard.per, leaves, age_at_chance(-np.expm1(-rate), normals))
         return Part(hazard.per, leaves, age_at_rate(rate / unit, normals))
     given: Scalars = 0.0 if hazard.rate is None else hazard.rate
-    return Part(hazard.per, leaves, age_at_rate(given, normals) if unit != 1.0 else count_at_chance(given, normals))
+    return Part(hazard.per, leaves, age_at_rate(given, normals) if unit != 1.0 else age_at_chance(given, normals))
 
 
 def failing(
@@ -78,11 +87,13 @@ def failing(
     """
     exposure = before.plus(found.exposure)
     first, left = np.full(begun.trials, np.inf), np.full(begun.trials, -1)
+    margin = np.min([part.margin(np.asarray(exposure.of(part.per))) for part in parts], axis=0)
     for number, part in enumerate(parts):
         low, high = before.of(part.per), exposure.of(part.per)
         strikes = begun.alive & (low < part.age) & (part.age <= high)
         span = np.where(high > low, high - low, 1.0)
-        share = np.where(strikes, (part.age - low) / span, np.inf)
+        age = part.age if part.per in ("hour", "km") else np.ceil(part.age)
+        share = np.where(strikes, (age - low) / span, np.inf)
         sooner = share < first
         first[sooner], left[sooner] = share[sooner], number
     failed = left >= 0
@@ -99,7 +110,8 @@ def failing(
             end=np.where(failed, np.nan, found.end),
             miss=np.where(failed, np.nan, found.miss),
         )
-    return after, replace(found, failures={EQUIPMENT: failed, **found.failures}, left=lost), exposure
+    failures, margins = {EQUIPMENT: failed, **found.failures}, {EQUIPMENT: margin, **found.margins}
+    return after, replace(found, failures=failures, left=lost, margins=margins), exposure
 
 
 def _kinds(parts: Sequence[Part]) -> list[Leaves]:

@@ -1,6 +1,7 @@
 """A mooring on a grid of depths: the depth and slope where the anchor lands, and what the vehicle meets there."""
 
 from collections.abc import Callable
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
@@ -94,12 +95,12 @@ def _foreseen(scenario: Scenario, phase: MoorPhase[Scalars], state: TrialState) 
 
 def met_at_mooring(place: Place, plan: MoorPlan, state: TrialState, after: TrialState, record: MoorRecord) -> Contact:
     """What trials meet of zones while they go down and hold, and of everything while they drift after the ascent."""
-    contact, rows = Contact.none(state.trials), np.flatnonzero(state.alive)
+    contact, rows = Contact.none(state.trials, measured=place.is_measured), np.flatnonzero(state.alive)
     landed = np.where(record.descent.touched_down, record.anchor, state.position)
     end = np.where(after.alive, after.clock, state.clock + record.descent.release_time)
-    columns = Place(None, place.fence)
+    columns = replace(place, ground=None)
     down = Way(state.position, landed, state.clock, end, 0.0, plan.dive.site_depth)
-    contact.note(rows, columns.meets(down.take(rows)), 0)
+    contact.note(rows, columns.take(rows).meets(down.take(rows)), 0)
     rows = np.flatnonzero(state.alive & record.surfaced)
     up = Way(record.surfaced_at, after.position, after.clock - plan.surfacing_time, after.clock)
     contact.note(rows, place.take(rows).meets(up.take(rows)), 0)

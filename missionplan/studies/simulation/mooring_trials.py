@@ -6,14 +6,14 @@ from functools import partial
 import numpy as np
 import scipy
 
-from missionplan.arrays import Array, Scalars
+from missionplan.arrays import Array, Scalars, over_trials
 from missionplan.mission.schema.phases import MoorPhase
 from missionplan.phases.currents import Current, Span
 from missionplan.phases.mooring.mooring import MoorPlan, MoorRecord, moor
 from missionplan.phases.state import TrialState
 from missionplan.physics.energy import JOULES_PER_WATT_HOUR
 from missionplan.scenario.held_vehicle import line_strength
-from missionplan.scenario.mooring import is_too_shallow, moor_plan
+from missionplan.scenario.mooring import moor_plan, room_in_depth
 from missionplan.scenario.scenario import STILL_WATER, Scenario
 from missionplan.scenario.transit_streams import fix_normals
 from missionplan.studies.simulation.mooring_ground import Moored, met_at_mooring, on_ground
@@ -31,6 +31,7 @@ from missionplan.studies.simulation.phase_trials import (
     end_exhausted,
     failures_met,
     limit_events,
+    margins_met,
     quantities_reached,
     where_reached,
 )
@@ -78,6 +79,7 @@ def mooring_trials(
     }
     track, times = _track(plan, state, after, record, block.tracked)
     profile = _profile(plan, state, moored, after, record)[:, :, : block.tracked]
+    room = room_in_depth(plan.dive, plan.held.body.length)
     found = PhaseTrials(
         name=phase.name,
         kind=phase.kind,
@@ -97,6 +99,7 @@ def mooring_trials(
         contact=contact,
         exposure=_exposure(plan, begun, record),
         profile=profile,
+        margins={TOO_SHALLOW: over_trials(room, state.trials), **margins_met(contact)},
     )
     return continuing, found
 
@@ -139,7 +142,7 @@ def _exposure(plan: MoorPlan, begun: Flags, record: MoorRecord) -> Exposure:
 
 def _prevented(block: TrialBlock, phase: MoorPhase[Scalars], plan: MoorPlan, begun: Flags) -> dict[str, Flags]:
     """Trials in which the dive cannot be, by what prevents it."""
-    prevented = {TOO_SHALLOW: begun & is_too_shallow(plan.dive, plan.held.body.length)}
+    prevented = {TOO_SHALLOW: begun & (room_in_depth(plan.dive, plan.held.body.length) <= 0.0)}
     anchor = block.scenario.mooring.anchor
     if anchor.premature_flooding > 0.0:
         normals = block.source.once(f"{phase.name}.premature_flooding")[: begun.size]

@@ -140,6 +140,8 @@ class PhaseTrials:
         Of the equipment, in this phase.
     left : mapping of str to array of bool, shape (n,)
         Trials whose equipment failed here, by what that leaves of the vehicle: ``adrift``, ``sunk``, ….
+    margins : mapping of str to array, shape (n,)
+        By the reason, how near each trial came to failing here of what no quantity tells: 0 or less where it does.
     """
 
     name: str
@@ -161,11 +163,19 @@ class PhaseTrials:
     exposure: Exposure = Exposure()
     left: Mapping[str, Flags] = field(default_factory=dict)
     profile: Array = field(default_factory=lambda: np.empty((2, 0, 0)))
+    margins: Mapping[str, Array] = field(default_factory=dict)
 
 
 def failures_met(contact: Contact) -> dict[str, Flags]:
     """Failures by what was met."""
     return {reason: contact.of(cause) for cause, reason in MET.items()}
+
+
+def margins_met(contact: Contact | None) -> dict[str, Array]:
+    """How near trials came to what was met or not; none where the place does not measure it."""
+    if contact is None or not len(contact.nearest):
+        return {}
+    return {reason: contact.nearest[cause - 1] for cause, reason in MET.items()}
 
 
 def limit_events(current: Current | None, **happened: Flags) -> dict[str, Flags]:
@@ -232,6 +242,8 @@ def transit_trials(
     reserve = 0.0 if execution is None else execution.reserve
     continuing, exhausted = end_exhausted(after, scenario.capacity * (1.0 - reserve))
     goal, arrived = column(plan.goal), record.arrived & ~exhausted
+    contact = record.contact if environment.place is not None else None
+    below = {AGROUND: _each(depth - plan.depth, state)} if np.all(np.isfinite(depth)) else {}
     found = PhaseTrials(
         name=phase.name,
         kind=phase.kind,
@@ -248,9 +260,10 @@ def transit_trials(
         goal=goal,
         radius=plan.arrival_radius,
         inputs=_leg_inputs(plan, normals, state, record, goal) if block.inputs and not plan.via else {},
-        contact=record.contact if environment.place is not None else None,
+        contact=contact,
         exposure=Exposure(record.duration, record.distance, record.surfacings, record.surfacings),
         profile=_profile(plan, record.track_time),
+        margins=below | margins_met(contact),
     )
     return continuing, found
 

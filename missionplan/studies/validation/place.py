@@ -9,7 +9,7 @@ from missionplan.arrays import Array, Scalars
 from missionplan.errors import InputError, Problem
 from missionplan.mission.schema.phases import MoorPhase, TransitPhase
 from missionplan.phases.place.place import Cause, Contact, Place, Way
-from missionplan.scenario.mooring import is_too_shallow, moor_plan
+from missionplan.scenario.mooring import moor_plan, room_in_depth
 from missionplan.scenario.place.ways import blocked
 from missionplan.scenario.scenario import Scenario, leg_spread
 
@@ -111,7 +111,7 @@ def _mooring(means: Scenario, place: Place, phase: MoorPhase[Scalars], here: Arr
     if np.isfinite(water) and means.mission.vehicle is not None and means.mission.vehicle.anchor is not None:
         deep = means.at_depth(water)
         plan = moor_plan(deep, phase)
-        if np.all(is_too_shallow(plan.dive, plan.held.body.length)):
+        if np.all(room_in_depth(plan.dive, plan.held.body.length) <= 0.0):
             message = f"moors at {_shown(here)}: line and vehicle are longer than the water is deep, {water:.3g} m"
             yield Problem(message, file, key=f"{phase.name}.line_length")
 

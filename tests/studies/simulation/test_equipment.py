@@ -10,7 +10,7 @@ from test_over_ground import MISSION, failing
 
 from missionplan.errors import InputError
 from missionplan.mission import load
-from missionplan.physics.reliability import age_weibull, count_at_chance, rate_of_counts
+from missionplan.physics.reliability import age_at_chance, age_weibull, rate_of_counts
 from missionplan.studies.overdue.overdue import _first_failures
 from missionplan.studies.simulation.phase_trials import EQUIPMENT
 from missionplan.studies.simulation.simulate import simulate_block
@@ -37,7 +37,7 @@ def test_a_weibull_law_has_its_survival_and_a_chance_its_geometric_law():
     age = age_weibull(0.7, 100.0, Z)
     for t in (10.0, 100.0, 300.0):
         assert np.mean(age > t) == pytest.approx(math.exp(-((t / 100.0) ** 0.7)), abs=0.004)
-    count = count_at_chance(0.2, Z)
+    count = np.ceil(age_at_chance(0.2, Z))
     for k in (1, 2, 5):
         assert np.mean(count > k) == pytest.approx(0.8**k, abs=0.004)
     assert count.min() == 1.0
