@@ -65,28 +65,48 @@ def _held(whole: dict) -> dict[str, float]:
     return {"fresh_90": whole["coverage_90"]["value"], "fresh_50": whole["coverage_50"]["value"]}
 
 
-def summary(lines: list[dict]) -> list[str]:
-    """Return the figures in words."""
+def figures(lines: list[dict]) -> dict[str, float]:
+    """Return the figures by name, and how many logs, sets and parameters they are of."""
     own = [line for line in lines if not line["outside"]]
     told = [(p, causes == line["truth"]) for line in own for causes, p in line["sets"]]
     sure = [right for p, right in told if p >= 0.99]
     p, right = np.array([each[0] for each in told]), np.array([each[1] for each in told], dtype=float)
     bins = np.digitize(p, np.linspace(0.0, 1.0, 11)[1:-1])
-    error = sum(abs(p[bins == b].sum() - right[bins == b].sum()) for b in range(10)) / max(len(p), 1)
     held = [line["truth"] in line["credible"] for line in own]
     parameters = np.array([pair for line in own for pair in line["inside"]], dtype=float).reshape(-1, 2)
     outer = [line["none_of_these"] for line in lines if line["outside"]]
     inner = [line["none_of_these"] for line in own]
-    auc = np.mean([(a > b) + 0.5 * (a == b) for a in outer for b in inner]) if outer and inner else float("nan")
+    pairs = [(a > b) + 0.5 * (a == b) for a in outer for b in inner]
+    return {
+        "logs": len(own),
+        "outside": len(outer),
+        "sets": len(p),
+        "ece": sum(abs(p[bins == b].sum() - right[bins == b].sum()) for b in range(10)) / max(len(p), 1),
+        "sure": len(sure),
+        "sure_right": sum(sure),
+        "in_set": float(np.mean(held)),
+        "set_size": float(np.mean([len(line["credible"]) for line in own])),
+        "parameters": len(parameters),
+        "parameters_90": float(parameters[:, 0].mean()),
+        "parameters_50": float(parameters[:, 1].mean()),
+        "fresh_90": float(np.mean([line["fresh_90"] for line in own])),
+        "fresh_50": float(np.mean([line["fresh_50"] for line in own])),
+        "none_auc": float(np.mean(pairs)) if pairs else float("nan"),
+    }
+
+
+def summary(lines: list[dict]) -> list[str]:
+    """Return the figures in words."""
+    found = figures(lines)
     return [
-        f"{len(own)} logs of the catalogue, {len(outer)} from outside it",
-        f"expected calibration error of {len(p)} sets: {error:.3f}",
-        f"P >= 0.99 right: {sum(sure)} of {len(sure)}",
-        f"truth in the 95 % set: {sum(held)} of {len(held)}; its mean size {np.mean([len(x['credible']) for x in own]):.2f}",
-        f"parameters in 90 and 50 % intervals: {parameters.mean(axis=0).round(3).tolist()} of {len(parameters)}",
-        f"fresh legs in 90 and 50 % intervals: {np.mean([x['fresh_90'] for x in own]):.3f}, "
-        f"{np.mean([x['fresh_50'] for x in own]):.3f}",
-        f"none_of_these, AUC between outside and inside: {auc:.2f}",
+        f"{found['logs']} logs of the catalogue, {found['outside']} from outside it",
+        f"expected calibration error of {found['sets']} sets: {found['ece']:.3f}",
+        f"P >= 0.99 right: {found['sure_right']} of {found['sure']}",
+        f"truth in the 95 % set: {found['in_set']:.3f}; its mean size {found['set_size']:.2f}",
+        f"parameters in 90 and 50 % intervals: {found['parameters_90']:.3f}, {found['parameters_50']:.3f} "
+        f"of {found['parameters']}",
+        f"fresh legs in 90 and 50 % intervals: {found['fresh_90']:.3f}, {found['fresh_50']:.3f}",
+        f"none_of_these, AUC between outside and inside: {found['none_auc']:.2f}",
     ]
 
 

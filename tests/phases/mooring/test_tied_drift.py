@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from tied_reference import Case, tied, varied_case
 
 from missionplan.phases.currents import layers
 from missionplan.phases.mooring.descent import DescentRecord, descend
@@ -14,6 +13,7 @@ from missionplan.phases.mooring.forces import Dive
 from missionplan.phases.mooring.horizontal_drift import CrossFlowBody, TiedBodies
 from missionplan.phases.mooring.profile import simulate_profile
 from missionplan.physics.vehicle_drag import QuadraticDrag
+from tests.phases.mooring.tied_reference import Case, tied, varied_case
 
 
 def dive_of(case: Case) -> Dive:

@@ -1,0 +1,48 @@
+"""The validation table: every row is well formed, and the page says what was measured."""
+
+import math
+
+from validation import pages, record
+from validation.rows import LEVELS, Accepted, Measured, Options, Row, all_rows, at_most, near
+
+
+def made(accepted, values, **more):
+    return Row("closed.made", "A claim", "a case", "a reference", tuple(accepted), lambda _: Measured(values), **more)
+
+
+def judged(row, tmp_path):
+    return record.measured(row, Options(tmp_path, tmp_path), figures=None)
+
+
+def test_every_row_is_of_a_level_and_says_its_claim_case_and_reference():
+    rows = all_rows()
+    assert {each.level for each in rows.values()} == set(LEVELS)
+    for name, each in rows.items():
+        assert each.name == name
+        assert each.claim
+        assert each.case
+        assert each.reference
+        assert each.accepted
+        assert any(number.is_limited for number in each.accepted), f"{name} cannot fail"
+        assert len({number.name for number in each.accepted}) == len(each.accepted), name
+
+
+def test_a_number_outside_its_limits_fails_the_row(tmp_path):
+    assert judged(made([at_most("x", 1.0, "m")], [0.9]), tmp_path).verdict == record.HOLDS
+    assert judged(made([at_most("x", 1.0, "m")], [1.1]), tmp_path).verdict == record.FAILS
+    assert judged(made([near("x", 1.0, 0.1)], [math.nan]), tmp_path).verdict == record.FAILS
+    assert judged(made([near("x", 1.0, 0.1)], [1.0], differs="known"), tmp_path).verdict == record.DIFFERS
+    assert judged(made([near("x", 1.0, 0.1)], [2.0], differs="known"), tmp_path).verdict == record.FAILS
+    assert Accepted("x").holds(math.nan)
+
+
+def test_a_row_that_breaks_fails_and_the_others_go_on(tmp_path):
+    found = judged(made([at_most("x", 1.0)], [1.0, 2.0]), tmp_path)
+    assert found.verdict == record.FAILS
+    assert "ValueError" in found.why
+
+
+def test_the_page_is_what_was_measured():
+    text = pages.PAGE.read_text(encoding="utf-8")
+    assert pages.table(record.load()) in text
+    assert "**fails**" not in text

@@ -1,0 +1,131 @@
+"""What the rows measured, kept in `docs/validation/measured.json`: numbers, verdict, seed, versions, commit, date."""
+
+import json
+import math
+import platform
+import re
+import subprocess
+import time
+from dataclasses import asdict, dataclass
+from datetime import UTC, datetime
+from importlib.metadata import PackageNotFoundError, version
+from pathlib import Path
+
+from missionplan.report.drawn import draw, style
+from validation.rows import ROOT, NotMeasurableHereError, Options, Row, all_rows
+
+FOLDER = ROOT / "docs" / "validation"
+FIGURES = FOLDER / "figures"
+STORE = FOLDER / "measured.json"
+HOLDS, DIFFERS, FAILS, NOT_MEASURED = "holds", "differs", "fails", "not measured"
+_LIBRARIES = ("numpy", "scipy")
+_WHITE = '<rect width="100%" height="100%" fill="#ffffff"/>'
+"""Behind a figure, so that it is legible on any page."""
+
+
+@dataclass(frozen=True)
+class Found:
+    """What a row measured, when and with what.
+
+    Attributes
+    ----------
+    values : list of float
+        In the order of the row's `accepted`; None stands for nan.
+    verdict : str
+    why : str
+        Why it could not be measured.
+    cpu_s : float
+        CPU time of this process and its children [s].
+    """
+
+    values: list[float | None]
+    verdict: str
+    date: str
+    commit: str
+    versions: dict[str, str]
+    seed: int | None
+    cpu_s: float
+    has_figure: bool = False
+    why: str = ""
+
+
+def measured(row: Row, options: Options, *, figures: Path | None) -> Found:
+    """Measure a row; its figure, if any, is written to a folder."""
+    began, why, has_figure = _cpu(), "", False
+    values: list[float | None] = []
+    try:
+        result = row.measure(options)
+        judged = [each.holds(float(value)) for each, value in zip(row.accepted, result.values, strict=True)]
+    except NotMeasurableHereError as reason:
+        verdict, why = NOT_MEASURED, str(reason)
+    except Exception as fault:  # the other rows are measured all the same
+        verdict, why = FAILS, f"{type(fault).__name__}: {fault}"
+    else:
+        values = [None if math.isnan(value) else _rounded(value) for value in result.values]
+        verdict = (DIFFERS if row.differs else HOLDS) if all(judged) else FAILS
+        has_figure = result.figure is not None
+        if result.figure is not None and figures is not None:
+            figures.mkdir(exist_ok=True)
+            with style():
+                svg = draw(result.figure).svg
+            text = re.sub(r"(<svg[^>]*>)", rf"\1{_WHITE}", svg, count=1)
+            (figures / f"{row.name}.svg").write_text(text, encoding="utf-8")
+    return Found(
+        values,
+        verdict,
+        f"{datetime.now(UTC):%Y-%m-%d}",
+        commit(),
+        versions(row.packages),
+        row.seed,
+        round(_cpu() - began, 1),
+        has_figure,
+        why,
+    )
+
+
+def load() -> dict[str, Found]:
+    """Return what was measured, by ID; rows that are no longer in the table are left out."""
+    if not STORE.exists():
+        return {}
+    kept = json.loads(STORE.read_text(encoding="utf-8"))
+    return {name: Found(**kept[name]) for name in all_rows() if name in kept}
+
+
+def save(found: dict[str, Found]) -> None:
+    """Write what was measured."""
+    written = {name: asdict(found[name]) for name in all_rows() if name in found}
+    STORE.write_text(json.dumps(written, indent=1, ensure_ascii=False) + "\n", encoding="utf-8")
+
+
+def commit() -> str:
+    """Return the commit that the code is of, with a ``+`` where files of the package differ from it."""
+    try:
+        words = ["git", "-C", str(ROOT)]
+        name = subprocess.run([*words, "rev-parse", "--short", "HEAD"], capture_output=True, text=True, check=True)
+        changed = subprocess.run([*words, "status", "--porcelain", "missionplan"], capture_output=True, text=True)
+    except (OSError, subprocess.CalledProcessError):
+        return ""
+    return name.stdout.strip() + ("+" if changed.stdout.strip() else "")
+
+
+def versions(packages: tuple[str, ...]) -> dict[str, str]:
+    """Return the versions of Python, the numerical libraries and the peers that are installed."""
+    found = {"Python": platform.python_version()}
+    for name in (*_LIBRARIES, *packages):
+        try:
+            found[name] = version(name)
+        except PackageNotFoundError:
+            continue
+    return found
+
+
+def _cpu() -> float:
+    import os
+
+    used = os.times()
+    return time.process_time() + used.children_user + used.children_system
+
+
+def _rounded(value: float) -> float:
+    """Five digits: more are never shown, and the last bits vary from machine to machine."""
+    return float(f"{value:.5g}")
