@@ -26,13 +26,9 @@ def files(plan: Plan, stem: str) -> dict[str, str | bytes]:
 
 def waypoints_csv(plan: Plan) -> str:
     """Write the table."""
-    import pandas as pd  # half a second, and the other forms need none
-
-    frame = pd.DataFrame(list(rows(plan)))
-    for name in ("name", "phase"):
-        frame[name] = frame[name].map(one_line)
+    named = [{**row, "name": one_line(str(row["name"])), "phase": one_line(str(row["phase"]))} for row in rows(plan)]
     comments = "".join(f"# {line}\n" for line in header(plan, TITLE, lost(plan)))
-    return comments + to_csv(frame)
+    return comments + to_csv(named)
 
 
 def rows(plan: Plan) -> Iterator[dict[str, Cell]]:
