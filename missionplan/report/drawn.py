@@ -21,7 +21,7 @@ from matplotlib.text import Text
 
 from missionplan.montecarlo.parallel.pool import interrupts_deferred, result_of, running_pool
 from missionplan.report.axes import draw_in_units, set_ticks
-from missionplan.report.html.readings import Slider, name_series, readings
+from missionplan.report.html.readings import Shown, name_series, readings
 from missionplan.report.quantities import reader_system, reading_in
 from missionplan.report.wording import typeset
 
@@ -29,6 +29,8 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 
+PLAIN = Shown()
+"""Of a figure to which the page adds nothing."""
 SVG_DPI = 72
 """Dots per inch at which SVG is drawn."""
 
@@ -61,7 +63,7 @@ def style() -> Iterator[None]:
         yield
 
 
-def draw(figure: "Figure", slider: Slider | None = None) -> Drawn:
+def draw(figure: "Figure", shown: Shown = PLAIN) -> Drawn:
     """Draw a figure in the style and the units that are set."""
     FigureCanvasSVG(figure)
     draw_in_units(figure.axes)
@@ -78,17 +80,17 @@ def draw(figure: "Figure", slider: Slider | None = None) -> Drawn:
     series = name_series(figure)
     buffer = io.StringIO()
     figure.savefig(buffer, format="svg", metadata={"Date": None, "Creator": None, "Format": None, "Type": None})
-    return Drawn(buffer.getvalue(), readings(figure, series, slider))
+    return Drawn(buffer.getvalue(), readings(figure, series, shown))
 
 
-Draw = Callable[["Figure", Slider | None], DrawnFigure]
+Draw = Callable[["Figure", Shown], DrawnFigure]
 """Draws a figure, or has it drawn."""
 _chosen: ContextVar[Draw] = ContextVar("draw", default=draw)
 
 
-def drawing_of(figure: "Figure", slider: Slider | None = None) -> DrawnFigure:
+def drawing_of(figure: "Figure", shown: Shown = PLAIN) -> DrawnFigure:
     """Draw a figure in the way that is chosen: here, or in another process."""
-    return _chosen.get()(figure, slider)
+    return _chosen.get()(figure, shown)
 
 
 @contextmanager
@@ -123,18 +125,18 @@ class _Parallel:
     executor: ProcessPoolExecutor
     pending: "list[Future[Drawn]]" = field(default_factory=list)
 
-    def drawing_of(self, figure: "Figure", slider: Slider | None) -> DrawnFigure:
+    def drawing_of(self, figure: "Figure", shown: Shown) -> DrawnFigure:
         self.pending[:] = [future for future in self.pending if not future.done()]
         if len(self.pending) >= AT_ONCE:
-            return draw(figure, slider)
-        content = bytes(dumps((figure, slider)))
+            return draw(figure, shown)
+        content = bytes(dumps((figure, shown)))
         try:
             with interrupts_deferred():
                 future = self.executor.submit(_drawn, content, reader_system())
         except BrokenExecutor:
-            return draw(figure, slider)
+            return draw(figure, shown)
         self.pending.append(future)
-        return _DrawnElsewhere(future, figure, slider)
+        return _DrawnElsewhere(future, figure, shown)
 
 
 @dataclass(frozen=True, eq=False)
@@ -143,7 +145,7 @@ class _DrawnElsewhere:
 
     future: "Future[Drawn]"
     figure: "Figure"
-    slider: Slider | None
+    shown: Shown
 
     @property
     def svg(self) -> str:
@@ -160,11 +162,11 @@ class _DrawnElsewhere:
         try:
             return result_of(self.future)
         except BrokenExecutor:
-            return draw(self.figure, self.slider)
+            return draw(self.figure, self.shown)
 
 
 def _drawn(content: bytes, units: str) -> Drawn:
     """Draw a pickled figure in the project's style."""
-    figure, slider = pickle.loads(content)
+    figure, shown = pickle.loads(content)
     with style(), reading_in(units):
-        return draw(figure, slider)
+        return draw(figure, shown)

@@ -7,7 +7,7 @@ from functools import cached_property
 from typing import TYPE_CHECKING
 
 from missionplan.report.drawn import DrawnFigure, drawing_of
-from missionplan.report.html.readings import Slider
+from missionplan.report.html.readings import Shown, Slider
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure as MatplotlibFigure
@@ -156,10 +156,16 @@ class Terminal:
 
 
 def to_figure(
-    figure: "MatplotlibFigure", name: str, alt: str, caption: str = "", *, slider: Slider | None = None
+    figure: "MatplotlibFigure",
+    name: str,
+    alt: str,
+    caption: str = "",
+    *,
+    slider: Slider | None = None,
+    origin: tuple[float, float] | None = None,
 ) -> Figure:
     """Draw a matplotlib figure (made with `matplotlib.figure.Figure`, not pyplot).
 
     Of its name, an id of the page and the name of a file, only letters, digits and hyphens are kept.
     """
-    return Figure(re.sub(r"[^\w.-]+", "-", name), drawing_of(figure, slider), alt, caption)
+    return Figure(re.sub(r"[^\w.-]+", "-", name), drawing_of(figure, Shown(slider, origin)), alt, caption)

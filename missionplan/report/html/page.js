@@ -5,7 +5,7 @@
     parent.append(made);
     return made;
   };
-  const number = value => String(Number(value.toPrecision(3))).replace("-", "\u2212");
+  const number = value => String(Number(value.toPrecision(4))).replace("-", "\u2212");
   const said = (label, value) => {
     const [, name, unit] = label.match(/^(.*?)(?: \(([^()]*)\))?$/);
     return `${name} ${number(value)}${unit ? "\u00a0" + unit : ""}`;
@@ -46,20 +46,32 @@
       const panel = plot.axes.find(({ box: [left, top, wide, high] }) => x >= left && x <= left + wide && y >= top && y <= top + high);
       if (!panel) return hide();
       const [left, top, wide, high] = panel.box;
-      const words = [];
-      if (panel.x) words.push(said(panel.x.label, at(panel.x, (x - left) / wide)));
-      if (panel.y) words.push(said(panel.y.label, at(panel.y, 1 - (y - top) / high)));
-      for (const line of panel.lines) {
+      const x0 = at(panel.x, (x - left) / wide), y0 = at(panel.y, 1 - (y - top) / high);
+      const bar = panel.bars.find(({ ends: [a, b, c, d] }) => x0 >= a && x0 <= b && y0 >= c && y0 <= d);
+      const words = bar ? [bar.text] : [];
+      let datum = null;
+      for (const line of bar ? [] : panel.lines) {
         if (off.has(line.name)) continue;
         const point = nearest(line, panel, x, y);
-        if (point) words.push(`${line.name ? line.name + ": " : "curve: "}${number(point[1])} at ${number(point[0])}`);
+        if (!point) continue;
+        if (!datum || point[0] !== datum[0]) words.push(said(panel.x.label, point[0]));
+        words.push(`${line.name ? line.name + ": " : ""}${said(panel.y.label, point[1])}`);
+        datum = datum || point;
       }
+      if (panel.earth) {
+        const [east, north] = datum || [x0, y0];
+        words.push(panel.earth.map(([zero, dx, dy]) => (zero + dx * east + dy * north).toFixed(5) + "\u00b0").join(" "));
+      }
+      if (!words.length) return hide();
       tip.textContent = words.slice(0, 8).join("\n");
       tip.hidden = false;
       const frame = figure.getBoundingClientRect();
       tip.style.left = `${Math.min(event.clientX - frame.left + 14, frame.width - tip.offsetWidth)}px`;
       tip.style.top = `${event.clientY - frame.top + 14}px`;
-      cross.setAttribute("d", `M${x},${top}v${high}M${left},${y}h${wide}`);
+      const [u, v] = bar || !datum ? [x, y] : place(panel, datum);
+      const [a, b, c, d] = bar ? bar.ends : [];
+      const [p, q] = bar ? place(panel, [a, d]) : [], [r, s] = bar ? place(panel, [b, c]) : [];
+      cross.setAttribute("d", bar ? `M${p},${q}H${r}V${s}H${p}Z` : datum || panel.earth ? `M${u},${top}v${high}M${left},${v}h${wide}` : "");
     });
     const off = new Set();
     if (plot.series) {

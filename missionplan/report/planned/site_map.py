@@ -193,6 +193,7 @@ def site_map(data: Mapping[str, object]) -> Figure | None:
         f"Map of the site: {words}.",
         "The straight way, and the circles within which a transit has arrived or the anchor may lie; east and "
         f"north of the origin.{problem}",
+        origin=(origin.latitude, origin.longitude) if (origin := _origin(data)) is not None else None,
     )
 
 

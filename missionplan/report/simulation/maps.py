@@ -129,6 +129,7 @@ def mission_figure(outcome: Outcome) -> Figure:
         "mission",
         f"{count} trials of the mission {seen}.{crosses}",
         f"{count} trials (light) {seen}; dark: the median trial.{crosses}{lines}{astray}",
+        origin=outcome.tracks.origin,
     )
 
 

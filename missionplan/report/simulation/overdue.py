@@ -131,6 +131,7 @@ def _map(outcome: Outcome, found: Overdue) -> Figure:
         f"Map of search areas, each of which holds 95 % of the trials: {words}.",
         "Each line holds 95 % of the trials. A vehicle adrift is carried by the surface current and the wind; its "
         "areas are for the hours overdue. Crosses: goals and moorings.",
+        origin=outcome.tracks.origin,
     )
 
 
