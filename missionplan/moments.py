@@ -90,6 +90,12 @@ def zone_of(words: str) -> timezone:
     return timezone(-away if offset["sign"] == "-" else away)
 
 
+def zone_written(value: object) -> timezone:
+    """Zone in which a moment is written; UTC where it names none."""
+    matched = _ISO.fullmatch(value.strip()) if isinstance(value, str) else None
+    return zone_of(matched["zone"]) if matched is not None else UTC
+
+
 def is_since(units: object) -> bool:
     """Whether units are of times since a moment."""
     return isinstance(units, str) and _UNIT.fullmatch(units) is not None

@@ -12,7 +12,7 @@ from missionplan.report.axes import draw_in_units
 from missionplan.report.drawn import style
 from missionplan.report.html.rendering import render_page
 from missionplan.report.page import Block, Drawing, Figure, Listing, Page, PageSection, Table, Terminal
-from missionplan.report.planned.section import planned_sections
+from missionplan.report.planned.section import changed, planned_sections
 from missionplan.report.quantities import reading_in, units_of
 from missionplan.report.wording import typeset
 from missionplan.results.base import Result
@@ -39,7 +39,7 @@ def render_report(result: Result) -> Rendered:
     """Render a result as one self-contained page, its figures, and files for other programs."""
     made = result.provenance
     with shown_as_asked(result):
-        page, planned = _page(result), planned_sections(made)
+        page, planned = _page(result), [*changed(made.data, result.recommended_values), *planned_sections(made)]
         page = typeset_page(page)
         return render_page(page, _sections(planned), made, [typeset(notice) for notice in made.notices])
 

@@ -2,7 +2,7 @@
 
 import pytest
 
-from missionplan.report.planned.section import value_in_words
+from missionplan.report.planned.section import changed, value_in_words
 
 
 @pytest.mark.parametrize(
@@ -28,3 +28,19 @@ from missionplan.report.planned.section import value_in_words
 )
 def test_values_are_written_as_they_are_known(value, words):
     assert value_in_words(value) == words
+
+
+def test_what_changes_is_shown_as_was_and_now():
+    data = {"phases": [{"transit": {"name": "ingress", "d_max": "4 nmi"}}, {"moor": {"anchor_wet_weight": "12 N"}}]}
+    values = {
+        "ingress.d_max": {"table": [["0 m", "10 m"], ["500 m", "300 m"]]},
+        "moor.anchor_wet_weight": "12 N",
+        "moor.line_length": "5 m",
+    }
+    (section,) = changed(data, values)
+    assert [list(row) for row in section.blocks[0].rows] == [
+        ["ingress.d_max", "4 nmi", "a table of 2 rows"],
+        ["moor.line_length", "not given", "5 m"],
+    ]
+    assert section.is_summary
+    assert changed(data, {"moor.anchor_wet_weight": "12 N"}) == []

@@ -4,11 +4,13 @@ import json
 import re
 from dataclasses import replace
 from html.parser import HTMLParser
+from pathlib import Path
 
 import numpy as np
 import pytest
 from outcome_example import MAPPED, example
 
+from missionplan.mission import load
 from missionplan.montecarlo.statistics import wilson
 from missionplan.report.drawn import style
 from missionplan.report.numbers import percent
@@ -17,6 +19,9 @@ from missionplan.report.render import render_report, terminal_view
 from missionplan.report.simulation import page as simulation
 from missionplan.report.simulation.quantities import judged
 from missionplan.results.simulation import Attrition, MooringAnchor, Outcome, RequirementOutcome, Sensitivity
+from missionplan.studies.simulation.simulate import simulate
+
+MISSIONS = Path(__file__).parents[2] / "missions"
 
 
 @pytest.fixture(scope="module")
@@ -264,3 +269,17 @@ def test_the_folder_holds_what_the_contract_names_and_the_page_asks_for_nothing_
 
 def test_without_an_origin_there_is_no_place_on_earth():
     assert render_report(example(origin=False)).files == {}
+
+
+def test_the_sheet_tells_the_hour_in_utc_and_in_the_zone_of_the_mission():
+    def sheet(start):
+        found = simulate(load(MISSIONS / "fig8.yaml").with_({"start": start}), trials=60, assumptions=False)
+        return next(section for section in simulation.page(found).sections if section.is_sheet)
+
+    west, utc = sheet("2026-06-01T22:00-05:00"), sheet("2026-06-02T03:00Z")
+    local = re.search(r"\((.*)\)", west.heading)[1]
+    assert local.startswith(re.search(r"\((.*)\)", utc.heading)[1])
+    assert re.fullmatch(r"02 Jun \d\d:\d\d UTC, 0[12] Jun \d\d:\d\d -05:00", local)
+    there, here = (int(hour) for hour in re.findall(r"(\d\d):\d\d ", f"{local} "))
+    assert (there - here) % 24 == 5
+    assert any("nothing of it (energy.capacity)" in block for block in west.blocks if isinstance(block, str))

@@ -11,6 +11,7 @@ from missionplan.report.planned.site_map import site_map
 from missionplan.report.quantities import DIMENSIONS, as_written, reader_system
 from missionplan.report.wording import capitalised, in_words
 from missionplan.results.base import Provenance
+from missionplan.results.decision import changes_of
 from missionplan.results.plain_data import mapping
 
 _QUANTITY = re.compile(r"\s*([+-]?[\d.]+(?:[eE][+-]?\d+)?)\s*(\D.*?)?\s*")
@@ -130,6 +131,20 @@ def not_held(provenance: Provenance) -> list[PageSection]:
     rows = [(each.what, "in" if each.held else "not in", each.why) for each in provenance.holds]
     table = Table(("", "", "what of it, or why it matters here"), rows, text_columns=3)
     return [PageSection("What this probability does not hold", [table], is_summary=True)]
+
+
+def changed(data: Mapping[str, object], values: Mapping[str, object]) -> list[PageSection]:
+    """Show which keys of the mission a result would have changed: was and now; nothing where it changes none."""
+    rows = [(each.key, _table_or_value(each.was), _table_or_value(each.now)) for each in changes_of(data, values)]
+    table = Table(("key", "was", "now"), rows, text_columns=3)
+    return [PageSection("What changes in the mission", [table], is_summary=True)] if rows else []
+
+
+def _table_or_value(value: object) -> str:
+    if value is None:
+        return "not given"
+    table = mapping(value).get("table")
+    return f"a table of {len(table)} rows" if isinstance(table, list | tuple) else value_in_words(value)
 
 
 def _named(key: str) -> str:

@@ -3,7 +3,7 @@
 import json
 import math
 from collections.abc import Iterator, Sequence
-from datetime import datetime, timedelta
+from datetime import UTC, datetime, timedelta
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -12,7 +12,7 @@ from matplotlib.figure import Figure as MatplotlibFigure
 from missionplan.arrays import Array
 from missionplan.exporters.maps.geojson import feature
 from missionplan.exporters.maps.geometry import longitudes_latitudes
-from missionplan.moments import moment_of
+from missionplan.moments import moment_of, zone_written
 from missionplan.report.axes import name_axis
 from missionplan.report.geography.plan_view import frame
 from missionplan.report.numbers import number
@@ -42,16 +42,16 @@ def overdue_section(outcome: Outcome) -> Iterator[PageSection]:
     blocks: list[Block] = [_why(found, start), _times(found, start), _map(outcome, found), _areas(outcome, found)]
     yield PageSection(
         f"If it does not come back: worry after {_clock(found.worry_after, start)}",
-        [*blocks, _notes(found)],
+        [*blocks, _notes(found), *_battery(found)],
         is_sheet=True,
     )
 
 
 def _start(outcome: Outcome) -> datetime | None:
-    """UTC of the mission's start, where the mission gives it."""
+    """The mission's start in the zone in which the mission has it; None where it gives none."""
     written = outcome.provenance.data.get("start")
     try:
-        return None if written is None else moment_of(written)
+        return None if written is None else moment_of(written).astimezone(zone_written(written))
     except (ValueError, OverflowError):
         return None
 
@@ -65,7 +65,11 @@ def _clock(seconds: float, start: datetime | None) -> str:
         return ""
     minutes = math.ceil(seconds / 60.0)
     words = f"{minutes // 60}:{minutes % 60:02d}\u00a0h"
-    return words if start is None else f"{words} ({start + timedelta(minutes=minutes):%d %b %H:%M} UTC)"
+    if start is None:
+        return words
+    moment = start + timedelta(minutes=minutes)
+    local = "" if not start.utcoffset() else f", {moment:%d %b %H:%M} {moment.isoformat()[-6:]}"
+    return f"{words} ({moment.astimezone(UTC):%d %b %H:%M} UTC{local})"
 
 
 def _why(found: Overdue, start: datetime | None) -> str:
@@ -232,6 +236,15 @@ def _notes(found: Overdue) -> str:
         "to, at a moment as likely as any other. The shares are those of the model, which assumes: "
     )
     return words + " ".join(assumption.value for assumption in found.assumptions)
+
+
+def _battery(found: Overdue) -> Iterator[str]:
+    """Say that the sheet knows nothing of the battery, where it does not."""
+    if not any(math.isfinite(time.energy_left) for time in found.times):
+        yield (
+            "Battery: the mission says nothing of it (energy.capacity), so that this sheet cannot tell how long the "
+            "vehicle can hold a position, answer or run its beacon."
+        )
 
 
 def search_areas_geojson(outcome: Outcome) -> str | None:
