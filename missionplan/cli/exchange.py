@@ -231,6 +231,7 @@ class PlanFormat(StrEnum):
 
     CSV = "csv"
     JSON = "json"
+    SVG = "svg"
     GPX = "gpx"
     GEOJSON = "geojson"
     KML = "kml"

@@ -12,6 +12,7 @@ from missionplan.results.plan_states import GUARDS, GuardKind
 FORMATS = {
     "csv": "missionplan.exporters.table",
     "json": "missionplan.exporters.plan_json",
+    "svg": "missionplan.exporters.drawing",
     "gpx": "missionplan.exporters.maps.gpx",
     "geojson": "missionplan.exporters.maps.geojson",
     "kml": "missionplan.exporters.maps.kml",

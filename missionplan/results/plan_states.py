@@ -5,7 +5,7 @@ for the point until its dead reckoning is there, surfaces, and has arrived where
 """
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from typing import Literal
 
@@ -55,6 +55,20 @@ ACTIONS = {
 """What the vehicle does in a state of each kind."""
 
 
+Amount = Callable[[float, str], str]
+"""Writes a value with its unit."""
+
+
+def amount_in_si(value: float, unit: str) -> str:
+    """Write a value with its unit, long times in minutes and hours."""
+    scales = {"h": 3600.0, "min": 60.0} if unit == "s" else {}
+    for larger, scale in scales.items():
+        if value >= 2.0 * scale:
+            return f"{value / scale:.3g}\u00a0{larger}"
+    written = "W\u202fh" if unit == "Wh" else unit
+    return f"{value:.4g}\u00a0{written}"
+
+
 @dataclass(frozen=True)
 class Guard:
     """A condition; `value` in SI, or Wh, nan for a guard without one."""
@@ -62,11 +76,12 @@ class Guard:
     kind: GuardKind
     value: float = math.nan
 
-    @property
-    def words(self) -> str:
-        """In words."""
+    def words(self, amount: Amount) -> str:
+        """In words, `amount` writing the value with its unit."""
         text, unit = GUARDS[self.kind]
-        return text.format(f"{self.value:.4g} {unit}")
+        if self.kind == "reckoned-within" and not self.value:
+            return "dead reckoning at the point"
+        return text.format(amount(self.value, unit))
 
 
 @dataclass(frozen=True)
@@ -167,21 +182,3 @@ def _mooring(mooring: PlannedMooring, number: str, after: str) -> Iterator[State
         Transition(after, (Guard("fix-received"),)),
         Transition("abort", (Guard("in-state", mooring.fix_wait),)),
     )
-
-
-def mermaid(states: Sequence[State]) -> str:
-    """Draw the states as a Mermaid state diagram."""
-    lines = ["stateDiagram-v2", f"  [*] --> {_node(states[0].name)}"]
-    for state in states:
-        label = f"{state.phase}: {state.kind}" if state.phase else state.kind
-        lines.append(f'  state "{label.replace(chr(34), chr(39))}" as {_node(state.name)}')
-        for transition in state.transitions:
-            words = " and ".join(guard.words for guard in transition.guards)
-            lines.append(f"  {_node(state.name)} --> {_node(transition.to)} : {words}")
-        if not state.transitions:
-            lines.append(f"  {_node(state.name)} --> [*]")
-    return "\n".join(lines) + "\n"
-
-
-def _node(name: str) -> str:
-    return "s" + name.replace("-", "_").replace(".", "_")

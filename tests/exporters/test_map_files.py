@@ -297,7 +297,7 @@ def test_viewers_colour_lines_areas_and_points():
 
 def test_forms_without_positions_on_earth_need_no_origin():
     need = {name: format_named(name).NEEDS_ORIGIN for name in FORMATS}
-    assert {name for name in need if not need[name]} == {"csv", "json", "moos"}
+    assert {name for name in need if not need[name]} == {"csv", "json", "svg", "moos"}
     plan = replace(PLANS["west"], origin=None)
     for name in ("csv", "json"):
         assert "731.5" in content(plan, name)

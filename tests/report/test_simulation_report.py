@@ -191,7 +191,7 @@ def test_every_figure_has_its_own_name_an_alternative_text_and_units(outcome):
     assert all(len(figure.alt) > 40 and figure.caption for figure in figures)
     for figure in figures:
         labels = re.findall(r"<text[^>]*>([^<]+)</text>", figure.svg)
-        assert any(re.search(r"\((m|min|%|ft|W\u202fh)\)", label) for label in labels), figure.name
+        assert any(re.search(r"\((m|min|%|ft|W\u202fh)\)|\d\u00a0m\b", label) for label in labels), figure.name
 
 
 def test_a_quantity_that_does_not_vary_is_told_and_not_drawn(outcome):

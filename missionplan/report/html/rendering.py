@@ -21,7 +21,7 @@ from missionplan.results.plain_data import mapping
 
 _LARGEST, _LARGEST_PRINTED = 1.7, 1.2
 """Largest scale of a figure on the screen and on paper [px/pt]: text of 10 pt is then about as high as the page's."""
-_TALL = 0.8
+_TALL, _LONG = 0.8, 1.3
 """Height over width from which a figure is given more room on paper, so that its text can be read."""
 _LONG_NAME = 18
 """Characters of a first cell for which a wide screen keeps more room."""
@@ -96,7 +96,7 @@ def _environment() -> Environment:
     environment.filters["inline"] = inline
     environment.filters["grouped"] = grouped
     environment.filters["shape"] = shape
-    environment.filters["is_tall"] = is_tall
+    environment.filters["height_class"] = height_class
     environment.filters["filled"] = filled
     environment.tests["text"] = lambda block: isinstance(block, str)
     environment.tests["figures"] = lambda block: isinstance(block, list)
@@ -171,10 +171,11 @@ def inline(figure: Figure) -> Markup:
     return Markup(svg.replace("<svg", f'<svg preserveAspectRatio="xMinYMid" role="img" aria-label="{label}"{limit}', 1))
 
 
-def is_tall(figure: Figure) -> bool:
-    """Whether a figure is about as high as it is wide, or higher."""
+def height_class(figure: Figure) -> str:
+    """Class of a figure that is about as high as it is wide, or higher, or so much higher that it fills a page."""
     size = re.search(r'viewBox="0 0 ([\d.]+) ([\d.]+)"', figure.svg)
-    return size is not None and float(size[2]) > _TALL * float(size[1])
+    ratio = float(size[2]) / float(size[1]) if size else 0.0
+    return "page" if ratio > _LONG else "tall" if ratio > _TALL else ""
 
 
 def rerun_command(provenance: Provenance) -> str:

@@ -33,7 +33,6 @@ from missionplan.report.simulation.quantities import (
 from missionplan.report.simulation.sections import sensitivity_sections
 from missionplan.report.wording import in_words, phase_in_words, shortened
 from missionplan.results.plain_data import mapping
-from missionplan.results.plan_states import mermaid, states_of
 from missionplan.results.simulation import Outcome
 
 
@@ -52,6 +51,7 @@ def page(outcome: Outcome) -> Page:
             *member_sections(outcome),
             sections.attrition(outcome),
             *sections.tracks(outcome),
+            *sections.plan_states(outcome),
             *overdue_section(outcome),
             *(hold_section(held, alone=len(outcome.held) == 1) for held in outcome.held),
             sections.distributions(outcome),
@@ -82,7 +82,6 @@ def _files(outcome: Outcome) -> dict[str, str]:
     written = {
         "waypoints.csv": waypoints_csv(plan) if plan else None,
         "plan.json": plan_json(plan) if plan else None,
-        "plan.mmd": mermaid(states_of(plan)) if plan else None,
         "track.geojson": track_geojson(outcome),
         "track.kml": track_kml(outcome),
         "search-areas.geojson": search_areas_geojson(outcome),

@@ -1,0 +1,84 @@
+"""The drawing of a plan's states: all of them, every guard, and no text over another or over a line."""
+
+import math
+import xml.etree.ElementTree as ElementTree
+from dataclasses import replace
+from itertools import combinations, pairwise
+
+import pytest
+from made_plans import PLANS
+from matplotlib.textpath import TextPath
+
+from missionplan.exporters.drawing import files
+from missionplan.results.plan_states import ACTIONS, amount_in_si, states_of
+
+SVG = "{http://www.w3.org/2000/svg}"
+
+
+def around(plan):
+    """By points on the way, with a battery, a name that is as long as names may be and numbers of many digits."""
+    there, moor, home = plan.phases
+    start, one, two, goal = there.waypoints
+    by_points = replace(there, name="x" * 120, waypoints=(start, replace(one, is_via=True), two, goal))
+    late = replace(moor, hold=9_876_543.0, galvanic_release=1_234_567.0, water_depth=math.nan)
+    return replace(plan, phases=(by_points, late, home), capacity=123_456.789)
+
+
+MADE = {**PLANS, "around": around(PLANS["west"])}
+
+
+@pytest.fixture(params=MADE)
+def drawn(request):
+    plan = MADE[request.param]
+    return plan, ElementTree.fromstring(files(plan, "trip")["trip.svg"])
+
+
+def extent(text):
+    """Left, top, right and bottom of a text, as a wide font sets it."""
+    x, y = float(text.get("x")), float(text.get("y"))
+    weight = {"weight": text.get("font-weight", "normal"), "family": "DejaVu Sans"}
+    width = TextPath((0, 0), text.text, size=12, prop=weight).get_extents().width
+    left = x - width if text.get("text-anchor") == "end" else x
+    return left, y - 9.0, left + width, y + 3.0
+
+
+def over(one, two):
+    return one[0] < two[2] and two[0] < one[2] and one[1] < two[3] and two[1] < one[3]
+
+
+def test_no_text_lies_over_another_or_over_a_line(drawn):
+    _, root = drawn
+    texts = [text for text in root.iter(f"{SVG}text") if text.get("transform") is None]
+    extents = [extent(text) for text in texts]
+    assert not [
+        (texts[i].text, texts[j].text) for i, j in combinations(range(len(texts)), 2) if over(extents[i], extents[j])
+    ]
+    lines = []
+    for line in root.iter(f"{SVG}polyline"):
+        points = [tuple(map(float, point.split(","))) for point in line.get("points").split()]
+        for (x0, y0), (x1, y1) in pairwise(points):
+            assert x0 == x1 or y0 == y1
+            lines.append((min(x0, x1), min(y0, y1), max(x0, x1) + 0.1, max(y0, y1) + 0.1))
+    assert not [text.text for text, each in zip(texts, extents, strict=True) for line in lines if over(each, line)]
+    width, height = map(float, root.get("viewBox").split()[2:])
+    assert all(left >= 0.0 and right <= width and bottom <= height for left, _, right, bottom in extents)
+
+
+def test_every_state_is_drawn_with_what_it_does_and_every_guard(drawn):
+    plan, root = drawn
+    said = " ".join(text.text for text in root.iter(f"{SVG}text"))
+    states = states_of(plan)
+    for kind, does in ACTIONS.items():
+        if any(state.kind == kind for state in states):
+            assert does in said
+    for state in states:
+        for transition in state.transitions:
+            assert " and ".join(guard.words(amount_in_si) for guard in transition.guards) in said
+    boxes = [each for each in root.iter(f"{SVG}rect") if each.get("stroke") == "#222222"]
+    assert len(boxes) == len(states) - 1  # abort is the bar at the right
+
+
+def test_long_times_are_in_minutes_and_hours():
+    written = [amount_in_si(value, "s") for value in (90.0, 119.0, 150.0, 7200.0, 123456.0)]
+    assert written == ["90\u00a0s", "119\u00a0s", "2.5\u00a0min", "2\u00a0h", "34.3\u00a0h"]
+    assert amount_in_si(60.0, "Wh") == "60\u00a0W\u202fh"
