@@ -8,6 +8,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Protocol, cast
 
 from missionplan.rendering import Plot, Rendered
+from missionplan.report.assumptions import with_assumptions
 from missionplan.report.axes import draw_in_units
 from missionplan.report.drawn import style
 from missionplan.report.html.rendering import render_page
@@ -81,7 +82,7 @@ def _plot(result: Result, draw: Drawing, *, ax: "Axes | None" = None, **options:
 
 
 def _page(result: Result) -> Page:
-    return cast(ReportModule, import_module(result.report)).page(result)
+    return with_assumptions(cast(ReportModule, import_module(result.report)).page(result), result.assumed)
 
 
 def typeset_page(page: Page) -> Page:

@@ -8,6 +8,7 @@ from typing import Annotated, ClassVar, Literal
 import pandas as pd
 
 from missionplan.montecarlo.statistics import Probability
+from missionplan.results.assumption import Assumption
 from missionplan.results.axis import Axis
 from missionplan.results.base import Provenance, Result, to_csv, to_yaml
 from missionplan.results.entries import Entry, Record
@@ -131,6 +132,11 @@ class Optimised(Result):
     def certainty(self) -> Mapping[str, object] | None:
         """Probability of success of the choice on fresh draws."""
         return None if self.fresh is None else self.fresh.certainty
+
+    @property
+    def assumed(self) -> tuple[Assumption, ...]:
+        """What the mission with it takes for granted, each with its worth; nothing where it was not judged."""
+        return () if self.fresh is None else self.fresh.assumed
 
     @property
     def recommended_values(self) -> Mapping[str, object]:

@@ -19,7 +19,7 @@ FRESH = 1_000_003
 def judged(
     mission: Mission, recommended: Mapping[str, object], *, trials: int, seed: int, jobs: int = 1
 ) -> Outcome | None:
-    """Simulate a mission with what is recommended.
+    """Simulate a mission with what is recommended, and without each of its assumptions.
 
     Parameters
     ----------
@@ -38,16 +38,22 @@ def judged(
     """
     if not mission.requirements:
         return None
-    return simulated_with(mission, recommended, trials=trials, seed=seed + FRESH, jobs=jobs)
+    return simulated_with(mission, recommended, trials=trials, seed=seed + FRESH, jobs=jobs, assumptions=True)
 
 
 def simulated_with(
-    mission: Mission, values: Mapping[str, object], *, trials: int, seed: int, jobs: int = 1
+    mission: Mission,
+    values: Mapping[str, object],
+    *,
+    trials: int,
+    seed: int,
+    jobs: int = 1,
+    assumptions: bool = False,
 ) -> Outcome | None:
     """Simulate a mission with other values at some key paths; None where it cannot be."""
     try:
         whole = Mission.from_data(with_values(mission.raw, values), file=mission.file)
-        return simulate(whole, trials=trials, seed=seed, jobs=jobs)
+        return simulate(whole, trials=trials, seed=seed, jobs=jobs, assumptions=assumptions)
     except InputError:
         return None
 

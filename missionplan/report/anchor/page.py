@@ -112,10 +112,15 @@ def terminal(sizing: AnchorSizing) -> Terminal:
 
 
 def _verdict(sizing: AnchorSizing) -> str:
-    """Good where the anchor can be built, does what is asked, and its nominal dive ends well within the radius."""
+    """Good where the anchor can be built, does what is asked, and its nominal dive ends well within the radius.
+
+    Undecided where it would drag with a holding factor that is assumed.
+    """
     anchor = sizing.to_build
     dives_well = anchor.touched_down and anchor.lowest_altitude > 0.0 and anchor.offset <= sizing.radius
-    return "good" if sizing.succeeds and dives_well else "bad"
+    if not (sizing.succeeds and dives_well):
+        return "bad"
+    return "undecided" if _drags_in_words(sizing) else "good"
 
 
 def answer(sizing: AnchorSizing) -> str:

@@ -20,8 +20,6 @@ from missionplan.report.simulation.figures import draw_histogram, draw_profile, 
 from missionplan.report.simulation.maps import draw_tracks, mission_figure
 from missionplan.report.simulation.overdue import overdue_section, search_areas_geojson
 from missionplan.report.simulation.quantities import (
-    assumptions_in_words,
-    assumptions_section,
     failure_in_words,
     of_those_that_end,
     range_in_words,
@@ -46,7 +44,6 @@ def page(outcome: Outcome) -> Page:
         write=lambda: [
             *sections.failed_blocks(outcome),
             *requirements_section(outcome),
-            *assumptions_section(outcome),
             *explanation_sections(outcome),
             *member_sections(outcome),
             sections.attrition(outcome),
@@ -100,7 +97,6 @@ def answer(outcome: Outcome) -> str:
         *_holds_in_words(outcome),
         *_limits_in_words(outcome),
         requirements_in_words(outcome),
-        assumptions_in_words(outcome),
     )
     return " ".join(part for part in parts if part)
 

@@ -34,8 +34,6 @@ _FAILURES = {
 }
 
 
-LEAST_CHANGE = 0.02
-"""Change of P(success) below which an assumption is not said to matter."""
 LEAST_SPREAD = 1e-3
 """Standard deviation over mean below which a quantity is one value to anybody who reads it."""
 
@@ -159,58 +157,7 @@ def verdict(outcome: Outcome) -> str:
         return ""
     if _missed(outcome.requirements):
         return "bad"
-    in_doubt = _undecided(outcome.requirements) or any(each.turns for each in outcome.assumptions)
-    return "undecided" if in_doubt else "good"
-
-
-def assumptions_in_words(outcome: Outcome) -> str:
-    """Write which assumptions could turn the answer; none where none could."""
-    turning = [each for each in outcome.assumptions if each.turns]
-    if not turning:
-        return ""
-    first, others = turning[0], len(turning) - 1
-    words = (
-        f"But this assumes that {first.what}: with {first.otherwise} it works {100.0 * first.success:.0f} % of the time"
-    )
-    if first.missed:
-        words += f" and misses what it requires of {', '.join(in_words(each) for each in first.missed)}"
-    return (
-        f"{words}."
-        if not others
-        else f"{words}; {others} more such {'assumption' if others == 1 else 'assumptions'} below."
-    )
-
-
-def assumptions_section(outcome: Outcome) -> Iterator[PageSection]:
-    """Tabulate what the answer takes for granted, what matters most first."""
-    rows = [
-        (
-            each.what,
-            each.otherwise,
-            "" if math.isnan(each.success) else f"{100.0 * each.success:.3g}\u00a0%",
-            "could not be run" if math.isnan(each.worth) else f"{100.0 * each.worth:+.2g}\u00a0%",
-            "could turn the answer" if each.turns else "",
-        )
-        for each in outcome.assumptions
-    ]
-    if rows:
-        columns = ("taken for granted", "instead", "success then", "change", "")
-        caption = "Each alone, on 400 trials of the same random numbers. What is not in the mission cannot be put off."
-        table = Table(columns, rows, caption, text_columns=2)
-        yield PageSection(_of_assumptions(outcome), [table], is_summary=True)
-
-
-def _of_assumptions(outcome: Outcome) -> str:
-    """Name what the assumptions could do: turn the answer, or, where nothing is required, change P(success) most."""
-    turning = sum(each.turns for each in outcome.assumptions)
-    if turning:
-        return f"{turning} of its assumptions could turn this"
-    if outcome.requirements:
-        return "None of these assumptions alone could turn this"
-    most = max(outcome.assumptions, key=lambda each: 0.0 if math.isnan(each.worth) else abs(each.worth))
-    if math.isnan(most.worth) or abs(most.worth) < LEAST_CHANGE:
-        return "None of these assumptions alone matters"
-    return f"Of its assumptions, that {most.what} matters most: {100.0 * most.worth:+.2g}\u00a0% otherwise"
+    return "undecided" if _undecided(outcome.requirements) else "good"
 
 
 def requirements_section(outcome: Outcome) -> Iterator[PageSection]:

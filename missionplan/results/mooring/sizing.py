@@ -10,6 +10,7 @@ import pandas as pd
 from missionplan.montecarlo.statistics import Probability
 from missionplan.phases.mooring.profile import DescentProfile
 from missionplan.physics.trim import TrimState
+from missionplan.results.assumption import Assumption
 from missionplan.results.base import Provenance, Result, to_csv
 from missionplan.results.mooring.held_vehicle import HeldVehicle
 from missionplan.results.mooring.sized_anchor import DiveProbabilities, SizedAnchor
@@ -228,6 +229,11 @@ class AnchorSizing(Result):
     def certainty(self) -> Mapping[str, object]:
         """Probability that a dive with the anchor to build does all that is asked."""
         return self.to_build.probabilities.good.summary()
+
+    @property
+    def assumed(self) -> tuple[Assumption, ...]:
+        """What the mission with it takes for granted, each with its worth; nothing where it was not judged."""
+        return () if self.judged is None else self.judged.assumed
 
     @property
     def recommended_values(self) -> Mapping[str, object]:

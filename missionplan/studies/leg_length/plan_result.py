@@ -10,6 +10,7 @@ import pandas as pd
 from missionplan.arrays import Array
 from missionplan.montecarlo.statistics import Probability, Statistic
 from missionplan.physics.energy import JOULES_PER_WATT_HOUR
+from missionplan.results.assumption import Assumption
 from missionplan.results.base import Provenance, Result, to_csv, to_yaml
 from missionplan.results.entries import Entry, Record
 from missionplan.results.simulation import Outcome
@@ -311,6 +312,11 @@ class LegPlan(Result):
     def certainty(self) -> Mapping[str, object] | None:
         """Probability of success of the mission with the plan, on fresh draws."""
         return None if self.judged is None else self.judged.certainty
+
+    @property
+    def assumed(self) -> tuple[Assumption, ...]:
+        """What the mission with it takes for granted, each with its worth; nothing where it was not judged."""
+        return () if self.judged is None else self.judged.assumed
 
     @property
     def recommended_values(self) -> Mapping[str, object]:

@@ -9,6 +9,7 @@ import numpy as np
 import pandas as pd
 
 from missionplan.montecarlo.statistics import Probability
+from missionplan.results.assumption import Assumption
 from missionplan.results.base import Provenance, Result, to_csv, to_grid
 from missionplan.results.entries import Entry, Record
 from missionplan.results.simulation import Outcome
@@ -211,6 +212,11 @@ class Sweep(Result):
     def certainty(self) -> Mapping[str, object] | None:
         """Probability of success of the mission with what is recommended, on fresh draws."""
         return None if self.judged is None else self.judged.certainty
+
+    @property
+    def assumed(self) -> tuple[Assumption, ...]:
+        """What the mission with it takes for granted, each with its worth; nothing where it was not judged."""
+        return () if self.judged is None else self.judged.assumed
 
     @property
     def recommended_values(self) -> Mapping[str, object]:

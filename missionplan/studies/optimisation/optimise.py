@@ -172,13 +172,13 @@ class _Problem:
         None too where it misses a requirement, and on fresh draws where it did on the others.
         """
         mission, values = self.evaluations.mission, self.lattice.values_at(point)
-        how = {"trials": self.run.trials, "jobs": self.run.workers.jobs}
-        self.checked_trials += self.run.trials
-        checked = simulated_with(mission, values, seed=self.run.seed, **how)
+        run = self.run
+        self.checked_trials += run.trials
+        checked = simulated_with(mission, values, trials=run.trials, seed=run.seed, jobs=run.workers.jobs)
         if checked is None or not is_good(checked):
             return None, None
-        self.checked_trials += self.run.trials
-        fresh = judged(mission, values, seed=self.run.seed, **how)
+        self.checked_trials += run.trials
+        fresh = judged(mission, values, trials=run.trials, seed=run.seed, jobs=run.workers.jobs)
         return checked, fresh if is_good(fresh) else None
 
     def _nearest(self) -> Evaluation:
