@@ -157,19 +157,26 @@ def score(
 
 def history(
     folder: Annotated[
-        Path, typer.Argument(metavar="FOLDER", help="Holds reports of diagnose, at any depth.", show_default=False)
+        Path,
+        typer.Argument(
+            metavar="FOLDER", help="Holds reports of diagnose, and reliability.csv, at any depth.", show_default=False
+        ),
     ],
     *,
+    mission: Annotated[
+        Path | None,
+        typer.Option(metavar="MISSION", help="Whose failure rates the counts of a fleet update.", show_default=False),
+    ] = None,
     output: o.OutputOptions,
 ) -> None:
-    """Draw how each learned parameter has moved from mission to mission, and when the vehicle changed.
+    """Draw how each learned parameter has moved from mission to mission; update failure rates by a fleet's counts.
 
     Example: missionplan history reports
     """
     from missionplan.studies.history.find_history import history
 
     with report_folder(output, folder.resolve().name, "history") as report:
-        deliver(history(folder), report, output)
+        deliver(history(folder, mission=mission), report, output)
 
 
 _Record = Annotated[

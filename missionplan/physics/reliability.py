@@ -34,6 +34,32 @@ def age_at_chance(chance: Scalars, normals: Array) -> Array:
 
 
 def rate_of_counts(failures: float, exposure: float, normals: Array) -> Array:
-    """Rate given failures in an exposure: gamma of shape failures + ½, Jeffreys' posterior, shape (n,)."""
-    share = scipy.special.ndtr(normals)
+    """Rate given failures in an exposure, from standard normals, shape (n,); see `rate_quantile`."""
+    return rate_quantile(failures, exposure, scipy.special.ndtr(normals))
+
+
+def rate_quantile(failures: float, exposure: float, share: Scalars) -> Array:
+    """Quantile of the rate given failures in an exposure: gamma of shape failures + ½, Jeffreys' posterior."""
     return np.asarray(scipy.special.gammaincinv(failures + 0.5, share) / exposure)
+
+
+def counts_of_rate(mean: float, sd: float) -> tuple[float, float]:
+    """Failures and exposure that leave a rate with a mean and a standard deviation; failures are from 0 on.
+
+    The gamma distribution of shape m²/s² = failures + ½ and scale s²/m; one wider than Jeffreys' posterior of no
+    failure keeps its mean.
+    """
+    failures = max((mean / sd) ** 2 - 0.5, 0.0)
+    return failures, (failures + 0.5) / mean
+
+
+def chance_of_counts(failures: float, exposure: float, prior_failures: float, prior_exposure: float) -> float:
+    """Probability of counts as far out or farther on their side, by the rate that other counts leave.
+
+    Counts of a gamma-mixed Poisson distribution are negative binomial (Gelman et al., *Bayesian Data Analysis*, 2013,
+    sect. 2.6): P(N ≥ k) = I_x(k, a) with x = T/(T₀ + T) and a of the gamma's shape.
+    """
+    x, shape = exposure / (exposure + prior_exposure), prior_failures + 0.5
+    at_least = 1.0 if failures <= 0.0 else float(scipy.special.betainc(failures, shape, x))
+    at_most = float(scipy.special.betainc(shape, failures + 1.0, 1.0 - x))
+    return min(at_least, at_most)

@@ -1,13 +1,16 @@
-"""Files that a mission file names: the vehicle's and the tide's, put in their places, and the current's path."""
+"""Files that a mission file names: the vehicle's, its rates' and the tide's, put in their places, and other paths."""
 
 from dataclasses import dataclass, field
 from difflib import get_close_matches
 from pathlib import Path
+from typing import Any
 
-from missionplan.errors import InputError, KeyPath, Problem, shown
+from missionplan.errors import InputError, KeyPath, Problem, did_you_mean, shown
 from missionplan.mission.reading.documents import Document, load_document
 from missionplan.store.paths import is_file, matching, real_path
 
+CLASSES = Path(__file__).parents[2] / "starter" / "reliability"
+"""Starter values of `vehicle.reliability`, a file for each class of vehicle."""
 REMOTE = ("http://", "https://", "dods://")
 """Beginnings of addresses that are read over the network (OPeNDAP)."""
 
@@ -33,10 +36,29 @@ def include_files(document: Document, folder: Path, *, allow_outside: bool) -> l
     vehicle = document.data.get("vehicle")
     if isinstance(vehicle, str) and not files.include(vehicle, ("vehicle",)):
         del document.data["vehicle"]
+    _include_reliability(document.data, files, Path(vehicle).parent if isinstance(vehicle, str) else Path())
     site = document.data.get("site")
     if isinstance(site, dict):
         _resolve_site(site, files)
     return files.problems
+
+
+def _include_reliability(data: dict[str, Any], files: "_Files", beside: Path) -> None:
+    """Put the starter values of a class of vehicle, or a file beside the vehicle's, in the place of their name."""
+    vehicle, path = data.get("vehicle"), ("vehicle", "reliability")
+    name = vehicle.get("reliability") if isinstance(vehicle, dict) else None
+    if not isinstance(name, str):
+        return
+    if (starter := CLASSES / f"{name}.yaml").is_file():
+        files.document.graft(path, load_document(starter, f"reliability of {name}"))
+    elif Path(name).suffix:
+        if not files.include(str(beside / name), path):
+            del data["vehicle"]["reliability"]
+    else:
+        known = sorted(each.stem for each in CLASSES.glob("*.yaml"))
+        message = f"given {shown(name)}, expected a list of hazards, a file of one, or {', '.join(known)}"
+        files.refuse(path, message, did_you_mean(name, known))
+        del data["vehicle"]["reliability"]
 
 
 def _resolve_site(site: dict[str, object], files: "_Files") -> None:
@@ -97,10 +119,10 @@ class _Files:
         pattern = real_path((self.folder / name).parent) / Path(name).name
         if not self.allow_outside and not pattern.is_relative_to(real_path(self.folder)):
             message = f"given {shown(name)}, which lies outside the mission file's folder"
-            self._refuse(path, message, "allow_outside=True permits it")
+            self.refuse(path, message, "allow_outside=True permits it")
             return None
         if not matching(str(pattern)):
-            self._refuse(path, f"given {shown(name)}; no file is named like that")
+            self.refuse(path, f"given {shown(name)}; no file is named like that")
             return None
         return str(pattern)
 
@@ -108,19 +130,20 @@ class _Files:
         """Absolute path of a file that the document names at `path`; None where it may not be read."""
         given = f"given {shown(name)}"
         if "\0" in name:
-            self._refuse(path, f"{given}; a file name cannot contain a null character")
+            self.refuse(path, f"{given}; a file name cannot contain a null character")
             return None
         target = real_path(self.folder / name)
         if not self.allow_outside and not target.is_relative_to(real_path(self.folder)):
             message = f"{given}, which lies outside the mission file's folder"
-            self._refuse(path, message, "allow_outside=True permits it")
+            self.refuse(path, message, "allow_outside=True permits it")
             return None
         if not is_file(target):
             near = get_close_matches(target.name, [entry.name for entry in target.parent.glob("*")], n=1)
             hint = f"did you mean {Path(name).parent / near[0]}?" if near else ""
-            self._refuse(path, f"{given}; there is no such file", hint)
+            self.refuse(path, f"{given}; there is no such file", hint)
             return None
         return target
 
-    def _refuse(self, path: KeyPath, message: str, hint: str = "") -> None:
+    def refuse(self, path: KeyPath, message: str, hint: str = "") -> None:
+        """Note why the value at `path` cannot be."""
         self.problems.append(self.document.problem(path, message, hint))

@@ -25,7 +25,8 @@ class _Hazard(FileSection, Generic[V]):
     """What all hazards have: counts, the shape of a Weibull law, what a failure leaves, where the number is from.
 
     `failures` in an `exposure` (of hours, kilometres or events) give a gamma distribution of the rate, of shape
-    failures + ½: Jeffreys' prior. `source` is the paper, the log or the data sheet.
+    failures + ½: Jeffreys' prior. `source` is the paper, the log or the data sheet; `learned_from` the hashes of
+    the rows of a fleet's log that `history` has counted.
     """
 
     failures: Annotated[_Count | None, Doc("failures seen"), Limit((0.0, 1e6), (0.0, 1000.0), "counts")] = None
@@ -39,6 +40,7 @@ class _Hazard(FileSection, Generic[V]):
     ] = None
     leaves: Leaves | None = None
     source: str = ""
+    learned_from: tuple[str, ...] = ()
 
     @model_validator(mode="after")
     def _one_law(self) -> Self:

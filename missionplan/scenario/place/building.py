@@ -63,8 +63,7 @@ def read_place(mission: Mission) -> Place | None:
     charts = tuple(
         (key, file.model_dump_json(), Path(file.file).stat().st_mtime_ns) for key, file in site.place_files.items()
     )
-    ground, zones = _read(charts, origin, box, start)
-    fence = Fence(zones, np.array(box[:2]), np.array(box[2:])) if zones else None
+    ground, fence = _read(charts, origin, box, start)
     means = mission.at_means()
     return drawn_place(Place(ground, fence, _sea_level(mission, site)), means)
 
@@ -75,8 +74,8 @@ def _read(
     origin: tuple[float, float] | None,
     box: tuple[float, float, float, float],
     start: str | None,
-) -> tuple[Ground | None, tuple[Zone, ...]]:
-    """Read each file once, however many studies of a mission ask for it."""
+) -> tuple[Ground | None, Fence | None]:
+    """Read each file once, however many studies of a mission ask for it, and tabulate distances once."""
     from missionplan.moments import moment_of  # readers load what reads files, which most missions have none of
     from missionplan.scenario.place.bathymetry import read_ground
     from missionplan.scenario.place.polygons import read_zones
@@ -92,7 +91,7 @@ def _read(
             ground = read_ground(chart)
         else:
             zones += read_zones(chart, moment_of(start) if start else None, is_land=key == "land")
-    return ground, tuple(zones)
+    return ground, Fence(tuple(zones), np.array(box[:2]), np.array(box[2:])) if zones else None
 
 
 def drawn_place(place: Place, drawn: Mission[Scalars]) -> Place:

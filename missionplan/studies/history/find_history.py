@@ -1,4 +1,4 @@
-"""`history`: read the reports of `diagnose` below a folder, and follow each parameter through them."""
+"""`history`: read reports of `diagnose` and counts of failures below a folder, and follow what was learned."""
 
 import json
 import math
@@ -10,11 +10,13 @@ from pathlib import Path
 
 from missionplan.errors import InputError, Problem
 from missionplan.identity import differences, digest_of, program_part
+from missionplan.mission import MissionOrPath, as_mission
 from missionplan.mission.reading.documents import load_document, read_text
 from missionplan.moments import moment_of
 from missionplan.results.base import Provenance
 from missionplan.results.plain_data import mapping, mappings, real
 from missionplan.store.paths import as_path
+from missionplan.studies.history.failure_rates import rates_file, read_counts, updated_rates
 from missionplan.studies.history.result import History, Learned, State
 
 MAX_BYTES = 20_000_000
@@ -41,26 +43,33 @@ class _Report:
         return str(self.summary.get("created_utc", ""))
 
 
-def history(folder: str | Path) -> History:
-    """Follow learned parameters from mission to mission.
+def history(folder: str | Path, *, mission: MissionOrPath | None = None) -> History:
+    """Follow learned parameters from mission to mission, and update failure rates by a fleet's counts.
 
     Reports are in the order of their missions' `start` where all have one, else of the time at which they were made.
 
     Parameters
     ----------
     folder : str or Path
-        Holds report folders of `diagnose`, at any depth.
+        Holds report folders of `diagnose`, and `reliability.csv` (`per`, `failures`, `exposure`), at any depth.
+    mission : Mission, str or Path, optional
+        Whose `vehicle.reliability` is the prior of the failure rates.
 
     Raises
     ------
     InputError
-        When there is no such folder, or no report in it, or one cannot be read.
+        When there is no such folder, or neither report nor counts in it, or one cannot be read.
     """
     began = time.perf_counter()
     root = as_path(folder, "folder")
     if not root.is_dir():
         raise InputError([Problem("no such folder", str(root))])
-    reports, foreign = _reports(root)
+    rows, copies = read_counts(root)
+    planned = None if mission is None else as_mission(mission)
+    rates = updated_rates(rows, planned)
+    if rows and not rates:
+        copies = (*copies, "the mission's failure rates have all counts in them already")
+    reports, foreign = _reports(root, needed=not rows)
     reports, notices = _counted_once(reports)
     by_start = all(report.start for report in reports)
     reports.sort(key=lambda report: (_moment(report.start if by_start else report.created), report.place))
@@ -72,14 +81,18 @@ def history(folder: str | Path) -> History:
         file="",
         seed=0,
         trials=0,
-        options={"folder": str(root)},
+        options={"folder": str(root), **({} if planned is None else {"mission": planned.file})},
         elapsed_s=time.perf_counter() - began,
         data={"folder": str(root), "reports": [report.place for report in reports]},
-        notices=(*foreign, *notices, *_other_programs(reports)),
-        inputs={"reports": {report.place: digest_of(report.summary) for report in reports}},
+        notices=(*foreign, *copies, *notices, *_other_programs(reports)),
+        inputs={
+            "reports": {report.place: digest_of(report.summary) for report in reports},
+            **({"counts": digest_of([row.digest for row in rows])} if rows else {}),
+        },
     )
     known = {report.place: report.learned_from or frozenset() for report in reports}
-    return History(provenance, tuple(known), tuple(_with_jumps(entries, known)), by_start)
+    written = rates_file(rates, planned) if rates else ""
+    return History(provenance, tuple(known), tuple(_with_jumps(entries, known)), by_start, rates, written)
 
 
 def _other_programs(reports: Sequence[_Report]) -> Iterator[str]:
@@ -91,7 +104,7 @@ def _other_programs(reports: Sequence[_Report]) -> Iterator[str]:
             yield f"{report.place} was made by other code than {programs[-1][0].place}: {'; '.join(unlike)}"
 
 
-def _reports(root: Path) -> tuple[list[_Report], tuple[str, ...]]:
+def _reports(root: Path, *, needed: bool) -> tuple[list[_Report], tuple[str, ...]]:
     """Read every report of `diagnose` below a folder; notices name what is none.
 
     Raises
@@ -100,8 +113,9 @@ def _reports(root: Path) -> tuple[list[_Report], tuple[str, ...]]:
         When there is none that can be read.
     """
     places = sorted(path.parent for path in root.rglob("diagnosis.json") if (path.parent / "summary.json").is_file())
-    if not places:
-        raise InputError([Problem("holds no report of diagnose (summary.json beside diagnosis.json)", str(root))])
+    if not places and needed:
+        words = "holds no report of diagnose (summary.json beside diagnosis.json) and no reliability.csv"
+        raise InputError([Problem(words, str(root))])
     found: list[_Report | None] = []
     problems: list[Problem] = []
     for place in places:

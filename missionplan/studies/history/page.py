@@ -1,7 +1,7 @@
 """Report of `history`: each learned parameter from mission to mission, with its intervals, and where it changed."""
 
 import shlex
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -10,19 +10,22 @@ from matplotlib.figure import Figure as MatplotlibFigure
 from missionplan.errors import InputError, Problem, did_you_mean, shown
 from missionplan.report.page import BLUE, GREY, ORANGE, Drawing, Figure, Page, PageSection, Table, Terminal, to_figure
 from missionplan.report.quantities import Unit, reader_unit
-from missionplan.report.wording import parameter_in_words
-from missionplan.studies.history.result import History, Learned
+from missionplan.report.wording import capitalised, parameter_in_words
+from missionplan.studies.history.result import FailureRate, History, Learned
 
 MOST_PANELS = 12
 """Parameters drawn, those with most values first."""
 SURE = 0.995
 """Probability from which no doubt is told."""
+SURPRISING = 0.01
+"""Probability of counts by the mission's rate below which they are called unlike it."""
+RATES = ("per", "seen in the fleet", "the mission's", "rate", "as far out")
 COLUMNS = ("Parameter", "Report", "Value", "90 % interval", "State")
 
 
 def page(history: History) -> Page:
     """Build the page of a history."""
-    folder = shlex.quote(str(history.provenance.options["folder"]))
+    folder, given = shlex.quote(str(history.provenance.options["folder"])), history.provenance.options.get("mission")
     order = "the missions' starts" if history.by_start else "the times at which the reports were made"
     return Page(
         title="What was learned from mission to mission",
@@ -33,21 +36,62 @@ def page(history: History) -> Page:
             ("Parameters", str(len(history.parameters))),
             ("Changes", str(len(history.changes))),
         ],
-        write=lambda: [PageSection("All values", [Table(COLUMNS, _rows(history), f"In the order of {order}.", 2)])],
+        write=lambda: [
+            *_failure_rates(history),
+            PageSection("All values", [Table(COLUMNS, _rows(history), f"In the order of {order}.", 2)]),
+        ],
         verdict="",
-        rerun=f"missionplan history {folder}",
+        rerun=f"missionplan history {folder}{f' --mission {shlex.quote(str(given))}' if given else ''}",
         glance=lambda: terminal(history),
         plots=PLOTS,
     )
 
 
 def terminal(history: History) -> Terminal:
-    """Build the terminal's view."""
-    return Terminal(answer(history), COLUMNS, _rows(history))
+    """Build the terminal's view: the parameters, or the failure rates where no parameter was learned."""
+    rows = _rows(history)
+    return Terminal(answer(history), COLUMNS, rows) if rows else Terminal(answer(history), RATES, _rate_rows(history))
 
 
 def answer(history: History) -> str:
-    """Say how many diagnoses there are, what changed last, and what held still."""
+    """Say how many diagnoses there are, what changed last, and what held still; and what fails how often."""
+    told = [_rate_in_words(rate) for rate in history.rates]
+    return " ".join([*([_learned_in_words(history)] if history.reports else []), *told]) or "Nothing new was counted."
+
+
+def _rate_in_words(rate: FailureRate) -> str:
+    counted = f"{rate.failures:g} failures in {rate.exposure:g} {rate.unit}"
+    words = f"{capitalised(counted)}: {rate.rate:.2g} per {rate.per} ({rate.low:.2g} to {rate.high:.2g})"
+    return f"{words}, unlike the mission's rate." if rate.surprise < SURPRISING else f"{words}."
+
+
+def _rate_rows(history: History) -> list[list[str]]:
+    return [
+        [
+            f"{rate.per}{f', {rate.leaves}' if rate.leaves else ''}",
+            f"{rate.failures:g} in {rate.exposure:g} {rate.unit}",
+            f"{rate.prior_failures:.3g} in {rate.prior_exposure:.4g} {rate.unit} ({rate.prior})",
+            f"{rate.rate:.3g} ({rate.low:.2g} to {rate.high:.2g})",
+            f"{rate.surprise:.2g}",
+        ]
+        for rate in history.rates
+    ]
+
+
+def _failure_rates(history: History) -> Iterator[PageSection]:
+    """Tell failure rates with what the mission held of them."""
+    if not history.rates:
+        return
+    caption = (
+        "Gamma distributions, with Jeffreys' prior of half a failure; 90 % intervals. The last column is the "
+        "probability of counts as far out by the mission's rate. A rate that the mission gives as a number, or a "
+        "Weibull law, has no counts: those of the fleet stand in its place. reliability.yaml has all hazards: name it "
+        "in the vehicle file."
+    )
+    yield PageSection("How often equipment fails", [Table(RATES, _rate_rows(history), caption, text_columns=3)])
+
+
+def _learned_in_words(history: History) -> str:
     count = len(history.reports)
     many = len(history.parameters)
     known = f"{many} parameter{'' if many == 1 else 's'}"

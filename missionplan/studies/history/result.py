@@ -70,8 +70,34 @@ class LearnedParameter(Record):
 
 
 @dataclass(frozen=True)
+class FailureRate(Record):
+    """Rate of a hazard of the vehicle's equipment, with the counts of a fleet in it."""
+
+    per: Annotated[str, Entry("what it counts by")]
+    leaves: Annotated[str, Entry("what its failures leave of the vehicle; empty for the default")]
+    failures: Annotated[float, Entry("of the fleet that are new to the mission")]
+    exposure: Annotated[float, Entry("hours, kilometres or events in which they were")]
+    prior: Annotated[
+        str,
+        Entry("in which form the mission holds the rate; ``fixed`` and ``Weibull`` laws are not updated but replaced"),
+    ]
+    prior_failures: Annotated[float, Entry("that the mission's rate is worth")]
+    prior_exposure: Annotated[float, Entry("likewise")]
+    rate: Annotated[float, Entry("mean, per hour, kilometre or event")]
+    low: Annotated[float, Entry("lower end of its 90 % interval")]
+    high: Annotated[float, Entry("upper end of its 90 % interval")]
+    surprise: Annotated[float, Entry("probability of counts as far out, by the mission's rate; 1 where it has none")]
+    learned_from: Annotated[tuple[str, ...], Entry("hashes of the rows counted, those before among them")]
+
+    @property
+    def unit(self) -> Annotated[str, Entry()]:
+        """Unit of the exposure."""
+        return {"hour": "h", "km": "km"}.get(self.per, f"{self.per}s")
+
+
+@dataclass(frozen=True)
 class History(Result):
-    """Learned parameters from mission to mission.
+    """Learned parameters from mission to mission, and failure rates of a fleet.
 
     Attributes
     ----------
@@ -79,6 +105,8 @@ class History(Result):
         In the order of time.
     by_start : bool
         Whether times are those of the missions' starts, not those at which the reports were made.
+    rates_file : str
+        `reliability.yaml`; empty without counts.
     """
 
     report: ClassVar[str] = "missionplan.studies.history.page"
@@ -87,6 +115,8 @@ class History(Result):
     reports: Annotated[tuple[str, ...], Entry("diagnoses, in the order of time")]
     entries: tuple[Learned, ...]
     by_start: bool
+    rates: Annotated[tuple[FailureRate, ...], Entry("failure rates, where the folder has counts", optional=True)] = ()
+    rates_file: str = ""
 
     @property
     def parameters(self) -> dict[tuple[str, str], list[Learned]]:
@@ -117,5 +147,9 @@ class History(Result):
         return pd.DataFrame([each.row() for each in self.entries], columns=columns)
 
     def files(self) -> dict[str, str | bytes]:
-        """``history.csv`` and ``history.json``."""
-        return {"history.csv": to_csv(self.to_frame()), "history.json": to_json(self.summary())}
+        """``history.csv``, ``history.json``, and ``reliability.yaml`` where failures were counted."""
+        found: dict[str, str | bytes] = {
+            "history.csv": to_csv(self.to_frame()),
+            "history.json": to_json(self.summary()),
+        }
+        return found | ({"reliability.yaml": self.rates_file} if self.rates_file else {})

@@ -100,9 +100,12 @@ class Drift:
                     lasting = np.minimum(lasting, _LOOKOUT)
                 carried = self._carried(place, clock, np.where(stranded, 0.0, lasting))
                 if self.shore is not None:
-                    contact = self.shore.meets(Way(place, carried, clock, clock + lasting))
+                    afloat = np.flatnonzero(~stranded & (lasting > 0.0))
+                    way = Way(place, carried, clock, clock + lasting).take(afloat)
+                    contact = self.shore.take(afloat).meets(way)
                     ashore = contact.of(Cause.ON_LAND) | contact.of(Cause.AGROUND)
-                    carried, stranded = np.where(ashore, contact.where, carried), stranded | ashore
+                    carried[:, afloat[ashore]] = contact.where[:, ashore]
+                    stranded[afloat[ashore]] = True
                 place, clock = carried, clock + lasting
             yield place
 
@@ -110,7 +113,7 @@ class Drift:
         """Integrate by the Runge–Kutta method of Dormand and Prince (1980), each trial over its own time."""
         longest = float(lasting.max(initial=0.0))
         if longest == 0.0:
-            return place
+            return place.copy()
 
         def rate(share: float, flat: Array) -> Array:
             velocity = self.velocity(clock + share * lasting, flat.reshape(2, -1))
@@ -126,7 +129,7 @@ class Drift:
             rtol=1e-9,
             t_eval=(1.0,),
         )
-        return np.asarray(solved.y[:, -1].reshape(2, -1))
+        return np.array(solved.y[:, -1].reshape(2, -1))
 
 
 def _shore(place: Place | None) -> Place | None:

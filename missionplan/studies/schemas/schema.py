@@ -80,7 +80,15 @@ def _of_model(model: type[BaseModel]) -> Schema:
         if isinstance(properties, dict):
             file: Schema = {"type": "string", "description": "the vehicle's file, relative to this one"}
             properties["vehicle"] = {"anyOf": [file, sections.of(Vehicle)]}
+    vehicle = top if model is Vehicle else sections.definitions["Vehicle"]
+    _or_name(vehicle, "reliability", "a class of vehicle, or a file")
     return {**top, "definitions": {**sections.definitions, **(definitions if model is Mission else {})}}
+
+
+def _or_name(section: object, key: str, meaning: str) -> None:
+    """Let a section's key take the name of what is put in its place."""
+    if isinstance(section, dict) and isinstance(properties := section["properties"], dict):
+        properties[key] = {"anyOf": [{"type": "string", "description": meaning}, properties[key]]}
 
 
 def _of_datasets() -> Schema:
