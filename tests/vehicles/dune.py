@@ -65,7 +65,7 @@ class Dead:
     """A vehicle that goes by dead reckoning, straight, and knows of its drift only by fixes."""
 
     def __init__(self, voyage: Voyage) -> None:
-        self.voyage, self.time = voyage, 0.0
+        self.voyage, self.time, self.fixed = voyage, 0.0, True
         self.true = [0.0, 0.0]
         self.nav = list(voyage.fix(self.true))
         self.done = Sailed(fixes=[(0.0, *self.nav)])
@@ -91,6 +91,7 @@ class Dead:
 
     def drift(self, seconds: float, fixed: bool = True) -> None:
         """At the surface; a fix at the end, if one has come."""
+        self.fixed = fixed
         east, north = self.voyage.current(0.0)
         self.true = [self.true[0] + east * seconds, self.true[1] + north * seconds]
         self.time += seconds

@@ -15,7 +15,8 @@ FOOT, KNOT = 0.3048, 1852.0 / 3600.0
 
 
 def ended(boat: Dead, legs: int) -> None:
-    boat.done.ends.append((tuple(boat.true), tuple(boat.nav)))
+    """Without a fix, whether it has arrived is seen by where it is."""
+    boat.done.ends.append((tuple(boat.true), tuple(boat.nav if boat.fixed else boat.true)))
     boat.done.legs.append(legs)
 
 

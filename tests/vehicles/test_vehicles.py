@@ -81,7 +81,9 @@ HOME = (37.25, -76.38)
 def sail_other(form: str, number: int, voyages: int, folder: Path) -> None:
     """Legs, and arrivals by the last fix, as `simulate --as-exported` has them."""
     data, sea, facts = voyage_of(number, gliding=form == "slocum")
+    data["phases"] = data["phases"][:1]  # these formats have no more than the transits
     mission = Mission.from_data(data, file="voyage.yaml")
+    (folder / "out").mkdir()
     written = missionplan.export(mission, form, out=folder / "out").files
     texts = [path.read_text() for path in written if path.suffix in (".mis", ".ma", ".mi") or "ardusub" in path.name]
     radius = float(data["phases"][0]["transit"]["arrival_radius"].split()[0])

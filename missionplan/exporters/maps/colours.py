@@ -21,6 +21,8 @@ COLOURS = {
     "keep-out": "#d55e00",
 }
 """By kind, as #rrggbb."""
+STYLES = ("marker-color", "marker-size", "stroke", "stroke-width", "stroke-opacity", "fill", "fill-opacity")
+"""Properties of simplestyle."""
 WIDTHS = {"planned track": 2.0, "median track": 3.0, "sample track": 1.0}
 """Of lines in pixels, where not 2."""
 

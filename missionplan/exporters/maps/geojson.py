@@ -2,6 +2,7 @@
 
 import json
 from collections.abc import Iterator
+from typing import Any
 
 from missionplan.exporters.header import header, one_interval
 from missionplan.exporters.maps.colours import simplestyle
@@ -19,7 +20,7 @@ from missionplan.results.plan import Plan, PlannedMooring, PlannedTransit
 TITLE = "GeoJSON"
 NEEDS_ORIGIN = True
 
-Feature = dict[str, object]
+Feature = dict[str, Any]
 
 
 def lost(plan: Plan) -> tuple[str, ...]:

@@ -1,20 +1,21 @@
-"""KML 2.2 (OGC 07-147r2): course, waypoints, arrival and mooring circles, for Google Earth."""
+"""KML 2.2 (OGC 07-147r2) of the same features as GeoJSON, for Google Earth, clamped to the surface."""
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
+from typing import Any
 from xml.etree import ElementTree
 
 from missionplan.exporters.header import header, one_interval
-from missionplan.exporters.maps.colours import WIDTHS, kml_colour
-from missionplan.exporters.maps.geometry import circle, course_line, longitude_latitude, longitudes_latitudes
-from missionplan.exporters.table import mooring_row, waypoint_row
+from missionplan.exporters.maps.colours import COLOURS, STYLES, WIDTHS, kml_colour
+from missionplan.exporters.maps.geojson import Feature, features
 from missionplan.exporters.xml import Element, add, document
-from missionplan.results.plan import Plan, PlannedMooring, PlannedTransit
+from missionplan.results.plan import Plan
 
 TITLE = "KML 2.2"
 NEEDS_ORIGIN = True
 NAMESPACE = "http://www.opengis.net/kml/2.2"
 
-_KINDS = ("planned track", "waypoint", "mooring", "arrival circle", "mooring circle", "land", "keep-out")
+_LISTED = ("elapsed_s", "coordTimes")
+"""Properties with a value for each point of a line; a placemark has its first and last."""
 
 
 def lost(plan: Plan) -> tuple[str, ...]:
@@ -23,139 +24,104 @@ def lost(plan: Plan) -> tuple[str, ...]:
 
 
 def files(plan: Plan, stem: str) -> dict[str, str | bytes]:
-    """Write one file, all of it clamped to the surface; depths are in the points' data."""
-    root = ElementTree.Element("kml", xmlns=NAMESPACE)
-    container = add(root, "Document")
-    add(container, "name", plan.mission)
-    add(container, "description", "\n".join(header(plan, TITLE, lost(plan))))
-    styles(container, _KINDS)
-    plan_folders(container, plan)
-    return {f"{stem}.kml": document(root)}
+    """Write one file; depths are in the points' data."""
+    return {f"{stem}.kml": kml(plan.mission, "\n".join(header(plan, TITLE, lost(plan))), plan_folders(plan))}
 
 
-def plan_folders(container: Element, plan: Plan, *, circles: bool = True) -> None:
-    """Add a folder for each phase of a plan with an origin, with or without arrival and mooring circles."""
-    for phase in plan.phases:
-        folder = add(container, "Folder")
-        add(folder, "name", f"{phase.name}: plan")
-        if isinstance(phase, PlannedMooring):
-            _mooring(folder, plan, phase, circles=circles)
-        else:
-            _transit(folder, plan, phase, circles=circles)
-    if plan.fences:
-        folder = add(container, "Folder")
-        add(folder, "name", "Keep out")
-        for fence in plan.fences:
-            outline, *holes = fence.rings
-            polygon(placemark(folder, fence.name, fence.kind, fence.limits), outline, holes)
+def plan_folders(plan: Plan, *, circles: bool = True) -> dict[str, list[Feature]]:
+    """Return the features of a plan with an origin by the folders that they are shown in: phases, and zones."""
+    folders: dict[str, list[Feature]] = {f"{phase.name}: plan": [] for phase in plan.phases}
+    for each in features(plan, circles=circles):
+        phase = properties_of(each).get("phase")
+        folders.setdefault("Keep out" if phase is None else f"{phase}: plan", []).append(each)
+    return folders
 
 
-def styles(container: Element, kinds: Iterable[str]) -> None:
-    """Add the styles that placemarks of these kinds refer to."""
-    for kind in kinds:
-        style = add(container, "Style", id=style_id(kind))
-        icon = add(style, "IconStyle")
-        add(icon, "color", kml_colour(kind))
-        add(icon, "scale", "0.7")
-        line = add(style, "LineStyle")
-        add(line, "color", kml_colour(kind, 102 if kind == "sample track" else 255))
-        add(line, "width", f"{WIDTHS.get(kind, 2.0):g}")
-        add(add(style, "PolyStyle"), "fill", "0")
-
-
-def style_id(kind: str) -> str:
-    """Return the name of the style of a kind."""
-    return kind.replace(" ", "-")
-
-
-def placemark(
-    folder: Element, name: str, kind: str, data: Mapping[str, object] | None = None, times: tuple[str, ...] = ()
-) -> Element:
-    """Add a placemark without its geometry, which comes next.
+def kml(name: str, description: str, folders: Mapping[str, Sequence[Feature]]) -> str:
+    """Write a document of features, folder by folder.
 
     Parameters
     ----------
-    folder : Element
-    name, kind : str
-        The kind gives the style.
-    data : mapping, optional
-        What viewers show; None is left out.
-    times : tuple of str
-        When, or begin and end; ISO 8601, empty where not known.
+    name, description : str
+    folders : mapping of str to sequence of Feature
+        As GeoJSON has them; a feature's kind gives its style, its properties are what viewers show of it.
     """
+    root = ElementTree.Element("kml", xmlns=NAMESPACE)
+    container = add(root, "Document")
+    add(container, "name", name)
+    add(container, "description", description)
+    shown = {properties_of(each)["kind"] for folder in folders.values() for each in folder}
+    for kind in (kind for kind in COLOURS if kind in shown):
+        _style(container, kind)
+    for title, held in folders.items():
+        folder = add(container, "Folder")
+        add(folder, "name", title)
+        for each in held:
+            _placemark(folder, each)
+    return document(root)
+
+
+def properties_of(feature: Feature) -> dict[str, Any]:
+    """Return the properties of a feature but those by which viewers of GeoJSON colour it."""
+    return {key: value for key, value in feature["properties"].items() if key not in STYLES}
+
+
+def _style(container: Element, kind: str) -> None:
+    style = add(container, "Style", id=kind.replace(" ", "-"))
+    icon = add(style, "IconStyle")
+    add(icon, "color", kml_colour(kind))
+    add(icon, "scale", "0.7")
+    line = add(style, "LineStyle")
+    add(line, "color", kml_colour(kind, 102 if kind == "sample track" else 255))
+    add(line, "width", f"{WIDTHS.get(kind, 2.0):g}")
+    add(add(style, "PolyStyle"), "fill", "0")
+
+
+def _placemark(folder: Element, feature: Feature) -> None:
+    data = properties_of(feature)
+    kind, times = data["kind"], data.get("coordTimes", [data["time"]] if data.get("time") else [])
     mark = add(folder, "Placemark")
-    add(mark, "name", name)
-    if all(times) and len(times) == 1:
+    add(mark, "name", data.pop("name"))
+    if len(times) == 1:
         add(add(mark, "TimeStamp"), "when", times[0])
-    elif all(times) and times:
+    elif times:
         span = add(mark, "TimeSpan")
         add(span, "begin", times[0])
-        add(span, "end", times[1])
-    add(mark, "styleUrl", f"#{style_id(kind)}")
-    known = {key: value for key, value in (data or {}).items() if value is not None}
+        add(span, "end", times[-1])
+    add(mark, "styleUrl", f"#{kind.replace(' ', '-')}")
+    data["kind"] = data.pop("waypoint", kind)
+    if isinstance(data.get("elapsed_s"), list):
+        data |= {"begin_s": data["elapsed_s"][0], "end_s": data["elapsed_s"][-1]}
+        data = {key: value for key, value in data.items() if key not in _LISTED}
+    known = {key: value for key, value in data.items() if value is not None}
     if known:
         extended = add(mark, "ExtendedData")
         for key, value in known.items():
             text = f"{value:.10g}" if isinstance(value, float) else str(value)
             add(add(extended, "Data", name=key), "value", text)
-    return mark
+    _geometry(mark, feature["geometry"])
 
 
-def line(mark: Element, points: Iterable[Iterable[float]]) -> None:
-    """Add a line through longitudes and latitudes [deg]."""
-    geometry = add(mark, "LineString")
-    add(geometry, "tessellate", "1")
-    add(geometry, "coordinates", coordinates(points))
+def _geometry(parent: Element, geometry: Any) -> None:
+    """Add a geometry; one of several parts as these."""
+    kind, held = geometry["type"], geometry["coordinates"]
+    if kind.startswith("Multi"):
+        several = add(parent, "MultiGeometry")
+        for part in held:
+            _geometry(several, {"type": kind.removeprefix("Multi"), "coordinates": part})
+        return
+    drawn = add(parent, kind)
+    if kind == "Point":
+        add(drawn, "coordinates", _coordinates([held]))
+        return
+    add(drawn, "tessellate", "1")
+    if kind == "LineString":
+        add(drawn, "coordinates", _coordinates(held))
+        return
+    for number, ring in enumerate(held):
+        boundary = add(drawn, "innerBoundaryIs" if number else "outerBoundaryIs")
+        add(add(boundary, "LinearRing"), "coordinates", _coordinates(ring))
 
 
-def polygon(mark: Element, ring: Iterable[Iterable[float]], holes: Iterable[Iterable[Iterable[float]]] = ()) -> None:
-    """Add a polygon by its closed boundary, and those of its holes [deg]."""
-    geometry = add(mark, "Polygon")
-    add(geometry, "tessellate", "1")
-    add(add(add(geometry, "outerBoundaryIs"), "LinearRing"), "coordinates", coordinates(ring))
-    for hole in holes:
-        add(add(add(geometry, "innerBoundaryIs"), "LinearRing"), "coordinates", coordinates(hole))
-
-
-def point(mark: Element, place: Iterable[float]) -> None:
-    """Add a point [deg]."""
-    add(add(mark, "Point"), "coordinates", coordinates([place]))
-
-
-def coordinates(points: Iterable[Iterable[float]]) -> str:
-    """Write longitudes and latitudes [deg]."""
+def _coordinates(points: Iterable[Iterable[float]]) -> str:
     return " ".join(",".join(f"{value:.7f}" for value in place) for place in points)
-
-
-def _transit(folder: Element, plan: Plan, transit: PlannedTransit, *, circles: bool) -> None:
-    origin, rule = plan.origin or (0.0, 0.0), transit.surfacing
-    if len(transit.waypoints) > 1:
-        data = {
-            "depth_m": transit.depth,
-            "speed_m_s": transit.speed,
-            "surfacing_interval_m": rule.interval,
-            "surfacing_interval_s": round(rule.interval_time, 1),
-            "surface_time_s": rule.surface_time,
-            "time_out_s": transit.time_out,
-        }
-        mark = placemark(folder, f"{transit.name}: planned track", "planned track", data)
-        line(mark, longitudes_latitudes(course_line(transit.waypoints), origin))
-    for waypoint in transit.waypoints:
-        row = waypoint_row(transit, waypoint)
-        point(placemark(folder, waypoint.name, "waypoint", row), longitude_latitude(waypoint, origin))
-    if not circles:
-        return
-    name = f"{transit.name}: arrival circle, {transit.arrival_radius:.3g} m"
-    ring = circle((transit.goal.east, transit.goal.north), transit.arrival_radius)
-    polygon(placemark(folder, name, "arrival circle"), longitudes_latitudes(ring, origin))
-
-
-def _mooring(folder: Element, plan: Plan, mooring: PlannedMooring, *, circles: bool) -> None:
-    origin = plan.origin or (0.0, 0.0)
-    row = mooring_row(mooring)
-    point(placemark(folder, mooring.name, "mooring", row), longitude_latitude(mooring, origin))
-    if not circles:
-        return
-    name = f"{mooring.name}: mooring circle, {mooring.radius:.3g} m"
-    ring = circle((mooring.east, mooring.north), mooring.radius)
-    polygon(placemark(folder, name, "mooring circle"), longitudes_latitudes(ring, origin))

@@ -5,16 +5,13 @@ import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 from datetime import timedelta
-from xml.etree import ElementTree
+from itertools import chain
 
 import numpy as np
 
-from missionplan.exporters.maps.colours import COLOURS
 from missionplan.exporters.maps.geojson import Feature, area_feature, feature, line_feature
-from missionplan.exporters.maps.geojson import features as plan_features
 from missionplan.exporters.maps.geometry import Origin, longitudes_latitudes, parts
-from missionplan.exporters.maps.kml import NAMESPACE, line, placemark, plan_folders, point, polygon, styles
-from missionplan.exporters.xml import Element, add, document
+from missionplan.exporters.maps.kml import kml, plan_folders, properties_of
 from missionplan.report.geography.plan_view import describe, median_trial, rings
 from missionplan.results.plan import PlannedMooring, PlannedTransit
 from missionplan.results.simulation import Outcome
@@ -120,26 +117,43 @@ def _utc(outcome: Outcome, time: float) -> str:
 def track_geojson(outcome: Outcome) -> str | None:
     """Write the planned, median and sample tracks, fixes, goals, arrival circles, CEP and mooring ellipses.
 
-    Returns None when the mission has no origin. Longitudes continue across the antimeridian, beyond ±180°, so that
-    no feature is torn apart. Times are seconds since the mission's start, and UTC where the mission has a start.
+    Returns None when the mission has no origin. Times are seconds since the mission's start, and UTC where the mission
+    has a start.
     """
-    origin = outcome.tracks.origin
-    if origin is None:
+    folders = _folders(outcome)
+    if folders is None:
         return None
-    features = [
-        *(plan_features(outcome.plan, circles=False) if outcome.plan else ()),
-        *_track_features(outcome, origin),
-        *_fix_features(outcome, origin),
-        *_ring_features(outcome, origin),
-        *_goal_features(outcome, origin),
-    ]
     collection = {
         "type": "FeatureCollection",
         "name": outcome.provenance.mission,
         **({"mission_sha256": outcome.plan.digest} if outcome.plan else {}),
-        "features": features,
+        "features": list(chain(*folders.values())),
     }
     return json.dumps(collection, ensure_ascii=False, allow_nan=False, indent=1) + "\n"
+
+
+def track_kml(outcome: Outcome) -> str | None:
+    """Write the same as KML, clamped to the surface; None when the mission has no origin."""
+    folders = _folders(outcome)
+    if folders is None:
+        return None
+    of_plan = f", SHA-256 of the mission {outcome.plan.digest}" if outcome.plan else ""
+    run = f"missionplan, seed {outcome.provenance.seed}, {outcome.provenance.trials} trials{of_plan}"
+    return kml(outcome.provenance.mission, run, folders)
+
+
+def _folders(outcome: Outcome) -> dict[str, list[Feature]] | None:
+    """Return all that is shown, by folders: the plan, tracks, fixes of the median trial, and about every goal."""
+    origin = outcome.tracks.origin
+    if origin is None:
+        return None
+    median, _ = sample_trials(outcome)
+    folders = plan_folders(outcome.plan, circles=False) if outcome.plan else {}
+    folders["Tracks"] = list(_track_features(outcome, origin))
+    folders[f"Fixes, trial {median}"] = list(_fix_features(outcome, origin))
+    for each in (*_ring_features(outcome, origin), *_goal_features(outcome, origin)):
+        folders.setdefault(str(properties_of(each)["phase"]), []).append(each)
+    return folders
 
 
 def _track_features(outcome: Outcome, origin: Origin) -> Iterator[Feature]:
@@ -180,64 +194,3 @@ def _goal_features(outcome: Outcome, origin: Origin) -> Iterator[Feature]:
     for name, (goal, _) in outcome.tracks.targets.items():
         (point,) = longitudes_latitudes(np.array(goal)[:, None], origin)
         yield feature("Point", point, "goal", name=f"{name}: goal", phase=name)
-
-
-def track_kml(outcome: Outcome) -> str | None:
-    """Write the planned, median and sample tracks, fixes, goals, circles and ellipses, clamped to the surface.
-
-    Returns None when the mission has no origin. Placemarks have times where the mission has a start.
-    """
-    origin = outcome.tracks.origin
-    if origin is None:
-        return None
-    root = ElementTree.Element("kml", xmlns=NAMESPACE)
-    container = add(root, "Document")
-    add(container, "name", outcome.provenance.mission)
-    of_plan = f", SHA-256 of the mission {outcome.plan.digest}" if outcome.plan else ""
-    run = f"missionplan, seed {outcome.provenance.seed}, {outcome.provenance.trials} trials{of_plan}"
-    add(container, "description", run)
-    styles(container, COLOURS)
-    if outcome.plan is not None:
-        plan_folders(container, outcome.plan, circles=False)
-    _tracks(container, outcome, origin)
-    _fixes(container, outcome, origin)
-    _goals(container, outcome, origin)
-    return document(root)
-
-
-def _tracks(container: Element, outcome: Outcome, origin: Origin) -> None:
-    median, samples = sample_trials(outcome)
-    folder = add(container, "Folder")
-    add(folder, "name", "Tracks")
-    for trial, kind in [(median, "median track"), *((trial, "sample track") for trial in samples)]:
-        points = track_points(outcome, trial)
-        if len(points) > 1:
-            span = {"begin_s": round(points[0].time, 1), "end_s": round(points[-1].time, 1)}
-            times = (points[0].utc, points[-1].utc)
-            mark = placemark(folder, f"{kind}, trial {trial}", kind, span, times)
-            line(mark, longitudes_latitudes(np.array([point.position for point in points]).T, origin))
-
-
-def _fixes(container: Element, outcome: Outcome, origin: Origin) -> None:
-    """Where the median trial is at each fix, and its anchor."""
-    median, _ = sample_trials(outcome)
-    folder = add(container, "Folder")
-    add(folder, "name", f"Fixes, trial {median}")
-    for each in track_points(outcome, median):
-        _fix(folder, each, origin)
-
-
-def _fix(folder: Element, fix: TrackPoint, origin: Origin) -> None:
-    (place,) = longitudes_latitudes(np.array(fix.position)[:, None], origin)
-    point(placemark(folder, fix.name, fix.kind, fix.data(), (fix.utc,)), place)
-
-
-def _goals(container: Element, outcome: Outcome, origin: Origin) -> None:
-    drawn = list(rings(outcome))
-    for phase, (goal, _) in outcome.tracks.targets.items():
-        folder = add(container, "Folder")
-        add(folder, "name", phase)
-        for ring in (ring for ring in drawn if ring.phase == phase):
-            polygon(placemark(folder, describe(ring), ring.kind), longitudes_latitudes(ring.line, origin))
-        (place,) = longitudes_latitudes(np.array(goal)[:, None], origin)
-        point(placemark(folder, f"{phase}: goal", "goal"), place)
