@@ -77,7 +77,7 @@ def test_a_chart_that_cannot_be_read_is_told_and_the_map_is_drawn(tmp_path):
     (tmp_path / "coast.geojson").write_text("[1, 2")
     with style():
         drawn = site_map(mission(tmp_path, "coast.geojson").raw)
-    assert "The chart coast.geojson cannot be read (JSONDecodeError" in drawn.caption
+    assert "The chart coast.geojson cannot be read as GeoJSON: JSONDecodeError" in drawn.caption
 
 
 def test_a_chart_that_is_missing_or_has_no_place_is_refused(tmp_path):

@@ -272,8 +272,9 @@ class Site(FileSection, Generic[V]):
     def _chart_has_a_place(self) -> Self:
         if self.chart is None:
             return self
-        if not self.chart.lower().endswith((".json", ".geojson", ".tif", ".tiff")):
-            raise invalid("expected a GeoJSON (.geojson, .json) or GeoTIFF file (.tif, .tiff)", ("chart",))
+        if not self.chart.lower().endswith((".json", ".geojson", ".gpkg", ".shp", ".tif", ".tiff")):
+            expected = "GeoJSON (.geojson, .json), GeoPackage (.gpkg), shapefile (.shp) or GeoTIFF file (.tif, .tiff)"
+            raise invalid(f"expected a {expected}", ("chart",))
         if self.origin is None:
             raise invalid("a chart needs the origin's latitude and longitude", ("origin",))
         return self

@@ -3,9 +3,12 @@
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.patches import PathPatch
+from matplotlib.path import Path
 
 from missionplan.arrays import Array
 from missionplan.exporters.maps.geometry import circle
@@ -258,3 +261,8 @@ def north_and_scale(axes: Axes, width: float, corner: tuple[bool, bool]) -> None
     end = start + away * length / width
     axes.plot([start, end], [foot, foot], transform=axes.transAxes, color=INK, linewidth=2.5)
     axes.text(0.5 * (start + end), foot + 0.03, words, ha="center", transform=axes.transAxes, va="bottom")
+
+
+def draw_region(axes: Axes, outlines: Sequence[Array], **style: Any) -> None:
+    """Fill a polygon, its outline first and then its holes, shape (k, 2) each [m]."""
+    axes.add_patch(PathPatch(Path.make_compound_path(*(Path(ring, closed=True) for ring in outlines)), **style))

@@ -1,12 +1,10 @@
 """The site on a map, with its chart: where the mission starts, its goals, the straight way."""
 
-import json
 import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from itertools import chain, pairwise
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -15,101 +13,71 @@ from matplotlib.patheffects import AbstractPathEffect, withStroke
 from matplotlib.text import Annotation
 
 from missionplan.arrays import Array
+from missionplan.errors import InputError
+from missionplan.exporters.maps.colours import COLOURS
 from missionplan.exporters.maps.geometry import circle
-from missionplan.mission.geodesy import to_geographic, to_plane
+from missionplan.mission.geodesy import to_plane
+from missionplan.mission.schema.place import BathymetryFile
 from missionplan.mission.schema.site import Geographic
 from missionplan.mission.units import QuantityError, parse_number_with_unit
 from missionplan.report.axes import name_axis
-from missionplan.report.geography.plan_view import emptiest_corner, frame, north_and_scale
+from missionplan.report.geography.plan_view import draw_region, emptiest_corner, frame, north_and_scale
 from missionplan.report.page import BLUE, GREEN, GREY, INK, ORANGE, SKY, Figure, to_figure
 from missionplan.report.quantities import quantity
 from missionplan.report.wording import shortened
 from missionplan.results.plain_data import mapping, mappings
+from missionplan.scenario.place.grid_files import placed_pixels
+from missionplan.scenario.place.polygons import features
+from missionplan.scenario.place.positions import LOCAL, Chart
 
-_LAND = "#d9cfae"
 _PIXELS = 300
 """Of the picture along each side of the map."""
-_SCALE, _TIE_POINT, _KEYS = 33550, 33922, 34735
-"""Tags of GeoTIFF 1.1: pixel scale, tie point, key directory."""
-_GEOGRAPHIC, _PROJECTED = 2048, 3072
-"""Keys of GeoTIFF 1.1: EPSG code of the geographic and of the projected reference system."""
 
 
-def draw_chart(axes: Axes, file: str, origin: Geographic) -> str:
-    """Draw a chart behind what is on the axes, in metres about the origin; returns why it cannot be read."""
-    path = Path(file)
+def _draw_file(axes: Axes, chart: Chart, kind: str) -> str:
+    """Draw a file behind what is on the axes, in metres about the origin; returns why it cannot be read."""
     try:
-        if path.suffix.lower() in (".tif", ".tiff"):
-            _draw_picture(axes, path, origin)
+        if chart.path.suffix.lower() in (".tif", ".tiff"):
+            _draw_picture(axes, chart)
         else:
-            _draw_features(axes, json.loads(path.read_text(encoding="utf-8")), origin)
+            _draw_features(axes, chart, kind)
+    except InputError as error:
+        return f"The chart {chart.path.name} {error.problems[0].message}."
     except Exception as error:  # readers of other people's files raise many kinds, and a report is worth more than one
-        return f"The chart {path.name} cannot be read ({type(error).__name__}: {error})."
+        return f"The chart {chart.path.name} cannot be read ({type(error).__name__}: {error})."
     return ""
 
 
-def _draw_features(axes: Axes, data: object, origin: Geographic) -> None:
-    """Draw polygons as land, or as shoal water where they have a depth, and lines, labelled with their depth."""
-    for kind, points, depth in _shapes(data, None):
-        longitude, latitude = np.radians(np.array([point[:2] for point in points], dtype=float).T)
-        east, north = to_plane(latitude, longitude, origin)
-        if kind == "Polygon":
-            colour, alpha = (_LAND, 0.9) if depth is None else (SKY, 0.15)
-            axes.fill(east, north, color=colour, alpha=alpha, linewidth=0.0, zorder=0.5)
-        else:
-            axes.plot(east, north, color=GREY, linewidth=0.7, zorder=0.6)
-            if depth is not None:
-                middle = len(east) // 2
-                axes.annotate(
-                    quantity(depth, "m", "g"), (east[middle], north[middle]), fontsize=7, color=GREY, clip_on=True
-                )
+def _draw_features(axes: Axes, chart: Chart, kind: str) -> None:
+    """Draw polygons as land or a zone, as shoal water where they have a depth, and lines with their depth."""
+    known, system = features(chart)
+    for geometry, properties in known:
+        depth = properties.get("depth")
+        for part in getattr(geometry, "geoms", (geometry,)):
+            rings = (part.exterior, *part.interiors) if part.geom_type == "Polygon" else (part,)
+            points = [np.array(ring.coords) for ring in rings]
+            lines = [chart.to_plane(each[:, 0], each[:, 1], system) for each in points]
+            if part.geom_type == "Polygon":
+                colour, alpha = (COLOURS[kind], 0.5) if depth is None else (SKY, 0.15)
+                draw_region(axes, [line.T for line in lines], color=colour, alpha=alpha, linewidth=0.0, zorder=0.5)
+                continue
+            axes.plot(*lines[0], color=GREY, linewidth=0.7, zorder=0.6)
+            if isinstance(depth, int | float):
+                middle = lines[0][:, lines[0].shape[1] // 2]
+                axes.annotate(quantity(depth, "m", "g"), tuple(middle), fontsize=7, color=GREY, clip_on=True)
 
 
-def _shapes(data: object, depth: float | None) -> Iterator[tuple[str, list[list[float]], float | None]]:
-    """Yield the rings and lines of a GeoJSON object, with the depth that its feature has [m]."""
-    if not isinstance(data, Mapping):
-        raise ValueError("expected a GeoJSON object")
-    kind, coordinates = data.get("type"), list(data.get("coordinates") or ())
-    if kind in ("FeatureCollection", "Feature", "GeometryCollection"):
-        for part, its_depth in _members_of(data, depth):
-            yield from _shapes(part, its_depth)
-    elif kind == "Polygon":
-        yield "Polygon", coordinates[0], depth
-    elif kind == "MultiPolygon":
-        yield from (("Polygon", polygon[0], depth) for polygon in coordinates)
-    elif kind == "LineString":
-        yield "LineString", coordinates, depth
-    elif kind == "MultiLineString":
-        yield from (("LineString", line, depth) for line in coordinates)
-
-
-def _members_of(data: Mapping[str, Any], depth: float | None) -> list[tuple[object, float | None]]:
-    """Return what a collection or a feature of GeoJSON holds, with the depth that it has [m]."""
-    if data["type"] == "FeatureCollection":
-        return [(feature, None) for feature in data["features"]]
-    if data["type"] == "GeometryCollection":
-        return [(geometry, depth) for geometry in data["geometries"]]
-    found, geometry = (data.get("properties") or {}).get("depth"), data.get("geometry")
-    return [] if geometry is None else [(geometry, float(found) if isinstance(found, int | float) else None)]
-
-
-def _draw_picture(axes: Axes, path: Path, origin: Geographic) -> None:
+def _draw_picture(axes: Axes, chart: Chart) -> None:
     """Draw the part of a GeoTIFF that the axes show, warped to metres about the origin."""
     from PIL.TiffImagePlugin import TiffImageFile
-    from pyproj import Transformer
 
-    with TiffImageFile(path) as picture:
-        scale, tie = picture.tag_v2[_SCALE], picture.tag_v2[_TIE_POINT]
-        system = _reference_system(picture.tag_v2[_KEYS])
+    with TiffImageFile(chart.path) as picture:
+        (left, wide), (top, high), system = placed_pixels(chart, picture.tag_v2)
         pixels = np.asarray(picture.convert("RGB"))
     (west, east), (south, north) = axes.get_xlim(), axes.get_ylim()
     x, y = np.meshgrid(np.linspace(west, east, _PIXELS), np.linspace(north, south, _PIXELS))
-    latitude, longitude = to_geographic(x.ravel(), y.ravel(), origin)
-    transformer = Transformer.from_crs(4326, system, always_xy=True)
-    across, up = transformer.transform(np.degrees(longitude), np.degrees(latitude))
-    column = np.floor(tie[0] + (np.asarray(across) - tie[3]) / scale[0])
-    row = np.floor(tie[1] - (np.asarray(up) - tie[4]) / scale[1])
-    shown = _picked(pixels, row, column)
+    across, up = chart.from_plane(np.stack((x.ravel(), y.ravel())), chart.system(system))
+    shown = _picked(pixels, np.floor((up - top) / high), np.floor((across - left) / wide))
     if not shown[..., 3].any():
         raise ValueError("it does not show the site")
     axes.imshow(shown, extent=(west, east, south, north), aspect="equal", zorder=0.4, interpolation="nearest")
@@ -124,15 +92,6 @@ def _picked(pixels: Array, row: Array, column: Array) -> Array:
     shown[inside, :3] = pixels[row[inside].astype(int), column[inside].astype(int)]
     shown[inside, 3] = 255
     return np.asarray(shown.reshape(_PIXELS, _PIXELS, 4))
-
-
-def _reference_system(keys: tuple[int, ...]) -> int:
-    """Return the EPSG code that a GeoTIFF's key directory names."""
-    entries = {keys[place]: keys[place + 3] for place in range(4, len(keys), 4)}
-    code = entries.get(_PROJECTED) or entries.get(_GEOGRAPHIC)
-    if code is None or math.isclose(code, 32767):  # 32767: defined by the user
-        raise ValueError("it names no EPSG code")
-    return int(code)
 
 
 _WIDTH = 5.0
@@ -197,20 +156,25 @@ def site_map(data: Mapping[str, object]) -> Figure | None:
     )
 
 
-_DRAWN = (".json", ".geojson", ".tif", ".tiff")
+_DRAWN = (".json", ".geojson", ".gpkg", ".shp", ".tif", ".tiff")
 """Endings of files that are drawn."""
 
 
 def _draw_chart(axes: Axes, data: Mapping[str, object]) -> str:
     """Draw the chart, the land and the zones that the mission names; returns what is to be said of them."""
-    site, origin = mapping(data.get("site")), _origin(data)
-    polygons = [mapping(site.get(key)) for key in ("land", "keep_out")]
-    files = [site.get("chart"), *(each.get("file") for each in polygons if "projection" not in each)]
-    words = ""
-    for file in files:
-        if isinstance(file, str) and origin is not None and file.lower().endswith(_DRAWN):
-            problem = draw_chart(axes, file, origin)
-            words += f" {problem}" if problem else f" Chart: {Path(file).name}; not for navigation."
+    site, origin, words = mapping(data.get("site")), _origin(data), ""
+    corners = np.array([axes.get_xlim(), axes.get_ylim()])
+    for key in ("chart", "land", "keep_out"):
+        written = {"file": site.get(key)} if isinstance(site.get(key), str) else mapping(site.get(key))
+        file, projection = written.get("file"), written.get("projection")
+        if not isinstance(file, str) or not file.lower().endswith(_DRAWN):
+            continue
+        if origin is None and projection != LOCAL:
+            continue
+        file_of = BathymetryFile.model_construct(file=file, projection=projection)
+        kind = "keep-out" if key == "keep_out" else "land"
+        problem = _draw_file(axes, Chart(f"site.{key}", file_of, origin, *corners.T), kind)
+        words += f" {problem}" if problem else f" Chart: {Path(file).name}; not for navigation."
     return words
 
 

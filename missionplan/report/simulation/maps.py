@@ -8,8 +8,6 @@ from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure as MatplotlibFigure
 from matplotlib.lines import Line2D
-from matplotlib.patches import PathPatch
-from matplotlib.path import Path
 from matplotlib.ticker import MaxNLocator
 
 from missionplan.arrays import Array
@@ -18,6 +16,7 @@ from missionplan.report.axes import name_axis
 from missionplan.report.geography.plan_view import (
     Frame,
     Ring,
+    draw_region,
     emptiest_corner,
     finite,
     frame,
@@ -155,9 +154,8 @@ def _draw_place(axes: Axes, chart: SeaChart) -> None:
         drawn = axes.contour(chart.east, chart.north, water, levels, colors=GREY, linewidths=0.5, zorder=0.2)
         axes.clabel(drawn, fontsize=7, fmt=lambda depth: quantity(depth, "m", "g"))
     for kind, outlines in chart.shapes:
-        shape = Path.make_compound_path(*(Path(ring, closed=True) for ring in outlines))
         hatch = "///" if kind == "keep-out" else None
-        axes.add_patch(PathPatch(shape, color=COLOURS[kind], alpha=0.35, hatch=hatch, zorder=0.3))
+        draw_region(axes, outlines, color=COLOURS[kind], alpha=0.35, hatch=hatch, zorder=0.3)
 
 
 def _lines(outcome: Outcome) -> list[Array]:

@@ -132,22 +132,34 @@ def geotiff(chart: Chart) -> Grid:
         if picture.mode not in ("I", "I;16", "I;16B", "F", "L"):
             raise chart.problem(f"is a picture ({picture.mode}); expected one band of heights")
         values = np.asarray(picture, dtype=float)
-        keys = tags.get(_KEYS, ())
-        across, up = _placed_pixels(chart, tags)
+        across, up, system = placed_pixels(chart, tags)
         missing = str(tags.get(_NO_DATA, "")).strip("\0 ")
-    entries = {keys[place]: keys[place + 3] for place in range(4, len(keys), 4)}
     if missing:
         values = np.where(np.isclose(values, float(missing), rtol=1e-6, atol=0.0), np.nan, values)
-    half = 0.0 if entries.get(_RASTER_TYPE) == 2 else 0.5
     rows, columns = values.shape
-    code = entries.get(_PROJECTED) or entries.get(_GEOGRAPHIC)
-    system = None if code in (None, _USER_DEFINED) else f"EPSG:{code}"
-    x, y = across[0] + across[1] * (np.arange(columns) + half), up[0] + up[1] * (np.arange(rows) + half)
+    x, y = across[0] + across[1] * (np.arange(columns) + 0.5), up[0] + up[1] * (np.arange(rows) + 0.5)
     return Grid(np.asarray(x, dtype=float), np.asarray(y, dtype=float), values, _asked_up(chart), system)
 
 
-def _placed_pixels(chart: Chart, tags: Any) -> tuple[tuple[float, float], tuple[float, float]]:
-    """First coordinate and step of columns and of rows, at the corner of the first pixel."""
+def placed_pixels(chart: Chart, tags: Any) -> tuple[tuple[float, float], tuple[float, float], str | None]:
+    """First coordinate and step of columns and of rows, at the corner of the first pixel, and the reference system.
+
+    Raises
+    ------
+    InputError
+        When a GeoTIFF is turned, or does not say where it lies.
+    """
+    keys = tags.get(_KEYS, ())
+    entries = {keys[place]: keys[place + 3] for place in range(4, len(keys), 4)}
+    code = entries.get(_PROJECTED) or entries.get(_GEOGRAPHIC)
+    system = None if code in (None, _USER_DEFINED) else f"EPSG:{code}"
+    (x, wide), (y, high) = _first_and_step(chart, tags)
+    back = 0.5 if entries.get(_RASTER_TYPE) == 2 else 0.0
+    return (x - back * wide, wide), (y - back * high, high), system
+
+
+def _first_and_step(chart: Chart, tags: Any) -> tuple[tuple[float, float], tuple[float, float]]:
+    """Where the tags place the first pixel: its corner, or its centre where pixels are points."""
     if _MATRIX in tags:
         matrix = tags[_MATRIX]
         if matrix[1] or matrix[4]:
