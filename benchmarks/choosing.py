@@ -13,14 +13,13 @@ import numpy as np
 from benchmarks.common import MISSIONS, Options, Row, Section
 from missionplan.mission import Mission, load
 from missionplan.montecarlo.parallel.blocks import IN_THIS_PROCESS
-from missionplan.results.axis import Axis
+from missionplan.results.decision import Axis
 from missionplan.studies.exploration.cells import CellTrials, cell_trials
 from missionplan.studies.exploration.explore import CellPlan
 from missionplan.studies.exploration.findings import ENERGY, cell_of, race, rank
 from missionplan.studies.exploration.variation import read_axes
-from missionplan.studies.optimisation.choices import Lattice, Point
-from missionplan.studies.optimisation.evaluations import Evaluation, Evaluations, columns_needed
-from missionplan.studies.optimisation.judging import demands_of
+from missionplan.studies.optimisation.choosable import Lattice, Point
+from missionplan.studies.optimisation.evaluations import Evaluation, Evaluations, columns_needed, demands_of
 from missionplan.studies.optimisation.search import Search
 
 CASES = {

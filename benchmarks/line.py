@@ -12,8 +12,7 @@ from pathlib import Path
 import numpy as np
 
 from missionplan.physics.current_above import ProfileAbove
-from missionplan.physics.held_body import HeldBody
-from missionplan.physics.held_line import HeldLine, hang, line_drag_factor
+from missionplan.physics.held_line import HeldBody, HeldLine, hang, line_drag_factor
 from missionplan.physics.line_statics import held_pose
 from missionplan.physics.vehicle_drag import Hull, Sail, VehicleDrag
 from missionplan.physics.water import sea_water

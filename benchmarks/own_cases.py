@@ -36,10 +36,10 @@ from missionplan.arrays import Array
 from missionplan.mission import Mission
 from missionplan.montecarlo.parallel.blocks import run_blocks
 from missionplan.montecarlo.parallel.pool import process_pool
-from missionplan.montecarlo.running_statistics import RunningStatistics
 from missionplan.montecarlo.sensitivity import Influence, sensitivities
+from missionplan.montecarlo.statistics import RunningStatistics
 from missionplan.montecarlo.streams import BLOCK, LegNormals, block_count, block_size, stream
-from missionplan.phases.state import TrialState
+from missionplan.phases.hooks import TrialState
 from missionplan.phases.transit.plan import TransitNormals, TransitPlan, VelocityError
 from missionplan.phases.transit.transit import transit
 from missionplan.studies.leg_length.sweep_dmax import sweep_dmax
@@ -143,7 +143,7 @@ def main(what: str, cases: int, workers: int) -> None:
     """
     run = {"function": run_function, "simulate": run_simulate, "sweep": run_sweep}[what]
     if workers > 1:
-        process_pool(workers - 1).submit(import_module, "missionplan.montecarlo.running_statistics").result()
+        process_pool(workers - 1).submit(import_module, "missionplan.montecarlo.statistics").result()
     run(cases, workers)
     runs = [run(cases, workers) for _ in range(RUNS[workers])]
     least = {key: min(found[key] for found in runs) for key in runs[0]}

@@ -120,7 +120,7 @@ def __dir__() -> list[str]:
 
 def _presenter() -> Presenter:
     """Load what presents results, when the first is saved or shown."""
-    from missionplan.report import glance as presenter
+    from missionplan.report import render as presenter
 
     return presenter
 

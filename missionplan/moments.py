@@ -1,10 +1,17 @@
 """Moments: every time of day that a file, an option or a caller gives becomes an aware `datetime` in UTC here alone."""
 
+import math
 import re
 from datetime import UTC, date, datetime, timedelta, timezone
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 EXAMPLE = "2026-06-01T04:00Z"
 """A moment as messages write one."""
+EPOCH_SCALE = 1e8
+"""Times above this are seconds since 1970, not since some start [s]."""
 _ISO = re.compile(
     r"(?P<year>[+-]?\d{1,4})-(?P<month>\d{1,2})-(?P<day>\d{1,2})"
     r"(?:(?:[Tt]|\s+)(?P<hour>\d{1,2})(?::(?P<minute>\d{1,2})(?::(?P<second>\d{1,2})(?:[.,](?P<part>\d*))?)?)?)?"
@@ -138,3 +145,30 @@ def since(units: str, calendar: str = "") -> tuple[float, float]:
 def _days_between_calendars(year: int) -> int:
     """Days by which a date of a year that begins in March is later in the Julian calendar than in the Gregorian."""
     return year // 100 - year // 400 - 2
+
+
+def epoch_of(text: str) -> float:
+    """Read a time as seconds since 1970; without a zone it is UTC.
+
+    Raises
+    ------
+    ValueError
+        When it is neither ISO 8601 nor a number.
+    """
+    words = text.strip()
+    try:
+        return float(words)
+    except ValueError:
+        return moment_of(words).timestamp()
+
+
+def epoch_seconds(words: "pd.Series[str]") -> "pd.Series[float]":
+    """Read times by ISO 8601 as seconds since 1970, nan where a cell holds none; without a zone they are UTC."""
+    return words.map(_epoch_or_nan).astype(float)
+
+
+def _epoch_or_nan(text: object) -> float:
+    try:
+        return epoch_of(text) if isinstance(text, str) else math.nan
+    except (ValueError, OverflowError):
+        return math.nan

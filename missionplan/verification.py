@@ -16,9 +16,9 @@ from missionplan.mission import Mission, load
 from missionplan.montecarlo.parallel.blocks import Progress, run_blocks
 from missionplan.montecarlo.streams import block_count, block_size
 from missionplan.results.base import OF_THE_RUN, to_json
-from missionplan.results.plain_data import mapping, whole
+from missionplan.results.entries import mapping, whole
 from missionplan.store.checkpoints import read_block
-from missionplan.store.paths import as_path
+from missionplan.store.folder import as_path
 from missionplan.studies.comparison.two_reports import read_summary
 from missionplan.studies.run import MAX_JOBS, identified
 

@@ -120,7 +120,7 @@ def test_a_start_that_is_no_moment_is_refused_with_an_example(tmp_path, line):
 _LEGS = """
 import sys, numpy as np, missionplan
 from missionplan.datasets.legs import _epoch
-from missionplan.datasets.times import epoch_of
+from missionplan.moments import epoch_of
 mission = missionplan.Mission.from_data({"start": "2026-06-01T04:00"})
 epoch = epoch_of("2026-06-01T04:00:00")
 print(mission.start.isoformat(), _epoch(np.array([epoch]), mission, []), epoch)

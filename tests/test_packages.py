@@ -9,8 +9,7 @@ import pytest
 from missionplan import import_log, packages
 from missionplan.cli.running import progress_bar
 from missionplan.effects import CATALOGUE
-from missionplan.effects.catalogue import with_plugins
-from missionplan.effects.entry_checks import entry_problems
+from missionplan.effects.catalogue import entry_problems, with_plugins
 from missionplan.errors import InputError, RunError
 from missionplan.importers import importer
 

@@ -9,14 +9,13 @@ from scipy.integrate import quad
 
 from missionplan.montecarlo.sensitivity import sensitivities
 from missionplan.phases.currents import layers
-from missionplan.phases.fields.forecast_error import NORMALS, WAVES, ErrorWaves, Statistics
+from missionplan.phases.fields.ensemble import NORMALS, WAVES, ErrorWaves, Statistics
 from missionplan.phases.transit.analytic.expectation import expected_cost, expected_transit
 from missionplan.phases.transit.analytic.policy import best_legs
-from missionplan.physics.added_mass import lamb_axial_coefficient, lamb_lateral_coefficient
-from missionplan.physics.held_body import CROSSFLOW_COEFFICIENT
-from missionplan.physics.held_line import HeldLine
+from missionplan.physics.held_line import CROSSFLOW_COEFFICIENT, HeldLine
 from missionplan.physics.line_statics import held_pose
 from missionplan.physics.snatch import peak_tension
+from missionplan.physics.water import lamb_axial_coefficient, lamb_lateral_coefficient
 from tests.montecarlo import test_rare_events, test_ways_to_fail
 from tests.phases.mooring import test_descent as dives
 from tests.phases.transit import test_expectation as transits

@@ -12,15 +12,14 @@ from missionplan.effects.drag_bias import DragBias
 from missionplan.mission import load
 from missionplan.phases.mooring.forces import Dive
 from missionplan.phases.transit.analytic.expectation import expected_cost
-from missionplan.physics import oscillation, propeller_example, tank, tunnel_thruster
+from missionplan.physics import propeller_example, tank, tunnel_thruster
 from missionplan.physics.propulsion import PropulsionRun, simulate_propulsion
 from missionplan.scenario.anchors import worst_case_weight
-from missionplan.scenario.mooring import dive_of
+from missionplan.scenario.phases import dive_of
 from missionplan.scenario.scenario import Scenario
 from missionplan.studies.identification.identify import identify
 from missionplan.studies.simulation.simulate import simulate
-from missionplan.studies.transition.result import FORCE, PAIR, SUCTION, TransitionSweep
-from missionplan.studies.transition.sweep_transition import sweep_transition
+from missionplan.studies.transition.sweep_transition import FORCE, PAIR, SUCTION, TransitionSweep, sweep_transition
 from tests.acceptance import test_avila as avila
 from tests.acceptance import test_briggs_table1 as table_1
 from tests.phases.transit.test_expectation import FIG8, HIGH_PRECISION
@@ -263,7 +262,7 @@ def _avila_cfd(_: Options) -> list[float]:
 )
 def _avila_added_mass(_: Options) -> list[float]:
     found, modes = identify(MISSIONS / "measured" / "avila-added-mass"), ("surge", "sway", "heave")
-    printed = oscillation.added_mass(avila.FREQUENCY, 4585.8, 24.0)
+    printed = tank.added_mass(avila.FREQUENCY, 4585.8, 24.0)
     model = [found[f"added_mass_{mode}"].value for mode in modes]
     return [*model, *(found[f"added_mass_{mode}_full_size"].value for mode in modes), float(printed[0])]
 

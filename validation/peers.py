@@ -15,14 +15,14 @@ from scipy.stats import norm
 
 from benchmarks import line as moordyn_lines
 from missionplan.mission import Mission
-from missionplan.montecarlo.rare_events.population import NormalPopulation
+from missionplan.montecarlo.rare_events.subset_simulation import NormalPopulation
 from missionplan.montecarlo.sensitivity import sensitivities
 from missionplan.phases.mooring.pitch_over import NOSE_DOWN
-from missionplan.physics.added_mass import lamb_axial_coefficient, lamb_lateral_coefficient
 from missionplan.physics.held_line import HeldLine, hang
 from missionplan.physics.line_statics import held_pose
 from missionplan.physics.propeller import Resistance, from_open_water
 from missionplan.physics.propulsion import simulate_propulsion
+from missionplan.physics.water import lamb_axial_coefficient, lamb_lateral_coefficient
 from missionplan.studies.simulation.simulate import simulate
 from missionplan.studies.tide.harmonic_analysis import Constituent, tidal_velocity
 from tests.montecarlo import test_rare_events as rare

@@ -3,8 +3,8 @@
 from pathlib import Path
 
 from missionplan import diagnose, load
-from missionplan.report.diagnosis.data_kinds.kinds import REPORTS
 from missionplan.report.diagnosis.evidence import ranking_figure
+from missionplan.report.diagnosis.kinds import REPORTS
 from missionplan.report.drawn import style
 
 HERE = Path(__file__).parent

@@ -14,7 +14,7 @@ import yaml
 
 from missionplan import Mission
 from missionplan.phases.transit.analytic.policy import best_legs
-from missionplan.phases.transit.leg_table import LegTable
+from missionplan.phases.transit.plan import LegTable
 from missionplan.studies.leg_length.paired_trials import LegsAtSpeed, run_plans
 from missionplan.studies.leg_length.policy_search import replace_first_leg
 from missionplan.studies.leg_length.sweep_scenario import SweepScenario

@@ -8,14 +8,13 @@ from matplotlib.figure import Figure as MatplotlibFigure
 
 import missionplan
 from missionplan.physics.current_above import LayersAbove
-from missionplan.physics.held_line import HeldLine, line_drag_factor
-from missionplan.physics.line_materials import LINE_MATERIALS
+from missionplan.physics.held_line import LINE_MATERIALS, HeldLine, line_drag_factor
 from missionplan.physics.line_statics import held_pose
 from missionplan.report.drawn import style
 from missionplan.report.held_vehicle import hold_figure
 from missionplan.report.page import Figure, to_figure
 from missionplan.scenario.anchors import wet_weight_of
-from missionplan.scenario.held_vehicle import held_body
+from missionplan.scenario.phases import held_body
 from missionplan.scenario.scenario import Scenario
 from missionplan.studies.held_vehicle import held_vehicle
 

@@ -17,7 +17,7 @@ from typing import Annotated
 import typer
 
 from missionplan.cli import exchange, exploring, files, measurements, options, planning
-from missionplan.cli.streams import answering, note, prepare_streams
+from missionplan.cli.options import answering, note, prepare_streams
 from missionplan.errors import OUT_OF_FILES, MissionplanError, Problem, out_of_files
 
 INTERRUPTED = 130

@@ -10,10 +10,10 @@ import typer
 
 from missionplan.cli import options as o
 from missionplan.cli.measurements import NextTrial, diagnosed
+from missionplan.cli.options import remark
 from missionplan.cli.running import Progress, deliver, progress_bar, report_folder
-from missionplan.cli.streams import remark
 from missionplan.errors import InputError, Problem, shown
-from missionplan.store.paths import exists, is_file
+from missionplan.store.folder import exists, is_file
 
 if TYPE_CHECKING:
     from missionplan.results.imported import ImportedData

@@ -7,8 +7,7 @@ import typer
 
 from missionplan.cli import options as o
 from missionplan.cli.planning import REQUIREMENT_NOT_MET
-from missionplan.cli.resuming import run_resumable
-from missionplan.cli.running import Progress
+from missionplan.cli.running import Progress, run_resumable
 
 if TYPE_CHECKING:
     from pathlib import Path

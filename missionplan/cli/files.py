@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from missionplan.cli import options as o
+from missionplan.cli.options import note
 from missionplan.cli.running import deliver, progress_bar, report_folder
-from missionplan.cli.streams import note
 from missionplan.errors import InputError, Problem, did_you_mean, shown
 
 if TYPE_CHECKING:

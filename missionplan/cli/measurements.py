@@ -21,7 +21,7 @@ _WORKERS_NEED = (
     "missionplan.diagnosis.legs.model",
     "missionplan.diagnosis.dives.model",
     "scipy.optimize",
-    "missionplan.scenario.mooring",
+    "missionplan.scenario.phases",
 )
 """Modules that fits need; none that reads files or tables."""
 _Holdout = Annotated[

@@ -8,8 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from missionplan.cli import options as o
-from missionplan.cli.resuming import run_resumable
-from missionplan.cli.running import Progress, run_study
+from missionplan.cli.running import Progress, run_resumable, run_study
 
 if TYPE_CHECKING:
     from missionplan.mission import Mission
@@ -113,7 +112,7 @@ def size_anchor(
     allow_outside: o.AllowOutside = False,
 ) -> None:
     """Size the anchor that takes the vehicle down within the radius: weight, length, trim ring, and its dive."""
-    from missionplan.results.mooring.sizing import AnchorSizing
+    from missionplan.results.anchor_sizing import AnchorSizing
 
     def study(loaded: "Mission", progress: Progress) -> AnchorSizing:
         from missionplan.studies.anchor.size_anchor import size_anchor

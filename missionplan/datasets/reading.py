@@ -16,7 +16,7 @@ from missionplan.errors import InputError, Problem, did_you_mean, shown
 from missionplan.mission.reading.documents import Document, load_document
 from missionplan.mission.reading.validation_errors import validation_problems
 from missionplan.mission.schema.section import FileSection
-from missionplan.store.paths import is_file, real_path
+from missionplan.store.folder import is_file, real_path
 
 
 def _as_text(value: object) -> object:

@@ -9,9 +9,9 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from missionplan.arrays import Array
-from missionplan.datasets.identity import row_identities, row_texts, written_once
+from missionplan.datasets.dives import DEEPEST, DiveConditions, DivesSettings, conditions_of_runs
 from missionplan.datasets.reading import DatasetFormat, RawDataset, read_dataset
-from missionplan.datasets.runs import DEEPEST, DiveConditions, DivesSettings, conditions_of_runs
+from missionplan.datasets.records import row_identities, row_texts, written_once
 from missionplan.datasets.table import Columns, problems_at
 from missionplan.errors import Problem, did_you_mean
 from missionplan.mission import Mission

@@ -14,8 +14,8 @@ import numpy as np
 import pandas as pd
 
 from missionplan.datasets.csv_cells import BLANKS, check_file, long_rows, read_cells, read_header
-from missionplan.datasets.times import epoch_seconds
 from missionplan.errors import UNPRINTABLE, InputError, Problem, counted
+from missionplan.moments import epoch_seconds
 
 MAX_SHOWN = 5
 """Problems of one sort that are reported one by one; the rest are counted."""

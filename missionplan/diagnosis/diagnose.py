@@ -23,7 +23,7 @@ from missionplan.results.base import Provenance
 from missionplan.results.learned.diagnosis import Diagnosis, PlanGain
 from missionplan.results.learned.next_trial import NextTrial
 from missionplan.results.score import DatasetScore
-from missionplan.store.paths import as_path
+from missionplan.store.folder import as_path
 from missionplan.studies.run import Run, check_arguments
 
 Progress = Callable[[int, int], None]

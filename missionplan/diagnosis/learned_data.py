@@ -7,9 +7,8 @@ from typing import TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from missionplan.datasets.identity import listed
 from missionplan.datasets.legs import enough
-from missionplan.datasets.records import TransitData
+from missionplan.datasets.records import TransitData, listed
 from missionplan.datasets.summaries import SummaryData
 from missionplan.datasets.tank import TankData
 from missionplan.diagnosis.dives.preparation import MIN_DIVES, PreparedDives

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 from missionplan.diagnosis.diagnose import diagnose
 from missionplan.importers.importing import import_logs
 from missionplan.mission import MissionOrPath
-from missionplan.store.paths import as_path
+from missionplan.store.folder import as_path
 
 if TYPE_CHECKING:
     from missionplan.results.learned.diagnosis import Diagnosis

@@ -1,7 +1,12 @@
-"""The catalogue: every effect by its stable name."""
+"""The catalogue: every effect by its stable name.
 
-from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
+Checks of the catalogue's entries: what an entry must declare, and which entries cannot stand together.
+"""
+
+import inspect
+import re
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, is_dataclass
 from importlib.metadata import EntryPoint, entry_points
 from types import MappingProxyType
 from typing import cast
@@ -38,9 +43,179 @@ from missionplan.effects import (
     trapped_gas,
     vertical_current,
 )
-from missionplan.effects.entry_checks import catalogue_problems, entry_problems
-from missionplan.effects.info import EffectInfo, Instrument, Phase, Scatter
+from missionplan.effects.info import Effect, EffectInfo, Instrument, Phase, Scatter, TankEffect
+from missionplan.effects.oscillation import MODULATION_PARAMETERS, Oscillation
+from missionplan.errors import shown
 from missionplan.packages import PluginError, load_plugin
+from missionplan.phases.hooks import DescentEffect, MarkovProcess, TransitEffect
+
+_ID = re.compile(r"[a-z][a-z0-9]*(-[a-z0-9]+)*")
+_PARAMETER = re.compile(r"[a-z][a-z0-9]*(_[a-z0-9]+)*")
+_TANK_HOOKS = {
+    "drag": {"descent": "lone_drag_factor", "tank": "drag_factor"},
+    "free-oscillation": {"descent": "mass_factor", "tank": "damping"},
+    "thruster": {"tank": "thrust_factor"},
+    "propeller-transient": {"tank": "flow_mass_factor"},
+}
+"""By kind of tank data and phase of an effect, the hook through which it acts on them."""
+_SHOWS_KEY = {"drag.coefficient": "drag", "drag.exponent": "drag", "added_mass.surge": "free-oscillation"}
+"""By key of the vehicle file, the kind of tank data that shows it."""
+_BASES = {"transit": TransitEffect, "descent": DescentEffect, "tank": TankEffect}
+
+
+def entry_problems(info: EffectInfo) -> list[str]:
+    """Return what is wrong with one entry, in words; empty when it can be used."""
+    if wrong := [*_name_problems(info)]:
+        return wrong
+    if info.phase not in _BASES:
+        return [f"phase {info.phase!r} is none of {', '.join(_BASES)}"]
+    base = _BASES[info.phase]
+    if not (isinstance(info.effect, type) and issubclass(info.effect, base) and is_dataclass(info.effect)):
+        return [f"effect must be a data class derived from {base.__name__}"]
+    problems = [*_field_problems(info), *_size_problems(info), *_reference_problems(info), *_tank_problems(info)]
+    if problems:
+        return problems
+    if info.part == "covariance":
+        return _covariance_problems(info)
+    undeclared = _is_random(info) and not info.is_modulated
+    return ['an effect that is random from leg to leg must declare part="covariance"'] if undeclared else []
+
+
+def _name_problems(info: EffectInfo) -> Iterator[str]:
+    """Names by which mission files call the effect and its parameters: parts of key paths."""
+    if not _ID.fullmatch(info.id):
+        yield f"id {shown(info.id)}: expected words of small letters and digits, joined by hyphens"
+    for name in info.parameters:
+        if not _PARAMETER.fullmatch(name):
+            yield f"parameter {shown(name)}: expected words of small letters and digits, joined by underscores"
+
+
+def _field_problems(info: EffectInfo) -> Iterator[str]:
+    known = set(inspect.signature(info.effect).parameters)
+    for name, parameter in info.parameters.items():
+        if (parameter.field or name) not in known:
+            yield f"parameter {name}: {info.effect.__name__} has no field {parameter.field or name}"
+
+
+def _size_problems(info: EffectInfo) -> Iterator[str]:
+    phases = {phase for _, phase in info.polar}
+    for name, parameter in info.parameters.items():
+        if not parameter.low < parameter.high:
+            yield f"parameter {name}: low must be below high"
+        if parameter.is_shape and parameter.factor <= 1.0:
+            yield f"parameter {name}: a median needs a factor above 1"
+        is_strength = parameter.scale > 0.0 and parameter.spike > 0.0
+        if not (name in phases or parameter.is_shape or is_strength):
+            yield f"parameter {name}: declare scale and spike (a strength), or median and factor (a shape)"
+
+
+def _reference_problems(info: EffectInfo) -> Iterator[str]:
+    """Names of parameters that are none, and what a modulation needs."""
+    yield from (f"polar: {name} is no parameter" for pair in info.polar for name in pair if name not in info.parameters)
+    if info.instrument is not None and info.instrument.parameter not in info.parameters:
+        yield f"instrument: {info.instrument.parameter} is no parameter"
+    if info.likeness is not None and info.likeness.parameter not in info.parameters:
+        yield f"likeness: {info.likeness.parameter} is no parameter"
+    if info.finding is not None:
+        told = {info.finding.parameter, *(info.finding.toward or ())} - {"", *info.parameters}
+        yield from (f"finding: {name} is no parameter" for name in sorted(told))
+    if info.is_modulated and not (
+        info.polar and issubclass(info.effect, Oscillation) and {*MODULATION_PARAMETERS} <= {*info.parameters}
+    ):
+        yield (
+            "is_modulated: needs an effect derived from Oscillation, pairs of amplitude and phase in polar, and the "
+            f"parameters {' and '.join(MODULATION_PARAMETERS)}"
+        )
+
+
+def _tank_problems(info: EffectInfo) -> Iterator[str]:
+    """Kinds of tank data that are none or on which it does not act, and a key of the vehicle that it does not fill."""
+    if info.phase == "tank" and not info.tank:
+        yield f"tank: name the kinds of tank data that could show it, of {', '.join(_TANK_HOOKS)}"
+    for kind in info.tank:
+        hook = _TANK_HOOKS.get(kind, {}).get(info.phase, "")
+        if kind not in _TANK_HOOKS:
+            yield f"tank: {kind} is none of {', '.join(_TANK_HOOKS)}"
+        elif not hook or getattr(info.effect, hook) is getattr(_BASES[info.phase], hook):
+            yield f"tank: on data of kind {kind} an effect of phase {info.phase} acts through {hook or 'no hook'}"
+    if info.vehicle_key and (len(info.parameters) != 1 or _SHOWS_KEY.get(info.vehicle_key) not in info.tank):
+        yield f"vehicle_key: {info.vehicle_key} holds one parameter that tank data show"
+
+
+def _usual(info: EffectInfo) -> Effect:
+    """Make the effect at the usual sizes of its parameters."""
+    return info.make({name: parameter.median or parameter.scale for name, parameter in info.parameters.items()})
+
+
+def _is_random(info: EffectInfo) -> bool:
+    """Whether an effect draws normals for each leg."""
+    made = _usual(info)
+    return isinstance(made, TransitEffect) and made.is_random
+
+
+def _covariance_problems(info: EffectInfo) -> list[str]:
+    problems = []
+    if info.phase != "transit":
+        problems.append('part="covariance": only effects on a transit enter a covariance')
+    hooks = ("fix_variance", "position_variance_rate", "tail_dof")
+    refined = [hook for hook in hooks if getattr(info.effect, hook, None) is not getattr(TransitEffect, hook)]
+    if not refined and not _is_process(info):
+        problems.append(
+            'part="covariance": refine fix_variance, position_variance_rate or tail_dof, or give transition, '
+            "first_variance and mean_over of a Markov process"
+        )
+    problems += [
+        f'parameter {name}: part="covariance" needs a median and a factor'
+        for name, parameter in info.parameters.items()
+        if not parameter.is_shape
+    ]
+    return problems
+
+
+def _is_process(info: EffectInfo) -> bool:
+    return isinstance(_usual(info), MarkovProcess)
+
+
+def catalogue_problems(entries: Iterable[EffectInfo]) -> list[str]:
+    """Return why entries cannot stand in one catalogue, in words; empty when they can."""
+    entries = tuple(entries)
+    return [*_repeated(entries), *_uncombinable(entries), *_role_problems(entries)]
+
+
+def _repeated(entries: Sequence[EffectInfo]) -> Iterator[str]:
+    names = [info.id for info in entries]
+    yield from (f"{name} is declared twice" for name in dict.fromkeys(names) if names.count(name) > 1)
+
+
+def _uncombinable(entries: Sequence[EffectInfo]) -> Iterator[str]:
+    """Processes and heavy tails that are not alternatives of each other."""
+    shaping = [info for info in entries if info.part == "covariance" and (_is_process(info) or _has_tails(info))]
+    groups = {info.exclusive_group for info in shaping}
+    if len(groups) > 1 or "" in groups:
+        listed = ", ".join(f"{info.id} ({info.exclusive_group or 'no group'})" for info in shaping)
+        yield (
+            f"{listed}: a log's errors follow one process or one heavy tail at a time: give all of them one "
+            "exclusive_group"
+        )
+
+
+def _role_problems(entries: Sequence[EffectInfo]) -> Iterator[str]:
+    """Roles that one effect has, filled by none or by several."""
+    for key in _SHOWS_KEY:
+        owners = [info.id for info in entries if info.vehicle_key == key]
+        if len(owners) > 1:
+            yield f"vehicle_key {key!r}: declared by {', '.join(owners)}, expected one effect"
+    for scatter in ("release", "drag"):
+        owners = [info.id for info in entries if info.scatter == scatter]
+        if len(owners) != 1:
+            yield f"scatter {scatter!r}: declared by {', '.join(owners) or 'none'}, expected one effect"
+
+
+def _has_tails(info: EffectInfo) -> bool:
+    return getattr(info.effect, "tail_dof", None) is not TransitEffect.tail_dof and issubclass(
+        info.effect, TransitEffect
+    )
+
 
 _FILES = (
     drag_bias,

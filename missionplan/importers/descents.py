@@ -7,10 +7,10 @@ import numpy as np
 import pandas as pd
 
 from missionplan.arrays import Array
-from missionplan.datasets.times import epoch_of
 from missionplan.errors import InputError, Problem, shown
 from missionplan.importers.sources import Reading
 from missionplan.importers.track import Series
+from missionplan.moments import epoch_of
 from missionplan.results.imported import ImportedData, TrackLines
 
 STEADY = 0.05

@@ -26,7 +26,7 @@ from missionplan.importers.track import Fixes, Positions, Track
 from missionplan.mission.geodesy import to_plane
 from missionplan.mission.schema.site import Geographic
 from missionplan.results.imported import ImportedData, LegPicture, SourceEntry, TrackLines
-from missionplan.store.paths import as_path
+from missionplan.store.folder import as_path
 
 KINDS = ("transit", "descent")
 _JUMPS = 0.2

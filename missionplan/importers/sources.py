@@ -16,7 +16,7 @@ from missionplan.importers.importer import DAMAGED, Identity, Importer, unpacked
 from missionplan.importers.track import Track
 from missionplan.results.base import Provenance
 from missionplan.results.imported import SourceEntry
-from missionplan.store.paths import check_name, is_file, is_folder
+from missionplan.store.folder import check_name, is_file, is_folder
 
 _HEAD = 4096
 """Bytes of a file by which it is recognised."""

@@ -7,7 +7,7 @@ import numpy as np
 import pandas as pd
 
 from missionplan.arrays import Array
-from missionplan.datasets.leg_checks import MIN_LEGS
+from missionplan.datasets.legs import MIN_LEGS
 from missionplan.importers.geodesy import displacement
 
 _FEWEST = 3

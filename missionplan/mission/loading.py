@@ -5,7 +5,7 @@ from pathlib import Path, PurePath
 from missionplan.errors import InputError, Problem, shown
 from missionplan.mission.mission import Mission
 from missionplan.mission.reading.documents import load_document
-from missionplan.store.paths import as_path
+from missionplan.store.folder import as_path
 
 MissionOrPath = Mission | str | Path
 """A mission, or the path of its file."""

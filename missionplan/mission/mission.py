@@ -10,36 +10,28 @@ from pydantic import Field, PrivateAttr, ValidationError, ValidationInfo, field_
 from missionplan.arrays import Scalars
 from missionplan.errors import InputError, LocalProblem, Problem, key_path, shown
 from missionplan.identity import digest_of_files
-from missionplan.mission.checks.correlations import check_correlations
-from missionplan.mission.checks.limits.ranges import Findings, check_effects, check_ranges
-from missionplan.mission.checks.limits.relations import check_relations
-from missionplan.mission.checks.phases import check_phases
+from missionplan.mission.checks.ranges import Findings, check_effects, check_ranges, notices
+from missionplan.mission.checks.relations import check_relations
 from missionplan.mission.checks.requirements import misspelt_requirements, read_requirements
-from missionplan.mission.checks.site import check_site
-from missionplan.mission.drawing import changed
+from missionplan.mission.checks.sections import check_correlations, check_phases, check_site
 from missionplan.mission.editing.changes import changed_data
 from missionplan.mission.editing.yaml_text import MissionText, dumped
-from missionplan.mission.notices import notices
-from missionplan.mission.quantity_paths import phase_keys
+from missionplan.mission.quantity_paths import changed, phase_keys
 from missionplan.mission.reading.documents import Document, unprintable_texts
 from missionplan.mission.reading.includes import REMOTE, include_files
 from missionplan.mission.reading.validation_errors import in_order, validation_problems
 from missionplan.mission.schema.effect_list import EffectEntry, EffectList, OneOf
 from missionplan.mission.schema.effects import read_effects
-from missionplan.mission.schema.moment import Moment
-from missionplan.mission.schema.monte_carlo import CorrelationSection, MonteCarlo, Requirement
-from missionplan.mission.schema.navigation import Navigation
-from missionplan.mission.schema.phases import MoorPhase, Phase, PhaseEntry, TransitPhase
-from missionplan.mission.schema.section import FileSection, Identity, V
+from missionplan.mission.schema.phases import MoorPhase, Navigation, Phase, PhaseEntry, TransitPhase
+from missionplan.mission.schema.section import FileSection, Identity, Moment, V
 from missionplan.mission.schema.shared_sections import SHARED, ValueInForce, joined, name_in_force, values_in_force
 from missionplan.mission.schema.site import Site
-from missionplan.mission.schema.sweep import OptimiseSection, SweepSection
+from missionplan.mission.schema.sweep import CorrelationSection, MonteCarlo, OptimiseSection, Requirement, SweepSection
 from missionplan.mission.schema.transition import TransitionPhase
 from missionplan.mission.schema.vehicle import EnergyBudget, Vehicle
 from missionplan.montecarlo.distributions import Distribution, mean_of
 from missionplan.montecarlo.draws import Correlation
-from missionplan.store.folder import write_atomically
-from missionplan.store.paths import as_path, exists, matching
+from missionplan.store.folder import as_path, exists, matching, write_atomically
 
 _New = TypeVar("_New")
 MOST_LEARNED = 5000

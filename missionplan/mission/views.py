@@ -7,8 +7,7 @@ from typing import Generic, TypeVar
 
 from missionplan.errors import InputError, Problem
 from missionplan.mission.mission import Mission
-from missionplan.mission.schema.navigation import Navigation
-from missionplan.mission.schema.phases import MoorPhase, Phase, TransitPhase
+from missionplan.mission.schema.phases import MoorPhase, Navigation, Phase, TransitPhase
 from missionplan.mission.schema.section import V
 from missionplan.mission.schema.site import CurrentFile, ForecastError, Geographic, Site, TidalCurrent, WaterSection
 from missionplan.mission.schema.transition import Manoeuvring, TransitionPhase

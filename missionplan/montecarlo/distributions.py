@@ -13,8 +13,9 @@ import scipy
 from typing_extensions import override
 
 from missionplan.arrays import Array
-from missionplan.montecarlo.normal_transform import NormalTransform, Truncated
-from missionplan.montecarlo.restricted_normal import (
+from missionplan.montecarlo.normal_transform import (
+    NormalTransform,
+    Truncated,
     normal_cdf,
     restricted_cdf,
     restricted_moments,

@@ -6,9 +6,19 @@ Drag is that of the current's component across it (Hoerner 1965, ch. III). What 
 the seafloor, straight, level and without friction. `docs/mooring.md` has the equations and their limits.
 
 Vectors are east, north and up; trials are the last axis.
+
+A slender body that hangs by its nose on a line.
+
+What lines are made of: density, filling of the circle, stiffness and strength, each of the diameter squared.
+
+Densities: *Synthetic fibre yarn properties*, Tension Technology International; of steel 7850 kg/m³. Quasi-static
+stiffness and strength of ropes: the default coefficients of MoorPy (Hall et al., NREL, doi:10.11578/dc.20210726.1),
+fitted to makers' catalogues of thicker ropes; aramid's from its yarn (49 and 2.0 N/tex), of which a rope has half the
+stiffness and a third of the strength.
 """
 
-from collections.abc import Iterator
+import math
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -16,6 +26,8 @@ from numpy.typing import NDArray
 
 from missionplan.arrays import Array, Scalars
 from missionplan.physics.current_above import LayersAbove
+from missionplan.physics.vehicle_drag import DragLaw
+from missionplan.physics.water import STANDARD_GRAVITY
 
 LINE_COEFFICIENT = 1.2
 """C_d of a line across the flow, on its diameter: a smooth cylinder at Re 10³ to 10⁵ (Hoerner 1965, ch. III); one that
@@ -218,3 +230,91 @@ def _size(vector: Array) -> Array:
 def _direction(vector: Array) -> Array:
     """Unit vector, shape (3, n)."""
     return np.asarray(vector / np.maximum(_size(vector), _WEAKEST))
+
+
+CROSSFLOW_COEFFICIENT = 1.1
+"""C_d of a long round body across the flow, on length × diameter, below the drag crisis (Hoerner 1965, ch. III)."""
+_SECTIONS = 10
+"""Of the body, each with the current at its middle."""
+
+
+@dataclass(frozen=True)
+class HeldBody:
+    """A slender body held by its nose; each number is a float or an array over trials, shape (n,).
+
+    Attributes
+    ----------
+    length, diameter : float or array
+        [m].
+    net_buoyancy : float or array
+        Buoyancy minus weight [N].
+    raising_moment : float or array
+        About the nose with the body level, buoyancy's minus weight's; positive raises the tail [N m].
+    righting_moment : float or array
+        About the nose with the body upright, of centres off the axis; its size counts, as the body rolls freely [N m].
+    crossflow_coefficient : float or array
+        C_d on length × diameter.
+    axial_drag : DragLaw
+        Drag along the axis.
+    density : float or array
+        Of the water [kg/m³].
+    """
+
+    length: Scalars
+    diameter: Scalars
+    net_buoyancy: Scalars
+    raising_moment: Scalars
+    righting_moment: Scalars
+    crossflow_coefficient: Scalars
+    axial_drag: DragLaw
+    density: Scalars
+
+    @property
+    def section_drag(self) -> Scalars:
+        """Drag of a section of the body across the flow over the speed squared [kg/m]."""
+        return 0.5 * self.density * self.crossflow_coefficient * self.diameter * self.length / _SECTIONS
+
+    @property
+    def sections(self) -> Array:
+        """Middles of the body's sections from its nose, shape (m, 1) or (m, n) [m]."""
+        middles = (np.arange(_SECTIONS) + 0.5) / _SECTIONS
+        return np.asarray(middles[:, None] * self.length)
+
+
+@dataclass(frozen=True)
+class LineMaterial:
+    """A material of lines.
+
+    Attributes
+    ----------
+    density : float
+        Of the material [kg/m³].
+    filling : float
+        Share of the line's circle that it fills. Of a fibre line all of it, the most that a tight cord of this
+        diameter weighs; laid and plaited ropes fill 0.63 to 0.75, and `line_wet_weight` states what was weighed.
+    stiffness : float
+        EA over the diameter squared [Pa].
+    strength : float
+        Breaking load over the diameter squared [Pa].
+    """
+
+    density: float
+    filling: float
+    stiffness: float
+    strength: float
+
+    def wet_weight(self, diameter: Scalars, water_density: Scalars) -> Scalars:
+        """Weight in water of a metre, negative where it floats [N/m]."""
+        area = 0.25 * math.pi * self.filling * diameter * diameter
+        return (self.density - water_density) * area * STANDARD_GRAVITY
+
+
+LINE_MATERIALS: Mapping[str, LineMaterial] = {
+    "polyester": LineMaterial(1380.0, 1.0, 4.31e9, 3.08e8),
+    "nylon": LineMaterial(1140.0, 1.0, 1.04e9, 2.07e8),
+    "aramid": LineMaterial(1440.0, 1.0, 2.0e10, 5.5e8),
+    "polyethylene": LineMaterial(970.0, 1.0, 3.25e10, 5.8e8),
+    "steel-wire": LineMaterial(7850.0, 0.65, 9.71e10, 1.02e9),
+}
+"""By the word of `line_material`. Polyethylene is that of high modulus (Dyneema, Spectra); a wire rope with a wire core
+fills 0.65 of its circle."""

@@ -3,6 +3,8 @@
 The jet bends aft along the hull and lowers the pressure on it: the force on the vehicle is less than the thruster's
 static thrust, and the moment is not that force times the thruster's lever. Both depend on the speed ratio u/u_j.
 Forces are those on the vehicle, positive in the thruster's direction; levers are positive ahead of the pivot.
+
+Static thrust of a thruster against its command, ahead and astern (Avila et al., section 5).
 """
 
 import math
@@ -216,3 +218,29 @@ def hover_power(force: float, area: float, density: float, thrusters: int = 1) -
 def diameter_for_same_power(diameter: float, thrusters: int) -> float:
     """Diameter of each of several thrusters that together need the power of one of `diameter`, D/√thrusters [m]."""
     return diameter / math.sqrt(thrusters)
+
+
+def bollard_pull(command: Scalars, ahead: Scalars, astern: Scalars, deadband: Scalars = 0.0) -> Scalars:
+    """Thrust in bollard pull, τ = cV|V| with a constant for each direction and a deadband.
+
+    Avila et al., Eq. 6, with V reduced by the deadband: τ = ±c(|V| - V₀)², and zero inside it, so that thrust is
+    continuous.
+
+    Parameters
+    ----------
+    command : float or array
+        Voltage [V] or shaft rate [rad/s]; positive ahead.
+    ahead, astern : float or array
+        c for positive and for negative commands [N per command²]; 9.423 and 6.551 for the URS's thruster, printed
+        in N/V².
+    deadband : float or array
+        V₀ ≥ 0, in units of the command.
+
+    Returns
+    -------
+    float or array
+        Thrust, positive ahead [N].
+    """
+    beyond = np.maximum(np.abs(command) - deadband, 0.0)
+    thrust: Scalars = np.where(np.asarray(command) >= 0.0, ahead, -np.asarray(astern)) * beyond**2
+    return thrust

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 from missionplan.report.page import Page, PageSection, Table, Terminal
 from missionplan.report.wording import in_words
-from missionplan.results.assumption import Assumption
+from missionplan.results.decision import Assumption
 
 _LEAST_CHANGE = 0.02
 """Change of P(success) below which an assumption is not said to matter."""

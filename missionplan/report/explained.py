@@ -1,13 +1,17 @@
-"""What a plan does under each explanation and in each member of an ensemble, and whether to find out which holds."""
+"""What a plan does under each explanation and in each member of an ensemble, and whether to find out which holds.
+
+Words on a recommendation that was judged: the mission with it, simulated with fresh draws.
+"""
 
 from collections.abc import Iterator, Sequence
 
 from missionplan.report.numbers import percent, share
 from missionplan.report.page import PageSection, Table
 from missionplan.report.quantities import span, unit_for
+from missionplan.report.simulation.quantities import requirement_in_words
 from missionplan.report.wording import in_words
+from missionplan.results.decision import ExplainedOutcome, MemberOutcome, label, members_differ, success_differs
 from missionplan.results.simulation import Outcome, Sensitivity
-from missionplan.results.under_doubts import ExplainedOutcome, MemberOutcome, label, members_differ, success_differs
 
 DIFFER = "Which member of the current's ensemble spoils the {}"
 
@@ -123,3 +127,18 @@ def _worth(found: list[Sensitivity], what: str) -> str:
 
 def _percent(part: float) -> str:
     return "less than 1 %" if part < 0.01 else f"{100.0 * part:.0f} %"
+
+
+def judged_in_words(judged: Outcome | None) -> str:
+    """Write which of the mission's requirements are met on fresh draws; nothing for a mission that requires nothing."""
+    if judged is None:
+        return ""
+    missed = [item for item in judged.requirements if not item.met]
+    if not missed:
+        return f" The mission with it meets all {len(judged.requirements)} requirements on fresh draws."
+    words = "; ".join(
+        f"{requirement_in_words(judged, item)} in {percent(item.probability)}, "
+        f"{100.0 * item.required:g}\u00a0% required"
+        for item in missed
+    )
+    return f" The mission with it misses a requirement on fresh draws: {words}."

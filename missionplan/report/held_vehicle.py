@@ -13,7 +13,7 @@ from missionplan.report.axes import name_axis
 from missionplan.report.page import BLUE, GREY, INK, ORANGE, SKY, Block, Figure, PageSection, Table, to_figure
 from missionplan.report.quantities import quantity
 from missionplan.report.wording import capitalised, phase_in_words
-from missionplan.results.mooring.held_vehicle import HeldState, HeldVehicle
+from missionplan.results.held_vehicle import HeldState, HeldVehicle
 
 _CAP = np.linspace(-0.5 * math.pi, 0.5 * math.pi, 24)
 

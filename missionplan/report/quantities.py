@@ -16,8 +16,8 @@ from missionplan.mission.units import FACTORS, QuantityError, parse_number_with_
 from missionplan.montecarlo.statistics import Statistic
 from missionplan.physics.energy import JOULES_PER_WATT_HOUR
 from missionplan.report.numbers import has_spread, number, set_number
-from missionplan.results.axis import Axis
-from missionplan.results.plain_data import mapping, mappings
+from missionplan.results.decision import Axis
+from missionplan.results.entries import mapping, mappings
 
 NO_BREAK_SPACE = "\u00a0"
 SYSTEMS: Mapping[str, Mapping[str, tuple[tuple[float, str], ...]]] = {

@@ -1,11 +1,20 @@
-"""Find the module that presents a result, and render the result with it: as a page, for a terminal, as plots."""
+"""Find the module that presents a result, and render the result with it: as a page, for a terminal, as plots.
 
+A result at a glance, on a terminal and in a notebook, and all the ways in which `rendering` knows it is shown.
+"""
+
+import base64
+import io
+import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
 from functools import partial
 from importlib import import_module
 from typing import TYPE_CHECKING, Protocol, cast
+
+from markupsafe import Markup
+from matplotlib.figure import Figure as MatplotlibFigure
 
 from missionplan.rendering import Plot, Rendered
 from missionplan.report.assumptions import with_assumptions
@@ -15,7 +24,7 @@ from missionplan.report.html.rendering import render_page
 from missionplan.report.page import Block, Drawing, Figure, Listing, Page, PageSection, Table, Terminal
 from missionplan.report.planned.section import changed, planned_sections
 from missionplan.report.quantities import reading_in, units_of
-from missionplan.report.wording import typeset
+from missionplan.report.wording import typeset, wrapped
 from missionplan.results.base import Result
 
 if TYPE_CHECKING:
@@ -121,3 +130,213 @@ def _figure(figure: Figure) -> Figure:
 
 def _cells(cells: Sequence[str]) -> list[str]:
     return [typeset(cell) for cell in cells]
+
+
+GAP = 2
+"""Spaces between columns."""
+_LEAST_FIRST = 32
+"""Characters that the first column keeps beside several others, where it has them."""
+_LONGEST_CELL = 24
+"""Characters of a cell that is not broken."""
+_SPACES = re.compile(r"(?<= )(?=\S)")
+_BREAKS = re.compile(r"(?<=[ _./-])(?=\S)")
+"""Where a word may be broken: after a space, an underscore, a full stop, a slash, a hyphen."""
+
+
+def laid_out(columns: Sequence[str], rows: Sequence[Sequence[str]], width: int = 80) -> list[str]:
+    """Lay out a table: its first column to the left, the others to the right.
+
+    Parameters
+    ----------
+    columns : sequence of str
+        Headings.
+    rows : sequence of sequence of str
+    width : int
+        Characters of a line.
+
+    Returns
+    -------
+    list of str
+        Lines. Where the columns do not fit side by side they follow in parts, the first column in each.
+    """
+    cells = [list(columns), *(list(row) for row in rows)]
+    lines: list[str] = []
+    for part in _parts(cells, width):
+        lines += ["", *part] if lines else part
+    return lines
+
+
+def _parts(cells: list[list[str]], width: int) -> Iterator[list[str]]:
+    """Lines of each group of columns that fits."""
+    first = [row[0] for row in cells]
+    others = [[row[index] for row in cells] for index in range(1, len(cells[0]))]
+    while True:
+        count = len(others)
+        while count > 1 and _comfortable(first) + sum(GAP + _narrow(column) for column in others[:count]) > width:
+            count -= 1
+        yield _lines(first, others[:count], width)
+        others = others[count:]
+        if not others:
+            return
+
+
+def _lines(first: list[str], others: list[list[str]], width: int) -> list[str]:
+    """Lines of columns that fit side by side; headings are wrapped before the first column is."""
+    wide = [max(map(len, column)) for column in others]
+    if max(map(len, first)) + sum(wide) + GAP * len(wide) > width:
+        wide = [_narrow(column) for column in others]
+    room = max(width - sum(wide) - GAP * len(wide), _least(first))
+    own = min(max(map(len, first)), room)
+    lines: list[str] = []
+    for number, head in enumerate(first):
+        broken = [_broken(head, own), *_parts_of_cells(others, number, wide)]
+        height = max(map(len, broken))
+        if number == 0:  # headings stand on the line above the rows
+            broken = [[""] * (height - len(cell)) + cell for cell in broken]
+        for at in range(height):
+            texts = [cell[at] if at < len(cell) else "" for cell in broken]
+            numbers = (f"{text:>{size + GAP}}" for text, size in zip(texts[1:], wide, strict=True))
+            lines.append(f"{texts[0]:<{own}}{''.join(numbers)}".rstrip())
+    return lines
+
+
+def _parts_of_cells(others: list[list[str]], number: int, sizes: list[int]) -> Iterator[list[str]]:
+    """Lines of each cell of a row but the first."""
+    for column, size in zip(others, sizes, strict=True):
+        yield _broken(column[number], size, _SPACES)
+
+
+def _narrow(column: list[str]) -> int:
+    """Least width of a column: that of its heading's longest word, and of its cells, long ones broken at spaces."""
+    cells = (piece for cell in column[1:] for piece in ([cell] if len(cell) <= _LONGEST_CELL else cell.split(" ")))
+    narrow = max((len(piece) for piece in cells), default=0)
+    is_long = any(len(cell) > _LONGEST_CELL for cell in column[1:])
+    return max(narrow, *map(len, column[0].split(" ")), _LONGEST_CELL if is_long else 1)
+
+
+def _least(first: list[str]) -> int:
+    """Least width of the first column: of its longest piece."""
+    return max((len(piece.rstrip()) for cell in first for piece in _BREAKS.split(cell)), default=0)
+
+
+def _comfortable(first: list[str]) -> int:
+    return max(_least(first), min(_LEAST_FIRST, max(map(len, first))))
+
+
+def _broken(text: str, width: int, breaks: re.Pattern[str] = _BREAKS) -> list[str]:
+    """Break a text into lines, by default at its spaces, underscores, full stops and slashes; pieces stay whole."""
+    lines = [""]
+    for piece in breaks.split(text):
+        if lines[-1] and len((lines[-1] + piece).rstrip()) > width:
+            lines[-1] = lines[-1].rstrip()
+            lines.append(piece)
+        else:
+            lines[-1] += piece
+    return lines
+
+
+WIDTH = 79
+MOST_LINES = 29
+_MOST_OF_ANSWER = 10
+"""Lines of the answer."""
+
+
+def _text(result: Result) -> str:
+    """Write what the result is, its answer, and its main table as far as it fits a screen."""
+    shown = terminal_view(result)
+    answer = wrapped(shown.sentence, WIDTH).splitlines()
+    if len(answer) > _MOST_OF_ANSWER:
+        answer = [*answer[: _MOST_OF_ANSWER - 1], f"{answer[_MOST_OF_ANSWER - 1]} ..."]
+    head = [heading(result), *answer]
+    table = laid_out(shown.columns, shown.rows, WIDTH) if shown.rows else []
+    room = MOST_LINES - len(head)
+    if len(table) > room:
+        table = [*table[: room - 1], f"... {len(table) - room + 1} more lines; to_frame() has all"]
+    return "\n".join([*head, *table])
+
+
+def heading(result: Result) -> str:
+    """Name the kind of result, the study, the mission and its trials."""
+    provenance = result.provenance
+    trials = f", {provenance.trials} trials, seed {provenance.seed}" if provenance.trials else ""
+    start, mission = f"<{type(result).__name__}: {provenance.command}", provenance.mission or provenance.file
+    room = WIDTH - len(f"{start} of {trials}>")
+    name = mission if len(mission) <= room else f"{mission[: room - 3].rstrip()}..."
+    return f"{start}{' of ' if name else ''}{name}{trials}>"
+
+
+_MOST_ROWS = 20
+
+
+def _notebook(result: Result) -> str:
+    """Write the part of the page; it holds no style sheet and no script."""
+    shown = terminal_view(result)
+    parts = [
+        Markup("<p><small>{}</small><br><b>{}</b></p>").format(heading(result).strip("<>"), shown.sentence),
+        _table(shown.columns, shown.rows) if shown.rows else "",
+        _picture(result),
+    ]
+    return f"<div>{''.join(parts)}</div>"
+
+
+def _table(columns: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
+    head, lines = _row(columns, "th"), [_row(row, "td") for row in rows[:_MOST_ROWS]]
+    left = len(rows) - len(lines)
+    more = Markup("<p><small>{} more rows: to_frame()</small></p>").format(left) if left > 0 else ""
+    return f"<table><thead>{head}</thead><tbody>{''.join(lines)}</tbody></table>{more}"
+
+
+def _row(row: Sequence[str], tag: str) -> str:
+    sides = ["left", *["right"] * (len(row) - 1)]
+    cells = (
+        Markup('<{0} style="text-align: {1}">{2}</{0}>').format(Markup(tag), side, cell)
+        for side, cell in zip(sides, row, strict=True)
+    )
+    return f"<tr>{''.join(cells)}</tr>"
+
+
+def _picture(result: Result) -> str:
+    """The first of its plots as an image of its own, so that no other figure of the page shares its names."""
+    drawings = drawings_of(result)
+    if not drawings:
+        return ""
+    name, draw = next(iter(drawings.items()))
+    with shown_as_asked(result):
+        figure = MatplotlibFigure(figsize=(6.4, 4.0), layout="constrained")
+        draw(figure.add_subplot(), result)
+        draw_in_units(figure.axes)
+        buffer = io.BytesIO()
+        figure.savefig(buffer, format="svg", metadata={"Date": None})
+    image = base64.b64encode(buffer.getvalue()).decode()
+    return f'<img alt="{name}" style="max-width: 100%; background: white" src="data:image/svg+xml;base64,{image}">'
+
+
+def report(result: object, /) -> Rendered:
+    """Render the report."""
+    return render_report(_checked(result))
+
+
+def headline(result: object, /) -> str:
+    """Write the answer in a sentence or two, in the units of the mission file, whatever the reader's are."""
+    return terminal_view(_checked(result), system="").sentence
+
+
+def text(result: object, /) -> str:
+    """Write one screen of text."""
+    return _text(_checked(result))
+
+
+def notebook(result: object, /) -> str:
+    """Write a part of an HTML page: heading, answer, main table and key figure."""
+    return _notebook(_checked(result))
+
+
+def plots(result: object, /) -> Mapping[str, Plot]:
+    """Return the plots of a result by name, the main one first."""
+    return plots_of(_checked(result))
+
+
+def _checked(result: object) -> Result:
+    if not isinstance(result, Result):
+        raise TypeError(f"{type(result).__name__} is not the result of a study")
+    return result

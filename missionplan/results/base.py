@@ -22,12 +22,9 @@ from missionplan.errors import InputError, Problem, did_you_mean, shown
 from missionplan.identity import Identity
 from missionplan.packages import how_to_install
 from missionplan.rendering import Plot, presenter, render
-from missionplan.results.assumption import Assumption
-from missionplan.results.decision import Decision, changes_of
+from missionplan.results.decision import Assumption, Coverage, Decision, changes_of
 from missionplan.results.entries import Entry, Record, summary_of
-from missionplan.results.place import Coverage
-from missionplan.store.folder import check_holds_no_input, new_folder, write_atomically
-from missionplan.store.paths import as_path
+from missionplan.store.folder import as_path, check_holds_no_input, new_folder, write_atomically
 
 if TYPE_CHECKING:  # workers import this module: pandas takes half a second
     import pandas as pd

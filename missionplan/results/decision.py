@@ -1,12 +1,31 @@
-"""What a result tells the crew to do: one object, which terminal, page, JSON and Python show."""
+"""What a result tells the crew to do, and parts that several results share: assumptions, explanations, place, axes."""
 
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Annotated
+from datetime import UTC, datetime
+from typing import Annotated, Literal
 
-from missionplan.results.assumption import Assumption
+from missionplan.arrays import Array
+from missionplan.montecarlo.statistics import Probability, Statistic
 from missionplan.results.entries import Entry, Record
+
+
+@dataclass(frozen=True)
+class Assumption(Record):
+    """Something that a mission leaves out or states as exact, with the answer when it is off by its usual size."""
+
+    what: Annotated[str, Entry("what is taken for granted")]
+    otherwise: Annotated[str, Entry("what was put in its place")]
+    worth: Annotated[float, Entry("by how much P(success) then changes")]
+    success: Annotated[float, Entry("P(success) then")]
+    missed: Annotated[tuple[str, ...], Entry("requirements that are met as it stands, and then no longer")] = ()
+
+    @property
+    def turns(self) -> Annotated[bool, Entry()]:
+        """Whether it could turn the answer: a requirement, or a mission that works more often than not."""
+        return bool(self.missed) or self.success < 0.5 <= self.success - self.worth
+
 
 _STEP = re.compile(r"([^.\[\]]+)|\[(\d+)\]")
 
@@ -61,3 +80,136 @@ def changes_of(data: Mapping[str, object], values: Mapping[str, object]) -> tupl
     """Return the keys whose values differ from the mission's."""
     pairs = ((key, written(data, key), now) for key, now in values.items())
     return tuple(Change(key, was, now) for key, was, now in pairs if was != now)
+
+
+Causes = tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class ExplainedOutcome(Record):
+    """The trials of a simulation in which one explanation holds."""
+
+    place: Annotated[str, Entry("key path of the `one-of`")]
+    number: Annotated[int, Entry("of the explanation there; how many there are, for none")]
+    causes: Annotated[Causes, Entry("its effects; empty for none")]
+    probability: Annotated[float, Entry("of the explanation, as the mission gives it")]
+    success: Annotated[Probability, Entry("of the whole mission in these trials")]
+    duration: Annotated[Statistic, Entry("of the whole mission", "s")]
+    energy: Annotated[Statistic, Entry("of the whole mission", "W h")]
+    trials: Annotated[int, Entry("in which it holds")]
+
+
+def success_differs(explained: Sequence[ExplainedOutcome]) -> bool:
+    """Whether success is likelier under one explanation than under another, beyond chance: 95 % intervals apart."""
+    tried = [each.success for each in explained if each.trials]
+    return bool(tried) and max(each.low for each in tried) > min(each.high for each in tried)
+
+
+def label(causes: Iterable[str]) -> str:
+    """Name an explanation: its effects in words."""
+    words = [cause.replace("-", " ") for cause in causes]
+    return " and ".join(words) if words else "none of them"
+
+
+@dataclass(frozen=True)
+class MemberOutcome(Record):
+    """What a plan does in one member."""
+
+    name: Annotated[str, Entry("name of the member", key="member")]
+    probability: Annotated[float, Entry("of the member")]
+    good: Annotated[Probability, Entry("success, arrival or a dive within the radius, where the member comes true")]
+
+
+def members_differ(members: Sequence[MemberOutcome]) -> bool:
+    """Whether the plan does better in one member than in another, beyond chance: 95 % intervals apart."""
+    return bool(members) and max(each.good.low for each in members) > min(each.good.high for each in members)
+
+
+@dataclass(frozen=True)
+class PlaceContact(Record):
+    """Trials that a phase loses to one cause."""
+
+    phase: Annotated[str, Entry("as the mission's file has it")]
+    cause: Annotated[str, Entry("``aground``, ``on-land``, ``keep-out`` or ``left the grid of depths``")]
+    lost: Annotated[Probability, Entry("of all trials")]
+    legs: Annotated[Mapping[str, int], Entry("trials by the leg on which it happened, from 1; 0 at a mooring")]
+    east: Annotated[float, Entry("mean of the places, east of the origin", "m")]
+    north: Annotated[float, Entry("mean of the places, north of the origin", "m")]
+
+
+@dataclass(frozen=True)
+class SeaChart:
+    """Depths, land and zones kept out of about the tracks, for maps.
+
+    Attributes
+    ----------
+    east, north : array, shape (columns,) and (rows,)
+        [m]
+    depth : array, shape (rows, columns), or None
+        Of the water at the mission's start, nan where unknown; None without a grid of depths [m].
+    shapes : tuple of (str, tuple of array, shape (k, 2))
+        ``land`` or ``keep-out``, with the outline of each polygon and its holes, east and north [m].
+    """
+
+    east: Array
+    north: Array
+    depth: Array | None
+    shapes: tuple[tuple[str, tuple[Array, ...]], ...] = ()
+
+
+@dataclass(frozen=True)
+class Coverage(Record):
+    """Something that a mission may fail of, and whether its probability of success holds it."""
+
+    what: Annotated[str, Entry("``ground``, ``coast``, ``wind``, ``waves``, ``traffic``, ``equipment``, …")]
+    held: Annotated[bool, Entry("whether the probability holds it")]
+    why: Annotated[str, Entry("what is held of it, or why it matters here")]
+
+
+Aim = Literal["success", "energy", "duration"]
+
+
+@dataclass(frozen=True)
+class Axis(Record):
+    """What is varied along one axis.
+
+    Attributes
+    ----------
+    values : tuple
+        As the mission file takes them.
+    labels : tuple of str
+        As people read them, without the unit.
+    numbers : tuple of float or None
+        In `unit`, or for `start` seconds since 1970; None where the values are no numbers.
+    """
+
+    keys: Annotated[tuple[str, ...], Entry("key paths that take the same value")]
+    values: tuple[object, ...]
+    labels: tuple[str, ...]
+    numbers: tuple[float, ...] | None = None
+    unit: Annotated[str, Entry("as given; ``UTC`` for `start`; empty for bare numbers and for what has no number")] = ""
+
+    @property
+    def exact_values(self) -> Annotated[list[str], Entry(key="values")]:
+        """Values as a script reads them."""
+        return [self.exact(index) for index in range(len(self.values))]
+
+    @property
+    def name(self) -> str:
+        """The keys in one word."""
+        return "+".join(self.keys)
+
+    @property
+    def is_time(self) -> bool:
+        """Whether the values are moments."""
+        return self.keys == ("start",)
+
+    def shown(self, index: int) -> str:
+        """Return a value with its unit."""
+        return f"{self.labels[index]} {self.unit}".strip()
+
+    def exact(self, index: int) -> str:
+        """Return a value as a script reads it: moments by ISO 8601."""
+        if self.is_time and self.numbers is not None:
+            return datetime.fromtimestamp(self.numbers[index], UTC).isoformat(timespec="seconds")
+        return self.shown(index)

@@ -8,12 +8,10 @@ from typing import Annotated, ClassVar, Literal
 import pandas as pd
 
 from missionplan.montecarlo.statistics import Probability
-from missionplan.results.assumption import Assumption
-from missionplan.results.axis import Axis
 from missionplan.results.base import Provenance, Result, to_csv, to_yaml
+from missionplan.results.decision import Assumption, Axis, MemberOutcome
 from missionplan.results.entries import Entry, Record
 from missionplan.results.simulation import Outcome, PhaseOutcome, RequirementOutcome
-from missionplan.results.under_doubts import MemberOutcome
 
 _SURELY = 3.0
 """Standard errors by which a choice misses a requirement for certain."""

@@ -10,14 +10,12 @@ from numpy.typing import NDArray
 from missionplan.arrays import Array
 from missionplan.montecarlo.sensitivity import Influence
 from missionplan.montecarlo.statistics import Probability, Statistic, trials_to_decide
-from missionplan.results.assumption import Assumption
 from missionplan.results.base import Provenance, Result, to_csv
+from missionplan.results.decision import Assumption, ExplainedOutcome, PlaceContact, SeaChart
 from missionplan.results.entries import Entry, Record
-from missionplan.results.mooring.held_vehicle import HeldVehicle
+from missionplan.results.held_vehicle import HeldVehicle
 from missionplan.results.overdue import Overdue
-from missionplan.results.place import PlaceContact, SeaChart
 from missionplan.results.plan import Plan
-from missionplan.results.under_doubts import ExplainedOutcome
 from missionplan.store.trials_table import read_trials
 
 if TYPE_CHECKING:  # workers import this module: pandas takes half a second

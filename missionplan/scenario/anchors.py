@@ -17,11 +17,18 @@ from missionplan.mission.schema.vehicle import Centre, Vehicle
 from missionplan.mission.views import MooringMission, missing_for_moorings, required
 from missionplan.montecarlo.distributions import mean_of, sd_of
 from missionplan.phases.mooring.forces import DescentHooks, SteadyDescent
-from missionplan.physics.anchor import AnchorProblem, Construction, Part, cap_height, cylinder_and_trim, dry_mass
-from missionplan.physics.buoyancy import STANDARD_GRAVITY, flooded_mass, lead_mass
-from missionplan.physics.measured_drag import MeasuredVehicleDrag
-from missionplan.physics.mooring import layer_thicknesses, required_terminal_velocity
-from missionplan.physics.vehicle_drag import VehicleDrag, anchor_drag
+from missionplan.physics.anchor import (
+    AnchorProblem,
+    Construction,
+    Part,
+    cap_height,
+    cylinder_and_trim,
+    dry_mass,
+    layer_thicknesses,
+    required_terminal_velocity,
+)
+from missionplan.physics.vehicle_drag import MeasuredVehicleDrag, VehicleDrag, anchor_drag
+from missionplan.physics.water import STANDARD_GRAVITY, flooded_mass, lead_mass
 from missionplan.scenario.drawn_mission import DrawnMission
 
 _Drawn = TypeVar("_Drawn", bound=DrawnMission)

@@ -13,8 +13,7 @@ from missionplan.effects import CATALOGUE, Effect
 from missionplan.mission import Mission
 from missionplan.mission.geodesy import to_plane
 from missionplan.mission.schema.effect_list import EffectEntry
-from missionplan.mission.schema.navigation import Navigation
-from missionplan.mission.schema.phases import MoorPhase, TransitPhase
+from missionplan.mission.schema.phases import MoorPhase, Navigation, TransitPhase
 from missionplan.mission.schema.site import Geographic, Position, SlopeSection
 from missionplan.mission.schema.vehicle import EnergyBudget
 from missionplan.mission.views import MooringMission, TransitMission, required, required_origin
@@ -22,8 +21,7 @@ from missionplan.phases.hooks import DescentEffect, TransitEffect
 from missionplan.phases.transit.plan import VelocityError
 from missionplan.physics.vehicle_drag import VehicleDrag
 from missionplan.physics.water import Water, sea_water
-from missionplan.scenario.propulsion import PropelledVehicle
-from missionplan.scenario.vehicle import propeller, vehicle_drag
+from missionplan.scenario.propulsion import PropelledVehicle, propeller, vehicle_drag
 
 NO_BUDGET: EnergyBudget[Scalars] = EnergyBudget.model_construct(
     hotel=float("nan"), propulsive_efficiency=float("nan"), surfacing=float("nan")

@@ -12,25 +12,22 @@ from missionplan.mission import Mission
 from missionplan.mission.schema.phases import LegTableSection, MoorPhase, TransitPhase
 from missionplan.montecarlo.draws import JointDistribution
 from missionplan.montecarlo.streams import BLOCK, BlockStreams, NormalSource
-from missionplan.phases.currents import Current, LayeredCurrent, layers
-from missionplan.phases.fields.ensemble import Ensemble
-from missionplan.phases.fields.forecast_error import ErringCurrent
+from missionplan.phases.currents import Current, LayeredCurrent, Leeway, layers
+from missionplan.phases.fields.ensemble import Ensemble, ErringCurrent
 from missionplan.phases.hooks import TransitEffect
-from missionplan.phases.leeway import Leeway
 from missionplan.phases.place.place import Place
 from missionplan.phases.transit.compensation import Compensation, Forecast, LastVelocity, compensation_named
 from missionplan.phases.transit.execution import Execution
 from missionplan.phases.transit.kalman_filter import DriftFilter
-from missionplan.phases.transit.leg_table import LegTable
-from missionplan.phases.transit.plan import Environment, TransitPlan
+from missionplan.phases.transit.plan import Environment, LegTable, TransitPlan
 from missionplan.physics.energy import propulsive_power
 from missionplan.scenario.anchors import carried_anchors
-from missionplan.scenario.currents.drawn_current import MEMBER, error_statistics, with_error, with_member
+from missionplan.scenario.currents.building import MEMBER, error_statistics, with_error, with_member
 from missionplan.scenario.drawn_mission import DrawnMission
 from missionplan.scenario.drift_model import DriftSample, drift_model
 from missionplan.scenario.place.building import drawn_place, read_place
 from missionplan.scenario.propulsion import PropelledVehicle
-from missionplan.scenario.wind import leeway, recorded_wind
+from missionplan.scenario.site_current import leeway, recorded_wind
 
 STILL_WATER = LayeredCurrent(np.ones(1), np.zeros(1), np.zeros(1))
 """For phases that need a current where the mission has none."""

@@ -1,22 +1,82 @@
-"""The site's current where a mission reads it from files."""
+"""The site's current where a mission reads it from files.
 
+The tide of a mission's site at its date: constituents with Greenwich phases as waves from the mission's start.
+
+The wind of a mission and, trial by trial, the leeway that it gives.
+"""
+
+import math
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 
-from missionplan.arrays import Array
+from missionplan.arrays import Array, Scalars
 from missionplan.errors import InputError, Problem
 from missionplan.mission import Mission
 from missionplan.mission.geodesy import to_plane
 from missionplan.mission.reading.includes import REMOTE
-from missionplan.mission.schema.site import CurrentFile, Geographic, TidalCurrent
+from missionplan.mission.schema.site import (
+    CurrentFile,
+    Geographic,
+    LeewaySection,
+    TidalConstituent,
+    TidalCurrent,
+    WindFile,
+)
 from missionplan.mission.views import required_origin
-from missionplan.phases.currents import Current
+from missionplan.montecarlo.streams import NormalSource
+from missionplan.phases.currents import Current, Leeway, layers
 from missionplan.phases.fields.ensemble import Ensemble
-from missionplan.phases.recorded_currents import RecordedCurrent, SeriesCurrent
-from missionplan.scenario.currents.tide_forecast import tidal_stream
-from missionplan.store.paths import matching
+from missionplan.phases.recorded_currents import EVER, RecordedCurrent, SeriesCurrent, TidalStream
+from missionplan.physics.tides import angular_frequencies, nodal_state
+from missionplan.store.folder import matching
+
+
+def tidal_stream(mission: Mission, written: TidalCurrent) -> TidalStream:
+    """Build the current of `site.current.tide`.
+
+    Parameters
+    ----------
+    mission : Mission
+        With a start, which ties the phases to the moon, and an origin, on whose latitude nodal corrections depend.
+    written : TidalCurrent
+
+    Raises
+    ------
+    InputError
+        When one of them is missing.
+    """
+    if mission.start is None:
+        message = "a tide with phases at Greenwich needs the mission's `start` (UTC)"
+        raise InputError([Problem(message, mission.file, key="start")])
+    origin = required_origin(mission, "the tide's nodal corrections depend on its latitude")
+    depths = written.tide.depths
+    names = sorted({wave.name for depth in depths for wave in depth.constituents})
+    state = nodal_state(names, mission.start.timestamp(), origin.latitude) if names else None
+    waves = np.zeros((2, len(names), len(depths)), dtype=complex)
+    for column, depth in enumerate(depths):
+        for wave in depth.constituents:
+            waves[:, names.index(wave.name), column] += _coefficients(wave)
+    if state is not None:  # f·A·cos(V + u + ωt − g): turned to the mission's start
+        waves *= (state.factor * np.exp(1j * (state.argument + state.angle)))[:, None]
+    return TidalStream(
+        time=EVER,
+        depth=np.array([depth.depth for depth in depths]),
+        mean=np.array([[depth.east for depth in depths], [depth.north for depth in depths]]),
+        frequency=angular_frequencies(names) if names else np.zeros(0),
+        cosine=waves.real,
+        sine=-waves.imag,
+        outside=written.outside,
+    )
+
+
+def _coefficients(wave: TidalConstituent) -> "np.ndarray[tuple[int], np.dtype[np.complex128]]":
+    """East and north of an ellipse, of which the velocity is the real part times exp(i·argument) [m/s]."""
+    along, across = wave.major * np.exp(-1j * wave.phase), -1j * wave.minor * np.exp(-1j * wave.phase)
+    sine, cosine = math.sin(wave.toward), math.cos(wave.toward)
+    return np.array([along * sine - across * cosine, along * cosine + across * sine])
+
 
 NETCDF = (".nc", ".nc4", ".cdf", ".netcdf")
 """Endings of files that are read as NetCDF; others are read as CSV."""
@@ -115,3 +175,74 @@ def mission_places(mission: Mission[object], origin: Geographic) -> Array:
             elif place is not None and all(isinstance(value, float) for value in place):
                 found.append(np.array(place, dtype=float))
     return np.array(found).T
+
+
+STREAM = "vehicle.leeway"
+"""Of the scatter of leeway and the side of its crosswind part."""
+
+
+def recorded_wind(mission: Mission[object]) -> Current | None:
+    """Read the file of a mission's wind; None where it has none.
+
+    Raises
+    ------
+    InputError
+        When it cannot be read, or the mission lacks the `start` or the `site.origin` that it needs.
+    """
+    written = mission.site.wind if mission.site else None
+    if not isinstance(written, WindFile):
+        return None
+    if not is_netcdf(written.file):
+        return _series(Path(written.file), mission, written)
+    if written.start is not None:
+        message = "a NetCDF wind has dates of its own; `start` is for a CSV record that counts seconds"
+        raise InputError([Problem(message, mission.file, key="site.wind.start")])
+    if mission.start is None:
+        raise InputError([Problem("a NetCDF wind needs the mission's `start` (UTC)", written.file)])
+    return _field(written.file, required_origin(mission, "a NetCDF wind is placed by it"), mission)
+
+
+def _series(path: Path, mission: Mission[object], written: WindFile) -> SeriesCurrent:
+    from missionplan.scenario.currents.csv_series import WIND_LIMITS, read_series_csv  # pandas: half a second
+
+    series = read_series_csv(path, WIND_LIMITS, mission.start, written.start)
+    return SeriesCurrent(series.time, series.depth, series.east, series.north)
+
+
+def _field(name: str, origin: Geographic, mission: Mission[object]) -> Current:
+    from missionplan.scenario.currents.area import Area
+    from missionplan.scenario.currents.field import read_field
+    from missionplan.scenario.currents.files import WIND
+
+    assert mission.start is not None
+    start = np.datetime64(round(mission.start.timestamp() * 1e6), "us").astype("datetime64[ns]")
+    return read_field(matching(name), Area(origin, start, mission_places(mission, origin)), name, carries=WIND)
+
+
+def leeway(drawn: Mission[Scalars], recorded: Current | None, source: NormalSource | None, size: int) -> Leeway | None:
+    """Return the leeway of a block of trials; None in a mission without wind.
+
+    Parameters
+    ----------
+    drawn : Mission of float or array, shape (n,)
+    recorded : Current or None
+        The wind, where a file has it.
+    source : NormalSource or None
+        Of the scatter and the side of the crosswind part; None: at their means, which are zero.
+    size : int
+        Trials.
+    """
+    written = drawn.site.wind if drawn.site else None
+    if written is None:
+        return None
+    section = (drawn.vehicle.leeway if drawn.vehicle else None) or LeewaySection()
+    wind = recorded
+    if wind is None and not isinstance(written, WindFile):
+        wind = layers([np.inf], [written.speed], [np.asarray(written.blows_from) + np.pi])
+    if wind is None:
+        raise AssertionError("a wind is steady or recorded")  # as its section is read
+    if source is None:
+        return Leeway(wind, section.downwind, 0.0, section.downwind_offset, 0.0)
+    along, across = section.scatter * source.legs(STREAM).leg(0)[:, :size]
+    side = np.sign(source.legs(STREAM).leg(1)[0, :size])
+    return Leeway(wind, section.downwind, side * section.crosswind, section.downwind_offset + along, across)

@@ -10,7 +10,7 @@ from pathlib import Path
 
 from missionplan.errors import InputError, Problem
 from missionplan.moments import moment_of
-from missionplan.store.paths import as_path, is_folder
+from missionplan.store.folder import as_path, is_folder
 
 _MAX_DEPTH = 4
 """Folders below the root in which reports are looked for."""

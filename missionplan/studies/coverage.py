@@ -8,7 +8,7 @@ import numpy as np
 from missionplan.mission import Mission
 from missionplan.mission.schema.site import Site
 from missionplan.montecarlo.distributions import mean_of
-from missionplan.results.place import Coverage
+from missionplan.results.decision import Coverage
 from missionplan.scenario.place.building import mission_places
 
 _GLIDERS = 0.5, 90.0

@@ -19,8 +19,7 @@ from missionplan.montecarlo.distributions import mean_of
 from missionplan.montecarlo.streams import stream
 from missionplan.results.base import to_csv, to_json
 from missionplan.scenario.scenario import Scenario
-from missionplan.store.folder import write_atomically
-from missionplan.store.paths import as_path, vacant
+from missionplan.store.folder import as_path, vacant, write_atomically
 from missionplan.studies.schemas.schema import READ, Kind, schema
 
 _START = "2026-05-01T08:00:00Z"

@@ -6,10 +6,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from missionplan.physics import oscillation as osc
 from missionplan.physics import tank
+from missionplan.physics import tank as osc
 from missionplan.physics.drag import reynolds_number
-from missionplan.physics.thruster import bollard_pull
+from missionplan.physics.tunnel_thruster import bollard_pull
 from missionplan.studies.identification.identify import identify
 
 MEASURED = Path(__file__).parents[2] / "missions" / "measured"

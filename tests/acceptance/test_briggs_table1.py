@@ -17,7 +17,7 @@ from missionplan.mission import load
 from missionplan.phases.currents import layers
 from missionplan.phases.mooring.descent import descend
 from missionplan.scenario.anchors import worst_case_weight
-from missionplan.scenario.mooring import dive_of
+from missionplan.scenario.phases import dive_of
 from missionplan.scenario.scenario import Scenario
 
 MISSIONS = Path(__file__).parents[2] / "missions"

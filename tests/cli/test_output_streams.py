@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from missionplan.cli.streams import remark
+from missionplan.cli.options import remark
 
 MISSION = Path(__file__).parents[2] / "missions" / "chesapeake.yaml"
 SMALL = """

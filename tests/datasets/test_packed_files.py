@@ -7,7 +7,7 @@ import zipfile
 
 import pytest
 
-from missionplan.datasets import packed_files
+from missionplan.datasets import csv_cells
 from missionplan.datasets.table import Columns, read_table
 from missionplan.errors import InputError
 from missionplan.scenario.currents.csv_series import read_current_csv
@@ -42,7 +42,7 @@ class TestKind:
                     read(path)
 
     def test_that_unpacks_to_too_much_is_refused(self, tmp_path, kind, monkeypatch):
-        monkeypatch.setattr(packed_files, "MAX_UNPACKED", 1_000_000)
+        monkeypatch.setattr(csv_cells, "MAX_UNPACKED", 1_000_000)
         path = packed(tmp_path / f"x.csv{kind}", TEXT + b"1,0,0,0\n" * 200_000)
         for read in (lambda path: read_table(path, COLUMNS), read_current_csv):
             with pytest.raises(InputError, match="unpacks to more than 1 MB"):

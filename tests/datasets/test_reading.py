@@ -7,8 +7,7 @@ import missionplan
 from missionplan.datasets.legs import read_transit
 from missionplan.datasets.reading import dataset_kind, read_dataset
 from missionplan.datasets.summaries import SUMMARY, read_summary
-from missionplan.datasets.tank import TANK_FORMATS, read_tank_data
-from missionplan.datasets.tank.formats import DRAG
+from missionplan.datasets.tank import DRAG, TANK_FORMATS, read_tank_data
 from missionplan.errors import InputError
 
 TOWING = {"kind": "drag", "reference_area": "0.1 m^2", "reference_length": "0.3 m"}

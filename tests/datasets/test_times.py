@@ -5,7 +5,7 @@ import math
 import pandas as pd
 import pytest
 
-from missionplan.datasets.times import epoch_of, epoch_seconds
+from missionplan.moments import epoch_of, epoch_seconds
 
 
 @pytest.mark.parametrize(

@@ -12,7 +12,7 @@ from missionplan.diagnosis.mission_in_doubt import Hypothesis, mission_in_doubt
 from missionplan.effects import CATALOGUE
 from missionplan.mission import Mission, load
 from missionplan.montecarlo.draws import is_joint
-from missionplan.report.diagnosis.causes import explanations_in_words
+from missionplan.report.diagnosis.kind_report import explanations_in_words
 from missionplan.report.render import render_report
 
 KIND = {"kind": "transit", "name": "legs", "noise": {"fix": "3 m"}}

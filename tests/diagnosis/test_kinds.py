@@ -9,7 +9,7 @@ from missionplan.diagnosis.kinds import KINDS, bind_dataset, kind_named
 from missionplan.effects import CATALOGUE
 from missionplan.errors import InputError
 from missionplan.mission import load
-from missionplan.report.diagnosis.data_kinds.kinds import REPORTS
+from missionplan.report.diagnosis.kinds import REPORTS
 
 MISSIONS = Path(__file__).parents[2] / "missions"
 

@@ -8,7 +8,7 @@ from pydantic import BaseModel
 from pydantic.fields import FieldInfo
 
 from missionplan.mission import Mission, load
-from missionplan.mission.reading.fields import keys_of, meaning_of, parsers_of, sections_in
+from missionplan.mission.reading.validation_errors import keys_of, meaning_of, parsers_of, sections_in
 from missionplan.mission.schema.limits import Limit
 from missionplan.mission.schema.phases import MoorPhase, TransitPhase
 from missionplan.studies.exploration.variation import known_keys

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 import missionplan
 from missionplan.errors import InputError
 from missionplan.mission import Mission
-from missionplan.mission.reading.fields import keys_of, section_in
+from missionplan.mission.reading.validation_errors import keys_of, section_in
 from missionplan.mission.schema.shared_sections import SHARED, values_in_force
 from missionplan.mission.schema.vehicle import Vehicle
 from missionplan.report.planned.section import planned_sections

@@ -8,9 +8,18 @@ import pytest
 import scipy
 from scipy.stats import norm
 
-from missionplan.montecarlo.rare_events.estimate import FIRST_WEIGHT, Estimate, TwoStages, runs_needed
-from missionplan.montecarlo.rare_events.population import MovedPopulation, NormalPopulation, gathered
-from missionplan.montecarlo.rare_events.subset_simulation import STEPS, Drive, Levels, Run, run_levels, run_pilots
+from missionplan.montecarlo.rare_events.strata import FIRST_WEIGHT, Estimate, TwoStages, runs_needed
+from missionplan.montecarlo.rare_events.subset_simulation import (
+    STEPS,
+    Drive,
+    Levels,
+    MovedPopulation,
+    NormalPopulation,
+    Run,
+    gathered,
+    run_levels,
+    run_pilots,
+)
 
 Margin = Callable[[NormalPopulation], np.ndarray]
 

@@ -9,8 +9,7 @@ from hypothesis.extra.numpy import arrays
 from scipy import stats
 
 from missionplan.montecarlo.quantile_sketch import QuantileSketch
-from missionplan.montecarlo.running_statistics import RunningStatistics
-from missionplan.montecarlo.statistics import Count, Moments, RunningStatistic, Statistic, wilson
+from missionplan.montecarlo.statistics import Count, Moments, RunningStatistic, RunningStatistics, Statistic, wilson
 from missionplan.montecarlo.streams import stream
 
 VALUES = st.floats(-1e6, 1e6, allow_subnormal=False)

@@ -4,9 +4,16 @@ import pickle
 import numpy as np
 import pytest
 
-from missionplan.montecarlo import common_streams
-from missionplan.montecarlo.common_streams import CommonStreams
-from missionplan.montecarlo.streams import BLOCK, BlockStreams, LegNormals, block_count, block_size, stream
+from missionplan.montecarlo import streams
+from missionplan.montecarlo.streams import (
+    BLOCK,
+    BlockStreams,
+    CommonStreams,
+    LegNormals,
+    block_count,
+    block_size,
+    stream,
+)
 
 
 def test_a_draw_depends_on_seed_name_and_block_only():
@@ -70,7 +77,7 @@ def test_a_negative_seed_is_refused():
 
 
 def test_streams_that_are_kept_give_what_those_drawn_anew_give(monkeypatch):
-    monkeypatch.setattr(common_streams, "MOST_KEPT", 6)
+    monkeypatch.setattr(streams, "MOST_KEPT", 6)
     common = CommonStreams(seed=5)
     for _ in range(3):  # what is kept is given up in between
         for block in (0, 2):

@@ -4,7 +4,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.integrate import quad
 
-from missionplan.physics.added_mass import anchor_added_mass, lamb_axial_coefficient, lamb_lateral_coefficient
+from missionplan.physics.water import anchor_added_mass, lamb_axial_coefficient, lamb_lateral_coefficient
 
 
 @pytest.mark.parametrize(("fineness", "k1"), [(1.0, 0.5), (2.0, 0.210), (3.0, 0.122), (9.26, 0.0233)])

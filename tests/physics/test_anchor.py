@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from missionplan.physics import buoyancy
+from missionplan.physics import water
 from missionplan.physics.anchor import (
     AnchorProblem,
     Construction,
@@ -49,7 +49,7 @@ def test_the_anchor_meets_its_own_conditions(weight):
         (design.trim_mass, MADE.trim_density, design.trim_position),
     ]
     rho = PROBLEM.water_density
-    assert sum(buoyancy.wet_weight(m, d, rho) for m, d, _ in parts) == pytest.approx(weight)
+    assert sum(water.wet_weight(m, d, rho) for m, d, _ in parts) == pytest.approx(weight)
     assert sum(m for m, _, _ in parts) == pytest.approx(rho * added_displacement(PROBLEM, design.cylinder_length))
     moment = sum(m * x for m, _, x in parts)
     assert moment / design.dry_mass == pytest.approx(displacement_centroid(PROBLEM, design.cylinder_length))

@@ -3,7 +3,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from missionplan.physics.buoyancy import STANDARD_GRAVITY, displaced_mass, flooded_mass, lead_mass, wet_weight
+from missionplan.physics.water import STANDARD_GRAVITY, displaced_mass, flooded_mass, lead_mass, wet_weight
 
 WATER = 1026.0
 

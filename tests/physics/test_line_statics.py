@@ -8,9 +8,15 @@ from scipy.integrate import quad, solve_ivp
 from scipy.optimize import brentq, fsolve
 
 from missionplan.physics.current_above import LayersAbove, ProfileAbove
-from missionplan.physics.held_body import CROSSFLOW_COEFFICIENT, HeldBody
-from missionplan.physics.held_line import Float, HeldLine, hang, line_drag_factor
-from missionplan.physics.line_materials import LINE_MATERIALS
+from missionplan.physics.held_line import (
+    CROSSFLOW_COEFFICIENT,
+    LINE_MATERIALS,
+    Float,
+    HeldBody,
+    HeldLine,
+    hang,
+    line_drag_factor,
+)
 from missionplan.physics.line_statics import held_pose, settling_nose
 from missionplan.physics.vehicle_drag import Hull, QuadraticDrag, Sail, VehicleDrag
 from missionplan.physics.water import sea_water

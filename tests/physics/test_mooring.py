@@ -3,7 +3,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from missionplan.physics.mooring import (
+from missionplan.physics.anchor import (
     layer_thicknesses,
     required_terminal_velocity,
     required_terminal_velocity_vector,

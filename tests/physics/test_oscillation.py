@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 
-from missionplan.physics import oscillation as osc
+from missionplan.physics import tank as osc
 
 
 @given(stiffness=st.floats(10.0, 1e5), mass=st.floats(0.1, 1e3), added=st.floats(0.0, 1e3))

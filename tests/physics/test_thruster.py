@@ -4,7 +4,7 @@ import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
 
-from missionplan.physics.thruster import bollard_pull
+from missionplan.physics.tunnel_thruster import bollard_pull
 
 
 def test_ahead_and_astern_have_their_own_constants():

@@ -5,7 +5,7 @@ import pytest
 
 from missionplan.mission import load
 from missionplan.report.anchor.page import answer, page, terminal
-from missionplan.results.mooring.sizing import ProbableAnchor
+from missionplan.results.anchor_sizing import ProbableAnchor
 from missionplan.studies.anchor.size_anchor import size_anchor
 
 MISSIONS = Path(__file__).parents[2] / "missions"

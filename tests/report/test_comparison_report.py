@@ -6,8 +6,8 @@ import pytest
 
 from missionplan.report.page import Table
 from missionplan.results.base import Provenance
-from missionplan.studies.comparison.changes import ChangedValue, ComparedNumber, ComparedRun, Comparison
 from missionplan.studies.comparison.changes_page import answer, page, terminal
+from missionplan.studies.comparison.result import ChangedValue, ComparedNumber, ComparedRun, Comparison
 
 
 def mission(limit):

@@ -6,7 +6,7 @@ from typing import Any
 import pytest
 
 from missionplan.effects import CATALOGUE
-from missionplan.report.diagnosis.causes import causes_section, found_causes, names, part
+from missionplan.report.diagnosis.kind_report import causes_section, found_causes, names, part
 from missionplan.results.learned.evidence import ParameterEstimate
 
 

@@ -6,7 +6,7 @@ from typing import Any
 import pandas as pd
 import pytest
 
-from missionplan.report.diagnosis.data_kinds.kinds import REPORTS
+from missionplan.report.diagnosis.kinds import REPORTS
 
 LEGS = {
     **{"t_start_s": [0.0, 900.0], "duration_s": [840.0, 840.0]},

@@ -6,8 +6,8 @@ import pandas as pd
 import pytest
 
 from missionplan.effects import CATALOGUE
-from missionplan.report.diagnosis.data_kinds.kinds import REPORTS
 from missionplan.report.diagnosis.findings import finding_in_words
+from missionplan.report.diagnosis.kinds import REPORTS
 from missionplan.results.learned.evidence import ParameterEstimate
 
 

@@ -3,7 +3,7 @@
 import hypothesis.strategies as st
 from hypothesis import given
 
-from missionplan.report.glance import laid_out
+from missionplan.report.render import laid_out
 
 _CELL = st.text("abc1._- ", max_size=20)
 

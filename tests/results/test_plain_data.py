@@ -4,7 +4,7 @@ import math
 
 import pytest
 
-from missionplan.results.plain_data import mapping, mappings, real, whole
+from missionplan.results.entries import mapping, mappings, real, whole
 
 OTHERS = [None, "text", 1.5, [], [1, "a"]]
 

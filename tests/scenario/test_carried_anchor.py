@@ -11,8 +11,7 @@ from missionplan.mission import Mission
 from missionplan.physics.energy import propulsive_power
 from missionplan.physics.vehicle_drag import Hull, Sail, VehicleDrag
 from missionplan.scenario.anchors import carried_anchors, laden
-from missionplan.scenario.held_vehicle import hold_of
-from missionplan.scenario.mooring import dive_of
+from missionplan.scenario.phases import dive_of, hold_of
 from missionplan.scenario.scenario import Scenario
 from missionplan.studies.leg_length.sweep_dmax import sweep_dmax
 

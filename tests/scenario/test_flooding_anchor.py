@@ -10,7 +10,7 @@ import missionplan
 from missionplan.errors import InputError
 from missionplan.mission import Mission
 from missionplan.scenario.scenario import Scenario
-from missionplan.studies.nominal_dive import flooding_notice
+from missionplan.studies.held_vehicle import flooding_notice
 from missionplan.studies.simulation.simulate import simulate_block
 
 MISSIONS = Path(__file__).parents[2] / "missions"

@@ -9,11 +9,10 @@ import pytest
 import missionplan
 from missionplan.errors import InputError
 from missionplan.mission import Mission
-from missionplan.physics.held_body import CROSSFLOW_COEFFICIENT
+from missionplan.physics.held_line import CROSSFLOW_COEFFICIENT
 from missionplan.physics.seafloor import FRICTION, ROUGHNESS
 from missionplan.scenario.anchors import anchor_length
-from missionplan.scenario.held_vehicle import held_body, hold_of
-from missionplan.scenario.mooring import moor_plan
+from missionplan.scenario.phases import held_body, hold_of, moor_plan
 from missionplan.scenario.scenario import Scenario
 from missionplan.studies.held_vehicle import _knobs
 from missionplan.studies.simulation.simulate import simulate_block

@@ -10,7 +10,7 @@ import missionplan
 from missionplan.errors import InputError
 from missionplan.montecarlo.distributions import Normal
 from missionplan.physics import propeller as p
-from missionplan.scenario.mooring import dive_of
+from missionplan.scenario.phases import dive_of
 from missionplan.scenario.scenario import Scenario
 from missionplan.studies.identification.identify import identify
 from missionplan.studies.simulation.simulate import simulate_block

@@ -8,10 +8,10 @@ from scipy.optimize import brentq
 
 from missionplan.errors import InputError
 from missionplan.mission import load
-from missionplan.scenario.mooring import dive_of
+from missionplan.scenario.phases import dive_of
 from missionplan.scenario.scenario import Scenario
 from missionplan.studies.anchor.size_anchor import size_anchor
-from missionplan.studies.nominal_dive import FASTEST, check_dives
+from missionplan.studies.held_vehicle import FASTEST, check_dives
 from missionplan.studies.simulation.simulate import simulate
 
 MISSIONS = Path(__file__).parents[2] / "missions"

@@ -20,7 +20,7 @@ from missionplan.mission.views import MooringMission
 from missionplan.phases.hooks import DescentEffect
 from missionplan.phases.mooring.descent import descent_stages
 from missionplan.phases.mooring.forces import DescentHooks, Dive
-from missionplan.scenario.mooring import dive_of
+from missionplan.scenario.phases import dive_of
 from missionplan.scenario.scenario import Scenario
 
 AT_SURFACE = 0.5

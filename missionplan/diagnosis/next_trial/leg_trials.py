@@ -11,7 +11,7 @@ import numpy as np
 from scipy.linalg import block_diag
 
 from missionplan.arrays import Array, Scalars
-from missionplan.datasets.leg_checks import MIN_LEGS
+from missionplan.datasets.legs import MIN_LEGS
 from missionplan.datasets.records import TransitData
 from missionplan.diagnosis.data_kind import DataKind
 from missionplan.diagnosis.given.effects import held

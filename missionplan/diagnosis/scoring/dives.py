@@ -21,7 +21,7 @@ from missionplan.mission import Mission
 from missionplan.mission.views import MooringMission
 from missionplan.phases.hooks import DescentEffect
 from missionplan.phases.mooring.depth_sensor import sensor_history
-from missionplan.scenario.mooring import dive_of
+from missionplan.scenario.phases import dive_of
 from missionplan.scenario.scenario import Scenario
 
 DRAWS = 256

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
-from missionplan.datasets.leg_checks import MIN_LEGS
+from missionplan.datasets.legs import MIN_LEGS
 from missionplan.datasets.records import TransitData
 from missionplan.diagnosis.data_kind import DataKind
 from missionplan.diagnosis.dives.kind import DescentKind

@@ -27,7 +27,7 @@ from missionplan.diagnosis.scoring.yardsticks import Point, with_spread, yardsti
 from missionplan.errors import InputError
 from missionplan.mission import Mission, MissionOrPath
 from missionplan.results.score import STATED, DatasetScore, Prediction, Score, Yardstick
-from missionplan.store.paths import as_path
+from missionplan.store.folder import as_path
 from missionplan.studies.run import Run, check_arguments
 
 FALSE_ALARM = 0.05

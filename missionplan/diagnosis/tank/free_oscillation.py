@@ -23,7 +23,7 @@ from missionplan.effects.info import TankRecord
 from missionplan.errors import InputError, Problem
 from missionplan.mission.schema.vehicle import Vehicle
 from missionplan.montecarlo.distributions import mean_of
-from missionplan.physics import oscillation as osc
+from missionplan.physics import tank as osc
 from missionplan.studies.identification.oscillation import starting_values
 
 MIN_MASS_FACTOR = 0.05

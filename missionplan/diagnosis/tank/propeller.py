@@ -12,7 +12,7 @@ from missionplan.diagnosis.tank.forward import Nuisance, TankForward, noise_sd, 
 from missionplan.effects import Effect
 from missionplan.effects.info import TankRecord
 from missionplan.physics.drag import disc_area
-from missionplan.studies.identification.propeller import TURN, TransientRun
+from missionplan.studies.identification.identify import TURN, TransientRun
 
 MASS_FACTORS = (1e-4, 1e4)
 """Least and largest mass of the flow over ρ A_p D at which the model is evaluated: no effect's parameter is beyond."""

@@ -10,7 +10,7 @@ from missionplan.diagnosis.kinds import KINDS
 from missionplan.errors import InputError
 from missionplan.mission import Mission, MissionOrPath
 from missionplan.results.campaign import Campaign
-from missionplan.store.paths import as_path
+from missionplan.store.folder import as_path
 from missionplan.studies.run import Run, check_arguments
 
 ORDER = ("drag", "free-oscillation", "thruster", "propeller-transient", "summary", "descent", "transit")

@@ -4,9 +4,9 @@ from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
 from missionplan.errors import LocalProblem, did_you_mean
-from missionplan.mission.schema.monte_carlo import Requirement
 from missionplan.mission.schema.phases import Phase
 from missionplan.mission.schema.quantity_parser import QuantityParser
+from missionplan.mission.schema.sweep import Requirement
 from missionplan.mission.units import QuantityError
 
 EVENTS: dict[str, tuple[str, ...]] = {

@@ -9,7 +9,7 @@ from typing import Any
 import yaml
 
 from missionplan.errors import UNPRINTABLE, InputError, KeyPath, LocalProblem, Problem, did_you_mean, key_path, shown
-from missionplan.store.paths import check_name
+from missionplan.store.folder import check_name
 
 MAX_BYTES = 1_000_000
 MAX_DEPTH = 24

@@ -7,7 +7,7 @@ from typing import Any
 
 from missionplan.errors import InputError, KeyPath, Problem, did_you_mean, shown
 from missionplan.mission.reading.documents import Document, load_document
-from missionplan.store.paths import is_file, matching, real_path
+from missionplan.store.folder import is_file, matching, real_path
 
 CLASSES = Path(__file__).parents[2] / "starter" / "reliability"
 """Starter values of `vehicle.reliability`, a file for each class of vehicle."""

@@ -5,7 +5,7 @@ from typing import Annotated, Generic, Self
 from pydantic import model_validator
 from typing_extensions import Doc
 
-from missionplan.mission.schema import quantities as q
+from missionplan.mission.schema import quantity_parser as q
 from missionplan.mission.schema.limits import Limit
 from missionplan.mission.schema.quantity_parser import QuantityParser
 from missionplan.mission.schema.section import FileSection, ReadBy, V, invalid

@@ -1,8 +1,9 @@
-"""Base of every section of a mission file, and the errors that its validators raise."""
+"""Base of every section of a mission file, the errors that its validators raise, and the type of moments."""
 
 import re
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from datetime import datetime
 from typing import Annotated, Self
 
 from pydantic import BaseModel, ConfigDict, PrivateAttr
@@ -11,6 +12,7 @@ from pydantic_core.core_schema import no_info_plain_validator_function
 from typing_extensions import TypeVar
 
 from missionplan.errors import KeyPath, LocalProblem, shown
+from missionplan.moments import EXAMPLE, moment_of
 from missionplan.montecarlo.distributions import Quantity
 
 V = TypeVar("V", covariant=True, default=Quantity)
@@ -87,3 +89,15 @@ def invalid(message: str, below: KeyPath = ()) -> PydanticCustomError:
 def all_invalid(problems: Sequence[LocalProblem]) -> PydanticCustomError:
     """Return the error of a section with several problems; `validation_errors` takes them from its context."""
     return PydanticCustomError("section", "{words}", {"words": problems[0].message, "problems": list(problems)})
+
+
+def _read(value: object) -> datetime:
+    try:
+        return moment_of(value)
+    except (ValueError, OverflowError) as error:
+        words = str(error) if "expected" in str(error) else f"{error}; expected a date and time such as {EXAMPLE}"
+        raise invalid(f"given {shown(value)}: {words}") from None
+
+
+Moment = Annotated[datetime, ReadBy(_read)]
+"""Read by `missionplan.moments.moment_of`."""

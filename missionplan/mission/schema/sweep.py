@@ -1,18 +1,25 @@
-"""Values that `sweep-dmax` tries, and what `optimise` may choose."""
+"""Values that `sweep-dmax` tries, and what `optimise` may choose.
 
-from typing import Annotated, Literal
+Trials of the Monte Carlo, correlations of the quantities drawn, and requirements.
+"""
+
+from collections.abc import Sequence
+from typing import Annotated, Literal, Self
 
 import numpy as np
-from pydantic import Discriminator, Field, Tag, ValidationInfo, field_validator, model_validator
+from pydantic import Discriminator, Field, PrivateAttr, Tag, ValidationInfo, field_validator, model_validator
 from typing_extensions import Doc
 
 from missionplan.arrays import Array
+from missionplan.mission.quantity_paths import resolved_path
 from missionplan.mission.schema import limits
-from missionplan.mission.schema import quantities as q
+from missionplan.mission.schema import quantity_parser as q
 from missionplan.mission.schema.limits import Limit
 from missionplan.mission.schema.quantity_parser import QuantityParser
 from missionplan.mission.schema.section import FileSection, invalid
+from missionplan.mission.schema.shared_sections import name_in_force
 from missionplan.montecarlo.distributions import Quantity
+from missionplan.montecarlo.draws import Correlation
 
 
 class SweepGrid(FileSection):
@@ -99,3 +106,58 @@ class OptimiseSection(FileSection):
 
     aim: Literal["energy", "duration"] = "energy"
     choose: Annotated[tuple[ChoiceSection, ...], Field(max_length=8)] = ()
+
+
+class MonteCarlo(FileSection):
+    """Number of trials, and seed of their draws."""
+
+    trials: Annotated[int, Field(ge=1, le=1_000_000_000)] = 10_000
+    seed: Annotated[int, Field(ge=0, lt=2**64)] = 1
+
+
+class Requirement(FileSection):
+    """A probability that the mission must have.
+
+    The unit of `at_most` and `at_least` follows from the quantity's phase: the section keeps them as written, and
+    `checks.requirements` reads them [SI].
+    """
+
+    quantity: str
+    probability: q.Probability
+    at_most: float | None = None
+    at_least: float | None = None
+
+    _written: str = PrivateAttr(default="")
+
+    @property
+    def written(self) -> str:
+        """The quantity as the file has it."""
+        return self._written or self.quantity
+
+    def resolved(self, names: Sequence[str]) -> Self:
+        """Return the requirement with what stands for its phase in key paths, given the names of all phases."""
+        resolved = self.model_copy(update={"quantity": resolved_path(self.quantity, names, with_sections=False)})
+        resolved._written = self.written
+        return resolved
+
+    @field_validator("at_most", "at_least", mode="plain")
+    @classmethod
+    def _as_written(cls, value: object) -> object:
+        return value
+
+
+class CorrelationSection(FileSection):
+    """Correlation of two quantities (of the normals that they are drawn from)."""
+
+    between: tuple[str, str]
+    rho: Annotated[float, Field(ge=-1.0, le=1.0)]
+
+    def resolved(self, names: Sequence[str]) -> Self:
+        """Return the correlation with names as quantities have them, given the names of all phases."""
+        first, second = (name_in_force(resolved_path(path, names)) for path in self.between)
+        return self.model_copy(update={"between": (first, second)})
+
+    @property
+    def pair(self) -> Correlation:
+        """The correlation as draws take it."""
+        return Correlation(self.between, self.rho)

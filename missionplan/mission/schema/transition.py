@@ -6,7 +6,7 @@ from pydantic import Field, model_validator
 from typing_extensions import Doc
 
 from missionplan.mission.schema import limits
-from missionplan.mission.schema import quantities as q
+from missionplan.mission.schema import quantity_parser as q
 from missionplan.mission.schema.limits import Limit
 from missionplan.mission.schema.quantity_parser import QuantityParser
 from missionplan.mission.schema.section import FileSection, PhaseSection, ReadBy, V, invalid

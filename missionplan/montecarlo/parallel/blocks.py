@@ -13,8 +13,7 @@ from loky import cpu_count
 
 from missionplan.errors import InputError, Problem
 from missionplan.montecarlo.parallel.dask_cluster import run_on_cluster
-from missionplan.montecarlo.parallel.pool import PATIENCE, borrowed_pool, interrupts_deferred
-from missionplan.montecarlo.parallel.shipped_task import ShippedTask
+from missionplan.montecarlo.parallel.pool import PATIENCE, ShippedTask, borrowed_pool, interrupts_deferred
 
 Item = TypeVar("Item")
 Result = TypeVar("Result")

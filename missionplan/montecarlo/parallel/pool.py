@@ -1,20 +1,27 @@
-"""The process pool (loky): kept from call to call, shut down at once when the command is interrupted."""
+"""The process pool (loky): kept from call to call, shut down at once when the command is interrupted.
+
+A task as it is sent to the processes of the pool, each of which keeps it: what it has computed serves its items.
+"""
 
 import multiprocessing.resource_tracker
 import os
+import pickle
 import signal
 import sys
 import threading
 import time
+import uuid
 from collections import Counter
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import Future, wait
 from contextlib import contextmanager
+from dataclasses import dataclass
 from importlib import import_module
-from typing import TypeVar
+from typing import Generic, TypeVar, cast
 
 from loky import ProcessPoolExecutor
 from loky.backend import resource_tracker
+from loky.backend.reduction import dumps
 from loky.process_executor import BrokenProcessPool
 
 from missionplan.errors import OUT_OF_FILES, RunError, out_of_files
@@ -207,3 +214,39 @@ def borrowed_pool(count: int) -> Iterator[ProcessPoolExecutor]:
             _users[id(executor)] -= 1
             if not _users[id(executor)] and executor not in _kept.values():
                 executor.shutdown(wait=False)
+
+
+Item = TypeVar("Item")
+
+_sent: dict[str, object] = {}  # one at most: the last task that this process was sent
+
+
+@dataclass(frozen=True)
+class ShippedTask(Generic[Item, Result]):
+    """A task, pickled once; use `of`.
+
+    It is pickled before this process runs items too, and changes what the task keeps.
+    """
+
+    content: bytes
+    name: str
+
+    @classmethod
+    def of(cls, task: Callable[[Item], Result]) -> "ShippedTask[Item, Result]":
+        """Pickle a task."""
+        return cls(bytes(dumps(task)), uuid.uuid4().hex)
+
+    def __call__(self, item: Item) -> Result:
+        """Run the task on an item."""
+        return self.unpacked()(item)
+
+    def unpacked(self) -> Callable[[Item], Result]:
+        """Return the task, as this process has kept it."""
+        if self.name not in _sent:
+            _sent.clear()
+            _sent[self.name] = pickle.loads(self.content)
+        return cast(Callable[[Item], Result], _sent[self.name])
+
+    def prepare(self) -> None:
+        """Import what the task needs, and keep it."""
+        self.unpacked()

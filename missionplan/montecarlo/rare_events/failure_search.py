@@ -7,8 +7,7 @@ from typing import Generic, Protocol, TypeVar
 import numpy as np
 
 from missionplan.arrays import Array
-from missionplan.montecarlo.rare_events.estimate import Estimate, TwoStages, runs_needed
-from missionplan.montecarlo.rare_events.strata import StrataView, Stratum
+from missionplan.montecarlo.rare_events.strata import Estimate, StrataView, Stratum, TwoStages, runs_needed
 from missionplan.montecarlo.rare_events.subset_simulation import (
     CHAINS,
     MOST_LEVELS,

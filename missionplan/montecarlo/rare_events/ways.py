@@ -20,9 +20,8 @@ import scipy
 from numpy.typing import NDArray
 
 from missionplan.arrays import Array
-from missionplan.montecarlo.rare_events.population import NormalPopulation
 from missionplan.montecarlo.rare_events.strata import StrataView, Stratum
-from missionplan.montecarlo.rare_events.subset_simulation import Groups
+from missionplan.montecarlo.rare_events.subset_simulation import Groups, NormalPopulation
 
 _LEAST = float(np.finfo(float).tiny)
 """Margin of a trial that does not fail in a way whose margin is not positive."""

@@ -15,8 +15,7 @@ from missionplan.errors import InputError
 from missionplan.phases.currents import Span
 from missionplan.phases.fields.field_water import FieldWater
 from missionplan.phases.fields.grids import Columns, Grid, RegularGrid
-from missionplan.phases.fields.lattice import Cells, EvenAxes, Lattice, packed
-from missionplan.phases.fields.triangles import Indices
+from missionplan.phases.fields.lattice import Cells, EvenAxes, Indices, Lattice, packed
 from missionplan.phases.recorded_currents import Bracket, RecordedCurrent, bracket, even_step
 
 Velocities = NDArray[np.complexfloating[Any]]

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from typing_extensions import override
 
 from missionplan.arrays import Array
-from missionplan.phases.fields.triangles import Indices, TriangleFinder
+from missionplan.phases.fields.lattice import Indices, TriangleFinder
 from missionplan.phases.recorded_currents import bracket, even_step
 
 _NEWTON_STEPS = 4

@@ -14,8 +14,7 @@ from missionplan.phases.currents import Current, LayeredCurrent
 from missionplan.phases.hooks import DescentEffect
 from missionplan.phases.mooring.forces import DescentHooks
 from missionplan.physics.current_above import LayersAbove, ProfileAbove
-from missionplan.physics.held_body import HeldBody
-from missionplan.physics.held_line import HeldLine
+from missionplan.physics.held_line import HeldBody, HeldLine
 from missionplan.physics.line_statics import HeldPose, held_pose, settling_nose
 from missionplan.physics.seafloor import (
     ROUGHNESS,

@@ -13,12 +13,11 @@ from numpy.typing import NDArray
 
 from missionplan.arrays import Array, Scalars, over_trials
 from missionplan.phases.currents import Current
-from missionplan.phases.hooks import DescentEffect, TransitEffect, surface_velocity
+from missionplan.phases.hooks import DescentEffect, TransitEffect, TrialState, surface_velocity
 from missionplan.phases.mooring.ascent import AscentRecord, ascend
 from missionplan.phases.mooring.descent import DescentRecord, descend
 from missionplan.phases.mooring.forces import Dive
 from missionplan.phases.mooring.hold import Hold, HoldRecord, hold_vehicle, lifted
-from missionplan.phases.state import TrialState
 
 
 @dataclass(frozen=True)

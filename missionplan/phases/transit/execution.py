@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from typing_extensions import override
 
 from missionplan.arrays import Array, Scalars
-from missionplan.phases.state import TrialState
+from missionplan.phases.hooks import TrialState
 from missionplan.phases.transit.leg_loop import LegLoop, length_of
 from missionplan.phases.transit.plan import Environment, TransitNormals, TransitPlan, column
 

@@ -10,13 +10,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from missionplan.arrays import Array, Scalars
+from missionplan.phases.hooks import TrialState, select_trials
 from missionplan.phases.place.place import Contact, Lookout, Way
-from missionplan.phases.state import TrialState, select_trials
 from missionplan.phases.transit.compensation import Compensation, CompletedLeg, Memory, PlannedLeg
 from missionplan.phases.transit.ground_velocity import GroundVelocity, leg_normals
-from missionplan.phases.transit.leg_table import LegTable, LegTables
 from missionplan.phases.transit.plan import (
     Environment,
+    LegTable,
+    LegTables,
     Normals,
     TransitNormals,
     TransitPlan,

@@ -12,8 +12,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from missionplan.arrays import Array
+from missionplan.phases.hooks import TrialState
 from missionplan.phases.place.place import Contact
-from missionplan.phases.state import TrialState
 from missionplan.phases.transit.execution import ExecutedLegLoop, Execution
 from missionplan.phases.transit.leg_loop import LegLoop
 from missionplan.phases.transit.plan import Environment, Normals, TransitNormals, TransitPlan, TransitRecord, column

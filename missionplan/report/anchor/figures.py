@@ -12,8 +12,8 @@ from missionplan.phases.mooring.profile import DescentProfile
 from missionplan.report.axes import name_axis
 from missionplan.report.page import BLUE, GREEN, GREY, INK, ORANGE, PINK, SKY, Figure, to_figure
 from missionplan.report.quantities import quantity
-from missionplan.results.mooring.sized_anchor import SizedAnchor
-from missionplan.results.mooring.sizing import AnchorSizing
+from missionplan.results.anchor_sizing import AnchorSizing
+from missionplan.results.sized_anchor import SizedAnchor
 
 _DASHED = (0, (4, 3))
 

@@ -11,16 +11,15 @@ from missionplan.report.anchor.drawing import drawing
 from missionplan.report.anchor.figures import descent_profile, draw_depths, draw_drag, mark_lowest_point
 from missionplan.report.anchor.sections import numbers_table
 from missionplan.report.axes import name_axis
-from missionplan.report.explained import members_in_words, members_section
+from missionplan.report.explained import judged_in_words, members_in_words, members_section
 from missionplan.report.held_vehicle import hold_section
-from missionplan.report.judgement import judged_in_words
 from missionplan.report.numbers import percent, share
 from missionplan.report.page import Drawing, Figure, Page, PageSection, Table, Terminal
 from missionplan.report.quantities import quantity, reader_unit
 from missionplan.report.wording import phase_in_words
-from missionplan.results.mooring.sized_anchor import SizedAnchor
-from missionplan.results.mooring.sizing import AnchorSizing
-from missionplan.results.under_doubts import label
+from missionplan.results.anchor_sizing import AnchorSizing
+from missionplan.results.decision import label
+from missionplan.results.sized_anchor import SizedAnchor
 
 _SAILED = "With the anchor to build, and all trials in one member."
 SAME_WEIGHT = 0.02

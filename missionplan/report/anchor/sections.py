@@ -13,8 +13,8 @@ from missionplan.report.numbers import number, percent, share
 from missionplan.report.page import Block, PageSection, Table
 from missionplan.report.quantities import quantity, reader_unit
 from missionplan.report.wording import capitalised
-from missionplan.results.mooring.sized_anchor import SizedAnchor
-from missionplan.results.mooring.sizing import AnchorSizing, ProbableAnchor
+from missionplan.results.anchor_sizing import AnchorSizing, ProbableAnchor
+from missionplan.results.sized_anchor import SizedAnchor
 
 _WORST_CASE = (
     "The worst case takes every layer at its design speed and all of them aligned, but leaves out the release, the "

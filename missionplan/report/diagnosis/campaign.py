@@ -7,9 +7,9 @@ from dataclasses import replace
 from matplotlib.axes import Axes
 
 from missionplan.errors import InputError, Problem, shown
-from missionplan.report.diagnosis.causes import names, percent
 from missionplan.report.diagnosis.evidence import draw_ranking
 from missionplan.report.diagnosis.findings import finding_in_words
+from missionplan.report.diagnosis.kind_report import names, percent
 from missionplan.report.diagnosis.page import answer as answer_of
 from missionplan.report.diagnosis.page import page as page_of
 from missionplan.report.page import Block, Drawing, Page, PageSection, Table, Terminal

@@ -6,8 +6,8 @@ from collections.abc import Sequence
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure as MatplotlibFigure
 
-from missionplan.report.diagnosis.causes import names, part, percent
-from missionplan.report.diagnosis.data_kinds.kinds import REPORTS
+from missionplan.report.diagnosis.kind_report import names, part, percent
+from missionplan.report.diagnosis.kinds import REPORTS
 from missionplan.report.numbers import number
 from missionplan.report.page import BLUE, GREY, ORANGE, Block, Figure, PageSection, Table, to_figure
 from missionplan.report.quantities import Unit, reader_unit

@@ -6,9 +6,9 @@ from dataclasses import replace
 
 from missionplan.effects import CATALOGUE
 from missionplan.effects.finding import Finding
-from missionplan.report.diagnosis.causes import enumerated, names, part, percent
-from missionplan.report.diagnosis.data_kinds.kinds import REPORTS
 from missionplan.report.diagnosis.evidence import claimed_parameters, sized
+from missionplan.report.diagnosis.kind_report import enumerated, names, part, percent
+from missionplan.report.diagnosis.kinds import REPORTS
 from missionplan.report.wording import capitalised
 from missionplan.results.learned.diagnosis import Diagnosis
 from missionplan.results.learned.evidence import Coverage, ParameterEstimate

@@ -5,8 +5,6 @@ import shlex
 from collections.abc import Mapping
 
 from missionplan.effects import CATALOGUE
-from missionplan.report.diagnosis.causes import causes_section, explanations_in_words, found_causes, names, percent
-from missionplan.report.diagnosis.data_kinds.kinds import REPORTS
 from missionplan.report.diagnosis.evidence import (
     claimed_parameters,
     discrepancy_section,
@@ -21,6 +19,8 @@ from missionplan.report.diagnosis.evidence import (
     sized,
 )
 from missionplan.report.diagnosis.findings import WORTH_TELLING, finding_in_words, how_sure, intervals_that_miss
+from missionplan.report.diagnosis.kind_report import causes_section, explanations_in_words, found_causes, names, percent
+from missionplan.report.diagnosis.kinds import REPORTS
 from missionplan.report.diagnosis.plan import (
     next_trial_pointer,
     next_trial_section,

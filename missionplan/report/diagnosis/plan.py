@@ -2,9 +2,9 @@
 
 import math
 
-from missionplan.datasets.leg_checks import MIN_LEGS
+from missionplan.datasets.legs import MIN_LEGS
 from missionplan.effects import CATALOGUE
-from missionplan.report.diagnosis.causes import names, part, percent
+from missionplan.report.diagnosis.kind_report import names, part, percent
 from missionplan.report.numbers import number
 from missionplan.report.page import Block, PageSection, Table
 from missionplan.report.quantities import Unit, length_in_words, quantity, reader_unit

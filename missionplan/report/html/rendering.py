@@ -17,7 +17,7 @@ from missionplan.report.page import BLUE, GRID, INK, Block, Figure, Page, PageSe
 from missionplan.report.quantities import given_units
 from missionplan.report.wording import capitalised
 from missionplan.results.base import Provenance, to_yaml
-from missionplan.results.plain_data import mapping
+from missionplan.results.entries import mapping
 
 _LARGEST, _LARGEST_PRINTED = 1.7, 1.2
 """Largest scale of a figure on the screen and on paper [px/pt]: text of 10 pt is then about as high as the page's."""

@@ -12,7 +12,7 @@ from missionplan.report.quantities import DIMENSIONS, as_written, reader_system
 from missionplan.report.wording import capitalised, in_words
 from missionplan.results.base import Provenance
 from missionplan.results.decision import changes_of
-from missionplan.results.plain_data import mapping
+from missionplan.results.entries import mapping
 
 _QUANTITY = re.compile(r"\s*([+-]?[\d.]+(?:[eE][+-]?\d+)?)\s*(\D.*?)?\s*")
 _MOST_CHOICES = 6

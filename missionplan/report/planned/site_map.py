@@ -25,7 +25,7 @@ from missionplan.report.geography.plan_view import draw_region, emptiest_corner,
 from missionplan.report.page import BLUE, GREEN, GREY, INK, ORANGE, SKY, Figure, to_figure
 from missionplan.report.quantities import quantity
 from missionplan.report.wording import shortened
-from missionplan.results.plain_data import mapping, mappings
+from missionplan.results.entries import mapping, mappings
 from missionplan.scenario.place.grid_files import placed_pixels
 from missionplan.scenario.place.polygons import features
 from missionplan.scenario.place.positions import LOCAL, Chart

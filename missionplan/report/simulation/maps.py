@@ -29,7 +29,7 @@ from missionplan.report.page import BLUE, GREEN, GREY, INK, ORANGE, PINK, SKY, Y
 from missionplan.report.quantities import quantity
 from missionplan.report.simulation.figures import WIDTH, draw_profile
 from missionplan.report.wording import phase_in_words
-from missionplan.results.place import SeaChart
+from missionplan.results.decision import SeaChart
 from missionplan.results.simulation import Outcome
 
 _OF_RINGS = {"arrival circle": GREEN, "mooring circle": YELLOW, "CEP": BLUE, "mooring ellipse": PINK}

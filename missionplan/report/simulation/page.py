@@ -30,7 +30,7 @@ from missionplan.report.simulation.quantities import (
 )
 from missionplan.report.simulation.sections import sensitivity_sections
 from missionplan.report.wording import in_words, phase_in_words, shortened
-from missionplan.results.plain_data import mapping
+from missionplan.results.entries import mapping
 from missionplan.results.simulation import Outcome
 
 

@@ -10,11 +10,9 @@ import numpy as np
 import pandas as pd
 
 from missionplan.arrays import Array
-from missionplan.datasets.csv_cells import check_file
-from missionplan.datasets.packed_files import open_table
-from missionplan.datasets.times import epoch_seconds
+from missionplan.datasets.csv_cells import check_file, open_table
 from missionplan.errors import InputError, Problem
-from missionplan.moments import utc
+from missionplan.moments import epoch_seconds, utc
 
 MAX_BYTES = 200_000_000
 """Of a CSV file of a current."""

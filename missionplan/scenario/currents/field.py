@@ -13,10 +13,8 @@ from missionplan.phases.fields.gridded_current import GriddedCurrent
 from missionplan.scenario.currents.area import Area
 from missionplan.scenario.currents.attributes import FieldAttributeError, tidied
 from missionplan.scenario.currents.files import SEA, WIND, Carried, FieldFiles
-from missionplan.scenario.currents.fvcom import read_fvcom
-from missionplan.scenario.currents.regular import LATITUDE, LONGITUDE, read_regular
-from missionplan.scenario.currents.roms import read_curved
-from missionplan.scenario.currents.ugrid import read_ugrid, topology
+from missionplan.scenario.currents.regular import LATITUDE, LONGITUDE, read_curved, read_regular
+from missionplan.scenario.currents.unstructured import read_fvcom, read_ugrid, topology
 
 if TYPE_CHECKING:
     from xarray import Dataset

@@ -142,7 +142,7 @@ def _record(path: Path, mission: Mission) -> SeaLevel:
         raise InputError([Problem(f"{message}; a record of the tide has t_s, height_m", str(path), 1, key=key)])
     time = pd.to_numeric(frame["t_s"], errors="coerce")
     if not pd.api.types.is_numeric_dtype(frame["t_s"]):
-        from missionplan.datasets.times import epoch_seconds
+        from missionplan.moments import epoch_seconds
 
         if mission.start is None:
             raise InputError([Problem("its times are of the day: the mission needs its `start` (UTC)", str(path))])

@@ -8,15 +8,15 @@ import numpy as np
 
 from missionplan.arrays import Array
 from missionplan.mission import Mission
-from missionplan.mission.schema.monte_carlo import Requirement
+from missionplan.mission.schema.sweep import Requirement
 from missionplan.mission.views import MooringMission
 from missionplan.montecarlo.parallel.blocks import IN_THIS_PROCESS, Workers
 from missionplan.montecarlo.statistics import Count, RunningStatistic
 from missionplan.montecarlo.streams import BlockStreams, block_count, block_size, stream
 from missionplan.phases.currents import Current
-from missionplan.phases.state import TrialState
-from missionplan.results.mooring.sized_anchor import DiveProbabilities
-from missionplan.scenario.mooring import start_of
+from missionplan.phases.hooks import TrialState
+from missionplan.results.sized_anchor import DiveProbabilities
+from missionplan.scenario.phases import start_of
 from missionplan.scenario.scenario import Scenario
 from missionplan.studies.simulation.block_statistics import requirement_flags
 from missionplan.studies.simulation.mooring_trials import mooring_trials

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from missionplan.results.mooring.sized_anchor import DiveProbabilities
+from missionplan.results.sized_anchor import DiveProbabilities
 
 MAX_WEIGHT_RATIO = 10.0
 """Heaviest anchor tried over the worst-case one; it sinks three times as fast, so that drift before the descent is

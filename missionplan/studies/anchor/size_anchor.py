@@ -8,11 +8,11 @@ from missionplan.errors import InputError, Problem, shown
 from missionplan.mission import Mission, MissionOrPath
 from missionplan.mission.views import MooringMission
 from missionplan.montecarlo.parallel.blocks import Backend, Progress
+from missionplan.results.anchor_sizing import AnchorSizing, ExplainedAnchor, ProbableAnchor
 from missionplan.results.base import Provenance
-from missionplan.results.mooring.sized_anchor import SizedAnchor
-from missionplan.results.mooring.sizing import AnchorSizing, ExplainedAnchor, ProbableAnchor
+from missionplan.results.decision import MemberOutcome
 from missionplan.results.simulation import Outcome
-from missionplan.results.under_doubts import MemberOutcome
+from missionplan.results.sized_anchor import SizedAnchor
 from missionplan.scenario.anchors import laden, worst_case_weight
 from missionplan.scenario.scenario import Scenario
 from missionplan.scenario.site_current import recorded_current
@@ -20,9 +20,8 @@ from missionplan.studies.anchor.dive_trials import AnchorTrials
 from missionplan.studies.anchor.lightest_anchor import Demand, lightest_anchor
 from missionplan.studies.anchor.sizing import AnchorSizer
 from missionplan.studies.anchor.trim_check import trim_states
-from missionplan.studies.held_vehicle import held_vehicle
+from missionplan.studies.held_vehicle import check_dives, held_vehicle
 from missionplan.studies.judgement import judged
-from missionplan.studies.nominal_dive import check_dives
 from missionplan.studies.run import Run
 from missionplan.studies.simulation.checks import check_cover
 

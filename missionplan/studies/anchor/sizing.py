@@ -7,22 +7,26 @@ from functools import partial
 import numpy as np
 
 from missionplan.arrays import Scalars
-from missionplan.mission.schema.monte_carlo import Requirement
 from missionplan.mission.schema.phases import MoorPhase
+from missionplan.mission.schema.sweep import Requirement
 from missionplan.phases.mooring.forces import DescentHooks, SteadyDescent
 from missionplan.phases.mooring.profile import simulate_profile
-from missionplan.physics.anchor import AnchorDesign, solve_anchor
+from missionplan.physics.anchor import (
+    AnchorDesign,
+    required_terminal_velocity,
+    required_terminal_velocity_vector,
+    solve_anchor,
+)
 from missionplan.physics.anchor_remedies import buildable_weights, find_remedies
-from missionplan.physics.mooring import required_terminal_velocity, required_terminal_velocity_vector
 from missionplan.physics.vehicle_drag import DragBuildUp, QuadraticDrag, anchor_drag, range_notes, terminal_velocity
-from missionplan.results.mooring.sized_anchor import DiveProbabilities, SizedAnchor
-from missionplan.results.mooring.sizing import DesignLayer, Deviation, ProbableAnchor
+from missionplan.results.anchor_sizing import DesignLayer, Deviation, ProbableAnchor
+from missionplan.results.sized_anchor import DiveProbabilities, SizedAnchor
 from missionplan.scenario.anchors import anchor_problem, design_current
-from missionplan.scenario.mooring import dive_of, start_of
+from missionplan.scenario.phases import dive_of, start_of
 from missionplan.scenario.scenario import STILL_WATER, Scenario
 from missionplan.studies.anchor.dive_trials import AnchorTrials
 from missionplan.studies.anchor.lightest_anchor import Demand, lightest_anchor
-from missionplan.studies.nominal_dive import flooding_notice
+from missionplan.studies.held_vehicle import flooding_notice
 from missionplan.studies.simulation.block_statistics import bound_of, requirement_key
 
 MARGIN = 0.1

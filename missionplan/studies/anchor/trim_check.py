@@ -3,8 +3,8 @@
 from missionplan.arrays import Scalars
 from missionplan.mission.schema.vehicle import Centre
 from missionplan.physics.anchor import AnchorDesign, wet_centre
-from missionplan.physics.buoyancy import STANDARD_GRAVITY
 from missionplan.physics.trim import TrimState, Weight, trim
+from missionplan.physics.water import STANDARD_GRAVITY
 from missionplan.scenario.anchors import anchor_length, overlap_height
 from missionplan.scenario.scenario import Scenario
 

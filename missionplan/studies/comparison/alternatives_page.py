@@ -12,7 +12,6 @@ from missionplan.report.numbers import percent
 from missionplan.report.page import BLUE, ORANGE, Drawing, Figure, Page, PageSection, Table, Terminal, to_figure
 from missionplan.report.quantities import Unit, unit_for, with_error
 from missionplan.report.wording import in_words
-from missionplan.studies.comparison.alternatives import DECIDES, Alternative, Alternatives
 from missionplan.studies.comparison.changes_page import task_in_words
 from missionplan.studies.comparison.choices_page import (
     cells_section,
@@ -24,6 +23,7 @@ from missionplan.studies.comparison.choices_page import (
     requirements_section,
     windows_in_words,
 )
+from missionplan.studies.comparison.result import DECIDES, Alternative, Alternatives
 
 _PERCENT = Unit("%", 0.01)
 _WORDS = {"success": "P(success)", "energy_wh": "energy", "duration_s": "duration"}

@@ -13,8 +13,8 @@ from missionplan.report.page import BLUE, INK, ORANGE, Drawing, Figure, Page, Pa
 from missionplan.report.planned.section import value_in_words
 from missionplan.report.quantities import Unit, as_written, reader_unit, unit_for, with_error
 from missionplan.report.wording import in_words
-from missionplan.results.plain_data import mapping, mappings
-from missionplan.studies.comparison.changes import ChangedValue, ComparedNumber, Comparison
+from missionplan.results.entries import mapping, mappings
+from missionplan.studies.comparison.result import ChangedValue, ComparedNumber, Comparison
 
 _WORDS = {
     "phases": "in their phases",

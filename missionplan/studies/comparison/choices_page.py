@@ -12,10 +12,10 @@ from missionplan.moments import moment_of
 from missionplan.report.numbers import number, percent, share
 from missionplan.report.page import Figure, PageSection, Table, to_figure
 from missionplan.report.wording import capitalised, in_words, keys_in_words
-from missionplan.results.plain_data import mapping
+from missionplan.results.entries import mapping
 from missionplan.results.simulation import RequirementOutcome
-from missionplan.studies.comparison.alternatives import Alternative, Alternatives, TriedCell
 from missionplan.studies.comparison.changes_page import limit_in_words, requirements_of
+from missionplan.studies.comparison.result import Alternative, Alternatives, TriedCell
 
 _MOST_DIFFERING = 60
 

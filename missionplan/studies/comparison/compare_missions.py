@@ -12,17 +12,15 @@ from missionplan.errors import InputError, Problem
 from missionplan.identity import digest_of
 from missionplan.mission import Mission, MissionOrPath, load
 from missionplan.mission.reading.documents import load_document
-from missionplan.montecarlo.common_streams import CommonStreams
 from missionplan.montecarlo.paired import LEVEL, paired_difference
 from missionplan.montecarlo.parallel.blocks import Progress, Workers
-from missionplan.montecarlo.streams import block_count, block_size
-from missionplan.results.axis import Aim
+from missionplan.montecarlo.streams import CommonStreams, block_count, block_size
 from missionplan.results.base import Provenance
+from missionplan.results.decision import Aim
 from missionplan.scenario.scenario import Scenario
-from missionplan.store.paths import as_path, is_folder
-from missionplan.studies.comparison.alternatives import DECIDES, Alternative, Alternatives, Contrast, Estimate
-from missionplan.studies.comparison.changes import Comparison
+from missionplan.store.folder import as_path, is_folder
 from missionplan.studies.comparison.reported_choices import CHOOSING, aim_of, check_kinds, reported_alternative
+from missionplan.studies.comparison.result import DECIDES, Alternative, Alternatives, Comparison, Contrast, Estimate
 from missionplan.studies.comparison.summary_numbers import SummaryNumber, differing_values, standard_error_and_p_value
 from missionplan.studies.comparison.two_reports import compare_reports, read_summary
 from missionplan.studies.exploration.cells import (

@@ -8,10 +8,10 @@ from typing import get_args
 
 from missionplan.errors import InputError, Problem
 from missionplan.montecarlo.statistics import Probability
-from missionplan.results.axis import Aim
-from missionplan.results.plain_data import mapping, mappings, real, whole
+from missionplan.results.decision import Aim
+from missionplan.results.entries import mapping, mappings, real, whole
 from missionplan.results.simulation import RequirementOutcome
-from missionplan.studies.comparison.alternatives import Alternative, Chosen, Estimate, TriedCell
+from missionplan.studies.comparison.result import Alternative, Chosen, Estimate, TriedCell
 
 
 def reported(name: str, folder: Path, summary: Mapping[str, object]) -> Alternative:

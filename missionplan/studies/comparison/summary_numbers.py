@@ -10,8 +10,8 @@ from scipy.special import ndtr
 
 from missionplan.mission.quantity_paths import written_phases
 from missionplan.mission.units import QuantityError, parse_number_with_unit
-from missionplan.results.plain_data import real
-from missionplan.studies.comparison.changes import ChangedValue, DifferingValue
+from missionplan.results.entries import real
+from missionplan.studies.comparison.result import ChangedValue, DifferingValue
 
 _TRAILING_UNIT = re.compile(r"\s*[+-]?[\d.]+(?:[eE][+-]?\d+)?\s*(\S.*?)\s*")
 

@@ -10,10 +10,10 @@ from missionplan.errors import InputError, Problem
 from missionplan.identity import differences, digest_of, program_part
 from missionplan.mission.reading.documents import load_document, read_text
 from missionplan.results.base import Provenance, without_run
-from missionplan.results.plain_data import mapping, mappings, whole
-from missionplan.store.paths import as_path
-from missionplan.studies.comparison.changes import ChangedValue, ComparedNumber, ComparedRun, Comparison
+from missionplan.results.entries import mapping, mappings, whole
+from missionplan.store.folder import as_path
 from missionplan.studies.comparison.reported_choices import CHOOSING
+from missionplan.studies.comparison.result import ChangedValue, ComparedNumber, ComparedRun, Comparison
 from missionplan.studies.comparison.summary_numbers import (
     SECTIONS,
     SummaryNumber,

@@ -14,16 +14,16 @@ from numpy.typing import NDArray
 from missionplan.errors import InputError, MissionplanError, Problem
 from missionplan.identity import Identity
 from missionplan.mission import Mission
-from missionplan.montecarlo.common_streams import CommonStreams
 from missionplan.montecarlo.parallel.blocks import Workers
+from missionplan.montecarlo.streams import CommonStreams
 from missionplan.phases.currents import Current
 from missionplan.phases.recorded_currents import RecordedCurrent
-from missionplan.results.axis import Axis
+from missionplan.results.decision import Axis
 from missionplan.scenario.scenario import Scenario
 from missionplan.scenario.site_current import current_source, is_netcdf, recorded_current
 from missionplan.store.checkpoints import Checkpoints
 from missionplan.studies.exploration.variation import with_values
-from missionplan.studies.nominal_dive import check_dives
+from missionplan.studies.held_vehicle import check_dives
 from missionplan.studies.run import identified
 from missionplan.studies.simulation.block_statistics import requirement_flags
 from missionplan.studies.simulation.checks import check_complete

@@ -13,12 +13,11 @@ from missionplan.mission.units import QuantityError
 from missionplan.montecarlo.parallel.blocks import Backend, Progress
 from missionplan.montecarlo.statistics import Count
 from missionplan.montecarlo.streams import block_count, block_size
-from missionplan.results.axis import Aim, Axis
-from missionplan.results.under_doubts import MemberOutcome
-from missionplan.scenario.currents.members import members_drawn, members_of
+from missionplan.results.decision import Aim, Axis, MemberOutcome
+from missionplan.scenario.currents.building import members_drawn, members_of
 from missionplan.scenario.scenario import Scenario
 from missionplan.store.checkpoints import Checkpoints
-from missionplan.store.paths import as_path
+from missionplan.store.folder import as_path
 from missionplan.studies.exploration.cells import SUCCESS, CellItem, CellTask, CellTrials, SharedCurrent, cell_trials
 from missionplan.studies.exploration.findings import DURATION, ENERGY, Race, cell_of, find_best, race
 from missionplan.studies.exploration.result import Cell, Exploration

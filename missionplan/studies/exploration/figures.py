@@ -14,7 +14,7 @@ from missionplan.report.axes import name_axis
 from missionplan.report.page import BLUE, GREEN, GREY, INK, ORANGE, Figure, to_figure
 from missionplan.report.quantities import Unit, unit_for, value_on
 from missionplan.report.wording import capitalised, in_words
-from missionplan.results.axis import Axis
+from missionplan.results.decision import Axis
 from missionplan.studies.exploration.result import Cell, Exploration
 from missionplan.studies.exploration.words import DURATION, ENERGY, name_of
 

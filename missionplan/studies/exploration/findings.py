@@ -11,7 +11,7 @@ from missionplan.mission import Mission
 from missionplan.montecarlo.paired import compare_with_best, pareto_front
 from missionplan.montecarlo.statistics import Count, Probability, Statistic
 from missionplan.montecarlo.streams import block_count, block_size
-from missionplan.results.axis import Aim
+from missionplan.results.decision import Aim
 from missionplan.results.simulation import RequirementOutcome
 from missionplan.studies.exploration.cells import LEFT_RECORD, SUCCESS, CellItem, CellTrials
 from missionplan.studies.exploration.result import Cell

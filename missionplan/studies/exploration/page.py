@@ -8,7 +8,7 @@ from missionplan.report.numbers import percent, share
 from missionplan.report.page import Drawing, Figure, Page, PageSection, Table, Terminal
 from missionplan.report.quantities import range_on, value_on
 from missionplan.report.wording import capitalised, in_words
-from missionplan.results.axis import Aim
+from missionplan.results.decision import Aim
 from missionplan.studies.exploration.figures import (
     curves_figure,
     draw_exploration,

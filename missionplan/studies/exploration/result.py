@@ -7,11 +7,10 @@ from typing import TYPE_CHECKING, Annotated, ClassVar, Literal
 import pandas as pd
 
 from missionplan.montecarlo.statistics import Probability, Statistic
-from missionplan.results.axis import Aim, Axis
 from missionplan.results.base import Provenance, Result, to_csv, to_grid
+from missionplan.results.decision import Aim, Axis, MemberOutcome
 from missionplan.results.entries import Entry, Record
 from missionplan.results.simulation import RequirementOutcome
-from missionplan.results.under_doubts import MemberOutcome
 
 if TYPE_CHECKING:
     import xarray

@@ -18,7 +18,7 @@ from missionplan.mission.reading.documents import load_document
 from missionplan.mission.schema.shared_sections import name_in_force, overridden
 from missionplan.mission.units import QuantityError, parse_number_with_unit
 from missionplan.moments import moment_of
-from missionplan.results.axis import Axis
+from missionplan.results.decision import Axis
 
 _STEP = re.compile(r"[^.\[\]]+|\[\d+\]")
 _WHOLES = ("vehicle", "start", "site.current", "site.water", "vehicle.anchor")

@@ -7,7 +7,7 @@ from missionplan.report.explained import members_in_words
 from missionplan.report.numbers import number, percent
 from missionplan.report.quantities import range_on, unit_for, value_on, with_error
 from missionplan.report.wording import in_words, keys_in_words
-from missionplan.results.axis import Aim, Axis
+from missionplan.results.decision import Aim, Axis
 from missionplan.results.simulation import RequirementOutcome
 from missionplan.studies.exploration.result import Cell, Exploration, Window
 

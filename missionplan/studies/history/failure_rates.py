@@ -15,10 +15,10 @@ from missionplan.errors import InputError, Problem, did_you_mean, shown
 from missionplan.identity import digest_of
 from missionplan.mission import Mission
 from missionplan.mission.reading.documents import read_text
-from missionplan.mission.schema.reliability import Hazard, Leaves, Per
+from missionplan.mission.schema.vehicle import Hazard, Leaves, Per
 from missionplan.montecarlo.distributions import Quantity, mean_of, sd_of
 from missionplan.physics.reliability import chance_of_counts, counts_of_rate, rate_quantile
-from missionplan.results.plain_data import mapping, mappings
+from missionplan.results.entries import mapping, mappings
 from missionplan.studies.history.result import FailureRate
 
 FILE = "reliability.csv"

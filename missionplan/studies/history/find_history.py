@@ -14,8 +14,8 @@ from missionplan.mission import MissionOrPath, as_mission
 from missionplan.mission.reading.documents import load_document, read_text
 from missionplan.moments import moment_of
 from missionplan.results.base import Provenance
-from missionplan.results.plain_data import mapping, mappings, real
-from missionplan.store.paths import as_path
+from missionplan.results.entries import mapping, mappings, real
+from missionplan.store.folder import as_path
 from missionplan.studies.history.failure_rates import rates_file, read_counts, updated_rates
 from missionplan.studies.history.result import History, Learned, State
 

@@ -7,10 +7,10 @@ import numpy as np
 from scipy.special import ndtri
 
 from missionplan.arrays import Array
-from missionplan.datasets.identity import listed
+from missionplan.datasets.records import listed
 from missionplan.datasets.tank import OscillationSettings, TankData
 from missionplan.errors import RunError
-from missionplan.physics import oscillation as osc
+from missionplan.physics import tank as osc
 from missionplan.physics.tank import full_size_mass
 from missionplan.results.learned.identification import (
     FitCurve,

@@ -6,11 +6,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from missionplan.arrays import Array
-from missionplan.datasets.tank import TankData, ThrusterGeometry, ThrusterSettings
-from missionplan.datasets.tank.formats import NoiseLevels
+from missionplan.datasets.tank import NoiseLevels, TankData, ThrusterGeometry, ThrusterSettings
 from missionplan.errors import RunError
 from missionplan.physics import tunnel_thruster as tt
-from missionplan.physics.thruster import bollard_pull
+from missionplan.physics.tunnel_thruster import bollard_pull
 from missionplan.results.learned.identification import FitCurve, FitPanel, FittedModel, TankAnalysis
 from missionplan.studies.identification.least_squares import FitParameter, f_test_prefers, fit
 

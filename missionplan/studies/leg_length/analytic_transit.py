@@ -13,7 +13,7 @@ from missionplan.montecarlo.distributions import Distribution, mean_of
 from missionplan.phases.transit.analytic.expectation import MAX_RATIO, TransitExpectation, expected_transit
 from missionplan.phases.transit.analytic.policy import best_d_max, best_legs
 from missionplan.phases.transit.compensation import Compensation, CompletedLeg, Memory, PlannedLeg
-from missionplan.phases.transit.leg_table import LegTable
+from missionplan.phases.transit.plan import LegTable
 from missionplan.studies.leg_length.paired_trials import PILOT_BLOCK, LegsAtSpeed, run_plans
 from missionplan.studies.leg_length.sweep_scenario import SweepScenario, start_of
 

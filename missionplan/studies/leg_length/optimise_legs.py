@@ -17,7 +17,7 @@ from scipy.optimize import minimize_scalar
 from missionplan.arrays import Array
 from missionplan.errors import InputError, Problem
 from missionplan.montecarlo.parallel.blocks import IN_THIS_PROCESS, Progress, Workers
-from missionplan.phases.transit.leg_table import LegTable
+from missionplan.phases.transit.plan import LegTable
 from missionplan.studies.leg_length.analytic_transit import (
     AnalyticTransit,
     LegSpread,

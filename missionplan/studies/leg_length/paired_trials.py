@@ -15,11 +15,9 @@ from numpy.typing import NDArray
 from missionplan.arrays import Array
 from missionplan.montecarlo.parallel.blocks import IN_THIS_PROCESS, Workers
 from missionplan.montecarlo.streams import BLOCK
-from missionplan.phases.hooks import TransitEffect
-from missionplan.phases.state import TrialState
+from missionplan.phases.hooks import TransitEffect, TrialState
 from missionplan.phases.transit.compensation import Compensation
-from missionplan.phases.transit.leg_table import LegTable, LegTables
-from missionplan.phases.transit.plan import Environment, TransitNormals, TransitPlan, VelocityError
+from missionplan.phases.transit.plan import Environment, LegTable, LegTables, TransitNormals, TransitPlan, VelocityError
 from missionplan.phases.transit.transit import transit
 from missionplan.studies.leg_length.sweep_scenario import SweepScenario
 

@@ -7,7 +7,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure as MatplotlibFigure
 
 from missionplan.arrays import Array
-from missionplan.phases.transit.leg_table import LegTable
+from missionplan.phases.transit.plan import LegTable
 from missionplan.physics.energy import JOULES_PER_WATT_HOUR
 from missionplan.report.axes import name_axis
 from missionplan.report.numbers import number, percent

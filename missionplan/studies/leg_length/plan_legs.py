@@ -10,7 +10,7 @@ from missionplan.montecarlo.parallel.blocks import Backend, Progress, Workers
 from missionplan.montecarlo.statistics import Moments
 from missionplan.montecarlo.streams import block_count
 from missionplan.results.base import Provenance
-from missionplan.results.under_doubts import label
+from missionplan.results.decision import label
 from missionplan.studies.judgement import judged
 from missionplan.studies.leg_length.analytic_transit import analytic_obstacle
 from missionplan.studies.leg_length.optimise_legs import Aim, LegAim, OptimisedLegs, optimise_legs

@@ -5,8 +5,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from missionplan.physics.energy import JOULES_PER_WATT_HOUR
-from missionplan.report.explained import members_in_words, members_section
-from missionplan.report.judgement import judged_in_words
+from missionplan.report.explained import judged_in_words, members_in_words, members_section
 from missionplan.report.numbers import percent, share
 from missionplan.report.page import Drawing, Listing, Page, PageSection, Terminal
 from missionplan.report.quantities import Unit, length_in_words, quantity, reader_unit, time_in_words, with_error

@@ -10,11 +10,10 @@ import pandas as pd
 from missionplan.arrays import Array
 from missionplan.montecarlo.statistics import Probability, Statistic
 from missionplan.physics.energy import JOULES_PER_WATT_HOUR
-from missionplan.results.assumption import Assumption
 from missionplan.results.base import Provenance, Result, to_csv, to_yaml
+from missionplan.results.decision import Assumption, MemberOutcome
 from missionplan.results.entries import Entry, Record
 from missionplan.results.simulation import Outcome
-from missionplan.results.under_doubts import MemberOutcome
 
 
 @dataclass(frozen=True)

@@ -7,8 +7,8 @@ from functools import partial
 import numpy as np
 
 from missionplan.montecarlo.parallel.blocks import IN_THIS_PROCESS, Progress, Workers
-from missionplan.phases.transit.analytic.bellman import JUMP
-from missionplan.phases.transit.leg_table import LegTable
+from missionplan.phases.transit.analytic.policy import JUMP
+from missionplan.phases.transit.plan import LegTable
 from missionplan.studies.leg_length.analytic_transit import AnalyticTransit
 from missionplan.studies.leg_length.paired_trials import (
     LegsAtSpeed,

@@ -14,7 +14,7 @@ from missionplan.montecarlo.parallel.blocks import Backend, Progress
 from missionplan.montecarlo.statistics import Probability, wilson
 from missionplan.montecarlo.streams import block_count, block_size
 from missionplan.phases.transit.analytic.expectation import TransitExpectation
-from missionplan.results.under_doubts import MemberOutcome
+from missionplan.results.decision import MemberOutcome
 from missionplan.studies.judgement import judged
 from missionplan.studies.leg_length.analytic_transit import analytic_curve, analytic_obstacle
 from missionplan.studies.leg_length.sweep_result import ExplainedSweep, Sweep, SweepCurve, SweepPoint

@@ -4,13 +4,12 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from missionplan.report.explained import members_in_words, members_section
-from missionplan.report.judgement import judged_in_words
+from missionplan.report.explained import judged_in_words, members_in_words, members_section
 from missionplan.report.numbers import number, percent, share
 from missionplan.report.page import Drawing, Page, PageSection, Table, Terminal
 from missionplan.report.quantities import Unit, length_in_words, quantity, reader_unit, time_in_words, with_error
 from missionplan.report.wording import phase_in_words
-from missionplan.results.under_doubts import label
+from missionplan.results.decision import label
 from missionplan.studies.leg_length.sweep_figures import (
     close_up_figure,
     cost_figure,

@@ -9,11 +9,10 @@ import numpy as np
 import pandas as pd
 
 from missionplan.montecarlo.statistics import Probability
-from missionplan.results.assumption import Assumption
 from missionplan.results.base import Provenance, Result, to_csv, to_grid
+from missionplan.results.decision import Assumption, MemberOutcome
 from missionplan.results.entries import Entry, Record
 from missionplan.results.simulation import Outcome
-from missionplan.results.under_doubts import MemberOutcome
 
 if TYPE_CHECKING:
     import xarray

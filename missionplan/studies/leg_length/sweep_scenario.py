@@ -10,22 +10,20 @@ from numpy.typing import NDArray
 from missionplan.arrays import Array, Scalars
 from missionplan.errors import InputError, Problem
 from missionplan.mission import Mission
-from missionplan.mission.schema.navigation import Navigation
-from missionplan.mission.schema.phases import LegTableSection, TransitPhase
+from missionplan.mission.schema.phases import LegTableSection, Navigation, TransitPhase
 from missionplan.mission.schema.section import V
 from missionplan.mission.schema.site import Position
 from missionplan.mission.views import TransitMission
 from missionplan.montecarlo.distributions import mean_of
 from missionplan.montecarlo.statistics import Moments
 from missionplan.montecarlo.streams import BlockStreams
-from missionplan.phases.state import TrialState
-from missionplan.phases.transit.leg_table import LegTable
-from missionplan.phases.transit.plan import Environment, TransitNormals, TransitPlan, VelocityError, column
+from missionplan.phases.hooks import TrialState
+from missionplan.phases.transit.plan import Environment, LegTable, TransitNormals, TransitPlan, VelocityError, column
 from missionplan.phases.transit.transit import transit
 from missionplan.physics.energy import JOULES_PER_WATT_HOUR
+from missionplan.scenario.phases import deployed, transit_normals
 from missionplan.scenario.scenario import Scenario, leg_table
 from missionplan.scenario.site_current import recorded_current
-from missionplan.scenario.transit_streams import deployed, transit_normals
 from missionplan.studies.simulation.checks import check_cover
 
 GROUP = 16

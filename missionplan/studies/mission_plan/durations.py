@@ -9,8 +9,8 @@ from missionplan.mission.schema.phases import TransitPhase
 from missionplan.montecarlo.streams import BlockStreams
 from missionplan.phases.transit.execution import Execution
 from missionplan.phases.transit.transit import transit
+from missionplan.scenario.phases import deployed, transit_normals
 from missionplan.scenario.scenario import Scenario
-from missionplan.scenario.transit_streams import deployed, transit_normals
 
 TRIALS = 1024
 """Trials from which the 99 % durations are taken."""

@@ -9,8 +9,7 @@ from missionplan.mission import Mission, MissionOrPath
 from missionplan.mission.views import TransitMission, required_origin
 from missionplan.scenario.scenario import Scenario
 from missionplan.scenario.site_current import recorded_current
-from missionplan.store.folder import write_atomically
-from missionplan.store.paths import as_path, exists, is_file, is_folder
+from missionplan.store.folder import as_path, exists, is_file, is_folder, write_atomically
 from missionplan.studies.mission_plan.build import mission_plan
 from missionplan.studies.run import check_arguments
 from missionplan.studies.simulation.checks import check_complete, check_cover

@@ -6,7 +6,7 @@ import numpy as np
 
 from missionplan.arrays import Array, Scalars
 from missionplan.mission.schema.phases import TransitPhase
-from missionplan.phases.transit.leg_table import LegTable
+from missionplan.phases.transit.plan import LegTable
 from missionplan.scenario.scenario import Scenario
 from missionplan.studies.leg_length.paired_trials import PILOT_BLOCK, LegsAtSpeed, arrival_shortfall, run_plans
 from missionplan.studies.leg_length.sweep_scenario import SweepScenario

@@ -1,26 +1,30 @@
-"""Trials of choices on common random numbers: each point of the lattice is run once with each number of trials."""
+"""Trials of choices on common random numbers: each point of the lattice is run once with each number of trials.
 
+How far a choice is from the requirements, as they are or relaxed.
+"""
+
+import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
+from typing import Literal
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
 
+from missionplan.arrays import Array
 from missionplan.errors import InputError, Problem
 from missionplan.mission import Mission
 from missionplan.montecarlo.parallel.blocks import Workers
+from missionplan.montecarlo.statistics import Count, Probability, successes_to_decide
 from missionplan.montecarlo.streams import block_count, block_size
-from missionplan.results.axis import Aim
+from missionplan.results.decision import Aim
 from missionplan.scenario.scenario import Scenario
 from missionplan.store.checkpoints import Checkpoints
-from missionplan.studies.exploration.cells import (
-    CellTask,
-    cell_trials,
-    checked_means,
-)
+from missionplan.studies.exploration.cells import CellTask, cell_trials, checked_means
 from missionplan.studies.exploration.findings import AIM_COLUMNS, DURATION, ENERGY
-from missionplan.studies.optimisation.choices import Lattice, Point
-from missionplan.studies.simulation.block_statistics import requirement_key
+from missionplan.studies.optimisation.choosable import Lattice, Point
+from missionplan.studies.simulation.block_statistics import SCALES, bound_of, requirement_key
 from missionplan.studies.simulation.checks import mooring_anchors
 
 Columns = Mapping[str, NDArray[np.generic]]
@@ -123,3 +127,148 @@ def columns_needed(mission: Mission) -> tuple[str, ...]:
     """Columns by which choices are judged: energy, duration, and what requirements bound."""
     bounded = [requirement_key(mission, item.quantity)[0] for item in mission.requirements]
     return tuple(dict.fromkeys((DURATION, ENERGY, *bounded)))
+
+
+RELAXED = 0.01
+"""By which a bound is widened, or a required probability lowered."""
+_CANNOT_RUN = 100.0
+"""Violation of a choice that cannot be run: more than of any that can."""
+_DEEPEST = 4.0
+"""Greatest margin, inside or outside, in standard deviations."""
+_SUREST = 2.5
+"""Greatest normal deviate of a probability: few trials cannot tell more."""
+_FARTHEST = 1.0
+"""Greatest overshoot of a bound that counts, relative to the bound."""
+
+
+@dataclass(frozen=True)
+class Demand:
+    """A requirement as the search sees it.
+
+    Attributes
+    ----------
+    quantity : str
+        As the mission writes it.
+    column : str
+        Of the trials.
+    side : 'at_most', 'at_least' or None
+        None for an event.
+    limit : float
+        In the column's unit; nan for an event.
+    required : float
+        Probability.
+    """
+
+    quantity: str
+    column: str
+    side: Literal["at_most", "at_least"] | None
+    limit: float
+    required: float
+
+    def relaxed(self) -> "Demand":
+        """Return the demand with its bound one percent wider, or of an event with a percentage point less."""
+        if self.side is None:
+            return replace(self, required=max(self.required - RELAXED, 0.0))
+        wider = RELAXED * abs(self.limit)
+        return replace(self, limit=self.limit + (wider if self.side == "at_most" else -wider))
+
+    def probability(self, evaluation: Evaluation) -> Probability:
+        """Probability that a trial does as demanded."""
+        met = self._met(evaluation)
+        return Count(int(met.sum()), met.size).probability()
+
+    def slack(self, evaluation: Evaluation) -> float:
+        """Probability reached less that required; that of a choice that cannot be run is −1."""
+        return -1.0 if evaluation.reason else float(self._met(evaluation).mean()) - self.required
+
+    def _met(self, evaluation: Evaluation) -> "np.ndarray[tuple[int], np.dtype[np.bool_]]":
+        values = evaluation.columns[self.column]
+        if self.side is None:
+            return np.asarray(values, dtype=bool)
+        return np.asarray(values <= self.limit if self.side == "at_most" else values >= self.limit)  # type: ignore[operator]
+
+    def margin(self, evaluation: Evaluation) -> float:
+        """Return how far a choice is inside the demand, smooth over choices; negative outside.
+
+        Of a bound, the quantile that it concerns in standard deviations of the trials; of an event, or where too few
+        trials have the quantity, the probability as a normal deviate less that required.
+        """
+        if evaluation.reason:
+            return -_DEEPEST
+        slack, met = self.slack(evaluation), self._met(evaluation)
+        share = (float(met.sum()) + 0.5) / (met.size + 1.0)
+        deviate = min(max(float(scipy.special.ndtri(share)), -_SUREST), _SUREST)
+        inside = deviate - min(float(scipy.special.ndtri(self.required)), _SUREST)
+        if self.side is not None:
+            values = evaluation.columns[self.column].astype(float)
+            beyond, known = self._beyond(values), values[np.isfinite(values)]
+            if np.isfinite(beyond):
+                inside = -beyond / max(float(known.std()), 1e-3 * abs(self.limit), 1e-9)
+        inside = min(max(inside, -_DEEPEST), _DEEPEST)
+        return max(inside, 1e-3) if slack >= 0.0 else min(inside, -1e-3)
+
+    def _beyond(self, values: Array) -> float:
+        """Return by how much the quantile that the demand concerns lies beyond its bound; infinite where too few do."""
+        reached = self._outwards(values)
+        return float(reached[max(math.ceil(self.required * reached.size) - 1, 0)]) - self._sign * self.limit
+
+    def _outwards(self, values: Array) -> Array:
+        """Sort values so that each is further beyond the bound than the one before; infinite where there is none."""
+        return np.sort(np.where(np.isfinite(values), self._sign * values, np.inf))
+
+    @property
+    def _sign(self) -> float:
+        return 1.0 if self.side == "at_most" else -1.0
+
+    def would_do(self, evaluation: Evaluation) -> float:
+        """Return a limit with which a choice would meet the demand; nan for an event, or where too few reach it.
+
+        The quantile of the trials would be met by half of all fresh trials only. The limit is so far out that the
+        interval of the probability lies above that required, or as far out as any trial.
+        """
+        if self.side is None or evaluation.reason:
+            return math.nan
+        reached = self._outwards(evaluation.columns[self.column].astype(float))
+        known = int(np.isfinite(reached).sum())
+        if known < max(self.required * reached.size, 1):
+            return math.nan
+        return self._sign * float(reached[min(successes_to_decide(self.required, reached.size), known) - 1])
+
+    def violation(self, evaluation: Evaluation) -> float:
+        """Return how far a choice is from the demand: the probability that lacks, and the quantile beyond the bound.
+
+        The second leads the search where hardly any trial does as demanded, and the first is the same everywhere.
+        """
+        lacking = max(-self.slack(evaluation), 0.0)
+        if lacking == 0.0 or self.side is None:
+            return lacking
+        beyond = self._beyond(evaluation.columns[self.column].astype(float))
+        return lacking + min(max(beyond, 0.0) / max(abs(self.limit), 1e-9), _FARTHEST)
+
+
+def demands_of(mission: Mission) -> tuple[Demand, ...]:
+    """Return a mission's requirements as demands."""
+    found = []
+    for item in mission.requirements:
+        column, unit = requirement_key(mission, item.quantity)
+        side, limit = bound_of(item) or (None, math.nan)
+        found.append(Demand(item.quantity, column, side, limit * SCALES.get(unit or "", 1.0), item.probability))
+    return tuple(found)
+
+
+def violations(demands: Sequence[Demand], evaluation: Evaluation) -> list[float]:
+    """How far a choice is from each demand."""
+    if evaluation.reason:
+        return [_CANNOT_RUN] * len(demands)
+    return [demand.violation(evaluation) for demand in demands]
+
+
+def is_feasible(demands: Sequence[Demand], evaluation: Evaluation, *, doubt: float = 0.0) -> bool:
+    """Whether a choice meets all demands, or may, by so many standard errors of what is required."""
+    return not evaluation.reason and all(
+        demand.slack(evaluation) >= -doubt * _error(demand.required, evaluation.trials) for demand in demands
+    )
+
+
+def _error(required: float, trials: int) -> float:
+    return math.sqrt(required * (1.0 - required) / max(trials, 1))

@@ -14,15 +14,22 @@ from missionplan.montecarlo.statistics import Probability
 from missionplan.results.optimisation import Obstacle, Optimised, Relaxation, Tried
 from missionplan.results.simulation import Outcome
 from missionplan.store.checkpoints import Checkpoints
-from missionplan.store.paths import as_path
+from missionplan.store.folder import as_path
 from missionplan.studies.exploration.cells import SUCCESS, SharedCurrent
 from missionplan.studies.exploration.findings import AIM_COLUMNS
 from missionplan.studies.exploration.variation import first_start, with_values
 from missionplan.studies.judgement import is_good, judged, simulated_with
-from missionplan.studies.optimisation.choices import Lattice, Point
-from missionplan.studies.optimisation.choosable import read_lattice
-from missionplan.studies.optimisation.evaluations import ChoiceTask, Evaluation, Evaluations, columns_needed
-from missionplan.studies.optimisation.judging import Demand, demands_of, is_feasible, violations
+from missionplan.studies.optimisation.choosable import Lattice, Point, read_lattice
+from missionplan.studies.optimisation.evaluations import (
+    ChoiceTask,
+    Demand,
+    Evaluation,
+    Evaluations,
+    columns_needed,
+    demands_of,
+    is_feasible,
+    violations,
+)
 from missionplan.studies.optimisation.search import FINE, Search
 from missionplan.studies.run import Run
 

@@ -14,11 +14,10 @@ import scipy
 from missionplan.arrays import Array
 from missionplan.montecarlo.kriging import Kriging, expected_improvement
 from missionplan.montecarlo.paired import paired_difference
-from missionplan.results.axis import Aim
+from missionplan.results.decision import Aim
 from missionplan.studies.exploration.findings import AIM_COLUMNS
-from missionplan.studies.optimisation.choices import Point
-from missionplan.studies.optimisation.evaluations import Evaluation, Evaluations
-from missionplan.studies.optimisation.judging import Demand, is_feasible, violations
+from missionplan.studies.optimisation.choosable import Point
+from missionplan.studies.optimisation.evaluations import Demand, Evaluation, Evaluations, is_feasible, violations
 
 COARSE, FINE = 128, 1024
 """Trials of a choice in the wide search, and about its best."""

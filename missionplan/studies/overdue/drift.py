@@ -12,11 +12,10 @@ from missionplan.mission.views import forecast_error
 from missionplan.montecarlo.distributions import Distribution
 from missionplan.montecarlo.streams import BlockStreams
 from missionplan.phases.currents import Current
-from missionplan.phases.fields.ensemble import Ensemble
-from missionplan.phases.fields.forecast_error import Statistics
+from missionplan.phases.fields.ensemble import Ensemble, Statistics
 from missionplan.phases.hooks import TransitEffect, surface_velocity
 from missionplan.phases.place.place import Cause, Place, Way
-from missionplan.scenario.currents.drawn_current import with_error
+from missionplan.scenario.currents.building import with_error
 from missionplan.scenario.scenario import STILL_WATER, Scenario
 
 UNSTATED_ERROR = 0.1

@@ -11,13 +11,13 @@ from missionplan.errors import RunError
 from missionplan.mission import Mission
 from missionplan.mission.schema.phases import MoorPhase, Phase, TransitPhase
 from missionplan.montecarlo.distributions import Choices, WhichHolds
-from missionplan.montecarlo.rare_events.population import Key
 from missionplan.montecarlo.rare_events.strata import DiscreteValue, StrataView
+from missionplan.montecarlo.rare_events.subset_simulation import Key
 from missionplan.montecarlo.rare_events.ways import TrialMargins
 from missionplan.phases.fields.ensemble import Ensemble
 from missionplan.physics.energy import JOULES_PER_WATT_HOUR
-from missionplan.scenario.currents.drawn_current import MEMBER
-from missionplan.scenario.held_vehicle import line_strength
+from missionplan.scenario.currents.building import MEMBER
+from missionplan.scenario.phases import line_strength
 from missionplan.scenario.scenario import Scenario
 from missionplan.studies.rare_failure.event import RareEvent
 from missionplan.studies.simulation.block_statistics import failures_by_step

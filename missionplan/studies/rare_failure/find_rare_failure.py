@@ -12,15 +12,15 @@ from missionplan.errors import InputError, Problem
 from missionplan.mission import MissionOrPath
 from missionplan.montecarlo.parallel.blocks import Backend, Progress
 from missionplan.montecarlo.rare_events.failure_search import FailureSearch, Found, find
-from missionplan.montecarlo.rare_events.population import NormalPopulation
 from missionplan.montecarlo.rare_events.strata import StrataView, strata
+from missionplan.montecarlo.rare_events.subset_simulation import NormalPopulation
 from missionplan.montecarlo.rare_events.ways import ReliabilityIndices
 from missionplan.montecarlo.statistics import Probability, wilson
 from missionplan.montecarlo.streams import stream
 from missionplan.results.base import Provenance
 from missionplan.scenario.scenario import Scenario
 from missionplan.scenario.site_current import recorded_current
-from missionplan.studies.nominal_dive import check_dives
+from missionplan.studies.held_vehicle import check_dives
 from missionplan.studies.rare_failure.driven_trials import (
     DrivenMission,
     FailingTrials,

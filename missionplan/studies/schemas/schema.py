@@ -1,8 +1,13 @@
-"""`schema`: the JSON schema of a kind of file, from the models that read it."""
+"""`schema`: the JSON schema of a kind of file, from the models that read it.
 
-from collections.abc import Callable, Mapping
+JSON schema of `summary.json`: the entries that the fields of each result state, command by command.
+"""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, is_dataclass
 from functools import partial
-from typing import Literal, get_args
+from types import NoneType, UnionType
+from typing import Annotated, Any, Literal, Union, get_args, get_origin, get_type_hints
 
 from pydantic import BaseModel
 
@@ -10,15 +15,159 @@ from missionplan.datasets.dives import DESCENT
 from missionplan.datasets.legs import TRANSIT
 from missionplan.datasets.reading import DatasetFormat
 from missionplan.datasets.summaries import SUMMARY
-from missionplan.datasets.tank.formats import DRAG, FREE_OSCILLATION, PROPELLER_TRANSIENT, THRUSTER
+from missionplan.datasets.tank import DRAG, FREE_OSCILLATION, PROPELLER_TRANSIENT, THRUSTER
 from missionplan.errors import InputError, Problem, did_you_mean, shown
 from missionplan.exporters.plan_json import plan_schema
 from missionplan.mission import Mission
 from missionplan.mission.mission import MOST_LEARNED
 from missionplan.mission.schema.section import IDENTITY
 from missionplan.mission.schema.vehicle import Vehicle
+from missionplan.montecarlo.statistics import Probability, Statistic
+from missionplan.results.anchor_sizing import AnchorSizing
+from missionplan.results.base import SCHEMA, Provenance, Result
+from missionplan.results.campaign import Campaign
+from missionplan.results.decision import Decision
+from missionplan.results.entries import Record, StatedField, stated
+from missionplan.results.imported import ImportedData
+from missionplan.results.learned.diagnosis import Diagnosis
+from missionplan.results.learned.identification import Identification
+from missionplan.results.optimisation import Optimised
+from missionplan.results.score import Score
+from missionplan.results.simulation import Outcome
+from missionplan.studies.comparison.result import Alternatives, Comparison
+from missionplan.studies.exploration.result import Exploration
+from missionplan.studies.history.result import History
+from missionplan.studies.leg_length.plan_result import LegPlan
+from missionplan.studies.leg_length.sweep_result import Sweep
+from missionplan.studies.rare_failure.result import RareFailure
 from missionplan.studies.schemas.sections import TEXT_OR_NUMBER, Schema, Sections, effects
-from missionplan.studies.schemas.summaries import summaries
+from missionplan.studies.tide.result import TideResult
+from missionplan.studies.transition.sweep_transition import TransitionSweep
+
+_RESULTS: Mapping[str, tuple[type[Result], ...]] = {
+    "compare": (Comparison, Alternatives),
+    "diagnose": (Diagnosis, Campaign),
+    "explore": (Exploration,),
+    "history": (History,),
+    "identify": (Identification,),
+    "import": (ImportedData,),
+    "optimise": (Optimised,),
+    "plan-legs": (LegPlan,),
+    "score": (Score,),
+    "simulate": (Outcome, RareFailure),
+    "size-anchor": (AnchorSizing,),
+    "sweep-dmax": (Sweep,),
+    "sweep-transition": (TransitionSweep,),
+    "tide": (TideResult,),
+}
+"""What each command may answer with."""
+_NUMBER: Schema = {"type": ["number", "null"]}
+_PLAIN: Mapping[object, Schema] = {
+    str: {"type": "string"},
+    int: {"type": "integer"},
+    float: _NUMBER,
+    bool: {"type": "boolean"},
+    NoneType: {"type": "null"},
+}
+_OF_TRIALS: Mapping[type, tuple[str, ...]] = {
+    Statistic: ("mean", "sd", "p05", "p50", "p95", "standard_error"),
+    Probability: ("value", "low", "high"),
+}
+
+
+@dataclass
+class _Records:
+    """Definitions of records by name, as they are met."""
+
+    definitions: dict[str, Schema] = field(default_factory=dict)
+
+    def of(self, kind: type[Any], parts: tuple[str, ...] = ()) -> Schema:
+        """Return a reference to a record, which is defined where it is not yet; or some of its entries."""
+        if parts:
+            whole = self.written(kind)
+            required = [key for key in parts if key in whole["required"]]
+            return _object({key: whole["properties"][key] for key in parts}, required)
+        name = kind.__name__
+        if name not in self.definitions:
+            self.definitions[name] = {}  # records may hold themselves
+            self.definitions[name] = self.written(kind)
+        return {"$ref": f"#/definitions/{name}"}
+
+    def written(self, kind: type[Any]) -> dict[str, Any]:
+        """Write a record out; one that makes its summary otherwise is left open."""
+        if kind in _OF_TRIALS:
+            return _object(dict.fromkeys(_OF_TRIALS[kind], _NUMBER))
+        if not issubclass(kind, Record):
+            hints = {} if hasattr(kind, "summary") else get_type_hints(kind)
+            return _object({name: self._value(hint) for name, hint in hints.items()}) if hints else {"type": "object"}
+        top = self.written(Provenance) if issubclass(kind, Result) else _object({})
+        for item in stated(kind):  # type: ignore[arg-type]  # a class is hashable
+            self._put(top, item)
+        if issubclass(kind, Result):  # a diagnosis adds to it what the planner chooses before and after
+            decision = {**self.written(Decision), "additionalProperties": True}
+            top["properties"]["decision"] = {"description": "what the crew is to do", **decision}
+            top["required"].append("decision")
+        return top if kind.summary in (Record.summary, Result.summary) else {**top, "additionalProperties": True}
+
+    def _put(self, top: dict[str, Any], item: StatedField) -> None:
+        group, entry = top, item.entry
+        for name in item.groups:
+            group = group["properties"].setdefault(name, _object({}))
+        schema = self._value(item.kind, entry.parts)
+        before = group["properties"].get(item.key)
+        if before and "properties" in schema:  # other entries stand in this one
+            schema = _object(before["properties"] | schema["properties"], before["required"] + schema["required"])
+        unit = {"unit": entry.unit} if entry.unit else {}
+        if "$ref" in schema:  # beside a reference nothing counts
+            schema = {"allOf": [schema]}
+        group["properties"][item.key] = {"description": entry.meaning, **unit, **schema}
+        if not entry.optional and not entry.when:
+            group["required"].append(item.key)
+
+    def _value(self, annotation: object, parts: tuple[str, ...] = ()) -> Schema:
+        origin, arguments = get_origin(annotation), get_args(annotation)
+        if origin is Annotated:
+            return self._value(arguments[0], parts)
+        if origin in (Union, UnionType):
+            return {"anyOf": [self._value(each, parts) for each in arguments]}
+        if origin is Literal:
+            return {"enum": list(arguments)}
+        if origin in (tuple, list):
+            return {"type": "array", "items": self._value(arguments[0], parts)}
+        if isinstance(origin, type) and issubclass(origin, Mapping):
+            return {"type": "object", "additionalProperties": self._value(arguments[1], parts)}
+        if isinstance(annotation, type) and is_dataclass(annotation):
+            return self.of(annotation, parts)
+        return dict(_PLAIN.get(annotation, {}))
+
+
+def _object(properties: Mapping[str, Schema], required: Sequence[str] | None = None) -> dict[str, Any]:
+    return {
+        "type": "object",
+        "properties": dict(properties),
+        "required": list(properties if required is None else required),
+        "additionalProperties": False,
+    }
+
+
+def summaries() -> Schema:
+    """Return the schema of the summaries of all commands."""
+    records = _Records()
+    answers = {
+        command: {"anyOf": [records.of(kind) for kind in kinds]} if len(kinds) > 1 else records.of(kinds[0])
+        for command, kinds in _RESULTS.items()
+    }
+    return {
+        "type": "object",
+        "properties": {"schema": {"const": SCHEMA}, "command": {"enum": list(_RESULTS)}},
+        "required": ["schema", "command"],
+        "allOf": [
+            {"if": {"properties": {"command": {"const": command}}}, "then": answer}
+            for command, answer in answers.items()
+        ],
+        "definitions": records.definitions,
+    }
+
 
 Kind = Literal["mission", "vehicle", "dataset", "summary", "plan"]
 KINDS: tuple[Kind, ...] = get_args(Kind)

@@ -14,10 +14,9 @@ from pydantic_core import PydanticUndefined
 
 from missionplan.effects import CATALOGUE
 from missionplan.effects.info import EffectInfo
-from missionplan.mission.reading.fields import keys_of, meaning_of
+from missionplan.mission.reading.validation_errors import keys_of, meaning_of
 from missionplan.mission.schema.effect_list import ONE_OF
-from missionplan.mission.schema.quantities import OrWord
-from missionplan.mission.schema.quantity_parser import QuantityParser
+from missionplan.mission.schema.quantity_parser import OrWord, QuantityParser
 from missionplan.mission.schema.section import ReadBy
 
 Schema = dict[str, object]

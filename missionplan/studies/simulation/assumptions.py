@@ -11,7 +11,7 @@ from missionplan.mission.schema.site import CurrentFile, TidalCurrent
 from missionplan.mission.schema.vehicle import Anchor
 from missionplan.montecarlo.distributions import Distribution
 from missionplan.montecarlo.statistics import Probability
-from missionplan.results.assumption import Assumption
+from missionplan.results.decision import Assumption
 from missionplan.studies.simulation.simulate import event_probabilities
 
 TRIALS = 400

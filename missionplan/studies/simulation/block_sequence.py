@@ -15,7 +15,7 @@ from missionplan.mission.checks.requirements import quantity_unit
 from missionplan.mission.units import QuantityError, parse_number_with_unit
 from missionplan.montecarlo.parallel.blocks import Progress
 from missionplan.montecarlo.streams import BLOCK
-from missionplan.scenario.currents.members import members_of
+from missionplan.scenario.currents.building import members_of
 from missionplan.scenario.scenario import Scenario
 from missionplan.store.checkpoints import Checkpoints
 from missionplan.studies.simulation.block_statistics import (

@@ -10,12 +10,11 @@ from numpy.typing import NDArray
 from missionplan.arrays import Array
 from missionplan.mission import Mission
 from missionplan.mission.checks.requirements import EVENTS, QUANTITIES
-from missionplan.mission.schema.monte_carlo import Requirement
+from missionplan.mission.schema.sweep import Requirement
 from missionplan.montecarlo.quantile_sketch import QuantileSketch
-from missionplan.montecarlo.running_statistics import RunningStatistics
-from missionplan.montecarlo.statistics import Count, Moments
+from missionplan.montecarlo.statistics import Count, Moments, RunningStatistics
 from missionplan.physics.energy import JOULES_PER_WATT_HOUR
-from missionplan.scenario.currents.drawn_current import MEMBER
+from missionplan.scenario.currents.building import MEMBER
 from missionplan.studies.simulation.phase_trials import MET, Flags
 from missionplan.studies.simulation.trial_block import MissionTrials
 

@@ -19,12 +19,11 @@ from missionplan.phases.fields.gridded_current import GriddedCurrent
 from missionplan.phases.recorded_currents import RecordedCurrent
 from missionplan.physics.anchor import solve_anchor
 from missionplan.physics.vehicle_drag import range_notes
-from missionplan.results.mooring.held_vehicle import HeldVehicle
+from missionplan.results.held_vehicle import HeldVehicle
 from missionplan.results.simulation import MooringAnchor
 from missionplan.scenario.anchors import anchor_problem, wet_weight_of
 from missionplan.scenario.scenario import Scenario
-from missionplan.studies.held_vehicle import held_vehicle
-from missionplan.studies.nominal_dive import flooding_notice
+from missionplan.studies.held_vehicle import flooding_notice, held_vehicle
 
 if TYPE_CHECKING:
     from missionplan.montecarlo.statistics import Probability

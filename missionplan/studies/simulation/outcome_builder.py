@@ -9,13 +9,13 @@ import numpy as np
 
 from missionplan.arrays import Array
 from missionplan.mission import Mission
-from missionplan.mission.schema.monte_carlo import Requirement
+from missionplan.mission.schema.sweep import Requirement
 from missionplan.montecarlo.sensitivity import sensitivities
 from missionplan.montecarlo.statistics import Count, Integers, RunningStatistic, Statistic
 from missionplan.phases.place.place import Cause
 from missionplan.results.base import Provenance
-from missionplan.results.mooring.held_vehicle import HeldVehicle
-from missionplan.results.place import PlaceContact
+from missionplan.results.decision import Causes, ExplainedOutcome, PlaceContact
+from missionplan.results.held_vehicle import HeldVehicle
 from missionplan.results.simulation import (
     Attrition,
     Histogram,
@@ -26,8 +26,7 @@ from missionplan.results.simulation import (
     Sensitivity,
     Tracks,
 )
-from missionplan.results.under_doubts import Causes, ExplainedOutcome
-from missionplan.scenario.currents.drawn_current import MEMBER
+from missionplan.scenario.currents.building import MEMBER
 from missionplan.studies.simulation.block_statistics import (
     LIMIT,
     SCALES,

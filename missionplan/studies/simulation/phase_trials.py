@@ -11,16 +11,15 @@ from missionplan.mission.schema.phases import TransitPhase
 from missionplan.mission.schema.transition import TransitionPhase
 from missionplan.montecarlo.streams import NormalSource
 from missionplan.phases.currents import Current
+from missionplan.phases.hooks import TrialState
 from missionplan.phases.place.place import Cause, Contact
-from missionplan.phases.state import TrialState
 from missionplan.phases.transit.ground_velocity import random_part
 from missionplan.phases.transit.plan import Environment, Normals, TransitNormals, TransitPlan, TransitRecord, column
 from missionplan.phases.transit.transit import transit
 from missionplan.phases.transition.simulation import simulate_transition
 from missionplan.physics.energy import JOULES_PER_WATT_HOUR
+from missionplan.scenario.phases import manoeuvre, transit_normals, transition_vehicle
 from missionplan.scenario.scenario import Scenario
-from missionplan.scenario.transit_streams import transit_normals
-from missionplan.scenario.transition import manoeuvre, transition_vehicle
 
 Flags = NDArray[np.bool_]
 

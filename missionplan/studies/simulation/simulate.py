@@ -12,17 +12,16 @@ from missionplan.mission import Mission, MissionOrPath
 from missionplan.montecarlo.parallel.blocks import Backend, Progress
 from missionplan.montecarlo.statistics import Probability
 from missionplan.montecarlo.streams import BLOCK, block_count, block_size
-from missionplan.results.assumption import Assumption
+from missionplan.results.decision import Assumption, SeaChart
 from missionplan.results.overdue import Overdue
-from missionplan.results.place import SeaChart
 from missionplan.results.simulation import Outcome
 from missionplan.scenario.scenario import Scenario
 from missionplan.scenario.site_current import recorded_current
 from missionplan.store.checkpoints import Checkpoints
-from missionplan.store.paths import as_path
+from missionplan.store.folder import as_path
 from missionplan.store.trials_table import TrialsTable
+from missionplan.studies.held_vehicle import check_dives
 from missionplan.studies.mission_plan.build import executions, mission_plan, plan_if_any
-from missionplan.studies.nominal_dive import check_dives
 from missionplan.studies.overdue.overdue import overdue
 from missionplan.studies.overdue.searches import Search, read_searches
 from missionplan.studies.run import Run, identified

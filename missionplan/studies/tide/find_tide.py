@@ -15,7 +15,7 @@ from missionplan.mission.units import QuantityError, parse_number_with_unit
 from missionplan.moments import moment_of
 from missionplan.physics.tides import DAY
 from missionplan.results.base import Provenance
-from missionplan.store.paths import as_path
+from missionplan.store.folder import as_path
 from missionplan.studies.tide.harmonic_analysis import FORTNIGHT, HALF_A_YEAR, Samples, fit_tide, tidal_velocity
 from missionplan.studies.tide.record import CurrentRecord, read_current_record
 from missionplan.studies.tide.result import DepthTide, HeldOut, TideResult

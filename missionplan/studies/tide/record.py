@@ -12,9 +12,8 @@ import pandas as pd
 
 from missionplan.arrays import Array
 from missionplan.datasets.csv_cells import check_file, read_cells, read_header
-from missionplan.datasets.times import epoch_of
 from missionplan.errors import InputError, Problem, did_you_mean
-from missionplan.moments import is_since, utc
+from missionplan.moments import epoch_of, is_since, utc
 from missionplan.packages import how_to_install
 from missionplan.scenario.currents.attributes import FieldAttributeError, depths, moments, speed_factor, tidied
 

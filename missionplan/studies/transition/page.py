@@ -24,7 +24,7 @@ from missionplan.report.page import (
     to_figure,
 )
 from missionplan.report.quantities import as_written, quantity, span_of
-from missionplan.studies.transition.result import FORCE, PAIR, SUCTION, TimeHistory, TransitionSweep
+from missionplan.studies.transition.sweep_transition import FORCE, PAIR, SUCTION, TimeHistory, TransitionSweep
 
 _SHOWN_UNTIL = 260.0
 """End of the histories, after the deceleration began [s]."""

@@ -8,7 +8,7 @@ from missionplan.datasets.legs import read_transit
 from missionplan.datasets.reading import dataset_kind, files_outside
 from missionplan.datasets.records import DescentData, TransitData
 from missionplan.datasets.summaries import SummaryData, read_summary
-from missionplan.datasets.tank.data import TANK_FORMATS, read_tank_data
+from missionplan.datasets.tank import TANK_FORMATS, read_tank_data
 from missionplan.errors import InputError, Problem
 from missionplan.mission import Mission
 from missionplan.studies.validation.readiness import Readiness, Validated

@@ -9,7 +9,7 @@ from missionplan.arrays import Array, Scalars
 from missionplan.errors import InputError, Problem
 from missionplan.mission.schema.phases import MoorPhase, TransitPhase
 from missionplan.phases.place.place import Cause, Contact, Place, Way
-from missionplan.scenario.mooring import moor_plan, room_in_depth
+from missionplan.scenario.phases import moor_plan, room_in_depth
 from missionplan.scenario.place.ways import blocked
 from missionplan.scenario.scenario import Scenario, leg_spread
 

@@ -9,9 +9,9 @@ from missionplan.mission.views import TransitionMission, TransitMission
 from missionplan.scenario.anchors import design_current
 from missionplan.scenario.scenario import Scenario
 from missionplan.scenario.site_current import recorded_current
-from missionplan.store.paths import as_path, is_folder
+from missionplan.store.folder import as_path, is_folder
+from missionplan.studies.held_vehicle import check_dives
 from missionplan.studies.leg_length.sweep_scenario import SweepScenario
-from missionplan.studies.nominal_dive import check_dives
 from missionplan.studies.optimisation.choosable import read_lattice
 from missionplan.studies.simulation.checks import (
     check_complete,

@@ -10,7 +10,7 @@ from missionplan.diagnosis.tank.forward import Nuisance, TankForward
 from missionplan.diagnosis.tank.free_oscillation import OscillationModel
 from missionplan.effects import CATALOGUE
 from missionplan.effects.info import TankRecord
-from missionplan.physics.oscillation import displacement, natural_frequency
+from missionplan.physics.tank import displacement, natural_frequency
 
 STIFFNESS, MASS, NOISE = 4000.0, 20.0, 0.0003
 USUAL = CATALOGUE["quadratic-damping"].parameters["rate"].scale

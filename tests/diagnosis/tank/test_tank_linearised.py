@@ -8,7 +8,7 @@ from scipy.stats import multivariate_normal
 from missionplan.diagnosis.diagnose import diagnose
 from missionplan.diagnosis.tank.linearised import LinearData, marginal
 from missionplan.mission import load
-from missionplan.physics.oscillation import displacement, natural_frequency
+from missionplan.physics.tank import displacement, natural_frequency
 
 GROUPS = np.repeat(["a", "b", "c"], 4)
 

@@ -9,8 +9,7 @@ from missionplan.effects import CATALOGUE
 from missionplan.phases.currents import layers
 from missionplan.phases.mooring.hold import Hold, hold_vehicle, layers_above, lifted
 from missionplan.phases.recorded_currents import SeriesCurrent
-from missionplan.physics.held_body import HeldBody
-from missionplan.physics.held_line import HeldLine
+from missionplan.physics.held_line import HeldBody, HeldLine
 from missionplan.physics.line_statics import held_pose
 from missionplan.physics.seafloor import LyingAnchor, Slope
 from missionplan.physics.vehicle_drag import QuadraticDrag

@@ -2,13 +2,11 @@ import numpy as np
 import pytest
 
 from missionplan.phases.currents import layers
-from missionplan.phases.hooks import DescentEffect, TransitEffect
+from missionplan.phases.hooks import DescentEffect, TransitEffect, TrialState
 from missionplan.phases.mooring.forces import Dive
 from missionplan.phases.mooring.hold import Hold
 from missionplan.phases.mooring.mooring import MoorPlan, moor
-from missionplan.phases.state import TrialState
-from missionplan.physics.held_body import HeldBody
-from missionplan.physics.held_line import HeldLine
+from missionplan.physics.held_line import HeldBody, HeldLine
 from missionplan.physics.seafloor import LyingAnchor
 from missionplan.physics.vehicle_drag import QuadraticDrag
 

@@ -8,7 +8,7 @@ from scipy.special import erfc
 
 from missionplan.phases.transit.analytic import expectation
 from missionplan.phases.transit.analytic.expectation import expected_cost, expected_transit
-from missionplan.phases.transit.leg_table import LegTable
+from missionplan.phases.transit.plan import LegTable
 
 FIG8 = {"distance": 7408.0, "speed": 1.25, "arrival_radius": 50.0, "surfacing_time": 90.0}
 

@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from missionplan.phases.transit.leg_table import LegTable, LegTables
+from missionplan.phases.transit.plan import LegTable, LegTables
 
 
 def test_one_length_kinks_where_the_target_comes_within_reach():

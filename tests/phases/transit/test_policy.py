@@ -7,10 +7,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from missionplan.phases.transit.analytic import bellman
+from missionplan.phases.transit.analytic import policy
 from missionplan.phases.transit.analytic.expectation import expected_cost
 from missionplan.phases.transit.analytic.policy import TABLE_LOSS, best_d_max, best_legs, simplify_table
-from missionplan.phases.transit.leg_table import LegTable
+from missionplan.phases.transit.plan import LegTable
 
 SURFACING = 90.0
 SHORT = (2000.0, 1.0, 50.0, 0.08)
@@ -124,15 +124,15 @@ def test_a_spread_that_no_leg_escapes_agrees_with_monte_carlo(base_spread):
 def test_refining_the_grid_changes_nothing(monkeypatch):
     case = (800.0, 1.0, 50.0, 0.06)
     coarse = best_legs(*case, SURFACING).bound
-    monkeypatch.setattr(bellman, "MAX_PANEL_WIDTH", 0.08)
-    monkeypatch.setattr(bellman, "CANDIDATES", 60)
+    monkeypatch.setattr(policy, "MAX_PANEL_WIDTH", 0.08)
+    monkeypatch.setattr(policy, "CANDIDATES", 60)
     assert best_legs(*case, SURFACING).bound == pytest.approx(coarse, abs=1e-5)
 
 
 def test_a_jump_is_two_knots_a_metre_apart():
     legs = policy_of(JUMPS).legs
     jump = np.argmin(np.diff(legs.leg))
-    assert np.diff(legs.left)[jump] <= bellman.JUMP
+    assert np.diff(legs.left)[jump] <= policy.JUMP
     assert legs.leg[jump] - legs.leg[jump + 1] > 500.0
 
 
@@ -181,7 +181,7 @@ def test_legs_without_a_price_or_a_way_are_refused_in_words(change):
 def test_the_table_is_as_short_as_what_it_may_cost_allows():
     """A tenth of the grid's knots, at no more than what is allowed for it."""
     policy = best_legs(2000.0, 1.0, 50.0, 0.05, SURFACING)
-    left, _ = bellman.Bellman.on_grid(2000.0, 50.0, 0.05, SURFACING, 0.0).solve()
+    left, _ = policy.Bellman.on_grid(2000.0, 50.0, 0.05, SURFACING, 0.0).solve()
     assert policy.legs.left.size < 0.4 * left.size
     assert policy.bound <= policy.transit.cost <= policy.bound + TABLE_LOSS
 

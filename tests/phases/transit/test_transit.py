@@ -9,12 +9,10 @@ from transit_examples import GOAL, FixedNormals, normals, plan, run, start
 from missionplan.effects.current_shear import CurrentShear
 from missionplan.montecarlo.streams import LegNormals
 from missionplan.phases.currents import LayeredCurrent
-from missionplan.phases.hooks import TransitEffect
-from missionplan.phases.state import TrialState
+from missionplan.phases.hooks import TransitEffect, TrialState
 from missionplan.phases.transit.analytic.expectation import expected_transit
 from missionplan.phases.transit.leg_loop import FARTHEST
-from missionplan.phases.transit.leg_table import LegTable
-from missionplan.phases.transit.plan import Environment, TransitNormals, VelocityError
+from missionplan.phases.transit.plan import Environment, LegTable, TransitNormals, VelocityError
 from missionplan.phases.transit.transit import transit
 
 

@@ -3,7 +3,7 @@
 import numpy as np
 
 from missionplan.montecarlo.streams import LegNormals
-from missionplan.phases.state import TrialState
+from missionplan.phases.hooks import TrialState
 from missionplan.phases.transit.plan import Environment, TransitNormals, TransitPlan, VelocityError
 from missionplan.phases.transit.transit import transit
 

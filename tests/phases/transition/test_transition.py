@@ -11,8 +11,8 @@ from hypothesis import strategies as st
 import missionplan
 from missionplan.phases.transition import plan as plan
 from missionplan.phases.transition import simulation as tr
+from missionplan.scenario.phases import manoeuvre, transition_vehicle
 from missionplan.scenario.scenario import Scenario
-from missionplan.scenario.transition import manoeuvre, transition_vehicle
 
 MISSION = Path(__file__).parents[3] / "missions" / "autosub-transition.yaml"
 

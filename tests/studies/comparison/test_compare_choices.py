@@ -9,10 +9,9 @@ import missionplan
 from missionplan.errors import InputError
 from missionplan.report.render import terminal_view
 from missionplan.results.base import to_yaml
-from missionplan.studies.comparison.alternatives import Alternatives
 from missionplan.studies.comparison.alternatives_page import answer, page, terminal
-from missionplan.studies.comparison.changes import parts_of_task
 from missionplan.studies.comparison.changes_page import task_in_words
+from missionplan.studies.comparison.result import Alternatives, parts_of_task
 from missionplan.studies.exploration.variation import with_values
 
 MISSIONS = Path(__file__).parents[3] / "missions"

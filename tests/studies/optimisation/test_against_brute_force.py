@@ -10,8 +10,7 @@ import pytest
 
 import missionplan
 from missionplan.mission import Mission
-from missionplan.studies.optimisation.evaluations import Evaluation
-from missionplan.studies.optimisation.judging import Demand, is_feasible, violations
+from missionplan.studies.optimisation.evaluations import Demand, Evaluation, is_feasible, violations
 
 MISSIONS = Path(__file__).parents[3] / "missions"
 TRIALS, SEED = 1024, 3

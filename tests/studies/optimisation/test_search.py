@@ -3,10 +3,9 @@
 import numpy as np
 import pytest
 
-from missionplan.results.axis import Axis
-from missionplan.studies.optimisation.choices import Lattice
-from missionplan.studies.optimisation.evaluations import Evaluation, Evaluations
-from missionplan.studies.optimisation.judging import Demand, is_feasible
+from missionplan.results.decision import Axis
+from missionplan.studies.optimisation.choosable import Lattice
+from missionplan.studies.optimisation.evaluations import Demand, Evaluation, Evaluations, is_feasible
 from missionplan.studies.optimisation.search import FINE, Search
 
 MARGIN = Demand("ok", "ok", None, float("nan"), 0.95)

@@ -9,8 +9,7 @@ import pytest
 from matplotlib.path import Path as Outline
 
 import missionplan
-from missionplan.phases.currents import Current, layers
-from missionplan.phases.leeway import Leeway, leeway_velocity
+from missionplan.phases.currents import Current, Leeway, layers, leeway_velocity
 from missionplan.phases.place.place import Place
 from missionplan.phases.place.zones import Fence, Zone
 from missionplan.results.overdue import AFLOAT, DriftAssumption

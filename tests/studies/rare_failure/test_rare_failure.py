@@ -17,8 +17,8 @@ import missionplan
 from missionplan.arrays import Array
 from missionplan.errors import InputError
 from missionplan.mission import Mission
-from missionplan.montecarlo.rare_events.population import Key, NormalPopulation
 from missionplan.montecarlo.rare_events.strata import StrataView, strata
+from missionplan.montecarlo.rare_events.subset_simulation import Key, NormalPopulation
 from missionplan.montecarlo.streams import BLOCK, LegNormals, stream
 from missionplan.scenario.scenario import Scenario
 from missionplan.studies.rare_failure.driven_trials import DrivenMission, discrete_values

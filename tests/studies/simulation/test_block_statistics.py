@@ -5,8 +5,7 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 from simulate_missions import chesapeake
 
-from missionplan.montecarlo.running_statistics import RunningStatistics
-from missionplan.montecarlo.statistics import Count, RunningStatistic
+from missionplan.montecarlo.statistics import Count, RunningStatistic, RunningStatistics
 from missionplan.studies.simulation.block_statistics import BlockStatistics, requirement_key, statistics_of_block
 from missionplan.studies.simulation.outcome_builder import histogram_from_sketch
 from missionplan.studies.simulation.simulate import simulate_block

@@ -13,7 +13,7 @@ from missionplan.mission import load
 from missionplan.montecarlo.streams import BLOCK
 from missionplan.phases.mooring import mooring as moored
 from missionplan.scenario.anchors import carried_anchors, wet_weight_of
-from missionplan.scenario.mooring import dive_of
+from missionplan.scenario.phases import dive_of
 from missionplan.scenario.scenario import Scenario
 from missionplan.studies.simulation import mooring_trials
 from missionplan.studies.simulation import simulate as module

@@ -11,7 +11,7 @@ from simulate_missions import EXACT, chesapeake
 from missionplan.errors import InputError
 from missionplan.mission import load
 from missionplan.report.simulation.page import answer
-from missionplan.scenario.mooring import dive_of
+from missionplan.scenario.phases import dive_of
 from missionplan.scenario.scenario import Scenario
 from missionplan.scenario.site_current import recorded_current
 from missionplan.studies.simulation.simulate import simulate, simulate_block

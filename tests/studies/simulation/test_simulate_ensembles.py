@@ -13,7 +13,7 @@ from missionplan.phases.fields.ensemble import Ensemble
 from missionplan.phases.recorded_currents import SeriesCurrent
 from missionplan.report.render import terminal_view
 from missionplan.report.simulation.page import answer
-from missionplan.scenario.currents.members import under_each_member
+from missionplan.scenario.currents.building import under_each_member
 from missionplan.scenario.scenario import Scenario
 from missionplan.scenario.site_current import recorded_current
 from missionplan.studies.anchor.size_anchor import size_anchor

@@ -11,8 +11,7 @@ import pytest
 from simulate_missions import chesapeake, chesapeake_data
 
 from missionplan.errors import InputError, RunError
-from missionplan.montecarlo.running_statistics import RunningStatistics
-from missionplan.montecarlo.statistics import Count
+from missionplan.montecarlo.statistics import Count, RunningStatistics
 from missionplan.montecarlo.streams import BLOCK
 from missionplan.scenario.scenario import Scenario
 from missionplan.studies.simulation import block_sequence as task

@@ -25,7 +25,7 @@ from missionplan.phases.transit.analytic.rice_panels import (
     graded_panels,
     solve_ascending,
 )
-from missionplan.phases.transit.leg_table import LegTable
+from missionplan.phases.transit.plan import LegTable
 
 MAX_RATIO = 0.7
 """Largest σ/U accepted: at 1/√2 a leg's mean-square error is as long as the leg itself."""

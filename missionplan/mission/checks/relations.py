@@ -6,17 +6,16 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from missionplan.errors import KeyPath, LocalProblem
-from missionplan.mission.checks.limits.ranges import Findings, four_digits
-from missionplan.mission.checks.phases import phase_path
+from missionplan.mission.checks.ranges import Findings, four_digits
+from missionplan.mission.checks.sections import phase_path
 from missionplan.mission.geodesy import to_plane
-from missionplan.mission.schema.navigation import Navigation
-from missionplan.mission.schema.phases import LegTableSection, MoorPhase, Phase, TransitPhase
+from missionplan.mission.schema.phases import LegTableSection, MoorPhase, Navigation, Phase, TransitPhase
 from missionplan.mission.schema.site import Geographic, Position, Site
 from missionplan.mission.schema.vehicle import EnergyBudget, Vehicle
 from missionplan.montecarlo.distributions import mean_of
-from missionplan.physics.buoyancy import LEAD_DENSITY, STANDARD_GRAVITY, wet_weight
 from missionplan.physics.energy import JOULES_PER_WATT_HOUR
-from missionplan.physics.line_materials import LINE_MATERIALS
+from missionplan.physics.held_line import LINE_MATERIALS
+from missionplan.physics.water import LEAD_DENSITY, STANDARD_GRAVITY, wet_weight
 
 FARTHEST = 500_000.0
 """Farthest from the origin [m]: there the plane stretches distances across by (D/R)²/6 = 0.1 %."""

@@ -10,12 +10,11 @@ import pandas as pd
 from missionplan.montecarlo.statistics import Probability
 from missionplan.phases.mooring.profile import DescentProfile
 from missionplan.physics.trim import TrimState
-from missionplan.results.assumption import Assumption
 from missionplan.results.base import Provenance, Result, to_csv
-from missionplan.results.mooring.held_vehicle import HeldVehicle
-from missionplan.results.mooring.sized_anchor import DiveProbabilities, SizedAnchor
+from missionplan.results.decision import Assumption, MemberOutcome
+from missionplan.results.held_vehicle import HeldVehicle
 from missionplan.results.simulation import Outcome, judgement_summary
-from missionplan.results.under_doubts import MemberOutcome
+from missionplan.results.sized_anchor import DiveProbabilities, SizedAnchor
 
 
 @dataclass(frozen=True)

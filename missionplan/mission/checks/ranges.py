@@ -1,19 +1,22 @@
-"""Every quantity of a mission against what its key declares possible and usual."""
+"""Every quantity of a mission against what its key declares possible and usual.
 
-from collections.abc import Iterator, Sequence
+Notes on a mission that is read: what is unusual in it, and what was left out or cut off.
+"""
+
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 from pydantic import BaseModel
 from pydantic.fields import FieldInfo
 
-from missionplan.effects import CATALOGUE
+from missionplan.effects import CATALOGUE, FAILED_PLUGINS
 from missionplan.errors import KeyPath, LocalProblem
-from missionplan.mission.reading.fields import parsers_of
+from missionplan.mission.reading.validation_errors import parsers_of
 from missionplan.mission.schema.effect_list import EffectEntry
 from missionplan.mission.schema.limits import IN_UNIT, Limit
 from missionplan.mission.schema.phases import Phase
-from missionplan.montecarlo.distributions import Quantity
+from missionplan.montecarlo.distributions import Distribution, Quantity
 from missionplan.montecarlo.normal_transform import NormalTransform
 
 _TAIL = 0.01
@@ -141,3 +144,23 @@ def four_digits(value: float) -> str:
     if "e+" not in text:
         return text
     return f"{float(text):,.0f}".replace(",", "\u202f")
+
+
+_LEAST_TOLD = 1e-12
+"""Probability below which nothing is said of what was cut off."""
+
+
+def notices(unusual: Sequence[str], uncertain: Mapping[str, Distribution]) -> tuple[str, ...]:
+    """Return a note for each unusual value, distribution cut at its physical range, and plug-in left out."""
+    cut = (
+        f"{path}: {_percent(value.mass_cut)} of the distribution lies outside the physical range and was cut off"
+        for path, value in uncertain.items()
+        if value.mass_cut > _LEAST_TOLD
+    )
+    plugins = (f"the plug-in {name} of effects is left out: {reason}" for name, reason in FAILED_PLUGINS.items())
+    return (*unusual, *cut, *plugins)
+
+
+def _percent(share: float) -> str:
+    """Write a share in two digits, as long as a trial in a hundred thousand may meet it."""
+    return f"{100.0 * share:.2g} %" if share >= 1e-5 else "less than 0.001 %"
