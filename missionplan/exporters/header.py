@@ -7,9 +7,10 @@ from collections.abc import Sequence
 
 from missionplan.results.plan import Plan, PlannedTransit
 
-NO_CORRECTION = "the correction of the course for drift from fix to fix"
-NO_REMAINING_LEGS = "further legs where the last one ends outside the arrival radius"
-
+FIXED_POINTS = (
+    "legs that begin where the vehicle surfaces: it goes through the ends of the planned legs, and a leg may be longer "
+    "than d_max by the drift"
+)
 
 _LONGEST = 40
 """Characters of a name that a token keeps."""
@@ -48,6 +49,11 @@ def _lost_table(transit: PlannedTransit) -> str:
     if rule.extra_time != rule.extra_time:  # not compared
         return f"{words.replace('that costs least', 'of its longest leg')}, whose cost is not known"
     return f"{words}, at {rule.extra_time / 60.0:.2f} ± {rule.extra_time_error / 60.0:.2f} minutes more on average"
+
+
+def no_correction(plan: Plan) -> tuple[str, ...]:
+    """Say that a format has no correction of the course, where the mission makes one."""
+    return ("the correction of the course for drift from fix to fix",) if plan.corrects else ()
 
 
 def no_decision(plan: Plan) -> tuple[str, ...]:

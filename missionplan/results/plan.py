@@ -336,6 +336,8 @@ class Plan:
         Land and zones kept out of, where the mission has an origin.
     has_thruster : bool
         Whether the vehicle has a propeller.
+    corrects : bool
+        Whether the mission corrects the course for drift from fix to fix.
     """
 
     mission: str
@@ -348,6 +350,7 @@ class Plan:
     capacity: float = math.nan
     fences: tuple[Fence, ...] = ()
     has_thruster: bool = False
+    corrects: bool = False
 
     @property
     def transits(self) -> tuple[PlannedTransit, ...]:

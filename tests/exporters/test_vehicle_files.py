@@ -813,3 +813,9 @@ def test_what_becomes_of_the_guard_for_the_battery_is_in_every_file(plan, name):
         for stage in ("1_ingress", "3_egress"):
             conditions = [f"STAGE = {stage}", "ENERGY_USED > 71.25"]
             assert found[f"battery_{stage}"] == ("Timer", conditions, aborted("BATTERY"), timer(0.0))
+
+
+@pytest.mark.parametrize("name", ["moos", "neptus", "iver"])
+def test_no_correction_is_missed_where_the_mission_makes_none(plan, name):
+    said = [" ".join(format_named(name).lost(replace(plan, corrects=made))) for made in (True, False)]
+    assert ["correction of the course" in words for words in said] == [True, False]

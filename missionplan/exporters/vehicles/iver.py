@@ -11,7 +11,16 @@ from collections.abc import Iterator, Mapping, Sequence
 
 import numpy as np
 
-from missionplan.exporters.header import NO_CORRECTION, header, no_battery, no_decision, plain, token, unheld_moorings
+from missionplan.exporters.header import (
+    FIXED_POINTS,
+    header,
+    no_battery,
+    no_correction,
+    no_decision,
+    plain,
+    token,
+    unheld_moorings,
+)
 from missionplan.phases.transit.execution import Execution
 from missionplan.results.plan import Plan, PlannedTransit, Waypoint
 from missionplan.results.plan_states import GuardKind
@@ -62,8 +71,8 @@ def lost(plan: Plan) -> tuple[str, ...]:
         "time-outs; the vehicle's safety rules, which the file leaves alone, have one (RunsLnger)",
         "a fix that does not come while it parks: it goes on by dead reckoning",
         *no_battery(plan, "the vehicle's safety rules, which the file leaves alone, have one (MinPower)"),
-        "legs that begin where the vehicle surfaces: it parks at the ends of the planned legs",
-        NO_CORRECTION,
+        FIXED_POINTS,
+        *no_correction(plan),
         *no_decision(plan),
         *unheld_moorings(plan),
     )

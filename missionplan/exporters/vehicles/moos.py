@@ -16,7 +16,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from missionplan.exporters.header import header, no_battery, one_interval, plain, token
+from missionplan.exporters.header import header, no_battery, no_correction, one_interval, plain, token
 from missionplan.phases.transit.execution import Execution
 from missionplan.results.plan import CLIMB, SURFACE_DEPTH, Plan, PlannedMooring, PlannedTransit, Waypoint
 from missionplan.results.plan_states import GuardKind
@@ -72,11 +72,11 @@ def executes(transit: PlannedTransit) -> Execution:
 def lost(plan: Plan) -> tuple[str, ...]:
     """Say what the file cannot hold."""
     aimed = [f"{transit.name} aims {transit.aim_off:.1f} m off" for transit in plan.transits if transit.aim_off > _NEAR]
-    instead = f"; for the mean drift at the surface {', '.join(aimed)}, and further legs follow" if aimed else ""
+    instead = (f"for the mean drift at the surface {', '.join(aimed)}, and further legs follow",) if aimed else ()
     return (
         "legs by distance: the vehicle surfaces after the time that such a leg takes in still water, less the ascent",
         *one_interval(plan),
-        f"the correction of the course for drift from fix to fix{instead}",
+        *("; ".join(words) for words in ((*no_correction(plan), *instead),) if words),
         *no_battery(plan, "kept only where the vehicle posts ENERGY_USED, the W h used since the start"),
         "the release of an anchor but as the variable ANCHOR_RELEASE, which the vehicle's driver has to act on",
     )

@@ -18,7 +18,15 @@ from xml.etree import ElementTree
 
 import numpy as np
 
-from missionplan.exporters.header import NO_CORRECTION, header, no_battery, no_decision, token, unheld_moorings
+from missionplan.exporters.header import (
+    FIXED_POINTS,
+    header,
+    no_battery,
+    no_correction,
+    no_decision,
+    token,
+    unheld_moorings,
+)
 from missionplan.exporters.xml import Element, add, document
 from missionplan.phases.transit.execution import Execution
 from missionplan.results.plan import Plan, PlannedTransit, Waypoint
@@ -56,8 +64,8 @@ def lost(plan: Plan) -> tuple[str, ...]:
     """Say what the file cannot hold."""
     return (
         f"the vehicle: plans name {VEHICLE} until another is chosen in Neptus",
-        "legs that begin where the vehicle surfaces: manoeuvres go through the ends of the planned legs",
-        NO_CORRECTION,
+        FIXED_POINTS,
+        *no_correction(plan),
         *no_decision(plan),
         "time-outs, and the greatest wait for a fix: DUNE looks at none of a manoeuvre's",
         *no_battery(plan, "DUNE's configuration may have one (Monitors.FuelLevel)"),

@@ -16,7 +16,7 @@ from collections.abc import Iterator, Mapping, Sequence
 
 import numpy as np
 
-from missionplan.exporters.header import header, no_battery, token, unheld_moorings
+from missionplan.exporters.header import FIXED_POINTS, header, no_battery, token, unheld_moorings
 from missionplan.phases.transit.execution import Execution
 from missionplan.results.plan import Plan, PlannedTransit, Waypoint
 from missionplan.results.plan_states import GuardKind
@@ -67,7 +67,7 @@ def lost(plan: Plan) -> tuple[str, ...]:
         f"({', '.join(f'{transit.name} {_loiter(transit):.0f} s' for transit in plan.transits)})",
         "arrival by the fix: where one comes the vehicle goes on to the place at the surface, and does not ask for one",
         "what the battery gives for holding the place, which simulate --as-exported leaves out",
-        "legs by distance: it goes through the ends of the planned legs",
+        FIXED_POINTS,
         "the acceptance radius in ArduSub, which is its parameter WPNAV_RADIUS; its speed may be WPNAV_SPEED",
         "time-outs, which the autopilot's failsafes have",
         *no_battery(

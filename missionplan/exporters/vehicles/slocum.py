@@ -16,7 +16,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from missionplan.errors import InputError, Problem
-from missionplan.exporters.header import NO_REMAINING_LEGS, header, no_battery, one_interval, plain, unheld_moorings
+from missionplan.exporters.header import header, no_battery, one_interval, plain, unheld_moorings
 from missionplan.phases.transit.execution import Execution
 from missionplan.results.plan import Plan, PlannedTransit
 from missionplan.results.plan_states import GuardKind
@@ -141,7 +141,7 @@ def lost(plan: Plan) -> tuple[str, ...]:
         f"and the pitch set ({slow})",
         "a level run: " + (f"a powered yo of {BAND:g} m about its depth" if plan.has_thruster else _SAW_TOOTH),
         f"arrival by the fix: the list ends where the dead reckoning is within {near:g} m of the point",
-        NO_REMAINING_LEGS,
+        "further legs where the last one ends outside the arrival radius",
         "a fix that does not come in gps_wait_time: it goes on by dead reckoning",
         *no_battery(
             plan,

@@ -77,6 +77,7 @@ def mission_plan(
         else math.nan,
         fences=tuple(_fences(builder.means)),
         has_thruster=mission.vehicle is not None and mission.vehicle.propulsion is not None,
+        corrects=mission.navigation is not None and mission.navigation.drift_compensation != "none",
     )
     refused = refusals_of(to, plan) if to is not None else ()
     if refused:
