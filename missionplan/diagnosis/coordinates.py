@@ -50,6 +50,16 @@ class Coordinate:
         """What distinguishes it from all others."""
         return self.effect, self.name, self.kind
 
+    @property
+    def range(self) -> tuple[float, float]:
+        """Ends of its physical range; an amplitude and its phase have none together."""
+        parameter = CATALOGUE[self.effect].parameters[self.name]
+        if self.kind in ("cosine", "sine"):
+            return -math.inf, math.inf
+        if self.kind == "shape":
+            return (math.log(parameter.low) if parameter.low > 0.0 else -math.inf), math.log(parameter.high)
+        return parameter.low, parameter.high
+
 
 def coordinates_of(info: EffectInfo, names: Iterable[str] | None = None) -> tuple[Coordinate, ...]:
     """Return the coordinates of an effect.

@@ -9,7 +9,8 @@ import pandas as pd
 
 from missionplan.diagnosis.coordinates import Coordinate
 from missionplan.diagnosis.inference.experiment_design import DirectMeasurement
-from missionplan.diagnosis.inference.model import CauseFit, Model
+from missionplan.diagnosis.inference.model import CauseFit
+from missionplan.diagnosis.inference.selection import WeighsAllSets
 from missionplan.effects import instruments
 from missionplan.mission import Mission
 from missionplan.results.learned.diagnosis import PlanGain
@@ -53,7 +54,7 @@ class DataKind(ABC):
         The base model.
     data : Dataset
         What was read.
-    model : Model
+    model : WeighsAllSets
         Base model and catalogue, bound to the data.
     """
 
@@ -62,7 +63,7 @@ class DataKind(ABC):
     kind: str
     mission: Mission
     data: Dataset
-    model: Model
+    model: WeighsAllSets
 
     @property
     def is_known(self) -> bool:

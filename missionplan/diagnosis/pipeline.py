@@ -1,28 +1,24 @@
-"""The method from end to end on any model of data: select causes, score them held out, test what is left, judge."""
+"""The method from end to end on any model of data: weigh all sets, score them held out, test what is left, judge."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
-from typing import cast
 
 import numpy as np
 
-from missionplan.diagnosis.inference.adequacy.discrepancy import discrepancy, none_of_these
+from missionplan.diagnosis.inference.adequacy.discrepancy import discrepancy
 from missionplan.diagnosis.inference.adequacy.residual_tests import outlying_groups
 from missionplan.diagnosis.inference.cross_validation import HeldOutComparison, compare_held_out
-from missionplan.diagnosis.inference.importance_sampling import SampledEvidence
-from missionplan.diagnosis.inference.model import CauseFit, Model, SearchedModel
-from missionplan.diagnosis.inference.posterior import credible_set, posteriors
-from missionplan.diagnosis.inference.selection import Candidate, Progress, Selection, no_progress, select
+from missionplan.diagnosis.inference.fitting import fitted
+from missionplan.diagnosis.inference.model import CauseFit, FailedFit, Model
+from missionplan.diagnosis.inference.selection import Candidate, Progress, Selection, WeighsAllSets, no_progress
 from missionplan.diagnosis.verdict import Reading
+from missionplan.errors import RunError
 from missionplan.montecarlo.parallel.mapping import parallel_map
 from missionplan.results.learned.evidence import Causes, Discrepancy, ParameterEstimate, Verdict
 
 SCORED = 3
 """Sets whose held-out gain is measured, at most."""
-EFFECTIVE = 10.0
-"""Effective draws from which a Bayes factor by importance sampling replaces that of the linearised model: its logarithm
-is then known to a third of a nat."""
 CONTENDING = 6.0
 """Nats below the best score within which a set's held-out gain is measured."""
 
@@ -41,15 +37,9 @@ class PipelineResult:
     best : CauseFit
         The claimed set's fit, else the base model's.
     selection : Selection
-        Every set that was tried.
-    posterior : mapping
-        Probability of each set.
-    credible_set : tuple
-        Sets that hold 95 % of the probability, best first.
+        All sets.
     held_out : mapping
         Predictions of held-out data by the best sets, beside the base model's.
-    sampled : mapping
-        Their ln Bayes factors by importance sampling.
     discrepancy, base_discrepancy : Discrepancy
         What the claimed model leaves, and the base model.
     outlying_groups : tuple
@@ -59,13 +49,20 @@ class PipelineResult:
     reading: Reading
     best: CauseFit
     selection: Selection
-    posterior: Mapping[Causes, float]
-    credible_set: tuple[Causes, ...]
     held_out: Mapping[Causes, HeldOutComparison]
-    sampled: Mapping[Causes, float]
     discrepancy: Discrepancy
     base_discrepancy: Discrepancy
     outlying_groups: OutlyingGroups
+
+    @property
+    def posterior(self) -> Mapping[Causes, float]:
+        """Probability of each set."""
+        return self.selection.posterior
+
+    @property
+    def credible_set(self) -> tuple[Causes, ...]:
+        """Sets that hold 95 % of the probability, best first."""
+        return self.selection.credible
 
     @property
     def verdict(self) -> Verdict:
@@ -79,13 +76,13 @@ class PipelineResult:
 
 
 def run_pipeline(
-    model: Model, progress: Progress = no_progress, jobs: int = 1, *, search: bool = True
+    model: WeighsAllSets, progress: Progress = no_progress, jobs: int = 1, *, search: bool = True
 ) -> PipelineResult:
     """Diagnose a model of a data set.
 
     Parameters
     ----------
-    model : Model
+    model : WeighsAllSets
         Base model and catalogue, bound to the data.
     progress : callable
         Called with what is being done.
@@ -93,40 +90,36 @@ def run_pipeline(
         Processes.
     search : bool
         Whether causes are looked for; else the base model alone is tested.
+
+    Raises
+    ------
+    RunError
+        When not even the base model can be fitted.
     """
-    selection = select(model, progress, jobs, search=search)
+    try:
+        selection = model.all_sets(progress, jobs) if search else _base_alone(model)
+    except np.linalg.LinAlgError as error:
+        raise RunError(f"the base model cannot be fitted: {error}") from error
     held_out = _held_out(model, selection, progress, jobs)
-    found = {} if selection.posterior else _sampled(model, selection, tuple(held_out), jobs)
-    sampled = {causes: each.log_evidence for causes, each in found.items()}
-    checked = {causes: each.log_evidence for causes, each in found.items() if each.effective >= EFFECTIVE}
-    posterior = posteriors(selection, checked)
     fits = {one.causes: one.fit for one in selection.ranking} | {(): selection.base}
     progress("testing what is left", 0, 1)
-    likeliest = fits.get(max(posterior, key=lambda causes: posterior[causes]), selection.base)
+    likeliest = fits.get(max(selection.posterior, key=lambda causes: selection.posterior[causes]), selection.base)
     wanted = [selection.base] if likeliest is selection.base else [selection.base, likeliest]
     tested = parallel_map(partial(_tested_residuals, model), wanted, jobs=jobs)
-    (base_discrepancy, _), (left, outlying) = tested[0], tested[-1]
-    other = selection.none_of_these
-    other = none_of_these(left, selection.catalogue) if other is None else other
-    nothing = selection.nothing
-    if nothing is None:
-        nothing = 0.0 if left.significant else posterior[()]
-    reading = Reading(posterior, nothing, other, selection.families)
+    (base_discrepancy, base_outlying), (left, outlying) = tested[0], tested[-1]
+    nothing = selection.nothing if search or not left.significant else 0.0
+    reading = Reading(selection.posterior, nothing, selection.none_of_these, selection.families)
     best = fits.get(reading.claimed, selection.base)
     if best is selection.base:
-        left, outlying = base_discrepancy, tested[0][1]
-    return PipelineResult(
-        reading=reading,
-        best=best,
-        selection=selection,
-        posterior=posterior,
-        credible_set=selection.credible or tuple(credible_set(posterior)),
-        held_out=held_out,
-        sampled=sampled,
-        discrepancy=left,
-        base_discrepancy=base_discrepancy,
-        outlying_groups=outlying,
-    )
+        left, outlying = base_discrepancy, base_outlying
+    return PipelineResult(reading, best, selection, held_out, left, base_discrepancy, outlying)
+
+
+def _base_alone(model: Model) -> Selection:
+    (base,) = fitted(model, [((), ())])
+    if isinstance(base, FailedFit):
+        raise RunError(f"the base model cannot be fitted: {base.reason}")
+    return Selection(base, (), (), (), len(model.candidates))
 
 
 def _held_out(model: Model, selection: Selection, progress: Progress, jobs: int) -> dict[Causes, HeldOutComparison]:
@@ -144,23 +137,6 @@ def _held_out(model: Model, selection: Selection, progress: Progress, jobs: int)
 
 def _contends(candidate: Candidate, selection: Selection) -> bool:
     return candidate.score > max(0.0, selection.ranking[0].score - CONTENDING) and np.isfinite(candidate.score)
-
-
-def _sampled(model: Model, selection: Selection, scored: Sequence[Causes], jobs: int) -> dict[Causes, SampledEvidence]:
-    """Bayes factors (ln) by importance sampling of the sets that were scored, with the effective draws."""
-    if not scored:
-        return {}
-    fits = {candidate.causes: candidate.fit for candidate in selection.ranking}
-    wanted = [selection.base, *(fits[causes] for causes in scored)]
-    base, *found = parallel_map(partial(_sampled_evidences, cast(SearchedModel, model)), wanted, jobs=jobs)
-    return {
-        causes: SampledEvidence(each.log_evidence - base.log_evidence, min(each.effective, base.effective))
-        for causes, each in zip(scored, found, strict=True)
-    }
-
-
-def _sampled_evidences(model: SearchedModel, fits: Sequence[CauseFit]) -> list[SampledEvidence]:
-    return [model.sampled_evidence(fit) for fit in fits]
 
 
 def _tested_residuals(model: Model, fits: Sequence[CauseFit]) -> list[tuple[Discrepancy, OutlyingGroups]]:

@@ -64,7 +64,6 @@ def _ranked(found: PipelineResult, candidate: Candidate, share: float) -> Ranked
         candidate.fit.estimates,
         held_out.gain if held_out else None,
         share,
-        found.sampled.get(candidate.causes),
     )
 
 

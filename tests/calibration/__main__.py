@@ -2,12 +2,13 @@
 
 Draws truths from the stated prior (pairs, weak and untestable ones included) and some from outside the catalogue, makes
 logs by code that shares nothing with the model, diagnoses them, and compares what is said with what is true. A few logs
-by default; ``--logs 1000`` for figures to publish.
+by default; ``--logs 1000`` for figures to publish, ``--kind dives`` for dives.
 """
 
 import argparse
 import json
 import tempfile
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -16,8 +17,9 @@ import missionplan
 from missionplan.mission import Mission
 from missionplan.results.learned.diagnosis import Diagnosis
 
+from .dives import dives
 from .truths import names, outside, truth
-from .voyages import Truth, Voyage, mission, sail, write
+from .voyages import Voyage, mission, sail, write
 
 
 def record(seed: int, is_outside: bool) -> dict[str, object]:
@@ -40,18 +42,28 @@ def record(seed: int, is_outside: bool) -> dict[str, object]:
         fresh = write(folder / "fresh", sail(later, what, rng), seen.fix)
         score = missionplan.score(Mission.from_data(found.extended), fresh)
         whole = score.summary()["datasets"][0]["predictions"]["whole"]
-    return {"seed": seed, "truth": sorted(what.names), "outside": what.outside, **_said(found, what), **_held(whole)}
+    return {"outside": what.outside, **_said(found, what.names, what.parameters), **_held(whole)}
 
 
-def _said(found: Diagnosis, what: Truth) -> dict[str, object]:
+def record_of_dives(seed: int, is_outside: bool) -> dict[str, object]:
+    """Diagnose one record of dives; what is said beside what is true."""
+    case = dives(seed, is_outside)
+    with tempfile.TemporaryDirectory() as name:
+        base, data = case.write(Path(name) / "seen", Path(name) / "truth")
+        found = missionplan.diagnose(base, data, plan=False)
+    return {"outside": case.outside, **_said(found, case.truth, case.parameters)}
+
+
+def _said(found: Diagnosis, truth: Sequence[str], parameters: Mapping[str, float]) -> dict[str, object]:
     sets = {tuple(sorted(entry.causes)): entry.posterior or 0.0 for entry in found.ranking}
     inside = []
-    entry = next((each for each in found.ranking if set(each.causes) == set(what.names)), None)
+    entry = next((each for each in found.ranking if set(each.causes) == set(truth)), None)
     for each in entry.parameters if entry is not None else ():
-        true = what.parameters.get(f"{each.effect}.{each.name}")
+        true = parameters.get(f"{each.effect}.{each.name}")
         if true is not None:
             inside.append((each.low <= true <= each.high, abs(true - each.value) < 0.6745 * each.sd))
     return {
+        "truth": sorted(truth),
         "verdict": found.verdict,
         "causes": sorted(found.causes),
         "sets": [[list(causes), p] for causes, p in sets.items()],
@@ -89,8 +101,7 @@ def figures(lines: list[dict]) -> dict[str, float]:
         "parameters": len(parameters),
         "parameters_90": float(parameters[:, 0].mean()),
         "parameters_50": float(parameters[:, 1].mean()),
-        "fresh_90": float(np.mean([line["fresh_90"] for line in own])),
-        "fresh_50": float(np.mean([line["fresh_50"] for line in own])),
+        **{key: float(np.mean([line[key] for line in own])) for key in ("fresh_90", "fresh_50") if key in own[0]},
         "none_auc": float(np.mean(pairs)) if pairs else float("nan"),
     }
 
@@ -105,7 +116,11 @@ def summary(lines: list[dict]) -> list[str]:
         f"truth in the 95 % set: {found['in_set']:.3f}; its mean size {found['set_size']:.2f}",
         f"parameters in 90 and 50 % intervals: {found['parameters_90']:.3f}, {found['parameters_50']:.3f} "
         f"of {found['parameters']}",
-        f"fresh legs in 90 and 50 % intervals: {found['fresh_90']:.3f}, {found['fresh_50']:.3f}",
+        *(
+            [f"fresh legs in 90 and 50 % intervals: {found['fresh_90']:.3f}, {found['fresh_50']:.3f}"]
+            if "fresh_90" in found
+            else []
+        ),
         f"none_of_these, AUC between outside and inside: {found['none_auc']:.2f}",
     ]
 
@@ -113,6 +128,7 @@ def summary(lines: list[dict]) -> list[str]:
 def main() -> None:
     """Run and print."""
     parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--kind", choices=("legs", "dives"), default="legs")
     parser.add_argument("--logs", type=int, default=12)
     parser.add_argument("--outside", type=int, default=4)
     parser.add_argument("--seed", type=int, default=90_000_000)
@@ -121,7 +137,8 @@ def main() -> None:
     wanted = [(k, False) for k in range(options.logs)] + [(k, True) for k in range(options.outside)]
     lines = [json.loads(text) for text in options.lines.read_text().splitlines()] if _exists(options.lines) else []
     for k, is_outside in wanted[len(lines) :]:
-        lines.append(record(options.seed + k, is_outside))
+        one = record if options.kind == "legs" else record_of_dives
+        lines.append({"seed": options.seed + k, **one(options.seed + k, is_outside)})
         if options.lines is not None:
             with options.lines.open("a") as file:
                 file.write(json.dumps(lines[-1], default=bool) + "\n")

@@ -22,6 +22,10 @@ from missionplan.phases.hooks import DescentEffect
 AXIS_LABELS = {"time": "Time since separation (s)", "speed": "Speed (m/s)", "depth": "Depth (m)"}
 NODES = 17
 """Nodes of the hat basis of a force along an axis."""
+READING, DRAG, LIFT, DELAY = 0.3, 0.3, 1.5, 0.5
+"""Usual sizes of errors of a reading [m], of shares of the drag, of lifts [N] and delays [s]: those of the effects."""
+DRAG_PER_DIVE, DRAG_PER_METRE = 0.1, 0.02
+"""Usual sizes of trends of the drag, from dive to dive and with the line's length [1/m]."""
 FORCE_STEP = 0.002
 """Step of the differences, of the drag or of the wet weight: more would shift the speeds by a good part of a hat."""
 MIN_SPEED_SHARE = 0.4
@@ -50,7 +54,7 @@ def _reading_error(name: str, values: Array) -> Axis:
     """Error of the depth reading along an axis, the same in all dives."""
     axis = pointwise(name, f"an error of the depth read that changes with {name}", scaled(values))
     scale = AxisScale(float(values.min()), float(values.max()), AXIS_LABELS[name], "Error of the depth read (m)")
-    return replace(axis, scale=scale)
+    return replace(axis, scale=scale, size=READING)
 
 
 def _dive_by_dive(logs: Sequence[DiveLog], t: Array, linear: DiveLinearisation) -> list[Axis]:
@@ -69,20 +73,21 @@ def _dive_by_dive(logs: Sequence[DiveLog], t: Array, linear: DiveLinearisation) 
     axes = []
     if len(logs) > 1:
         own = (dive[:, None] == np.arange(len(logs))[None, :]).astype(float)
-        axes.append(pointwise("run", "an error of the depth read that changes with time, dive by dive", scaled(t), own))
+        words = "an error of the depth read that changes with time, dive by dive"
+        axes.append(replace(pointwise("run", words, scaled(t), own), size=READING))
         delays = own * linear.sensitivity("release")[:, None]
-        axes.append(differing("a delay that differs from dive to dive", delays))
+        axes.append(replace(differing("a delay that differs from dive to dive", delays), size=DELAY))
     if len(logs) > 2:
-        axes.append(_trend("drag that grows or falls from dive to dive", drag, dive.astype(float)))
+        axes.append(_trend("drag that grows or falls from dive to dive", drag, dive.astype(float), DRAG_PER_DIVE))
     lines = np.array([log.line_length for log in logs])[dive]
     if np.ptp(lines) > 0.0:
-        axes.append(_trend("drag that changes with the line's length", drag, lines))
+        axes.append(_trend("drag that changes with the line's length", drag, lines, DRAG_PER_METRE))
     return axes
 
 
-def _trend(words: str, drag: Array, values: Array) -> Axis:
+def _trend(words: str, drag: Array, values: Array, size: float) -> Axis:
     """Drag proportional to what the dives differ in, shape (N,), about its mean."""
-    return Axis("run", words, np.zeros((1, 1)), (drag * (values - values.mean()))[:, None])
+    return Axis("run", words, np.zeros((1, 1)), (drag * (values - values.mean()))[:, None], size=size)
 
 
 def _speed(log: DiveLog, depth: Array) -> Array:
@@ -149,7 +154,7 @@ def force_axes(
     columns = np.split(readings[:, 1:] - readings[:, :1], len(kinds), axis=1)
     nodes = np.linspace(0.0, 1.0, NODES)[:, None]
     return [
-        Axis(kind.name, kind.words, nodes, own, kind.scale(*ends[kind.name]))
+        Axis(kind.name, kind.words, nodes, own, kind.scale(*ends[kind.name]), kind.size)
         for kind, own in zip(kinds, columns, strict=True)
     ]
 
@@ -162,6 +167,11 @@ class _ForceKind(NamedTuple):
     field: str
     steps: Array
     place: str
+
+    @property
+    def size(self) -> float:
+        """Usual size in steps."""
+        return LIFT / float(self.steps.mean()) if self.words.startswith("a lift") else DRAG / FORCE_STEP
 
     def scale(self, low: float, high: float) -> AxisScale:
         """Return labels and scale for a figure: drag in per cent, lift in newtons."""

@@ -11,16 +11,15 @@ from scipy.special import logsumexp
 
 from missionplan.arrays import Array
 from missionplan.diagnosis.coordinates import estimates, is_possible
-from missionplan.diagnosis.dives.forward import parameter_range
 from missionplan.diagnosis.dives.likelihood import DescentLikelihood, NoiseGridLikelihood
 from missionplan.diagnosis.dives.linearised import DIFFERENCE, DiveLinearisation
 from missionplan.diagnosis.dives.noise import FORM_SD, NOMINAL_NOISE, noise_grid
-from missionplan.diagnosis.dives.starts import SHAPE_SHIFTS, starting_points
+from missionplan.diagnosis.dives.starts import starting_points
 from missionplan.diagnosis.given.effects import RecordPosterior, held, tied
 from missionplan.diagnosis.inference.gauss_newton import GaussNewtonOptions, LeastSquares, Start, gauss_newton
 from missionplan.diagnosis.inference.marginal_likelihood import LOG_2PI, Marginal
 from missionplan.diagnosis.inference.model import CauseFit, FailedFit, FitRequest
-from missionplan.diagnosis.inference.prior import likeliest_scales
+from missionplan.diagnosis.inference.prior import inside_range, likeliest_scales
 from missionplan.effects import CATALOGUE
 from missionplan.results.learned.evidence import Causes, ParameterEstimate
 
@@ -105,6 +104,7 @@ class DescentFitting(DescentLikelihood):
         ]
         found = iter(self.best_coordinates(starts)) if starts else iter(())
         points = [(causes, next(found) if causes or own else self.expected) for causes, _ in wanted]
+        points = [(causes, self._inside(causes, at)) for causes, at in points]
         linears = self.linearise(points) if starts else [self.base] * len(points)
         return [self.integrated(causes, linear) for (causes, _), linear in zip(points, linears, strict=True)]
 
@@ -128,23 +128,19 @@ class DescentFitting(DescentLikelihood):
         logs = log_joint_with_noise(marginals) + scales.log_factor
         best = int(np.argmax(logs))
         free, marginal = self.free(causes), marginals[best]
-        covariance, mean = marginal.covariance, linear.centre + marginal.mean
+        inside = inside_range(linear.centre + marginal.mean, marginal.covariance, *prior.bounds)
+        covariance, mean = inside.covariance, inside.mean
         reported = self._spread(causes, covariance, mean)
-        in_record, found = (
-            estimates([self.coordinates[i] for i in free], mean[free], each[np.ix_(free, free)])
-            for each in (covariance, reported)
-        )
+        found = estimates([self.coordinates[i] for i in free], mean[free], reported[np.ix_(free, free)])
         own = tied(held(self.given, causes))
-        possible = is_possible(found) and all(map(self._has_changed, in_record)) and self._is_inside(causes, linear.at)
         state = DescentState(linear, likelihood, best, prior_sd, marginal)
         given: list[ParameterEstimate] = []
         for each in own:
             places = self.places(each)
             given += each.posterior(mean[places], reported[np.ix_(places, places)])
         together = RecordPosterior(self.coordinates, mean, reported).correlations(own, self.places, free.tolist())
-        return CauseFit(
-            causes, float(logsumexp(logs)), found, _calibration(best), possible, state, tuple(given), together
-        )
+        evidence = float(logsumexp(logs)) + inside.log_mass - prior.log_mass
+        return CauseFit(causes, evidence, found, _calibration(best), is_possible(found), state, tuple(given), together)
 
     def _spread(self, causes: Causes, covariance: Array, mean: Array) -> Array:
         """Covariance of the coordinates as they are reported, shape (k, k).
@@ -159,25 +155,17 @@ class DescentFitting(DescentLikelihood):
         reported[of_form, of_form] += np.square(FORM_SD * mean[of_form])
         return reported
 
-    def _has_changed(self, estimate: ParameterEstimate) -> bool:
-        """Whether a strength's 90 % interval excludes what the mission has; else its evidence is a linearisation's."""
-        is_shape = CATALOGUE[estimate.effect].parameters[estimate.name].is_shape
-        before = self._strengths.get((estimate.effect, estimate.name), 0.0)
-        return is_shape or not estimate.low <= before <= estimate.high
-
-    @cached_property
-    def _strengths(self) -> dict[tuple[str, str], float]:
-        """Values of the parameters of the mission's own effects."""
-        return {(known.effect, known.name): known.value for each in self.given for known in each.prior}
-
-    def _is_inside(self, causes: Causes, at: Array) -> bool:
-        """Whether coordinates lie inside the ranges of the phase: at a limit a linearisation means nothing."""
-        return all(self._is_in_range(i, float(at[i])) for i in self.free(causes))
-
-    def _is_in_range(self, index: int, value: float) -> bool:
-        coordinate = self.coordinates[index]
-        low, high = parameter_range(coordinate.effect, coordinate.name)
-        return low < (float(np.exp(value)) if coordinate.kind == "shape" else value) < high
+    def _inside(self, causes: Causes, at: Array) -> Array:
+        """Coordinates inside the causes' physical ranges, where the phase follows them; without a strength no shape."""
+        prior, found = self.prior(causes), at.copy()
+        free = self.free(causes)
+        low, high = (end[free] for end in prior.bounds)
+        found[free] = np.clip(at[free], low, high - 2.0 * DIFFERENCE * self.slab[free])
+        for i in free:
+            if self.coordinates[i].kind == "strength" and found[i] == 0.0:
+                own = [j for j in self.free((self.coordinates[i].effect,)) if self.coordinates[j].kind == "shape"]
+                found[own] = prior.centre[own]
+        return found
 
     def relinearised(self, fits: Sequence[CauseFit | FailedFit], best: float) -> list[CauseFit | FailedFit]:
         """Fits linearised anew where the posterior's mean lies off the point found at nominal noise.
@@ -216,9 +204,9 @@ class DescentFitting(DescentLikelihood):
         move = np.zeros(len(self.coordinates))
         move[free] = (state.marginal.mean + state.linear.centre - state.linear.at)[free]
         sd = np.sqrt(np.diag(state.marginal.covariance)[free])
-        at = np.asarray(state.linear.at + length * move)
-        is_off = np.any(np.abs(move[free]) > RELINEARISE_BEYOND * sd)
-        return at if is_off and self._is_inside(fit.causes, at) else None
+        at = self._inside(fit.causes, state.linear.at + length * move)
+        is_off = np.any(np.abs(at - state.linear.at)[free] > RELINEARISE_BEYOND * length * sd)
+        return at if is_off else None
 
     def _log_joint(self, fit: CauseFit | FailedFit) -> float:
         """Ln p(readings, causes' coordinates) where a fit is linearised, at its noise; -inf of a failed one."""
@@ -231,30 +219,6 @@ class DescentFitting(DescentLikelihood):
         prior = self.prior(fit.causes).of(free).log_density(linear.at[free])
         residuals = linear.y - linear.columns[:, free] @ away
         return float(log_normal_density(residuals[:, None], factor)[0] + prior)
-
-    def estimated_gain(self, causes: Causes, parent: CauseFit) -> float:
-        """Gain in log density of further causes in a parent's linearisation, at the best of a few shapes."""
-        wider, narrow = self.prior(causes), self.prior(parent.causes)
-        likelihoods = [parent.state.likelihood] if parent.causes else self._base_likelihoods
-        best, shift = parent.state.best_noise, wider.centre - narrow.centre
-        return float(
-            max(
-                e.marginal(best, wider.root(wider.sd), shift=shift).log_density
-                - e.marginal(best, narrow.root(narrow.sd)).log_density
-                for e in likelihoods
-            )
-        )
-
-    @cached_property
-    def _base_likelihoods(self) -> list[NoiseGridLikelihood]:
-        """Likelihoods of the base model with each effect's first shape parameter as where fits start from it."""
-        first = np.zeros(len(self.coordinates))
-        for name in set(self.candidates) - {each.effect for each in self.given}:
-            shapes = [i for i in self.free((name,)) if self.coordinates[i].kind == "shape"]
-            first[shapes[:1]] = 1.0
-        (at,) = self.best_coordinates([self.start((), self.expected)]) if self.given else [self.expected]
-        points = [((), at + shift * first * self.slab) for shift in SHAPE_SHIFTS]
-        return [self.likelihood(linear) for linear in self.linearise(points)]
 
 
 def _calibration(best: int) -> dict[str, float]:

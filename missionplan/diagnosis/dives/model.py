@@ -14,11 +14,17 @@ from missionplan.diagnosis.dives.discrepancy_axes import descent_axes
 from missionplan.diagnosis.dives.fitting import DescentFitting, cholesky, log_joint_with_noise, log_normal_density
 from missionplan.diagnosis.dives.linearised import DiveLinearisation
 from missionplan.diagnosis.dives.noise import noise_grid
+from missionplan.diagnosis.dives.responses import responses_beside
+from missionplan.diagnosis.dives.supersets import log_gains
 from missionplan.diagnosis.inference.adequacy.axes import Axis
 from missionplan.diagnosis.inference.adequacy.residuals import Residuals
 from missionplan.diagnosis.inference.importance_sampling import DRAWS, SampledEvidence, sampled_evidence
 from missionplan.diagnosis.inference.marginal_likelihood import QUANTILE_95
 from missionplan.diagnosis.inference.model import CauseFit, HeldOutScore
+from missionplan.diagnosis.inference.prior import inside_range
+from missionplan.diagnosis.inference.selection import Progress, Selection, no_progress
+from missionplan.diagnosis.inference.weighing import NeutralResponses, weigh
+from missionplan.results.learned.evidence import Causes
 
 REFIT_ITERATIONS = 2
 """Gauss–Newton steps of a fit without one dive, from the fit with it."""
@@ -35,6 +41,18 @@ class DescentModel(DescentFitting):
     """
 
     alternatives: Sequence[frozenset[str]] = ()
+
+    def all_sets(self, progress: Progress = no_progress, jobs: int = 1) -> Selection:
+        """Return all sets of causes with their probabilities."""
+        return weigh(self, progress, jobs)
+
+    def log_gains(self, fits: Sequence[CauseFit], supersets: Sequence[Sequence[Causes]]) -> list[Array]:
+        """Return what further causes add to the log evidence of fits, for the supersets of each."""
+        return log_gains(self, fits, supersets)
+
+    def responses_beside(self, fits: Sequence[CauseFit]) -> NeutralResponses:
+        """Return neutral responses by the axes of the first fit, and their gains beside every fit."""
+        return responses_beside(self, fits)
 
     def sampled_evidence(self, fit: CauseFit) -> SampledEvidence:
         """Evidence by importance sampling of the causes with the phase itself; the rest as in the linearised fit."""
@@ -53,11 +71,10 @@ class DescentModel(DescentFitting):
                 noise.log_prior + log_normal_density(residuals, factor)
                 for noise, factor in zip(noise_grid(), factors, strict=True)
             ]
-            return np.asarray(logsumexp(logs, axis=0) + prior.of(free).log_density(at))
+            return np.asarray(logsumexp(logs, axis=0) + prior.of(free).log_density(at) - prior.log_mass)
 
-        return sampled_evidence(
-            log_joint, prior.centre[free] + state.marginal.mean[free], state.marginal.covariance[np.ix_(free, free)]
-        )
+        inside = inside_range(linear.centre + state.marginal.mean, state.marginal.covariance, *prior.bounds)
+        return sampled_evidence(log_joint, inside.mean[free], inside.covariance[np.ix_(free, free)])
 
     def residuals(self, fit: CauseFit) -> Residuals:
         """Readings less the linearised model at the prior means, and their covariance."""

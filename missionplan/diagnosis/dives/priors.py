@@ -11,13 +11,9 @@ from missionplan.arrays import Array
 from missionplan.diagnosis.coordinates import Coordinate, coordinates_of, is_approximate
 from missionplan.diagnosis.dives.forward import DescentForward
 from missionplan.diagnosis.given.effects import GivenEffect, held, tied
-from missionplan.diagnosis.inference.model import MINIMUM_EVIDENCE_GAIN
 from missionplan.diagnosis.inference.prior import Prior
 from missionplan.effects import effects_of
 from missionplan.results.learned.evidence import Causes
-
-MINIMUM_EVIDENCE_GAIN_SHAPED = 0.05
-"""Minimum relative evidence gain beside causes of approximate form, whose shape error another cause may absorb."""
 
 
 @dataclass(frozen=True)
@@ -44,10 +40,6 @@ class DescentPriors:
     def untestable(self) -> Mapping[str, str]:
         """None: every effect on a descent can show in a dive log."""
         return {}
-
-    def minimum_evidence_gain(self, causes: Causes) -> float:
-        """Minimum relative evidence gain, allowing for the shape error of causes of approximate form."""
-        return MINIMUM_EVIDENCE_GAIN_SHAPED if any(map(is_approximate, causes)) else MINIMUM_EVIDENCE_GAIN
 
     def may_be_multimodal(self, causes: Causes) -> bool:
         """Whether the form of a cause is approximate."""
@@ -98,7 +90,17 @@ class DescentPriors:
             centre[own], sd[own] = each.mean, np.sqrt(np.diag(each.here))
             if np.any(each.here != np.diag(np.diag(each.here))):
                 joint.append((np.array(own), each.here))
-        return Prior(centre, sd, np.array([c.effect in causes for c in self.coordinates]), tuple(joint))
+        is_cause = np.array([c.effect in causes for c in self.coordinates])
+        low, high = (
+            np.where(is_cause, end, beyond) for end, beyond in zip(self._ranges, (-np.inf, np.inf), strict=True)
+        )
+        return Prior(centre, sd, is_cause, tuple(joint), low, high)
+
+    @cached_property
+    def _ranges(self) -> tuple[Array, Array]:
+        """Physical ranges of the coordinates, shape (k,) each."""
+        low, high = zip(*(coordinate.range for coordinate in self.coordinates), strict=True)
+        return np.array(low), np.array(high)
 
     def prior_sd(self, causes: Causes) -> Array:
         """Prior standard deviations, those of the slabs at their usual scale, shape (k,)."""

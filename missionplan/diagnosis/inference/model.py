@@ -11,14 +11,11 @@ from dataclasses import dataclass
 from typing import Any, Protocol, runtime_checkable
 
 from missionplan.diagnosis.inference.adequacy.residuals import Residuals
-from missionplan.diagnosis.inference.importance_sampling import SampledEvidence
 from missionplan.montecarlo.draws import Correlation
 from missionplan.results.learned.evidence import Causes, ParameterEstimate
 
 FitRequest = tuple[Causes, Sequence["CauseFit"]]
 """A set to fit, and fits of subsets of it to start from."""
-MINIMUM_EVIDENCE_GAIN = 0.02
-"""Minimum relative evidence gain of a further cause, where a model states no other."""
 
 
 @dataclass(frozen=True)
@@ -132,22 +129,6 @@ class Model(Protocol):
 
     def discrimination(self, first: CauseFit, second: CauseFit, entry: int | None) -> float:
         """Expected log Bayes factor of the first fit over the second if the first is true, with or without a design."""
-        ...
-
-
-class SearchedModel(Model, Protocol):
-    """A model whose sets are fitted one by one, and searched."""
-
-    def minimum_evidence_gain(self, causes: Causes) -> float:
-        """Minimum relative evidence gain of a further cause beside these, allowing for errors of their shapes."""
-        ...
-
-    def estimated_gain(self, causes: Causes, parent: CauseFit) -> float:
-        """Estimate the log evidence that a set adds to a fit of a part of it, without fitting; inf if unknown."""
-        ...
-
-    def sampled_evidence(self, fit: CauseFit) -> SampledEvidence:
-        """Evidence of a fit's causes by importance sampling."""
         ...
 
 

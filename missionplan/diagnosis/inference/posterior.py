@@ -1,38 +1,47 @@
-"""Posterior probabilities of the sets of causes, the credible set, and rivals of a claimed set."""
+"""What a posterior over sets of causes says: of single causes, the credible set, and rivals of a claimed set."""
 
-from collections.abc import Mapping
-from types import MappingProxyType
+import math
+from collections.abc import Hashable, Mapping
+from typing import TypeVar
 
 import numpy as np
+from scipy.special import logsumexp
 
-from missionplan.diagnosis.inference.selection import COMPLEXITY_PENALTY, Candidate, Selection
+from missionplan.diagnosis.inference.selection import FURTHER
 from missionplan.results.learned.evidence import Causes
 
 CREDIBLE = 0.95
 
-LogBayesFactors = Mapping[Causes, float]
-"""Of sets whose evidence was checked by importance sampling: they replace those of the linearised models."""
+K = TypeVar("K", bound=Hashable)
 
 
-def _score(candidate: Candidate, checked: LogBayesFactors) -> float:
-    own = checked.get(candidate.causes)
-    return candidate.score if own is None else candidate.score + own - candidate.log_bayes_factor
+def probabilities(log_masses: Mapping[K, float]) -> dict[K, float]:
+    """Return the probabilities of what has these logarithms of evidence times prior, greatest first."""
+    total = float(logsumexp(list(log_masses.values())))
+    found = {key: math.exp(mass - total) for key, mass in log_masses.items()}
+    return dict(sorted(found.items(), key=lambda item: -item[1]))
 
 
-def posteriors(selection: Selection, checked: LogBayesFactors = MappingProxyType({})) -> dict[Causes, float]:
-    """Return the posterior probability of each set, the empty one and supersets included, greatest first.
+def over_responses(found: Mapping[tuple[Causes, int], float]) -> dict[Causes, float]:
+    """Return the probability of each set of causes, whatever the response beside it, greatest first."""
+    added: dict[Causes, float] = {}
+    for (causes, _), probability in found.items():
+        added[causes] = added.get(causes, 0.0) + probability
+    return dict(sorted(added.items(), key=lambda item: -item[1]))
 
-    Prior odds times Bayes factor, normalised (Kass & Raftery 1995, *J. Am. Stat. Assoc.* 90). Each non-empty set has
-    prior 1/(size of the catalogue) relative to the empty set, so that the chance of a false claim does not grow with
-    the catalogue (Scott & Berger 2010, *Ann. Stat.* 38, on multiplicity), and a factor exp(−3) for each cause beyond
-    the first.
+
+def told_together(posterior: Mapping[Causes, float]) -> dict[Causes, float]:
+    """Return the probabilities of sets as they are listed, greatest first.
+
+    A set that is more than 3 nats less likely than one of its parts, because of causes that the data say nothing of, is
+    told with that part.
     """
-    if selection.posterior:
-        return dict(selection.posterior)
-    logs = np.array([0.0] + [_score(one, checked) - np.log(selection.catalogue) for one in selection.ranking])
-    weights = np.exp(logs - logs.max())
-    weights /= weights.sum()
-    found = dict(zip([(), *(one.causes for one in selection.ranking)], weights.tolist(), strict=True))
+    found: dict[Causes, float] = {}
+    for causes, probability in posterior.items():
+        parts = [other for other in posterior if other and set(other) < set(causes)]
+        likeliest = max(parts, key=lambda part: posterior[part], default=causes)
+        told = likeliest if probability < posterior[likeliest] * math.exp(-FURTHER) else causes
+        found[told] = found.get(told, 0.0) + probability
     return dict(sorted(found.items(), key=lambda item: -item[1]))
 
 
@@ -63,6 +72,6 @@ def credible_set(posterior: Mapping[Causes, float]) -> list[Causes]:
 
 def rivals(posterior: Mapping[Causes, float], claimed: Causes) -> list[Causes]:
     """Return the other sets within 3 nats of the claimed one, its supersets left out, greatest first."""
-    least = posterior.get(claimed, 0.0) * np.exp(-COMPLEXITY_PENALTY)
+    least = posterior.get(claimed, 0.0) * np.exp(-FURTHER)
     others = sorted(posterior.items(), key=lambda item: -item[1])
     return [c for c, p in others if c and c != claimed and p > least and not set(claimed) < set(c)]

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.special import gammaln
+from scipy.special import gammaln, log_ndtr, stdtr
 
 from missionplan.arrays import Array
 from missionplan.diagnosis.inference.marginal_likelihood import LOG_2PI, Marginal, normal_log_pdf
@@ -39,12 +39,35 @@ class Prior:
         Whether a coordinate's is a Student-t distribution; default none.
     tied : tuple of (array of int, array), optional
         Coordinates of joint normal distributions, shape (m,), and their covariances, shape (m, m); default none.
+    low, high : array, shape (k,), optional
+        Ends of the ranges outside which a coordinate cannot lie; default none.
     """
 
     centre: Array
     sd: Array
     heavy: NDArray[np.bool_] | None = None
     tied: tuple[tuple[NDArray[np.int_], Array], ...] = ()
+    low: Array | None = None
+    high: Array | None = None
+
+    @property
+    def bounds(self) -> tuple[Array, Array]:
+        """Ends of the coordinates' ranges, shape (k,) each."""
+        nowhere = np.full(len(self.sd), np.inf)
+        return (-nowhere if self.low is None else self.low, nowhere if self.high is None else self.high)
+
+    @property
+    def log_mass(self) -> float:
+        """Log probability that the distributions without ends give to what lies inside the ranges."""
+        return float(self.log_masses.sum())
+
+    @property
+    def log_masses(self) -> Array:
+        """The same of each coordinate by itself, shape (k,)."""
+        low, high = ((end - self.centre) / np.where(self.sd > 0.0, self.sd, 1.0) for end in self.bounds)
+        heavy = np.zeros(len(self.sd), dtype=bool) if self.heavy is None else self.heavy
+        student = np.log(stdtr(DOF, high) - stdtr(DOF, low))
+        return np.where(np.isfinite(low) | np.isfinite(high), np.where(heavy, student, log_normal_mass(low, high)), 0.0)
 
     def of(self, chosen: NDArray[np.int_]) -> "Prior":
         """Return the prior of some of the coordinates."""
@@ -55,7 +78,8 @@ class Prior:
             (np.array([where[int(index)] for index in places[own]], dtype=int), covariance[np.ix_(own, own)])
             for own, places, covariance in kept
         )
-        return Prior(self.centre[chosen], self.sd[chosen], heavy, tied)
+        low, high = (None if end is None else end[chosen] for end in (self.low, self.high))
+        return Prior(self.centre[chosen], self.sd[chosen], heavy, tied, low, high)
 
     def root(self, sd: Array) -> Array:
         """Return a factor R of the covariance R Rᵀ, shape (k, k); the standard deviations, (k,), where nothing is tied.
@@ -74,12 +98,13 @@ class Prior:
 
     def log_density(self, at: Array) -> Array:
         """Log density at points, shape (..., k) → (...)."""
-        logs = normal_log_pdf(at, self.centre, self.sd)
+        low, high = self.bounds
+        logs = np.where((at >= low) & (at <= high), normal_log_pdf(at, self.centre, self.sd), -np.inf)
         if self.heavy is not None and self.heavy.any():
             squared = np.square((at - self.centre) / self.sd)
             constant = gammaln(0.5 * (DOF + 1.0)) - gammaln(0.5 * DOF) - 0.5 * math.log(DOF * math.pi)
             student = constant - np.log(self.sd) - 0.5 * (DOF + 1.0) * np.log1p(squared / DOF)
-            logs = np.where(self.heavy, student, logs)
+            logs = np.where(self.heavy & np.isfinite(logs), student, logs)
         together = np.zeros(logs.shape[:-1])
         for places, covariance in self.tied:
             factor = np.linalg.cholesky(covariance)
@@ -162,3 +187,66 @@ def _curvature(mean: Array, covariance: Array) -> Array:
     return np.asarray(
         0.5 * (DOF + 1.0) * np.eye(len(mean)) - 0.5 * (2.0 * np.outer(mean, mean) * covariance + np.square(covariance))
     )
+
+
+@dataclass(frozen=True)
+class InsideRange:
+    """A normal distribution cut to ranges of its coordinates.
+
+    Attributes
+    ----------
+    log_mass : float
+        Log probability of the ranges.
+    mean, covariance : array, shape (k,) and (k, k)
+        Moments inside them.
+    """
+
+    log_mass: float
+    mean: Array
+    covariance: Array
+
+
+def inside_range(mean: Array, covariance: Array, low: Array, high: Array) -> InsideRange:
+    """Cut a normal distribution to ranges, one coordinate after the other.
+
+    After each the distribution is replaced by the normal one with its moments (assumed density filtering; Minka 2001,
+    *Expectation Propagation for Approximate Bayesian Inference*): exact for one range.
+
+    Parameters
+    ----------
+    mean, covariance : array, shape (k,) and (k, k)
+    low, high : array, shape (k,)
+        Ends of the ranges, which may be infinite.
+    """
+    mean, covariance, total = mean.copy(), covariance.copy(), 0.0
+    for index in np.flatnonzero(np.isfinite(low) | np.isfinite(high)):
+        variance = float(covariance[index, index])
+        if variance <= 0.0:
+            continue
+        sd = math.sqrt(variance)
+        log_mass, shift, share = _cut((low[index] - mean[index]) / sd, (high[index] - mean[index]) / sd)
+        along = covariance[:, index] / sd
+        mean += along * shift
+        covariance -= np.outer(along, along) * (1.0 - share)
+        total += log_mass
+    return InsideRange(total, np.clip(mean, low, high), covariance)
+
+
+def log_normal_mass(low: Array, high: Array) -> Array:
+    """Log probability that a standard normal distribution gives to what lies between two ends."""
+    above, below = np.where(low > 0.0, -low, high), np.where(low > 0.0, -high, low)
+    return np.asarray(log_ndtr(above) + np.log1p(-np.exp(np.minimum(log_ndtr(below) - log_ndtr(above), -1e-12))))
+
+
+def _cut(low: float, high: float) -> tuple[float, float, float]:
+    """Log probability, mean and variance of a standard normal distribution between two ends."""
+    log_mass = float(log_normal_mass(np.array(low), np.array(high)))
+    ends = [end for end in (low, high) if math.isfinite(end)]
+    signs = [1.0 if end == low else -1.0 for end in ends]
+    densities = [
+        sign * math.exp(-0.5 * end * end - 0.5 * LOG_2PI - log_mass) for sign, end in zip(signs, ends, strict=True)
+    ]
+    mean = sum(densities)
+    variance = 1.0 + sum(end * density for end, density in zip(ends, densities, strict=True)) - mean * mean
+    nearest = min(abs(low), abs(high))
+    return log_mass, mean, max(variance, 0.25 / (1.0 + nearest * nearest))

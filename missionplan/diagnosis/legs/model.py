@@ -12,7 +12,7 @@ from missionplan.diagnosis.coordinates import has_shape
 from missionplan.diagnosis.inference.adequacy.residuals import Residuals
 from missionplan.diagnosis.inference.marginal_likelihood import QUANTILE_95, expected_log_ratio
 from missionplan.diagnosis.inference.model import CauseFit, FailedFit, FitRequest, HeldOutScore
-from missionplan.diagnosis.inference.selection import Selection
+from missionplan.diagnosis.inference.selection import Progress, Selection, no_progress
 from missionplan.diagnosis.legs.axes import transit_axes
 from missionplan.diagnosis.legs.designs import DESIGNS, designs_for, with_further_legs
 from missionplan.diagnosis.legs.fitting import TransitFitting
@@ -47,8 +47,9 @@ class TransitModel(TransitFitting):
                 found.append(FailedFit(causes, str(error)))
         return found
 
-    def all_sets(self) -> Selection:
+    def all_sets(self, progress: Progress = no_progress, jobs: int = 1) -> Selection:
         """Return all sets of causes with their probabilities."""
+        progress("weighing all sets of causes", 0, 1)
         neutral = responses_along(transit_axes(self.data, self.leg, self.axes), self.columns_at_usual_sizes)
         return with_forms(infer(LegInference(self, neutral))).selection()
 

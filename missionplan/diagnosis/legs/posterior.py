@@ -21,13 +21,13 @@ from missionplan.diagnosis.coordinates import LOWER, UPPER
 from missionplan.diagnosis.inference.laplace import Laplace
 from missionplan.diagnosis.inference.model import CauseFit
 from missionplan.diagnosis.inference.posterior import credible_set
-from missionplan.diagnosis.inference.selection import Candidate, Selection
+from missionplan.diagnosis.inference.selection import FURTHER, Candidate, Selection
 from missionplan.diagnosis.inference.set_evidence import SCALES
 from missionplan.diagnosis.legs.fitting import by_quantiles
 from missionplan.diagnosis.legs.likelihood.modulation import SHORTEST, Forms
 from missionplan.diagnosis.legs.noise_integration import ComparedSets, Law, NoiseSearch
 from missionplan.diagnosis.legs.responses import Response
-from missionplan.diagnosis.legs.set_density import FURTHER, MOST_IN_MEAN, LegInference, MeanSet
+from missionplan.diagnosis.legs.set_density import MOST_IN_MEAN, LegInference, MeanSet
 from missionplan.diagnosis.legs.state import TransitState
 from missionplan.effects import CATALOGUE, exclusive_groups
 from missionplan.results.learned.evidence import Causes

@@ -18,6 +18,7 @@ from scipy.special import gammaln
 
 from missionplan.arrays import Array
 from missionplan.diagnosis.inference.marginal_likelihood import student_marginal
+from missionplan.diagnosis.inference.selection import log_prior
 from missionplan.diagnosis.inference.set_evidence import SCALES, GramMatrix, SetPriors
 from missionplan.diagnosis.legs.fitting import TransitFitting
 from missionplan.diagnosis.legs.likelihood.hyperparameters import Hyperparameter, values_of
@@ -27,8 +28,6 @@ from missionplan.diagnosis.legs.responses import Response
 from missionplan.effects import CATALOGUE, effects_of
 from missionplan.results.learned.evidence import Causes
 
-FURTHER = 3.0
-"""Nats of prior that each cause beyond the first costs."""
 MOST_IN_MEAN = 3
 RELINEARISED, SETTLED = 4, 0.02
 """Most times that the columns are linearised anew, and change [slabs] below which they are not."""
@@ -108,10 +107,9 @@ class LegInference:
     # priors
 
     def log_prior(self, one: MeanSet, law: Causes) -> float:
-        """Log prior odds of a set over none: 1/(catalogue) for the first effect, e⁻³ more for each further one."""
-        count = len(one.causes) + len(law) + (one.response > 0)
+        """Log prior odds of a set over none, a response counted as a cause."""
         shared = math.log(len(self.responses)) if one.response else 0.0
-        return -math.log(self.catalogue) - FURTHER * (count - 1) - shared if count else 0.0
+        return log_prior(len(one.causes) + len(law) + (one.response > 0), self.catalogue) - shared
 
     def group(self, one: MeanSet) -> Causes:
         """Effects of a set that are not linear: sets with the same ones share their columns."""

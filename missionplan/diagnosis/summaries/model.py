@@ -25,6 +25,8 @@ LOGGED_SD = 0.05
 """Noise of the depth sensor that is assumed for a proposed log [m]."""
 UNIFORM_BELOW = 100.0
 """Depth [m] below which a dive goes on at its terminal velocity, reached after some 10 m: no steps are needed."""
+OFF = 3.0
+"""Usual size of what no effect explains [standard deviations]."""
 FINE_DOWN_TO = 30.0
 """Depth [m] down to which the steps are those of dive logs; beyond it they are up to twice as long."""
 
@@ -127,8 +129,9 @@ class SummaryModel(DescentModel):
         return np.zeros((histories.settings, len(self.parts)))
 
     def axes(self, linear: DiveLinearisation) -> Sequence[Axis]:
-        """Return none: a handful of numbers has no structure to be tested."""
-        return ()
+        """Return one along which nothing is smooth: numbers that are off each by itself."""
+        words = "numbers that are off each by itself"
+        return (Axis("number", words, np.zeros((1, 1)), np.diag(self.units), size=OFF),)
 
     @property
     def units(self) -> Array:

@@ -32,7 +32,7 @@ from missionplan.diagnosis.inference.model import (
     FailedFit,
     FitRequest,
 )
-from missionplan.diagnosis.inference.prior import Prior, likeliest_scales
+from missionplan.diagnosis.inference.prior import Prior, inside_range, likeliest_scales
 from missionplan.diagnosis.tank.forward import TankForward, build_effects
 from missionplan.diagnosis.tank.linearised import marginal
 from missionplan.effects import CATALOGUE
@@ -131,8 +131,11 @@ class TankFitting:
         for each in held(self.given, causes):
             own = self.places(each)
             centre[own], sd[own] = each.mean, np.sqrt(np.diag(each.here))
-        heavy = [False] * len(nuisances) + [c.effect in causes for c in self.coordinates]
-        return Prior(centre, sd, np.array(heavy))
+        is_cause = np.array([False] * len(nuisances) + [c.effect in causes for c in self.coordinates])
+        low, high = (np.full(len(sd), end) for end in (-np.inf, np.inf))
+        for index in np.flatnonzero(is_cause):
+            low[index], high[index] = self.coordinates[index - len(nuisances)].range
+        return Prior(centre, sd, is_cause, (), low, high)
 
     def places(self, given: GivenEffect) -> list[int]:
         """Indices of a given effect's coordinates among all."""
@@ -171,10 +174,14 @@ class TankFitting:
         logs, sd, marginals = self._marginals(prior.of(active), active, best)
         likely = int(np.argmax(logs))
         residuals, factor = self.forward.y - best.prediction, float(self.noise_factors[likely])
-        state = TankState(best.at, residuals, best.jacobian, active, factor, sd, marginals[likely])
+        own = marginals[likely]
+        inside = inside_range(own.mean, own.covariance, *prior.of(active).bounds)
+        own = Marginal(own.log_density, inside.mean, inside.covariance)
+        state = TankState(best.at, residuals, best.jacobian, active, factor, sd, own)
         posterior = self._posterior(causes, state)
         found, together = estimates(*posterior), correlations(*posterior)
-        evidence, possible, given = float(logsumexp(logs)), is_possible(found), self._given_estimates(causes, state)
+        evidence = float(logsumexp(logs)) + inside.log_mass - prior.log_mass
+        possible, given = is_possible(found), self._given_estimates(causes, state)
         return CauseFit(causes, evidence, found, self._calibration(state), possible, state, given, together)
 
     def _search(self, causes: Causes, starts: Sequence[Start]) -> list[GaussNewtonResult]:

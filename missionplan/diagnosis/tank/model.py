@@ -8,17 +8,25 @@ from scipy.special import logsumexp
 
 from missionplan.arrays import Array
 from missionplan.diagnosis.coordinates import has_shape
-from missionplan.diagnosis.inference.adequacy.axes import pointwise, scaled
+from missionplan.diagnosis.inference.adequacy.axes import Axis, pointwise, scaled
 from missionplan.diagnosis.inference.adequacy.residuals import Residuals
 from missionplan.diagnosis.inference.importance_sampling import SampledEvidence, sampled_evidence
 from missionplan.diagnosis.inference.marginal_likelihood import LOG_2PI
-from missionplan.diagnosis.inference.model import MINIMUM_EVIDENCE_GAIN, CauseFit, HeldOutScore
+from missionplan.diagnosis.inference.model import CauseFit, HeldOutScore
+from missionplan.diagnosis.inference.prior import inside_range
+from missionplan.diagnosis.inference.selection import Progress, Selection, no_progress
+from missionplan.diagnosis.inference.set_evidence import SCALE_PRIOR, SCALES
+from missionplan.diagnosis.inference.weighing import NeutralResponses, weigh
 from missionplan.diagnosis.tank.fitting import TankFitting
 from missionplan.diagnosis.tank.linearised import LinearData, fitted_root
 from missionplan.results.learned.evidence import Causes
 
 COVARIANCE_INFLATION = 9.0
 """Factor on the posterior covariance with which fitted coordinates enter the residuals: as good as unknown there."""
+USUAL_SHARE, LENGTH = 0.2, 0.3
+"""Usual size of a smooth error, of the data's root mean square, and its correlation length, of the axis' extent."""
+SAME = 1e-9
+"""Size of a combination of the coordinates, over the greatest, below which the data do not show it."""
 
 
 @dataclass(frozen=True)
@@ -38,17 +46,47 @@ class TankModel(TankFitting):
         """Effects that these data could not show, and why."""
         return self.forward.untestable
 
-    def minimum_evidence_gain(self, causes: Causes) -> float:
-        """The default: the catalogue's effects are nearly linear in their strengths, and of known shape."""
-        return MINIMUM_EVIDENCE_GAIN
+    def all_sets(self, progress: Progress = no_progress, jobs: int = 1) -> Selection:
+        """Return all sets of causes with their probabilities."""
+        return weigh(self, progress, jobs)
+
+    def log_gains(self, fits: Sequence[CauseFit], supersets: Sequence[Sequence[Causes]]) -> list[Array]:
+        """Return that nothing is known: all sets of a tank's few effects are fitted."""
+        return [np.full(len(sets), np.inf) for sets in supersets]
+
+    def responses_beside(self, fits: Sequence[CauseFit]) -> NeutralResponses:
+        """Return errors that are smooth along each axis, and what they add to the log evidence of each fit.
+
+        In what a fit leaves, its coordinates as good as unknown, in the metric of the sensor's noise. Their usual size
+        is that of the catalogue's effects.
+        """
+        size = USUAL_SHARE * float(np.sqrt(np.mean(self.forward.y**2)))
+        axes = self._axes
+        columns = [size * axis.response @ axis.smooth(LENGTH) for axis in axes]
+        gains = np.array([[self._gain(fit, own) for own in columns] for fit in fits])
+        return NeutralResponses([(axis.name, axis.description) for axis in axes], gains)
+
+    def _gain(self, fit: CauseFit, columns: Array) -> float:
+        """What a response with standard normal coefficients adds, averaged over its sizes and the noise."""
+        state, sd = fit.state, self.forward.sd
+        left, sizes, _ = np.linalg.svd(state.columns * state.prior_sd / sd[:, None], full_matrices=False)
+        span = left[:, sizes > SAME * max(float(sizes.max(initial=0.0)), 1e-300)]
+        both = np.concatenate([columns, state.residuals[:, None]], axis=1) / sd[:, None]
+        free = both - span @ (span.T @ both)
+        directions, values, _ = np.linalg.svd(free[:, :-1], full_matrices=False)
+        along, total = (directions.T @ free[:, -1]) ** 2, float(free[:, -1] @ free[:, -1])
+        count = len(sd) - span.shape[1]
+        noise = self.noise_factors[:, None, None] ** 2
+        spread = noise + np.square(SCALES)[:, None] * values**2
+        rest = (count - len(values)) * np.log(noise[..., 0]) + (total - along.sum()) / noise[..., 0]
+        logs = -0.5 * (rest + np.sum(np.log(spread) + along / spread, axis=2))
+        plain = -0.5 * (count * np.log(noise[:, 0, 0]) + total / noise[:, 0, 0])
+        averaged = logsumexp(logs + self.noise_log_prior[:, None] + np.log(SCALE_PRIOR))
+        return float(averaged - logsumexp(plain + self.noise_log_prior))
 
     def may_be_multimodal(self, causes: Causes) -> bool:
         """Whether a cause has a shape parameter."""
         return has_shape(causes)
-
-    def estimated_gain(self, causes: Causes, parent: CauseFit) -> float:
-        """Unknown: all sets of a tank's few effects are fitted."""
-        return float("inf")
 
     def sampled_evidence(self, fit: CauseFit) -> SampledEvidence:
         """Evidence by importance sampling of nuisance parameters and causes with the model itself, not linearised."""
@@ -62,9 +100,11 @@ class TankModel(TankFitting):
             settings[state.active] = at.T
             residuals = (self.forward.y[:, None] - self.predict(fit.causes, settings)) / sd[:, None]
             quadratic = -0.5 * np.sum(residuals**2, axis=0)[:, None] / self.noise_factors**2
-            return np.asarray(logsumexp(quadratic + log_weights, axis=1) + constant + prior.log_density(at))
+            density = prior.log_density(at) - prior.log_mass
+            return np.asarray(logsumexp(quadratic + log_weights, axis=1) + constant + density)
 
-        return sampled_evidence(log_joint, state.marginal.mean, state.marginal.covariance)
+        inside = inside_range(state.marginal.mean, state.marginal.covariance, *prior.bounds)
+        return sampled_evidence(log_joint, inside.mean, inside.covariance)
 
     def residuals(self, fit: CauseFit) -> Residuals:
         """Residuals of a fit; its coordinates enter their covariance as good as unknown."""
@@ -72,13 +112,17 @@ class TankModel(TankFitting):
         sd = state.factor * self.forward.sd
         known = fitted_root(state.columns, state.prior_sd, sd)
         covariance = np.diag(sd**2) + COVARIANCE_INFLATION * known @ known.T
-        axes = [
+        # rows of a table are no series: only a record in time is tested for errors that follow one another
+        series = np.zeros(count, dtype=int) if "time" in self.forward.axes else np.arange(count)
+        return Residuals(state.residuals, covariance, series, self._axes, self.forward.groups)
+
+    @property
+    def _axes(self) -> list[Axis]:
+        """Axes along which a discrepancy may be smooth."""
+        return [
             pointwise(name, f"an error that changes with {name}", scaled(values))
             for name, values in self.forward.axes.items()
         ]
-        # rows of a table are no series: only a record in time is tested for errors that follow one another
-        series = np.zeros(count, dtype=int) if "time" in self.forward.axes else np.arange(count)
-        return Residuals(state.residuals, covariance, series, axes, self.forward.groups)
 
     def held_out(self, fits: Sequence[CauseFit]) -> list[list[HeldOutScore]]:
         """Predict each group from the others under several fits, linearised about each fit.

@@ -142,10 +142,10 @@ def ranking_section(diagnosis: Diagnosis) -> PageSection:
         heading = f"What else was tried: {names(best.causes)} {'comes' if len(best.causes) == 1 else 'come'} first"
     meaning = (
         "ln BF is the evidence for a set of causes over the mission's own model: 3 means that the data are 20 times "
-        "more probable with it. It is computed with the model linearised at its best fit, and checked for the first "
-        "few sets by importance sampling, which does not linearise. The score takes off 3 for each cause beyond the "
-        "first. The posterior is the probability among the sets tried, when each cause was equally likely before; "
-        "supersets of the best set have none. The probabilities are conditional on the catalogue: that something is "
+        "more probable with it. It is computed with the model linearised at its best fit, and where that is known "
+        "better by importance sampling, which does not linearise. The score takes off 3 for each cause beyond the "
+        "first. The posterior is the probability among all sets, when each cause was equally likely before. The "
+        "probabilities are conditional on the catalogue: that something is "
         f"left which none of these explains has a probability of {percent(diagnosis.none_of_these)}."
     )
     table = Table(columns, rows, "Sets of causes, best first.")
@@ -154,12 +154,11 @@ def ranking_section(diagnosis: Diagnosis) -> PageSection:
 
 def ranking_rows(ranking: Sequence[RankedSet]) -> tuple[list[str], list[list[str]]]:
     """Return columns and rows of a table of sets."""
-    columns = ["Causes", "ln BF", "Checked", "Score", "Posterior", "Held-out gain", "Share explained"]
+    columns = ["Causes", "ln BF", "Score", "Posterior", "Held-out gain", "Share explained"]
     rows = [
         [
             names(entry.causes),
             f"{entry.log_bayes_factor:.1f}",
-            "" if entry.importance is None else f"{entry.importance:.1f}",
             f"{entry.score:.1f}",
             "" if entry.posterior is None else percent(entry.posterior),
             "" if entry.held_out is None else str(entry.held_out),

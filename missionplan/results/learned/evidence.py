@@ -200,14 +200,12 @@ class RankedSet:
     score : float
         Less 3 nats for each cause beyond the first.
     posterior : float or None
-        Probability; None for a superset of the claimed set, which is no rival.
+        Probability; None where it was not computed.
     parameters : tuple of ParameterEstimate
     held_out : HeldOutGain or None
         Where it was measured: the best few.
     share_explained : float
         Share of the base model's squared residuals that goes with these causes.
-    importance : float or None
-        ln Bayes factor by importance sampling, where it was checked.
     """
 
     causes: Causes
@@ -217,7 +215,6 @@ class RankedSet:
     parameters: tuple[ParameterEstimate, ...]
     held_out: HeldOutGain | None
     share_explained: float
-    importance: float | None = None
 
     def summary(self) -> dict[str, object]:
         """Return the entry of ``ranking``."""
@@ -229,7 +226,6 @@ class RankedSet:
             "parameters": [asdict(parameter) for parameter in self.parameters],
             "held_out": asdict(self.held_out) if self.held_out else None,
             "share_explained": self.share_explained,
-            "log_bayes_factor_importance": self.importance,
         }
 
 

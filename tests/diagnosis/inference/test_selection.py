@@ -1,85 +1,110 @@
-"""Selection of causes by evidence, on a model whose evidence is written down."""
+"""The posterior over all sets of causes, on a model whose evidence is written down."""
 
+import itertools
+import math
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+import numpy as np
 import pytest
 
+from missionplan.diagnosis.inference.importance_sampling import SampledEvidence
 from missionplan.diagnosis.inference.model import CauseFit, FailedFit, FitRequest
-from missionplan.diagnosis.inference.posterior import credible_set, posteriors, rivals
-from missionplan.diagnosis.inference.selection import select
+from missionplan.diagnosis.inference.posterior import credible_set, rivals, told_together
+from missionplan.diagnosis.inference.selection import no_progress
+from missionplan.diagnosis.inference.weighing import NeutralResponses, weigh
 from missionplan.errors import RunError
-from missionplan.results.learned.evidence import Causes, ParameterEstimate
+from missionplan.results.learned.evidence import Causes
 
 DRAG, FLOODING, LIFT, CLOCK = "drag-bias", "slow-flooding", "stratification", "clock-offset"
+NAMES = (DRAG, FLOODING, LIFT, CLOCK)
 
 
 class Written:
-    """A model whose sets have the evidence given, and -1 otherwise; a set in `impossible` is so until it is fitted from a fresh start."""
+    """A model whose sets have the evidence given, and -1 otherwise; estimates of sets of several are off by `error`."""
 
     def __init__(
         self,
         evidence: Mapping[Causes, float],
-        share: float = 0.02,
         alternatives: Sequence[frozenset[str]] = (),
-        impossible: Mapping[Causes, float] | None = None,
         failing: Sequence[Causes] = (),
+        error: float = 0.0,
+        responses: Mapping[Causes, float] | None = None,
+        sampled: Mapping[Causes, float] | None = None,
     ) -> None:
         self.evidence = {frozenset(causes): value for causes, value in evidence.items()}
-        self.share, self.alternatives, self.failing = share, alternatives, [frozenset(causes) for causes in failing]
-        self.impossible = {frozenset(causes): value for causes, value in (impossible or {}).items()}
-        self.candidates = (DRAG, FLOODING, LIFT, CLOCK)
+        self.alternatives, self.failing = alternatives, [frozenset(causes) for causes in failing]
+        self.candidates, self.error = NAMES, error
+        self.responses = {frozenset(causes): value for causes, value in (responses or {}).items()}
+        self.sampled = {frozenset(causes): value for causes, value in (sampled or {}).items()}
         self.asked: list[frozenset[str]] = []
 
-    def minimum_evidence_gain(self, causes: Causes) -> float:
-        return self.share
-
     def may_be_multimodal(self, causes: Causes) -> bool:
-        return bool({FLOODING, LIFT} & set(causes))
+        return False
 
     def value(self, causes: Causes) -> float:
         return self.evidence.get(frozenset(causes), -1.0) if causes else 0.0
 
     def fit_all(self, wanted: Sequence[FitRequest]) -> list[CauseFit | FailedFit]:
         self.asked += [frozenset(causes) for causes, _ in wanted]
-        return [self._fit(causes, bool(near)) for causes, near in wanted]
+        return [
+            FailedFit(causes, "no descent")
+            if frozenset(causes) in self.failing
+            else CauseFit(causes, self.value(causes), (), {}, True, None)
+            for causes, _ in wanted
+        ]
 
-    def _fit(self, causes: Causes, near: bool) -> CauseFit | FailedFit:
-        if frozenset(causes) in self.failing:
-            return FailedFit(causes, "no descent")
-        shapes = tuple(
-            ParameterEstimate(name, "time" if name == FLOODING else "depth", 1.0, 0.1, 0.8, 1.2, "s")
-            for name in causes
-            if name in (FLOODING, LIFT)
-        )
-        if near and frozenset(causes) in self.impossible:
-            return CauseFit(causes, self.impossible[frozenset(causes)], shapes, {}, False, None)
-        return CauseFit(causes, self.value(causes), shapes, {}, True, None)
+    def log_gains(self, fits: Sequence[CauseFit], supersets: Sequence[Sequence[Causes]]) -> list[Any]:
+        return [
+            np.array([self.value(causes) - fit.log_evidence + self.error for causes in sets])
+            for fit, sets in zip(fits, supersets, strict=True)
+        ]
 
-    def estimated_gain(self, causes: Causes, parent: CauseFit) -> float:
-        return self.value(causes) - self.value(parent.causes)
+    def responses_beside(self, fits: Sequence[CauseFit]) -> NeutralResponses:
+        gains = [[self.responses.get(frozenset(fit.causes), -1.0)] for fit in fits]
+        return NeutralResponses([("time", "drag that changes with time")], np.array(gains))
+
+    def sampled_evidence(self, fit: CauseFit) -> SampledEvidence:
+        own = frozenset(fit.causes)
+        return SampledEvidence(self.sampled.get(own, fit.log_evidence), 100.0 if own in self.sampled else 1.0)
 
 
 def selected(evidence: Mapping[Causes, float], **options: Any) -> Any:
-    return select(Written(evidence, **options))  # type: ignore[arg-type]
+    return weigh(Written(evidence, **options), no_progress)  # type: ignore[arg-type]
 
 
-def test_a_cause_alone_and_what_hardly_adds_to_it() -> None:
-    found = selected({(DRAG,): 40.0, (DRAG, CLOCK): 42.9, (LIFT,): 2.0})
+def test_probabilities_are_evidence_times_prior_of_every_set() -> None:
+    """By hand, over all sets of at most three of four causes and the response beside the sets of at most two."""
+    evidence = {(DRAG,): 6.0, (DRAG, CLOCK): 9.0, (DRAG, LIFT, CLOCK): 11.0}
+    found = selected(evidence, responses={(DRAG,): 2.0, (): 0.5})
+    masses: dict[tuple[frozenset[str], int], float] = {}
+    for size in range(4):
+        for causes in map(frozenset, itertools.combinations(NAMES, size)):
+            known = {frozenset(key): value for key, value in evidence.items()}
+            log = known.get(causes, -1.0) if causes else 0.0
+            masses[causes, 0] = log - (math.log(4.0) + 3.0 * (size - 1) if causes else 0.0)
+            if size < 3:
+                gain = {frozenset({DRAG}): 2.0, frozenset(): 0.5}.get(causes, -1.0)
+                masses[causes, 1] = log + gain - math.log(4.0) - 3.0 * size
+    beside = {frozenset(c) for c in found.posterior if len(c) < 2} | {frozenset({DRAG, CLOCK})}
+    total = sum(math.exp(m) for (causes, r), m in masses.items() if not r or causes in beside)
+    for causes in ((), (DRAG,), (DRAG, CLOCK), (DRAG, LIFT, CLOCK)):
+        own = [m for (key, r), m in masses.items() if key == frozenset(causes) and (not r or key in beside)]
+        assert found.posterior[causes] == pytest.approx(sum(map(math.exp, own)) / total, rel=0.02)
+    assert found.nothing == pytest.approx(1.0 / total, rel=0.02)
+    assert sum(found.posterior.values()) == pytest.approx(1.0)
+
+
+def test_supersets_count_with_what_their_prior_leaves_them() -> None:
+    found = selected({(DRAG,): 40.0, (DRAG, CLOCK): 42.9})
     assert [candidate.causes for candidate in found.ranking[:2]] == [(DRAG,), (DRAG, CLOCK)]
-    assert found.ranking[1].score == pytest.approx(39.9)
+    assert found.posterior[DRAG, CLOCK] / found.posterior[DRAG,] == pytest.approx(math.exp(2.9 - 3.0))
 
 
-def test_each_cause_beyond_the_first_is_penalised() -> None:
+def test_each_cause_beyond_the_first_is_charged_once() -> None:
     found = selected({(DRAG,): 20.0, (CLOCK,): 15.0, (DRAG, CLOCK): 50.0, (DRAG, CLOCK, LIFT): 70.0})
     assert found.ranking[0].causes == (DRAG, LIFT, CLOCK)
     assert found.ranking[0].score == 70.0 - 6.0
-
-
-@pytest.mark.parametrize(("share", "best"), [(0.02, (FLOODING, CLOCK)), (0.05, (FLOODING,))])
-def test_beside_a_cause_of_uncertain_shape_a_further_one_must_add_more(share: float, best: Causes) -> None:
-    found = selected({(FLOODING,): 100.0, (FLOODING, CLOCK): 104.0}, share=share)
-    assert found.ranking[0].causes == best
 
 
 def test_causes_that_mask_each_other_are_fitted_together() -> None:
@@ -87,19 +112,37 @@ def test_causes_that_mask_each_other_are_fitted_together() -> None:
     assert found.ranking[0].causes == (LIFT, CLOCK)
 
 
+def test_sets_that_add_nothing_are_not_fitted_and_their_probability_is_stated() -> None:
+    model = Written({(DRAG,): 40.0, (DRAG, CLOCK): 39.5})
+    found = weigh(model, no_progress)  # type: ignore[arg-type]
+    assert frozenset({DRAG, CLOCK}) not in model.asked
+    assert found.posterior[DRAG, CLOCK] == pytest.approx(found.posterior[DRAG,] * math.exp(-3.5), rel=0.05)
+    assert found.not_computed == pytest.approx(found.posterior[DRAG, CLOCK], rel=0.05)
+
+
+def test_a_set_that_was_fitted_counts_as_it_was() -> None:
+    found = selected({(DRAG,): 40.0, (DRAG, CLOCK): 47.0}, error=3.0)
+    assert found.posterior[DRAG, CLOCK] / found.posterior[DRAG,] == pytest.approx(math.exp(7.0 - 3.0))
+
+
+def test_evidence_by_importance_sampling_decides_where_it_is_known() -> None:
+    """Linearised, the first is 3.5 nats better; by importance sampling 1.5."""
+    found = selected({(DRAG,): 11.0, (CLOCK,): 7.5}, sampled={(DRAG,): 9.0})
+    assert found.posterior[DRAG,] / found.posterior[CLOCK,] == pytest.approx(math.exp(1.5), rel=0.05)
+
+
+def test_a_response_is_what_no_cause_explains() -> None:
+    found = selected({(DRAG,): 10.0}, responses={(DRAG,): 30.0})
+    assert found.none_of_these > 0.99
+    assert max(found.posterior, key=lambda causes: found.posterior[causes]) == (DRAG,)
+    assert found.nothing < 1e-6
+
+
 def test_alternatives_are_never_together() -> None:
     model = Written({(DRAG,): 30.0, (DRAG, CLOCK): 60.0}, alternatives=[frozenset({DRAG, CLOCK})])
-    found = select(model)  # type: ignore[arg-type]
+    found = weigh(model, no_progress)  # type: ignore[arg-type]
     assert found.ranking[0].causes == (DRAG,)
     assert frozenset({DRAG, CLOCK}) not in model.asked
-
-
-def test_a_pair_whose_search_ended_at_an_impossible_fit_is_fitted_afresh() -> None:
-    evidence = {(FLOODING,): 20.0, (LIFT,): 15.0, (FLOODING, LIFT): 60.0}
-    found = selected(evidence, impossible={(FLOODING, LIFT): 55.0})
-    assert found.ranking[0].causes == (FLOODING, LIFT)
-    assert found.ranking[0].log_bayes_factor == 60.0
-    assert not found.impossible
 
 
 def test_failures_are_kept_and_the_others_judged() -> None:
@@ -115,14 +158,17 @@ def test_without_a_base_model_there_is_no_selection() -> None:
 
 def test_the_credible_set_holds_the_rivals() -> None:
     found = selected({(DRAG,): 20.0, (CLOCK,): 19.0, (LIFT,): 9.0})
-    claimed = found.ranking[0]
-    posterior = posteriors(found)
-    assert rivals(posterior, claimed.causes) == [(CLOCK,)]
-    assert sum(posterior.values()) == pytest.approx(1.0)
-    assert credible_set(posterior)[:2] == [(DRAG,), (CLOCK,)]
+    assert rivals(found.posterior, found.ranking[0].causes) == [(CLOCK,)]
+    assert credible_set(found.posterior)[:2] == [(DRAG,), (CLOCK,)]
+
+
+def test_a_set_that_hardly_can_be_is_told_with_its_part_and_one_that_may_be_by_itself() -> None:
+    posterior = {(DRAG,): 0.8, (DRAG, CLOCK): 0.15, (DRAG, LIFT): 0.03, (FLOODING, LIFT): 0.02}
+    told = told_together(posterior)
+    assert told == pytest.approx({(DRAG,): 0.83, (DRAG, CLOCK): 0.15, (FLOODING, LIFT): 0.02})
 
 
 def test_effect_free_data_keep_the_base_model() -> None:
     found = selected({})
-    assert credible_set(posteriors(found))[0] == ()
+    assert found.credible[0] == ()
     assert found.ranking[0].score < 0.0

@@ -51,6 +51,8 @@ class Axis:
         Response of each value to p independent functions at the places, function by function.
     scale : AxisScale, optional
         For a single function, which can be drawn.
+    size : float
+        Usual size of the functions, in their unit.
     """
 
     name: str
@@ -58,6 +60,7 @@ class Axis:
     places: Array
     response: Array
     scale: AxisScale | None = None
+    size: float = 1.0
 
     def smooth(self, length: float) -> Array:
         """Return columns B, shape (m, r), with B Bᵀ ≈ exp(−½(d/length)²) between places (m, m).

@@ -1,0 +1,231 @@
+"""The posterior of a model over all its sets of causes, each of which is linearised about its own best parameters.
+
+Single causes are fitted. What a set of more causes adds is then known from the linearisations of its parts; sets that
+may be among the likeliest by that are fitted themselves, and the others count as they are estimated. A neutral response
+(Kennedy & O'Hagan 2001, *J. R. Stat. Soc. B* 63) may be beside any set.
+"""
+
+import itertools
+import math
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from functools import partial
+from typing import Protocol
+
+from missionplan.arrays import Array
+from missionplan.diagnosis.inference.fitting import fitted
+from missionplan.diagnosis.inference.importance_sampling import SampledEvidence
+from missionplan.diagnosis.inference.model import CauseFit, FailedFit, Model
+from missionplan.diagnosis.inference.posterior import credible_set, over_responses, probabilities, told_together
+from missionplan.diagnosis.inference.selection import Candidate, Progress, Selection, log_prior
+from missionplan.errors import RunError
+from missionplan.montecarlo.parallel.mapping import parallel_map
+from missionplan.results.learned.evidence import Causes
+
+MOST_CAUSES = 3
+FITTED_WITHIN = 5.0
+"""Nats below the likeliest set within which one of several causes is fitted itself, where its last cause adds any."""
+MOST_FITTED = 16
+"""Sets of each size that are fitted, at most."""
+SAMPLED_WITHIN, MOST_SAMPLED = 4.0, 6
+"""Nats below the likeliest within which the evidence is computed by importance sampling, and sets at most."""
+EFFECTIVE = 10.0
+"""Effective draws from which it replaces that of the linearised model: its logarithm is known to a third of a nat."""
+BESIDE_RESPONSES = 8
+"""Likeliest sets beside which neutral responses are tried, beside nothing and single causes."""
+
+
+@dataclass(frozen=True)
+class NeutralResponses:
+    """Neutral responses beside fits.
+
+    Attributes
+    ----------
+    described : sequence of (str, str)
+        Axis of each, and in words.
+    log_gains : array, shape (f, r)
+        What each adds to the log evidence of each fit.
+    """
+
+    described: Sequence[tuple[str, str]]
+    log_gains: Array
+
+
+class LinearisedModel(Model, Protocol):
+    """A model whose sets are fitted one by one, and linearised there."""
+
+    def log_gains(self, fits: Sequence[CauseFit], supersets: Sequence[Sequence[Causes]]) -> list[Array]:
+        """Return what further causes add to the log evidence of fits, for the supersets of each."""
+        ...
+
+    def responses_beside(self, fits: Sequence[CauseFit]) -> NeutralResponses:
+        """Return the neutral responses, by what the first fit leaves open, and their gains beside every fit."""
+        ...
+
+    def sampled_evidence(self, fit: CauseFit) -> SampledEvidence:
+        """Evidence of a fit's causes by importance sampling."""
+        ...
+
+
+def weigh(model: LinearisedModel, progress: Progress, jobs: int = 1) -> Selection:
+    """Compute the posterior over all sets.
+
+    Parameters
+    ----------
+    model : LinearisedModel
+    progress : callable
+        Called with what is being done.
+    jobs : int
+        Processes.
+
+    Raises
+    ------
+    RunError
+        When not even the base model can be fitted.
+    """
+    sets = _Sets(model, jobs)
+    for size in range(1, MOST_CAUSES + 1):
+        wanted = sets.promising(size)
+        progress(f"fitting sets of {size}", 0, len(wanted))
+        sets.fit(wanted)
+    progress("weighing all sets of causes", 0, 1)
+    sets.sample()
+    sets.fit([causes for causes in sets.credible() if causes not in sets.fits])
+    return sets.selection()
+
+
+class _Sets:
+    """Sets with their log evidence, as far as they have been fitted or estimated."""
+
+    def __init__(self, model: LinearisedModel, jobs: int) -> None:
+        self._model, self._jobs = model, jobs
+        self.fits: dict[Causes, CauseFit] = {}
+        self._failed: list[FailedFit] = []
+        self._impossible: list[CauseFit] = []
+        self._evidence: dict[Causes, float] = {}
+        self._gained: dict[Causes, float] = {}
+        self._responses: NeutralResponses | None = None
+        self._beside: list[Causes] = []
+        self._log_prior = partial(log_prior, catalogue=len(model.candidates))
+        self.fit([()])
+        if () not in self.fits:
+            raise RunError(f"the base model cannot be fitted: {self._failed[0].reason}")
+
+    def promising(self, size: int) -> list[Causes]:
+        """Sets of a size to be fitted: those that may be among the likeliest."""
+        every = [causes for causes in itertools.combinations(self._model.candidates, size) if self._is_possible(causes)]
+        if size == 1:
+            return every
+        self._estimate(every)
+        best = max(map(self._score, self._evidence))
+        likely = [c for c in every if self._gained[c] > 0.0 and self._score(c) > best - FITTED_WITHIN]
+        return sorted(likely, key=lambda causes: -self._score(causes))[:MOST_FITTED]
+
+    def _is_possible(self, causes: Causes) -> bool:
+        return not any(len(group & set(causes)) > 1 for group in self._model.alternatives)
+
+    def _score(self, causes: Causes) -> float:
+        return self._evidence[causes] + self._log_prior(len(causes))
+
+    def _estimate(self, sets: Iterable[Causes]) -> None:
+        """Estimate sets from the likeliest of their parts that were fitted."""
+        by_part: dict[Causes, list[Causes]] = {}
+        for causes in sets:
+            parts = [part for part in self.fits if part and set(part) < set(causes)]
+            best = max(parts, key=lambda part: self._evidence[part], default=())
+            by_part.setdefault(best, []).append(causes)
+        asked = [(self.fits[part], wanted) for part, wanted in by_part.items()]
+        found = parallel_map(partial(_log_gains, self._model), asked, jobs=self._jobs)
+        for (part, wanted), gains in zip(by_part.items(), found, strict=True):
+            for causes, gain in zip(wanted, gains.tolist(), strict=True):
+                self._gained[causes] = gain
+                self._evidence[causes] = self._evidence[part] + gain
+
+    def fit(self, wanted: Sequence[Causes]) -> None:
+        """Fit sets, each started from its likeliest part and from its causes alone."""
+        requests = [(causes, self._parts(causes)) for causes in wanted]
+        for fit in fitted(self._model, requests, self._jobs):
+            self._evidence.pop(fit.causes, None)
+            if isinstance(fit, FailedFit):
+                self._failed.append(fit)
+            elif not fit.possible:
+                self._impossible.append(fit)
+            else:
+                self.fits[fit.causes], self._evidence[fit.causes] = fit, fit.log_evidence
+
+    def _parts(self, causes: Causes) -> list[CauseFit]:
+        parts = [part for part in self.fits if set(part) < set(causes)]
+        parts.sort(key=lambda part: -self._evidence[part])
+        first = parts[:1]
+        return [self.fits[part] for part in (*first, *(p for p in parts if len(p) == 1 and p not in first))]
+
+    def sample(self) -> None:
+        """Replace the evidence of the likeliest sets by that of importance sampling, where that is known better."""
+        best = max(map(self._score, self.fits))
+        likely = [c for c in sorted(self.fits, key=lambda c: -self._score(c)) if self._score(c) > best - SAMPLED_WITHIN]
+        wanted = [self.fits[causes] for causes in likely[:MOST_SAMPLED]]
+        for fit, found in zip(
+            wanted, parallel_map(partial(_sampled, self._model), wanted, jobs=self._jobs), strict=True
+        ):
+            if found.effective >= EFFECTIVE:
+                self._evidence[fit.causes] = found.log_evidence
+        self._add_responses()
+
+    def _add_responses(self) -> None:
+        """Compute what neutral responses add to nothing, to single causes and to the likeliest sets."""
+        ranked = sorted(self.fits, key=lambda causes: -self._score(causes))
+        self._beside = [c for i, c in enumerate(ranked) if i < BESIDE_RESPONSES or len(c) < 2]
+        self._responses = self._model.responses_beside([self.fits[causes] for causes in self._beside])
+
+    def log_masses(self) -> dict[tuple[Causes, int], float]:
+        """Log evidence times prior of every set, beside each response, numbered from 1, or none."""
+        found = {(causes, 0): self._score(causes) for causes in self._evidence}
+        if self._responses is None or not self._responses.described:
+            return found
+        count = len(self._responses.described)
+        for causes, gains in zip(self._beside, self._responses.log_gains, strict=True):
+            if len(causes) < MOST_CAUSES:
+                prior = self._log_prior(len(causes) + 1) - math.log(count)
+                found |= {
+                    (causes, r): self._evidence[causes] + g + prior for r, g in enumerate(gains.tolist(), start=1)
+                }
+        return found
+
+    def probabilities(self) -> dict[Causes, float]:
+        """Probability of each set, with a response or without, greatest first."""
+        return over_responses(probabilities(self.log_masses()))
+
+    def credible(self) -> list[Causes]:
+        """Sets that hold 95 % of the probability, as they are told."""
+        return credible_set(told_together(self.probabilities()))
+
+    def selection(self) -> Selection:
+        """Return what was found."""
+        joint = probabilities(self.log_masses())
+        posterior = over_responses(joint)
+        ranked = [self.fits[causes] for causes in posterior if causes and causes in self.fits]
+        base = self._evidence[()]
+        described = self._responses.described if self._responses is not None else ()
+        return Selection(
+            self.fits[()],
+            tuple(Candidate(fit, self._evidence[fit.causes] - base) for fit in ranked),
+            tuple(Candidate(fit, fit.log_evidence - base) for fit in self._impossible),
+            tuple(self._failed),
+            len(self._model.candidates),
+            posterior,
+            tuple(
+                (*words, sum(p for (_, own), p in joint.items() if own == number))
+                for number, words in enumerate(described, start=1)
+            ),
+            nothing=joint[(), 0],
+            not_computed=sum(p for causes, p in posterior.items() if causes not in self.fits),
+            credible=tuple(self.credible()),
+        )
+
+
+def _log_gains(model: LinearisedModel, asked: Sequence[tuple[CauseFit, Sequence[Causes]]]) -> list[Array]:
+    return model.log_gains([fit for fit, _ in asked], [supersets for _, supersets in asked])
+
+
+def _sampled(model: LinearisedModel, fits: Sequence[CauseFit]) -> list[SampledEvidence]:
+    return [model.sampled_evidence(fit) for fit in fits]
