@@ -18,7 +18,7 @@ from missionplan.arrays import Array, Scalars
 from missionplan.effects import CATALOGUE, EffectInfo
 from missionplan.effects.oscillation import MODULATION_PARAMETERS
 from missionplan.montecarlo.draws import Correlation, is_joint
-from missionplan.results.learned.evidence import Causes, ParameterEstimate
+from missionplan.results.learned.evidence import ParameterEstimate
 
 LOWER, UPPER = 0.05, 0.95
 """Probabilities at the ends of the reported intervals."""
@@ -222,14 +222,10 @@ def _estimate(coordinate: Coordinate, name: str, value: float, sd: float) -> Par
     return ParameterEstimate(coordinate.effect, name, value, sd, low, high, parameter.unit)
 
 
-def has_shape(causes: Causes) -> bool:
-    """Whether an effect among the causes has a shape parameter (a time constant, a depth), which is not linear."""
-    return any(parameter.is_shape for cause in causes for parameter in CATALOGUE[cause].parameters.values())
-
-
 def is_approximate(cause: str) -> bool:
     """Whether an effect has shape parameters and no physical law gives its form but for them."""
-    return has_shape((cause,)) and not CATALOGUE[cause].follows_law
+    info = CATALOGUE[cause]
+    return any(parameter.is_shape for parameter in info.parameters.values()) and not info.follows_law
 
 
 def is_possible(found: Iterable[ParameterEstimate]) -> bool:

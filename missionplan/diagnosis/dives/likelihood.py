@@ -134,23 +134,28 @@ class DescentLikelihood(LinearisedDescent):
             When a covariance is not positive definite.
         """
         both = np.concatenate([linear.columns, linear.curvature[:, None], linear.y[:, None]], axis=1)
-        grams, log_determinants = zip(*self._inner_products(linear, both), strict=True)
+        grams, log_determinants = zip(*self._inner_products(linear, both, noise_grid()), strict=True)
         counts = np.array([len(rows) for rows in self.parts])
         return NoiseGridLikelihood(np.stack(grams, axis=1), np.stack(log_determinants, axis=1), counts)
 
-    def products(self, linear: DiveLinearisation, prior_sd: Array, columns: Array) -> list[InnerProducts]:
-        """Inner products of columns, shape (N, m), and the data, the coordinates integrated out, at every noise."""
+    def products(
+        self, linear: DiveLinearisation, prior_sd: Array, columns: Array, noises: tuple[Noise, ...] | None = None
+    ) -> list[InnerProducts]:
+        """Inner products of columns, shape (N, m), and the data, the coordinates integrated out, at noises."""
+        wanted = noise_grid() if noises is None else noises
         both = np.concatenate([linear.columns, linear.curvature[:, None], columns, linear.y[:, None]], axis=1)
-        dives = self._inner_products(linear, both)
+        dives = self._inner_products(linear, both, wanted)
         gram, log_determinant = next(dives)
         for more, further in dives:  # added in place: one dive's alone are some tens of megabytes
             gram += more
             log_determinant += further
-        return marginalised_products(gram, log_determinant, prior_sd)
+        return marginalised_products(gram, log_determinant, prior_sd, wanted)
 
-    def _inner_products(self, linear: DiveLinearisation, columns: Array) -> Iterator[tuple[Array, Array]]:
-        """Inner products of columns over each dive, and ln |covariance|, at every noise of the grid."""
-        for rows, covariance in zip(self.parts, self.covariances(linear, noise_grid()), strict=True):
+    def _inner_products(
+        self, linear: DiveLinearisation, columns: Array, noises: tuple[Noise, ...]
+    ) -> Iterator[tuple[Array, Array]]:
+        """Inner products of columns over each dive, and ln |covariance|, at each of the noises."""
+        for rows, covariance in zip(self.parts, self.covariances(linear, noises), strict=True):
             yield inner_products(covariance, columns[rows])
 
 
@@ -176,8 +181,10 @@ def inner_products(covariance: Array, columns: Array) -> tuple[Array, Array]:
     return np.swapaxes(white, 1, 2) @ white, 2.0 * np.log(np.diagonal(factor, axis1=1, axis2=2)).sum(axis=1)
 
 
-def marginalised_products(grams: Array, log_determinants: Array, prior_sd: Array) -> list[InnerProducts]:
-    """Integrate the coordinates out of the inner products of other columns and the data, at each noise of the grid.
+def marginalised_products(
+    grams: Array, log_determinants: Array, prior_sd: Array, noises: tuple[Noise, ...]
+) -> list[InnerProducts]:
+    """Integrate the coordinates out of the inner products of other columns and the data, at each noise.
 
     Parameters
     ----------
@@ -187,9 +194,10 @@ def marginalised_products(grams: Array, log_determinants: Array, prior_sd: Array
         Of the covariance.
     prior_sd : array, shape (k,)
         Of the coordinates.
+    noises : tuple of Noise, length g
     """
     found, inner = [], len(prior_sd) + 1
-    for noise, gram, log_determinant in zip(noise_grid(), grams, log_determinants, strict=True):
+    for noise, gram, log_determinant in zip(noises, grams, log_determinants, strict=True):
         prior = _with_shared(prior_sd, noise)
         own, others = gram[:inner, :inner], gram[:inner, inner:]
         factor = np.linalg.cholesky(standardised_gram(own, prior) + np.eye(inner))

@@ -102,6 +102,10 @@ class DescentModel(DescentFitting):
         """Axes along which a discrepancy is sought."""
         return descent_axes(self, linear)
 
+    def response_axes(self, linear: DiveLinearisation) -> Sequence[Axis]:
+        """Axes along which a neutral response may be smooth."""
+        return self.axes(linear)
+
     def innovations(self, fit: CauseFit) -> Array:
         """One-step-ahead errors of the readings over their standard deviations, dive after dive, shape (N,)."""
         factor = cholesky(self._covariance(fit))

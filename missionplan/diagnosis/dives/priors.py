@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from missionplan.arrays import Array
-from missionplan.diagnosis.coordinates import Coordinate, coordinates_of, is_approximate
+from missionplan.diagnosis.coordinates import Coordinate, coordinates_of
 from missionplan.diagnosis.dives.forward import DescentForward
 from missionplan.diagnosis.given.effects import GivenEffect, held, tied
 from missionplan.diagnosis.inference.prior import Prior
@@ -40,10 +40,6 @@ class DescentPriors:
     def untestable(self) -> Mapping[str, str]:
         """None: every effect on a descent can show in a dive log."""
         return {}
-
-    def may_be_multimodal(self, causes: Causes) -> bool:
-        """Whether the form of a cause is approximate."""
-        return any(map(is_approximate, causes))
 
     @cached_property
     def y(self) -> Array:

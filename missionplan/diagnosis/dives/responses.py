@@ -12,7 +12,8 @@ from scipy.linalg import block_diag, solve_triangular
 from scipy.special import logsumexp
 
 from missionplan.arrays import Array
-from missionplan.diagnosis.dives.noise import noise_grid
+from missionplan.diagnosis.dives.fitting import log_joint_with_noise
+from missionplan.diagnosis.dives.noise import NOMINAL_NOISE, Noise, noise_grid
 from missionplan.diagnosis.inference.adequacy.axes import Axis
 from missionplan.diagnosis.inference.adequacy.residuals import InnerProducts
 from missionplan.diagnosis.inference.marginal_likelihood import gaussian_log_density
@@ -27,6 +28,8 @@ LENGTH = 0.3
 """Correlation length, of the axis' extent."""
 MOST_COLUMNS, LEAST_SHARE = 8, 1e-4
 """Principal components kept at most, and least share of the first one's variance that one has."""
+LEAST_LIKELY = 0.01
+"""Probability from which a noise is considered."""
 FEW = 2
 """Data over coordinates below which only what the fit's own causes do is taken from a response."""
 SAME = 1e-6
@@ -35,7 +38,7 @@ SAME = 1e-6
 
 def responses_beside(model: "DescentModel", fits: Sequence[CauseFit]) -> NeutralResponses:
     """Return neutral responses by the axes of the first fit, and what they add to the log evidence of each."""
-    axes = model.axes(fits[0].state.linear)
+    axes = model.response_axes(fits[0].state.linear)
     if not axes:
         return NeutralResponses((), np.zeros((len(fits), 0)))
     columns = _columns(model, fits[0], axes)
@@ -43,9 +46,23 @@ def responses_beside(model: "DescentModel", fits: Sequence[CauseFit]) -> Neutral
     ends = np.cumsum([own.shape[1] for own in columns])
     parts = [np.arange(end - own.shape[1], end) for own, end in zip(columns, ends, strict=True)]
     gains = [
-        _log_gains(model.products(fit.state.linear, fit.state.prior_sd, joined), parts, len(model.y)) for fit in fits
+        _log_gains(
+            model.products(fit.state.linear, fit.state.prior_sd, joined, _likely_noises(fit)), parts, len(model.y)
+        )
+        for fit in fits
     ]
     return NeutralResponses([(axis.name, axis.description) for axis in axes], np.array(gains))
+
+
+def _likely_noises(fit: CauseFit) -> tuple[Noise, ...]:
+    """Noises that are likely under a fit, and those with the usual scatter, which may be so beside a response."""
+    logs = log_joint_with_noise(fit.state.likelihood.marginals(fit.state.prior_sd))
+    likely = logs - logsumexp(logs) > np.log(LEAST_LIKELY)
+    return tuple(
+        noise
+        for noise, kept in zip(noise_grid(), likely, strict=True)
+        if kept or (noise.scatter == NOMINAL_NOISE.scatter and noise.diffusion == NOMINAL_NOISE.diffusion)
+    )
 
 
 def _columns(model: "DescentModel", fit: CauseFit, axes: Sequence[Axis]) -> list[Array]:

@@ -101,10 +101,6 @@ class Model(Protocol):
         """Groups of effects that exclude each other: a set holds at most one of each."""
         ...
 
-    def may_be_multimodal(self, causes: Causes) -> bool:
-        """Whether their likelihood may have several maxima, so that a search that ended badly is repeated afresh."""
-        ...
-
     @property
     def untestable(self) -> Mapping[str, str]:
         """Effects of the catalogue that these data could not show, and why."""

@@ -62,10 +62,11 @@ def credible_set(posterior: Mapping[Causes, float]) -> list[Causes]:
     """
     chosen: list[Causes] = []
     total = 0.0
+    whole = min(sum(posterior.values()), 1.0)
     for causes, probability in sorted(posterior.items(), key=lambda item: -item[1]):
         chosen.append(causes)
         total += probability
-        if total >= CREDIBLE:
+        if total >= CREDIBLE * whole:
             break
     return chosen
 

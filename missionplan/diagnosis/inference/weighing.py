@@ -29,6 +29,8 @@ MOST_FITTED = 16
 """Sets of each size that are fitted, at most."""
 SAMPLED_WITHIN, MOST_SAMPLED = 4.0, 6
 """Nats below the likeliest within which the evidence is computed by importance sampling, and sets at most."""
+ROUNDS = 3
+"""Times that sets of the credible set are fitted which were only estimated: others may take their places."""
 EFFECTIVE = 10.0
 """Effective draws from which it replaces that of the linearised model: its logarithm is known to a third of a nat."""
 BESIDE_RESPONSES = 8
@@ -90,7 +92,8 @@ def weigh(model: LinearisedModel, progress: Progress, jobs: int = 1) -> Selectio
         sets.fit(wanted)
     progress("weighing all sets of causes", 0, 1)
     sets.sample()
-    sets.fit([causes for causes in sets.credible() if causes not in sets.fits])
+    for _ in range(ROUNDS):
+        sets.fit([causes for causes in sets.credible() if causes not in sets.fits])
     return sets.selection()
 
 
@@ -103,6 +106,7 @@ class _Sets:
         self._failed: list[FailedFit] = []
         self._impossible: list[CauseFit] = []
         self._evidence: dict[Causes, float] = {}
+        self._errors: dict[Causes, float] = {}
         self._gained: dict[Causes, float] = {}
         self._responses: NeutralResponses | None = None
         self._beside: list[Causes] = []
@@ -125,7 +129,7 @@ class _Sets:
         return not any(len(group & set(causes)) > 1 for group in self._model.alternatives)
 
     def _score(self, causes: Causes) -> float:
-        return self._evidence[causes] + self._log_prior(len(causes))
+        return self._evidence[causes] - self._error(causes) + self._log_prior(len(causes))
 
     def _estimate(self, sets: Iterable[Causes]) -> None:
         """Estimate sets from the likeliest of their parts that were fitted."""
@@ -160,7 +164,10 @@ class _Sets:
         return [self.fits[part] for part in (*first, *(p for p in parts if len(p) == 1 and p not in first))]
 
     def sample(self) -> None:
-        """Replace the evidence of the likeliest sets by that of importance sampling, where that is known better."""
+        """Correct the evidence of the likeliest sets by importance sampling, where that is known better.
+
+        A set that was not sampled has the error of the linearisation of its likeliest part that was.
+        """
         best = max(map(self._score, self.fits))
         likely = [c for c in sorted(self.fits, key=lambda c: -self._score(c)) if self._score(c) > best - SAMPLED_WITHIN]
         wanted = [self.fits[causes] for causes in likely[:MOST_SAMPLED]]
@@ -168,8 +175,14 @@ class _Sets:
             wanted, parallel_map(partial(_sampled, self._model), wanted, jobs=self._jobs), strict=True
         ):
             if found.effective >= EFFECTIVE:
-                self._evidence[fit.causes] = found.log_evidence
+                self._errors[fit.causes] = fit.log_evidence - found.log_evidence
         self._add_responses()
+
+    def _error(self, causes: Causes) -> float:
+        """By how much the linearised evidence of a set is too great."""
+        parts = [part for part in self._errors if set(part) <= set(causes)]
+        nearest = max(parts, key=lambda part: (len(part), self._evidence[part]), default=None)
+        return 0.0 if nearest is None else self._errors[nearest]
 
     def _add_responses(self) -> None:
         """Compute what neutral responses add to nothing, to single causes and to the likeliest sets."""
@@ -185,10 +198,8 @@ class _Sets:
         count = len(self._responses.described)
         for causes, gains in zip(self._beside, self._responses.log_gains, strict=True):
             if len(causes) < MOST_CAUSES:
-                prior = self._log_prior(len(causes) + 1) - math.log(count)
-                found |= {
-                    (causes, r): self._evidence[causes] + g + prior for r, g in enumerate(gains.tolist(), start=1)
-                }
+                known = self._evidence[causes] - self._error(causes) + self._log_prior(len(causes) + 1)
+                found |= {(causes, r): known + g - math.log(count) for r, g in enumerate(gains.tolist(), start=1)}
         return found
 
     def probabilities(self) -> dict[Causes, float]:
@@ -204,11 +215,11 @@ class _Sets:
         joint = probabilities(self.log_masses())
         posterior = over_responses(joint)
         ranked = [self.fits[causes] for causes in posterior if causes and causes in self.fits]
-        base = self._evidence[()]
+        base = self._score(())
         described = self._responses.described if self._responses is not None else ()
         return Selection(
             self.fits[()],
-            tuple(Candidate(fit, self._evidence[fit.causes] - base) for fit in ranked),
+            tuple(Candidate(fit, self._score(fit.causes) - self._log_prior(len(fit.causes)) - base) for fit in ranked),
             tuple(Candidate(fit, fit.log_evidence - base) for fit in self._impossible),
             tuple(self._failed),
             len(self._model.candidates),
@@ -219,7 +230,7 @@ class _Sets:
             ),
             nothing=joint[(), 0],
             not_computed=sum(p for causes, p in posterior.items() if causes not in self.fits),
-            credible=tuple(self.credible()),
+            credible=tuple(credible_set(told_together({c: p for c, p in posterior.items() if c in self.fits}))),
         )
 
 

@@ -8,7 +8,6 @@ from numpy.typing import NDArray
 from scipy.linalg import solve_triangular
 
 from missionplan.arrays import Array
-from missionplan.diagnosis.coordinates import has_shape
 from missionplan.diagnosis.inference.adequacy.residuals import Residuals
 from missionplan.diagnosis.inference.marginal_likelihood import QUANTILE_95, expected_log_ratio
 from missionplan.diagnosis.inference.model import CauseFit, FailedFit, FitRequest, HeldOutScore
@@ -22,7 +21,6 @@ from missionplan.diagnosis.legs.posterior import infer, with_forms
 from missionplan.diagnosis.legs.responses import responses_along
 from missionplan.diagnosis.legs.set_density import LegInference
 from missionplan.effects import exclusive_groups
-from missionplan.results.learned.evidence import Causes
 
 ALTERNATIVES = exclusive_groups("transit")
 """Effects of which a set holds at most one: each describes how the errors are random."""
@@ -57,10 +55,6 @@ class TransitModel(TransitFitting):
     def columns_at_usual_sizes(self) -> Array:
         """Velocity errors of the effects in the mean at their usual sizes, shape (2, n, k) [m/s]."""
         return np.asarray(self.columns_as_expected * [coordinate.slab for coordinate in self.coordinates])
-
-    def may_be_multimodal(self, causes: Causes) -> bool:
-        """Whether a cause has a shape of its own."""
-        return has_shape(causes)
 
     def residuals(self, fit: CauseFit) -> Residuals:
         """Velocity errors leg by leg (first axis, second axis, next leg) and their covariance under a fit."""

@@ -129,6 +129,10 @@ class SummaryModel(DescentModel):
         return np.zeros((histories.settings, len(self.parts)))
 
     def axes(self, linear: DiveLinearisation) -> Sequence[Axis]:
+        """Return none: a handful of numbers has no structure to be tested."""
+        return ()
+
+    def response_axes(self, linear: DiveLinearisation) -> Sequence[Axis]:
         """Return one along which nothing is smooth: numbers that are off each by itself."""
         words = "numbers that are off each by itself"
         return (Axis("number", words, np.zeros((1, 1)), np.diag(self.units), size=OFF),)

@@ -7,7 +7,6 @@ import numpy as np
 from scipy.special import logsumexp
 
 from missionplan.arrays import Array
-from missionplan.diagnosis.coordinates import has_shape
 from missionplan.diagnosis.inference.adequacy.axes import Axis, pointwise, scaled
 from missionplan.diagnosis.inference.adequacy.residuals import Residuals
 from missionplan.diagnosis.inference.importance_sampling import SampledEvidence, sampled_evidence
@@ -83,10 +82,6 @@ class TankModel(TankFitting):
         plain = -0.5 * (count * np.log(noise[:, 0, 0]) + total / noise[:, 0, 0])
         averaged = logsumexp(logs + self.noise_log_prior[:, None] + np.log(SCALE_PRIOR))
         return float(averaged - logsumexp(plain + self.noise_log_prior))
-
-    def may_be_multimodal(self, causes: Causes) -> bool:
-        """Whether a cause has a shape parameter."""
-        return has_shape(causes)
 
     def sampled_evidence(self, fit: CauseFit) -> SampledEvidence:
         """Evidence by importance sampling of nuisance parameters and causes with the model itself, not linearised."""

@@ -39,9 +39,6 @@ class Written:
         self.sampled = {frozenset(causes): value for causes, value in (sampled or {}).items()}
         self.asked: list[frozenset[str]] = []
 
-    def may_be_multimodal(self, causes: Causes) -> bool:
-        return False
-
     def value(self, causes: Causes) -> float:
         return self.evidence.get(frozenset(causes), -1.0) if causes else 0.0
 
