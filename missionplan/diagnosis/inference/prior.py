@@ -248,5 +248,6 @@ def _cut(low: float, high: float) -> tuple[float, float, float]:
     ]
     mean = sum(densities)
     variance = 1.0 + sum(end * density for end, density in zip(ends, densities, strict=True)) - mean * mean
-    nearest = min(abs(low), abs(high))
-    return log_mass, mean, max(variance, 0.25 / (1.0 + nearest * nearest))
+    nearest, width = min(abs(low), abs(high)), high - low
+    least = min(0.25 / (1.0 + nearest * nearest), width * width / 24.0)  # rounding may leave less, far from the middle
+    return log_mass, mean, max(variance, least)

@@ -6,7 +6,7 @@ from scipy import integrate, optimize, stats
 
 from missionplan.diagnosis.inference.gauss_newton import GaussNewtonOptions, LeastSquares, Start, gauss_newton
 from missionplan.diagnosis.inference.marginal_likelihood import LOG_2PI, gaussian_marginal
-from missionplan.diagnosis.inference.prior import DOF, Prior, likeliest_scales
+from missionplan.diagnosis.inference.prior import DOF, Prior, inside_range, likeliest_scales
 
 BOTH = Prior(np.array([1.0, -2.0]), np.array([0.5, 3.0]), np.array([True, False]))
 
@@ -74,3 +74,35 @@ def test_the_search_ends_at_the_mode_under_a_heavy_slab():
 
     mode = optimize.minimize_scalar(objective, bounds=(0.0, 12.0), method="bounded", options={"xatol": 1e-9}).x
     assert found.at[0] == pytest.approx(mode, abs=1e-3)
+
+
+@pytest.mark.parametrize(("low", "high"), [(0.0, np.inf), (-1.0, 2.0), (3.0, np.inf), (-np.inf, -4.0), (9.0, 9.5)])
+def test_one_range_cuts_a_normal_distribution_exactly(low, high):
+    cut = inside_range(np.array([0.3]), np.array([[4.0]]), np.array([low]), np.array([high]))
+    ends = (low - 0.3) / 2.0, (high - 0.3) / 2.0
+    exact = stats.truncnorm(*ends, 0.3, 2.0)
+    assert cut.mean[0] == pytest.approx(exact.mean(), rel=1e-6)
+    assert cut.covariance[0, 0] == pytest.approx(exact.var(), rel=1e-3)
+    mass = stats.norm.sf(ends[0]) - stats.norm.sf(ends[1]) if low > 0.3 else np.diff(stats.norm.cdf(ends))[0]
+    assert cut.log_mass == pytest.approx(np.log(mass), abs=1e-6)
+
+
+def test_two_ranges_of_correlated_coordinates_by_draws():
+    mean, covariance = np.array([0.4, -0.2, 1.0]), np.array([[1.0, 0.6, 0.3], [0.6, 1.0, -0.2], [0.3, -0.2, 2.0]])
+    low, high = np.array([0.0, 0.0, -np.inf]), np.full(3, np.inf)
+    cut = inside_range(mean, covariance, low, high)
+    drawn = np.random.default_rng(1).multivariate_normal(mean, covariance, 400_000)
+    inside = drawn[np.all(drawn >= low, axis=1)]
+    assert cut.log_mass == pytest.approx(np.log(len(inside) / len(drawn)), abs=0.05)
+    np.testing.assert_allclose(cut.mean, inside.mean(axis=0), atol=0.05)
+    np.testing.assert_allclose(cut.covariance, np.cov(inside.T), atol=0.12)
+
+
+def test_a_slab_that_is_cut_is_a_density_inside_its_range():
+    prior = Prior(np.zeros(1), np.array([0.3]), np.array([True]), low=np.zeros(1), high=np.array([0.9]))
+
+    def density(x):
+        return float(np.exp(prior.log_density(np.array([x])) - prior.log_mass))
+
+    assert integrate.quad(density, 0.0, 0.9)[0] == pytest.approx(1.0)
+    assert density(-0.1) == density(1.0) == 0.0
