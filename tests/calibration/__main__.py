@@ -42,7 +42,7 @@ def record(seed: int, is_outside: bool) -> dict[str, object]:
         fresh = write(folder / "fresh", sail(later, what, rng), seen.fix)
         score = missionplan.score(Mission.from_data(found.extended), fresh)
         whole = score.summary()["datasets"][0]["predictions"]["whole"]
-    return {"outside": what.outside, **_said(found, what.names, what.parameters), **_held(whole)}
+    return {"seed": seed, "outside": what.outside, **_said(found, what.names, what.parameters), **_held(whole)}
 
 
 def record_of_dives(seed: int, is_outside: bool) -> dict[str, object]:
@@ -51,7 +51,7 @@ def record_of_dives(seed: int, is_outside: bool) -> dict[str, object]:
     with tempfile.TemporaryDirectory() as name:
         base, data = case.write(Path(name) / "seen", Path(name) / "truth")
         found = missionplan.diagnose(base, data, plan=False)
-    return {"outside": case.outside, **_said(found, case.truth, case.parameters)}
+    return {"seed": seed, "outside": case.outside, **_said(found, case.truth, case.parameters)}
 
 
 def _said(found: Diagnosis, truth: Sequence[str], parameters: Mapping[str, float]) -> dict[str, object]:
@@ -138,7 +138,7 @@ def main() -> None:
     lines = [json.loads(text) for text in options.lines.read_text().splitlines()] if _exists(options.lines) else []
     for k, is_outside in wanted[len(lines) :]:
         one = record if options.kind == "legs" else record_of_dives
-        lines.append({"seed": options.seed + k, **one(options.seed + k, is_outside)})
+        lines.append(one(options.seed + k, is_outside))
         if options.lines is not None:
             with options.lines.open("a") as file:
                 file.write(json.dumps(lines[-1], default=bool) + "\n")
