@@ -6,18 +6,18 @@ misfit is seen), wide when it is (a *slab*: the sizes at which the effect occurs
 """
 
 import math
-from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from collections.abc import Collection, Iterable, Sequence
+from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.linalg import block_diag, solve_triangular
 from scipy.special import ndtri
 
 from missionplan.arrays import Array, Scalars
 from missionplan.effects import CATALOGUE, EffectInfo
 from missionplan.effects.oscillation import MODULATION_PARAMETERS
-from missionplan.montecarlo.draws import Correlation, is_joint
 from missionplan.results.learned.evidence import ParameterEstimate
 
 LOWER, UPPER = 0.05, 0.95
@@ -153,53 +153,93 @@ def estimates(coordinates: Sequence[Coordinate], mean: Array, covariance: Array)
     return tuple(found)
 
 
-LEAST_CORRELATION = 0.01
-"""Weaker ones are left out."""
-_SHRINKAGES = (0.0, 1e-3, 1e-2, 0.1, 1.0)
+@dataclass(frozen=True)
+class JointPosterior:
+    """What is known of k coordinates together, as a normal distribution: for a record to come.
 
-
-def correlations(coordinates: Sequence[Coordinate], mean: Array, covariance: Array) -> tuple[Correlation, ...]:
-    """Return the correlations of the parameters that `estimates` gives, of the normals that they are drawn from.
-
-    They are rounded to three digits, and made smaller together where no distribution has them so.
-
-    Parameters
+    Attributes
     ----------
-    coordinates, mean, covariance
-        See `estimates`.
+    coordinates : tuple of Coordinate, length k
+    mean : array, shape (k,)
+    covariance : array, shape (k, k)
     """
-    if len(coordinates) < 2:
-        return ()
-    names = [f"{each.effect}.{each.name}" for each in estimates(coordinates, mean, covariance)]
-    rows = _derivatives(coordinates, mean)
-    spread = rows @ covariance @ rows.T
-    sd = np.sqrt(np.maximum(np.diag(spread), 0.0))
-    known = np.outer(sd, sd)
-    rho = np.where(known > 0.0, spread / np.where(known > 0.0, known, 1.0), 0.0)
-    for shrinkage in _SHRINKAGES:
-        pairs = tuple(
-            Correlation((names[i], names[j]), value)
-            for i in range(len(names))
-            for j in range(i)
-            if abs(value := round(float((1.0 - shrinkage) * rho[i, j]), 3)) >= LEAST_CORRELATION
-        )
-        if is_joint(pairs):
-            break
-    return pairs
+
+    coordinates: tuple[Coordinate, ...]
+    mean: Array
+    covariance: Array
+
+    def joined(self, other: "JointPosterior") -> "JointPosterior":
+        """Join with another one that is independent of it."""
+        mean, covariance = np.concatenate([self.mean, other.mean]), block_diag(self.covariance, other.covariance)
+        return JointPosterior((*self.coordinates, *other.coordinates), mean, covariance)
+
+    def without(self, effects: Collection[str]) -> "JointPosterior":
+        """Return it without the coordinates of some effects."""
+        kept = [index for index, coordinate in enumerate(self.coordinates) if coordinate.effect not in effects]
+        own = tuple(self.coordinates[index] for index in kept)
+        return JointPosterior(own, self.mean[kept], self.covariance[np.ix_(kept, kept)])
+
+    def scaled(self, scale: float) -> "JointPosterior":
+        """Return it with the sizes of random errors scaled."""
+        return replace(self, mean=self.mean + math.log(scale) * np.array([_is_size(c) for c in self.coordinates]))
+
+    def drawn(self, count: int, generator: np.random.Generator) -> dict[tuple[str, str], Array]:
+        """Draw parameters by effect and name, shape (count,) each, with just this mean and covariance.
+
+        A draw with a strength out of its physical range is replaced by another one; sizes and times are cut.
+        """
+        normals = even_normals(count, len(self.mean), generator)
+        values, vectors = np.linalg.eigh(self.covariance)
+        at = self.mean + (normals * np.sqrt(np.maximum(values, 0.0))) @ vectors.T
+        found = {
+            (effect, name): np.asarray(drawn)
+            for effect, named in parameters_from(self.coordinates, at.T).items()
+            for name, drawn in named.items()
+        }
+        kept = np.ones(count, dtype=bool)
+        for column in found:
+            low, high = _range(column)
+            if not _is_shape(column):
+                kept &= (found[column] >= low) & (found[column] <= high)
+        places = np.arange(count)
+        if kept.any():
+            places[~kept] = np.resize(np.flatnonzero(kept), np.count_nonzero(~kept))
+        return {column: np.clip(values[places], *_range(column)) for column, values in found.items()}
 
 
-def _derivatives(coordinates: Sequence[Coordinate], mean: Array) -> Array:
-    """Derivatives of the parameters by the coordinates, of a shape of its logarithm, shape (parameters, k)."""
-    rows: list[Array] = []
-    identity = np.eye(len(coordinates))
-    for index, coordinate in enumerate(coordinates):
-        if coordinate.kind in ("strength", "shape"):
-            rows.append(identity[index])
-        elif coordinate.kind == "sine":
-            cosine, sine = mean[index - 1 : index + 1] / max(float(np.hypot(*mean[index - 1 : index + 1])), 1e-12)
-            rows.append(cosine * identity[index - 1] + sine * identity[index])
-            rows.append(cosine * identity[index] - sine * identity[index - 1])
-    return np.array(rows)
+def even_normals(count: int, size: int, generator: np.random.Generator) -> Array:
+    """Draw standard normals, shape (count, size), with just the mean and the covariance of the law where they can."""
+    normals = generator.standard_normal((count, size))
+    if count > EXACT * size > 0:
+        normals -= normals.mean(axis=0)
+        factor = np.linalg.cholesky(normals.T @ normals / count)
+        normals = solve_triangular(factor, normals.T, lower=True).T
+    return normals
+
+
+EXACT = 4
+"""Draws a coordinate from which their moments are made exact."""
+SIGMA_V = Coordinate("", "sigma_v", "shape", 0.0, 0.0, 0.0)
+"""The standard deviation of the velocity error, which belongs to no effect."""
+
+
+def _is_size(coordinate: Coordinate) -> bool:
+    if not coordinate.effect:
+        return True
+    return CATALOGUE[coordinate.effect].parameters[coordinate.name].is_random_size
+
+
+def _is_shape(column: tuple[str, str]) -> bool:
+    effect, name = column
+    return not effect or CATALOGUE[effect].parameters[name].is_shape
+
+
+def _range(column: tuple[str, str]) -> tuple[float, float]:
+    effect, name = column
+    if not effect:
+        return 1e-9, math.inf
+    parameter = CATALOGUE[effect].parameters[name]
+    return parameter.low, parameter.high
 
 
 def _polar(coordinate: Coordinate, pair: NDArray[np.float64], covariance: Array) -> list[ParameterEstimate]:

@@ -8,6 +8,7 @@ from typing import ClassVar, Protocol, Self
 import pandas as pd
 
 from missionplan.diagnosis.coordinates import Coordinate
+from missionplan.diagnosis.given.effects import GivenEffect
 from missionplan.diagnosis.inference.experiment_design import DirectMeasurement
 from missionplan.diagnosis.inference.model import CauseFit
 from missionplan.diagnosis.inference.selection import WeighsAllSets
@@ -84,9 +85,14 @@ class DataKind(ABC):
         return ()
 
     @property
+    @abstractmethod
+    def given(self) -> tuple[GivenEffect, ...]:
+        """The mission's own effects, those that the data could show."""
+
+    @property
     def known(self) -> tuple[ParameterEstimate, ...]:
-        """What the mission knows of its own effects, of those that the data could show."""
-        return ()
+        """What the mission knows of them."""
+        return tuple(estimate for each in self.given for estimate in each.prior)
 
     @classmethod
     @abstractmethod
@@ -121,9 +127,9 @@ class DataKind(ABC):
     def shares_explained(self, base: CauseFit, fits: Sequence[CauseFit], residuals: pd.DataFrame) -> list[float]:
         """Return the share of the base model's squared residuals that goes with each fit."""
 
-    @abstractmethod
     def extended_mission(self, best: CauseFit) -> dict[str, object]:
-        """Return the mission file's data with the causes of a fit written into them."""
+        """Return the mission file's data with what a fit says of all that belongs to no effect."""
+        return dict(self.mission.raw)
 
     @abstractmethod
     def plan_gain(self, base: Mission, extended: Mapping[str, object], *, seed: int, jobs: int) -> PlanGain:
@@ -137,8 +143,8 @@ class DataKind(ABC):
         """Return a fit with its estimates as they are reported, where these take longer than those of a search."""
         return fit
 
-    def widened(self, best: CauseFit, scale: float) -> CauseFit:
-        """Return a fit with its random errors scaled, where the mission carries them; else as it is."""
+    def carried(self, best: CauseFit, scale: float) -> CauseFit:
+        """Return a fit as a mission's effects carry it: random errors scaled, without what its other keys state."""
         return best
 
     def not_constant(self, best: CauseFit) -> Causes:

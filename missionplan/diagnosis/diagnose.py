@@ -11,11 +11,10 @@ from threadpoolctl import threadpool_limits
 from missionplan.datasets.reading import files_outside
 from missionplan.diagnosis.data_kind import DataKind
 from missionplan.diagnosis.explanations import Weighed, hypotheses, odds, weighed, with_found
-from missionplan.diagnosis.extended_mission import having_learned
+from missionplan.diagnosis.extended_mission import extended_mission
 from missionplan.diagnosis.forecast_error import forecast_notice
 from missionplan.diagnosis.inference.experiment_design import Discrimination, discriminations
 from missionplan.diagnosis.judgement import Judgement, judge, read
-from missionplan.diagnosis.mission_in_doubt import mission_in_doubt
 from missionplan.diagnosis.pipeline import PipelineResult, run_pipeline
 from missionplan.diagnosis.result_builder import as_reported, group_scores, ranked_sets
 from missionplan.mission import Mission, MissionOrPath
@@ -109,13 +108,16 @@ def _diagnose(mission: Mission, dataset: Path, seed: int, jobs: int, wanted: _Wa
     judgement = judge(bound, found, jobs)
     scale = judgement.coverage.scale if judgement.coverage is not None else 1.0
     explanations = with_found(explanations, found, jobs)
-    believed = hypotheses(explanations, found, judgement, scale) if is_new else ()
-    extended = having_learned(mission_in_doubt(believed) if is_new else mission.raw, bound.data.identities)
+    believed = hypotheses(explanations, found, scale) if is_new else ()
+    extended = extended_mission(believed, bound.data.identities) if is_new else dict(mission.raw)
     stage()
     separated = _separated(bound, found, judgement, jobs)
     stage()
     decision = bound.plan_gain(mission, extended, seed=seed, jobs=jobs) if wanted.plan and is_new else PlanGain()
-    trial = _next_trial(explanations, found, judgement, scale, seed) if wanted.next_trial and is_new else None
+    trial = _next_trial(explanations, found, scale, seed) if wanted.next_trial and is_new else None
+    if trial is not None and trial.trial is not None:
+        known: dict[str, object] = {key: extended[key] for key in ("posterior", "learned_from") if key in extended}
+        trial = replace(trial, trial={**trial.trial, **known})  # the trial's mission lies beside the same draws
     untold = () if is_new or not wanted.next_trial else (NO_TRIAL,)
     provenance = Run("diagnose", mission, 0, seed, started=started).provenance(
         {"dataset": str(dataset), "jobs": jobs, **asdict(wanted)},
@@ -190,13 +192,11 @@ class _Stages:
             self._progress(self._done, STAGES)
 
 
-def _next_trial(
-    explanations: Sequence[Weighed], found: PipelineResult, judgement: Judgement, scale: float, seed: int
-) -> NextTrial | None:
+def _next_trial(explanations: Sequence[Weighed], found: PipelineResult, scale: float, seed: int) -> NextTrial | None:
     """Value further trials; their models of dives and legs are imported for it alone."""
     from missionplan.diagnosis.next_trial.next_trial import next_trial
 
-    return next_trial(explanations, found, judgement, scale, seed)
+    return next_trial(explanations, found, scale, seed)
 
 
 def _first_part(bound: DataKind, *, share: float, seed: int) -> DataKind:

@@ -5,7 +5,6 @@ has their effects with the distributions as the priors of their parameters. So e
 data that it was made from a mission gains no cause.
 """
 
-import copy
 import math
 from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -16,23 +15,20 @@ import numpy as np
 
 from missionplan.arrays import Array
 from missionplan.diagnosis.data_kind import DataKind
+from missionplan.diagnosis.extended_mission import Hypothesis
 from missionplan.diagnosis.inference.fitting import fitted
 from missionplan.diagnosis.inference.model import CauseFit, FailedFit
 from missionplan.diagnosis.inference.posterior import CREDIBLE
-from missionplan.diagnosis.judgement import Judgement
 from missionplan.diagnosis.kinds import bind_dataset
-from missionplan.diagnosis.mission_in_doubt import ROOT, Hypothesis, items, renamed
 from missionplan.diagnosis.pipeline import PipelineResult
-from missionplan.diagnosis.verdict import LIKELY
 from missionplan.effects import CATALOGUE, exclusive_groups
 from missionplan.errors import RunError
 from missionplan.mission import Mission
-from missionplan.mission.schema.effect_list import ONE_OF
 from missionplan.phases.hooks import MarkovProcess
 from missionplan.results.learned.evidence import Causes, ExplanationOdds
 
-MOST = 12
-"""Combinations of explanations that are compared, the likeliest."""
+MOST, FEW = 12, 3
+"""Combinations of explanations that are compared, the likeliest, and explanations of one doubt that all are."""
 
 
 @dataclass(frozen=True)
@@ -87,39 +83,35 @@ class Weighed:
 
 
 def explained_missions(mission: Mission) -> tuple[Explained, ...]:
-    """Return the mission under each combination of its explanations, the likeliest first; itself where it has none."""
+    """Return the mission under each combination of its explanations, the likeliest first; itself where it has none.
+
+    Of a posterior these are the sets that hold 95 % of the probability: the others' effects are of the catalogue.
+    """
     if not mission.doubts:
         return (Explained(1.0, (), mission),)
-    combinations = product(*(range(len(doubt.probabilities)) for doubt in mission.doubts))
+    combinations = product(*(_likely(doubt.probabilities) for doubt in mission.doubts))
     found = sorted((_prior(mission, numbers), numbers) for numbers in combinations)[-MOST:][::-1]
     total = sum(prior for prior, _ in found)
-    return tuple(
-        Explained(
-            prior / total,
-            tuple(name for doubt, number in zip(mission.doubts, numbers, strict=True) for name in doubt.causes[number]),
-            Mission.from_data(_plain(mission, numbers), file=mission.file),
-        )
-        for prior, numbers in found
-    )
+    return tuple(Explained(prior / total, *_known(mission, numbers)) for prior, numbers in found)
+
+
+def _likely(probabilities: Sequence[float]) -> list[int]:
+    """The fewest numbers that hold 95 % of the probability where there are many, else all."""
+    ordered = sorted(range(len(probabilities)), key=lambda number: -probabilities[number])
+    before = np.cumsum([0.0, *(probabilities[number] for number in ordered)])
+    return ordered[: max(FEW, int(np.count_nonzero(before[:-1] < CREDIBLE)))]
 
 
 def _prior(mission: Mission, numbers: Sequence[int]) -> float:
     return math.prod(doubt.probabilities[number] for doubt, number in zip(mission.doubts, numbers, strict=True))
 
 
-def _plain(mission: Mission, numbers: Sequence[int]) -> dict[str, object]:
-    """Data of a mission with the explanations that hold as plain effects."""
-    data, chosen = copy.deepcopy(dict(mission.raw)), iter(numbers)
-    effects: list[object] = []
-    correlations = items(data, "correlations")
-    for item in items(data, "effects"):
-        explanations = item.get(ONE_OF)
-        if explanations is None:
-            effects.append(item)
-        elif (number := next(chosen)) < len(explanations):
-            effects += explanations[number]["effects"]
-            correlations += [renamed(pair, "", ROOT) for pair in explanations[number].get("correlations", [])]
-    return data | {"effects": effects} | ({"correlations": correlations} if correlations else {})
+def _known(mission: Mission, numbers: Sequence[int]) -> tuple[Causes, Mission]:
+    """Effects of the explanations of these numbers, and the mission in which they are known to hold."""
+    causes: Causes = ()
+    for doubt, number in zip(mission.doubts, numbers, strict=True):
+        mission, causes = mission.knowing(doubt.place, number), (*causes, *doubt.causes[number])
+    return causes, mission
 
 
 def weighed(
@@ -209,10 +201,8 @@ def _gain(found: PipelineResult) -> float:
     return -math.log(max(found.posterior.get((), 0.0), 1e-300))
 
 
-def hypotheses(
-    explanations: Sequence[Weighed], found: PipelineResult, judgement: Judgement, scale: float
-) -> tuple[Hypothesis, ...]:
-    """Return what may hold after a diagnosis, with 95 % of the probability, the likeliest first.
+def hypotheses(explanations: Sequence[Weighed], found: PipelineResult, scale: float) -> tuple[Hypothesis, ...]:
+    """Return what may hold after a diagnosis, the likeliest first.
 
     These are the sets of causes found beside the likeliest explanation, and the other explanations as they are.
 
@@ -222,28 +212,36 @@ def hypotheses(
         As `with_found` returns them.
     found : PipelineResult
         With the likeliest.
-    judgement : Judgement
     scale : float
-        Of the random errors; see `DataKind.widened`.
+        Of the random errors; see `DataKind.carried`.
     """
-    first, others = explanations[0], explanations[1:]
-    fits = {candidate.causes: candidate.fit for candidate in found.selection.ranking} | {(): found.selection.base}
-    shares = shares_in_doubt(found, judgement, fits)
-    masses = explanation_weights(explanations)
-    if first.extended is not None:
-        fits[first.extended.causes] = first.extended
-    listed = [(first, fits[causes], masses[0] * share) for causes, share in shares.items()]
-    listed += [(one, one.fit, mass) for one, mass in zip(others, masses[1:], strict=True) if one.fit is not None]
-    kept = _credible(listed)
-    total = sum(weight for *_, weight in kept)
+    listed = possible_fits(explanations, found)
+    total = sum(weight for *_, weight in listed)
     return tuple(
         Hypothesis(
             (*one.explained.causes, *fit.causes),
             float(weight / total),
-            one.bound.extended_mission(one.bound.widened(fit, scale)),
+            one.explained.mission,
+            tuple(each.effect for each in one.bound.given),
+            one.bound.carried(fit, scale),
+            one.bound.extended_mission(one.bound.carried(fit, scale)),
         )
-        for one, fit, weight in kept
+        for one, fit, weight in listed
     )
+
+
+def possible_fits(explanations: Sequence[Weighed], found: PipelineResult) -> list[tuple[Weighed, CauseFit, float]]:
+    """Return the fits that may hold with their weights, the likeliest first: as `hypotheses`."""
+    first, others = explanations[0], explanations[1:]
+    fits = {candidate.causes: candidate.fit for candidate in found.selection.ranking} | {(): found.selection.base}
+    shares = _stationary({causes: share for causes, share in found.posterior.items() if causes in fits}, fits)
+    total = sum(shares.values())
+    masses = explanation_weights(explanations)
+    if first.extended is not None:
+        fits[first.extended.causes] = first.extended
+    listed = [(first, fits[causes], float(masses[0]) * share / total) for causes, share in shares.items()]
+    listed += [(one, one.fit, float(mass)) for one, mass in zip(others, masses[1:], strict=True) if one.fit is not None]
+    return sorted(listed, key=lambda each: -each[2])
 
 
 def explanation_weights(explanations: Sequence[Weighed]) -> Array:
@@ -256,17 +254,6 @@ def explanation_weights(explanations: Sequence[Weighed]) -> Array:
     """
     logs = [math.log(max(one.probability, 1e-300)) + one.gain for one in explanations]
     return np.asarray(np.exp(np.array(logs) - max(logs)))
-
-
-def shares_in_doubt(found: PipelineResult, judgement: Judgement, fits: Collection[Causes]) -> dict[Causes, float]:
-    """Probabilities of the sets found beside the likeliest explanation; one set alone where no other is in question."""
-    if judgement.verdict == "explained" and not judgement.rivals:
-        return {found.best.causes: 1.0}
-    nothing = found.reading.nothing
-    if nothing >= LIKELY:
-        return {(): 1.0}
-    named = {causes: found.posterior[causes] for causes in judgement.credible_set if causes in fits}
-    return _stationary(named | ({(): nothing} if () in named else {}), fits)
 
 
 def _stationary(shares: Mapping[Causes, float], fits: Collection[Causes]) -> dict[Causes, float]:
@@ -296,21 +283,31 @@ def _process(name: str) -> float | None:
     return float(np.max(usual.first_variance)) if isinstance(usual, MarkovProcess) else None
 
 
-def _credible(listed: Sequence[tuple[Weighed, CauseFit, float]]) -> list[tuple[Weighed, CauseFit, float]]:
-    """The fewest that hold 95 % of the weight, the likeliest first."""
-    ordered = sorted(listed, key=lambda each: -each[2])
-    before = np.cumsum([0.0] + [weight for *_, weight in ordered])
-    return [each for each, sum_before in zip(ordered, before, strict=False) if sum_before < CREDIBLE * before[-1]]
-
-
 def odds(explanations: Sequence[Weighed], found: Sequence[Hypothesis]) -> tuple[ExplanationOdds, ...]:
     """Return what is in doubt after a diagnosis, the likeliest first: the mission's explanations, else what was found.
 
-    Empty where nothing is.
+    Sets that differ in a statistical description alone are told as one. Empty where one holds 95 % of the probability.
     """
     if len(explanations) > 1:
         weights = explanation_weights(explanations)
-        shares = (weights / weights.sum()).tolist()
-        odds = zip(explanations, shares, strict=True)
-        return tuple(ExplanationOdds(each.explained.causes, each.explained.prior, share) for each, share in odds)
-    return tuple(ExplanationOdds(each.causes, None, each.probability) for each in found) if len(found) > 1 else ()
+        shares = zip(explanations, (weights / weights.sum()).tolist(), strict=True)
+        return _merged([(one.explained.causes, one.explained.prior, share) for one, share in shares])
+    told = _merged([(each.causes, None, each.probability) for each in found])
+    before = np.cumsum([0.0, *(each.probability for each in told)])
+    credible = told[: int(np.count_nonzero(before[:-1] < CREDIBLE))]
+    total = sum(each.probability for each in credible)
+    again = tuple(replace(each, probability=each.probability / total) for each in credible)
+    return again if len(again) > 1 else ()
+
+
+def _merged(listed: Sequence[tuple[Causes, float | None, float]]) -> tuple[ExplanationOdds, ...]:
+    """Join sets with statistical descriptions to those without; listed with prior and posterior probabilities."""
+    plain = {causes for causes, *_ in listed}
+    sums: dict[Causes, list[float]] = {}
+    for causes, prior, share in listed:
+        physical = tuple(name for name in causes if CATALOGUE[name].part != "covariance")
+        own = sums.setdefault(physical if physical in plain else causes, [0.0, 0.0])
+        own[0], own[1] = own[0] + (prior or 0.0), own[1] + share
+    known = any(prior is not None for _, prior, _ in listed)
+    told = [ExplanationOdds(causes, prior if known else None, share) for causes, (prior, share) in sums.items()]
+    return tuple(sorted(told, key=lambda each: -each.probability))

@@ -1,58 +1,77 @@
-"""The extended mission: the mission's data with the causes as effects, each parameter a distribution."""
+"""The extended mission: its data, and beside them the draws of all that may hold after a diagnosis."""
 
 import copy
 import math
 from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
 
+import numpy as np
+from numpy.typing import NDArray
+
+from missionplan.arrays import Array
+from missionplan.diagnosis.given.draws import is_learned, stated_draws
+from missionplan.diagnosis.inference.model import CauseFit
 from missionplan.effects import CATALOGUE
+from missionplan.mission import Mission
 from missionplan.mission.mission import MOST_LEARNED
-from missionplan.montecarlo.draws import Correlation
-from missionplan.results.learned.evidence import ParameterEstimate
+from missionplan.mission.reading.posterior import SIGMA, hash_of
+from missionplan.mission.schema.effect_list import ONE_OF, POSTERIOR
+from missionplan.montecarlo.posterior import Column, PosteriorFile, WeightedDraws
+from missionplan.montecarlo.streams import stream
+from missionplan.results.learned.evidence import Causes
 
-SIGMA_FACTOR = "sigma_v_factor"
-"""Key of the calibration that says within what factor σ_v is known, in two of three cases."""
+DRAWS, FEWEST = 8192, 16
+"""Draws of a posterior, and of each of its sets at least."""
+LEAST = 2e-3
+"""Probability below which a set is left out."""
 LEAST_FACTOR = 1.02
 """Factor below which σ_v is written as a number."""
 
 
-def extended_mission(
-    raw: Mapping[str, object],
-    found: Sequence[ParameterEstimate],
-    calibration: Mapping[str, float],
-    correlations: Sequence[Correlation] = (),
-) -> dict[str, object]:
-    """Write the causes into a mission's data.
+@dataclass(frozen=True)
+class Hypothesis:
+    """What may hold after a diagnosis.
 
-    Parameters
+    Attributes
     ----------
-    raw : mapping
-        The mission file's data with includes in place.
-    found : sequence of ParameterEstimate
-        Parameters of the causes, and of the mission's own effects as they are known now.
-    calibration : mapping
-        Nuisance parameters as fitted; ``sigma_v_m_s`` replaces the mission's where it has a sigma.
-    correlations : sequence of Correlation
-        Of the causes' parameters, named ``effect.parameter``.
+    causes : tuple of str
+        Effects of the mission's explanation, and those found beyond it.
+    probability : float
+    before : Mission
+        Under the explanation.
+    shown : tuple of str
+        The mission's own effects that the data concern.
+    fit : CauseFit
+        With what is known of these now, and of the causes.
+    data : mapping
+        The mission's data with all that belongs to no effect, and the effects that it had.
     """
+
+    causes: Causes
+    probability: float
+    before: Mission
+    shown: Causes
+    fit: CauseFit
+    data: Mapping[str, object]
+
+
+def with_noise(raw: Mapping[str, object], calibration: Mapping[str, float]) -> dict[str, object]:
+    """Return a mission's data with the noise that was fitted, ``sigma_v_m_s``, where it has a sigma."""
     mission = copy.deepcopy(dict(raw))
-    effects = _with_found(mission.get("effects"), found)
-    if effects:
-        mission["effects"] = effects
-    together = _with_correlations(mission.get("correlations"), correlations, {estimate.effect for estimate in found})
-    if together:
-        mission["correlations"] = together
-    navigation = mission.get("navigation")
-    error = navigation.get("velocity_error") if isinstance(navigation, dict) else None
-    if isinstance(error, dict) and "sigma" in error and "sigma_v_m_s" in calibration:
-        error["sigma"] = _sigma(calibration)
+    if "sigma_v_m_s" in calibration:
+        _set_sigma(mission, calibration["sigma_v_m_s"], calibration.get("sigma_v_factor", 1.0))
     return mission
 
 
-def _sigma(calibration: Mapping[str, float]) -> object:
+def _set_sigma(mission: Mapping[str, object], median: float, factor: float) -> None:
     """Write σ_v, as a distribution where it is known how uncertain it is."""
-    middle = f"{calibration['sigma_v_m_s']:.4g} m/s"
-    factor = calibration.get(SIGMA_FACTOR, 1.0)
-    return {"median": middle, "factor": float(f"{factor:.4g}")} if factor > LEAST_FACTOR else middle
+    navigation = mission.get("navigation")
+    error = navigation.get("velocity_error") if isinstance(navigation, dict) else None
+    if isinstance(error, dict) and "sigma" in error:
+        middle = f"{median:.4g} m/s"
+        uncertain = {"median": middle, "factor": float(f"{factor:.4g}")}
+        error["sigma"] = uncertain if factor > LEAST_FACTOR else middle
 
 
 def having_learned(extended: Mapping[str, object], identities: Sequence[str]) -> dict[str, object]:
@@ -62,59 +81,136 @@ def having_learned(extended: Mapping[str, object], identities: Sequence[str]) ->
     return {**extended, **({"learned_from": list(learned)[-MOST_LEARNED:]} if learned else {})}
 
 
-def _with_correlations(given: object, found: Sequence[Correlation], effects: Collection[str]) -> list[object]:
-    """Correlations of the mission, but for those of parameters of the effects found, then theirs."""
-    names = tuple(f"effects.{effect}." for effect in effects)
-    kept = [
-        entry
-        for entry in (given if isinstance(given, list) else [])
-        if not any(str(name).startswith(names) for name in entry["between"])
-    ]
-    written = [
-        correlation for correlation in found if {name.split(".")[0] for name in correlation.between} <= set(effects)
-    ]
-    return kept + [
-        {"between": [f"effects.{name}" for name in correlation.between], "rho": correlation.rho}
-        for correlation in written
-    ]
+def extended_mission(found: Sequence[Hypothesis], identities: Sequence[str] = ()) -> dict[str, object]:
+    """Write hypotheses into one mission, as weighted draws.
 
+    Everything but the effects and the noise is that of the likeliest. Hypotheses that differ in the vehicle's own keys,
+    as tank data change them, cannot be written together: the likeliest is written alone.
 
-def _with_found(given: object, found: Sequence[ParameterEstimate]) -> list[object]:
-    """Effects of the mission with what was found of them, then the further causes.
-
-    An effect of the same exclusive group as another that was found has been replaced by that.
+    Parameters
+    ----------
+    found : sequence of Hypothesis
+        The likeliest first.
+    identities : sequence of str
+        Hashes of the data.
     """
-    by_effect: dict[str, list[ParameterEstimate]] = {}
-    for estimate in found:
-        by_effect.setdefault(estimate.effect, []).append(estimate)
-    groups = {CATALOGUE[name].exclusive_group for name in by_effect} - {""}
-    effects: list[object] = []
-    for entry in given if isinstance(given, list) else []:
-        name, parameters = next(iter(entry.items())) if isinstance(entry, dict) and entry else ("", None)
-        own = by_effect.pop(name, None)
-        if own is not None:
-            effects.append({name: (parameters or {}) | _written(own)})
-        elif name not in CATALOGUE or CATALOGUE[name].exclusive_group not in groups:
-            effects.append(entry)
-    return effects + [{name: _written(own)} for name, own in by_effect.items()]
+    mission = having_learned(copy.deepcopy(dict(found[0].data)), identities)
+    if any(each.data.get("vehicle") != mission.get("vehicle") for each in found):
+        found = found[:1]
+    draws = _draws([each for each in found if each.probability >= LEAST * found[0].probability])
+    _forget(mission, set(draws.effects) | {name for each in found for name in each.shown})
+    mission.pop(POSTERIOR, None)
+    if SIGMA in draws.columns:
+        logs, weights = np.log(draws.values[:, draws.columns.index(SIGMA)]), draws.weights
+        centre = float(weights @ logs)
+        _set_sigma(mission, math.exp(centre), math.exp(math.sqrt(float(weights @ (logs - centre) ** 2))))
+    if draws.effects:
+        mission[POSTERIOR] = PosteriorFile.of(draws, hash_of(mission.get("learned_from")), _summary(draws))
+    return mission
 
 
-def _written(found: Sequence[ParameterEstimate]) -> dict[str, object]:
-    return {estimate.name: quantity(estimate) for estimate in found}
+def _forget(mission: dict[str, object], effects: Collection[str]) -> None:
+    """Take out what a mission states of effects that its draws hold now, and what ties them."""
+    gone = ("effects[", *(f"effects.{name}." for name in effects))
+    kept = [entry for entry in _items(mission, "effects") if ONE_OF not in entry and not set(entry) & set(effects)]
+    pairs = _items(mission, "correlations")
+    tied = [pair for pair in pairs if not any(str(name).startswith(gone) for name in pair["between"])]
+    for key, left in (("effects", kept), ("correlations", tied)):
+        mission.pop(key, None)
+        if left:
+            mission[key] = left
 
 
-def quantity(estimate: ParameterEstimate) -> dict[str, str | float]:
-    """Write a parameter as a distribution: normal, or log-normal for one that is positive by nature.
+def _items(mission: Mapping[str, object], key: str) -> list[Any]:
+    """Items of a list of a mission that has been read."""
+    given = mission.get(key)
+    return list(given) if isinstance(given, list) else []
 
-    Its middle lies in the physical range, to which a mission cuts the distribution.
-    """
-    parameter = CATALOGUE[estimate.effect].parameters[estimate.name]
-    value = min(max(estimate.value, parameter.low), parameter.high)
+
+def _draws(found: Sequence[Hypothesis]) -> WeightedDraws:
+    """Draw each hypothesis as often as it is likely; those with the same effects are one set."""
+    total = sum(each.probability for each in found)
+    sets: dict[Causes, list[tuple[dict[Column, Array], Array]]] = {}
+    for number, each in enumerate(found):
+        count = max(FEWEST, round(DRAWS * each.probability / total))
+        drawn = _drawn(each, count, stream(0, POSTERIOR, number))
+        held = tuple(name for name in CATALOGUE if any(name == effect for effect, _ in drawn))
+        sets.setdefault(held, []).append((drawn, np.full(count, each.probability / total / count)))
+    columns = tuple(dict.fromkeys(column for own in sets.values() for drawn, _ in own for column in drawn))
+    rows, shares = [], []
+    for held, own in sets.items():
+        values = np.concatenate([_rows(drawn, len(weights), columns, held) for drawn, weights in own])
+        order = np.lexsort(values.T[::-1]) if columns else np.arange(len(values))  # neighbours are alike
+        rows.append(values[order])
+        shares.append(np.concatenate([weights for _, weights in own])[order])
+    which = np.repeat(np.arange(len(rows)), [len(each) for each in rows])
+    weights = np.concatenate(shares)
+    return WeightedDraws(tuple(sets), which, columns, np.concatenate(rows), weights / weights.sum())
+
+
+def _rows(drawn: Mapping[Column, Array], count: int, columns: Sequence[Column], held: Causes) -> Array:
+    """Draws as rows of all columns: a parameter that one fit has and another leaves out is at its default there."""
+    found = np.full((count, len(columns)), np.nan)
+    for index, (effect, name) in enumerate(columns):
+        if (effect, name) in drawn:
+            found[:, index] = drawn[effect, name]
+        elif effect in held:
+            found[:, index] = CATALOGUE[effect].parameters[name].default
+    return found
+
+
+def _drawn(each: Hypothesis, count: int, generator: np.random.Generator) -> dict[Column, Array]:
+    """Draws of all effects of a hypothesis: what the data show of them, and what the mission knew of the others."""
+    found: dict[Column, Array] = each.fit.posterior.drawn(count, generator) if each.fit.posterior is not None else {}
+    seen = {*each.shown, *each.fit.causes}
+    others = [e for e in each.before.effect_list.known if e.effect not in seen and e.explanation is not None]
+    stated = {entry.place: entry for entry in others if not is_learned(entry)}
+    if stated:
+        drawn, weights = stated_draws(each.before, {place: entry.parameters for place, entry in stated.items()})
+        picked = _resampled(weights, count, generator)
+        for entry, own in zip(stated.values(), drawn, strict=True):
+            found |= {(entry.effect, name): values[picked] for name, values in own.items()}
+    learned = each.before.effect_list.learned
+    if learned is not None:
+        kept = {entry.effect for entry in others if is_learned(entry)} | ({""} if SIGMA not in found else set())
+        picked = _resampled(learned.held.weights, count, generator)
+        found |= {c: learned.held.values[picked, i] for i, c in enumerate(learned.held.columns) if c[0] in kept}
+    return found
+
+
+def _resampled(weights: Array, count: int, generator: np.random.Generator) -> NDArray[np.int_]:
+    """Places of draws, each about as often as its weight says, in random order."""
+    picked = np.searchsorted(np.cumsum(weights), (np.arange(count) + generator.random()) / count)
+    return generator.permutation(np.minimum(picked, len(weights) - 1))
+
+
+def _summary(draws: WeightedDraws) -> dict[str, object]:
+    """What a person reads of the draws: each effect with its probability, mean and standard deviation."""
+    found: dict[str, object] = {}
+    for effect in sorted(draws.effects, key=lambda name: -draws.probability(name)):
+        words: dict[str, object] = {"probability": float(f"{draws.probability(effect):.4g}")}
+        for other, name in draws.columns:
+            if other == effect:
+                words[name] = _in_words((effect, name), *draws.column((effect, name)))
+        found[effect] = words
+    return found
+
+
+def _in_words(column: Column, values: Array, weights: Array) -> object:
+    """Mean and standard deviation, of an angle about its direction, of a size or a time middle and factor."""
+    parameter, shares = CATALOGUE[column[0]].parameters[column[1]], weights / weights.sum()
+    scale, unit = (180.0 / math.pi, "deg") if parameter.unit == "rad" else (1.0, parameter.unit)
 
     def written(value: float) -> str | float:
-        return f"{value:.5g} {parameter.unit}" if parameter.unit else float(f"{value:.5g}")
+        return f"{scale * value:.4g} {unit}" if unit else float(f"{value:.4g}")
 
-    if parameter.is_shape:
-        factor = math.exp(min(estimate.sd / estimate.value, 3.0))
-        return {"median": written(value), "factor": float(f"{max(factor, 1.0001):.5g}")}
-    return {"mean": written(value), "sd": written(estimate.sd)}
+    if parameter.is_shape and np.all(values > 0.0):
+        logs = np.log(values)
+        centre = float(shares @ logs)
+        factor = math.exp(math.sqrt(float(shares @ (logs - centre) ** 2)))
+        return {"median": written(math.exp(centre)), "factor": float(f"{max(factor, 1.0001):.4g}")}
+    centre = float(shares @ values)
+    if any(column[1] == phase for _, phase in CATALOGUE[column[0]].polar):
+        centre = float(np.angle(shares @ np.exp(1j * values)))
+        values = centre + np.angle(np.exp(1j * (values - centre)))
+    return {"mean": written(centre), "sd": written(math.sqrt(float(shares @ (values - centre) ** 2)))}

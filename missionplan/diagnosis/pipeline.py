@@ -71,7 +71,7 @@ class PipelineResult:
 
     def without_learning(self, known: tuple[ParameterEstimate, ...]) -> "PipelineResult":
         """Return what was found with the mission's own effects as they were known before."""
-        base = replace(self.selection.base, given=known, correlations=())
+        base = replace(self.selection.base, given=known)
         return replace(self, selection=replace(self.selection, base=base), best=base)
 
 

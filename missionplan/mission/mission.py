@@ -19,11 +19,12 @@ from missionplan.mission.editing.yaml_text import MissionText, dumped
 from missionplan.mission.quantity_paths import changed, phase_keys
 from missionplan.mission.reading.documents import Document, unprintable_texts
 from missionplan.mission.reading.includes import REMOTE, include_files
+from missionplan.mission.reading.posterior import posterior_of
 from missionplan.mission.reading.validation_errors import in_order, validation_problems
-from missionplan.mission.schema.effect_list import EffectEntry, EffectList, OneOf
+from missionplan.mission.schema.effect_list import POSTERIOR, EffectEntry, EffectList, Learned, OneOf
 from missionplan.mission.schema.effects import read_effects
 from missionplan.mission.schema.phases import MoorPhase, Navigation, Phase, PhaseEntry, TransitPhase
-from missionplan.mission.schema.section import FileSection, Identity, Moment, V
+from missionplan.mission.schema.section import FileSection, Identity, Moment, ReadBy, V
 from missionplan.mission.schema.shared_sections import SHARED, ValueInForce, joined, name_in_force, values_in_force
 from missionplan.mission.schema.site import Site
 from missionplan.mission.schema.sweep import CorrelationSection, MonteCarlo, OptimiseSection, Requirement, SweepSection
@@ -31,6 +32,7 @@ from missionplan.mission.schema.transition import TransitionPhase
 from missionplan.mission.schema.vehicle import EnergyBudget, Vehicle
 from missionplan.montecarlo.distributions import Distribution, mean_of
 from missionplan.montecarlo.draws import Correlation
+from missionplan.montecarlo.posterior import FILE, PosteriorFile
 from missionplan.store.folder import as_path, exists, matching, write_atomically
 
 _New = TypeVar("_New")
@@ -55,6 +57,7 @@ class Mission(FileSection, Generic[V]):
     requirements: tuple[Requirement, ...] = ()
     correlations: tuple[CorrelationSection, ...] = ()
     effect_list: EffectList[V] = Field(default=EffectList(), alias="effects")
+    posterior: Annotated[PosteriorFile | None, ReadBy(posterior_of)] = None
     learned_from: Annotated[tuple[Identity, ...], Field(max_length=MOST_LEARNED)] = ()
 
     _raw: dict[str, object] = PrivateAttr(default_factory=dict)
@@ -154,6 +157,9 @@ class Mission(FileSection, Generic[V]):
         except ValidationError as error:
             misspelt = [document.located(problem) for problem in misspelt_requirements(document.data)]
             raise InputError(in_order([*problems, *validation_problems(error, document, cls), *misspelt])) from None
+        if mission.posterior is not None:
+            learned = mission.effect_list.having_learned(mission.posterior.draws)
+            mission = mission.model_copy(update={"effect_list": learned})
         requirements, wrong = read_requirements(mission.requirements, mission.phases)
         limits = mission._limits()
         problems += [document.located(problem) for problem in (*mission._contradictions(), *wrong, *limits.problems)]
@@ -201,7 +207,7 @@ class Mission(FileSection, Generic[V]):
     def save(self, path: str | Path, *, force: bool = False) -> Path:
         """Write the mission to a file, with the comments of the file that it was read from.
 
-        Into another folder a vehicle's file is written in place of its name.
+        Into another folder a vehicle's file is written in place of its name, and the posterior's beside it.
 
         Parameters
         ----------
@@ -220,8 +226,20 @@ class Mission(FileSection, Generic[V]):
         if exists(path) and not force:
             raise InputError([Problem("is there already", str(path), hint="force=True overwrites it")])
         text = self._text.with_data(self.raw, path.parent) if self._text is not None else dumped(self.raw)
+        draws = path.parent / FILE
+        if self.posterior is not None and not self._stays(path.parent):
+            if exists(draws) and not force and draws.read_bytes() != self.posterior.content:
+                raise InputError([Problem("is there already", str(draws), hint="force=True overwrites it")])
+            write_atomically(draws, self.posterior.content)
         write_atomically(path, text)
         return path
+
+    def _stays(self, folder: Path) -> bool:
+        """Whether a mission written into a folder finds the draws where the file that it was read from has them."""
+        text = self._text
+        before = text.written.get(POSTERIOR) if text is not None and text.folder.resolve() == folder.resolve() else None
+        own = self.posterior
+        return own is not None and isinstance(before, Mapping) and before.get("sha256") == own["sha256"]
 
     def _contradictions(self: "Mission") -> list[LocalProblem]:
         """List what is wrong between sections that are each valid."""
@@ -233,7 +251,9 @@ class Mission(FileSection, Generic[V]):
 
     def _limits(self: "Mission") -> Findings:
         """List what the world does not allow, and what is unusual."""
-        sections = [(name, value) for name, value in self if name not in ("entries", "effect_list", "optimise")]
+        sections = [
+            (name, value) for name, value in self if name not in ("entries", "effect_list", "optimise", "posterior")
+        ]
         return (
             check_ranges(sections, self.phases)
             + check_effects(self.effects)
@@ -266,8 +286,8 @@ class Mission(FileSection, Generic[V]):
         return self.effect_list.entries
 
     @property
-    def doubts(self) -> tuple[OneOf[V], ...]:
-        """Lists of explanations of which one holds."""
+    def doubts(self) -> tuple[OneOf[V] | Learned[V], ...]:
+        """Lists of explanations of which one holds, and the posterior."""
         return self.effect_list.doubts
 
     def knowing(self, place: str, number: int) -> Self:
@@ -317,7 +337,8 @@ class Mission(FileSection, Generic[V]):
         """
         named = self.site.files if self.site else ()
         contents = {name: _by_contents(name) for name in named if not name.startswith(REMOTE)}
-        return {key: _replaced(value, contents) for key, value in self.raw.items()}
+        found = {key: _replaced(value, contents) for key, value in self.raw.items()}
+        return found if self.posterior is None else {**found, POSTERIOR: self.posterior["sha256"]}
 
     def mapped(self, change: Callable[[str, Any], _New]) -> "Mission[_New]":
         """Return the mission with every quantity changed.
@@ -338,7 +359,7 @@ class Mission(FileSection, Generic[V]):
                 inside[name] = self.effect_list.mapped(change)
             elif name in SHARED:
                 inside[name] = changed(joined(value, getattr(self.vehicle, name, None)), name, change)
-            elif name not in ("sweep", "optimise", "learned_from"):
+            elif name not in ("sweep", "optimise", "posterior", "learned_from"):
                 inside[name] = changed(value, name, change)
         return cast("Mission[_New]", self.model_copy(update=inside))
 

@@ -16,7 +16,7 @@ from missionplan.montecarlo.normal_transform import NormalTransform
 SECTIONS = frozenset(
     {
         *("name", "start", "units", "vehicle", "site", "navigation", "phases", "sweep", "optimise", "monte_carlo"),
-        *("energy", "requirements", "correlations", "effects", "learned_from", "total"),
+        *("energy", "requirements", "correlations", "effects", "posterior", "learned_from", "total"),
     }
 )
 """First parts of key paths that stand for no phase: the sections of a mission file, and the whole mission."""

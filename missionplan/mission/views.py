@@ -190,10 +190,9 @@ class ExplainedMission:
 def under_each_explanation(mission: Mission) -> tuple[ExplainedMission, ...]:
     """Return the mission under each explanation of each doubt, the other doubts as they are; none without doubts."""
     return tuple(
-        ExplainedMission(causes, share, mission.knowing(doubt.place, number))
+        ExplainedMission(doubt.causes[number], doubt.probabilities[number], mission.knowing(doubt.place, number))
         for doubt in mission.doubts
-        if doubt.known is None
-        for number, (causes, share) in enumerate(zip(doubt.causes, doubt.probabilities, strict=True))
+        for number in doubt.told_apart
     )
 
 

@@ -22,6 +22,7 @@ from missionplan.montecarlo.normal_transform import (
     restricted_normal,
     restricted_quantile,
 )
+from missionplan.montecarlo.posterior import DrawnColumn
 
 ROUNDING = 1e-9
 """By how much probabilities written in a file may miss their sum."""
@@ -249,7 +250,7 @@ class WhichHolds(NormalTransform):
         return [*ends[:-1], 1.0 if ends[-1] > 1.0 - ROUNDING else ends[-1]]
 
 
-Distribution = Normal | TruncatedNormal | Uniform | LogNormal | Choices | Truncated | WhichHolds
+Distribution = Normal | TruncatedNormal | Uniform | LogNormal | Choices | Truncated | WhichHolds | DrawnColumn
 """A scalar distribution: one draw per trial."""
 
 Quantity = float | Distribution

@@ -9,6 +9,7 @@ import numpy as np
 from missionplan.arrays import Array
 from missionplan.errors import InputError, LocalProblem, Problem, did_you_mean, key_path
 from missionplan.montecarlo.distributions import Distribution, Quantity
+from missionplan.montecarlo.normal_transform import NormalTransform
 from missionplan.montecarlo.streams import BLOCK, BlockStreams, NormalSource
 
 LEAST_EIGENVALUE = 1e-10
@@ -29,7 +30,7 @@ class JointDistribution:
 
     Attributes
     ----------
-    marginals : mapping of str to Distribution
+    marginals : mapping of str to NormalTransform
         By key path.
     correlated : sequence of str
         Names of those that are correlated, in alphabetical order.
@@ -39,7 +40,7 @@ class JointDistribution:
         Names of the streams of those that have another one than their own.
     """
 
-    marginals: Mapping[str, Distribution]
+    marginals: Mapping[str, NormalTransform]
     correlated: Sequence[str]
     factor: Array
     streams: Mapping[str, str] = field(default_factory=dict)

@@ -61,6 +61,7 @@ _PHRASES = {
     "offset": "offset of the anchor",
     "lowest_altitude": "lowest altitude of the nose",
     "total.success": "success of the mission",
+    "posterior": "which explanation holds",
     "site.current.member": "which member of the current's ensemble",
     "anchor_holds": "anchor that holds",
     "grounded": "vehicle touching the seafloor in the hold",
@@ -103,7 +104,7 @@ def in_words(name: str) -> str:
         return f"current {rest} in layer {int(layer) + 1}"
     phase, _, own = quantity.partition(".")
     if not own:
-        return _spaced(quantity)
+        return _PHRASES.get(quantity, _spaced(quantity))
     if phase.partition("[")[0] in _WHOLES:
         return _PHRASES.get(quantity, _spaced(quantity))
     return f"{_PHRASES.get(own, _spaced(own))} ({phase_in_words(phase)})"

@@ -20,6 +20,7 @@ import yaml
 
 from missionplan.errors import InputError, Problem, did_you_mean, shown
 from missionplan.identity import Identity
+from missionplan.montecarlo.posterior import FILE, PosteriorFile
 from missionplan.packages import how_to_install
 from missionplan.rendering import Plot, presenter, render
 from missionplan.results.decision import Assumption, Coverage, Decision, changes_of
@@ -237,7 +238,7 @@ class Result(Record, ABC):
         contents: dict[str, str | bytes] = {
             "report.html": rendered.html,
             "summary.json": to_json(self.summary()),
-            "mission.yaml": to_yaml(self.provenance.data),
+            **mission_files(self.provenance.data),
             **{f"figures/{name}.svg": svg for name, svg in rendered.figures.items()},
             **self.files(),
             **rendered.files,
@@ -304,6 +305,13 @@ def to_json(summary: Mapping[str, object], *, ascii_only: bool = False) -> str:
 def to_yaml(data: Mapping[str, object]) -> str:
     """Write a mission's data as YAML, keys in the order of the file."""
     return yaml.safe_dump(_plain(data), sort_keys=False, allow_unicode=True, width=120)
+
+
+def mission_files(data: Mapping[str, object]) -> dict[str, str | bytes]:
+    """Write a mission's data as ``mission.yaml``, with the draws that it names beside it."""
+    learned = data.get("posterior")
+    draws: dict[str, str | bytes] = {FILE: learned.content} if isinstance(learned, PosteriorFile) else {}
+    return {"mission.yaml": to_yaml(data), **draws}
 
 
 def to_grid(frame: "pd.DataFrame", dimensions: Sequence[str], unit: Mapping[str, str]) -> "xarray.Dataset":

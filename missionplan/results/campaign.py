@@ -8,7 +8,7 @@ from typing import ClassVar
 
 import pandas as pd
 
-from missionplan.results.base import Provenance, Result, to_csv, to_json, to_yaml
+from missionplan.results.base import Provenance, Result, mission_files, to_csv, to_json
 from missionplan.results.learned.diagnosis import Diagnosis
 
 
@@ -92,7 +92,7 @@ class Campaign(Result):
         found: dict[str, str | bytes] = {
             "diagnosis.json": to_json(self.diagnosis()),
             "campaign.csv": to_csv(self.to_frame()),
-            "mission.yaml": to_yaml(self.extended),
+            **mission_files(self.extended),
         }
         for index, each in enumerate(self.diagnoses, start=1):
             own = {"summary.json": to_json(each.summary()), **each.files()}

@@ -89,7 +89,7 @@ Causes = tuple[str, ...]
 class ExplainedOutcome(Record):
     """The trials of a simulation in which one explanation holds."""
 
-    place: Annotated[str, Entry("key path of the `one-of`")]
+    place: Annotated[str, Entry("key path of the `one-of`, or `posterior`")]
     number: Annotated[int, Entry("of the explanation there; how many there are, for none")]
     causes: Annotated[Causes, Entry("its effects; empty for none")]
     probability: Annotated[float, Entry("of the explanation, as the mission gives it")]

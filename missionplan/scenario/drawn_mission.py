@@ -12,7 +12,7 @@ from missionplan.arrays import Array, Scalars
 from missionplan.effects import CATALOGUE, Effect
 from missionplan.mission import Mission
 from missionplan.mission.geodesy import to_plane
-from missionplan.mission.schema.effect_list import EffectEntry
+from missionplan.mission.schema.effect_list import LIKELY, EffectEntry
 from missionplan.mission.schema.phases import MoorPhase, Navigation, TransitPhase
 from missionplan.mission.schema.site import Geographic, Position, SlopeSection
 from missionplan.mission.schema.vehicle import EnergyBudget
@@ -26,8 +26,6 @@ from missionplan.scenario.propulsion import PropelledVehicle, propeller, vehicle
 NO_BUDGET: EnergyBudget[Scalars] = EnergyBudget.model_construct(
     hotel=float("nan"), propulsive_efficiency=float("nan"), surfacing=float("nan")
 )
-LIKELY = 0.05
-"""Least probability of an explanation that the worst case allows for."""
 
 
 @dataclass(frozen=True)
@@ -205,17 +203,20 @@ class DrawnMission:
         info = CATALOGUE[entry.effect]
         if entry.explanation is None:
             return info.make(entry.parameters)
-        place, number = entry.explanation
+        place, numbers = entry.explanation
         (which,) = (doubt.which for doubt in self.drawn.doubts if doubt.place == place)
-        return info.make_where(entry.parameters, np.asarray(which) == number)
+        return info.make_where(entry.parameters, np.isin(which, numbers))
 
     def under_explanations(self) -> Iterator[Self]:
         """Yield the mission under each combination of the explanations that are likely enough to plan for."""
-        doubts = [doubt for doubt in self.mission.doubts if doubt.known is None]
-        likely = [[k for k, share in enumerate(doubt.probabilities) if share >= LIKELY] for doubt in doubts]
+        doubts = [doubt for doubt in self.mission.doubts if doubt.told_apart]
+        likely = [[k for k in doubt.told_apart if doubt.probabilities[k] >= LIKELY] for doubt in doubts]
         for numbers in product(*likely):
-            held = {doubt.place: float(number) for doubt, number in zip(doubts, numbers, strict=True)}
-            yield replace(self, drawn=self.drawn.at(held)) if held else self
+            known = self.mission
+            for doubt, number in zip(doubts, numbers, strict=True):
+                known = known.knowing(doubt.place, number)
+            effects = {"effect_list": known.at_means().effect_list}
+            yield replace(self, drawn=self.drawn.model_copy(update=effects)) if doubts else self
 
     @cached_property
     def velocity_error(self) -> VelocityError:

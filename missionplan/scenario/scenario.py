@@ -9,8 +9,11 @@ import numpy as np
 from missionplan.arrays import Array, Scalars
 from missionplan.errors import InputError, Problem
 from missionplan.mission import Mission
+from missionplan.mission.reading.posterior import SIGMA
+from missionplan.mission.schema.effect_list import POSTERIOR
 from missionplan.mission.schema.phases import LegTableSection, MoorPhase, TransitPhase
 from missionplan.montecarlo.draws import JointDistribution
+from missionplan.montecarlo.posterior import Tied
 from missionplan.montecarlo.streams import BLOCK, BlockStreams, NormalSource
 from missionplan.phases.currents import Current, LayeredCurrent, Leeway, layers
 from missionplan.phases.fields.ensemble import Ensemble, ErringCurrent
@@ -32,6 +35,7 @@ from missionplan.scenario.site_current import leeway, recorded_wind
 STILL_WATER = LayeredCurrent(np.ones(1), np.zeros(1), np.zeros(1))
 """For phases that need a current where the mission has none."""
 
+SIGMA_KEY = "navigation.velocity_error.sigma"
 PRIOR = 1 << 41
 """Block of draws from which a filter's prior is taken: never one that a trial is run with."""
 
@@ -101,14 +105,14 @@ class Scenario(DrawnMission):
 
     @cached_property
     def _joint(self) -> JointDistribution:
-        listed = self.mission.effect_list
-        streams = {
-            f"{place}.{key}": f"{name}.{key}"
-            for entry in listed.entries
-            for place, name in ((entry.place, listed.streams()[entry.place]),)
-            for key in entry.parameters
-        }
-        return JointDistribution.of(self.mission.quantities(), self.mission.correlated, streams)
+        mission, listed = self.mission, self.mission.effect_list
+        streams = {f"{e.place}.{key}": listed.stream_of(e, key) for e in listed.entries for key in e.parameters}
+        joint = JointDistribution.of(mission.quantities(), mission.correlated, streams)
+        if listed.learned is None or SIGMA not in listed.learned.draws.columns or SIGMA_KEY in joint.correlated:
+            return joint
+        own = joint.marginals.get(SIGMA_KEY)  # stays as the mission has it, and gets the ranks of the draws
+        tied = {} if own is None else {SIGMA_KEY: Tied(own, listed.learned.held.scores(SIGMA))}
+        return replace(joint, marginals={**joint.marginals, **tied}, streams={**streams, SIGMA_KEY: POSTERIOR})
 
     def _with_depth(self) -> "Scenario":
         """Say how deep it is where the mission moors first, else at its last goal, where a grid of depths tells it."""

@@ -4,59 +4,90 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from missionplan.diagnosis.extended_mission import extended_mission, quantity
+from missionplan.diagnosis.coordinates import SIGMA_V, JointPosterior, coordinates_of
+from missionplan.diagnosis.extended_mission import Hypothesis, extended_mission
+from missionplan.diagnosis.inference.model import CauseFit
 from missionplan.effects import CATALOGUE
 from missionplan.mission import Mission, load
-from missionplan.mission.schema.quantity_parser import QuantityParser
-from missionplan.montecarlo.distributions import Distribution
-from missionplan.results.learned.evidence import ParameterEstimate
 
-MISSION = Path(__file__).parents[2] / "missions" / "chesapeake.yaml"
-PARAMETERS = [
-    (effect, name)
-    for effect, info in CATALOGUE.items()
-    if info.phase != "tank"
-    for name in info.parameters
-    if not name.startswith("phase")
-]
+MISSION = load(Path(__file__).parents[2] / "missions" / "chesapeake.yaml")
+EFFECTS = [name for name, info in CATALOGUE.items() if info.phase != "tank"]
 
 
-def estimate(effect, name, value, sd):
-    return ParameterEstimate(effect, name, value, sd, value - sd, value + sd, CATALOGUE[effect].parameters[name].unit)
+def hypothesis(causes, probability, posterior, before=MISSION, shown=()):
+    fit = CauseFit(causes, 0.0, (), {}, True, None, (), posterior)
+    return Hypothesis(causes, probability, before, shown, fit, before.raw)
 
 
-@given(
-    st.sampled_from(PARAMETERS),
-    st.floats(0.01, 3.0),
-    st.floats(1e-3, 3.0),
-)
-def test_what_is_written_can_be_read_and_draws_inside_the_range(of, size, spread):
-    effect, name = of
-    parameter = CATALOGUE[effect].parameters[name]
-    usual = parameter.median or parameter.scale or 1.0
-    top = parameter.high if np.isfinite(parameter.high) else usual
-    value = size * top
-    written = quantity(estimate(effect, name, value, spread * value))
-    read = QuantityParser(parameter.unit, parameter.low, parameter.high).parse(written)
-    assert isinstance(read, Distribution)
-    drawn = read.from_normal(np.linspace(-3.0, 3.0, 7))
-    assert np.all((drawn >= parameter.low) & (drawn <= parameter.high))
+def normal(effect, mean, sd):
+    coordinates = coordinates_of(CATALOGUE[effect])
+    k = len(coordinates)
+    return JointPosterior(coordinates, np.resize(mean, k), np.diag(np.resize(sd, k) ** 2))
 
 
-@pytest.mark.parametrize(
-    ("effect", "name", "value", "sd"),
-    [
-        ("inertial-current", "modulation", 1.8, 1.5),
-        ("inertial-current", "modulation", 2.6, 1.0),
-        ("trapped-gas", "lift", -0.01, 0.05),
-    ],
-)
-def test_a_value_at_the_edge_of_what_is_possible_does_not_spoil_the_mission(effect, name, value, sd):
-    base = load(MISSION).raw
-    amplitudes = [("amplitude", 0.1), ("phase", 0.0)] if effect == "inertial-current" else []
-    found = [estimate(effect, each, at, 0.01) for each, at in amplitudes] + [estimate(effect, name, value, sd)]
-    mission = Mission.from_data(extended_mission(base, found, {}))
-    assert effect in str(mission.raw["effects"])
+@given(st.sampled_from(EFFECTS), st.floats(-3.0, 3.0), st.floats(1e-3, 3.0))
+@settings(max_examples=60)
+def test_what_is_written_can_be_read_and_draws_inside_the_range(effect, size, spread):
+    coordinates = coordinates_of(CATALOGUE[effect])
+    mean = np.array([c.centre + size * c.slab for c in coordinates])
+    sd = np.array([spread * c.slab for c in coordinates])
+    found = extended_mission([hypothesis((effect,), 1.0, normal(effect, mean, sd))])
+    (entry,) = Mission.from_data(found).effects
+    assert entry.effect == effect
+    for name, column in entry.parameters.items():
+        parameter = CATALOGUE[effect].parameters[name]
+        assert np.all((column.values >= parameter.low - 1e-6) & (column.values <= parameter.high + 1e-6))
+
+
+def test_the_draws_have_the_moments_of_what_is_known_and_each_sets_probability():
+    """By the definition of a mixture: P, mean and covariance of each part, and of the noise with them."""
+    compass = coordinates_of(CATALOGUE["compass-bias"])[0]
+    scale = coordinates_of(CATALOGUE["speed-scale"])[0]
+    covariance = np.array([[4e-4, 3e-4, 0.0], [3e-4, 9e-4, 0.0], [0.0, 0.0, 0.01]])
+    both = JointPosterior((compass, scale, SIGMA_V), np.array([0.05, -0.03, np.log(0.04)]), covariance)
+    nothing = JointPosterior((SIGMA_V,), np.array([np.log(0.06)]), np.array([[0.02]]))
+    found = extended_mission([hypothesis(("compass-bias", "speed-scale"), 0.7, both), hypothesis((), 0.3, nothing)])
+    draws = found["posterior"].draws
+    assert dict(zip(draws.sets, draws.probabilities, strict=True)) == pytest.approx(
+        {("compass-bias", "speed-scale"): 0.7, (): 0.3}
+    )
+    own = draws.of_set(draws.sets.index(("compass-bias", "speed-scale")))
+    rows = np.stack([own.column(c)[0] for c in (("compass-bias", "angle"), ("speed-scale", "fraction"))])
+    np.testing.assert_allclose(rows.mean(axis=1), [0.05, -0.03], rtol=1e-4)
+    np.testing.assert_allclose(np.cov(rows, bias=True), covariance[:2, :2], rtol=1e-3)
+    centre = 0.7 * np.log(0.04) + 0.3 * np.log(0.06)
+    spread = 0.7 * 0.01 + 0.3 * 0.02 + 0.21 * np.log(1.5) ** 2
+    sigma = Mission.from_data(found).navigation.velocity_error.sigma
+    assert sigma.median == pytest.approx(np.exp(centre), rel=1e-3)
+    assert np.log(sigma.factor) ** 2 == pytest.approx(spread, rel=0.01)
+
+
+def test_what_the_data_do_not_concern_is_carried_as_it_was():
+    before = Mission.from_data({**MISSION.raw, "effects": [
+        {"one-of": [{"probability": 0.25, "effects": [{"drag-bias": {"fraction": {"mean": 0.3, "sd": 0.02}}}]}]},
+        {"added-mass": {"fraction": {"mean": 0.1, "sd": 0.05}}},
+        {"compass-bias": {"angle": {"mean": "3 deg", "sd": "1 deg"}}},
+    ]})  # fmt: skip
+    (doubt,) = before.doubts
+    compass = normal("compass-bias", 0.06, 0.004)
+    found = [
+        hypothesis((), share, compass, before.knowing(doubt.place, number), ("compass-bias",))
+        for number, share in enumerate(doubt.probabilities)
+    ]
+    written = extended_mission(sorted(found, key=lambda each: -each.probability))
+    assert written["effects"] == [{"added-mass": {"fraction": {"mean": 0.1, "sd": 0.05}}}]
+    draws = written["posterior"].draws
+    assert draws.probability("drag-bias") == pytest.approx(0.25, abs=1e-6)
+    assert draws.probability("compass-bias") == pytest.approx(1.0)
+    drag, _ = draws.column(("drag-bias", "fraction"))
+    assert (drag.mean(), drag.std()) == pytest.approx((0.3, 0.02), rel=0.02)
+    once_more = Mission.from_data(written)
+    again = extended_mission([
+        hypothesis((), share, None, once_more.knowing("posterior", number))
+        for number, share in enumerate(once_more.effect_list.learned.probabilities)
+    ])["posterior"].draws  # fmt: skip
+    assert again.probability("drag-bias") == pytest.approx(0.25, abs=1e-6)
+    assert np.mean(again.column(("compass-bias", "angle"))[0]) == pytest.approx(0.06, abs=1e-3)

@@ -1,14 +1,14 @@
 """The error that a mission expects of its forecast, as a diagnosis of legs holds it and writes it."""
 
-import copy
-
+import numpy as np
 import pytest
 import yaml
 
-from missionplan.diagnosis.forecast_error import as_forecast_error, forecast_notice
+from missionplan.diagnosis.forecast_error import forecast_notice, with_forecast_error
 from missionplan.diagnosis.given.priors import given_priors
 from missionplan.effects import effects_of
 from missionplan.mission import load
+from missionplan.results.learned.evidence import ParameterEstimate
 
 PERSISTS = "persistent-error"
 
@@ -53,13 +53,18 @@ def test_along_a_track_a_length_shortens_its_memory(tmp_path):
 
 
 def test_what_is_found_of_it_is_written_where_the_mission_has_it(tmp_path):
-    raw = copy.deepcopy(dict(mission(tmp_path, {"sigma": "0.06 m/s", "time": "2 h", "length": "3 km"}).raw))
-    found = {"sigma": {"mean": "0.08 m/s", "sd": "0.01 m/s"}, "time": "3 h"}
-    written = as_forecast_error(raw | {"effects": [{PERSISTS: found}, {"compass-bias": {"angle": "1 deg"}}]})
-    assert written["site"]["current"]["error"] == found
-    assert written["effects"] == [{"compass-bias": {"angle": "1 deg"}}]
-    without = copy.deepcopy(dict(mission(tmp_path).raw)) | {"effects": [{PERSISTS: found}]}
-    assert as_forecast_error(without) == without, "a mission without an error of its own keeps the effect"
+    expected = mission(tmp_path, {"sigma": "0.06 m/s", "time": "2 h", "length": "3 km"})
+    found = [
+        ParameterEstimate(PERSISTS, "sigma", 0.08, 0.008, 0.067, 0.093, "m/s"),
+        ParameterEstimate(PERSISTS, "time", 10800.0, 2000.0, 8000.0, 14000.0, "s"),
+    ]
+    error = with_forecast_error(expected.raw, expected, found)["site"]["current"]["error"]
+    assert error == {
+        "sigma": {"median": "0.08 m/s", "factor": pytest.approx(np.exp(0.1), rel=1e-4)},
+        "time": {"median": "10800 s", "factor": pytest.approx(np.exp(2.0 / 10.8), rel=1e-4)},
+    }
+    without = mission(tmp_path)
+    assert with_forecast_error(without.raw, without, found) == without.raw, "without one of its own it keeps the effect"
 
 
 def test_an_error_that_persists_beside_a_forecast_is_said_to_be_the_forecasts(tmp_path):

@@ -10,7 +10,7 @@ from scipy import stats
 from missionplan import diagnose
 from missionplan.diagnosis.dives.model import DescentModel
 from missionplan.diagnosis.dives.model_factory import given_on_descent
-from missionplan.diagnosis.extended_mission import extended_mission
+from missionplan.diagnosis.extended_mission import Hypothesis, extended_mission
 from missionplan.diagnosis.given.effects import tied
 from missionplan.diagnosis.given.priors import given_priors
 from missionplan.diagnosis.inference.marginal_likelihood import gaussian_marginal
@@ -34,18 +34,30 @@ def slow_in_a_current(t, heading):
     return -0.06 * 1.2 * np.stack([np.sin(heading), np.cos(heading)]) + np.array([[0.0], [0.05]])
 
 
+EFFECTS = ("speed-scale", "mean-current", "drag-bias", "vertical-current")
+
+
 def told(mission):
-    """Means and standard deviations of the effects' parameters."""
+    """Means and standard deviations of the effects' parameters in the likeliest set."""
+    draws = mission.posterior.draws.of_set(0)
     return {
-        f"{entry.effect}.{name}": (value.mean, value.sd)
-        for entry in mission.effects
-        for name, value in entry.parameters.items()
+        f"{effect}.{name}": (np.mean(draws.column((effect, name))[0]), np.std(draws.column((effect, name))[0]))
+        for effect, name in draws.columns
+        if effect in EFFECTS
     }
 
 
 def untied(mission):
-    """The mission without correlations."""
-    return Mission.from_data({key: value for key, value in mission.raw.items() if key != "correlations"})
+    """The mission with each effect stated by itself, without what ties it to others."""
+    units = {"mean-current": " m/s", "vertical-current": " m/s"}
+    effects = {}
+    for name, (mean, sd) in told(mission).items():
+        effect, _, parameter = name.partition(".")
+        unit = units.get(effect, "")
+        effects.setdefault(effect, {})[parameter] = {key: f"{value}{unit}" if unit else value
+                                                     for key, value in (("mean", float(mean)), ("sd", float(sd)))}  # fmt: skip
+    data = {key: value for key, value in mission.raw.items() if key != "posterior"}
+    return Mission.from_data(data | {"effects": [{name: own} for name, own in effects.items()]})
 
 
 def distance(found, whole):
@@ -67,7 +79,9 @@ def test_two_halves_one_after_the_other_tell_what_the_whole_does(transit_mission
     later[["t_start_s", "t_end_s"]] += tables[0].t_end_s.max() + 600.0
     whole = told(after(mission, pd.concat([tables[0].assign(run=1), later])))
     found, without = (distance(told(after(each, tables[1])), whole) for each in (half, untied(half)))
-    assert half.correlations
+    draws = half.posterior.draws.of_set(0)
+    slow, east = (draws.column(each)[0] for each in (("speed-scale", "fraction"), ("mean-current", "east")))
+    assert abs(np.corrcoef(slow, east)[0, 1]) > 0.5
     assert found[0] < 0.2  # 0.08
     assert without[0] > 2.0 * found[0]  # 0.27
     assert found[1] < 0.1
@@ -82,11 +96,14 @@ def test_dives_of_two_weights_one_after_the_other_tell_what_all_together_do(desc
     def after(mission, dives):
         forward = replace(every.forward, logs=tuple(every.forward.logs[k] for k in dives))
         (fit,) = DescentModel(forward, given_on_descent(mission)).fit_all([((), ())])
-        return Mission.from_data(extended_mission(mission.raw, fit.given, fit.calibration, fit.correlations))
+        held = Hypothesis((), 1.0, mission, ("drag-bias", "vertical-current"), fit, mission.raw)
+        return Mission.from_data(extended_mission([held]))
 
     half, whole = after(wide, (0, 1)), told(after(wide, range(4)))
-    (pair,) = half.correlations
-    assert abs(pair.pair.rho) > 0.9
+    drag, up = (
+        half.posterior.draws.column(each)[0] for each in (("drag-bias", "fraction"), ("vertical-current", "speed"))
+    )
+    assert abs(np.corrcoef(drag, up)[0, 1]) > 0.9
     found, without = (distance(told(after(each, (2, 3))), whole) for each in (half, untied(half)))
     assert found[0] < 0.3
     assert without[0] > 2.0 * found[0]
@@ -139,7 +156,7 @@ def test_correlations_of_a_mission_are_those_of_its_priors(transit_mission):
     assert joint.covariance[speed, east] == pytest.approx(0.7 * 0.06 * 0.08)
     assert joint.covariance[east, north] == pytest.approx(-0.4 * 0.08**2)
     cosine = joint.covariance[speed, places["inertial-current", "amplitude", "cosine"]]
-    assert cosine == pytest.approx(0.5 * 0.06 * 0.01 * np.cos(0.6))
+    assert cosine == pytest.approx(0.5 * 0.06 * 0.01 * np.cos(0.6) * np.exp(-0.005), rel=0.02)  # E cos of the phase
     assert np.linalg.eigvalsh(joint.covariance).min() > 0.0
 
 

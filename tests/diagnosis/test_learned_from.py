@@ -70,9 +70,10 @@ def learned(tmp_path_factory):
 
 def as_written(diagnosis, tmp_path):
     """The extended mission, read from the file of the report."""
-    path = tmp_path / "extended.yaml"
-    path.write_text(diagnosis.files()["mission.yaml"])
-    return load(path)
+    for name in ("mission.yaml", "posterior.npz"):
+        content = diagnosis.files()[name]
+        (tmp_path / name).write_bytes(content if isinstance(content, bytes) else content.encode())
+    return load(tmp_path / "mission.yaml")
 
 
 def written_otherwise(table):

@@ -92,7 +92,9 @@ def made(origin, rules=(RULE, SHORT)):
     there = replace(there, aim=aim, extra_legs=2)
     home = PlannedTransit("egress", 7.91, 1.126, 38.5, rules[1], course(origin, "egress", back, 9876.0, 1.126), 1612.6)
     start = datetime(2026, 6, 1, 12, 34, 56, tzinfo=UTC)
-    return Plan("Trip & back", "f00d" * 16, "0.0.made", start, origin, (there, moor, home), ("as made by hand",), corrects=True)
+    return Plan(
+        "Trip & back", "f00d" * 16, "0.0.made", start, origin, (there, moor, home), ("as made by hand",), corrects=True
+    )
 
 
 PLANS = {"west": made(WEST), "date line": made(DATE_LINE, (TABLE, SHORT)), "circles on it": made(ON_IT)}

@@ -78,14 +78,6 @@ def held(cause: str, probability: float) -> Any:
     return SimpleNamespace(causes=(cause,), probability=probability, prior=None)
 
 
-def test_why_the_mission_has_another_probability_than_the_table_is_told() -> None:
-    shared = (held("speed-scale", 0.4473), held("mean-current", 0.4473), held("inertial-current", 0.1054))
-    words = how_sure(diagnosed(explanations=shared))
-    assert "speed scale has a probability of 64.0 %" in words[0]
-    assert "cannot tell speed scale from mean current" in words[1]
-    assert "both are therefore equally probable, 44.7 % each" in words[1]
-
-
 @pytest.mark.parametrize("explanations", [(), (held("speed-scale", 0.64), held("mean-current", 0.36))])
 def test_nothing_is_told_where_the_probabilities_are_those_of_the_table(explanations: Any) -> None:
     assert len(how_sure(diagnosed(explanations=explanations))) == 1

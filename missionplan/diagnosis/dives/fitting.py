@@ -138,7 +138,7 @@ class DescentFitting(DescentLikelihood):
         for each in own:
             places = self.places(each)
             given += each.posterior(mean[places], reported[np.ix_(places, places)])
-        together = RecordPosterior(self.coordinates, mean, reported).correlations(own, self.places, free.tolist())
+        together = RecordPosterior(self.coordinates, mean, reported).afterwards(own, self.places, free.tolist())
         evidence = float(logsumexp(logs)) + inside.log_mass - prior.log_mass
         return CauseFit(causes, evidence, found, _calibration(best), is_possible(found), state, tuple(given), together)
 

@@ -16,13 +16,13 @@ from missionplan.diagnosis.dives.model import DescentModel
 from missionplan.diagnosis.dives.model_factory import check_leaves_surface, descent_model
 from missionplan.diagnosis.dives.preparation import PreparedDives, prepare_dives
 from missionplan.diagnosis.dives.tables import descent_misfit, descent_residuals, descent_shares
-from missionplan.diagnosis.extended_mission import extended_mission
+from missionplan.diagnosis.given.effects import GivenEffect
 from missionplan.diagnosis.inference.model import CauseFit
 from missionplan.diagnosis.learned_data import unlearned
 from missionplan.diagnosis.plan_gain import anchor_choice, plan_gain
 from missionplan.mission import Mission
 from missionplan.results.learned.diagnosis import PlanGain
-from missionplan.results.learned.evidence import Causes, ParameterEstimate
+from missionplan.results.learned.evidence import Causes
 
 
 @dataclass(frozen=True)
@@ -50,9 +50,9 @@ class DescentKind(DataKind):
         return self.model.coordinates
 
     @property
-    def known(self) -> tuple[ParameterEstimate, ...]:
-        """What the mission knows of its own effects on a descent."""
-        return tuple(estimate for each in self.model.given for estimate in each.prior)
+    def given(self) -> tuple[GivenEffect, ...]:
+        """The mission's own effects that the data could show."""
+        return self.model.given
 
     def residual_table(self, base: CauseFit, best: CauseFit) -> pd.DataFrame:
         """Return one row a reading."""
@@ -74,11 +74,6 @@ class DescentKind(DataKind):
         """Say between which dives the labels of the weights look exchanged."""
         found = exchanged_labels(self.model, base, best, jobs)
         return "" if found is None else str(found)
-
-    def extended_mission(self, best: CauseFit) -> dict[str, object]:
-        """Write the causes as effects."""
-        found = (*best.given, *best.estimates)
-        return extended_mission(self.mission.raw, found, best.calibration, best.correlations)
 
     def plan_gain(self, base: Mission, extended: Mapping[str, object], *, seed: int, jobs: int) -> PlanGain:
         """Compare the anchors chosen."""

@@ -12,9 +12,8 @@ import numpy as np
 from scipy.linalg import block_diag
 
 from missionplan.arrays import Array
-from missionplan.diagnosis.coordinates import Coordinate, correlations, estimates
+from missionplan.diagnosis.coordinates import Coordinate, JointPosterior, estimates
 from missionplan.effects import CATALOGUE
-from missionplan.montecarlo.draws import Correlation
 from missionplan.results.learned.evidence import Causes, ParameterEstimate
 
 CoordinateKey = tuple[str, str, str]
@@ -153,10 +152,10 @@ class RecordPosterior:
     mean: Array
     covariance: Array
 
-    def correlations(
+    def afterwards(
         self, given: Sequence[GivenEffect], places: Callable[[GivenEffect], list[int]], causes: Sequence[int]
-    ) -> tuple[Correlation, ...]:
-        """Correlations of what is known after the record: of the mission's own effects, and of the causes.
+    ) -> JointPosterior:
+        """Return what is known after the record: of the mission's own effects in the long run, and of the causes.
 
         Parameters
         ----------
@@ -173,4 +172,4 @@ class RecordPosterior:
         gain = block_diag(*(each.gain for each in given), np.eye(len(causes)))
         left_over = block_diag(*(each.left_over for each in given), np.zeros((len(causes), len(causes))))
         covariance = gain @ self.covariance[np.ix_(chosen, chosen)] @ gain.T + left_over
-        return correlations([self.coordinates[index] for index in chosen], mean, covariance)
+        return JointPosterior(tuple(self.coordinates[index] for index in chosen), mean, covariance)

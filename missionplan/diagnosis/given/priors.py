@@ -2,34 +2,38 @@
 
 What a mission knows of an effect (its long-run value) and what the effect is in one record differ by the effect's
 spike, its uncertainty from record to record. A number without a distribution is known to within the spike alone.
-The mission's `correlations` are those of the normals that its distributions are drawn from, and so of the coordinates.
+Whatever a mission states or has learned is drawn, and the prior has the moments of the draws.
 """
 
 import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
+from itertools import pairwise, permutations
 from typing import Literal
 
 import numpy as np
-from scipy.linalg import block_diag
-from scipy.special import ndtri
 
 from missionplan.arrays import Array
 from missionplan.diagnosis.coordinates import Coordinate, coordinates_of
 from missionplan.diagnosis.forecast_error import ERROR_PLACE, along_a_track
-from missionplan.diagnosis.given.effects import CoordinateKey, GivenEffect
+from missionplan.diagnosis.given.draws import is_learned, learned_draws, stated_draws
+from missionplan.diagnosis.given.effects import GivenEffect
 from missionplan.effects import CATALOGUE, Effect, EffectInfo, exclusive_groups
 from missionplan.effects.oscillation import MODULATION, MODULATION_PARAMETERS
 from missionplan.errors import InputError, Problem
 from missionplan.mission import Mission
-from missionplan.montecarlo.distributions import Distribution, Quantity, mean_of, sd_of
+from missionplan.mission.schema.effect_list import EffectEntry
+from missionplan.montecarlo.distributions import Quantity, mean_of
 
 BARE_SHAPE_LOG_SD = 0.05
 """Standard deviation of the logarithm of a shape parameter that is given as a number: it has no spike."""
-QUANTILES = 512
-"""Equally likely values that stand for a distribution where its moments are taken of a function of it."""
-SHARES = (1.0, 0.99, 0.9, 0.5)
-"""Factors on correlations of amplitudes and phases, the first with which a joint distribution of the pairs exists."""
+ONE = np.ones(1)
+LEAST_SHAPE = 1e-3
+"""Of a shape, over its mean: draws below count as this."""
+CONSTANT = 1e-6
+"""Standard deviation over its value below which a parameter is a number."""
+LEAST_CORRELATION = 0.01
+"""Weaker ones between effects are left out."""
 
 
 def given_effects(mission: Mission) -> list[Effect]:
@@ -46,13 +50,46 @@ def given_priors(mission: Mission, wanted: Iterable[EffectInfo]) -> tuple[GivenE
     An effect whose shape is at its neutral value (infinite degrees of freedom) or whose size is nil is left out.
     """
     known = {info.id: info for info in wanted}
-    found = [
-        _given(known[entry.effect], entry.parameters) for entry in mission.effect_list.known if entry.effect in known
-    ]
+    learned = [each for each in mission.effect_list.known if each.effect in known and is_learned(each)]
+    stated = [(e.place, e) for e in mission.effect_list.known if e.effect in known and not is_learned(e)]
     error = along_a_track(mission)
     if error is not None and error[0].id in known:
-        found.append(_given(*error))
-    return _correlated([given for given in found if given is not None], mission)
+        stated.append((ERROR_PLACE, EffectEntry(error[0].id, error[1])))
+    places = {place: each.parameters for place, each in stated}
+    drawn, weights = stated_draws(mission, places) if places else ([], ONE)
+    by_place = dict(zip(places, drawn, strict=True))
+    return (
+        *_of_draws(learned, known, *learned_draws(mission, learned)),
+        *_of_draws([each for _, each in stated], known, [by_place[place] for place, _ in stated], weights),
+    )
+
+
+def _of_draws(
+    entries: Sequence[EffectEntry],
+    known: Mapping[str, EffectInfo],
+    draws: Sequence[Mapping[str, Array]],
+    weights: Array,
+) -> tuple[GivenEffect, ...]:
+    """Effects by draws of their parameters, those of all entries together."""
+    listed: list[tuple[EffectInfo, tuple[Coordinate, ...], list[Array | None]]] = []
+    for entry, parameters in zip(entries, draws, strict=True):
+        info = known[entry.effect]
+        coordinates = _coordinates(info, entry.parameters)
+        if coordinates is not None:
+            quantities = _stated(info, entry.parameters)
+            own = {name: parameters.get(name, np.full(1, mean_of(value))) for name, value in quantities.items()}
+            for name in [] if info.part == "covariance" else _nil_shapes(info, quantities):
+                del own[name]
+            listed.append((info, coordinates, [_values(c, own, dict(info.polar)) for c in coordinates]))
+    if not listed:
+        return ()
+    mean, together = _moments([c for _, cs, _ in listed for c in cs], [v for *_, vs in listed for v in vs], weights)
+    ends = np.cumsum([0, *(len(cs) for _, cs, _ in listed)]).tolist()
+    made = [
+        _made(info, cs, mean[a:b], together[a:b, a:b].copy())
+        for (info, cs, _), (a, b) in zip(listed, pairwise(ends), strict=True)
+    ]
+    return _with_shared(made, together)
 
 
 def check_together(
@@ -75,7 +112,8 @@ def check_together(
         raise InputError([Problem(problem, mission.file, key="effects") for problem in problems])
 
 
-def _given(info: EffectInfo, parameters: Mapping[str, Quantity]) -> GivenEffect | None:
+def _coordinates(info: EffectInfo, parameters: Mapping[str, Quantity]) -> tuple[Coordinate, ...] | None:
+    """Coordinates of an effect of the mission; None for one that does nothing."""
     quantities = _stated(info, parameters)
     unknown = [] if info.part == "covariance" else _nil_shapes(info, quantities)
     quantities = {name: quantity for name, quantity in quantities.items() if name not in unknown}
@@ -83,12 +121,7 @@ def _given(info: EffectInfo, parameters: Mapping[str, Quantity]) -> GivenEffect 
         return None
     phases = dict(info.polar)
     known = {*quantities, *unknown}
-    names = [name for name in info.parameters if name in known or phases.get(name) in known]
-    coordinates = coordinates_of(info, names)
-    blocks = [_block(coordinate, quantities, phases) for coordinate in coordinates if coordinate.kind != "sine"]
-    means, covariances, scatters = zip(*blocks, strict=True) if blocks else ((np.zeros(0),),) * 3
-    covariance = block_diag(*covariances) if blocks else np.zeros((0, 0))
-    return GivenEffect(info.id, coordinates, np.concatenate(means), covariance, np.concatenate(scatters))
+    return coordinates_of(info, [name for name in info.parameters if name in known or phases.get(name) in known])
 
 
 def _nil_shapes(info: EffectInfo, quantities: Mapping[str, Quantity]) -> list[str]:
@@ -107,106 +140,65 @@ def _stated(info: EffectInfo, parameters: Mapping[str, Quantity]) -> dict[str, Q
     return quantities
 
 
-def _block(
-    coordinate: Coordinate, quantities: Mapping[str, Quantity], phases: Mapping[str, str]
-) -> tuple[Array, Array, Array]:
-    """Mean, covariance and scatter of a parameter's coordinate, or of the pair of an amplitude with its phase."""
-    quantity, spike = quantities.get(coordinate.name, 0.0), coordinate.spike**2
+def _values(coordinate: Coordinate, parameters: Mapping[str, Array], phases: Mapping[str, str]) -> Array | None:
+    """Draws of a coordinate; None of a shape that the mission does not give."""
+    own = parameters.get(coordinate.name)
     if coordinate.kind == "shape":
-        if coordinate.name not in quantities:
-            return np.array([coordinate.centre]), np.array([[coordinate.slab**2]]), np.zeros(1)
-        centre, sd = _log_moments(quantity)
-        return np.array([centre]), np.array([[(sd or BARE_SHAPE_LOG_SD) ** 2]]), np.zeros(1)
+        if own is None:
+            return None
+        return np.asarray(np.log(np.maximum(own, LEAST_SHAPE * own.mean())))
     if coordinate.kind == "strength":
-        mean, covariance = np.array([mean_of(quantity)]), np.array([[sd_of(quantity) ** 2]])
-    else:
-        mean, covariance = _polar_moments(quantity, quantities.get(phases[coordinate.name], 0.0))
-    if not np.any(covariance):  # a number, known to within the spike
-        return mean, spike * np.eye(len(mean)), np.zeros(len(mean))
-    return mean, covariance, np.full(len(mean), spike)
+        return own if own is not None else np.zeros(1)
+    size = own if own is not None else np.zeros(1)
+    angle = parameters.get(phases[coordinate.name], np.zeros(1))
+    return np.asarray(size * (np.cos(angle) if coordinate.kind == "cosine" else np.sin(angle)))
 
 
-def _equally_likely(quantity: Quantity) -> Array:
-    """Values at the middles of equal shares of probability, shape (q,)."""
-    if not isinstance(quantity, Distribution):
-        return np.array([quantity])
-    return quantity.from_normal(ndtri((np.arange(QUANTILES) + 0.5) / QUANTILES))
+def _moments(coordinates: Sequence[Coordinate], values: Sequence[Array | None], weights: Array) -> tuple[Array, Array]:
+    """Mean (k,) and covariance (k, k) of coordinates by their draws; a shape without any keeps the catalogue's."""
+    rows = [np.full(len(weights), c.centre) if v is None else v for c, v in zip(coordinates, values, strict=True)]
+    drawn = np.stack([np.broadcast_to(row, len(weights)) for row in rows])
+    mean = drawn @ weights
+    apart = drawn - mean[:, None]
+    covariance = (apart * weights) @ apart.T
+    for index, (coordinate, own) in enumerate(zip(coordinates, values, strict=True)):
+        if own is None:
+            covariance[index, index] = coordinate.slab**2
+        elif covariance[index, index] < (CONSTANT * max(abs(mean[index]), CONSTANT)) ** 2:
+            covariance[index], covariance[:, index] = 0.0, 0.0
+    return mean, covariance
 
 
-def _log_moments(quantity: Quantity) -> tuple[float, float]:
-    """Mean and standard deviation of the logarithm; values at or below zero count as a thousandth of the mean."""
-    logarithms = np.log(np.maximum(_equally_likely(quantity), 1e-3 * mean_of(quantity)))
-    return float(logarithms.mean()), float(logarithms.std())
-
-
-def _polar_moments(amplitude: Quantity, phase: Quantity) -> tuple[Array, Array]:
-    """Mean and covariance of (a·cos φ, a·sin φ), amplitude and phase independent."""
-    sizes, angles = _equally_likely(amplitude), _equally_likely(phase)
-    directions = np.stack([np.cos(angles), np.sin(angles)])
-    mean = sizes.mean() * directions.mean(axis=1)
-    second = np.mean(sizes**2) * (directions @ directions.T) / len(angles)
-    return mean, second - np.outer(mean, mean)
-
-
-def _correlated(given: Sequence[GivenEffect], mission: Mission) -> tuple[GivenEffect, ...]:
-    """Give effects the covariances that the mission's correlations mean."""
-    quantities = {entry.effect: entry.parameters for entry in mission.effect_list.known}
-    steps = {
-        (f"effects.{each.effect}.{name}" if each.effect in quantities else f"{ERROR_PLACE}{name}"): (each, step)
-        for each in given
-        for name, step in _steps(each, quantities.get(each.effect, {})).items()
-    }
-    keys = [c.key for each in given for c in each.coordinates]
-    added = np.zeros((len(keys), len(keys)))
-    for correlation in mission.correlated:
-        if all(name in steps for name in correlation.between):
-            first, second = (_placed(*steps[name], keys) for name in correlation.between)
-            added += correlation.rho * (np.outer(first, second) + np.outer(second, first))
-    if not added.any():
-        return tuple(given)
-    added *= _possible_share(block_diag(*(each.here for each in given)), added)
-    shared = {(a, b): float(added[i, j]) for i, a in enumerate(keys) for j, b in enumerate(keys) if added[i, j] != 0.0}
-    return tuple(_with_shared(each, shared) for each in given)
-
-
-def _with_shared(given: GivenEffect, shared: Mapping[tuple[CoordinateKey, CoordinateKey], float]) -> GivenEffect:
-    """Give an effect the covariances between its own coordinates, and those with others."""
-    own = [c.key for c in given.coordinates]
-    inside = np.array([[shared.get((a, b), 0.0) for b in own] for a in own]).reshape(len(own), len(own))
-    between = {(a, b): value for (a, b), value in shared.items() if a[0] != b[0]}
-    return replace(given, covariance=given.covariance + inside, shared=between)
-
-
-def _steps(given: GivenEffect, quantities: Mapping[str, Quantity]) -> dict[str, Array]:
-    """Change of an effect's coordinates with the normal of each of its distributions, to first order."""
-    phases = dict(CATALOGUE[given.effect].polar)
-    found = {}
-    for index, coordinate in enumerate(given.coordinates):
-        unit = np.eye(len(given.coordinates))
-        if coordinate.kind in ("strength", "shape"):
-            found[coordinate.name] = math.sqrt(given.covariance[index, index]) * unit[index]
-        elif coordinate.kind == "sine":
-            phase = phases[coordinate.name]
-            amplitude, angle = (quantities.get(name, 0.0) for name in (coordinate.name, phase))
-            c, s = math.cos(mean_of(angle)), math.sin(mean_of(angle))
-            found[coordinate.name] = sd_of(amplitude) * (c * unit[index - 1] + s * unit[index])
-            found[phase] = sd_of(angle) * mean_of(amplitude) * (c * unit[index] - s * unit[index - 1])
-    return found
-
-
-def _placed(given: GivenEffect, step: Array, keys: Sequence[CoordinateKey]) -> Array:
-    """A change of one effect's coordinates among those of all."""
-    found = np.zeros(len(keys))
-    found[[keys.index(c.key) for c in given.coordinates]] = step
-    return found
-
-
-def _possible_share(covariance: Array, added: Array) -> float:
-    """The largest share of covariances that a joint distribution can have; 0 where none of those tried."""
-    for share in SHARES:
-        try:
-            np.linalg.cholesky(covariance + share * added)
-        except np.linalg.LinAlgError:
+def _made(info: EffectInfo, coordinates: tuple[Coordinate, ...], mean: Array, covariance: Array) -> GivenEffect:
+    """An effect as the diagnosis holds it; a number is known to within its spike."""
+    scatter = np.zeros(len(mean))
+    for index, coordinate in enumerate(coordinates):
+        first = index - (coordinate.kind == "sine")
+        pair = slice(first, first + 1 + (coordinate.kind in ("cosine", "sine")))
+        known = np.any(np.diag(covariance)[pair] > 0.0) if coordinate.kind != "cosine" else True
+        if coordinate.kind == "cosine":
             continue
-        return share
-    return 0.0
+        if coordinate.kind == "shape":
+            covariance[index, index] = covariance[index, index] or BARE_SHAPE_LOG_SD**2
+        elif known:
+            scatter[pair] = coordinate.spike**2
+        else:
+            covariance[pair, pair] = coordinate.spike**2 * np.eye(len(mean[pair]))
+    return GivenEffect(info.id, coordinates, mean, covariance, scatter)
+
+
+def _with_shared(given: Sequence[GivenEffect], together: Array) -> tuple[GivenEffect, ...]:
+    """Give effects the covariances with each other, by the covariance of all their coordinates."""
+    keys = [c.key for each in given for c in each.coordinates]
+    ends = np.cumsum([0, *(len(each.coordinates) for each in given)])
+    places = [range(a, b) for a, b in pairwise(ends.tolist())]
+    sd = np.sqrt(np.maximum(np.diag(together), 1e-300))
+    rho = together / np.outer(sd, sd)
+    shared = {
+        (keys[i], keys[j]): float(together[i, j])
+        for own, other in permutations(places, 2)
+        if np.abs(rho[np.ix_(own, other)]).max(initial=0.0) > LEAST_CORRELATION
+        for i in own
+        for j in other
+    }
+    return tuple(replace(each, shared=shared) for each in given)

@@ -11,7 +11,6 @@ from dataclasses import dataclass
 from typing import Any, Protocol, runtime_checkable
 
 from missionplan.diagnosis.inference.adequacy.residuals import Residuals
-from missionplan.montecarlo.draws import Correlation
 from missionplan.results.learned.evidence import Causes, ParameterEstimate
 
 FitRequest = tuple[Causes, Sequence["CauseFit"]]
@@ -38,8 +37,8 @@ class CauseFit:
         The model's own: linearisation, posterior and what else it needs to go on from here.
     given : tuple of ParameterEstimate
         The mission's own effects after this record; those among the causes or replaced by one are left out.
-    correlations : tuple of Correlation
-        Of the causes' parameters, named ``effect.parameter``.
+    posterior : Any
+        Joint posterior of all of these, and of the noise, for a record to come (`coordinates.JointPosterior`).
     """
 
     causes: Causes
@@ -49,7 +48,7 @@ class CauseFit:
     possible: bool
     state: Any
     given: tuple[ParameterEstimate, ...] = ()
-    correlations: tuple[Correlation, ...] = ()
+    posterior: Any = None
 
 
 @dataclass(frozen=True)

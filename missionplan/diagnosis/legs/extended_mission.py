@@ -1,4 +1,4 @@
-"""The extended mission of a navigation log: the causes as effects, with the origin and start that phases refer to."""
+"""What belongs to no effect of the mission extended by a navigation log: noise, origin and start."""
 
 import math
 from collections.abc import Mapping
@@ -6,11 +6,8 @@ from dataclasses import replace
 from datetime import UTC, datetime
 
 from missionplan.datasets.records import TransitData
-from missionplan.diagnosis.extended_mission import extended_mission
-from missionplan.diagnosis.forecast_error import as_forecast_error
+from missionplan.diagnosis.extended_mission import with_noise
 from missionplan.diagnosis.inference.model import CauseFit
-from missionplan.effects import CATALOGUE
-from missionplan.results.learned.evidence import ParameterEstimate
 
 
 def widened(best: CauseFit, scale: float) -> CauseFit:
@@ -23,32 +20,22 @@ def widened(best: CauseFit, scale: float) -> CauseFit:
         1 leaves it as it is.
     """
     calibration = {name: value * (scale if name == "sigma_v_m_s" else 1.0) for name, value in best.calibration.items()}
-    estimates, given = (tuple(_widened(each, scale) for each in found) for found in (best.estimates, best.given))
-    return replace(best, calibration=calibration, estimates=estimates, given=given)
-
-
-def _widened(estimate: ParameterEstimate, scale: float) -> ParameterEstimate:
-    if not CATALOGUE[estimate.effect].parameters[estimate.name].is_random_size:
-        return estimate
-    value, sd, low, high = (scale * number for number in (estimate.value, estimate.sd, estimate.low, estimate.high))
-    return replace(estimate, value=value, sd=sd, low=low, high=high)
+    return replace(best, calibration=calibration, posterior=best.posterior.scaled(scale))
 
 
 def extended_transit_mission(raw: Mapping[str, object], best: CauseFit, data: TransitData) -> dict[str, object]:
-    """Write the causes into a mission's data.
+    """Return a mission's data with the noise as fitted, and with the place and time to which phases refer.
 
     Parameters
     ----------
     raw : mapping
         The mission file's data with includes in place.
     best : CauseFit
-        The causes, and what is known now of the mission's own effects.
     data : TransitData
         Gives origin and start to missions that lack them: the phases of currents refer to them.
     """
-    found = (*best.given, *best.estimates)
-    mission = as_forecast_error(extended_mission(raw, found, best.calibration, best.correlations))
-    if not found:
+    mission = with_noise(raw, best.calibration)
+    if not (best.given or best.estimates):
         return mission
     given = mission.get("site")
     site = dict(given) if isinstance(given, dict) else {}

@@ -7,8 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from missionplan.arrays import Array
-from missionplan.diagnosis.coordinates import Coordinate, estimates, is_possible
-from missionplan.diagnosis.extended_mission import SIGMA_FACTOR
+from missionplan.diagnosis.coordinates import Coordinate, JointPosterior, estimates, is_possible
 from missionplan.diagnosis.given.effects import GivenEffect, RecordPosterior, held, tied
 from missionplan.diagnosis.inference.laplace import Laplace, laplace
 from missionplan.diagnosis.inference.marginal_likelihood import QUANTILE_95
@@ -167,19 +166,20 @@ class TransitFitting(TransitCovariance):
         own, covariance = [self.coordinates[i] for i in chosen], self._spread(causes, state)
         found = estimates(own, state.mean[chosen], covariance[np.ix_(chosen, chosen)])
         found += state.estimates(causes)
-        found += self._relative_sizes(state, found)
+        wandering = self._relative_sizes(state, found)
+        found += estimates(wandering.coordinates, wandering.mean, wandering.covariance)
         calibration = {
             f"{h.name}_{'m' if h.name == 'fix_sd' else 'm_s'}": math.exp(value)
             for h, value in zip(state.hyperparameters, state.posterior.mode, strict=True)
             if not h.effect
         }
         place = [h.key for h in state.hyperparameters].index(("", "sigma_v"))
-        calibration[SIGMA_FACTOR] = math.exp(math.sqrt(state.posterior.covariance[place, place]))
-        together = RecordPosterior(self.coordinates, state.mean, covariance).correlations(
+        calibration["sigma_v_factor"] = math.exp(math.sqrt(state.posterior.covariance[place, place]))
+        together = RecordPosterior(self.coordinates, state.mean, covariance).afterwards(
             tied(held(self.given_in_mean, causes)), self.places, chosen
         )
         random = (*causes, *(each.effect for each in held(self.given_in_covariance, causes)))
-        together += state.correlations(random)
+        together = together.joined(state.noise(random)).joined(wandering)
         given = self._given_estimates(causes, state, covariance)
         return CauseFit(causes, evidence, found, calibration, is_possible(found), state, given, together)
 
@@ -191,18 +191,19 @@ class TransitFitting(TransitCovariance):
         spikes = [coordinate.spike if coordinate.effect in causes else 0.0 for coordinate in self.coordinates]
         return np.asarray(state.covariance + self._from_modulation(state) + np.diag(np.square(spikes)))
 
-    def _relative_sizes(self, state: TransitState, found: Sequence[ParameterEstimate]) -> tuple[ParameterEstimate, ...]:
+    def _relative_sizes(self, state: TransitState, found: Sequence[ParameterEstimate]) -> JointPosterior:
         """Sizes of oscillations that wander over their mean amplitudes in the record, as the effect has them."""
-        relative: list[ParameterEstimate] = []
+        shapes, logs, variances = [], [], []
         for name in state.forms.wandering:
             mean = next(each for each in found if each.effect == name)
             place = [h.key for h in state.hyperparameters].index((name, SLAB_SCALE))
             size = state.values[name, SLAB_SCALE] * self.coordinates[self.by_effect[name][0]].slab
             sd = math.hypot(math.sqrt(state.posterior.covariance[place, place]), mean.sd / max(mean.value, 1e-9))
             ratio = min(size / max(mean.value, 1e-9), LARGEST_RATIO)
-            shape = Coordinate(name, MODULATION, "shape", 0.0, sd, 0.0)
-            relative += estimates((shape,), np.array([math.log(ratio)]), np.array([[min(sd, 1.0) ** 2]]))
-        return tuple(relative)
+            shapes.append(Coordinate(name, MODULATION, "shape", 0.0, sd, 0.0))
+            logs.append(math.log(ratio))
+            variances.append(min(sd, 1.0) ** 2)
+        return JointPosterior(tuple(shapes), np.array(logs), np.diag(variances).reshape(len(logs), len(logs)))
 
     def _from_modulation(self, state: TransitState) -> Array:
         """Covariance of the usual amplitudes about those of this record, of oscillations that are modulated, (k, k)."""

@@ -1,7 +1,7 @@
 """Navigation logs as a kind of data."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Self
 
@@ -11,6 +11,8 @@ from missionplan.datasets.legs import read_transit
 from missionplan.datasets.records import TransitData
 from missionplan.diagnosis.coordinates import Coordinate
 from missionplan.diagnosis.data_kind import DataKind
+from missionplan.diagnosis.forecast_error import forecast_effect, has_forecast_error, with_forecast_error
+from missionplan.diagnosis.given.effects import GivenEffect
 from missionplan.diagnosis.inference.model import CauseFit
 from missionplan.diagnosis.learned_data import unlearned
 from missionplan.diagnosis.legs.aliases import aliases
@@ -23,7 +25,7 @@ from missionplan.diagnosis.legs.tables import transit_misfit, transit_residuals,
 from missionplan.diagnosis.plan_gain import leg_length_choice, plan_gain
 from missionplan.mission import Mission
 from missionplan.results.learned.diagnosis import PlanGain
-from missionplan.results.learned.evidence import Alias, Causes, ParameterEstimate
+from missionplan.results.learned.evidence import Alias, Causes
 
 
 @dataclass(frozen=True)
@@ -49,9 +51,9 @@ class TransitKind(DataKind):
         return self.model.coordinates
 
     @property
-    def known(self) -> tuple[ParameterEstimate, ...]:
-        """What the mission knows of its own effects on a transit."""
-        return tuple(estimate for each in self.model.given for estimate in each.prior)
+    def given(self) -> tuple[GivenEffect, ...]:
+        """The mission's own effects that the data could show."""
+        return self.model.given
 
     def residual_table(self, base: CauseFit, best: CauseFit) -> pd.DataFrame:
         """Return one row a leg."""
@@ -66,16 +68,18 @@ class TransitKind(DataKind):
         return [transit_share(self.model, fit) for fit in fits]
 
     def extended_mission(self, best: CauseFit) -> dict[str, object]:
-        """Write the causes as effects, with the place and time to which their phases refer."""
-        return extended_transit_mission(self.mission.raw, best, self.data)
+        """Return the mission's data with the noise as fitted, and the place and time to which phases refer."""
+        data = extended_transit_mission(self.mission.raw, best, self.data)
+        return with_forecast_error(data, self.mission, (*best.given, *best.estimates))
 
     def plan_gain(self, base: Mission, extended: Mapping[str, object], *, seed: int, jobs: int) -> PlanGain:
         """Compare the maximum leg lengths chosen."""
         return plan_gain(leg_length_choice, base, extended, seed=seed, jobs=jobs)
 
-    def widened(self, best: CauseFit, scale: float) -> CauseFit:
-        """Return a fit with the velocity error and the random causes scaled."""
-        return widened(best, scale)
+    def carried(self, best: CauseFit, scale: float) -> CauseFit:
+        """Return a fit with the velocity error and the random causes scaled, the error of a forecast taken out."""
+        stated = (forecast_effect().id,) if has_forecast_error(self.mission) else ()
+        return widened(replace(best, posterior=best.posterior.without(stated)), scale)
 
     def not_constant(self, best: CauseFit) -> Causes:
         """Return the physical causes whose parameters differ between the halves of the log."""

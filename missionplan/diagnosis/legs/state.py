@@ -5,13 +5,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from missionplan.arrays import Array
-from missionplan.diagnosis.coordinates import Coordinate, correlations, estimates
+from missionplan.diagnosis.coordinates import SIGMA_V, Coordinate, JointPosterior, estimates
 from missionplan.diagnosis.inference.laplace import Laplace
 from missionplan.diagnosis.legs.likelihood.hyperparameters import Hyperparameter, values_of
 from missionplan.diagnosis.legs.likelihood.linearised import LinearisedLegs
 from missionplan.diagnosis.legs.likelihood.modulation import Forms
 from missionplan.effects import CATALOGUE
-from missionplan.montecarlo.draws import Correlation
 from missionplan.results.learned.evidence import Causes, ParameterEstimate
 
 
@@ -49,16 +48,21 @@ class TransitState:
 
     def estimates(self, effects: Causes) -> tuple[ParameterEstimate, ...]:
         """Estimates of the hyperparameters that are parameters of some effects."""
-        return estimates(*self._posterior_of(effects))
+        known = self.noise(effects)
+        own = [i for i, coordinate in enumerate(known.coordinates) if coordinate.effect]
+        return estimates([known.coordinates[i] for i in own], known.mean[own], known.covariance[np.ix_(own, own)])
 
-    def correlations(self, effects: Causes) -> tuple[Correlation, ...]:
-        """Correlations of these."""
-        return correlations(*self._posterior_of(effects))
-
-    def _posterior_of(self, effects: Causes) -> tuple[list[Coordinate], Array, Array]:
-        """Coordinates of the hyperparameters of some effects, with the mean and the covariance of their posterior."""
-        of_effects = enumerate(self.hyperparameters)
-        chosen = [i for i, h in of_effects if h.effect in effects and h.name in CATALOGUE[h.effect].parameters]
-        own = [self.hyperparameters[i] for i in chosen]
-        shapes = [Coordinate(h.effect, h.name, "shape", h.centre, h.spread, 0.0) for h in own]
-        return shapes, self.posterior.mode[chosen], self.posterior.covariance[np.ix_(chosen, chosen)]
+    def noise(self, effects: Causes) -> JointPosterior:
+        """Joint posterior of σ_v and of the hyperparameters that are parameters of some effects."""
+        chosen, shapes = [], []
+        for index, h in enumerate(self.hyperparameters):
+            if h.key == ("", SIGMA_V.name):
+                shapes.append(SIGMA_V)
+            elif h.effect in effects and h.name in CATALOGUE[h.effect].parameters:
+                shapes.append(Coordinate(h.effect, h.name, "shape", h.centre, h.spread, 0.0))
+            else:
+                continue
+            chosen.append(index)
+        return JointPosterior(
+            tuple(shapes), self.posterior.mode[chosen], self.posterior.covariance[np.ix_(chosen, chosen)]
+        )

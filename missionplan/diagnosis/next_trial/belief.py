@@ -1,7 +1,7 @@
 """What is believed after a diagnosis: the sets of causes that may hold, each with its parameters and its mission."""
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -9,15 +9,15 @@ from numpy.typing import NDArray
 from missionplan.arrays import Array
 from missionplan.diagnosis.coordinates import Coordinate
 from missionplan.diagnosis.data_kind import DataKind
-from missionplan.diagnosis.explanations import Weighed, explanation_weights, shares_in_doubt
+from missionplan.diagnosis.explanations import Weighed, possible_fits
+from missionplan.diagnosis.extended_mission import Hypothesis, extended_mission
 from missionplan.diagnosis.inference.model import CauseFit
 from missionplan.diagnosis.inference.trials.prediction import Explanation
-from missionplan.diagnosis.judgement import Judgement
 from missionplan.diagnosis.pipeline import PipelineResult
 from missionplan.mission import Mission
 from missionplan.results.learned.evidence import Causes
 
-EXPLANATIONS, NEGLIGIBLE = 5, 0.005
+EXPLANATIONS, NEGLIGIBLE = 5, 0.02
 """Sets of causes that are considered, at most, and the probability below which none is."""
 
 
@@ -73,29 +73,17 @@ Fits = list[tuple[Weighed, CauseFit, float]]
 """Explanations of the mission, fits beside them, and their probabilities."""
 
 
-def possible_fits(explanations: Sequence[Weighed], found: PipelineResult, judgement: Judgement) -> Fits:
-    """Return what may hold with probabilities that add up to 1, the likeliest first.
-
-    Beside the mission's likeliest explanation the sets of the credible set, with the probabilities that the extended
-    mission gives them where the verdict is in doubt, then its other explanations.
+def likely_fits(explanations: Sequence[Weighed], found: PipelineResult) -> Fits:
+    """Return the likeliest fits that may hold with probabilities that add up to 1, as the extended mission has them.
 
     Parameters
     ----------
     explanations : sequence of Weighed
         Of the mission, the likeliest first.
-    found, judgement
+    found : PipelineResult
         With that one.
     """
-    fits = {candidate.causes: candidate.fit for candidate in found.selection.ranking} | {(): found.selection.base}
-    shares = shares_in_doubt(found, judgement, fits)
-    masses = explanation_weights(explanations)
-    listed = [
-        (explanations[0], fits[causes], float(masses[0]) * share / sum(shares.values()))
-        for causes, share in shares.items()
-    ]
-    others = zip(explanations[1:], masses[1:].tolist(), strict=True)
-    listed += [(one, one.fit, mass) for one, mass in others if one.fit is not None]
-    likely = sorted(listed, key=lambda each: -each[2])[:EXPLANATIONS]
+    likely = possible_fits(explanations, found)[:EXPLANATIONS]
     total = sum(weight for *_, weight in likely)
     kept = [each for each in likely if each[2] > NEGLIGIBLE * total]
     total = sum(weight for *_, weight in kept)
@@ -112,7 +100,7 @@ def believe(fits: Fits, posterior_of: Callable[[DataKind, CauseFit], Posterior],
     posterior_of : callable
         What a fit to data bound to a mission says of the parameters.
     scale : float
-        Of the random errors; see `DataKind.widened`.
+        Of the random errors; see `DataKind.carried`.
 
     Raises
     ------
@@ -126,6 +114,10 @@ def believe(fits: Fits, posterior_of: Callable[[DataKind, CauseFit], Posterior],
         explanation = Explanation(probability, posterior.mean[posterior.places], posterior.covariance)
         own = tuple(bound.model_coordinates[index] for index in posterior.places)
         causes = (*one.explained.causes, *fit.causes)
-        mission = Mission.from_data(bound.extended_mission(bound.widened(fit, scale)))
+        carried, shown = bound.carried(fit, scale), tuple(each.effect for each in bound.given)
+        data = bound.extended_mission(carried)
+        known = replace(carried, posterior=carried.posterior.without(("",)))  # σ_v is drawn apart from the parameters
+        held = Hypothesis(causes, 1.0, one.explained.mission, shown, known, data)
+        mission = Mission.from_data(extended_mission([held]))
         found.append(Believed(causes, bound, fit, posterior, explanation, own, mission))
     return tuple(found)

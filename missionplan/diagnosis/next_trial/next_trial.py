@@ -6,8 +6,7 @@ from typing import cast
 
 from missionplan.diagnosis.data_kind import DataKind
 from missionplan.diagnosis.explanations import Weighed
-from missionplan.diagnosis.judgement import Judgement
-from missionplan.diagnosis.next_trial.belief import believe, possible_fits
+from missionplan.diagnosis.next_trial.belief import believe, likely_fits
 from missionplan.diagnosis.next_trial.designs import TrialKind
 from missionplan.diagnosis.next_trial.valuation import Valuation
 from missionplan.diagnosis.pipeline import PipelineResult
@@ -21,16 +20,14 @@ KINDS: Mapping[str, tuple[str, str]] = {
 """By kind of data, module and class of its trials."""
 
 
-def next_trial(
-    explanations: Sequence[Weighed], found: PipelineResult, judgement: Judgement, scale: float, seed: int
-) -> NextTrial:
+def next_trial(explanations: Sequence[Weighed], found: PipelineResult, scale: float, seed: int) -> NextTrial:
     """Value the trials that could follow a diagnosis, or find out why that cannot be done.
 
     Parameters
     ----------
     explanations : sequence of Weighed
         The mission's explanations laid against the data so far, the likeliest first.
-    found, judgement
+    found : PipelineResult
         What the diagnosis found with that one.
     scale : float
         Of the random errors, as in the extended mission.
@@ -41,14 +38,12 @@ def next_trial(
     if kind not in KINDS:
         return NextTrial(reason=f"no trials are designed for data of kind {kind}")
     try:
-        return valuation(explanations, found, judgement, scale, seed).result()
+        return valuation(explanations, found, scale, seed).result()
     except (MissionplanError, FloatingPointError) as error:
         return NextTrial(reason=str(error))
 
 
-def valuation(
-    explanations: Sequence[Weighed], found: PipelineResult, judgement: Judgement, scale: float, seed: int
-) -> Valuation:
+def valuation(explanations: Sequence[Weighed], found: PipelineResult, scale: float, seed: int) -> Valuation:
     """Draw what is unknown after a diagnosis and run the missions: parameters as of `next_trial`.
 
     Raises
@@ -60,5 +55,5 @@ def valuation(
     module, name = KINDS[bound.kind]
     made = getattr(import_module(module), name)
     kind = cast("Callable[[DataKind], TrialKind]", made)(bound)
-    believed = believe(possible_fits(explanations, found, judgement), kind.posterior, scale)
+    believed = believe(likely_fits(explanations, found), kind.posterior, scale)
     return Valuation.of(kind, believed, seed)

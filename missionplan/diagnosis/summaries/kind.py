@@ -10,7 +10,7 @@ import pandas as pd
 from missionplan.datasets.summaries import SummaryData, read_summary
 from missionplan.diagnosis.data_kind import DataKind
 from missionplan.diagnosis.dives.tables import descent_shares
-from missionplan.diagnosis.extended_mission import extended_mission
+from missionplan.diagnosis.given.effects import GivenEffect
 from missionplan.diagnosis.inference.model import CauseFit
 from missionplan.diagnosis.learned_data import unlearned
 from missionplan.diagnosis.plan_gain import anchor_choice, plan_gain
@@ -19,7 +19,7 @@ from missionplan.diagnosis.summaries.model_factory import summary_model
 from missionplan.diagnosis.summaries.tables import summary_misfit, summary_residuals
 from missionplan.mission import Mission
 from missionplan.results.learned.diagnosis import PlanGain
-from missionplan.results.learned.evidence import ParameterEstimate, Verdict
+from missionplan.results.learned.evidence import Verdict
 
 
 @dataclass(frozen=True)
@@ -40,9 +40,9 @@ class SummaryKind(DataKind):
         return cls(kind, mission, data, summary_model(data, mission))
 
     @property
-    def known(self) -> tuple[ParameterEstimate, ...]:
-        """What the mission knows of its own effects on a descent."""
-        return tuple(estimate for each in self.model.given for estimate in each.prior)
+    def given(self) -> tuple[GivenEffect, ...]:
+        """The mission's own effects that the data could show."""
+        return self.model.given
 
     def residual_table(self, base: CauseFit, best: CauseFit) -> pd.DataFrame:
         """Return one row a number."""
@@ -55,11 +55,6 @@ class SummaryKind(DataKind):
     def shares_explained(self, base: CauseFit, fits: Sequence[CauseFit], residuals: pd.DataFrame) -> list[float]:
         """Return the share of the squared residuals, in standard deviations, that goes with each fit."""
         return descent_shares(self.model, base, fits)
-
-    def extended_mission(self, best: CauseFit) -> dict[str, object]:
-        """Write the causes as effects."""
-        found = (*best.given, *best.estimates)
-        return extended_mission(self.mission.raw, found, best.calibration, best.correlations)
 
     def plan_gain(self, base: Mission, extended: Mapping[str, object], *, seed: int, jobs: int) -> PlanGain:
         """Compare the anchors chosen."""

@@ -4,7 +4,6 @@ import copy
 from collections.abc import Mapping
 
 from missionplan.datasets.tank import DragSettings, OscillationSettings, TankData
-from missionplan.diagnosis.extended_mission import extended_mission
 from missionplan.diagnosis.inference.model import CauseFit
 from missionplan.diagnosis.tank.free_oscillation import full_size_added_mass
 from missionplan.diagnosis.tank.towed_drag import drag_reynolds
@@ -17,11 +16,9 @@ from missionplan.results.learned.evidence import ParameterEstimate
 
 
 def extended_tank_mission(mission: Mission, best: CauseFit, data: TankData) -> dict[str, object]:
-    """Write the causes into a mission's data.
+    """Write what keys of the vehicle file state of the causes into a mission's data, at full size.
 
-    What a key of the vehicle file states goes there, at full size: as an effect it would act on a descent's anchor too.
-    Effects that the mission carries, and the rest, go into ``effects``. A mission without a vehicle carries nothing of
-    the first kind.
+    As an effect it would act on a descent's anchor too. A mission without a vehicle carries nothing of that kind.
 
     Parameters
     ----------
@@ -32,12 +29,9 @@ def extended_tank_mission(mission: Mission, best: CauseFit, data: TankData) -> d
     data : TankData
         What was diagnosed.
     """
-    found = (*best.given, *best.estimates)
-    carried = {entry.effect for entry in mission.effect_list.known}
-    keys = {e.effect: CATALOGUE[e.effect].vehicle_key for e in found if e.effect not in carried}
-    own = {keys[estimate.effect]: estimate for estimate in found if keys.get(estimate.effect)}
-    others = [estimate for estimate in found if not keys.get(estimate.effect)]
-    extended = extended_mission(mission.raw, others, {}, best.correlations)
+    found, extended = (*best.given, *best.estimates), dict(mission.raw)
+    keys = vehicle_keys(mission, best)
+    own = {keys[estimate.effect]: estimate for estimate in found if estimate.effect in keys}
     given = extended.get("vehicle")
     if not own or mission.vehicle is None or not isinstance(given, dict):
         return extended
@@ -51,6 +45,13 @@ def extended_tank_mission(mission: Mission, best: CauseFit, data: TankData) -> d
         vehicle["added_mass"] = known | {"surge": {"mean": f"{surge:.5g} kg", "sd": f"{sd:.3g} kg"}}
     extended["vehicle"] = vehicle
     return extended
+
+
+def vehicle_keys(mission: Mission, best: CauseFit) -> dict[str, VehicleKey]:
+    """Return the key of the vehicle's file that states an effect found, by the effect; none of those carried so far."""
+    carried = {entry.effect for entry in mission.effect_list.known}
+    found = {estimate.effect for estimate in (*best.given, *best.estimates)} - carried
+    return {name: CATALOGUE[name].vehicle_key for name in found if CATALOGUE[name].vehicle_key}
 
 
 def _drag(

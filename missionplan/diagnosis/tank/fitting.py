@@ -12,8 +12,8 @@ from scipy.special import logsumexp
 from missionplan.arrays import Array
 from missionplan.diagnosis.coordinates import (
     Coordinate,
+    JointPosterior,
     coordinates_of,
-    correlations,
     estimates,
     is_possible,
     parameters_from,
@@ -179,9 +179,9 @@ class TankFitting:
         own = Marginal(own.log_density, inside.mean, inside.covariance)
         state = TankState(best.at, residuals, best.jacobian, active, factor, sd, own)
         posterior = self._posterior(causes, state)
-        found, together = estimates(*posterior), correlations(*posterior)
+        found = estimates(posterior.coordinates, posterior.mean, posterior.covariance)
         evidence = float(logsumexp(logs)) + inside.log_mass - prior.log_mass
-        possible, given = is_possible(found), self._given_estimates(causes, state)
+        possible, (given, together) = is_possible(found), self._after(causes, state)
         return CauseFit(causes, evidence, found, self._calibration(state), possible, state, given, together)
 
     def _search(self, causes: Causes, starts: Sequence[Start]) -> list[GaussNewtonResult]:
@@ -260,20 +260,27 @@ class TankFitting:
         logs, found = of_all(scales.sd)
         return logs + scales.log_factor, scales.sd, [replace(each, mean=prior.centre + each.mean) for each in found]
 
-    def _posterior(self, causes: Causes, state: TankState) -> tuple[list[Coordinate], Array, Array]:
-        """Coordinates of the causes, with the mean and the covariance of their posterior."""
+    def _posterior(self, causes: Causes, state: TankState) -> JointPosterior:
+        """Joint posterior of the causes' coordinates."""
         rows = [k for k, index in enumerate(state.active) if self.is_of(causes, int(index))]
-        chosen = [self.coordinates[int(state.active[k]) - self.fixed] for k in rows]
-        return chosen, state.marginal.mean[rows], state.marginal.covariance[np.ix_(rows, rows)]
+        chosen = tuple(self.coordinates[int(state.active[k]) - self.fixed] for k in rows)
+        return JointPosterior(chosen, state.marginal.mean[rows], state.marginal.covariance[np.ix_(rows, rows)])
 
-    def _given_estimates(self, causes: Causes, state: TankState) -> tuple[ParameterEstimate, ...]:
-        """What is known after these data of the effects that the mission knew, those that changed left out."""
+    def _after(self, causes: Causes, state: TankState) -> tuple[tuple[ParameterEstimate, ...], JointPosterior]:
+        """What is known after these data of the effects that the mission knew, but for those that changed, and of all.
+
+        Strengths of the causes are independent of what the mission knew of others.
+        """
         row = {int(index): k for k, index in enumerate(state.active)}
-        found: list[ParameterEstimate] = []
+        given: list[ParameterEstimate] = []
+        together = self._posterior(causes, state)
         for each in held(self.given, causes):
             rows = [row[index] for index in self.places(each)]
-            found += each.posterior(state.marginal.mean[rows], state.marginal.covariance[np.ix_(rows, rows)])
-        return tuple(found)
+            mean, covariance = state.marginal.mean[rows], state.marginal.covariance[np.ix_(rows, rows)]
+            given += each.posterior(mean, covariance)
+            spread = each.left_over + each.gain @ covariance @ each.gain.T
+            together = together.joined(JointPosterior(each.coordinates, each.long_run(mean), spread))
+        return tuple(given), together
 
     def _calibration(self, state: TankState) -> dict[str, float]:
         """Constants of the base model, and the noise, as fitted."""

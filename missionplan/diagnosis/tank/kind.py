@@ -1,7 +1,7 @@
 """Tank data as a kind of data."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Self
 
@@ -9,11 +9,12 @@ import pandas as pd
 
 from missionplan.datasets.tank import TANK_FORMATS, TankData
 from missionplan.diagnosis.data_kind import DataKind
+from missionplan.diagnosis.given.effects import GivenEffect
 from missionplan.diagnosis.inference.model import CauseFit
 from missionplan.diagnosis.learned_data import unlearned
 from missionplan.diagnosis.plan_gain import anchor_choice, plan_gain
 from missionplan.diagnosis.tank.data import read_tank
-from missionplan.diagnosis.tank.extended_mission import extended_tank_mission
+from missionplan.diagnosis.tank.extended_mission import extended_tank_mission, vehicle_keys
 from missionplan.diagnosis.tank.given import given_in_tank
 from missionplan.diagnosis.tank.model import TankModel
 from missionplan.diagnosis.tank.model_factory import tank_forward
@@ -21,7 +22,6 @@ from missionplan.diagnosis.tank.tables import tank_misfit, tank_residuals, tank_
 from missionplan.effects import exclusive_groups
 from missionplan.mission import Mission
 from missionplan.results.learned.diagnosis import PlanGain
-from missionplan.results.learned.evidence import ParameterEstimate
 
 
 @dataclass(frozen=True)
@@ -44,9 +44,9 @@ class TankKind(DataKind):
         return cls(kind, mission, data, TankModel(forward, given=given, alternatives=exclusive_groups("tank")))
 
     @property
-    def known(self) -> tuple[ParameterEstimate, ...]:
-        """What the mission knows of the effects that these data could show."""
-        return tuple(estimate for each in self.model.given for estimate in each.prior)
+    def given(self) -> tuple[GivenEffect, ...]:
+        """The mission's own effects that the data could show."""
+        return self.model.given
 
     def residual_table(self, base: CauseFit, best: CauseFit) -> pd.DataFrame:
         """Return one row a datum."""
@@ -63,6 +63,10 @@ class TankKind(DataKind):
     def extended_mission(self, best: CauseFit) -> dict[str, object]:
         """Write the causes into the vehicle where it has keys for them, else as effects."""
         return extended_tank_mission(self.mission, best, self.data)
+
+    def carried(self, best: CauseFit, scale: float) -> CauseFit:
+        """Return a fit without the causes that keys of the vehicle state."""
+        return replace(best, posterior=best.posterior.without(vehicle_keys(self.mission, best)))
 
     def plan_gain(self, base: Mission, extended: Mapping[str, object], *, seed: int, jobs: int) -> PlanGain:
         """Compare the anchors chosen, where the mission has a mooring and an anchor."""

@@ -4,7 +4,7 @@ from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 
 from missionplan.errors import KeyPath, LocalProblem, did_you_mean, shown
-from missionplan.mission.schema.effect_list import OneOf
+from missionplan.mission.schema.effect_list import Learned, OneOf
 from missionplan.mission.schema.phases import MoorPhase, Navigation, Phase, TransitPhase
 from missionplan.mission.schema.site import CurrentLayer, Geographic, Site, TidalCurrent
 from missionplan.mission.schema.sweep import CorrelationSection, SweepSection
@@ -15,7 +15,9 @@ from missionplan.physics.tides import constituent_names
 
 
 def check_correlations(
-    correlations: Sequence[CorrelationSection], quantities: Mapping[str, Quantity], doubts: Sequence[OneOf] = ()
+    correlations: Sequence[CorrelationSection],
+    quantities: Mapping[str, Quantity],
+    doubts: Sequence[OneOf | Learned] = (),
 ) -> list[LocalProblem]:
     """List what keeps a mission's quantities, given by key path, from having these correlations.
 

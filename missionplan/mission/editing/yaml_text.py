@@ -11,6 +11,7 @@ from pathlib import Path
 import yaml
 
 from missionplan.mission.reading.documents import Document
+from missionplan.montecarlo.posterior import PosteriorFile
 
 _WIDTH = 110
 """Longest line of a value that is written in braces."""
@@ -54,6 +55,8 @@ def with_inlined(text: str, key: str, inner: str) -> str:
 
 def dumped(data: object) -> str:
     """Write data as YAML, keys in their order."""
+    if isinstance(data, Mapping) and isinstance(data.get(_POSTERIOR), PosteriorFile):
+        data = {**data, _POSTERIOR: dict(data[_POSTERIOR])}
     return yaml.safe_dump(data, sort_keys=False, allow_unicode=True, width=120)
 
 
@@ -187,7 +190,7 @@ def _flow(value: object) -> str:
     return re.sub(r"^\[|\]\n$", "", text)
 
 
-_VEHICLE = "vehicle"
+_VEHICLE, _POSTERIOR = "vehicle", "posterior"
 
 
 @dataclass(frozen=True)
@@ -232,6 +235,10 @@ class MissionText:
         new = copy.deepcopy(dict(data))
         stays = folder is None or folder.resolve() == self.folder.resolve()
         self._name_current(new, folder or self.folder, stays=stays)
+        own, before = new.get(_POSTERIOR), self.written.get(_POSTERIOR)
+        if isinstance(own, PosteriorFile):
+            same = stays and isinstance(before, Mapping) and before.get("sha256") == own["sha256"]
+            new[_POSTERIOR] = before if same else dict(own)
         if self.vehicle is None or not isinstance(new.get(_VEHICLE), Mapping):
             return edited(self.text, new)
         name, vehicle = self.written[_VEHICLE], new[_VEHICLE]

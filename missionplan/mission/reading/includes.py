@@ -1,4 +1,4 @@
-"""Files that a mission file names: the vehicle's, its rates' and the tide's, put in their places, and other paths."""
+"""Files that a mission file names: vehicle, rates, tide and posterior, put in their places, and other paths."""
 
 from dataclasses import dataclass, field
 from difflib import get_close_matches
@@ -7,6 +7,8 @@ from typing import Any
 
 from missionplan.errors import InputError, KeyPath, Problem, did_you_mean, shown
 from missionplan.mission.reading.documents import Document, load_document
+from missionplan.mission.reading.posterior import WITHOUT, problem_of_section, read_posterior
+from missionplan.montecarlo.posterior import DamagedPosteriorError, PosteriorFile
 from missionplan.store.folder import is_file, matching, real_path
 
 CLASSES = Path(__file__).parents[2] / "starter" / "reliability"
@@ -37,6 +39,8 @@ def include_files(document: Document, folder: Path, *, allow_outside: bool) -> l
     if isinstance(vehicle, str) and not files.include(vehicle, ("vehicle",)):
         del document.data["vehicle"]
     _include_reliability(document.data, files, Path(vehicle).parent if isinstance(vehicle, str) else Path())
+    if "posterior" in document.data and not files.draw(document.data["posterior"]):
+        del document.data["posterior"]
     site = document.data.get("site")
     if isinstance(site, dict):
         _resolve_site(site, files)
@@ -107,6 +111,26 @@ class _Files:
         except InputError as error:
             self.problems += error.problems
             return False
+        return True
+
+    def draw(self, section: object) -> bool:
+        """Put the posterior that the mission names in its place; False where that cannot be done."""
+        if isinstance(section, PosteriorFile):
+            return True
+        wrong = problem_of_section(section)
+        if wrong is not None or not isinstance(section, dict):
+            path, message, hint = wrong or ((), "is no mapping", "")
+            self.refuse(("posterior", *path), message, hint)
+            return False
+        target = self.resolve(section["file"], ("posterior", "file"))
+        if target is None:
+            return False
+        try:
+            found = read_posterior(target, section, self.document.data.get("learned_from"))
+        except DamagedPosteriorError as error:
+            self.refuse(("posterior", "file"), f"{section['file']} {error}", WITHOUT)
+            return False
+        self.document.data["posterior"] = found
         return True
 
     def resolve_many(self, name: str, path: KeyPath) -> str | None:

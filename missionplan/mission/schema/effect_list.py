@@ -1,16 +1,25 @@
-"""Effects of a mission as they are read: those that always hold, and explanations of which one holds."""
+"""Effects of a mission: those that always hold, explanations of which one holds, and a posterior over sets of them."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, Generic, cast
 
+import numpy as np
+
+from missionplan.arrays import Array
+from missionplan.effects import CATALOGUE
 from missionplan.errors import KeyPath
 from missionplan.mission.schema.section import V
 from missionplan.montecarlo.distributions import ROUNDING, WhichHolds
 from missionplan.montecarlo.draws import Correlation
+from missionplan.montecarlo.posterior import Column, WeightedDraws
 
 ONE_OF = "one-of"
 """Key of a list of explanations."""
+LIKELY = 0.05
+"""Least probability of a set of effects that a plan is judged under by itself."""
+POSTERIOR = "posterior"
+"""Key of the section that names draws, and the name of the random stream from which all of them are picked."""
 
 
 @dataclass(frozen=True)
@@ -25,21 +34,23 @@ class EffectEntry(Generic[V]):
         Floats or distributions; drawn, floats or arrays [SI].
     path : tuple of (str or int)
         Where it stands in the file.
-    explanation : (str, int) or None
-        Key path of the `one-of` that it stands in and the number of its explanation there; None: it always holds.
+    explanation : (str, tuple of int) or None
+        Key path of what is in doubt, and the numbers of the explanations there with which it holds; None: it always
+        holds.
     """
 
     effect: str
     parameters: dict[str, V]
     path: KeyPath = ()
-    explanation: tuple[str, int] | None = None
+    explanation: tuple[str, tuple[int, ...]] | None = None
 
     @property
     def place(self) -> str:
         """First part of the key paths of its parameters: ``effects.compass-bias``."""
-        if self.explanation is None:
+        if self.explanation is None or self.explanation[0] == POSTERIOR:
             return f"effects.{self.effect}"
-        return f"{self.explanation[0]}[{self.explanation[1]}].{self.effect}"
+        place, (number,) = self.explanation
+        return f"{place}[{number}].{self.effect}"
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -103,6 +114,11 @@ class OneOf(Generic[V]):
         return cast("V", which if self.known is None else float(self.known))
 
     @property
+    def entries(self) -> tuple[EffectEntry[V], ...]:
+        """Effects of every explanation."""
+        return tuple(entry for each in self.explanations for entry in each.effects)
+
+    @property
     def probabilities(self) -> tuple[float, ...]:
         """Of each explanation, and of none where they leave more than rounding."""
         given = tuple(explanation.probability for explanation in self.explanations)
@@ -114,6 +130,11 @@ class OneOf(Generic[V]):
         """Names of the effects of each of these; empty for none."""
         found = tuple(explanation.causes for explanation in self.explanations)
         return (*found, ()) if len(self.probabilities) > len(found) else found
+
+    @property
+    def told_apart(self) -> tuple[int, ...]:
+        """Numbers of these that a plan is judged under one by one: all; none once one is known to hold."""
+        return tuple(range(len(self.probabilities))) if self.known is None else ()
 
     def mapped(self, change: Callable[[str, Any], Any]) -> "OneOf[Any]":
         """Return the list with which one holds and the parameters of every one changed, given names and values."""
@@ -133,38 +154,159 @@ class OneOf(Generic[V]):
 
 
 @dataclass(frozen=True)
-class EffectList(Generic[V]):
-    """The whole section.
+class Learned(Generic[V]):
+    """A posterior: sets of effects of which one holds, whose parameters are picked together from its draws.
 
     Attributes
     ----------
-    items : tuple of EffectEntry and OneOf
+    draws : WeightedDraws
+    entries : tuple of EffectEntry
+        Each effect of a set once, for all sets with it.
+    known : int or None
+        Number of the set that is taken to hold; None: it is drawn.
+    drawn : float or array, shape (n,), or None
+        Number of the set that holds, once it is drawn.
+    """
+
+    draws: WeightedDraws
+    entries: tuple[EffectEntry[V], ...]
+    known: int | None = None
+    drawn: V | None = None
+
+    place = POSTERIOR
+
+    @property
+    def which(self) -> V:
+        """The number of the set that holds."""
+        if self.drawn is not None:
+            return self.drawn
+        return cast("V", WhichHolds(self.draws.probabilities) if self.known is None else float(self.known))
+
+    @property
+    def probabilities(self) -> tuple[float, ...]:
+        """Of each set."""
+        return self.draws.probabilities
+
+    @property
+    def causes(self) -> tuple[tuple[str, ...], ...]:
+        """Effects of each set."""
+        return self.draws.sets
+
+    @property
+    def told_apart(self) -> tuple[int, ...]:
+        """Numbers of the sets that a plan is judged under one by one: those likely enough, where there are several."""
+        likely = tuple(number for number, share in enumerate(self.probabilities) if share >= LIKELY)
+        return likely if self.known is None and len(likely) > 1 else ()
+
+    def mapped(self, change: Callable[[str, Any], Any]) -> "Learned[Any]":
+        """Return it with which set holds and the parameters changed, given their names and values."""
+        entries = tuple(entry.mapped(change) for entry in self.entries)
+        return replace(self, entries=entries, drawn=change(self.place, self.which))
+
+    def knowing(self, number: int) -> "Learned[V]":
+        """Return it with a set known to hold: its effects alone, with its draws."""
+        stated = {entry.effect for entry in self.entries}
+        own = tuple(
+            replace(each, explanation=(POSTERIOR, (number,)))
+            for each in effects_of_draws(self.draws.of_set(number))
+            if each.effect in stated
+        )
+        return replace(self, entries=cast("tuple[EffectEntry[V], ...]", own), known=number, drawn=None)
+
+    @property
+    def held(self) -> WeightedDraws:
+        """Its draws: those of the set that is known to hold, else all."""
+        return self.draws if self.known is None else self.draws.of_set(self.known)
+
+    def correlations(self) -> Iterator[Correlation]:
+        """Yield none: draws are joint as they are."""
+        return iter(())
+
+
+def effects_of_draws(draws: WeightedDraws) -> tuple[EffectEntry, ...]:
+    """Return each effect of draws once, with its parameters and the sets with which it holds."""
+    found = []
+    for effect in draws.effects:
+        numbers = tuple(number for number, held in enumerate(draws.sets) if effect in held)
+        own = [column for column in draws.columns if column[0] == effect]
+        typical = _typical(draws, own)
+        parameters = {name: draws.distribution((effect, name), typical[name]) for _, name in own}
+        found.append(EffectEntry(effect, parameters, (POSTERIOR,), (POSTERIOR, numbers)))
+    return tuple(found)
+
+
+def _typical(draws: WeightedDraws, columns: Sequence[Column]) -> Mapping[str, float]:
+    """Parameters of an effect that stand for its draws: means, of sizes and times medians, of a vector its mean."""
+    found = {}
+    for effect, name in columns:
+        values, weights = draws.column((effect, name))
+        if CATALOGUE[effect].parameters[name].is_shape:
+            order = np.argsort(values)
+            middle = np.searchsorted(np.cumsum(weights[order]), 0.5 * weights.sum())
+            found[name] = float(values[order[min(middle, len(order) - 1)]])
+        else:
+            found[name] = float(np.average(values, weights=weights))
+    for amplitude, phase in CATALOGUE[columns[0][0]].polar if columns else ():
+        if amplitude in found and phase in found:
+            mean = _mean_vector(draws, *((columns[0][0], name) for name in (amplitude, phase)))
+            found[amplitude], found[phase] = float(np.abs(mean)), float(np.angle(mean))
+    return found
+
+
+def _mean_vector(draws: WeightedDraws, amplitude: Column, phase: Column) -> complex:
+    (sizes, weights), (angles, _) = draws.column(amplitude), draws.column(phase)
+    turned: Array = sizes * np.exp(1j * angles)
+    return complex(np.average(turned, weights=weights))
+
+
+@dataclass(frozen=True)
+class EffectList(Generic[V]):
+    """Effects as the mission states them, and as it has learned them.
+
+    Attributes
+    ----------
+    items : tuple of EffectEntry, OneOf and Learned
         In the order of the file.
     """
 
-    items: tuple[EffectEntry[V] | OneOf[V], ...] = ()
+    items: tuple[EffectEntry[V] | OneOf[V] | Learned[V], ...] = ()
 
     @property
     def entries(self) -> tuple[EffectEntry[V], ...]:
         """Every effect, those of explanations too."""
-        found: list[EffectEntry[V]] = []
-        for item in self.items:
-            inside = (
-                [item] if isinstance(item, EffectEntry) else [e for each in item.explanations for e in each.effects]
-            )
-            found += inside
-        return tuple(found)
+        return tuple(
+            entry for item in self.items for entry in ((item,) if isinstance(item, EffectEntry) else item.entries)
+        )
 
     @property
     def known(self) -> tuple[EffectEntry[V], ...]:
         """The effects that are known to hold: without those of explanations that may not."""
-        known = {(item.place, item.known) for item in self.doubts}
+        known: set[tuple[str, tuple[int | None, ...]]] = {(item.place, (item.known,)) for item in self.doubts}
+        if self.learned is not None and self.learned.known is None:
+            known.add((POSTERIOR, tuple(range(len(self.learned.draws.sets)))))  # in every set
         return tuple(entry for entry in self.entries if entry.explanation is None or entry.explanation in known)
 
     @property
-    def doubts(self) -> tuple[OneOf[V], ...]:
+    def doubts(self) -> tuple[OneOf[V] | Learned[V], ...]:
         """The explanations of which one holds."""
-        return tuple(item for item in self.items if isinstance(item, OneOf))
+        return tuple(item for item in self.items if not isinstance(item, EffectEntry))
+
+    @property
+    def learned(self) -> Learned[V] | None:
+        """The posterior; None where the mission names none."""
+        return next((item for item in self.items if isinstance(item, Learned)), None)
+
+    def having_learned(self, draws: WeightedDraws) -> "EffectList":
+        """Return the list with a posterior: what the mission states of an effect goes before what was learned of it."""
+        stated = {entry.effect for entry in self.entries}
+        own = tuple(entry for entry in effects_of_draws(draws) if entry.effect not in stated)
+        return EffectList((*cast("tuple[Any, ...]", self.items), Learned(draws, own)))
+
+    def stream_of(self, entry: EffectEntry[V], parameter: str) -> str:
+        """Name of the random stream from which a parameter is drawn: the same for all of a posterior."""
+        if entry.explanation is not None and entry.explanation[0] == POSTERIOR:
+            return POSTERIOR
+        return f"{self.streams()[entry.place]}.{parameter}"
 
     def streams(self) -> dict[str, str]:
         """Return by the place of every effect the name under which its random numbers are drawn.
@@ -184,8 +326,11 @@ class EffectList(Generic[V]):
 
     def knowing(self, place: str, number: int) -> "EffectList[V]":
         """Return the list with the explanation of a number known to hold, of the `one-of` at a key path."""
-        items = (
-            replace(item, known=number, drawn=None) if isinstance(item, OneOf) and item.place == place else item
-            for item in self.items
-        )
+        items: list[EffectEntry[V] | OneOf[V] | Learned[V]] = []
+        for item in self.items:
+            if isinstance(item, EffectEntry) or item.place != place:
+                items.append(item)
+            else:
+                known = item.knowing(number) if isinstance(item, Learned) else replace(item, known=number, drawn=None)
+                items.append(known)
         return EffectList(tuple(items))

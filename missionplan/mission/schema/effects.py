@@ -70,7 +70,7 @@ def _one_of(value: object, path: KeyPath) -> OneOf:
     problems: list[LocalProblem] = []
     for number, item in enumerate(value):
         try:
-            found.append(_explanation(item, (*path, ONE_OF, number), (place, number)))
+            found.append(_explanation(item, (*path, ONE_OF, number), (place, (number,))))
         except QuantityError as error:
             problems += [problem.within((ONE_OF, number)) for problem in error.problems]
     total = sum(each.probability for each in found)
@@ -81,7 +81,7 @@ def _one_of(value: object, path: KeyPath) -> OneOf:
     return OneOf(place, tuple(found))
 
 
-def _explanation(item: object, path: KeyPath, explanation: tuple[str, int]) -> Explanation:
+def _explanation(item: object, path: KeyPath, explanation: tuple[str, tuple[int, ...]]) -> Explanation:
     if not isinstance(item, Mapping):
         raise QuantityError(f"given {shown(item)}, expected an explanation: {{probability, effects}}")
     problems = [
@@ -118,7 +118,7 @@ def _fixed(parser: QuantityParser, given: object) -> float:
     return mean_of(parser.parse(given))
 
 
-def _held(value: object, path: KeyPath, explanation: tuple[str, int]) -> tuple[EffectEntry, ...]:
+def _held(value: object, path: KeyPath, explanation: tuple[str, tuple[int, ...]]) -> tuple[EffectEntry, ...]:
     """Read the effects of an explanation."""
     if not isinstance(value, list) or not value:
         raise QuantityError(f"expected a list of effects, {_EACH}")

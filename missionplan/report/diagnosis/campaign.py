@@ -14,8 +14,9 @@ from missionplan.report.diagnosis.page import answer as answer_of
 from missionplan.report.diagnosis.page import page as page_of
 from missionplan.report.page import Block, Drawing, Page, PageSection, Table, Terminal
 from missionplan.results.campaign import Campaign
+from missionplan.results.entries import mapping, real
 
-LEFT = 1e-3
+LEFT = 0.05
 """Probability of none of the explanations from which it is told."""
 COLUMNS = ("Data set", "Kind", "Verdict", "Causes", "Confirmed")
 
@@ -73,19 +74,10 @@ def answer(campaign: Campaign) -> str:
 
 def _doubts(extended: Mapping[str, object]) -> list[str]:
     """Say what the extended mission holds possible of which one holds."""
-    effects = extended.get("effects")
-    entries = effects if isinstance(effects, list) else []
-    lists = [entry["one-of"] for entry in entries if isinstance(entry, dict) and "one-of" in entry]
-    told = []
-    for explanations in lists:
-        each = [
-            f"{names(tuple(name for effect in one['effects'] for name in effect))} {percent(one['probability'])}"
-            for one in explanations
-        ]
-        left = 1.0 - sum(one["probability"] for one in explanations)
-        each += [f"none of them {percent(left)}"] if left > LEFT else []
-        told.append(f"Still in doubt: {', '.join(each)}.")
-    return told
+    learned = mapping(mapping(extended.get("posterior")).get("summary"))
+    shares = {name: real(mapping(known).get("probability")) for name, known in learned.items()}
+    open_ = [f"{names((name,))} {percent(share)}" for name, share in shares.items() if LEFT < share < 1.0 - LEFT]
+    return [f"Still in doubt: {', '.join(open_)}."] if open_ else []
 
 
 def _rows(campaign: Campaign) -> list[list[str]]:

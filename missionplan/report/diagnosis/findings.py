@@ -7,7 +7,7 @@ from dataclasses import replace
 from missionplan.effects import CATALOGUE
 from missionplan.effects.finding import Finding
 from missionplan.report.diagnosis.evidence import claimed_parameters, sized
-from missionplan.report.diagnosis.kind_report import enumerated, names, part, percent
+from missionplan.report.diagnosis.kind_report import names, part, percent
 from missionplan.report.diagnosis.kinds import REPORTS
 from missionplan.report.wording import capitalised
 from missionplan.results.learned.diagnosis import Diagnosis
@@ -108,15 +108,12 @@ def _gained(diagnosis: Diagnosis) -> str:
 
 WORTH_TELLING = 1.0
 """Score of a cause that is not claimed from which it is told [nat]."""
-_ALIKE = 5e-4
-"""Difference of probabilities that is rounding."""
 
 
 def how_sure(diagnosis: Diagnosis) -> list[str]:
     """Write the paragraphs; the sections below them have the statistics."""
     words = [
         _among_the_tried(diagnosis),
-        _shared_words(diagnosis),
         _held_out(diagnosis),
         _coverage_words(diagnosis.coverage),
     ]
@@ -141,24 +138,6 @@ def _among_the_tried(diagnosis: Diagnosis) -> str:
         return f"Among the explanations tried, {names(best.causes)} fits best; {other}."
     return (
         f"Among the explanations tried, {names(best.causes)} has a probability of {percent(best.posterior)}; {other}."
-    )
-
-
-def _shared_words(diagnosis: Diagnosis) -> str:
-    """Say why sets that the data cannot separate have other probabilities in the extended mission than above."""
-    best = diagnosis.best
-    own = next((each for each in diagnosis.explanations if best is not None and each.causes == best.causes), None)
-    if best is None or best.posterior is None or own is None or abs(own.probability - best.posterior) < _ALIKE:
-        return ""
-    alike = [each for each in diagnosis.explanations if abs(each.probability - own.probability) < _ALIKE]
-    if len(alike) < 2:
-        return ""
-    equal = "both" if len(alike) == 2 else "these"
-    others = enumerated([names(each.causes) for each in alike if each is not own])
-    return (
-        f"Such data cannot tell {names(best.causes)} from {others}, whichever it is: what speaks for one of them is "
-        f"mostly how large each usually is. In the extended mission, and for the next trial, {equal} are "
-        f"therefore equally probable, {percent(own.probability)} each."
     )
 
 

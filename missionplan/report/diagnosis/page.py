@@ -129,7 +129,7 @@ def _verdict_words(diagnosis: Diagnosis) -> str:
         return without
     words = _claim(diagnosis)
     if diagnosis.readings.plan_with is False:
-        words += " Named, but plan without it: on legs kept away from the fit the extended mission predicts no better."
+        words += " Named, but plan without it: kept-away data are predicted no better with it, all the way."
     words += _changed(diagnosis)
     if diagnosis.not_constant:
         words += _not_constant(diagnosis)
@@ -235,14 +235,20 @@ def _numbers(diagnosis: Diagnosis) -> list[tuple[str, str]]:
 
 def _next_words(diagnosis: Diagnosis) -> list[str]:
     words = []
-    if diagnosis.causes:
+    is_worse = diagnosis.readings.plan_with is False
+    if is_worse:
+        file = diagnosis.provenance.file or "the mission as it was"
         words.append(
-            "The extended mission, mission.yaml in this folder, carries the causes as effects with their "
-            "uncertainties. simulate, size-anchor and sweep-dmax run it as it is."
+            f"Plan with {file}. The extended mission, mission.yaml in this folder, is what the next diagnosis needs."
+        )
+    elif diagnosis.causes:
+        words.append(
+            "The extended mission, mission.yaml in this folder, draws from posterior.npz beside it what may be behind "
+            "the data, with its uncertainties. simulate, size-anchor and sweep-dmax run it as it is."
         )
     if told := explanations_in_words(diagnosis):
         words.append(told)
-    if diagnosis.causes:
+    if diagnosis.causes and not is_worse:
         words += plan_words(diagnosis)
     words += next_trial_pointer(diagnosis.next_trial)
     if diagnosis.next_trial is None or diagnosis.next_trial.best is None:

@@ -110,7 +110,15 @@ def planned_sections(provenance: Provenance) -> list[PageSection]:
     data = provenance.data
     if not isinstance(data.get("phases"), list | tuple):
         return []
-    rows = [*_site(data), *_navigation(data), *_vehicle(data), *_shared(data), *_phases(data), *_effects(data)]
+    rows = [
+        *_site(data),
+        *_navigation(data),
+        *_vehicle(data),
+        *_shared(data),
+        *_phases(data),
+        *_effects(data),
+        *_learned(data),
+    ]
     table = Table(
         ("", ""),
         [(capitalised(name), value) for name, value in rows],
@@ -260,6 +268,15 @@ def _effects(data: Mapping[str, object]) -> Iterator[Row]:
                 yield from (_explanation(mapping(each)) for each in parameters)
                 continue
             yield f"effect: {name.replace('-', ' ')}", value_in_words(parameters) if parameters else "as usual"
+
+
+def _learned(data: Mapping[str, object]) -> Iterator[Row]:
+    """Write what the mission's draws say of each effect, as their summary has it."""
+    for name, known in mapping(mapping(data.get("posterior")).get("summary")).items():
+        held = {key: value for key, value in mapping(known).items() if key != "probability"}
+        share = mapping(known).get("probability")
+        if isinstance(share, int | float):
+            yield f"learned: {name.replace('-', ' ')}, {100.0 * share:.3g} %", value_in_words(held)
 
 
 def _explanation(held: Mapping[str, object]) -> Row:

@@ -112,7 +112,7 @@ def _spread(outcome: Outcome, output: str) -> float:
 
 def _has_order(influence: Sensitivity) -> bool:
     """Whether the input is larger in one trial than in another; a member or an explanation only has a number."""
-    return not influence.source.endswith((".member", ".one-of"))
+    return not influence.source.endswith((".member", ".one-of", "posterior"))
 
 
 def _row(influence: Sensitivity) -> tuple[str, str, str, str]:

@@ -6,7 +6,7 @@ from typing import ClassVar
 
 import pandas as pd
 
-from missionplan.results.base import Provenance, Result, to_csv, to_json, to_yaml
+from missionplan.results.base import Provenance, Result, mission_files, to_csv, to_json
 from missionplan.results.learned.evidence import (
     Causes,
     Coverage,
@@ -242,7 +242,7 @@ class Diagnosis(Result):
             "diagnosis.json": to_json(self.diagnosis()),
             "residuals.csv": to_csv(self.residuals),
             "ranking.csv": to_csv(self.to_frame()),
-            "mission.yaml": to_yaml(self.extended),
+            **mission_files(self.extended),
             **(self.next_trial.files() if self.next_trial is not None else {}),
             **self._last_part_files(),
         }

@@ -190,6 +190,13 @@ _DEPENDENT: Mapping[tuple[str, str], Schema] = {
     ("SweepGrid", "to"): TEXT_OR_NUMBER,
 }
 """Keys whose unit follows from others."""
+_POSTERIOR: Schema = {
+    "type": "object",
+    "description": "draws of what was learned, as diagnose writes them beside the mission",
+    "properties": {"file": {"type": "string"}, "sha256": {"type": "string"}, "summary": {"type": "object"}},
+    "required": ["file", "sha256"],
+    "additionalProperties": False,
+}
 _LEARNED: Schema = {
     "type": "array",
     "items": {"type": "string", "pattern": f"^{IDENTITY.pattern}$"},
@@ -222,7 +229,8 @@ def schema(kind: Kind) -> dict[str, object]:
 
 def _of_model(model: type[BaseModel]) -> Schema:
     listed, definitions = effects()
-    sections = Sections({**_DEPENDENT, ("Mission", "effects"): listed, ("Mission", "learned_from"): _LEARNED})
+    own = {"effects": listed, "posterior": _POSTERIOR, "learned_from": _LEARNED}
+    sections = Sections({**_DEPENDENT, **{("Mission", key): each for key, each in own.items()}})
     top = sections.written(model)
     if model is Mission:
         properties = top["properties"]

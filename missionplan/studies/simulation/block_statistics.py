@@ -190,8 +190,7 @@ def _held(mission: Mission, trials: MissionTrials) -> dict[str, Flags]:
     return {
         explained_name(doubt.place, number): trials.draws[doubt.place] == number
         for doubt in mission.doubts
-        if doubt.known is None
-        for number in range(len(doubt.probabilities))
+        for number in doubt.told_apart
     }
 
 

@@ -121,9 +121,9 @@ class OutcomeBuilder:
 
     def _explanations(self) -> Iterator[ExplainedOutcome]:
         """What the mission does under each explanation."""
-        for doubt in (doubt for doubt in self.mission.doubts if doubt.known is None):
-            for number, (causes, share) in enumerate(zip(doubt.causes, doubt.probabilities, strict=True)):
-                yield self._explained(doubt.place, number, causes, share)
+        for doubt in self.mission.doubts:
+            for number in doubt.told_apart:
+                yield self._explained(doubt.place, number, doubt.causes[number], doubt.probabilities[number])
 
     def _explained(self, place: str, number: int, causes: Causes, share: float) -> ExplainedOutcome:
         name = explained_name(place, number)

@@ -1,0 +1,319 @@
+"""Weighted draws of what was learned from data: the effects that hold together, their parameters, and how likely.
+
+A posterior is kept as its draws, so that nothing between a diagnosis and a plan reduces it to moments. A trial draws
+the number of one of them, from one normal: all its columns are then of that draw, and joint.
+"""
+
+import hashlib
+import io
+import json
+import math
+import zipfile
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+import scipy
+from numpy.typing import NDArray
+from typing_extensions import override
+
+from missionplan.arrays import Array
+from missionplan.montecarlo.normal_transform import NormalTransform
+
+Causes = tuple[str, ...]
+Column = tuple[str, str]
+"""Effect and parameter; of what belongs to no effect, an empty name and the quantity."""
+FILE = "posterior.npz"
+"""Name of the file beside the mission that names it."""
+FORMAT = 1
+MOST_BYTES, MOST_UNPACKED = 8_000_000, 64_000_000
+"""Of the file, and of each of its members unpacked."""
+MOST_DRAWS, MOST_COLUMNS, MOST_SETS = 50_000, 200, 500
+_MEMBERS: Mapping[str, tuple[str, int]] = {
+    "format": ("i", 0),
+    "effects": ("U", 1),
+    "sets": ("b", 2),
+    "which": ("i", 1),
+    "columns": ("U", 2),
+    "values": ("f", 2),
+    "weights": ("f", 1),
+    "learned_from": ("U", 0),
+    "summary": ("U", 0),
+}
+"""Kind and number of dimensions of each array of the file."""
+
+
+class DamagedPosteriorError(ValueError):
+    """A file that holds no posterior: says what is wrong."""
+
+
+@dataclass(frozen=True, eq=False)
+class DrawnColumn(NormalTransform):
+    """One parameter of a posterior, as a distribution: a draw is picked by one normal, the same for all columns.
+
+    Attributes
+    ----------
+    values : array, shape (n,)
+    ends : array, shape (n,)
+        Cumulative weights; the last is 1.
+    typical : float
+        What stands for it in a mission at its means: of an angle, and of a set of effects, there is no mean.
+    """
+
+    values: Array
+    ends: Array
+    typical: float
+
+    @property
+    def mean(self) -> float:
+        """What stands for it in a mission at its means."""
+        return self.typical
+
+    @property
+    def weights(self) -> Array:
+        """Of the draws."""
+        return np.diff(self.ends, prepend=0.0)
+
+    @property
+    def sd(self) -> float:
+        """Standard deviation of the draws about their mean."""
+        centre = float(self.weights @ self.values)
+        return math.sqrt(float(self.weights @ (self.values - centre) ** 2))
+
+    @override
+    def from_normal(self, z: Array) -> Array:
+        places = np.searchsorted(self.ends, scipy.special.ndtr(z), side="right")
+        return np.asarray(self.values[np.minimum(places, len(self.values) - 1)])
+
+    @override
+    def cdf(self, value: float) -> float:
+        return float(self.weights[self.values <= value].sum())
+
+    @override
+    def quantile(self, probability: float) -> float:
+        order = np.argsort(self.values)
+        place = int(np.searchsorted(np.cumsum(self.weights[order]), probability))
+        return float(self.values[order[min(place, len(order) - 1)]])
+
+
+@dataclass(frozen=True, eq=False)
+class Tied(NormalTransform):
+    """A quantity that keeps its own distribution, and has the ranks of a posterior's column: the two are then joint.
+
+    Attributes
+    ----------
+    own : NormalTransform
+        Its distribution.
+    scores : DrawnColumn
+        Normals by the ranks of the column.
+    """
+
+    own: NormalTransform
+    scores: DrawnColumn
+
+    @override
+    def from_normal(self, z: Array) -> Array:
+        return self.own.from_normal(self.scores.from_normal(z))
+
+    @override
+    def cdf(self, value: float) -> float:
+        return self.own.cdf(value)
+
+
+@dataclass(frozen=True, eq=False)
+class WeightedDraws:
+    """Draws of a posterior over sets of effects and their parameters, n of them.
+
+    Attributes
+    ----------
+    sets : tuple of tuple of str
+        The effects that hold together, by the number of the set.
+    which : array of int, shape (n,)
+        Set of each draw, in ascending order.
+    columns : tuple of (str, str), length k
+    values : array, shape (n, k)
+        In SI; nan where the effect of the column does not hold.
+    weights : array, shape (n,)
+        Their sum is 1.
+    """
+
+    sets: tuple[Causes, ...]
+    which: NDArray[np.int_]
+    columns: tuple[Column, ...]
+    values: Array
+    weights: Array
+
+    @property
+    def effects(self) -> Causes:
+        """Every effect of a set."""
+        return tuple(dict.fromkeys(effect for held in self.sets for effect in held))
+
+    @cached_property
+    def probabilities(self) -> tuple[float, ...]:
+        """Of each set."""
+        return tuple(np.bincount(self.which, self.weights, len(self.sets)).tolist())
+
+    def probability(self, effect: str) -> float:
+        """Probability that an effect holds."""
+        return sum(p for held, p in zip(self.sets, self.probabilities, strict=True) if effect in held)
+
+    def of_set(self, number: int) -> "WeightedDraws":
+        """Return the draws of one set alone."""
+        own = self.which == number
+        weights = self.weights[own]
+        which = np.zeros(len(weights), dtype=int)
+        return WeightedDraws((self.sets[number],), which, self.columns, self.values[own], weights / weights.sum())
+
+    def column(self, column: Column) -> tuple[Array, Array]:
+        """Values of a column where it is known, and their weights, not normalised."""
+        values = self.values[:, self.columns.index(column)]
+        known = np.isfinite(values)
+        return values[known], self.weights[known]
+
+    def distribution(self, column: Column, typical: float) -> DrawnColumn:
+        """Return a column as a distribution; a draw without its effect has some value of another draw."""
+        values = self.values[:, self.columns.index(column)].astype(float)
+        known = np.flatnonzero(np.isfinite(values))
+        unknown = np.flatnonzero(~np.isfinite(values))
+        values[unknown] = values[known[np.arange(len(unknown)) % len(known)]]
+        ends = np.cumsum(self.weights)
+        return DrawnColumn(values, ends / ends[-1], typical)
+
+    def scores(self, column: Column) -> DrawnColumn:
+        """Return a column as the normals by its ranks."""
+        values = self.values[:, self.columns.index(column)]
+        order = np.argsort(values)
+        before = np.cumsum(self.weights[order]) - 0.5 * self.weights[order]
+        normals = np.empty(len(values))
+        normals[order] = scipy.special.ndtri(before)
+        ends = np.cumsum(self.weights)
+        return DrawnColumn(normals, ends / ends[-1], 0.0)
+
+
+class PosteriorFile(Mapping[str, object]):
+    """A posterior as a mission's data hold it: what the mission file says of it, with the draws themselves.
+
+    Parameters
+    ----------
+    content : bytes
+        Of the file.
+
+    Raises
+    ------
+    DamagedPosteriorError
+        When it is none.
+    """
+
+    def __init__(self, content: bytes) -> None:
+        self.content = content
+        self.draws, self.learned_from, summary = _read(content)
+        self.section: Mapping[str, object] = {"file": FILE, "sha256": sha256(content), "summary": summary}
+
+    @classmethod
+    def of(cls, draws: WeightedDraws, learned_from: str, summary: Mapping[str, object]) -> "PosteriorFile":
+        """Write draws, the hash of what they were learned from and a summary for the reader."""
+        effects = draws.effects
+        held = np.array([[effect in own for effect in effects] for own in draws.sets], dtype=bool)
+        written = io.BytesIO()
+        np.savez_compressed(
+            written,
+            format=np.array(FORMAT),
+            effects=np.array(effects, dtype=str),
+            sets=held.reshape(len(draws.sets), len(effects)),
+            which=draws.which.astype(np.int32),
+            columns=np.array(draws.columns, dtype=str).reshape(-1, 2),
+            values=draws.values.astype(np.float32),
+            weights=draws.weights.astype(np.float64),
+            learned_from=np.array(learned_from),
+            summary=np.array(json.dumps(summary, ensure_ascii=False)),
+        )
+        return cls(written.getvalue())
+
+    def __getitem__(self, key: str) -> object:
+        return self.section[key]
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self.section)
+
+    def __len__(self) -> int:
+        return len(self.section)
+
+    def __deepcopy__(self, memo: object) -> "PosteriorFile":
+        return self  # nothing in it changes
+
+    def __reduce__(self) -> tuple[type["PosteriorFile"], tuple[bytes]]:
+        return type(self), (self.content,)
+
+
+def sha256(content: bytes) -> str:
+    """Hash of a file's content."""
+    return hashlib.sha256(content).hexdigest()
+
+
+def _read(content: bytes) -> tuple[WeightedDraws, str, Mapping[str, object]]:
+    """Read draws, the hash of what they were learned from, and the summary.
+
+    Raises
+    ------
+    DamagedPosteriorError
+    """
+    arrays = _arrays(content)
+    if int(arrays["format"]) != FORMAT:
+        raise DamagedPosteriorError(f"has format {int(arrays['format'])}, expected {FORMAT}")
+    try:
+        summary = json.loads(str(arrays["summary"]))
+    except (ValueError, RecursionError):
+        raise DamagedPosteriorError("holds no summary") from None
+    effects, held = arrays["effects"].tolist(), arrays["sets"]
+    n, k = arrays["values"].shape
+    shapes = len(arrays["which"]) == len(arrays["weights"]) == n > 0 and arrays["columns"].shape == (k, 2)
+    if not shapes or held.shape[1] != len(effects) or not isinstance(summary, dict):
+        raise DamagedPosteriorError("holds arrays of unlike lengths")
+    if n > MOST_DRAWS or k > MOST_COLUMNS or not 0 < len(held) <= MOST_SETS:
+        raise DamagedPosteriorError(f"holds {n} draws of {len(held)} sets, too many to be one of diagnose")
+    sets = tuple(tuple(name for name, own in zip(effects, row, strict=True) if own) for row in held)
+    draws = WeightedDraws(
+        sets,
+        arrays["which"].astype(int),
+        tuple((str(effect), str(name)) for effect, name in arrays["columns"].tolist()),
+        arrays["values"].astype(float),
+        arrays["weights"].astype(float),
+    )
+    _check(draws)
+    return draws, str(arrays["learned_from"]), summary
+
+
+def _arrays(content: bytes) -> dict[str, NDArray[np.generic]]:
+    if len(content) > MOST_BYTES:
+        raise DamagedPosteriorError(f"has {len(content)} bytes, expected at most {MOST_BYTES}")
+    try:
+        with zipfile.ZipFile(io.BytesIO(content)) as packed:
+            sizes = {entry.filename.removesuffix(".npy"): entry.file_size for entry in packed.infolist()}
+        if set(sizes) != set(_MEMBERS) or max(sizes.values()) > MOST_UNPACKED:
+            raise DamagedPosteriorError("does not hold what diagnose writes")
+        with np.load(io.BytesIO(content), allow_pickle=False) as loaded:
+            arrays = {name: loaded[name] for name in _MEMBERS}
+    except DamagedPosteriorError:
+        raise
+    except Exception as error:  # zipfile, zlib and numpy raise what they like on damaged bytes
+        raise DamagedPosteriorError("is damaged: cannot be read") from error
+    for name, (kind, dimensions) in _MEMBERS.items():
+        if arrays[name].dtype.kind != kind or arrays[name].ndim != dimensions:
+            raise DamagedPosteriorError(f"is damaged: {name} is not what diagnose writes")
+    return arrays
+
+
+def _check(draws: WeightedDraws) -> None:
+    """Refuse draws that are no distribution."""
+    which, weights = draws.which, draws.weights
+    if which.min() < 0 or which.max() >= len(draws.sets) or np.any(np.diff(which) < 0):
+        raise DamagedPosteriorError("is damaged: its draws are of no set")
+    if len(np.unique(which)) < len(draws.sets) or len(set(draws.columns)) < len(draws.columns):
+        raise DamagedPosteriorError("is damaged: a set has no draws, or a column is there twice")
+    if not np.all(weights > 0.0) or not math.isclose(float(weights.sum()), 1.0, abs_tol=1e-6):
+        raise DamagedPosteriorError("is damaged: its weights are no probabilities")
+    for index, (effect, name) in enumerate(draws.columns):
+        holds = np.array([not effect or effect in held for held in draws.sets])[which]
+        if not np.array_equal(np.isfinite(draws.values[:, index]), holds):
+            raise DamagedPosteriorError(f"is damaged: {effect}.{name} has values that are no numbers")
