@@ -3,17 +3,18 @@
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.colors import to_rgba
 from matplotlib.patches import PathPatch
 from matplotlib.path import Path
 
 from missionplan.arrays import Array
+from missionplan.exporters.maps.colours import COLOURS
 from missionplan.exporters.maps.geometry import circle
 from missionplan.report.axes import round_length
-from missionplan.report.page import INK
+from missionplan.report.page import INK, SKY
 from missionplan.report.quantities import quantity
 from missionplan.report.wording import phase_in_words
 from missionplan.results.simulation import Outcome, Tracks
@@ -263,6 +264,14 @@ def north_and_scale(axes: Axes, width: float, corner: tuple[bool, bool]) -> None
     axes.text(0.5 * (start + end), foot + 0.03, words, ha="center", transform=axes.transAxes, va="bottom")
 
 
-def draw_region(axes: Axes, outlines: Sequence[Array], **style: Any) -> None:
-    """Fill a polygon, its outline first and then its holes, shape (k, 2) each [m]."""
-    axes.add_patch(PathPatch(Path.make_compound_path(*(Path(ring, closed=True) for ring in outlines)), **style))
+def draw_region(axes: Axes, outlines: Sequence[Array], kind: str, zorder: float) -> None:
+    """Draw land, shoal water or a zone kept out of: a polygon's outline, then its holes, shape (k, 2) each [m]."""
+    shape = Path.make_compound_path(*(Path(ring, closed=True) for ring in outlines))
+    if kind == "keep-out":  # lines alone: a fill of their colour would hide them
+        style = {"facecolor": "none", "edgecolor": to_rgba(COLOURS[kind], 0.5), "hatch": "//"}
+    else:
+        style = {
+            "facecolor": to_rgba(SKY, 0.15) if kind == "shoal" else to_rgba(COLOURS[kind], 0.4),
+            "edgecolor": "none",
+        }
+    axes.add_patch(PathPatch(shape, zorder=zorder, **style))

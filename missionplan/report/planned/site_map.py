@@ -14,7 +14,6 @@ from matplotlib.text import Annotation
 
 from missionplan.arrays import Array
 from missionplan.errors import InputError
-from missionplan.exporters.maps.colours import COLOURS
 from missionplan.exporters.maps.geometry import circle
 from missionplan.mission.geodesy import to_plane
 from missionplan.mission.schema.place import BathymetryFile
@@ -22,7 +21,7 @@ from missionplan.mission.schema.site import Geographic
 from missionplan.mission.units import QuantityError, parse_number_with_unit
 from missionplan.report.axes import name_axis
 from missionplan.report.geography.plan_view import draw_region, emptiest_corner, frame, north_and_scale
-from missionplan.report.page import BLUE, GREEN, GREY, INK, ORANGE, SKY, Figure, to_figure
+from missionplan.report.page import BLUE, GREEN, GREY, INK, ORANGE, Figure, to_figure
 from missionplan.report.quantities import quantity
 from missionplan.report.wording import shortened
 from missionplan.results.entries import mapping, mappings
@@ -58,8 +57,7 @@ def _draw_features(axes: Axes, chart: Chart, kind: str) -> None:
             points = [np.array(ring.coords) for ring in rings]
             lines = [chart.to_plane(each[:, 0], each[:, 1], system) for each in points]
             if part.geom_type == "Polygon":
-                colour, alpha = (COLOURS[kind], 0.5) if depth is None else (SKY, 0.15)
-                draw_region(axes, [line.T for line in lines], color=colour, alpha=alpha, linewidth=0.0, zorder=0.5)
+                draw_region(axes, [line.T for line in lines], kind if depth is None else "shoal", zorder=0.5)
                 continue
             axes.plot(*lines[0], color=GREY, linewidth=0.7, zorder=0.6)
             if isinstance(depth, int | float):

@@ -145,17 +145,21 @@ def _place_in_words(outcome: Outcome) -> str:
     return f"{depths}{' Brown: land.' if 'land' in kinds else ''}{' Hatched: keep out.' if 'keep-out' in kinds else ''}"
 
 
-def _draw_place(axes: Axes, chart: SeaChart) -> None:
-    """Draw depths, land and zones kept out of behind the tracks."""
-    if chart.depth is not None and np.isfinite(chart.depth).any():
-        water = np.ma.masked_invalid(chart.depth)
-        levels = np.unique(np.concatenate(([0.0], MaxNLocator(6).tick_values(0.0, float(max(water.max(), 1.0))))))
-        axes.contourf(chart.east, chart.north, -water, [0.0, 1e5], colors=[COLOURS["land"]], alpha=0.35, zorder=0.1)
-        drawn = axes.contour(chart.east, chart.north, water, levels, colors=GREY, linewidths=0.5, zorder=0.2)
-        axes.clabel(drawn, fontsize=7, fmt=lambda depth: quantity(depth, "m", "g"))
+def _draw_place(axes: Axes, chart: SeaChart, shown: Frame) -> None:
+    """Draw depths, land and zones kept out of behind the tracks; of depths what is shown, so that labels are in it."""
+    if chart.depth is not None:
+        columns, rows = (
+            slice(max(int(np.searchsorted(axis, low)) - 1, 0), int(np.searchsorted(axis, high)) + 1)
+            for axis, (low, high) in ((chart.east, shown.west_east), (chart.north, shown.south_north))
+        )
+        east, north, water = chart.east[columns], chart.north[rows], np.ma.masked_invalid(chart.depth[rows, columns])
+        if min(water.shape) > 1 and water.count():
+            levels = MaxNLocator(6).tick_values(float(water.min()), float(water.max()))
+            axes.contourf(east, north, -water, [0.0, 1e5], colors=[COLOURS["land"]], alpha=0.35, zorder=0.1)
+            drawn = axes.contour(east, north, water, levels, colors=GREY, linewidths=0.5, zorder=0.2)
+            axes.clabel(drawn, fontsize=7, fmt=lambda depth: quantity(depth, "m", "g"))
     for kind, outlines in chart.shapes:
-        hatch = "///" if kind == "keep-out" else None
-        draw_region(axes, outlines, color=COLOURS[kind], alpha=0.35, hatch=hatch, zorder=0.3)
+        draw_region(axes, outlines, kind, zorder=0.3)
 
 
 def _lines(outcome: Outcome) -> list[Array]:
@@ -176,7 +180,7 @@ def draw_tracks(axes: Axes, outcome: Outcome) -> None:
     """Draw tracks, the median trial, circles and ellipses, the north arrow and a scale."""
     tracks, lines, shown = outcome.tracks, _lines(outcome), _frame(outcome)
     if outcome.chart is not None:
-        _draw_place(axes, outcome.chart)
+        _draw_place(axes, outcome.chart, shown)
     fails = ~tracks.success[: len(lines)]
     for failing, colour in ((False, SKY), (True, ORANGE)):
         drawn = [line.T for line, fail in zip(lines, fails, strict=True) if fail == failing]
