@@ -17,6 +17,7 @@ from missionplan.results.plan_states import ACTIONS, Amount, State, Transition, 
 
 TITLE = "a drawing of the plan's states (SVG)"
 NEEDS_ORIGIN = False
+lost = one_interval
 
 _INK, _GRID, _ABORT, _PHASE = "#222222", "#dddddd", "#D55E00", "#0072B2"
 _LEFT, _BOX, _RIGHT, _WIDTH = 160.0, 330.0, 240.0, 800.0
@@ -59,11 +60,6 @@ class _Sheet:
     def guards(self, transition: Transition) -> str:
         """Write what a transition asks."""
         return " and ".join(guard.words(self.amount) for guard in transition.guards)
-
-
-def lost(plan: Plan) -> tuple[str, ...]:
-    """Say what the form cannot hold."""
-    return one_interval(plan)
 
 
 def files(plan: Plan, stem: str) -> dict[str, str | bytes]:

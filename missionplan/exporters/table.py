@@ -11,6 +11,8 @@ TITLE = "CSV"
 NEEDS_ORIGIN = False
 
 Cell = str | float | None
+_OF_MOORINGS = ("release_time_s", "hold_s", "galvanic_release_s")
+_OF_WAYPOINTS = ("course_deg", "leg_m", "speed_m_s", "duration_s", "duration_p99_s", "time_out_s", "surface_time_s")
 
 
 def lost(plan: Plan) -> tuple[str, ...]:
@@ -58,29 +60,35 @@ def waypoint_row(transit: PlannedTransit, waypoint: Waypoint) -> dict[str, Cell]
         "surface_time_s": None if at_start else known(transit.surfacing.surface_time, 1),
         "elapsed_s": known(waypoint.elapsed, 1),
         "radius_m": known(transit.arrival_radius, 3) if waypoint.kind == "arrival" else None,
-        "release_time_s": None,
-        "hold_s": None,
-        "galvanic_release_s": None,
+        **dict.fromkeys(_OF_MOORINGS),
+    }
+
+
+def course_row(transit: PlannedTransit) -> dict[str, Cell]:
+    """Return what a form with attributes says of a transit's course."""
+    rule = transit.surfacing
+    return {
+        "depth_m": transit.depth,
+        "speed_m_s": transit.speed,
+        "surfacing_interval_m": rule.interval,
+        "surfacing_interval_s": round(rule.interval_time, 1),
+        "surface_time_s": rule.surface_time,
+        "time_out_s": transit.time_out,
     }
 
 
 def mooring_row(mooring: PlannedMooring) -> dict[str, Cell]:
     """Return what a form in columns or with attributes says of a mooring: the same names."""
-    blank = dict.fromkeys(
-        ("course_deg", "leg_m", "speed_m_s", "duration_s", "duration_p99_s", "time_out_s", "surface_time_s")
-    )
     return {
         "name": mooring.name,
         "phase": mooring.name,
         "kind": "mooring",
         **place(mooring),
         "depth_m": known(mooring.water_depth, 3),
-        **blank,
+        **dict.fromkeys(_OF_WAYPOINTS),
         "elapsed_s": known(mooring.elapsed, 1),
         "radius_m": known(mooring.radius, 3),
-        "release_time_s": known(mooring.release_time, 1),
-        "hold_s": known(mooring.hold, 1),
-        "galvanic_release_s": known(mooring.galvanic_release, 1),
+        **{key: known(getattr(mooring, key.removesuffix("_s")), 1) for key in _OF_MOORINGS},
     }
 
 

@@ -284,8 +284,6 @@ class Fence:
     name : str
     outline : tuple of (float, float)
         Corners, latitude and longitude, the first one not repeated [rad].
-    is_limited : bool
-        Whether the mission forbids it at some times or depths alone.
     kind : str
         ``land`` or ``keep-out``.
     holes : tuple of tuple of (float, float)
@@ -296,10 +294,14 @@ class Fence:
 
     name: str
     outline: tuple[tuple[float, float], ...]
-    is_limited: bool
     kind: str = "keep-out"
     holes: tuple[tuple[tuple[float, float], ...], ...] = ()
     limits: Mapping[str, float] = field(default_factory=dict)
+
+    @property
+    def is_limited(self) -> bool:
+        """Whether the mission forbids it at some times or depths alone."""
+        return bool(self.limits)
 
     @property
     def rings(self) -> tuple[list[list[float]], ...]:

@@ -701,7 +701,7 @@ def test_qgc_as_mavlink_messages(plan):
 
 def test_zones_kept_out_of_are_fences(plan):
     corners = tuple(on_earth(plan.origin, east, north) for east, north in ((10.0, 20.0), (400.0, 30.0), (90.0, 500.0)))
-    fenced = replace(plan, fences=(Fence("range", corners, is_limited=True), Fence("shore", corners, is_limited=False)))
+    fenced = replace(plan, fences=(Fence("range", corners, limits={"above_m": 5.0}), Fence("shore", corners)))
     data = json.loads(written(fenced, "qgc")["trip-1_ingress-px4.plan"])
     jsonschema.validate(data, QGC)
     for polygon in data["geoFence"]["polygons"]:

@@ -14,18 +14,14 @@ from missionplan.exporters.maps.geometry import (
     longitudes_latitudes,
     parts,
 )
-from missionplan.exporters.table import mooring_row, waypoint_row
+from missionplan.exporters.table import course_row, mooring_row, waypoint_row
 from missionplan.results.plan import Plan, PlannedMooring, PlannedTransit
 
 TITLE = "GeoJSON"
 NEEDS_ORIGIN = True
+lost = one_interval
 
 Feature = dict[str, Any]
-
-
-def lost(plan: Plan) -> tuple[str, ...]:
-    """Say what the form cannot hold."""
-    return one_interval(plan)
 
 
 def files(plan: Plan, stem: str) -> dict[str, str | bytes]:
@@ -57,7 +53,6 @@ def features(plan: Plan, *, circles: bool = True) -> Iterator[Feature]:
 
 
 def _transit(transit: PlannedTransit, origin: Origin) -> Iterator[Feature]:
-    rule = transit.surfacing
     if len(transit.waypoints) > 1:
         line = longitudes_latitudes(course_line(transit.waypoints), origin)
         yield line_feature(
@@ -65,12 +60,7 @@ def _transit(transit: PlannedTransit, origin: Origin) -> Iterator[Feature]:
             "planned track",
             name=f"{transit.name}: planned track",
             phase=transit.name,
-            depth_m=transit.depth,
-            speed_m_s=transit.speed,
-            surfacing_interval_m=rule.interval,
-            surfacing_interval_s=round(rule.interval_time, 1),
-            surface_time_s=rule.surface_time,
-            time_out_s=transit.time_out,
+            **course_row(transit),
         )
     for waypoint in transit.waypoints:
         row = {**waypoint_row(transit, waypoint), "waypoint": waypoint.kind}

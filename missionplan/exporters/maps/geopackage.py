@@ -15,6 +15,7 @@ from missionplan.results.plan import Plan
 
 TITLE = "GeoPackage"
 NEEDS_ORIGIN = True
+lost = one_interval
 
 _LAYERS = {
     "waypoints": ("waypoint", "mooring"),
@@ -22,11 +23,6 @@ _LAYERS = {
     "circles": ("arrival circle", "mooring circle"),
 }
 """Kinds of features of each layer."""
-
-
-def lost(plan: Plan) -> tuple[str, ...]:
-    """Say what the form cannot hold."""
-    return one_interval(plan)
 
 
 def files(plan: Plan, stem: str) -> dict[str, str | bytes]:

@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from xml.etree import ElementTree
 
 from missionplan.exporters.header import header, one_interval
-from missionplan.exporters.table import Cell, mooring_row, waypoint_row
+from missionplan.exporters.table import Cell, course_row, mooring_row, waypoint_row
 from missionplan.exporters.xml import Element, add, document
 from missionplan.results.plan import Plan, PlannedTransit
 
@@ -46,13 +46,8 @@ def _route(root: Element, number: int, transit: PlannedTransit) -> None:
     add(route, "name", transit.name)
     add(route, "desc", f"at {transit.depth:g} m and {transit.speed:g} m/s, surfacing every {rule.interval:g} m")
     add(route, "number", str(number))
-    kept = {
-        "surfacing_interval_m": rule.interval,
-        "surfacing_interval_s": round(rule.interval_time, 1),
-        "arrival_radius_m": transit.arrival_radius,
-        "time_out_s": transit.time_out,
-    }
-    _extensions(route, kept)
+    kept = {key: value for key, value in course_row(transit).items() if key.startswith(("surfacing", "time"))}
+    _extensions(route, {**kept, "arrival_radius_m": transit.arrival_radius})
     for waypoint in transit.waypoints:
         _point(route, "rtept", waypoint_row(transit, waypoint))
 

@@ -12,15 +12,11 @@ from missionplan.results.plan import Plan
 
 TITLE = "KML 2.2"
 NEEDS_ORIGIN = True
+lost = one_interval
 NAMESPACE = "http://www.opengis.net/kml/2.2"
 
 _LISTED = ("elapsed_s", "coordTimes")
 """Properties with a value for each point of a line; a placemark has its first and last."""
-
-
-def lost(plan: Plan) -> tuple[str, ...]:
-    """Say what the form cannot hold."""
-    return one_interval(plan)
 
 
 def files(plan: Plan, stem: str) -> dict[str, str | bytes]:

@@ -165,7 +165,10 @@ def files(plan: Plan, stem: str) -> dict[str, str | bytes]:
     for number, points in enumerate(_lists(plan)):
         first, arrival, way = FIRST + number, ARRIVAL + number, ON_THE_WAY + number
         transit, several = points[0], len(points) > 1
-        surfacings = {arrival: _on_arrival(transit)} | ({way: _on_the_way(transit)} if several else {})
+        surfacings = {arrival: _surface(transit, f"{_BAW_HEADING_IDLE} # BAW_HEADING_IDLE", _QUIT)}
+        if several:
+            hit = f"{_BAW_WHEN_HIT_WAYPOINT} # BAW_WHEN_HIT_WAYPOINT"
+            surfacings[way] = _surface(transit, hit, _RESUME_AFTER_KEY)
         surfacings[first] = _every(transit)
         written[f"plan{first}.mi"] = _mission(plan, transit, first, list(surfacings))
         written[f"goto_l{first}.ma"] = _behaviour(plan, "goto_list", f"goto_l{first}.ma", *_goto(points))
@@ -234,29 +237,15 @@ def _interval(transit: PlannedTransit) -> int:
 
 
 def _every(transit: PlannedTransit) -> list[str]:
-    return [
-        f"start_when(enum) {_BAW_WHEN_SECS} # BAW_WHEN_SECS, from the end of the last surfacing",
-        f"when_secs(sec) {_interval(transit)} # {transit.surfacing.interval:.1f} m at {transit.speed:g} m/s, "
-        "less the climb",
-        *_at_surface(transit, _RESUME_AFTER_KEY),
-    ]
+    when = f"{_BAW_WHEN_SECS} # BAW_WHEN_SECS, from the end of the last surfacing"
+    length = f"{transit.surfacing.interval:.1f} m at {transit.speed:g} m/s, less the climb"
+    return [*_surface(transit, when, _RESUME_AFTER_KEY), f"when_secs(sec) {_interval(transit)} # {length}"]
 
 
-def _on_arrival(transit: PlannedTransit) -> list[str]:
-    """Come up when nothing is left to steer for, and end the mission."""
-    return [f"start_when(enum) {_BAW_HEADING_IDLE} # BAW_HEADING_IDLE", *_at_surface(transit, _QUIT)]
-
-
-def _on_the_way(transit: PlannedTransit) -> list[str]:
-    return [
-        f"start_when(enum) {_BAW_WHEN_HIT_WAYPOINT} # BAW_WHEN_HIT_WAYPOINT",
-        *_at_surface(transit, _RESUME_AFTER_KEY),
-    ]
-
-
-def _at_surface(transit: PlannedTransit, then: int) -> list[str]:
+def _surface(transit: PlannedTransit, when: str, then: int) -> list[str]:
     words = {_QUIT: "quit: the list is done", _RESUME_AFTER_KEY: "wait for ^C, then resume"}
     return [
+        f"start_when(enum) {when}",
         f"end_action(enum) {then} # {words[then]}",
         f"gps_wait_time(sec) {_fix_wait(transit)}",
         f"keystroke_wait_time(sec) {_key_wait(transit)}",

@@ -12,8 +12,9 @@ import numpy as np
 from missionplan.exporters.maps.geojson import Feature, area_feature, feature, line_feature
 from missionplan.exporters.maps.geometry import Origin, longitudes_latitudes, parts
 from missionplan.exporters.maps.kml import kml, plan_folders, properties_of
+from missionplan.exporters.table import known
 from missionplan.report.geography.plan_view import describe, median_trial, rings
-from missionplan.results.plan import PlannedMooring, PlannedTransit
+from missionplan.results.plan import PlannedMooring
 from missionplan.results.simulation import Outcome
 
 SAMPLES = 50
@@ -98,15 +99,11 @@ def _kind(phase: str, number: int) -> tuple[str, int]:
 
 
 def _depth(outcome: Outcome, phase: str) -> float | None:
-    plan = outcome.plan
-    depths = {each.name: _planned_depth(each) for each in plan.phases} if plan else {}
     label = next((each.label for each in outcome.phases if each.name == phase), phase)
-    depth = depths.get(label, math.nan)
-    return round(depth, 3) if math.isfinite(depth) else None
-
-
-def _planned_depth(planned: PlannedTransit | PlannedMooring) -> float:
-    return planned.water_depth if isinstance(planned, PlannedMooring) else planned.depth
+    for planned in outcome.plan.phases if outcome.plan else ():
+        if planned.name == label:
+            return known(planned.water_depth if isinstance(planned, PlannedMooring) else planned.depth, 3)
+    return None
 
 
 def _utc(outcome: Outcome, time: float) -> str:

@@ -299,7 +299,6 @@ def _fences(means: Scenario) -> Iterator[Fence]:
             yield Fence(
                 name=zone.name,
                 outline=corners(part.exterior.coords),
-                is_limited=bool(given),
                 kind="land" if zone.is_land else "keep-out",
                 holes=tuple(corners(hole.coords) for hole in part.interiors),
                 limits=given,
