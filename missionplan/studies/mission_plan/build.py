@@ -22,8 +22,13 @@ from missionplan.results.base import to_yaml
 from missionplan.results.plan import Fence, Plan, PlannedMooring, PlannedTransit, SurfacingRule, Waypoint
 from missionplan.scenario.scenario import Scenario, leg_table
 from missionplan.scenario.site_current import recorded_current
-from missionplan.studies.mission_plan.durations import SHARE, TransitDurations, transit_durations
-from missionplan.studies.mission_plan.single_interval import SingleInterval, single_interval
+from missionplan.studies.mission_plan.transit_trials import (
+    SHARE,
+    SingleInterval,
+    TransitDurations,
+    single_interval,
+    transit_durations,
+)
 
 SHORTEST_LEG = 1e-3
 """A leg that is shorter is none [m]."""
