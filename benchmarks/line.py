@@ -12,8 +12,8 @@ from pathlib import Path
 import numpy as np
 
 from missionplan.physics.current_above import ProfileAbove
-from missionplan.physics.held_line import HeldBody, HeldLine, hang, line_drag_factor
-from missionplan.physics.line_statics import held_pose
+from missionplan.physics.held_line import Float, HeldBody, HeldLine, line_drag_factor
+from missionplan.physics.line_statics import held_pose, laid
 from missionplan.physics.vehicle_drag import Hull, Sail, VehicleDrag
 from missionplan.physics.water import sea_water
 
@@ -30,23 +30,35 @@ LINES = (
     (0.008, 0.0, 5.0, 40.0),
 )
 """Diameter [m], wet weight [N/m], length [m] and EA [N]."""
+FLOATED = (
+    ((0.004, 0.2, 5.0, 200.0), ((2.0, 0.6),)),
+    ((0.004, 0.55, 5.0, 200.0), ((1.0, 0.8),)),
+    ((0.004, 0.2, 6.0, 200.0), ((1.0, 0.5), (3.0, 0.5))),
+    ((0.004, 0.55, 5.0, 200.0), ((2.5, 2.0),)),
+    ((0.004, 0.55, 6.0, 200.0), ((3.5, 0.8),)),
+    ((0.003, 0.8, 8.0, 200.0), ((3.0, 0.9), (6.0, 1.5))),
+    ((0.002, 0.9, 6.0, 200.0), ((4.0, 2.5),)),
+    ((0.006, 0.4, 8.0, 30.0), ((2.5, 0.3), (4.5, 0.9), (6.5, 0.6))),
+)
+"""Lines with floats: distance from the vehicle [m] and buoyancy [N]. Most touch the ground between."""
+FLOAT_MASS = 0.005
+"""Of a float [kg]."""
 WATER, GRAVITY, DEPTH = sea_water(20.0, 15.0), 9.80665, 30.0
 INPUT = """MoorDyn 2
 ---- LINE TYPES ----
 Name Diam MassDen EA BA EI Cd Ca CdAx CaAx
 (-) (m) (kg/m) (N) (N-s) (N-m2) (-) (-) (-) (-)
-rope {diameter} {mass} {ea} -0.8 0 1.2 1.0 0.0 0.0
+rope {diameter} {mass} {ea} -0.8 0 1.2 1.0 {along} 0.0
 ---- POINTS ----
 ID Type X Y Z M V CdA CA
 (-) (-) (m) (m) (m) (kg) (m3) (m2) (-)
-1 Fixed 0 0 {bottom} 0 0 0 0
-2 Coupled {east} 0 {up} 0 0 0 0
+{points}
 ---- LINES ----
 ID LineType AttachA AttachB UnstrLen NumSegs LineOutputs
 (-) (-) (-) (-) (m) (-) (-)
-1 rope 1 2 {length} 40 -
+{lines}
 ---- OPTIONS ----
-0.0005 dtM
+0.001 dtM
 rk2 tScheme
 {density} WtrDnsty
 30.0 WtrDpth
@@ -61,6 +73,8 @@ rk2 tScheme
 0.001 threshIC
 ---- END ----
 """
+SEGMENTS = 20
+"""Of the whole line."""
 
 
 def body() -> HeldBody:
@@ -70,33 +84,63 @@ def body() -> HeldBody:
     return HeldBody(length, diameter, buoyancy, 0.5 * length * buoyancy, 0.0, 1.1, drag, WATER.density)
 
 
-def apart(current: tuple[float, float], rope: tuple[float, float, float, float]) -> float:
+def apart(
+    current: tuple[float, float],
+    rope: tuple[float, float, float, float],
+    floats: tuple[tuple[float, float], ...] = (),
+) -> float:
     """Distance of the noses, in lengths of the line."""
     (low, shear), (diameter, weight, length, ea) = current, rope
     heights = np.linspace(0.0, 8.0, 17)
     velocity = np.stack((low + shear * heights, 0.0 * heights), axis=1)[..., None]
     profile = ProfileAbove(heights[:, None], velocity)
-    line = HeldLine(length, line_drag_factor(diameter, WATER.density), wet_weight=weight, compliance=1.0 / ea)
+    line = HeldLine(
+        length,
+        line_drag_factor(diameter, WATER.density),
+        wet_weight=weight,
+        compliance=1.0 / ea,
+        floats=tuple(Float(*item) for item in floats),
+    )
     pose = held_pose(body(), line, profile)
+    place = (float(pose.nose[0, 0]), 0.0, float(pose.nose[2, 0]) - DEPTH)
+    points, lines = _parts(length, floats, place)
     given = {
         "diameter": diameter,
         "mass": weight / GRAVITY + float(WATER.density) * 0.25 * np.pi * diameter**2,
         "ea": ea,
-        "bottom": -DEPTH,
-        "east": pose.nose[0, 0],
-        "up": pose.nose[2, 0] - DEPTH,
-        "length": length,
+        "along": 0.02 / np.pi,
+        "points": points,
+        "lines": lines,
         "density": float(WATER.density),
     }
-    held = _moordyn(INPUT.format(**given), low, shear, (float(given["east"]), 0.0, float(given["up"])))
+    held = _moordyn(INPUT.format(**given), low, shear, place)
     yields = np.empty((2, 2))
     for column, axis in enumerate((0, 2)):
         change = np.zeros((3, 1))
         change[axis] = 1e-4
-        more, less = (hang(line, profile, pose.nose[2], pose.tension_at_nose + sign * change) for sign in (1, -1))
+        more, less = (laid(line, profile, pose.nose[2], pose.tension_at_nose + sign * change) for sign in (1, -1))
         moved = more.fallen[-1, 0] - less.fallen[-1, 0], more.deepest - less.deepest
         yields[:, column] = np.concatenate(moved) / 2e-4
     return float(np.hypot(*(yields @ (held - pose.tension_at_nose[[0, 2], 0]))) / length)
+
+
+def _parts(
+    length: float, floats: tuple[tuple[float, float], ...], place: tuple[float, float, float]
+) -> tuple[str, str]:
+    """MoorDyn's points and lines, from the anchor to the vehicle's nose, with a float wherever two lines meet."""
+    ends = [0.0, *(distance for distance, _ in floats), length]
+    points = [f"1 Fixed 0 0 {-DEPTH} 0 0 0 0", f"2 Coupled {place[0]} {place[1]} {place[2]} 0 0 0 0"]
+    for number, (distance, buoyancy) in enumerate(floats, start=3):
+        share, volume = 1.0 - distance / length, (FLOAT_MASS + buoyancy / GRAVITY) / float(WATER.density)
+        up = -DEPTH + share * (place[2] + DEPTH) + 0.05
+        points.append(f"{number} Free {share * place[0]} 0 {up} {FLOAT_MASS} {volume} 0 0.5")
+    chain = [2, *range(3, 3 + len(floats)), 1]
+    lines = [
+        f"{number} rope {chain[number]} {chain[number - 1]} {ends[number] - ends[number - 1]} "
+        f"{max(round(SEGMENTS * (ends[number] - ends[number - 1]) / length), 5)} -"
+        for number in range(1, len(ends))
+    ]
+    return "\n".join(points), "\n".join(lines)
 
 
 def _moordyn(text: str, low: float, shear: float, place: tuple[float, float, float]) -> np.ndarray:
@@ -121,14 +165,15 @@ def _moordyn(text: str, low: float, shear: float, place: tuple[float, float, flo
 
 
 def main() -> None:
-    """Print each case and the greatest distance."""
-    found = []
-    for current, rope in product(CURRENTS, LINES):
-        found.append(apart(current, rope))
-        print(f"current {current}, line {rope}: noses {100.0 * found[-1]:.3f} % of the line apart", flush=True)
-    print(
-        f"{len(found)} cases: at most {100.0 * max(found):.2f} %, in the median {100.0 * float(np.median(found)):.3f} %"
-    )
+    """Print each case and the greatest distance, without floats and with them."""
+    for name, lines in (("without floats", tuple((rope, ()) for rope in LINES)), ("with floats", FLOATED)):
+        found = []
+        for current, (rope, floats) in product(CURRENTS, lines):
+            found.append(apart(current, rope, floats))
+            words = f", floats {floats}" if floats else ""
+            print(f"current {current}, line {rope}{words}: {100.0 * found[-1]:.3f} % of the line apart", flush=True)
+        middle = 100.0 * float(np.median(found))
+        print(f"{len(found)} cases {name}: at most {100.0 * max(found):.2f} %, in the median {middle:.3f} %\n")
 
 
 if __name__ == "__main__":

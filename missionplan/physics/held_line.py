@@ -1,20 +1,17 @@
-"""Statics of a line between a body that pulls it and its anchor: weight, stretch, floats, drag, and the seafloor.
+"""A body that hangs by its nose on a line, what lines are made of, and how one hangs between the body and its anchor.
 
 The line is followed down from the body in pieces along each of which weight and drag per length are taken as constant,
 so that a piece is an elastic catenary in closed form, whatever its slack (Irvine 1981, *Cable Structures*, sect. 1.4).
-Drag is that of the current's component across it (Hoerner 1965, ch. III). What hangs deeper than the anchor lies on
-the seafloor, straight, level and without friction. `docs/mooring.md` has the equations and their limits.
+Drag is that of the current's components across and along it (Hoerner 1965, ch. III). What would hang deeper than its
+lowest level place lies on the seafloor, straight, level and without friction; what floats lift of it rises from there
+and comes down again. `docs/mooring.md` has the equations and their limits.
+
+Densities of materials: *Synthetic fibre yarn properties*, Tension Technology International; of steel 7850 kg/m³.
+Quasi-static stiffness and strength of ropes: the default coefficients of MoorPy (Hall et al., NREL,
+doi:10.11578/dc.20210726.1), fitted to makers' catalogues of thicker ropes; aramid's from its yarn (49 and 2.0 N/tex),
+of which a rope has half the stiffness and a third of the strength.
 
 Vectors are east, north and up; trials are the last axis.
-
-A slender body that hangs by its nose on a line.
-
-What lines are made of: density, filling of the circle, stiffness and strength, each of the diameter squared.
-
-Densities: *Synthetic fibre yarn properties*, Tension Technology International; of steel 7850 kg/m³. Quasi-static
-stiffness and strength of ropes: the default coefficients of MoorPy (Hall et al., NREL, doi:10.11578/dc.20210726.1),
-fitted to makers' catalogues of thicker ropes; aramid's from its yarn (49 and 2.0 N/tex), of which a rope has half the
-stiffness and a third of the strength.
 """
 
 import math
@@ -32,6 +29,8 @@ from missionplan.physics.water import STANDARD_GRAVITY
 LINE_COEFFICIENT = 1.2
 """C_d of a line across the flow, on its diameter: a smooth cylinder at Re 10³ to 10⁵ (Hoerner 1965, ch. III); one that
 is set swinging by its wake has up to twice as much."""
+_ALONG = 0.02 / LINE_COEFFICIENT
+"""Drag along a line over that across it: friction of 0.02 on length × diameter (the same, on inclined cables)."""
 _PIECES = 8
 """In which a line with drag is followed, between its ends and floats; without drag one is exact."""
 _WEAKEST = 1e-12
@@ -87,6 +86,39 @@ def line_drag_factor(diameter: Scalars, density: Scalars) -> Scalars:
 
 
 @dataclass(frozen=True)
+class LowPoint:
+    """The deepest place before a float at which a line is level.
+
+    Attributes
+    ----------
+    number : array of int, shape (n,)
+        Of the points of the line that come before it.
+    distance : array, shape (n,)
+        From the body along the line [m].
+    fallen, tension : array, shape (3, n)
+        From there to the body [m], and the tension there [N]. Without such a place it is infinitely high.
+    """
+
+    number: NDArray[np.intp]
+    distance: Array
+    fallen: Array
+    tension: Array
+
+    @classmethod
+    def none(cls, trials: int) -> "LowPoint":
+        """Return that of lines that are level nowhere."""
+        high = np.zeros((3, trials))
+        high[2] = -np.inf
+        return cls(np.zeros(trials, dtype=np.intp), np.zeros(trials), high, np.zeros((3, trials)))
+
+    def deeper(self, other: "LowPoint") -> "LowPoint":
+        """Return the deeper of two, by trial."""
+        is_deeper = other.fallen[2] > self.fallen[2]
+        pairs = ((getattr(self, name), getattr(other, name)) for name in ("number", "distance", "fallen", "tension"))
+        return LowPoint(*(np.where(is_deeper, new, old) for old, new in pairs))
+
+
+@dataclass(frozen=True)
 class HungLine:
     """A line that was followed from the body.
 
@@ -96,13 +128,22 @@ class HungLine:
         From points of the line, the anchor last, to the body [m].
     load : array, shape (3, n)
         With which it pulls the anchor [N].
-    deepest : array, shape (n,)
-        How far the lowest point below the body hangs: the body's altitude where that point is on the seafloor [m].
+    low : LowPoint
     """
 
     fallen: Array
     load: Array
-    deepest: Array
+    low: LowPoint
+
+    @property
+    def lowest(self) -> Array:
+        """How far its lowest point but the first hangs below the body, shape (n,) [m]."""
+        return np.asarray(np.maximum(self.fallen[-1, 2], self.low.fallen[2]))
+
+    @property
+    def deepest(self) -> Array:
+        """The same with the first: the body's altitude where that point is on the seafloor, shape (n,) [m]."""
+        return np.asarray(np.maximum(self.lowest, 0.0))
 
 
 def hang(line: HeldLine, current: LayersAbove, altitude: Array, pull: Array) -> HungLine:
@@ -123,19 +164,23 @@ def hang(line: HeldLine, current: LayersAbove, altitude: Array, pull: Array) -> 
         Where the line comes to lie level and no float is beyond, its rest lies on the seafloor.
     """
     loads = _Loads(line, current, altitude)
-    tension, fallen, deepest = pull, np.zeros_like(pull), np.zeros(altitude.size)
-    lies = np.zeros(altitude.size, dtype=bool)
-    places = []
+    tension, fallen, low = pull, np.zeros_like(pull), LowPoint.none(altitude.size)
+    lies, distance = np.zeros(altitude.size, dtype=bool), np.zeros(altitude.size)
+    places: list[Array] = []
     for length, lift, is_last in _segments(line):
         count = _PIECES if loads.has_drag else 1
+        step = length / count
         for _ in range(count):
-            moved, tension, sag, level = _piece(loads, tension, fallen, lies, length / count, is_last=is_last)
-            lies |= level & is_last
-            deepest = np.maximum(deepest, fallen[2] + sag)
-            fallen = fallen + moved
+            piece = _piece(loads, tension, fallen, lies, step, is_last=is_last)
+            lies |= piece.levels & is_last
+            if not is_last and piece.levels.any():
+                here = fallen + np.where(piece.levels, piece.to_level, -np.inf)
+                number = np.full(altitude.size, len(places))
+                low = low.deeper(LowPoint(number, distance + piece.share * step, here, piece.level))
+            fallen, tension, distance = fallen + piece.moved, piece.end, distance + step
             places.append(fallen)
         tension = tension + np.array([[0.0], [0.0], [1.0]]) * lift
-    return HungLine(np.stack(places), tension, np.maximum(deepest, fallen[2]))
+    return HungLine(np.stack(places), tension, low)
 
 
 def _segments(line: HeldLine) -> Iterator[tuple[Scalars, Scalars, bool]]:
@@ -148,14 +193,34 @@ def _segments(line: HeldLine) -> Iterator[tuple[Scalars, Scalars, bool]]:
     yield line.length - before, 0.0, True
 
 
+@dataclass(frozen=True)
+class _Piece:
+    """A piece of the line.
+
+    Attributes
+    ----------
+    moved, end : array, shape (3, n)
+        From its end to its beginning [m], and the tension there [N].
+    levels : array of bool, shape (n,)
+        Whether it becomes level.
+    to_level, level : array, shape (3, n)
+        The same of the place where it does, else of its end.
+    share : float or array, shape (n,)
+        Of the piece, until there.
+    """
+
+    moved: Array
+    end: Array
+    levels: NDArray[np.bool_]
+    to_level: Array
+    level: Array
+    share: Scalars
+
+
 def _piece(
     loads: "_Loads", tension: Array, fallen: Array, lies: NDArray[np.bool_], step: Scalars, *, is_last: bool
-) -> tuple[Array, Array, Array, NDArray[np.bool_]]:
-    """Follow one piece of the line, of which what `lies` bears no load.
-
-    Returns how far its end lies below its beginning, shape (3, n) [m], the tension there, how far its lowest point lies
-    below its beginning [m], and whether it becomes level. In the last segment it then lies from there on.
-    """
+) -> _Piece:
+    """Follow one piece of the line; what `lies` bears no load. In the last segment it lies from where it is level."""
     load = np.where(lies, 0.0, loads.per_length(tension, fallen, step))
     end = tension + load * step
     levels = (end[2] <= 0.0) & (load[2] <= 0.0) & (tension[2] >= end[2])
@@ -163,14 +228,14 @@ def _piece(
         levels &= tension[2] > 0.0
     if not levels.any():
         moved = _span(tension, end, step, loads.line.compliance)
-        return moved, end, moved[2], levels
+        return _Piece(moved, end, levels, moved, end, 1.0)
     until = np.where(levels, np.maximum(tension[2], 0.0) / np.maximum(tension[2] - end[2], _WEAKEST), 1.0)
     level = tension + load * (until * step)
     level[2] = np.where(levels, 0.0, level[2])
     onward = np.where(levels, level, end) if is_last else end
     moved = _span(tension, level, until * step, loads.line.compliance)
     rest = _span(level, onward, (1.0 - until) * step, loads.line.compliance)
-    return moved + rest, onward, moved[2], levels
+    return _Piece(moved + rest, onward, levels, moved, level, until)
 
 
 @dataclass(frozen=True)
@@ -191,15 +256,17 @@ class _Loads:
         weight[2] = -self.line.wet_weight
         if not self.has_drag:
             return weight
-        along = _direction(tension)
+        along = direction(tension)
         velocity = self.current.at((self.altitude - fallen[2] - 0.5 * step * along[2])[None])[:, 0]
         middle = tension + 0.5 * step * (weight + self._drag(velocity, along))
-        return np.asarray(weight + self._drag(velocity, _direction(middle)))
+        return np.asarray(weight + self._drag(velocity, direction(middle)))
 
     def _drag(self, velocity: Array, along: Array) -> Array:
-        across = -along * (velocity * along[:2]).sum(axis=0)
+        speed = (velocity * along[:2]).sum(axis=0)
+        across = -along * speed
         across[:2] += velocity
-        return np.asarray(self.line.drag_factor * np.sqrt((across**2).sum(axis=0)) * across)
+        friction = _ALONG * np.abs(speed) * speed * along
+        return np.asarray(self.line.drag_factor * (np.sqrt((across**2).sum(axis=0)) * across + friction))
 
 
 def _span(start: Array, end: Array, length: Scalars, compliance: Scalars) -> Array:
@@ -209,7 +276,7 @@ def _span(start: Array, end: Array, length: Scalars, compliance: Scalars) -> Arr
     difference as a share x of it, and g = artanh(x)/x, the direction's mean is 2/s (g T − (g − 1)/x² T·Δ Δ/s²), where T
     is the mean tension and Δ the change.
     """
-    first, last = _size(start), _size(end)
+    first, last = size(start), size(end)
     total = np.maximum(first + last, _WEAKEST)
     change, mean = end - start, 0.5 * (start + end)
     bend = np.minimum((change * change).sum(axis=0) / total**2, 1.0 - 1e-14)
@@ -223,13 +290,14 @@ def _span(start: Array, end: Array, length: Scalars, compliance: Scalars) -> Arr
     return np.asarray(length * (direction + compliance * mean))
 
 
-def _size(vector: Array) -> Array:
+def size(vector: Array) -> Array:
+    """Length of vectors, shape (n,)."""
     return np.asarray(np.sqrt((vector * vector).sum(axis=0)))
 
 
-def _direction(vector: Array) -> Array:
+def direction(vector: Array) -> Array:
     """Unit vector, shape (3, n)."""
-    return np.asarray(vector / np.maximum(_size(vector), _WEAKEST))
+    return np.asarray(vector / np.maximum(size(vector), _WEAKEST))
 
 
 CROSSFLOW_COEFFICIENT = 1.1

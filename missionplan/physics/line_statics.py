@@ -5,11 +5,9 @@ velocity's component across its axis, the drag along it that of the component al
 nose, from which `held_line` follows the line. `docs/mooring.md` has the equations and their limits.
 
 Vectors are east, north and up from the anchor; trials are the last axis.
-
-Roots of many functions at once, each within its bracket.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Protocol, Self
 
 import numpy as np
@@ -17,7 +15,7 @@ from numpy.typing import NDArray
 
 from missionplan.arrays import Array, Scalars, over_trials, take_trials
 from missionplan.physics.current_above import LayersAbove
-from missionplan.physics.held_line import HeldBody, HeldLine, HungLine, hang
+from missionplan.physics.held_line import Float, HeldBody, HeldLine, HungLine, LowPoint, direction, hang, size
 
 _MOST = 90
 """Evaluations after which the search ends: thirty of them halve the bracket."""
@@ -81,8 +79,74 @@ _TOLERANCE = 1e-5
 method, or the secant's, would be a hundredth of it or less."""
 _STEPS, _LONG = 100, 12.0
 """Of the way to a pose, and the time of it in those of its end's decay: what is left then is a hundred-thousandth."""
+_LYING = 1e-6
+"""Length that lies on the seafloor before a float lifts the rest is known to this [m]."""
 _WEAKEST = 1e-12
 """Tension that keeps a slack line's direction finite [N]."""
+
+
+def laid(line: HeldLine, current: LayersAbove, altitude: Array, pull: Array) -> HungLine:
+    """Follow a line down as `hang` does; lay what is beyond its lowest place on the seafloor, save what floats lift.
+
+    On a smooth seafloor a level line keeps its tension. So much of it lies that the rest, lifted by its floats, comes
+    down to the seafloor again: at the anchor, or level, where the same holds for what is beyond.
+    """
+    hung = hang(line, current, altitude, pull)
+    trials = np.flatnonzero(hung.low.fallen[2] > hung.fallen[-1, 2] + _LYING)
+    if not trials.size:
+        return hung
+    low = take_trials(hung.low, trials)
+    rest = _beyond(take_trials(line, trials), take_trials(current, trials), low)
+    fallen = np.concatenate((hung.fallen, np.repeat(hung.fallen[-1:], len(rest.fallen), axis=0)))
+    load = hung.load.copy()
+    is_before = np.arange(len(hung.fallen))[:, None, None] < low.number
+    fallen[: len(hung.fallen), :, trials] = np.where(is_before, hung.fallen[..., trials], low.fallen)
+    fallen[len(hung.fallen) :, :, trials] = low.fallen + rest.fallen
+    load[:, trials] = rest.load
+    return HungLine(fallen, load, hung.low)
+
+
+def _beyond(line: HeldLine, current: LayersAbove, low: LowPoint) -> HungLine:
+    """Lay what is beyond the lowest place of a line."""
+    lifted = _Lifted(line, current, low)
+    ahead = [np.where(item.distance > low.distance, item.distance - low.distance, np.inf) for item in line.floats]
+    high = np.minimum.reduce([*ahead, line.length - low.distance])
+    lying = bracketed_roots(lifted, np.zeros_like(high), high, 0.5 * high, tolerance=_LYING)
+    rest = laid(lifted.after(lying), current, np.zeros_like(lying), lifted.pull)
+    flat = direction(lifted.pull) * lying * (1.0 + line.compliance * size(lifted.pull))
+    return HungLine(np.concatenate((flat[None], flat + rest.fallen)), rest.load, rest.low)
+
+
+@dataclass(frozen=True)
+class _Lifted:
+    """How far a line stays above the seafloor that floats lift off, against the length that lies before them [m]."""
+
+    line: HeldLine
+    current: LayersAbove
+    low: LowPoint
+
+    @property
+    def pull(self) -> Array:
+        """Tension where it lies, level, shape (3, n) [N]."""
+        return np.asarray(self.low.tension * np.array([[1.0], [1.0], [0.0]]))
+
+    def after(self, lying: Array) -> HeldLine:
+        """The line beyond so much that lies."""
+        gone = self.low.distance + lying
+        floats = tuple(
+            Float(
+                np.maximum(item.distance - gone, 0.0), np.where(item.distance > self.low.distance, item.buoyancy, 0.0)
+            )
+            for item in self.line.floats
+        )
+        return replace(self.line, length=self.line.length - gone, floats=floats)
+
+    def evaluate(self, lying: Array) -> tuple[Array, Array]:
+        above = -hang(self.after(lying), self.current, np.zeros_like(lying), self.pull).lowest
+        return above, above
+
+    def take(self, trials: NDArray[np.intp]) -> "_Lifted":
+        return take_trials(self, trials)
 
 
 @dataclass(frozen=True)
@@ -181,7 +245,8 @@ class _Standing:
     before: Array | None = None
 
     def evaluate(self, altitude: Array) -> tuple[Array, Array]:
-        excess = self._hanging(altitude)[1].deepest - altitude
+        _, pull = self._trailing(altitude)
+        excess = hang(self.line, self.current, altitude, pull).deepest - altitude
         step = excess  # in a uniform current the altitude does not matter, and this step is the last
         if self.before is not None:
             moved, changed = altitude - self.before[0], excess - self.before[1]
@@ -195,11 +260,12 @@ class _Standing:
 
     def pose(self, altitude: Array) -> HeldPose:
         """Pose with the nose at its altitude [m]."""
-        axis, hung, pull = self._hanging(altitude)
+        axis, pull = self._trailing(altitude)
+        hung = laid(self.line, self.current, altitude, pull)
         return HeldPose(np.concatenate((hung.fallen[-1, :2], altitude[None])), axis, pull, hung.load)
 
-    def _hanging(self, altitude: Array) -> tuple[Array, HungLine, Array]:
-        """Axis, the line below the nose, and the tension at the nose [N]."""
+    def _trailing(self, altitude: Array) -> tuple[Array, Array]:
+        """Axis, and the tension at the nose [N], shape (3, n) each."""
         body, quarter = self.body, np.full(altitude.size, 0.5 * np.pi)
         turning = _Turning(body, self.current, altitude)
         self.pitch = bracketed_roots(turning, -quarter, quarter, self.pitch, tolerance=_TOLERANCE)
@@ -210,7 +276,7 @@ class _Standing:
         normal = body.section_drag * (speeds * np.abs(speeds)).sum(axis=0) * sine * np.abs(sine)
         pull = axis * body.axial_drag(speeds.mean(axis=0) * cosine) + across * normal
         pull[2] += body.net_buoyancy
-        return axis, hang(self.line, self.current, altitude, pull), pull
+        return axis, pull
 
 
 @dataclass(frozen=True)
@@ -304,6 +370,6 @@ def settling_nose(pose: HeldPose, length: Scalars, speed: Array, time: Scalars) 
 
 def line_shape(line: HeldLine, current: LayersAbove, pose: HeldPose) -> Array:
     """Points of the line from the anchor to the nose of a pose, shape (k, 3, n) [m]."""
-    fallen = hang(line, current, pose.nose[2], pose.tension_at_nose).fallen
+    fallen = laid(line, current, pose.nose[2], pose.tension_at_nose).fallen
     down = np.concatenate((np.zeros((1, *pose.nose.shape)), fallen))
     return np.asarray((pose.nose - down)[::-1])

@@ -17,7 +17,7 @@ from missionplan.physics.held_line import (
     hang,
     line_drag_factor,
 )
-from missionplan.physics.line_statics import held_pose, settling_nose
+from missionplan.physics.line_statics import held_pose, laid, line_shape, settling_nose
 from missionplan.physics.vehicle_drag import Hull, QuadraticDrag, Sail, VehicleDrag
 from missionplan.physics.water import sea_water
 
@@ -26,6 +26,10 @@ WATER = sea_water(20.0, 15.0)
 LENGTH, DIAMETER, BUOYANCY = 1.1176, 0.12065, 0.88964
 DRAG = VehicleDrag(Hull(LENGTH, DIAMETER), Sail(0.1016, 0.1016, 0.01524), 1.25, WATER)
 """Of Chesapeake's vehicle."""
+
+
+FRICTION = 0.02 / 1.2
+"""Drag along a line over that across it."""
 
 
 def rope(length, diameter=0.0, **more):
@@ -141,8 +145,9 @@ def shot(held, line, speed):
         _, up, horizontal, vertical = state
         along = np.array([horizontal, vertical]) / np.hypot(horizontal, vertical)
         water = np.array([speed(up), 0.0])
-        normal = water - water @ along * along
-        drag = line.drag_factor * np.hypot(*normal) * normal
+        past = water @ along
+        normal = water - past * along
+        drag = line.drag_factor * np.hypot(*normal) * normal + FRICTION * line.drag_factor * abs(past) * past * along
         return [*along, -drag[0], -drag[1]]
 
     def miss(guess):
@@ -261,8 +266,10 @@ def shot_from_the_nose(line, speed, buoyancy=BUOYANCY):
             across, up = horizontal / tension, vertical / tension
             u = float(speed(altitude - down))
             drag = line.drag_factor * abs(u * up) * u * up  # along (up, -across)
+            along = FRICTION * line.drag_factor * abs(u * across) * u * across
             stretch = 1.0 + line.compliance * tension
-            return [across * stretch, up * stretch, drag * up, -drag * across - line.wet_weight]
+            load = [drag * up + along * across, -drag * across - line.wet_weight + along * up]
+            return [across * stretch, up * stretch, *load]
 
         def level(_, state):
             return state[3]
@@ -327,6 +334,57 @@ def test_floats_carry_a_heavy_line(floats, weight, speed):
     pose = held_pose(body(), line, uniform(speed))
     place, _ = shot_from_the_nose(line, lambda altitude: speed + 0.0 * np.asarray(altitude))
     assert pose.nose[[0, 2], 0] == pytest.approx(place, abs=0.02)
+
+
+def arch(across, weight, lift, before, after):
+    """Heights and horizontal length of the line that a float lifts, so much of it before and after the float."""
+    ends = np.array([-weight * before, lift - weight * before, lift - weight * (before + after)])
+    high = (np.hypot(across, ends[0]) - across) / weight
+    fall = (np.hypot(across, ends[1]) - np.hypot(across, ends[2])) / weight
+    spans = np.arcsinh(-ends[0] / across) + np.arcsinh(ends[1] / across) - np.arcsinh(ends[2] / across)
+    return high, fall, across / weight * spans
+
+
+@given(
+    weight=st.floats(0.1, 2.0),
+    across=st.floats(0.02, 3.0),
+    hangs=st.floats(0.2, 3.0),
+    lift=st.floats(0.1, 1.9),
+    beyond=st.floats(0.05, 4.0),
+    give=st.sampled_from([0.0, 0.05]),
+)
+@settings(max_examples=60, deadline=None)
+def test_what_a_float_lifts_from_the_seafloor_is_an_arch_of_catenaries(weight, across, hangs, lift, beyond, give):
+    """It hangs, lies, rises to the float and comes down: to the seafloor as far from the float, or to the anchor."""
+    lift, length = lift * weight, hangs + 3.0 + beyond
+    before = 0.5 * lift / weight
+    if before > beyond:  # down to the anchor: as high before the float as after it
+        before = brentq(lambda x: np.subtract(*arch(across, weight, lift, x, beyond)[:2]), 0.0, before)
+    after = min(before, beyond)
+    line = HeldLine(length, wet_weight=weight, compliance=give, floats=(Float(hangs + 3.0, lift),))
+    up = weight * hangs
+    found = laid(line, uniform(0.0), np.array([5.0]), np.array([[across], [0.0], [up]]))
+    level = across / weight * np.arcsinh(up / across) + (3.0 - before) + (beyond - after)
+    expected = level + arch(across, weight, lift, before, after)[2] + across * give * length
+    loose = pytest.approx(expected, rel=2e-3 if give else 1e-5)  # stretched more by its own weight's share
+    assert found.fallen[-1, 0, 0] == loose
+    if not give:
+        left = lift - weight * (before + beyond)
+        assert found.load[:, 0] == pytest.approx([across, 0.0, max(left, 0.0)], abs=1e-4)
+        assert found.fallen[-1, 2, 0] == pytest.approx(found.deepest[0], abs=1e-5)
+
+
+def test_a_line_that_touches_between_two_floats_does_so_alone_and_in_a_block():
+    floats = (Float(3.0, 0.9), Float(6.0, 1.5))
+    line = rope(8.0, 0.003, wet_weight=0.8, floats=floats)
+    speeds = np.array([0.02, 0.1, 0.25, 0.5])
+    block = held_pose(body(net_buoyancy=np.array([0.5, 0.9, 20.0, 0.9])), line, uniform(speeds))
+    for trial, (speed, buoyancy) in enumerate(zip(speeds, (0.5, 0.9, 20.0, 0.9), strict=True)):
+        alone = held_pose(body(net_buoyancy=buoyancy), line, uniform(speed))
+        assert alone.nose[:, 0] == pytest.approx(block.nose[:, trial], abs=2e-4)
+        points = line_shape(line, uniform(speed), alone)[:, 2, 0]
+        assert points.min() > -0.02
+        assert points[[0, -1]] == pytest.approx([0.0, alone.nose[2, 0]], abs=1e-3)
 
 
 @pytest.mark.parametrize(
