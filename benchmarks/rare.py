@@ -10,7 +10,6 @@ import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 
 import numpy as np
-from missionplan.montecarlo.rare_events.population import Key, NormalPopulation
 
 from benchmarks.common import Options, Row, Section, duration
 from benchmarks.rare_problems import PROBLEMS, Problem
@@ -18,6 +17,7 @@ from benchmarks.rare_ways import drawn
 from missionplan.mission import Mission
 from missionplan.montecarlo.rare_events.failure_search import FailureSearch, Found, find, no_description
 from missionplan.montecarlo.rare_events.strata import DiscreteValue, StrataView, strata
+from missionplan.montecarlo.rare_events.subset_simulation import Key, NormalPopulation
 from missionplan.montecarlo.rare_events.ways import Model, ReliabilityIndices, TrialMargins
 from missionplan.studies.rare_failure.find_rare_failure import find_rare_failure
 

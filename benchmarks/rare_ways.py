@@ -10,12 +10,12 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 
 import numpy as np
-from missionplan.montecarlo.rare_events.population import Key
 from scipy.integrate import quad
 from scipy.special import ndtr, ndtri
 from scipy.stats import norm
 
 from missionplan.montecarlo.rare_events.strata import DiscreteValue, StrataView
+from missionplan.montecarlo.rare_events.subset_simulation import Key
 from missionplan.montecarlo.rare_events.ways import TrialMargins
 
 Margin = Callable[[StrataView], np.ndarray]

@@ -29,8 +29,14 @@ class DriftAssumption(Enum):
     ERROR_OF_CURRENT = (
         "The mission does not say how far its current may be off: 0.1 m/s on each axis, forgotten over half a day."
     )
-    STEADY_LAYERS = "The layers of the current stay as they are: where there is a tide they do not last for six hours."
-    BEYOND_RECORD = "Beyond the record of the current, or of the wind, its last values are held."
+    STEADY_LAYERS = (
+        "The current stays as the mission has it, for six hours overdue at most, in which a tide turns. Without a "
+        "record, `tide` or a `tidal-current` there are no areas for longer."
+    )
+    BEYOND_RECORD = (
+        "Beyond the record of the current, or of the wind, its last values are held; those of the current for six "
+        "hours, and there are no areas for longer."
+    )
     NO_LAND = "Nothing stops a vehicle that drifts ashore."
 
 

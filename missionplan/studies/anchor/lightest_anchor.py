@@ -12,6 +12,8 @@ from missionplan.results.sized_anchor import DiveProbabilities
 MAX_WEIGHT_RATIO = 10.0
 """Heaviest anchor tried over the worst-case one; it sinks three times as fast, so that drift before the descent is
 what is left."""
+_LIGHTEST_RATIO = 1000.0
+"""The worst-case anchor over the lightest tried, where all from a tenth of the worst-case one on meet the demands."""
 MAX_LINE_RATIO = 20.0
 """Longest line tried over the given one."""
 _STEPS = 6
@@ -134,8 +136,10 @@ class _Tried:
         return [demand.slack(self.known[weight]) for demand in self.demands]
 
     def lightest(self, start: float) -> float | None:
-        """Lightest weight [N] that meets all demands, from a tenth to ten times a weight; None where none does."""
+        """Lightest weight [N] that meets all demands, up to ten times a weight; None where none does."""
         grid = np.geomspace(start / MAX_WEIGHT_RATIO, start * MAX_WEIGHT_RATIO, _STEPS + 1).tolist()
+        while min(self.slacks(grid[0])) >= 0.0 and grid[0] > start / _LIGHTEST_RATIO:
+            grid.insert(0, 0.5 * grid[0])
         found = (self._within(light, heavy) for light, heavy in itertools.pairwise(grid))
         return next((weight for weight in found if weight is not None), None)
 

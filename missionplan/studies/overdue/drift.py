@@ -1,5 +1,6 @@
-"""The drift of a vehicle afloat: with the surface current, the effects at the surface and the wind."""
+"""The drift of a vehicle afloat: with the surface current, the tide, the effects at the surface and the wind."""
 
+import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
@@ -15,6 +16,7 @@ from missionplan.phases.currents import Current
 from missionplan.phases.fields.ensemble import Ensemble, Statistics
 from missionplan.phases.hooks import TransitEffect, surface_velocity
 from missionplan.phases.place.place import Cause, Place, Way
+from missionplan.phases.recorded_currents import RecordedCurrent
 from missionplan.scenario.currents.building import with_error
 from missionplan.scenario.scenario import STILL_WATER, Scenario
 
@@ -26,6 +28,8 @@ Drifters differ by about as much from maps of the surface current that radar mea
 """
 UNSTATED_TIME = 12.0 * 3600.0
 """Time over which that error is forgotten [s]: half a day, as tides and inertial motion are what a mean leaves out."""
+HELD = 6.0 * 3600.0
+"""Time for which a current that does not change, or has ended, is held [s]: in half its period a tide turns."""
 _FIRST_STEP, _LONGEST_STEP = 300.0, 3600.0
 """Of the integration [s]: no tide and no forecast turns within less than the longest."""
 _LOOKOUT = 900.0
@@ -49,6 +53,10 @@ class Drift:
         Whether the current's error is not the mission's.
     shore : Place or None
         Land and ground on which a vehicle strands; None where the mission gives none.
+    is_steady : bool
+        Whether the current is that of layers, to which no effect adds a tide.
+    ends : float
+        Last time of a record of the current; infinite without one [s since the mission's start].
     """
 
     current: Current
@@ -56,6 +64,8 @@ class Drift:
     trials: int = 1
     is_error_assumed: bool = False
     shore: Place | None = None
+    is_steady: bool = False
+    ends: float = math.inf
 
     @classmethod
     def of(cls, scenario: Scenario, seed: int, size: int) -> "Drift":
@@ -65,7 +75,20 @@ class Drift:
         if not is_stated:
             source = BlockStreams(seed, 0)
             current = with_error(current, Statistics(UNSTATED_ERROR, UNSTATED_TIME, None), source, size)
-        return cls(current, scenario.effects_afloat, size, not is_stated, _shore(scenario.place))
+        record = scenario.recorded
+        return cls(
+            current,
+            scenario.effects_afloat,
+            size,
+            not is_stated,
+            _shore(scenario.place),
+            record is None and not any(effect.drift().waves for effect in scenario.transit_effects),
+            float(record.time[-1]) if isinstance(record, RecordedCurrent) else math.inf,
+        )
+
+    def known_until(self, worry: float) -> float:
+        """Time until which the current is known, or may be held, if the vehicle is overdue from `worry` on [s]."""
+        return HELD + (worry if self.is_steady else self.ends)
 
     def velocity(self, t: Array, place: Array) -> Array:
         """Velocity over the ground, shape (2, n) [m/s].
@@ -77,7 +100,8 @@ class Drift:
         place : array, shape (2, n)
             [m]
         """
-        return self.current.velocity(t, 0.0, place) + surface_velocity(self.effects, t, np.zeros(t.size), place)
+        beyond = surface_velocity(self.effects, t, np.zeros(t.size), place) + _tide(self.effects, t)
+        return self.current.velocity(t, 0.0, place) + beyond
 
     def places(self, place: Array, clock: Array, times: Sequence[float]) -> Iterator[Array]:
         """Yield where trials are at some times, shape (2, n) each [m].
@@ -129,6 +153,18 @@ class Drift:
             t_eval=(1.0,),
         )
         return np.array(solved.y[:, -1].reshape(2, -1))
+
+
+def _tide(effects: Sequence[TransitEffect], t: Array) -> Array | float:
+    """Waves of the current that effects bring under way: a tide has them at the surface too, shape (2, n) [m/s]."""
+    total: Array | float = 0.0
+    for effect in effects:
+        for period, (east_cosine, east_sine, north_cosine, north_sine) in effect.drift().waves.items():
+            cosine, sine = np.cos(2.0 * np.pi / period * t), np.sin(2.0 * np.pi / period * t)
+            total = total + np.stack(
+                (east_cosine * cosine + east_sine * sine, north_cosine * cosine + north_sine * sine)
+            )
+    return total
 
 
 def _shore(place: Place | None) -> Place | None:

@@ -7,14 +7,13 @@ import numpy as np
 
 from missionplan.arrays import Array
 from missionplan.montecarlo.streams import stream
-from missionplan.phases.currents import LayeredCurrent
 from missionplan.phases.recorded_currents import RecordedCurrent
 from missionplan.physics.energy import JOULES_PER_WATT_HOUR
 from missionplan.results.overdue import DriftAssumption, ExpectedTime, Overdue
 from missionplan.scenario.scenario import Scenario
 from missionplan.studies.overdue.drift import Drift
 from missionplan.studies.overdue.losses import losses
-from missionplan.studies.overdue.search_areas import search_areas
+from missionplan.studies.overdue.search_areas import HOURS, search_areas
 from missionplan.studies.overdue.searches import Search
 from missionplan.studies.simulation.phase_trials import EQUIPMENT, Flags, PhaseTrials
 from missionplan.studies.simulation.trial_block import MissionTrials
@@ -59,7 +58,7 @@ def overdue(scenario: Scenario, trials: MissionTrials, seed: int, searches: Sequ
     lost = losses(moving, failed, stream(seed, "overdue", 0))
     reach = {phase.name: _reach(phase) for phase in moving if phase.kind == "moor"}
     areas = tuple(search_areas(lost, drift, found.worry_after, reach, searches))
-    last = found.worry_after + max((area.overdue for area in areas), default=0.0)
+    last = found.worry_after + 3600.0 * HOURS[-1]
     return replace(found, areas=areas, assumptions=tuple(_assumptions(scenario, drift, last)))
 
 
@@ -68,10 +67,9 @@ def _assumptions(scenario: Scenario, drift: Drift, last: float) -> Iterator[Drif
         yield DriftAssumption.NO_WIND
     if drift.is_error_assumed:
         yield DriftAssumption.ERROR_OF_CURRENT
-    if isinstance(scenario.current, LayeredCurrent):
+    if drift.is_steady:
         yield DriftAssumption.STEADY_LAYERS
-    records = (scenario.recorded, scenario.wind)
-    if any(isinstance(record, RecordedCurrent) and record.time[-1] < last for record in records):
+    if drift.ends < last or (isinstance(scenario.wind, RecordedCurrent) and scenario.wind.time[-1] < last):
         yield DriftAssumption.BEYOND_RECORD
     if drift.shore is None:
         yield DriftAssumption.NO_LAND

@@ -12,7 +12,7 @@ from missionplan.studies.overdue.losses import Losses
 from missionplan.studies.overdue.searches import Search
 
 HOURS = (0.0, 1.0, 3.0, 6.0, 12.0, 24.0)
-"""Hours overdue for which areas are given."""
+"""Hours overdue for which areas are given, as far as the current is known."""
 
 
 def search_areas(
@@ -47,7 +47,10 @@ def search_areas(
 def _adrift(losses: Losses, drift: Drift, worry: float, searches: Sequence[Search]) -> Iterator[SearchArea]:
     """Areas of those that drift: the search sees them where they are at its time."""
     stops: list[tuple[float, Search | float]] = [(search.time, search) for search in searches]
-    stops += [(worry + 3600.0 * hours, 3600.0 * hours) for hours in HOURS]
+    until = drift.known_until(worry)
+    stops += [(worry + 3600.0 * hours, 3600.0 * hours) for hours in HOURS if worry + 3600.0 * hours <= until]
+    if not stops:
+        return
     stops.sort(key=lambda stop: stop[0])
     times = [time for time, _ in stops]
     whole, clock = np.zeros((2, drift.trials)), np.full(drift.trials, times[-1])

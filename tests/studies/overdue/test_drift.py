@@ -9,6 +9,7 @@ import pytest
 from matplotlib.path import Path as Outline
 
 import missionplan
+from missionplan.mission import Mission
 from missionplan.phases.currents import Current, Leeway, layers, leeway_velocity
 from missionplan.phases.place.place import Place
 from missionplan.phases.place.zones import Fence, Zone
@@ -198,7 +199,7 @@ def test_searches_are_read_with_every_problem(windy, tmp_path):
 def test_areas_hold_losses_that_drift_by_the_published_equations(windy, wind):
     """A thousand losses carried a minute at a time, with draws of their own: current, wind, leeway to the left or right."""
     mission = windy("{mean: 0.2 m/s, sd: 0.08 m/s}", f"{{speed: {wind}, from: {{mean: 200 deg, sd: 25 deg}}}}")
-    sheet = missionplan.simulate(mission, trials=3000).overdue
+    sheet = missionplan.simulate(with_a_tide(mission), trials=3000).overdue
     rng, n = np.random.default_rng(99), 1000
     speed = rng.uniform(3.0, 8.0, n) if "low" in wind else rng.normal(12.0, 2.0, n)
     course = np.radians(20.0 + rng.normal(0.0, 25.0, n))
@@ -210,12 +211,40 @@ def test_areas_hold_losses_that_drift_by_the_published_equations(windy, wind):
     for hours in (6.0, 24.0):
         areas = {area.share: area for area in sheet.areas if area.way == AFLOAT and area.overdue == 3600.0 * hours}
         x, y = rng.uniform(0.0, 800.0, n), np.zeros(n)
-        for _ in range(int((sheet.worry_after - 600.0 * rng.random() + 3600.0 * hours) / 60.0)):
-            x, y = x + 60.0 * east, y + 60.0 * north
+        for minute in range(int((sheet.worry_after - 600.0 * rng.random() + 3600.0 * hours) / 60.0)):
+            tide = 0.3 * np.cos(2.0 * np.pi * (60.0 * minute + 30.0) / 44_714.16)
+            x, y = x + 60.0 * east, y + 60.0 * (north + tide)
         inside = {share: np.mean(_holds(area, np.stack((x, y)))) for share, area in areas.items()}
         assert 0.44 < inside[0.5] < 0.56
         assert 0.87 < inside[0.9] < 0.93
         assert 0.925 < inside[0.95] < 0.975
+
+
+def with_a_tide(mission):
+    """M2 of 0.3 m/s toward north, greatest at the mission's start."""
+    return Mission.from_data({**mission.raw, "effects": [{"tidal-current": {"m2_north": "0.3 m/s"}}]})
+
+
+def test_layers_are_not_held_for_a_day_and_a_tide_is(windy):
+    """In a tidal bay layers that stay would carry a vehicle 17 km in a day that the tide brings back."""
+    mission = windy("{mean: 0.2 m/s, sd: 0.08 m/s}", "{speed: 0 m/s, from: 0 deg}")
+    steady, tidal = (missionplan.simulate(each, trials=400).overdue for each in (mission, with_a_tide(mission)))
+    hours = [[area.overdue / 3600.0 for area in each.areas if area.way == AFLOAT][::3] for each in (steady, tidal)]
+    assert hours == [[0.0, 1.0, 3.0, 6.0], [0.0, 1.0, 3.0, 6.0, 12.0, 24.0]]
+    assert DriftAssumption.STEADY_LAYERS in steady.assumptions
+    assert DriftAssumption.STEADY_LAYERS not in tidal.assumptions
+
+
+def test_beyond_a_record_there_are_areas_for_six_hours(windy, tmp_path):
+    data = dict(windy("0 m/s", "{speed: 0 m/s, from: 0 deg}").raw)
+    rows = "t_s,depth_m,east_m_s,north_m_s\n0,0,0.1,0\n7200,0,0.2,0\n"
+    (tmp_path / "current.csv").write_text(rows, encoding="utf-8")
+    data["site"] = {**data["site"], "current": {"file": str(tmp_path / "current.csv"), "outside": "hold"}}
+    sheet = missionplan.simulate(Mission.from_data(data), trials=400).overdue
+    assert sheet.worry_after < 7200.0
+    last = max(area.overdue for area in sheet.areas)
+    assert last == 6.0 * 3600.0
+    assert DriftAssumption.BEYOND_RECORD in sheet.assumptions
 
 
 def _holds(area, places):
