@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 
 OUTSIDE_CHANCE = 3
-"""Exit status of a score whose intervals hold more or less than chance allows."""
+"""Exit status of a score whose predictions are not what chance allows."""
 _WORKERS_NEED = (
     "missionplan.diagnosis.legs.model",
     "missionplan.diagnosis.dives.model",

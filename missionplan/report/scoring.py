@@ -124,6 +124,8 @@ YARDSTICKS = {
     "mean_of_past": "the mean of the past",
     "last_leg": "the last {group}",
     "random_walk": "a random walk seen through noise",
+    "persistent": "a stationary persistent error",
+    "wider_sigma": "a plain σ as wide as the errors so far",
     "vehicle": "the vehicle's own drift compensation",
 }
 SAME = 0.03
@@ -163,7 +165,7 @@ def terminal(score: Score) -> Terminal:
 
 
 def _verdict(score: Score) -> str:
-    """Bad where chance does not allow the coverage; good where, besides, the last leg or dive predicts no better."""
+    """Bad where chance does not allow the predictions; good where, besides, the last leg or dive predicts no better."""
     if not score.is_within_chance:
         return "bad"
     return "good" if all(each.one_step.skill("last_leg") > -SAME for each in score.datasets) else "undecided"
@@ -177,11 +179,12 @@ def answer(score: Score) -> str:
     else:
         words = " ".join(f"{each.name}: this mission {one}" for each, one in zip(score.datasets, said, strict=False))
     if score.is_within_chance:
-        return f"{words} Nothing was fitted; chance allows the coverage of the 90 % intervals."
+        return f"{words} Nothing was fitted; chance allows where in their distributions the values fell."
     off = [
         f"{NAMES[name]}" for each in score.datasets for name, p in each.predictions.items() if not p.is_within_chance
     ]
-    return f"{words} Chance does not allow that coverage ({', '.join(dict.fromkeys(off))}): the intervals are wrong."
+    told_off = ", ".join(dict.fromkeys(off))
+    return f"{words} Chance does not allow where in their distributions the values fell ({told_off}): they are wrong."
 
 
 def _not_held_out(each: DatasetScore) -> str:
@@ -316,7 +319,8 @@ def _chance(prediction: Prediction) -> str:
     low, high = prediction.chance_90
     return (
         f" Its {100.0 * STATED:.0f} % intervals hold {100.0 * prediction.coverage_90:.0f} % of the values; were the "
-        f"mission true, chance would leave {100.0 * low:.0f} to {100.0 * high:.0f} %. Errors over their standard "
+        f"mission true, chance would leave {100.0 * low:.0f} to {100.0 * high:.0f} %. Of the records of a true mission "
+        f"{100.0 * prediction.p_value:.2g} % fall as unevenly into its distributions. Errors over their standard "
         f"deviations have a mean of {prediction.z.mean():.2f} and a standard deviation of {prediction.z.std():.2f}."
     )
 

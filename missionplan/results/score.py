@@ -75,6 +75,10 @@ class Prediction(Record):
     inside_50: int
     inside_90: int
     chance_90: tuple[float, float]
+    p_value: Annotated[
+        float, Entry("of the probability integral transforms, by Anderson and Darling, were the mission true")
+    ]
+    level: Annotated[float, Entry("of the p-value below which chance does not allow it")]
     mean: Array
     sd: Array
     z: Array
@@ -88,8 +92,8 @@ class Prediction(Record):
 
     @property
     def is_within_chance(self) -> Annotated[bool, Entry(key="within_chance")]:
-        """Whether the coverage of the 90 % intervals is one that chance allows."""
-        return self.chance_90[0] <= self.coverage_90 <= self.chance_90[1]
+        """Whether chance allows the whole distribution of the probability integral transforms."""
+        return self.p_value >= self.level
 
     def skill(self, yardstick: str) -> float:
         """Part of a yardstick's root mean square error that is avoided; negative for one that is better."""
@@ -210,7 +214,7 @@ class DatasetScore(Record):
 
     @property
     def is_within_chance(self) -> Annotated[bool, Entry(key="within_chance")]:
-        """Whether both coverages are ones that chance allows."""
+        """Whether both predictions are ones that chance allows."""
         return all(prediction.is_within_chance for prediction in self.predictions.values())
 
     def residuals(self) -> pd.DataFrame:
@@ -243,7 +247,7 @@ class Score(Result):
 
     @property
     def is_within_chance(self) -> Annotated[bool, Entry(key="within_chance")]:
-        """Whether the coverage of the 90 % intervals is one that chance allows on every data set."""
+        """Whether chance allows the predictions of every data set."""
         return all(each.is_within_chance for each in self.datasets)
 
     def score(self) -> dict[str, object]:

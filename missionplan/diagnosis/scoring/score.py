@@ -16,7 +16,7 @@ from missionplan.datasets.records import TransitData
 from missionplan.diagnosis.dives.model_factory import check_leaves_surface
 from missionplan.diagnosis.dives.preparation import PreparedDives, prepare_dives
 from missionplan.diagnosis.learned_data import learned
-from missionplan.diagnosis.scoring.chance import intervals, one_step_coverages, whole_coverages
+from missionplan.diagnosis.scoring.chance import Chance, one_step_chance, whole_chance
 from missionplan.diagnosis.scoring.dives import dive_ensemble
 from missionplan.diagnosis.scoring.ensemble import Ensemble
 from missionplan.diagnosis.scoring.explanations import bare_mission
@@ -115,7 +115,7 @@ def scored_record(
     seed : int
         Of the draws.
     level : float
-        Probability with which each of the two coverages of a true mission is outside chance.
+        Probability with which each of the two predictions of a true mission is outside chance.
     """
     if isinstance(record, TransitData):
         return _score_legs(record, mission, seed, level)
@@ -166,14 +166,13 @@ def _scored(
     """Score both predictions beside the yardsticks; `axes` values are the components of one error."""
     y, ahead = ensemble.values, one_step_ahead(ensemble)
     plain_ahead, whole = one_step_ahead(bare).mixture, without_past(ensemble)
-    low, high = intervals(ahead.mixture, STATED)
-    chance = np.quantile(one_step_coverages(ensemble, ahead, low, high, seed), [0.5 * level, 1.0 - 0.5 * level])
+    chance = one_step_chance(ensemble, ahead, seed, level)
     common = {name: _yardstick(_mixture(point), y, axes) for name, point in others.items()}
-    one_step = _prediction(ahead.mixture, y, axes, chance, {"no_effects": _yardstick(plain_ahead, y, axes), **common})
-    low, high = intervals(whole, STATED)
-    chance = np.quantile(whole_coverages(ensemble, low, high, seed), [0.5 * level, 1.0 - 0.5 * level])
-    plain = _yardstick(without_past(bare), y, axes)
-    return one_step, _prediction(whole, y, axes, chance, {"no_effects": plain, **common}), ahead.effective
+    plain = {"no_effects": _yardstick(plain_ahead, y, axes)}
+    one_step = _prediction(ahead.mixture, y, axes, chance, level, {**plain, **common})
+    chance = whole_chance(ensemble, whole, seed, level)
+    plain = {"no_effects": _yardstick(without_past(bare), y, axes)}
+    return one_step, _prediction(whole, y, axes, chance, level, {**plain, **common}), ahead.effective
 
 
 def _mixture(point: Point) -> Mixture:
@@ -185,7 +184,9 @@ def _yardstick(mixture: Mixture, y: Array, axes: int) -> Yardstick:
     return Yardstick(rmse, float(np.mean(mixture.log_density(y))), float(np.mean(mixture.crps(y))))
 
 
-def _prediction(mixture: Mixture, y: Array, axes: int, chance: Array, others: dict[str, Yardstick]) -> Prediction:
+def _prediction(
+    mixture: Mixture, y: Array, axes: int, chance: Chance, level: float, others: dict[str, Yardstick]
+) -> Prediction:
     own, pit = _yardstick(mixture, y, axes), mixture.cdf(y)
     inside_50, inside_90 = (int(np.count_nonzero(np.abs(pit - 0.5) <= 0.5 * share)) for share in (0.5, STATED))
     z = (y - mixture.mean) / mixture.sd
@@ -195,7 +196,9 @@ def _prediction(mixture: Mixture, y: Array, axes: int, chance: Array, others: di
         own.crps,
         inside_50,
         inside_90,
-        (float(chance[0]), float(chance[1])),
+        chance.coverage_90,
+        chance.p_value,
+        level,
         mixture.mean,
         mixture.sd,
         z,

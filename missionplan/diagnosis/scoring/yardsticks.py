@@ -1,4 +1,4 @@
-"""Predictions of the same values without the mission: by the mean of the past, the last group, or a random walk.
+"""Predictions of the same values without the mission: by the past in several ways, or by a plain wider σ.
 
 Each predicts from the groups before; its spread is that of its own errors so far. Values are taken as a rate (a leg's
 error over its time under way) or as a curve (a dive's departure from the bare mission, at the same times).
@@ -13,6 +13,8 @@ from missionplan.arrays import Array
 
 GAINS = np.array([0.05, 0.1, 0.2, 0.3, 0.45, 0.6, 0.8, 1.0])
 """Gains of the random walk seen through noise: what of the last error is taken over."""
+MEMORIES = (0.5, 0.8, 0.95)
+"""What a stationary persistent error keeps of itself from one group to the next."""
 
 Past = Callable[[int, int], Array]
 """The values of an earlier group as a prediction of those of a later one: of (later, earlier)."""
@@ -27,7 +29,7 @@ class Point:
 
 
 def yardsticks(values: Sequence[Array], past: Past, scales: Sequence[Array], first_sd: float) -> dict[str, Point]:
-    """Predict every group from those before it in three ways.
+    """Predict every group from those before it, or by the size of their errors alone.
 
     Parameters
     ----------
@@ -55,10 +57,18 @@ def yardsticks(values: Sequence[Array], past: Past, scales: Sequence[Array], fir
         )
         for gain in GAINS.tolist()
     ]
+    pairs = list(zip(carried, values, strict=True))
+    by_memory = [
+        _with_spread(values, [_remembered(each, gain, kept, own) for each, own in pairs], scales, first_sd)
+        for gain in GAINS[1::2].tolist()
+        for kept in MEMORIES
+    ]
     found = {
         "mean_of_past": _with_spread(values, [mean_of_past(group) for group in range(count)], scales, first_sd),
         "last_leg": _with_spread(values, [last(group) for group in range(count)], scales, first_sd),
         "random_walk": _best_so_far(values, by_gain),
+        "persistent": _best_so_far(values, by_memory),
+        "wider_sigma": _with_spread(values, [np.zeros_like(value) for value in values], scales, first_sd),
     }
     return {name: _joined(points) for name, points in found.items()}
 
@@ -79,6 +89,14 @@ def _smoothed(past: Sequence[Array], gain: float, like: Array) -> Array:
     weights = gain * (1.0 - gain) ** np.arange(len(past) - 1, -1, -1.0)
     weights[0] += max(1.0 - weights.sum(), 0.0)
     return np.asarray(np.tensordot(weights / weights.sum(), np.array(past), axes=1))
+
+
+def _remembered(past: Sequence[Array], gain: float, kept: float, like: Array) -> Array:
+    """Prediction of a stationary persistent error seen through noise, which forgets: the steady Kalman filter's."""
+    if not past:
+        return np.zeros_like(like)
+    weights = kept * gain * (kept * (1.0 - gain)) ** np.arange(len(past) - 1, -1, -1.0)
+    return np.asarray(np.tensordot(weights, np.array(past), axes=1))
 
 
 def _with_spread(
