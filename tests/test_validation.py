@@ -2,6 +2,10 @@
 
 import math
 
+import typer
+
+from missionplan.cli import app
+from missionplan.results.checked_range import RANGES, ROWS_OF_COMMAND
 from validation import pages, record
 from validation.rows import LEVELS, Accepted, Measured, Options, Row, all_rows, at_most, near
 
@@ -46,3 +50,11 @@ def test_the_page_is_what_was_measured():
     text = pages.PAGE.read_text(encoding="utf-8")
     assert pages.table(record.load()) in text
     assert "**fails**" not in text
+
+
+def test_reports_name_rows_and_commands_that_there_are():
+    rows = all_rows()
+    commands = typer.main.get_command(app).commands
+    assert {name.split()[0] for name in ROWS_OF_COMMAND} <= set(commands)
+    named = {each for several in ROWS_OF_COMMAND.values() for each in several}
+    assert named | {each for checked in RANGES.values() for each in checked.rows} <= set(rows)

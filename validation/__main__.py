@@ -14,7 +14,8 @@ from pathlib import Path
 
 os.environ.setdefault("OMP_NUM_THREADS", "1")
 
-from validation import pages, record
+from missionplan.mission import load
+from validation import pages, record, sea_records
 from validation.rows import CHEAP, ROOT, Options, Row, all_rows
 
 DATA = ROOT.parent / "shared" / "data"
@@ -33,6 +34,9 @@ def _parse(words: Sequence[str] | None) -> argparse.Namespace:
     parser.add_argument(
         "--work", type=Path, help="folder in which long rows keep what they have done, and go on from it"
     )
+    parser.add_argument(
+        "--records", type=Path, metavar="FOLDER", help="print the numbers of every log of legs below it"
+    )
     parser.add_argument("--page", action="store_true", help="write the page from what was measured, and measure none")
     parser.add_argument("--no-write", action="store_true", help="leave docs/validation as it is")
     return parser.parse_args(words)
@@ -49,6 +53,8 @@ def main(words: Sequence[str] | None = None) -> int:
     if asked.page:
         pages.write(record.load())
         return 0
+    if asked.records:
+        return _records(asked.records)
     if asked.list:
         for each in chosen if asked.ids else rows.values():
             print(f"{each.name:<32} {each.cost:>6g} s  {each.claim}: {each.case}")
@@ -59,6 +65,20 @@ def main(words: Sequence[str] | None = None) -> int:
         failed = [each.name for each in chosen if not _measure(each, options, write=not asked.no_write)]
     print(f"{len(chosen) - len(failed)} of {len(chosen)} rows without a failure" + "".join(f"; {x}" for x in failed))
     return int(bool(failed))
+
+
+def _records(folder: Path) -> int:
+    """Print what every data set of legs below a folder shows that has a mission beside it; 2 if there is none."""
+    found = list(sea_records.data_sets_below(folder))
+    for name, data, mission in found:
+        numbers, diagnosis = sea_records.numbers_of(data, load(mission))
+        names = [f"{each.name} [{each.unit}]" if each.unit else each.name for each in sea_records.NUMBERS]
+        said = zip([*names, "next legs in 90 % intervals"], map(pages.shown, numbers), strict=True)
+        causes = " + ".join(diagnosis.causes) or "no cause"
+        print(f"{name}: {diagnosis.verdict}, {causes}; {'; '.join(f'{a} {b}' for a, b in said)}", flush=True)
+    if not found:
+        print(f"no data set of legs with a mission beside it below {folder}", file=sys.stderr)
+    return 0 if found else 2
 
 
 def _is_asked(row: Row, asked: argparse.Namespace) -> bool:
@@ -72,7 +92,7 @@ def _is_asked(row: Row, asked: argparse.Namespace) -> bool:
 def _measure(row: Row, options: Options, *, write: bool) -> bool:
     """Measure a row, print it, and write the pages; False if it fails."""
     found = record.measured(row, options, figures=record.FIGURES if write else None)
-    numbers = (f"{each.name} {pages.shown(v)} {each.unit}" for each, v in zip(row.accepted, found.values, strict=False))
+    numbers = (f"{name} {pages.shown(value)}" for name, value in found.values.items())
     print(f"{row.name}: {found.verdict} {found.why}; {'; '.join(numbers)} ({found.cpu_s:g} s)", flush=True)
     if write:
         known = record.load()

@@ -57,8 +57,7 @@ def _line(row: Row, found: Found | None) -> str:
     elif not found.values:
         measured, verdict = "–", f"{_VERDICTS[found.verdict]}: {found.why}"
     else:
-        pairs = zip(row.accepted, found.values, strict=True)
-        measured = "; ".join(f"{each.name} {shown(value)}{_unit(each)}" for each, value in pairs)
+        measured = "; ".join(f"{each.name} {shown(found.values[each.name])}{_unit(each)}" for each in row.accepted)
         verdict = _VERDICTS[found.verdict]
     peers = [f"{name} {found.versions[name]}" for name in row.packages if found and name in found.versions]
     reference = f"{row.reference} ({', '.join(peers)})" if peers else row.reference

@@ -29,8 +29,8 @@ class Found:
 
     Attributes
     ----------
-    values : list of float
-        In the order of the row's `accepted`; None stands for nan.
+    values : dict
+        By the names of the row's `accepted`; None stands for nan.
     verdict : str
     why : str
         Why it could not be measured.
@@ -38,7 +38,7 @@ class Found:
         CPU time of this process and its children [s].
     """
 
-    values: list[float | None]
+    values: dict[str, float | None]
     verdict: str
     date: str
     commit: str
@@ -52,7 +52,7 @@ class Found:
 def measured(row: Row, options: Options, *, figures: Path | None) -> Found:
     """Measure a row; its figure, if any, is written to a folder."""
     began, why, has_figure = _cpu(), "", False
-    values: list[float | None] = []
+    values: dict[str, float | None] = {}
     try:
         result = row.measure(options)
         judged = [each.holds(float(value)) for each, value in zip(row.accepted, result.values, strict=True)]
@@ -61,7 +61,8 @@ def measured(row: Row, options: Options, *, figures: Path | None) -> Found:
     except Exception as fault:  # the other rows are measured all the same
         verdict, why = FAILS, f"{type(fault).__name__}: {fault}"
     else:
-        values = [None if math.isnan(value) else _rounded(value) for value in result.values]
+        numbers = zip(row.accepted, result.values, strict=True)
+        values = {each.name: None if math.isnan(value) else _rounded(value) for each, value in numbers}
         verdict = (DIFFERS if row.differs else HOLDS) if all(judged) else FAILS
         has_figure = result.figure is not None
         if result.figure is not None and figures is not None:
@@ -84,11 +85,16 @@ def measured(row: Row, options: Options, *, figures: Path | None) -> Found:
 
 
 def load() -> dict[str, Found]:
-    """Return what was measured, by ID; rows that are no longer in the table are left out."""
+    """Return what was measured, by ID, but for rows that are no longer in the table or have other numbers now."""
     if not STORE.exists():
         return {}
     kept = json.loads(STORE.read_text(encoding="utf-8"))
-    return {name: Found(**kept[name]) for name in all_rows() if name in kept}
+    found = {name: Found(**kept[name]) for name in all_rows() if name in kept}
+    return {
+        name: each
+        for name, each in found.items()
+        if not each.values or list(each.values) == [number.name for number in all_rows()[name].accepted]
+    }
 
 
 def save(found: dict[str, Found]) -> None:

@@ -11,6 +11,7 @@ from typing import Annotated
 
 import numpy as np
 import pandas as pd
+from typing_extensions import Doc
 
 from missionplan.arrays import Array
 from missionplan.datasets.reading import DatasetFormat, DatasetSettings, RawDataset, read_dataset
@@ -35,16 +36,16 @@ DEEPEST = 11_000.0
 class RunSection(FileSection):
     """What differed from the mission in one run, and when its anchor separated, where its times are of the day."""
 
-    anchor_wet_weight: Weight | None = None
-    line_length: q.FixedLength | None = None
-    depth: q.FixedLength | None = None
-    separation: Moment | None = None
+    anchor_wet_weight: Annotated[Weight | None, Doc("weight of this dive's anchor in water")] = None
+    line_length: Annotated[q.FixedLength | None, Doc("length of this dive's line")] = None
+    depth: Annotated[q.FixedLength | None, Doc("depth of the water there")] = None
+    separation: Annotated[Moment | None, Doc("time at which the anchor separated")] = None
 
 
 class DivesSettings(DatasetSettings):
     """Keys of a data set of dives."""
 
-    runs: Mapping[str, RunSection] = {}
+    runs: Annotated[Mapping[str, RunSection], Doc("what differed from the mission, dive by dive")] = {}
 
 
 @dataclass(frozen=True)
@@ -110,13 +111,13 @@ def _of_mission(mission: Mission) -> dict[str, float]:
 class DepthNoise(FileSection):
     """Standard deviation of a reading, where it is known."""
 
-    depth: q.FixedLength | None = None
+    depth: Annotated[q.FixedLength | None, Doc("standard deviation of a reading of the depth")] = None
 
 
 class DescentSettings(DivesSettings):
     """Keys of a data set of kind ``descent``."""
 
-    noise: DepthNoise = DepthNoise()
+    noise: Annotated[DepthNoise, Doc("errors of what was measured")] = DepthNoise()
 
 
 HIGHEST = -2.0

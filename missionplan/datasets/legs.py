@@ -6,9 +6,11 @@ Checks of a navigation log's legs: enough of them, in order, and with possible v
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
+from typing import Annotated
 
 import numpy as np
 import pandas as pd
+from typing_extensions import Doc
 
 from missionplan.arrays import Array
 from missionplan.datasets.dives import DEEPEST
@@ -103,13 +105,13 @@ def _check_order(run: pd.DataFrame, file: str) -> list[Problem]:
 class FixNoise(FileSection):
     """Standard deviation of a fix, each axis, where it is known."""
 
-    fix: q.FixedLength | None = None
+    fix: Annotated[q.FixedLength | None, Doc("standard deviation of a fix, each axis")] = None
 
 
 class TransitSettings(DatasetSettings):
     """Keys of a data set of kind ``transit``."""
 
-    noise: FixNoise = FixNoise()
+    noise: Annotated[FixNoise, Doc("errors of what was measured")] = FixNoise()
 
 
 TIMES = ("t_start_s", "t_end_s")

@@ -9,13 +9,14 @@ from pathlib import Path
 from typing import Annotated, Generic, TypeVar
 
 import pandas as pd
-from pydantic import BeforeValidator, ValidationError
+from pydantic import BeforeValidator, Field, ValidationError
+from typing_extensions import Doc
 
 from missionplan.datasets.table import Columns, CsvTable, read_table
 from missionplan.errors import InputError, Problem, did_you_mean, shown
 from missionplan.mission.reading.documents import Document, load_document
 from missionplan.mission.reading.validation_errors import validation_problems
-from missionplan.mission.schema.section import FileSection
+from missionplan.mission.schema.section import DatasetSchema, FileSection
 from missionplan.store.folder import is_file, real_path
 
 
@@ -30,11 +31,12 @@ Text = Annotated[str, BeforeValidator(_as_text)]
 class DatasetSettings(FileSection):
     """Keys that ``dataset.yaml`` has for every kind; `runs` says what differed from the mission, run by run."""
 
-    kind: str
-    name: Text = ""
-    file: str
-    source: Text = ""
-    runs: Mapping[str, object] = {}
+    kind: Annotated[str, Doc("what was measured")]
+    file_schema: DatasetSchema = Field(default="missionplan/dataset/1", alias="schema")
+    name: Annotated[Text, Doc("name of the data set, for reports")] = ""
+    file: Annotated[str, Doc("the CSV beside it")]
+    source: Annotated[Text, Doc("where the data are from")] = ""
+    runs: Annotated[Mapping[str, object], Doc("what differed from the mission, run by run")] = {}
 
 
 S_co = TypeVar("S_co", bound=DatasetSettings, covariant=True)

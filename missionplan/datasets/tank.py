@@ -10,6 +10,7 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 from pydantic import Field
+from typing_extensions import Doc
 
 from missionplan.arrays import Array
 from missionplan.datasets.reading import (
@@ -49,34 +50,34 @@ Slope = Annotated[float, ReadBy(QuantityParser("", fixed=True))]
 class NoiseLevels(FileSection):
     """Standard deviations of the sensors, where they are known."""
 
-    force: ForceNoise | None = None
-    thrust: ForceNoise | None = None
-    moment: MomentNoise | None = None
-    displacement: q.FixedLength | None = None
+    force: Annotated[ForceNoise | None, Doc("standard deviation of a force")] = None
+    thrust: Annotated[ForceNoise | None, Doc("standard deviation of a thrust")] = None
+    moment: Annotated[MomentNoise | None, Doc("standard deviation of a moment")] = None
+    displacement: Annotated[q.FixedLength | None, Doc("standard deviation of a displacement")] = None
 
 
 class TankSettings(DatasetSettings):
     """Keys of a data set from a tank."""
 
-    noise: NoiseLevels = NoiseLevels()
-    water: WaterSection | None = None
+    noise: Annotated[NoiseLevels, Doc("errors of what was measured")] = NoiseLevels()
+    water: Annotated[WaterSection | None, Doc("water in the tank")] = None
 
 
 class Compared(FileSection):
     """Another table of the same kind to compare with, such as a CFD calculation."""
 
-    name: Text
-    file: str
-    reference_area: Area | None = None
+    name: Annotated[Text, Doc("what the other table is")]
+    file: Annotated[str, Doc("its CSV")]
+    reference_area: Annotated[Area | None, Doc("area to which its coefficients refer")] = None
 
 
 class DragSettings(TankSettings):
     """Keys of a data set of kind ``drag``; `scale` is full size over model."""
 
-    reference_area: Area
-    reference_length: q.FixedLength
-    scale: Number = 1.0
-    compare: Compared | None = None
+    reference_area: Annotated[Area, Doc("area to which the drag coefficient refers")]
+    reference_length: Annotated[q.FixedLength, Doc("length of the Reynolds number")]
+    scale: Annotated[Number, Doc("full size over model")] = 1.0
+    compare: Annotated[Compared | None, Doc("another table of the same kind")] = None
 
 
 DRAG = DatasetFormat(
@@ -104,9 +105,11 @@ def _known(unit: str) -> ReadBy:
 class OscillationSettings(TankSettings):
     """Keys of a data set of kind ``free-oscillation``; `scale` is full size over model."""
 
-    stiffness: Annotated[float, _known("N/m")] = Field(default=None, validate_default=True)
-    mass: Annotated[float, _known("kg")] = Field(default=None, validate_default=True)
-    scale: Number = 1.0
+    stiffness: Annotated[float, _known("N/m"), Doc("stiffness of the springs")] = Field(
+        default=None, validate_default=True
+    )
+    mass: Annotated[float, _known("kg"), Doc("mass of the model")] = Field(default=None, validate_default=True)
+    scale: Annotated[Number, Doc("full size over model")] = 1.0
 
 
 FREE_OSCILLATION = DatasetFormat(
@@ -128,18 +131,18 @@ class PropellerGeometry(FileSection):
     `flow_damping` is d_f of Eq. 30 [kg/m]; default 2ρA_p, momentum theory.
     """
 
-    diameter: q.FixedLength
-    wake_fraction: Fraction = 0.0
-    axial_flow_factor: Fraction = 0.0
-    torque_coefficient: tuple[Number, Slope] | None = None
-    shaft_inertia: Inertia | None = None
-    flow_damping: FlowDamping | None = None
+    diameter: Annotated[q.FixedLength, Doc("diameter of the disc")]
+    wake_fraction: Annotated[Fraction, Doc("share of the speed by which the wake is slower")] = 0.0
+    axial_flow_factor: Annotated[Fraction, Doc("factor a on the axial flow")] = 0.0
+    torque_coefficient: Annotated[tuple[Number, Slope] | None, Doc("β₀ and β₁ of K_Q = β₀ + β₁J")] = None
+    shaft_inertia: Annotated[Inertia | None, Doc("moment of inertia of motor, shaft and propeller")] = None
+    flow_damping: Annotated[FlowDamping | None, Doc("d_f0 and d_f of the flow in the disc")] = None
 
 
 class PropellerSettings(TankSettings):
     """Keys of a data set of kind ``propeller-transient``."""
 
-    geometry: PropellerGeometry
+    geometry: Annotated[PropellerGeometry, Doc("what is known of the propeller")]
 
 
 PROPELLER_TRANSIENT = DatasetFormat(
@@ -156,14 +159,14 @@ PROPELLER_TRANSIENT = DatasetFormat(
 class ThrusterGeometry(FileSection):
     """Geometry of a tunnel thruster; `position` ahead of the pivot of the moments."""
 
-    diameter: q.FixedLength
-    position: Lever = 0.0
+    diameter: Annotated[q.FixedLength, Doc("diameter of the tunnel")]
+    position: Annotated[Lever, Doc("distance ahead of the centre of rotation")] = 0.0
 
 
 class ThrusterSettings(TankSettings):
     """Keys of a data set of kind ``thruster``."""
 
-    geometry: ThrusterGeometry | None = None
+    geometry: Annotated[ThrusterGeometry | None, Doc("what is known of a tunnel thruster")] = None
 
 
 THRUSTER = DatasetFormat(

@@ -38,6 +38,10 @@ def lost(plan: Plan) -> tuple[str, ...]:
     return ()
 
 
+PLAN_FORMAT = 2
+"""Number of the form: it goes up when a file of it would be read otherwise."""
+
+
 def files(plan: Plan, stem: str) -> dict[str, str | bytes]:
     """Write one file."""
     return {f"{stem}.plan.json": plan_json(plan)}
@@ -59,7 +63,7 @@ def plan_data(plan: Plan) -> dict[str, object]:
     """Return the whole plan by the keys of `plan.json`: SI units that end the key, angles in degrees."""
     return {
         "format": "missionplan plan",
-        "format_version": 2,
+        "format_version": PLAN_FORMAT,
         "mission": plan.mission,
         "mission_sha256": plan.digest,
         "missionplan": plan.version,

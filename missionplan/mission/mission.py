@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Annotated, Any, Generic, Literal, Self, TypeVar, cast
 
 from pydantic import Field, PrivateAttr, ValidationError, ValidationInfo, field_validator
+from typing_extensions import Doc
 
 from missionplan.arrays import Scalars
 from missionplan.errors import InputError, LocalProblem, Problem, key_path, shown
@@ -24,7 +25,7 @@ from missionplan.mission.reading.validation_errors import in_order, validation_p
 from missionplan.mission.schema.effect_list import POSTERIOR, EffectEntry, EffectList, Learned, OneOf
 from missionplan.mission.schema.effects import read_effects
 from missionplan.mission.schema.phases import MoorPhase, Navigation, Phase, PhaseEntry, TransitPhase
-from missionplan.mission.schema.section import FileSection, Identity, Moment, ReadBy, V
+from missionplan.mission.schema.section import FileSection, Identity, MissionSchema, Moment, ReadBy, V
 from missionplan.mission.schema.shared_sections import SHARED, ValueInForce, joined, name_in_force, values_in_force
 from missionplan.mission.schema.site import Site
 from missionplan.mission.schema.sweep import CorrelationSection, MonteCarlo, OptimiseSection, Requirement, SweepSection
@@ -43,22 +44,36 @@ MOST_LEARNED = 5000
 class Mission(FileSection, Generic[V]):
     """A mission file, validated. All in SI; quantities are floats or distributions; drawn, floats or arrays."""
 
-    name: str = ""
-    start: Moment | None = None
-    units: Literal["metric", "nautical", "imperial"] | None = None
-    vehicle: Vehicle[V] | None = None
-    site: Site[V] | None = None
-    navigation: Navigation[V] | None = None
-    entries: tuple[PhaseEntry[V], ...] = Field(default=(), alias="phases")
-    sweep: SweepSection = SweepSection()
-    optimise: OptimiseSection = OptimiseSection()
-    monte_carlo: MonteCarlo = MonteCarlo()
-    energy: EnergyBudget[V] | None = None
-    requirements: tuple[Requirement, ...] = ()
-    correlations: tuple[CorrelationSection, ...] = ()
-    effect_list: EffectList[V] = Field(default=EffectList(), alias="effects")
-    posterior: Annotated[PosteriorFile | None, ReadBy(posterior_of)] = None
-    learned_from: Annotated[tuple[Identity, ...], Field(max_length=MOST_LEARNED)] = ()
+    file_schema: MissionSchema = Field(default="missionplan/mission/1", alias="schema")
+    name: Annotated[str, Doc("name of the mission, for reports")] = ""
+    start: Annotated[Moment | None, Doc("time at which the mission begins, UTC")] = None
+    units: Annotated[
+        Literal["metric", "nautical", "imperial"] | None,
+        Doc("units in which reports are written; without it those of the file"),
+    ] = None
+    vehicle: Annotated[Vehicle[V] | None, Doc("the vehicle, or the name of its file")] = None
+    site: Annotated[Site[V] | None, Doc("water, ground and currents where it goes")] = None
+    navigation: Annotated[Navigation[V] | None, Doc("how well the vehicle knows where it is")] = None
+    entries: Annotated[tuple[PhaseEntry[V], ...], Doc("what the vehicle does, in order")] = Field(
+        default=(), alias="phases"
+    )
+    sweep: Annotated[SweepSection, Doc("what `sweep-dmax` varies")] = SweepSection()
+    optimise: Annotated[OptimiseSection, Doc("what `optimise` may choose")] = OptimiseSection()
+    monte_carlo: Annotated[MonteCarlo, Doc("number of trials and seed")] = MonteCarlo()
+    energy: Annotated[EnergyBudget[V] | None, Doc("energy that is drawn and carried; over the vehicle's")] = None
+    requirements: Annotated[tuple[Requirement, ...], Doc("what has to hold, with its probability")] = ()
+    correlations: Annotated[tuple[CorrelationSection, ...], Doc("quantities that are drawn together")] = ()
+    effect_list: Annotated[EffectList[V], Doc("effects of the catalogue that act")] = Field(
+        default=EffectList(), alias="effects"
+    )
+    posterior: Annotated[
+        PosteriorFile | None, ReadBy(posterior_of), Doc("what a diagnosis has learned, beside the mission")
+    ] = None
+    learned_from: Annotated[
+        tuple[Identity, ...],
+        Field(max_length=MOST_LEARNED),
+        Doc("hashes of what the effects were learned from, as diagnose writes them"),
+    ] = ()
 
     _raw: dict[str, object] = PrivateAttr(default_factory=dict)
     _file: str = PrivateAttr(default="")
@@ -337,7 +352,7 @@ class Mission(FileSection, Generic[V]):
         """
         named = self.site.files if self.site else ()
         contents = {name: _by_contents(name) for name in named if not name.startswith(REMOTE)}
-        found = {key: _replaced(value, contents) for key, value in self.raw.items()}
+        found = {key: _replaced(value, contents) for key, value in self.raw.items() if key != "schema"}
         return found if self.posterior is None else {**found, POSTERIOR: self.posterior["sha256"]}
 
     def mapped(self, change: Callable[[str, Any], _New]) -> "Mission[_New]":

@@ -23,6 +23,7 @@ from missionplan.identity import Identity
 from missionplan.montecarlo.posterior import FILE, PosteriorFile
 from missionplan.packages import how_to_install
 from missionplan.rendering import Plot, presenter, render
+from missionplan.results.checked_range import ROWS_OF_COMMAND, CheckedRange
 from missionplan.results.decision import Assumption, Coverage, Decision, changes_of
 from missionplan.results.entries import Entry, Record, summary_of
 from missionplan.store.folder import as_path, check_holds_no_input, new_folder, write_atomically
@@ -73,6 +74,10 @@ class Provenance(Record):
         tuple[Coverage, ...],
         Entry("what a probability of success holds of the world, and what not", key="probability_holds"),
     ] = ()
+    checked: Annotated[
+        tuple[CheckedRange, ...],
+        Entry("quantities of the mission beside the ranges in which the models were checked", key="checked_ranges"),
+    ] = ()
     created: datetime = field(default_factory=lambda: datetime.now(UTC))
 
     @cached_property
@@ -86,6 +91,12 @@ class Provenance(Record):
     def schema(self) -> Annotated[str, Entry()]:
         """Name and version of the schema that the summary follows."""
         return SCHEMA
+
+    @property
+    def rests_on(self) -> Annotated[tuple[str, ...], Entry()]:
+        """Rows of docs/validation on which the answer rests: ``python -m validation ID`` measures one again."""
+        rare = " --rare" if "rare" in self.options else ""
+        return ROWS_OF_COMMAND.get(f"{self.command}{rare}", ROWS_OF_COMMAND.get(self.command, ()))
 
     @property
     def version(self) -> Annotated[str, Entry()]:
@@ -128,6 +139,8 @@ OF_THE_RUN = frozenset(
         "schema",
         "version",
         "probability_holds",
+        "checked_ranges",
+        "rests_on",
         "options",
         "elapsed_s",
         "file",

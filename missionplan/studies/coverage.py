@@ -1,4 +1,4 @@
-"""What the probability of a mission's success holds of the world, and what not: the fixed box of every first page."""
+"""What the probability of a mission's success holds of the world, and where its models were checked."""
 
 import math
 from collections.abc import Iterator
@@ -8,6 +8,7 @@ import numpy as np
 from missionplan.mission import Mission
 from missionplan.mission.schema.site import Site
 from missionplan.montecarlo.distributions import mean_of
+from missionplan.results.checked_range import RANGES, CheckedRange
 from missionplan.results.decision import Coverage
 from missionplan.scenario.place.building import mission_places
 
@@ -24,6 +25,42 @@ def probability_holds(mission: Mission) -> tuple[Coverage, ...]:
     if not mission.phases:
         return ()
     return tuple(Coverage(what, held, why) for what, held, why in _rows(mission))
+
+
+def checked_ranges(mission: Mission) -> tuple[CheckedRange, ...]:
+    """Return the quantities of a mission, at the means, beside the ranges in which the models were checked."""
+    found = []
+    for key, values in _quantities(mission).items():
+        known = [value for value in values if math.isfinite(value)]
+        if known:
+            checked = RANGES[key]
+            ends = min(known), max(known)
+            found.append(CheckedRange(checked.quantity, *ends, checked.low, checked.high, checked.unit, checked.rows))
+    return tuple(found)
+
+
+def _quantities(mission: Mission) -> dict[str, list[float]]:
+    """Values by the keys of `RANGES` [SI]; a field of an ocean model has no layers to be told of here."""
+    found: dict[str, list[float]] = {}
+    if mission.transits and mission.navigation is not None:
+        error = math.sqrt(0.5 * float(np.trace(mission.navigation.velocity_error.covariance)))
+        places = mission_places(mission)
+        found["speed_error"] = [error / mean_of(phase.speed) for phase in mission.transits]
+        found["leg"] = [
+            mean_of(phase.d_max) / mean_of(phase.arrival_radius)
+            for phase in mission.transits
+            if not hasattr(phase.d_max, "table")
+        ]
+        found["transit"] = [float(length) for length in np.hypot(*np.diff(places, axis=1)) if length > 0.0]
+    if mission.moors:
+        site = mission.site or Site()
+        layers = site.current if isinstance(site.current, tuple) else ()
+        speeds = [abs(mean_of(layer.speed)) for layer in layers]
+        found["depth"] = [mean_of(site.depth)] if site.depth is not None else []
+        found["line"] = [mean_of(phase.line_length) for phase in mission.moors]
+        found["line_diameter"] = [mean_of(phase.line_diameter) for phase in mission.moors]
+        found["dive_current"], found["hold_current"] = speeds, speeds[-1:]
+    return found
 
 
 def _rows(mission: Mission) -> Iterator[tuple[str, bool, str]]:

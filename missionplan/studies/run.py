@@ -14,7 +14,7 @@ from missionplan.montecarlo.parallel.blocks import IN_THIS_PROCESS, Backend, Pro
 from missionplan.phases.currents import Current
 from missionplan.results.base import Provenance
 from missionplan.scenario.currents.building import members_of, trials_of_each, under_each_member
-from missionplan.studies.coverage import probability_holds
+from missionplan.studies.coverage import checked_ranges, probability_holds
 
 MAX_JOBS = 10_000
 
@@ -208,6 +208,7 @@ class Run:
             notices=tuple(notices),
             inputs={**identified(self.mission), **(identified_datasets(datasets) if datasets else {})},
             holds=probability_holds(self.mission),
+            checked=checked_ranges(self.mission),
         )
 
 

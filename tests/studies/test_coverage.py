@@ -2,7 +2,7 @@
 
 import missionplan
 from missionplan.mission import load
-from missionplan.studies.coverage import probability_holds
+from missionplan.studies.coverage import checked_ranges, probability_holds
 
 TOPICS = ["ground", "coast", "wind", "waves", "traffic", "equipment", "biofouling", "operators"]
 
@@ -44,3 +44,19 @@ def test_page_and_summary_have_it_and_the_headline_says_of_what_it_is(transit_mi
 def test_a_mission_without_phases_has_none(tmp_path):
     (tmp_path / "m.yaml").write_text("name: nothing\n")
     assert probability_holds(load(tmp_path / "m.yaml")) == ()
+
+
+def test_a_mission_is_held_against_the_ranges_in_which_the_models_were_checked(mission, transit_mission, tmp_path):
+    found = {each.quantity: each for each in checked_ranges(transit_mission)}
+    error = found["velocity error over speed"]
+    assert error.is_inside
+    assert error.least == error.greatest
+    raw = dict(transit_mission.raw)
+    raw["navigation"] = {**raw["navigation"], "velocity_error": {"sigma": "0.9 m/s"}}
+    outcome = missionplan.simulate(mission(raw), trials=20)
+    summary = outcome.summary()
+    (outside,) = [each for each in summary["checked_ranges"] if not each["inside"]]
+    assert outside["quantity"] == "velocity error over speed"
+    assert "closed.transit-loop" in summary["rests_on"]
+    page = (outcome.save(tmp_path / "out") / "report.html").read_text()
+    assert "Where the model was checked: outside for velocity error over speed" in page

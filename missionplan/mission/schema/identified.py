@@ -79,7 +79,7 @@ class Propulsion(FileSection, Generic[V]):
 class StaticThruster(FileSection, Generic[V]):
     """A thruster by its bollard pull against voltage."""
 
-    name: str = "thruster"
+    name: Annotated[str, Doc("name of the thruster")] = "thruster"
     ahead: Annotated[_PerVolt[V], Doc("bollard pull ahead over voltage squared")]
     astern: Annotated[_PerVolt[V] | None, Doc("bollard pull astern over voltage squared")] = None
     deadband: Annotated[_Volts[V], Doc("voltage below which it gives no thrust")] = q.default(0.0)

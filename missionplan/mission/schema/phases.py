@@ -27,7 +27,9 @@ _FORCE = QuantityParser("N", low=0.0, open_low=True)
 class LegTableSection(FileSection):
     """Leg length against distance left, piecewise linear."""
 
-    table: tuple[tuple[q.FixedDistance, q.FixedLength], ...]
+    table: Annotated[
+        tuple[tuple[q.FixedDistance, q.FixedLength], ...], Doc("distance left and longest leg there, linear between")
+    ]
 
     @model_validator(mode="after")
     def _increasing(self) -> "LegTableSection":
@@ -51,7 +53,7 @@ class TransitPhase(PhaseSection, Generic[V]):
     """A transit by dead reckoning with surfacings; `speed` is nan where `shaft_rate` is given instead."""
 
     kind: Literal["transit"] = Field(default="transit", exclude=True)
-    name: str = "transit"
+    name: Annotated[str, Doc("name of the phase, for reports")] = "transit"
     start: Annotated[Position[V] | None, Doc("where it begins; without it, where the transit before went")] = Field(
         default=None, alias="from"
     )
@@ -112,7 +114,7 @@ class MoorPhase(PhaseSection, Generic[V]):
     """Anchor release, descent, hold, galvanic release and ascent."""
 
     kind: Literal["moor"] = Field(default="moor", exclude=True)
-    name: str = "moor"
+    name: Annotated[str, Doc("name of the phase, for reports")] = "moor"
     radius: Annotated[
         q.PositiveLength[V],
         Doc("distance from the fix on arrival within which the anchor is to lie"),
@@ -178,16 +180,20 @@ class MoorPhase(PhaseSection, Generic[V]):
         Doc("time from that command until the link has corroded"),
         Limit((0.0, 365.0 * limits.DAY), (0.0, 45.0 * limits.DAY), "galvanic links are made for hours to weeks"),
     ] = q.default(0.0)
-    carry_net_buoyancy: bool = False
-    lateral: Literal["coupled", "uncoupled"] = "coupled"
+    carry_net_buoyancy: Annotated[bool, Doc("whether the anchor is sized to carry the vehicle's net buoyancy too")] = (
+        False
+    )
+    lateral: Annotated[
+        Literal["coupled", "uncoupled"], Doc("whether the line ties the drift of anchor and vehicle together")
+    ] = "coupled"
 
 
 class PhaseEntry(FileSection, Generic[V]):
     """One item of `phases`: a single key, the kind of the phase."""
 
-    transit: TransitPhase[V] | None = None
-    moor: MoorPhase[V] | None = None
-    transition: TransitionPhase[V] | None = None
+    transit: Annotated[TransitPhase[V] | None, Doc("legs between fixes")] = None
+    moor: Annotated[MoorPhase[V] | None, Doc("dive, hold and ascent")] = None
+    transition: Annotated[TransitionPhase[V] | None, Doc("slowing down to hover")] = None
 
     @model_validator(mode="after")
     def _exactly_one(self) -> Self:
@@ -229,9 +235,10 @@ class VelocityErrorSection(FileSection, Generic[V]):
     sigma: Annotated[
         q.Speed[V] | None, Doc("standard deviation of the velocity error on each axis, σ_v"), limits.SIGMA
     ] = None
-    covariance_rows: tuple[tuple[q.FixedVariance, q.FixedVariance], tuple[q.FixedVariance, q.FixedVariance]] | None = (
-        Field(default=None, alias="covariance")
-    )
+    covariance_rows: Annotated[
+        tuple[tuple[q.FixedVariance, q.FixedVariance], tuple[q.FixedVariance, q.FixedVariance]] | None,
+        Doc("covariance of a leg's velocity error, east and north, in place of sigma"),
+    ] = Field(default=None, alias="covariance")
 
     @model_validator(mode="after")
     def _one_spread(self) -> Self:
@@ -260,7 +267,7 @@ class VelocityErrorSection(FileSection, Generic[V]):
 class Navigation(FileSection, Generic[V]):
     """Navigation by dead reckoning, with surfacings for fixes."""
 
-    velocity_error: VelocityErrorSection[V]
+    velocity_error: Annotated[VelocityErrorSection[V], Doc("true less dead-reckoned velocity, one draw a leg")]
     surfacing_time: Annotated[
         q.Duration[V],
         Doc("time at the surface for a fix"),
@@ -271,5 +278,5 @@ class Navigation(FileSection, Generic[V]):
         Doc("standard deviation of a fix on each axis"),
         Limit((0.0, 10_000.0), (0.0, 100.0), "GPS is good to 3 to 10 m, Argos to 1 km"),
     ] = q.default(0.0)
-    drift_compensation: CompensationName = "none"
-    max_legs: Annotated[int, Field(ge=1, le=100_000)] = 400
+    drift_compensation: Annotated[CompensationName, Doc("how the course is corrected for the drift")] = "none"
+    max_legs: Annotated[int, Field(ge=1, le=100_000), Doc("legs after which a transit has failed")] = 400

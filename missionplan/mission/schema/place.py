@@ -19,8 +19,8 @@ class PlaceFile(FileSection):
     degrees.
     """
 
-    file: str
-    projection: str | None = None
+    file: Annotated[str, Doc("file of the polygons or depths")]
+    projection: Annotated[str | None, Doc("projection of its coordinates")] = None
 
 
 class BathymetryFile(PlaceFile):
@@ -29,14 +29,14 @@ class BathymetryFile(PlaceFile):
     `variable` is the one of a NetCDF file with several; `positive` says which way values count where the file does not.
     """
 
-    variable: str | None = None
-    positive: Literal["up", "down"] | None = None
+    variable: Annotated[str | None, Doc("name of the depths in the file")] = None
+    positive: Annotated[Literal["up", "down"] | None, Doc("whether its numbers count up or down")] = None
 
 
 class HeightConstituent(FileSection):
     """A constituent of the tide's height."""
 
-    name: str
+    name: Annotated[str, Doc("name of the constituent, such as M2")]
     amplitude: Annotated[q.FixedDistance, Doc("amplitude of the constituent"), _TIDES]
     phase: Annotated[q.FixedAngle, Doc("lag behind the equilibrium tide at Greenwich")]
 
@@ -44,8 +44,8 @@ class HeightConstituent(FileSection):
 class TideHeight(FileSection, Generic[V]):
     """Height of the sea level over the datum, from constituents or a record (CSV `t_s, height_m`) and its error."""
 
-    file: str | None = None
-    constituents: tuple[HeightConstituent, ...] = ()
+    file: Annotated[str | None, Doc("file of heights over time")] = None
+    constituents: Annotated[tuple[HeightConstituent, ...], Doc("constituents, in place of a file")] = ()
     level: Annotated[q.Length[V], Doc("mean sea level over the datum, added to the tide"), _TIDES] = q.default(0.0)
     error: Annotated[q.Length[V], Doc("error of the height, one a trial"), _TIDES] = q.default(0.0)
 

@@ -4,12 +4,13 @@ import re
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from datetime import datetime
+from functools import partial
 from typing import Annotated, Self
 
 from pydantic import BaseModel, ConfigDict, PrivateAttr
 from pydantic_core import CoreSchema, PydanticCustomError
 from pydantic_core.core_schema import no_info_plain_validator_function
-from typing_extensions import TypeVar
+from typing_extensions import Doc, TypeVar
 
 from missionplan.errors import KeyPath, LocalProblem, shown
 from missionplan.moments import EXAMPLE, moment_of
@@ -76,6 +77,22 @@ def _read_identity(value: object) -> str:
     raise invalid(f"given {shown(value)}, expected a hash that diagnose has written: 16 hexadecimal digits, in quotes")
 
 
+def _read_schema(kind: str, value: object) -> str:
+    latest = SCHEMAS[kind]
+    found = re.fullmatch(rf"missionplan/{kind}/([1-9][0-9]*)", value) if isinstance(value, str) else None
+    if found is None:
+        raise invalid(f"given {shown(value)}, expected missionplan/{kind}/{latest}")
+    if int(found[1]) > latest:
+        raise invalid(f"given {shown(value)}, of a newer missionplan; this one reads up to missionplan/{kind}/{latest}")
+    return found[0]
+
+
+SCHEMAS = {"mission": 1, "vehicle": 1, "dataset": 1}
+"""Newest form of each kind of file that is read; a file that does not say is of the first."""
+_SCHEMA = Doc("form of the file; without it the first")
+MissionSchema = Annotated[str, ReadBy(partial(_read_schema, "mission")), _SCHEMA]
+VehicleSchema = Annotated[str, ReadBy(partial(_read_schema, "vehicle")), _SCHEMA]
+DatasetSchema = Annotated[str, ReadBy(partial(_read_schema, "dataset")), _SCHEMA]
 IDENTITY = re.compile(r"[0-9a-f]{16}")
 Identity = Annotated[str, ReadBy(_read_identity)]
 """Hash of a leg, dive or run; see `datasets.identity`."""

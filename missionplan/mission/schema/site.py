@@ -37,8 +37,8 @@ class WindFile(FileSection):
     without it, at the mission's. Beyond the record its last values are held.
     """
 
-    file: str
-    start: Moment | None = None
+    file: Annotated[str, Doc("file of the wind")]
+    start: Annotated[Moment | None, Doc("time of the file at which the mission begins")] = None
 
 
 def wind_tag(value: object) -> str:
@@ -159,12 +159,12 @@ class CurrentFile(FileSection, Generic[V]):
     dimension of members; `weights`: their probabilities, in any scale.
     """
 
-    file: str | tuple[str, ...]
-    weights: tuple[Weight, ...] | None = None
-    start: Moment | None = None
-    projection: str | None = None
-    outside: Literal["error", "hold", "zero"] = "error"
-    error: ForecastError[V] | None = None
+    file: Annotated[str | tuple[str, ...], Doc("file of the current, or the files of an ensemble")]
+    weights: Annotated[tuple[Weight, ...] | None, Doc("probability of each file; without it all are as likely")] = None
+    start: Annotated[Moment | None, Doc("time of the file at which the mission begins")] = None
+    projection: Annotated[str | None, Doc("projection of its coordinates")] = None
+    outside: Annotated[Literal["error", "hold", "zero"], Doc("what holds outside its times and places")] = "error"
+    error: Annotated[ForecastError[V] | None, Doc("error of the forecast")] = None
 
     @property
     def members(self) -> tuple[str, ...]:
@@ -186,7 +186,7 @@ class CurrentFile(FileSection, Generic[V]):
 class TidalConstituent(FileSection):
     """The ellipse of a constituent."""
 
-    name: str
+    name: Annotated[str, Doc("name of the constituent, such as M2")]
     major: Annotated[q.FixedSpeed, Doc("major semi-axis of the ellipse"), limits.CURRENT]
     minor: Annotated[
         _FixedSignedSpeed, Doc("minor semi-axis; negative where the current turns clockwise"), limits.CURRENT
@@ -201,13 +201,13 @@ class TideAtDepth(FileSection):
     depth: Annotated[q.FixedDistance, Doc("depth of these tides"), limits.DEPTH]
     east: Annotated[_FixedSignedSpeed, Doc("mean current towards the east there"), limits.CURRENT] = 0.0
     north: Annotated[_FixedSignedSpeed, Doc("mean current towards the north there"), limits.CURRENT] = 0.0
-    constituents: tuple[TidalConstituent, ...]
+    constituents: Annotated[tuple[TidalConstituent, ...], Doc("tides at this depth")]
 
 
 class TideSection(FileSection):
     """Tides at some depths, as `missionplan tide` writes them."""
 
-    depths: tuple[TideAtDepth, ...]
+    depths: Annotated[tuple[TideAtDepth, ...], Doc("tides by depth, linear between")]
 
     @model_validator(mode="after")
     def _downward(self) -> "TideSection":
@@ -222,9 +222,9 @@ class TideSection(FileSection):
 class TidalCurrent(FileSection, Generic[V]):
     """A current forecast from tidal constituents; `outside`: above and below their depths; `error`: its error."""
 
-    tide: TideSection
-    outside: Literal["error", "hold", "zero"] = "error"
-    error: ForecastError[V] | None = None
+    tide: Annotated[TideSection, Doc("tide from which the current follows")]
+    outside: Annotated[Literal["error", "hold", "zero"], Doc("what holds above and below its depths")] = "error"
+    error: Annotated[ForecastError[V] | None, Doc("error of the forecast")] = None
 
 
 def _current_tag(value: object) -> str:
@@ -250,34 +250,36 @@ class Site(FileSection, Generic[V]):
     `land` and `keep_out` are polygons that no trial may touch; `bathymetry` stands in the place of `depth`.
     """
 
-    origin: Geographic | None = None
+    origin: Annotated[Geographic | None, Doc("place of the origin of coordinates")] = None
     depth: Annotated[
         q.PositiveLength[V] | None,
         Doc("depth of the water at the mooring"),
         Limit((0.1, 11_000.0), (1.0, 6000.0), limits.DEPTH.source),
     ] = None
-    water: WaterSection[V] | None = None
+    water: Annotated[WaterSection[V] | None, Doc("temperature, salinity or density of the water")] = None
     current: Annotated[
         Annotated[tuple[CurrentLayer[V], ...], Tag("<layers>")]
         | Annotated[CurrentFile[V], Tag("<file>")]
         | Annotated[TidalCurrent[V], Tag("<tide>")],
         Discriminator(_current_tag),
+        Doc("current in layers, from files, or of tidal constituents"),
     ] = ()
-    wind: (
+    wind: Annotated[
         Annotated[
             Annotated[SteadyWind[V], Tag("<steady>")] | Annotated[WindFile, Tag("<file>")], Discriminator(wind_tag)
         ]
-        | None
-    ) = None
-    slope: SlopeSection[V] | None = None
+        | None,
+        Doc("wind that drives the vehicle while it is afloat"),
+    ] = None
+    slope: Annotated[SlopeSection[V] | None, Doc("slope of the seafloor at the mooring")] = None
     roughness: Annotated[
         q.PositiveLength[V] | None,
         Doc("z₀ of the seafloor, for the current near it"),
         Limit((1e-7, 1.0), (1e-5, 0.03), "Soulsby 1997: 0.05 mm silt, 6 mm rippled sand"),
     ] = None
-    chart: str | None = None
-    bathymetry: BathymetryFile | None = None
-    depth_datum: str | None = None
+    chart: Annotated[str | None, Doc("image or coast that maps draw and nothing computes with")] = None
+    bathymetry: Annotated[BathymetryFile | None, Doc("grid of depths, in place of one depth")] = None
+    depth_datum: Annotated[str | None, Doc("level from which the grid of depths counts")] = None
     tide_height: Annotated[
         TideOrHeight[V] | None,
         Doc("height of the sea level over the datum of the depths"),
@@ -288,8 +290,8 @@ class Site(FileSection, Generic[V]):
         Doc("water that is to stay under the hull"),
         Limit((0.0, 1000.0), (0.0, 50.0), "vehicles keep 1 to 10 m over charted ground"),
     ] = q.default(0.0)
-    land: PlaceFile | None = None
-    keep_out: PlaceFile | None = None
+    land: Annotated[PlaceFile | None, Doc("polygons of land that no trial may touch")] = None
+    keep_out: Annotated[PlaceFile | None, Doc("polygons that the vehicle has to stay out of")] = None
 
     @property
     def place_files(self) -> dict[str, PlaceFile]:

@@ -25,10 +25,10 @@ from missionplan.montecarlo.draws import Correlation
 class SweepGrid(FileSection):
     """Grid of d_max: `points` values from `start` to `stop`, of the distance or as lengths."""
 
-    of: Literal["distance"] | None = None
-    start: Annotated[float, Field(alias="from")]
-    stop: Annotated[float, Field(alias="to")]
-    points: Annotated[int, Field(ge=2, le=10_000)]
+    of: Annotated[Literal["distance"] | None, Doc("whether the ends are parts of the distance")] = None
+    start: Annotated[float, Field(alias="from"), Doc("first value")]
+    stop: Annotated[float, Field(alias="to"), Doc("last value")]
+    points: Annotated[int, Field(ge=2, le=10_000), Doc("number of values, both ends counted")]
 
     @field_validator("start", "stop", mode="plain")
     @classmethod
@@ -60,7 +60,7 @@ class SweepSection(FileSection):
     sigma: Annotated[
         tuple[q.FixedSpeed, ...] | None, Doc("velocity errors, σ_v, of which each is swept"), limits.SIGMA
     ] = None
-    phase: str | None = None
+    phase: Annotated[str | None, Doc("transit that is swept; without it the first")] = None
 
     def d_max_values(self, distance: float) -> Array:
         """Return the lengths of the grid for a transit of `distance`, shape (k,) [m]."""
@@ -77,12 +77,12 @@ AsWritten = str | float | int | bool | dict[str, object] | list[object]
 class ChoiceSection(FileSection):
     """One key, or several that take the same value; `from` and `to`, in steps of `step`, or a list of `choices`."""
 
-    key: str | None = None
-    keys: tuple[str, ...] = ()
-    low: str | float | None = Field(default=None, alias="from")
-    high: str | float | None = Field(default=None, alias="to")
-    step: str | float | None = None
-    choices: tuple[AsWritten, ...] = ()
+    key: Annotated[str | None, Doc("key that is chosen")] = None
+    keys: Annotated[tuple[str, ...], Doc("keys that are chosen together, with one value")] = ()
+    low: Annotated[str | float | None, Doc("least value")] = Field(default=None, alias="from")
+    high: Annotated[str | float | None, Doc("greatest value")] = Field(default=None, alias="to")
+    step: Annotated[str | float | None, Doc("distance between values")] = None
+    choices: Annotated[tuple[AsWritten, ...], Doc("values, in place of a range")] = ()
 
     @model_validator(mode="after")
     def _complete(self) -> "ChoiceSection":
@@ -104,15 +104,15 @@ class ChoiceSection(FileSection):
 class OptimiseSection(FileSection):
     """What `optimise` may choose, so that all requirements are met at the least of `aim`."""
 
-    aim: Literal["energy", "duration"] = "energy"
-    choose: Annotated[tuple[ChoiceSection, ...], Field(max_length=8)] = ()
+    aim: Annotated[Literal["energy", "duration"], Doc("what is to be least")] = "energy"
+    choose: Annotated[tuple[ChoiceSection, ...], Field(max_length=8), Doc("keys that may be chosen")] = ()
 
 
 class MonteCarlo(FileSection):
     """Number of trials, and seed of their draws."""
 
-    trials: Annotated[int, Field(ge=1, le=1_000_000_000)] = 10_000
-    seed: Annotated[int, Field(ge=0, lt=2**64)] = 1
+    trials: Annotated[int, Field(ge=1, le=1_000_000_000), Doc("number of trials")] = 10_000
+    seed: Annotated[int, Field(ge=0, lt=2**64), Doc("seed of all random numbers")] = 1
 
 
 class Requirement(FileSection):
@@ -122,10 +122,10 @@ class Requirement(FileSection):
     `checks.requirements` reads them [SI].
     """
 
-    quantity: str
-    probability: q.Probability
-    at_most: float | None = None
-    at_least: float | None = None
+    quantity: Annotated[str, Doc("quantity or event that has to hold")]
+    probability: Annotated[q.Probability, Doc("probability with which it has to")]
+    at_most: Annotated[float | None, Doc("greatest value")] = None
+    at_least: Annotated[float | None, Doc("least value")] = None
 
     _written: str = PrivateAttr(default="")
 
@@ -149,8 +149,8 @@ class Requirement(FileSection):
 class CorrelationSection(FileSection):
     """Correlation of two quantities (of the normals that they are drawn from)."""
 
-    between: tuple[str, str]
-    rho: Annotated[float, Field(ge=-1.0, le=1.0)]
+    between: Annotated[tuple[str, str], Doc("the two quantities")]
+    rho: Annotated[float, Field(ge=-1.0, le=1.0), Doc("correlation of their normals")]
 
     def resolved(self, names: Sequence[str]) -> Self:
         """Return the correlation with names as quantities have them, given the names of all phases."""

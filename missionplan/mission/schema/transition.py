@@ -38,28 +38,28 @@ Deceleration = ReadBy(QuantityParser("m/s^2", low=0.0, open_low=True))
 class DerivativesSection(FileSection):
     """Hydrodynamic derivatives of Palmer et al., Eqs. 4 to 6, dimensionless; 0 where not given."""
 
-    x_uu: _Plain = 0.0
-    x_ww: _Plain = 0.0
-    x_uudd: _Plain = 0.0
-    x_udot: _Plain = 0.0
-    x_wq: _Plain = 0.0
-    x_qq: _Plain = 0.0
-    z_uw: _Plain = 0.0
-    z_ww: _Plain = 0.0
-    z_uud: _Plain = 0.0
-    z_wdot: _Plain = 0.0
-    z_uq: _Plain = 0.0
-    z_uqd: _Plain = 0.0
-    z_w_abs_q: _Plain = 0.0
-    z_qdot: _Plain = 0.0
-    m_uw: _Plain = 0.0
-    m_ww: _Plain = 0.0
-    m_uud: _Plain = 0.0
-    m_wdot: _Plain = 0.0
-    m_uq: _Plain = 0.0
-    m_uqd: _Plain = 0.0
-    m_abs_w_q: _Plain = 0.0
-    m_qdot: _Plain = 0.0
+    x_uu: Annotated[_Plain, Doc("surge force by speed ahead squared")] = 0.0
+    x_ww: Annotated[_Plain, Doc("surge force by heave speed squared")] = 0.0
+    x_uudd: Annotated[_Plain, Doc("surge force by deflection squared")] = 0.0
+    x_udot: Annotated[_Plain, Doc("surge force by surge acceleration")] = 0.0
+    x_wq: Annotated[_Plain, Doc("surge force by heave speed and pitch rate")] = 0.0
+    x_qq: Annotated[_Plain, Doc("surge force by pitch rate squared")] = 0.0
+    z_uw: Annotated[_Plain, Doc("heave force by speed ahead and heave speed")] = 0.0
+    z_ww: Annotated[_Plain, Doc("heave force by heave speed squared")] = 0.0
+    z_uud: Annotated[_Plain, Doc("heave force by deflection of the sternplanes")] = 0.0
+    z_wdot: Annotated[_Plain, Doc("heave force by heave acceleration")] = 0.0
+    z_uq: Annotated[_Plain, Doc("heave force by speed ahead and pitch rate")] = 0.0
+    z_uqd: Annotated[_Plain, Doc("heave force by deflection at a pitch rate")] = 0.0
+    z_w_abs_q: Annotated[_Plain, Doc("heave force by heave speed and size of the pitch rate")] = 0.0
+    z_qdot: Annotated[_Plain, Doc("heave force by pitch acceleration")] = 0.0
+    m_uw: Annotated[_Plain, Doc("pitch moment by speed ahead and heave speed")] = 0.0
+    m_ww: Annotated[_Plain, Doc("pitch moment by heave speed squared")] = 0.0
+    m_uud: Annotated[_Plain, Doc("pitch moment by deflection of the sternplanes")] = 0.0
+    m_wdot: Annotated[_Plain, Doc("pitch moment by heave acceleration")] = 0.0
+    m_uq: Annotated[_Plain, Doc("pitch moment by speed ahead and pitch rate")] = 0.0
+    m_uqd: Annotated[_Plain, Doc("pitch moment by deflection at a pitch rate")] = 0.0
+    m_abs_w_q: Annotated[_Plain, Doc("pitch moment by size of the heave speed and pitch rate")] = 0.0
+    m_qdot: Annotated[_Plain, Doc("pitch moment by pitch acceleration")] = 0.0
 
     @model_validator(mode="after")
     def _sternplanes_act(self) -> "DerivativesSection":
@@ -72,49 +72,51 @@ class DerivativesSection(FileSection):
 class CentreOfGravity(FileSection, Generic[V]):
     """Centre of gravity from the centre of buoyancy."""
 
-    ahead: q.Length[V] = q.default(0.0)
-    below: Annotated[float, _fixed("m", open_low=True)]
+    ahead: Annotated[q.Length[V], Doc("distance ahead of the centre of buoyancy")] = q.default(0.0)
+    below: Annotated[float, _fixed("m", open_low=True), Doc("distance below the centre of buoyancy")]
 
 
 class Sternplanes(FileSection):
     """Controller of Palmer et al., Fig. 2: depth error to pitch demand, pitch error to deflection."""
 
-    limit: _Deflection = 0.3490658503988659
-    depth_gain: Annotated[float, _fixed("rad/m", open_low=True)]
-    depth_integral: Annotated[float, _fixed("rad/m/s", open_low=True)]
-    pitch_limit: _Deflection
-    pitch_gain: _Positive
-    rate_gain: _Time
+    limit: Annotated[_Deflection, Doc("greatest deflection")] = 0.3490658503988659
+    depth_gain: Annotated[float, _fixed("rad/m", open_low=True), Doc("pitch asked for a metre of depth error")]
+    depth_integral: Annotated[float, _fixed("rad/m/s", open_low=True), Doc("the same for its integral over time")]
+    pitch_limit: Annotated[_Deflection, Doc("greatest pitch that is asked for")]
+    pitch_gain: Annotated[_Positive, Doc("deflection for a radian of pitch error")]
+    rate_gain: Annotated[_Time, Doc("deflection for a radian a second of pitch rate")]
 
 
 class ThrusterController(FileSection):
     """Controller of section 5.1: depth error to shaft rate; and the allocation to a pair of section 7.2."""
 
-    depth_gain: Annotated[float, _fixed("1/s/m", open_low=True)]
-    depth_integral: Annotated[float, _fixed("1/s/m/s")]
-    depth_rate: Annotated[float, _fixed("1/m")]
-    limit: _Rate
-    pair_steepness: _Positive = 1.0
-    pair_limit: _Deflection = 0.17453292519943295
-    pair_lead: _Time = 0.0
+    depth_gain: Annotated[float, _fixed("1/s/m", open_low=True), Doc("revolutions for a metre of depth error")]
+    depth_integral: Annotated[float, _fixed("1/s/m/s"), Doc("the same for its integral over time")]
+    depth_rate: Annotated[float, _fixed("1/m"), Doc("revolutions for a metre a second of depth rate")]
+    limit: Annotated[_Rate, Doc("greatest revolutions")]
+    pair_steepness: Annotated[_Positive, Doc("how sharply a pair shares its force by the pitch")] = 1.0
+    pair_limit: Annotated[_Deflection, Doc("pitch at which one of a pair does all")] = 0.17453292519943295
+    pair_lead: Annotated[_Time, Doc("time by which the sharing leads the pitch")] = 0.0
 
 
 class Manoeuvring(FileSection, Generic[V]):
     """Dynamics in the vertical plane, and controls."""
 
-    inertia: Annotated[float, _fixed("kg*m^2", open_low=True)]
-    centre_of_gravity: CentreOfGravity[V]
-    derivatives: DerivativesSection
-    propeller: tuple[_Plain, _Plain, _Plain]
-    speed_gain: _Positive
-    sternplanes: Sternplanes
-    thruster_control: ThrusterController
+    inertia: Annotated[float, _fixed("kg*m^2", open_low=True), Doc("moment of inertia in pitch")]
+    centre_of_gravity: Annotated[CentreOfGravity[V], Doc("where the mass is")]
+    derivatives: Annotated[DerivativesSection, Doc("hydrodynamic derivatives, dimensionless by ½ρ and the length")]
+    propeller: Annotated[
+        tuple[_Plain, _Plain, _Plain], Doc("b₁, b₂ and b₃ of Eq. 3: thrust by speed and the speed asked for")
+    ]
+    speed_gain: Annotated[_Positive, Doc("how fast the speed asked for is followed")]
+    sternplanes: Annotated[Sternplanes, Doc("controller of the sternplanes")]
+    thruster_control: Annotated[ThrusterController, Doc("controller of the tunnel thrusters")]
 
 
 class TunnelThrusterSection(FileSection, Generic[V]):
     """A tunnel thruster."""
 
-    name: str = "tunnel thruster"
+    name: Annotated[str, Doc("name of the thruster")] = "tunnel thruster"
     diameter: Annotated[
         q.FixedLength,
         Doc("diameter of the tunnel"),
@@ -139,13 +141,28 @@ class TransitionGrid(FileSection):
     twice, `pair_spacing` apart (default: half the hull's length).
     """
 
-    deceleration: tuple[Annotated[float, _fixed("m/s^2", open_low=True)], ...] = (0.005, 0.0075, 0.01, 0.0125, 0.015)
-    steepness: _Speeds = (0.01, 0.10, 0.15, 0.20, 0.30)
-    mid_speed: _Speeds = (0.5, 0.5625, 0.625, 0.75, 0.875, 1.0, 1.125, 1.25)
-    shown_deceleration: Annotated[float, _fixed("m/s^2", open_low=True)] = 0.01
-    shown_steepness: Annotated[float, _fixed("m/s", open_low=True)] = 0.10
-    shown_mid_speed: Annotated[float, _fixed("m/s", open_low=True)] = 0.75
-    pair_spacing: q.FixedLength | None = None
+    deceleration: Annotated[
+        tuple[Annotated[float, _fixed("m/s^2", open_low=True)], ...], Doc("decelerations that are tried")
+    ] = (0.005, 0.0075, 0.01, 0.0125, 0.015)
+    steepness: Annotated[_Speeds, Doc("widths of the hand-over that are tried")] = (0.01, 0.10, 0.15, 0.20, 0.30)
+    mid_speed: Annotated[_Speeds, Doc("mid-transition speeds that are tried")] = (
+        0.5,
+        0.5625,
+        0.625,
+        0.75,
+        0.875,
+        1.0,
+        1.125,
+        1.25,
+    )
+    shown_deceleration: Annotated[
+        float, _fixed("m/s^2", open_low=True), Doc("deceleration of which tracks are drawn")
+    ] = 0.01
+    shown_steepness: Annotated[float, _fixed("m/s", open_low=True), Doc("width of which tracks are drawn")] = 0.10
+    shown_mid_speed: Annotated[
+        float, _fixed("m/s", open_low=True), Doc("mid-transition speed of which tracks are drawn")
+    ] = 0.75
+    pair_spacing: Annotated[q.FixedLength | None, Doc("distance between the two thrusters of a pair")] = None
 
     @model_validator(mode="after")
     def _shown_is_run(self) -> "TransitionGrid":
@@ -159,7 +176,7 @@ class TransitionPhase(PhaseSection, Generic[V]):
     """From survey speed to hover; `suction_moment`: whether the thrusters' suction pitches the vehicle."""
 
     kind: Literal["transition"] = Field(default="transition", exclude=True)
-    name: str = "transition"
+    name: Annotated[str, Doc("name of the phase, for reports")] = "transition"
     start_speed: Annotated[
         float, _fixed("m/s", open_low=True), Doc("speed at which the manoeuvre begins"), limits.SPEED
     ]
@@ -175,10 +192,10 @@ class TransitionPhase(PhaseSection, Generic[V]):
         Limit((0.0, 10.0), (0.05, 3.2), limits.SPEED.source),
     ]
     steepness: Annotated[q.PositiveSpeed[V], Doc("width in speed of that hand-over")]
-    suction_moment: bool = True
+    suction_moment: Annotated[bool, Doc("whether the jet's suction pitches the vehicle")] = True
     settle: Annotated[
         _PositiveTime,
         Doc("time that is simulated after the speed has reached zero"),
         Limit((0.0, limits.DAY), (1.0, 2 * limits.HOUR), "hover is reached in minutes"),
     ] = 200.0
-    sweep: TransitionGrid = TransitionGrid()
+    sweep: Annotated[TransitionGrid, Doc("grid that `sweep-transition` computes")] = TransitionGrid()

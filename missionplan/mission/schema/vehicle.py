@@ -14,7 +14,7 @@ from missionplan.mission.schema import quantity_parser as q
 from missionplan.mission.schema.identified import MeasuredAddedMass, MeasuredDrag, Propulsion, StaticThruster
 from missionplan.mission.schema.limits import Limit
 from missionplan.mission.schema.quantity_parser import QuantityParser
-from missionplan.mission.schema.section import FileSection, ReadBy, V, all_invalid, invalid
+from missionplan.mission.schema.section import FileSection, ReadBy, V, VehicleSchema, all_invalid, invalid
 from missionplan.mission.schema.site import LeewaySection
 from missionplan.mission.schema.transition import Manoeuvring, TunnelThrusterSection
 
@@ -45,9 +45,9 @@ class _Hazard(FileSection, Generic[V]):
         Doc("shape of the Weibull law; 1: as likely at any age"),
         Limit((0.05, 20.0), (0.3, 5.0), "0.5 for early failures, 3 for wear"),
     ] = None
-    leaves: Leaves | None = None
-    source: str = ""
-    learned_from: tuple[str, ...] = ()
+    leaves: Annotated[Leaves | None, Doc("state in which a failure leaves the vehicle")] = None
+    source: Annotated[str, Doc("where the rate is from")] = ""
+    learned_from: Annotated[tuple[str, ...], Doc("hashes of the rows of a fleet's log that are counted")] = ()
 
     @model_validator(mode="after")
     def _one_law(self) -> Self:
@@ -69,7 +69,7 @@ class _Hazard(FileSection, Generic[V]):
 class HourlyHazard(_Hazard[V], Generic[V]):
     """A hazard of all time since the mission's start."""
 
-    per: Literal["hour"]
+    per: Annotated[Literal["hour"], Doc("what the rate counts")]
     rate: Annotated[
         _HourlyRate[V] | None, Doc("failures an hour"), Limit((0.0, 1.0), (0.0, 1e-5), "gliders: 1e-4 to 1e-3 1/h")
     ] = None
@@ -81,7 +81,7 @@ class HourlyHazard(_Hazard[V], Generic[V]):
 class DistanceHazard(_Hazard[V], Generic[V]):
     """A hazard of the distance through the water."""
 
-    per: Literal["km"]
+    per: Annotated[Literal["km"], Doc("what the rate counts")]
     rate: Annotated[
         _RateByDistance[V] | None, Doc("failures a kilometre"), Limit((0.0, 1.0), (0.0, 1e-3), "below one a kilometre")
     ] = None
@@ -95,7 +95,7 @@ class DistanceHazard(_Hazard[V], Generic[V]):
 class EventHazard(_Hazard[V], Generic[V]):
     """A hazard of each surfacing, dive, release of an anchor or wake-up after a hold."""
 
-    per: Literal["surfacing", "dive", "release", "wake-up"]
+    per: Annotated[Literal["surfacing", "dive", "release", "wake-up"], Doc("what the rate counts")]
     rate: Annotated[
         _Chance[V] | None, Doc("probability of a failure each time"), Limit((0.0, 1.0), (0.0, 0.2), "a probability")
     ] = None
@@ -191,10 +191,10 @@ class TrimSection(FileSection, Generic[V]):
 class ConstructionSection(FileSection, Generic[V]):
     """Parts and materials of the anchor."""
 
-    front: Front[V]
-    tube: Tube[V]
-    back: Back[V]
-    trim: TrimSection[V]
+    front: Annotated[Front[V], Doc("solid front with the tip")]
+    tube: Annotated[Tube[V], Doc("tube whose length is chosen")]
+    back: Annotated[Back[V], Doc("end of the tube")]
+    trim: Annotated[TrimSection[V], Doc("ring that trims the centre of gravity")]
 
 
 class Anchor(FileSection, Generic[V]):
@@ -221,7 +221,9 @@ class Anchor(FileSection, Generic[V]):
         Doc("added mass of the sinking anchor"),
         Limit((1e-6, 20_000.0), (1e-3, 2000.0), "less than the water it displaces"),
     ] = None
-    construction: ConstructionSection[V] | None = None
+    construction: Annotated[
+        ConstructionSection[V] | None, Doc("parts of which the anchor is made, for its length and trim")
+    ] = None
     holding_factor: Annotated[
         q.PositiveNumber[V] | None,
         Doc("force that holds the anchor over that with which it presses on the seafloor"),
@@ -283,9 +285,10 @@ def _kind(value: object) -> str:
 class Vehicle(FileSection, Generic[V]):
     """A vehicle file."""
 
-    name: str = ""
-    hull: HullSection[V]
-    sail: SailSection[V] | None = None
+    file_schema: VehicleSchema = Field(default="missionplan/vehicle/1", alias="schema")
+    name: Annotated[str, Doc("name of the vehicle")] = ""
+    hull: Annotated[HullSection[V], Doc("shape of the hull")]
+    sail: Annotated[SailSection[V] | None, Doc("fin whose drag adds to that of the hull")] = None
     appendage_factor: Annotated[
         q.PositiveNumber[V],
         Doc("drag with all appendages over that of hull and sail"),
@@ -293,33 +296,43 @@ class Vehicle(FileSection, Generic[V]):
     ] = q.default(1.0)
     mass: Annotated[q.Mass[V] | None, Doc("mass in air without the anchor"), limits.MASS] = None
     net_buoyancy: Annotated[q.SignedForce[V], Doc("buoyancy less weight without the anchor")] = q.default(0.0)
-    centre_of_gravity: Centre[V] | None = None
-    centre_of_buoyancy: Centre[V] | None = None
-    anchor: Anchor[V] | None = None
+    centre_of_gravity: Annotated[
+        Centre[V] | None, Doc("centre of mass without the anchor; with that of buoyancy the vehicle pitches over")
+    ] = None
+    centre_of_buoyancy: Annotated[Centre[V] | None, Doc("centre of the displaced water")] = None
+    anchor: Annotated[Anchor[V] | None, Doc("false nose that becomes the anchor")] = None
     anchors: Annotated[
         int, Field(ge=1, le=100), Doc("anchors aboard at the start, one for each mooring; those left stay on the nose")
     ] = 1
-    energy: EnergyBudget[V] | None = Field(default=None)
-    leeway: LeewaySection[V] | None = None
-    manoeuvring: Manoeuvring[V] | None = None
-    drag: MeasuredDrag[V] | None = None
-    added_mass: MeasuredAddedMass[V] | None = None
-    propulsion: Propulsion[V] | None = None
-    reliability: tuple[
-        Annotated[
-            Annotated[HourlyHazard[V], Tag("<hour>")]
-            | Annotated[DistanceHazard[V], Tag("<km>")]
-            | Annotated[EventHazard[V], Tag("<event>")],
-            Discriminator(hazard_tag),
+    energy: Annotated[EnergyBudget[V] | None, Doc("energy that is drawn and carried")] = Field(default=None)
+    leeway: Annotated[LeewaySection[V] | None, Doc("how the wind drives the vehicle at the surface")] = None
+    manoeuvring: Annotated[
+        Manoeuvring[V] | None, Doc("derivatives and controllers of the vertical plane, for a transition")
+    ] = None
+    drag: Annotated[MeasuredDrag[V] | None, Doc("measured drag, in place of that of the formulas")] = None
+    added_mass: Annotated[MeasuredAddedMass[V] | None, Doc("measured added masses, in place of Lamb's")] = None
+    propulsion: Annotated[Propulsion[V] | None, Doc("propeller and motor, from which speed and power follow")] = None
+    reliability: Annotated[
+        tuple[
+            Annotated[
+                Annotated[HourlyHazard[V], Tag("<hour>")]
+                | Annotated[DistanceHazard[V], Tag("<km>")]
+                | Annotated[EventHazard[V], Tag("<event>")],
+                Discriminator(hazard_tag),
+            ],
+            ...,
         ],
-        ...,
+        Doc("rates at which equipment fails"),
     ] = ()
-    thrusters: tuple[
-        Annotated[
-            Annotated[TunnelThrusterSection[V], Tag("<tunnel>")] | Annotated[StaticThruster[V], Tag("<static>")],
-            Discriminator(_kind),
+    thrusters: Annotated[
+        tuple[
+            Annotated[
+                Annotated[TunnelThrusterSection[V], Tag("<tunnel>")] | Annotated[StaticThruster[V], Tag("<static>")],
+                Discriminator(_kind),
+            ],
+            ...,
         ],
-        ...,
+        Doc("tunnel or static thrusters"),
     ] = ()
 
     @property

@@ -106,10 +106,10 @@ _ANCHOR = ("diameter", "drag_coefficient", "holding_factor", "flooding_time", "f
 
 
 def planned_sections(provenance: Provenance) -> list[PageSection]:
-    """Show what was planned; nothing for a result that is not of one mission."""
+    """Show what was planned, for a result of one mission, and what the answer rests on."""
     data = provenance.data
     if not isinstance(data.get("phases"), list | tuple):
-        return []
+        return where_checked(provenance)
     rows = [
         *_site(data),
         *_navigation(data),
@@ -129,7 +129,7 @@ def planned_sections(provenance: Provenance) -> list[PageSection]:
     blocks: list[Block] = [*([drawn] if drawn else []), *([table] if rows else [])]
     heading = "The starter mission" if provenance.command == "import" else "What was planned"
     planned = [PageSection(heading, blocks)] if blocks else []
-    return [*not_held(provenance), *planned]
+    return [*not_held(provenance), *planned, *where_checked(provenance)]
 
 
 def not_held(provenance: Provenance) -> list[PageSection]:
@@ -153,6 +153,36 @@ def _table_or_value(value: object) -> str:
         return "not given"
     table = mapping(value).get("table")
     return f"a table of {len(table)} rows" if isinstance(table, list | tuple) else value_in_words(value)
+
+
+def where_checked(provenance: Provenance) -> list[PageSection]:
+    """Show on which rows of the validation the answer rests, and whether the mission is in the ranges checked."""
+    if not provenance.rests_on:
+        return []
+    outside = [each.quantity for each in provenance.checked if not each.is_inside]
+    rows = [
+        (
+            each.quantity,
+            _from_to(each.least, each.greatest, each.unit),
+            _from_to(each.low, each.high, each.unit),
+            "inside" if each.is_inside else "outside",
+            ", ".join(each.rows),
+        )
+        for each in provenance.checked
+    ]
+    heading = "Where the model was checked"
+    if provenance.checked:
+        heading += f": outside for {', '.join(outside)}" if outside else ", with this mission inside"
+    caption = "At the means. Outside a range nothing is known to be wrong; nothing was compared there."
+    table = Table(("", "this mission", "checked", "", "by"), rows, caption, text_columns=5)
+    listed = f"The answer rests on these rows of docs/validation: {', '.join(provenance.rests_on)}."
+    again = "What each measured, against what, stands there; python -m validation ID measures it again."
+    return [PageSection(heading, [f"{listed} {again}", *([table] if rows else [])])]
+
+
+def _from_to(low: float, high: float, unit: str) -> str:
+    ends = [value_in_words(f"{value:.3g} {unit}".strip()) for value in dict.fromkeys((low, high))]
+    return " to ".join(ends)
 
 
 def _named(key: str) -> str:

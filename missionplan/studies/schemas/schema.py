@@ -17,10 +17,10 @@ from missionplan.datasets.reading import DatasetFormat
 from missionplan.datasets.summaries import SUMMARY
 from missionplan.datasets.tank import DRAG, FREE_OSCILLATION, PROPELLER_TRANSIENT, THRUSTER
 from missionplan.errors import InputError, Problem, did_you_mean, shown
-from missionplan.exporters.plan_json import plan_schema
+from missionplan.exporters.plan_json import PLAN_FORMAT, plan_schema
 from missionplan.mission import Mission
 from missionplan.mission.mission import MOST_LEARNED
-from missionplan.mission.schema.section import IDENTITY
+from missionplan.mission.schema.section import IDENTITY, SCHEMAS
 from missionplan.mission.schema.vehicle import Vehicle
 from missionplan.montecarlo.statistics import Probability, Statistic
 from missionplan.results.anchor_sizing import AnchorSizing
@@ -183,6 +183,14 @@ _FORMATS: tuple[DatasetFormat, ...] = (  # type: ignore[type-arg]
     THRUSTER,
     PROPELLER_TRANSIENT,
 )
+VERSIONS: Mapping[Kind, str] = {
+    "mission": f"missionplan/mission/{SCHEMAS['mission']}",
+    "vehicle": f"missionplan/vehicle/{SCHEMAS['vehicle']}",
+    "dataset": f"missionplan/dataset/{SCHEMAS['dataset']}",
+    "summary": SCHEMA,
+    "plan": f"missionplan/plan/{PLAN_FORMAT}",
+}
+"""Name and version of each form: the number goes up when a file of it would be read otherwise or no more."""
 _DEPENDENT: Mapping[tuple[str, str], Schema] = {
     ("Requirement", "at_most"): TEXT_OR_NUMBER,
     ("Requirement", "at_least"): TEXT_OR_NUMBER,
@@ -201,7 +209,6 @@ _LEARNED: Schema = {
     "type": "array",
     "items": {"type": "string", "pattern": f"^{IDENTITY.pattern}$"},
     "maxItems": MOST_LEARNED,
-    "description": "hashes of what the effects were learned from, as diagnose writes them",
 }
 
 
@@ -223,7 +230,7 @@ def schema(kind: Kind) -> dict[str, object]:
     if kind not in KINDS:
         message = f"given {shown(kind)}, expected one of {', '.join(KINDS)}"
         raise InputError([Problem(message, key="kind", hint=did_you_mean(str(kind), KINDS))])
-    head: Schema = {"$schema": _DRAFT, "title": f"missionplan {kind} file"}
+    head: Schema = {"$schema": _DRAFT, "title": f"missionplan {kind} file", "version": VERSIONS[kind]}
     return {**head, **_WRITTEN[kind]()}
 
 

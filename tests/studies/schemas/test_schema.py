@@ -13,6 +13,8 @@ import yaml
 import missionplan
 from missionplan.effects import CATALOGUE
 from missionplan.errors import InputError
+from missionplan.mission import Mission
+from missionplan.studies.schemas.schema import KINDS, schema
 
 MISSIONS = Path(__file__).parents[3] / "missions"
 VALIDATORS = {kind: jsonschema.Draft7Validator(missionplan.schema(kind)) for kind in ("mission", "vehicle", "dataset")}
@@ -100,3 +102,25 @@ def test_every_parameter_of_the_catalogue_is_described() -> None:
 def test_another_kind_is_refused() -> None:
     with pytest.raises(InputError, match="expected one of mission, vehicle, dataset"):
         missionplan.schema("misson")  # type: ignore[arg-type]
+
+
+def test_a_file_may_say_which_form_it_has_and_one_that_does_not_is_of_the_first(transit_mission):
+    raw = dict(transit_mission.raw)
+    said = Mission.from_data({**raw, "schema": "missionplan/mission/1"})
+    assert said.file_schema == Mission.from_data(raw).file_schema == schema("mission")["version"]
+    assert said.identified() == Mission.from_data(raw).identified()
+
+
+@pytest.mark.parametrize(
+    ("given", "words"),
+    [("missionplan/mission/2", "of a newer missionplan"), ("missionplan/dataset/1", "expected missionplan/mission/1")],
+)
+def test_a_file_of_a_newer_form_is_refused(transit_mission, given, words):
+    with pytest.raises(InputError, match=words):
+        Mission.from_data({**transit_mission.raw, "schema": given})
+
+
+def test_every_schema_says_its_version():
+    assert {kind: schema(kind)["version"].rpartition("/")[0] for kind in KINDS} == {
+        kind: f"missionplan/{kind}" for kind in KINDS
+    }
