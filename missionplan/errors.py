@@ -19,27 +19,18 @@ _LONGEST = 60
 
 @dataclass(frozen=True)
 class Problem:
-    """One thing wrong with a file or an option.
-
-    Attributes
-    ----------
-    message : str
-        What was expected, and what was given.
-    file : str
-        File as the user named it; empty for a command-line option.
-    line : int or None
-        Line in that file, from 1.
-    key : str
-        Key path, such as ``phases[0].transit.speed``, or a column, or an option.
-    hint : str
-        The nearest valid key, or how to correct it.
-    """
+    """One thing wrong with a file or an option."""
 
     message: str
+    """What was expected, and what was given."""
     file: str = ""
+    """File as the user named it; empty for a command-line option."""
     line: int | None = None
+    """Line in that file, from 1."""
     key: str = ""
+    """Key path, such as ``phases[0].transit.speed``, or a column, or an option."""
     hint: str = ""
+    """The nearest valid key, or how to correct it."""
 
     def __str__(self) -> str:
         place = f"{self.file}:{self.line}" if self.file and self.line is not None else self.file
@@ -54,13 +45,12 @@ class LocalProblem:
 
     Attributes
     ----------
-    path : tuple of (str or int)
-        Key path below the value; empty for the value itself.
     message, hint : str
         See `Problem`.
     """
 
     path: KeyPath
+    """Key path below the value; empty for the value itself."""
     message: str
     hint: str = ""
 

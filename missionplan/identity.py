@@ -27,24 +27,16 @@ _CHUNK = 1 << 20
 
 @dataclass(frozen=True)
 class Program:
-    """The code that computes numbers.
-
-    Attributes
-    ----------
-    version : str
-        Of this package.
-    code : str
-        SHA-256 of its files.
-    plugins : mapping of str to str
-        SHA-256 of the files of each package that adds effects or formats; ``missing`` where there are none.
-    libraries : mapping of str to str
-        Versions of Python and of the numerical libraries.
-    """
+    """The code that computes numbers."""
 
     version: str
+    """Of this package."""
     code: str
+    """SHA-256 of its files."""
     plugins: Mapping[str, str]
+    """SHA-256 of the files of each package that adds effects or formats; ``missing`` where there are none."""
     libraries: Mapping[str, str]
+    """Versions of Python and of the numerical libraries."""
 
     def parts(self) -> dict[str, object]:
         """Return its parts as plain data."""
@@ -67,22 +59,14 @@ def running_program() -> Program:
 
 @dataclass(frozen=True)
 class Identity:
-    """What a result depends on.
-
-    Attributes
-    ----------
-    inputs : mapping
-        By what they are (``mission``, ``datasets``): plain data, or digests of files.
-    options : mapping
-        Those that a number depends on, the command among them.
-    seed : int or None
-        None where nothing is drawn.
-    program : Program
-    """
+    """What a result depends on."""
 
     inputs: Mapping[str, object]
+    """By what they are (``mission``, ``datasets``): plain data, or digests of files."""
     options: Mapping[str, object]
+    """Those that a number depends on, the command among them."""
     seed: int | None
+    """None where nothing is drawn."""
     program: Program = field(default_factory=running_program)
 
     @classmethod

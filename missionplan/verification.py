@@ -40,22 +40,18 @@ class Verification:
     ----------
     report, command : str
         The folder, and what had made it.
-    computed : str
-        What was computed again, in words.
-    values : int
-        Values that were held against the report's.
-    different : tuple of str
-        Each value that is not the same to the bit, as it was and as it is here.
-    unlike : tuple of str
-        In what code, plug-ins, libraries and inputs differ from those of the report.
     """
 
     report: str
     command: str
     computed: str
+    """What was computed again, in words."""
     values: int
+    """Values that were held against the report's."""
     different: tuple[str, ...]
+    """Each value that is not the same to the bit, as it was and as it is here."""
     unlike: tuple[str, ...]
+    """In what code, plug-ins, libraries and inputs differ from those of the report."""
 
     @property
     def same(self) -> bool:

@@ -134,49 +134,39 @@ class TransitData:
     ----------
     name, source : str
         Of the data set.
-    labels : array of str, shape (n,)
-        Legs' names.
-    run : array of int, shape (n,)
-        Number of the run each leg belongs to.
-    t_start : array, shape (n,)
-        Since the mission's start, or since the first fix [s].
     under_way, surface : array, shape (n,)
         Time under way, and at the surface until the fix [s].
     start, dead_reckoned, end : array, shape (2, n)
         Fix on diving, dead-reckoned position on surfacing, fix on surfacing: east, north of the origin [m].
-    origin : tuple or None
-        Latitude and longitude of the origin, where known [rad].
-    fix_sd : float or None
-        Stated standard deviation of a fix, each axis [m].
-    has_surface_time : bool
-        Whether the log says how long the vehicle lay at the surface before the fix.
-    notices : tuple of str
-        Treatments the reader should know of.
-    epoch : float or None
-        Seconds since 1970 of the times' zero, where the log says.
-    leg_fix_sd : array, shape (n,), or None
-        Standard deviation of the fix after each leg, each axis, where the log states it [m].
-    depth : array, shape (n,), or None
-        Mean depth under way of each leg, nan where it is not known [m].
     """
 
     name: str
     source: str
     labels: NDArray[np.str_]
+    """Legs' names, shape (n,)."""
     run: NDArray[np.int_]
+    """Number of the run each leg belongs to, shape (n,)."""
     t_start: Array
+    """Since the mission's start, or since the first fix, shape (n,) [s]."""
     under_way: Array
     surface: Array
     start: Array
     dead_reckoned: Array
     end: Array
     origin: tuple[float, float] | None
+    """Latitude and longitude of the origin, where known [rad]."""
     fix_sd: float | None
+    """Stated standard deviation of a fix, each axis [m]."""
     has_surface_time: bool
+    """Whether the log says how long the vehicle lay at the surface before the fix."""
     notices: tuple[str, ...]
+    """Treatments the reader should know of."""
     epoch: float | None = None
+    """Seconds since 1970 of the times' zero, where the log says."""
     leg_fix_sd: Array | None = None
+    """Standard deviation of the fix after each leg, each axis, where the log states it, shape (n,) [m]."""
     depth: Array | None = None
+    """Mean depth under way of each leg, nan where it is not known, shape (n,) [m]."""
 
     @property
     def n(self) -> int:
@@ -238,10 +228,6 @@ class MeasuredDive:
 
     Attributes
     ----------
-    name : str
-        Of the run.
-    line : int
-        Of its first reading in the file.
     t, depth : array, shape (m,)
         Time since the separation by the log's clock [s], and reading [m].
     wet_weight, line_length, site_depth : float
@@ -249,7 +235,9 @@ class MeasuredDive:
     """
 
     name: str
+    """Of the run."""
     line: int
+    """Of its first reading in the file."""
     t: Array
     depth: Array
     wet_weight: float
@@ -275,17 +263,14 @@ class DescentData:
     ----------
     name, source, file : str
         Of the data set; its CSV as messages name it.
-    dives : tuple of MeasuredDive
-        In the order of the file.
-    depth_noise : float or None
-        Stated standard deviation of a reading [m].
-    notices : tuple of str
-        Treatments the reader should know of.
     """
 
     name: str
     source: str
     file: str
     dives: tuple[MeasuredDive, ...]
+    """In the order of the file."""
     depth_noise: float | None
+    """Stated standard deviation of a reading [m]."""
     notices: tuple[str, ...]
+    """Treatments the reader should know of."""

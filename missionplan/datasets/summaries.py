@@ -36,23 +36,20 @@ class TestSummary:
 
     Attributes
     ----------
-    name : str
-        Of the run.
-    quantities : tuple of str
-        Of `MEASURED`.
     values, sd : array, shape (m,)
         Measured, or measured less simulated where the table prints both [SI].
-    relative : tuple of bool
-        Whether a value is such a difference.
     wet_weight, line_length, site_depth : float
         [N, m, m]
     """
 
     name: str
+    """Of the run."""
     quantities: tuple[str, ...]
+    """Of `MEASURED`."""
     values: Array
     sd: Array
     relative: tuple[bool, ...]
+    """Whether a value is such a difference."""
     wet_weight: float
     line_length: float
     site_depth: float

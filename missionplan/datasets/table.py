@@ -29,30 +29,20 @@ LONG_ROW = "the row has more cells than the header has columns (a decimal comma,
 
 @dataclass(frozen=True)
 class Columns:
-    """Columns of a kind of data.
-
-    Attributes
-    ----------
-    alternatives : tuple of tuple of str
-        Sets of columns, of which a table has one; a row needs all numbers of that set.
-    optional : tuple of str
-        Columns that a table may have as well.
-    complete : tuple of str
-        Those of the optional columns whose numbers a row needs too, where the column is there.
-    text : tuple of str
-        Columns of any of these that hold text.
-    times : tuple of str
-        Columns of any of these that hold seconds, or times by ISO 8601, which become seconds since 1970.
-    max_bytes : int
-        Size of the largest file that is read.
-    """
+    """Columns of a kind of data."""
 
     alternatives: tuple[tuple[str, ...], ...]
+    """Sets of columns, of which a table has one; a row needs all numbers of that set."""
     optional: tuple[str, ...] = ()
+    """Columns that a table may have as well."""
     complete: tuple[str, ...] = ()
+    """Those of the optional columns whose numbers a row needs too, where the column is there."""
     text: tuple[str, ...] = ()
+    """Columns of any of these that hold text."""
     times: tuple[str, ...] = ()
+    """Columns of any of these that hold seconds, or times by ISO 8601, which become seconds since 1970."""
     max_bytes: int = MAX_BYTES
+    """Size of the largest file that is read."""
 
     def nearest_to(self, header: Sequence[str]) -> tuple[str, ...]:
         """Return the first of the alternatives that a table has all columns of, else the one it has most of."""
@@ -61,24 +51,16 @@ class Columns:
 
 @dataclass(frozen=True)
 class CsvTable:
-    """Rows of a CSV.
-
-    Attributes
-    ----------
-    file : str
-        As messages name it.
-    rows : DataFrame
-        Numbers (nan where missing) and text (empty where missing); the index is the file's line.
-    notices : tuple of str
-        Columns not used, rows left out.
-    problems : tuple of Problem
-        Cells that hold no number, nan in `rows`, and the like.
-    """
+    """Rows of a CSV."""
 
     file: str
+    """As messages name it."""
     rows: pd.DataFrame
+    """Numbers (nan where missing) and text (empty where missing); the index is the file's line."""
     notices: tuple[str, ...]
+    """Columns not used, rows left out."""
     problems: tuple[Problem, ...]
+    """Cells that hold no number, nan in `rows`, and the like."""
 
 
 def read_table(path: Path, columns: Columns) -> CsvTable:

@@ -197,31 +197,24 @@ class TankData:
     ----------
     name, source : str
         Of the data set.
-    settings : DragSettings, OscillationSettings, ThrusterSettings or PropellerSettings
-        Keys of ``dataset.yaml``, in SI.
-    columns : dict
-        Numbers of each column, nan where blank; rows with ``ok`` = 0 are left out.
-    labels : dict
-        Columns of text: `mode`, `run`.
-    compared : dict or None
-        Columns of the table to compare with.
-    notices : tuple of str
-        Columns ignored, rows left out.
-    raw : mapping
-        Data of ``dataset.yaml``.
-    identities : tuple of str
-        Hash of each row; one of the whole where rows are moments of a record in time, or many.
     """
 
     name: str
     source: str
     settings: Settings
+    """Keys of ``dataset.yaml``, in SI."""
     columns: dict[str, Array]
+    """Numbers of each column, nan where blank; rows with ``ok`` = 0 are left out."""
     labels: dict[str, list[str]]
+    """Columns of text: `mode`, `run`."""
     compared: dict[str, Array] | None
+    """Columns of the table to compare with."""
     notices: tuple[str, ...]
+    """Columns ignored, rows left out."""
     raw: Mapping[str, object]
+    """Data of ``dataset.yaml``."""
     identities: tuple[str, ...] = ()
+    """Hash of each row; one of the whole where rows are moments of a record in time, or many."""
 
     def subset(self, keep: NDArray[np.bool_]) -> "TankData":
         """Keep some of the rows, each of which has a hash of its own."""

@@ -27,27 +27,23 @@ class Kriging:
 
     Attributes
     ----------
-    places : array, shape (n, k)
-    axis : array of int, shape (k,)
-        Axis of each column: a word has a column for each of its values, which have one length.
-    lengths : array, shape (d,)
-        By axis.
-    nugget : float
     centre, scale : float
         Mean and standard deviation of the values.
-    factor : array, shape (n, n)
-        Lower Cholesky factor of the covariance of the standardised values.
-    weights : array, shape (n,)
     """
 
     places: Array
+    """Places, shape (n, k)."""
     axis: NDArray[np.intp]
+    """Axis of each column: a word has a column for each of its values, which have one length; shape (k,)."""
     lengths: Array
+    """By axis, shape (d,)."""
     nugget: float
     centre: float
     scale: float
     factor: Array
+    """Lower Cholesky factor of the covariance of the standardised values, shape (n, n)."""
     weights: Array
+    """Weights, shape (n,)."""
 
     @classmethod
     def fitted(cls, places: Array, axis: NDArray[np.intp], values: Array, start: "Kriging | None" = None) -> "Kriging":

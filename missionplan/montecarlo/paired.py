@@ -17,17 +17,15 @@ class PairedDifferences:
 
     Attributes
     ----------
-    best : int
     worse, error : array, shape (k,)
         Mean of the differences trial by trial, positive where an alternative is worse, and its standard error.
-    as_good : array of bool, shape (k,)
-        Whether the trials leave open that an alternative is the best.
     """
 
     best: int
     worse: NDArray[np.float64]
     error: NDArray[np.float64]
     as_good: NDArray[np.bool_]
+    """Whether the trials leave open that an alternative is the best, shape (k,)."""
 
 
 def compare_with_best(values: Sequence[NDArray[np.generic]], best: int, *, most: bool) -> PairedDifferences:

@@ -29,17 +29,12 @@ class QuantileSketch:
     within 2⁻¹¹ of its values. Finding a bin takes integer operations but no logarithm, so that it is fast and the same
     on every machine. Counts are integers too: merging is exact in any order. All bins from the lowest in use to the
     highest are kept: about three thousand per decade, however many the trials.
-
-    Attributes
-    ----------
-    first : int
-        Number of the first bin. Bins are numbered from negative values through zero (bin 0) to positive values.
-    counts : integers, shape (k,)
-        Counts from that bin on; neither the first nor the last is 0.
     """
 
     first: int
+    """Number of the first bin. Bins are numbered from negative values through zero (bin 0) to positive values."""
     counts: Integers
+    """Counts from that bin on; neither the first nor the last is 0; shape (k,)."""
 
     @classmethod
     def of(cls, values: Array) -> "QuantileSketch":

@@ -28,20 +28,17 @@ class Influence:
     ----------
     output, source : str
         Names of the result and of the input.
-    rank_correlation : float
-        Spearman's coefficient.
-    first_order : float
-        First-order Sobol index, the share of the variance that knowing the input removes; an estimate of a small
-        share may be slightly negative.
-    standard_error : float
-        Of the index.
     """
 
     output: str
     source: str
     rank_correlation: float
+    """Spearman's coefficient."""
     first_order: float
+    """First-order Sobol index, the share of the variance that knowing the input removes; an estimate of a small share
+    may be slightly negative."""
     standard_error: float
+    """Of the index."""
 
 
 def sensitivities(inputs: Mapping[str, Array], outputs: Mapping[str, Array]) -> tuple[Influence, ...]:

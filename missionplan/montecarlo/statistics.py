@@ -29,8 +29,6 @@ class Statistic:
     ----------
     mean, sd, p05, p50, p95 : float
         In the quantity's unit.
-    standard_error : float
-        Of the mean.
     count, missing : int
         Trials that reached the quantity, and that did not.
     """
@@ -41,6 +39,7 @@ class Statistic:
     p50: float
     p95: float
     standard_error: float
+    """Of the mean."""
     count: int
     missing: int = 0
 
@@ -131,21 +130,18 @@ class Moments:
 
     Attributes
     ----------
-    count : integers, shape (...)
-        Values that are not nan.
-    missing : integers, shape (...)
-        Values that are.
-    mean : array, shape (...)
-    squares : array, shape (...)
-        Sum of squared deviations from the mean.
     low, high : array, shape (...)
         Smallest and largest value; +∞ and −∞ where there is none.
     """
 
     count: Integers
+    """Values that are not nan, shape (...)."""
     missing: Integers
+    """Values that are, shape (...)."""
     mean: Array
+    """Mean, shape (...)."""
     squares: Array
+    """Sum of squared deviations from the mean, shape (...)."""
     low: Array
     high: Array
 
@@ -285,17 +281,11 @@ class RunningStatistic:
 
 @dataclass(frozen=True)
 class RunningStatistics(Mapping[str, RunningStatistic]):
-    """Moments and quantiles so far of several quantities of the same trials, computed and merged together.
-
-    Attributes
-    ----------
-    names : tuple of str
-    moments : Moments, shape (k,)
-    sketches : tuple of QuantileSketch
-    """
+    """Moments and quantiles so far of several quantities of the same trials, computed and merged together."""
 
     names: tuple[str, ...]
     moments: Moments
+    """Moments, shape (k,)."""
     sketches: tuple[QuantileSketch, ...]
 
     @classmethod

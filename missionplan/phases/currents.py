@@ -28,16 +28,14 @@ class Span:
     ----------
     start, end : float or array, shape (n,)
         Times since the mission's start [s].
-    depth : float or array, shape (n,)
-        Deepest [m].
-    places : tuple of array, shape (2, n)
-        Where it begins and ends [m].
     """
 
     start: Scalars
     end: Scalars
     depth: Scalars
+    """Deepest, float or shape (n,) [m]."""
     places: tuple[Array, ...]
+    """Where it begins and ends, shape (2, n) [m]."""
 
 
 class Current(ABC):
@@ -122,13 +120,12 @@ class LayeredCurrent(Current):
 
     Attributes
     ----------
-    down_to : array, shape (k,) or (k, n)
-        Lower ends of the layers, increasing: one per layer, or one per layer and trial [m].
     east, north : array, shape (k,) or (k, n)
         One velocity per layer, or one per layer and trial [m/s].
     """
 
     down_to: Array
+    """Lower ends of the layers, increasing: one per layer, or one per layer and trial; shape (k,) or (k, n) [m]."""
     east: Array
     north: Array
 
@@ -206,13 +203,12 @@ class Leeway(TransitEffect):
 
     Attributes
     ----------
-    wind : Current
-        Velocity of the air, 10 m above the sea.
     downwind, crosswind, along, across : float or array, shape (n,)
         See `leeway_velocity`.
     """
 
     wind: Current
+    """Velocity of the air, 10 m above the sea."""
     downwind: Scalars
     crosswind: Scalars
     along: Scalars

@@ -35,13 +35,12 @@ class RecordedCurrent(Current):
     ----------
     time, depth : array, shapes (k,) and (m,)
         Increasing [s since the mission's start, m].
-    outside : 'error', 'hold' or 'zero'
-        What is beyond the record.
     """
 
     time: Array
     depth: Array
     outside: Outside = field(default="hold", kw_only=True)
+    """What is beyond the record."""
 
     @property
     @override
@@ -204,16 +203,14 @@ class TidalStream(RecordedCurrent):
 
     Attributes
     ----------
-    mean : array, shape (2, m)
-        East and north at each depth [m/s].
-    frequency : array, shape (k,)
-        ω [rad/s].
     cosine, sine : array, shape (2, k, m)
         C and S, east and north at each depth [m/s].
     """
 
     mean: Array
+    """East and north at each depth, shape (2, m) [m/s]."""
     frequency: Array
+    """ω, shape (k,) [rad/s]."""
     cosine: Array
     sine: Array
 

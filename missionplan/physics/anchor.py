@@ -30,44 +30,32 @@ class Construction:
 
     Attributes
     ----------
-    front : Part
-        Its centre from the tip.
-    back : Part
-        Its centre forward of the tube's end.
     tube_mass_per_length, tube_density : float
         λ [kg/m] and material [kg/m³] of the tube.
-    trim_density : float
-        Of the ring's material [kg/m³].
     """
 
     front: Part
+    """Its centre from the tip."""
     back: Part
+    """Its centre forward of the tube's end."""
     tube_mass_per_length: float
     tube_density: float
     trim_density: float
+    """Of the ring's material [kg/m³]."""
 
 
 @dataclass(frozen=True)
 class AnchorProblem:
-    """Requirements of an anchor.
-
-    Attributes
-    ----------
-    radius : float
-        r of hemisphere and tube [m].
-    overlap_volume : float
-        V_lost, of the vehicle's nose inside the anchor [m³].
-    nose_radius : float
-        Of the vehicle's hemispherical nose [m].
-    water_density : float
-        ρ [kg/m³].
-    construction : Construction
-    """
+    """Requirements of an anchor."""
 
     radius: float
+    """r of hemisphere and tube [m]."""
     overlap_volume: float
+    """V_lost, of the vehicle's nose inside the anchor [m³]."""
     nose_radius: float
+    """Of the vehicle's hemispherical nose [m]."""
     water_density: float
+    """ρ [kg/m³]."""
     construction: Construction
 
 
@@ -86,24 +74,19 @@ class AnchorDesign:
 
     Attributes
     ----------
-    problem : AnchorProblem
-    wet_weight : float
-        W [N].
-    cylinder_length : float
-        C [m].
     trim_mass, trim_position : float
         Of the ring [kg], and its centre from the tip [m] (nan when the ring's mass is 0).
     dry_mass, displaced_mass : float
         Both sides of Eq. 17 [kg].
     centre_of_gravity, centre_of_buoyancy : float
         Of the unflooded anchor and of the added displacement, from the tip [m].
-    failures : tuple of UnmetCondition
-        Conditions not met; empty when the anchor can be built.
     """
 
     problem: AnchorProblem
     wet_weight: float
+    """W [N]."""
     cylinder_length: float
+    """C [m]."""
     trim_mass: float
     trim_position: float
     dry_mass: float
@@ -111,6 +94,7 @@ class AnchorDesign:
     centre_of_gravity: float
     centre_of_buoyancy: float
     failures: tuple[UnmetCondition, ...] = ()
+    """Conditions not met; empty when the anchor can be built."""
 
     @property
     def feasible(self) -> bool:

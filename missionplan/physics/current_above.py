@@ -13,18 +13,12 @@ _EDGE = 0.1
 
 @dataclass(frozen=True)
 class LayersAbove:
-    """Layers of the current above the anchor, from the seafloor up, with edges `_EDGE` thick between them.
-
-    Attributes
-    ----------
-    tops : array, shape (k, n)
-        Upper ends above the anchor, increasing; the last one does not count [m].
-    velocity : array, shape (k, 2, n)
-        East and north [m/s].
-    """
+    """Layers of the current above the anchor, from the seafloor up, with edges `_EDGE` thick between them."""
 
     tops: Array
+    """Upper ends above the anchor, increasing; the last one does not count; shape (k, n) [m]."""
     velocity: Array
+    """East and north, shape (k, 2, n) [m/s]."""
 
     def at(self, altitude: Array) -> Array:
         """Velocity at altitudes of shape (m, n) [m], shape (2, m, n) [m/s]."""

@@ -19,34 +19,30 @@ class Propeller:
 
     Attributes
     ----------
-    diameter : float
-        Of the disc [m].
     thrust_nn, thrust_nu : float or array
         T_n|n| [N s²/rad²] and T°_|n|u of the flow in the disc (negative) [N s²/(rad m)], Eq. 28.
     torque_nn, torque_nu : float or array
         Q_n|n| [N m s²/rad²] and Q°_|n|u of the flow in the disc (negative) [N s²/rad], Eq. 22.
-    axial_flow_factor : float
-        a: in steady state the flow in the disc is (1 + a) times the advance speed.
     wake_fraction, thrust_deduction : float
         w of Eq. 27 and t of Eq. 26.
-    shaft_inertia : float
-        Of motor, shaft and propeller [kg m²].
-    flow_mass : float
-        Of the water in the control volume, m_f [kg].
     flow_damping_linear, flow_damping_quadratic : float
         d_f0 [kg/s] and d_f [kg/m] of Eq. 30.
     """
 
     diameter: float
+    """Of the disc [m]."""
     thrust_nn: Scalars
     thrust_nu: Scalars
     torque_nn: Scalars
     torque_nu: Scalars
     axial_flow_factor: float
+    """a: in steady state the flow in the disc is (1 + a) times the advance speed."""
     wake_fraction: float
     thrust_deduction: float
     shaft_inertia: float
+    """Of motor, shaft and propeller [kg m²]."""
     flow_mass: float
+    """Of the water in the control volume, m_f [kg]."""
     flow_damping_linear: float
     flow_damping_quadratic: float
 
@@ -245,13 +241,12 @@ class Resistance:
 
     Attributes
     ----------
-    mass : float or array
-        Of the vehicle, axial added mass included [kg].
     linear, quadratic : float or array
         -X_u [kg/s] and -X_u|u| [kg/m].
     """
 
     mass: Scalars
+    """Of the vehicle, axial added mass included [kg]."""
     linear: Scalars
     quadratic: Scalars
 

@@ -47,18 +47,16 @@ class LyingAnchor:
 
     Attributes
     ----------
-    wet_weight : float or array
-        [N].
     diameter, length : float or array
         [m].
-    friction : float or array
-        Holding force over the force with which it presses on the seafloor.
     """
 
     wet_weight: Scalars
+    """Wet weight [N]."""
     diameter: Scalars
     length: Scalars
     friction: Scalars = FRICTION
+    """Holding force over the force with which it presses on the seafloor."""
 
 
 def lateral_coefficient(fineness: Scalars) -> Scalars:

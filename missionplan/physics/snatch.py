@@ -9,21 +9,14 @@ from missionplan.arrays import Scalars
 
 @dataclass(frozen=True)
 class LineSpring:
-    """What bears the snatch; each number is a float or an array over trials, shape (n,).
-
-    Attributes
-    ----------
-    stiffness : float or array
-        Of the whole line [N/m].
-    nose_mass : float or array
-        Effective mass of the level vehicle at its nose (`mass_at_nose`) [kg].
-    strength : float or array
-        Tension at which the line, or the galvanic link in it, parts [N].
-    """
+    """What bears the snatch; each number is a float or an array over trials, shape (n,)."""
 
     stiffness: Scalars
+    """Of the whole line [N/m]."""
     nose_mass: Scalars
+    """Effective mass of the level vehicle at its nose (`mass_at_nose`) [kg]."""
     strength: Scalars = np.inf
+    """Tension at which the line, or the galvanic link in it, parts [N]."""
 
 
 @dataclass(frozen=True)
@@ -38,10 +31,6 @@ class PitchingBody:
         Of the body, and from its nose to the centre of mass [m].
     ahead, below : float or array
         Of the centre of buoyancy, ahead of the centre of mass along the axis and below it [m].
-    buoyancy : float or array
-        Of the whole body [N].
-    drag_per_length : float or array
-        ½ ρ C_d d of the flow across it [N s²/m³].
     """
 
     lateral_mass: Scalars
@@ -51,7 +40,9 @@ class PitchingBody:
     ahead: Scalars
     below: Scalars
     buoyancy: Scalars
+    """Of the whole body [N]."""
     drag_per_length: Scalars
+    """½ ρ C_d d of the flow across it [N s²/m³]."""
 
 
 def mass_at_nose(lateral_mass: Scalars, length: Scalars, centre: Scalars | None = None) -> Scalars:

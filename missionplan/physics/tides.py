@@ -29,20 +29,14 @@ class NodalState:
     """Constituents at a moment, or at d of them.
 
     The tide of one is ``f·A·cos(V + u − g)`` with the Greenwich phase lag g.
-
-    Attributes
-    ----------
-    factor : array, shape (k,) or (k, d)
-        f, by which the node changes the amplitude.
-    angle : array, shape (k,) or (k, d)
-        u, by which the node changes the phase [rad].
-    argument : array, shape (k,) or (k, d)
-        V, the astronomical argument at Greenwich [rad].
     """
 
     factor: Array
+    """f, by which the node changes the amplitude, shape (k,) or (k, d)."""
     angle: Array
+    """u, by which the node changes the phase, shape (k,) or (k, d) [rad]."""
     argument: Array
+    """V, the astronomical argument at Greenwich, shape (k,) or (k, d) [rad]."""
 
 
 def angular_frequencies(names: Sequence[str]) -> Array:

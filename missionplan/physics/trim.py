@@ -22,27 +22,18 @@ class Weight:
 
 @dataclass(frozen=True)
 class TrimState:
-    """Trim in one configuration.
-
-    Attributes
-    ----------
-    configuration : str
-        Such as ``with the flooded anchor``.
-    net_force : float
-        Upward [N].
-    moment : float
-        Of the weights about the centre of buoyancy with the vehicle level; positive puts the nose down [N m].
-    pitch : float or None
-        Nose down; None where nothing rights the vehicle, or its centres are not known [rad].
-    centres_known : bool
-        Whether the vehicle file gives them.
-    """
+    """Trim in one configuration."""
 
     configuration: str
+    """Such as ``with the flooded anchor``."""
     net_force: float
+    """Upward [N]."""
     moment: float
+    """Of the weights about the centre of buoyancy with the vehicle level; positive puts the nose down [N m]."""
     pitch: float | None
+    """Nose down; None where nothing rights the vehicle, or its centres are not known [rad]."""
     centres_known: bool
+    """Whether the vehicle file gives them."""
 
     @property
     def verdict(self) -> str:

@@ -28,31 +28,21 @@ INDUCED_DRAG_LIMIT = 0.75
 
 @dataclass(frozen=True)
 class TunnelThruster:
-    """A thruster in a through-body tunnel.
-
-    Attributes
-    ----------
-    diameter : float
-        Of the tunnel [m].
-    thrust_constant : float or array
-        K_3: static thrust over shaft rate squared, with the rate in rev/s [N s²] (Palmer et al. 2009b, Eq. 10).
-    decay : float or array
-        c of Eq. 4: about 7 for the forward and 3 for the aft thruster of the model; 6.69 for Autosub's.
-    position : float
-        x_T, of the thruster ahead of the vehicle's pivot [m].
-    suction_gradient : float
-        k of Eq. 6: the centre of suction lies k D u/u_j aft of the thruster.
-    suction_offset : float
-        Distance of the centre of suction aft of the thruster at any speed [m]; that of the model's aft thruster is
-        constant.
-    """
+    """A thruster in a through-body tunnel."""
 
     diameter: float
+    """Of the tunnel [m]."""
     thrust_constant: Scalars
+    """K_3: static thrust over shaft rate squared, with the rate in rev/s [N s²] (Palmer et al. 2009b, Eq. 10)."""
     decay: Scalars
+    """c of Eq. 4: about 7 for the forward and 3 for the aft thruster of the model; 6.69 for Autosub's."""
     position: float = 0.0
+    """x_T, of the thruster ahead of the vehicle's pivot [m]."""
     suction_gradient: float = 0.0
+    """k of Eq. 6: the centre of suction lies k D u/u_j aft of the thruster."""
     suction_offset: float = 0.0
+    """Distance of the centre of suction aft of the thruster at any speed [m]; that of the model's aft thruster is
+    constant."""
 
     @property
     def area(self) -> float:

@@ -27,15 +27,10 @@ class DragLaw(Protocol):
 
 @dataclass(frozen=True)
 class QuadraticDrag:
-    """Drag with a constant coefficient, k v|v|: the anchor's, and that of descents in closed form.
-
-    Attributes
-    ----------
-    factor : float or array, shape (n,)
-        k = ½ ρ A C_d [N s²/m²].
-    """
+    """Drag with a constant coefficient, k v|v|: the anchor's, and that of descents in closed form."""
 
     factor: Scalars
+    """k = ½ ρ A C_d, float or shape (n,) [N s²/m²]."""
 
     def __call__(self, speed: Scalars) -> Scalars:
         """Drag [N] at a speed [m/s]."""
@@ -50,13 +45,12 @@ class Hull:
     ----------
     length, diameter : float or array, shape (n,)
         [m].
-    form_constant : float or array, shape (n,)
-        First term of Eq. 5.
     """
 
     length: Scalars
     diameter: Scalars
     form_constant: Scalars = drag.FORM_CONSTANTS["briggs"]
+    """First term of Eq. 5; float or shape (n,)."""
 
 
 @dataclass(frozen=True)
@@ -76,8 +70,6 @@ class DragBuildUp:
     ----------
     body, sail : float or array
         Eqs. 8 and 12, before the appendage factor.
-    vehicle : float or array
-        Eq. 13: the sum of both times the appendage factor.
     anchor, total : float or array
         Eqs. 2 and 14.
     """
@@ -85,6 +77,7 @@ class DragBuildUp:
     body: Scalars
     sail: Scalars
     vehicle: Scalars
+    """Eq. 13: the sum of both times the appendage factor."""
     anchor: Scalars
     total: Scalars
 
@@ -95,19 +88,12 @@ class VehicleDrag:
 
     A call evaluates the sum with one logarithm; `body` and `sail_drag` are the equations as printed and agree with it
     to rounding.
-
-    Attributes
-    ----------
-    hull : Hull
-    sail : Sail or None
-    appendage_factor : float or array, shape (n,)
-        Eq. 13: 1.25 for fins and transducer.
-    water : Water
     """
 
     hull: Hull
     sail: Sail | None
     appendage_factor: Scalars
+    """Eq. 13: 1.25 for fins and transducer; float or shape (n,)."""
     water: Water
 
     def body(self, speed: Scalars) -> Scalars:
@@ -243,19 +229,16 @@ class MeasuredVehicleDrag(VehicleDrag):
 
     Attributes
     ----------
-    coefficient : float or array, shape (n,)
-        C_D on `area`, at `at_reynolds` where it varies.
-    area : float
-        Reference area [m²].
-    exponent : float or array, shape (n,)
-        p of C_D ∝ Re^p; 0 for a constant coefficient.
     at_reynolds, reference_length : float
         Reynolds number of the coefficient, and its reference length [m].
     """
 
     coefficient: Scalars = 0.0
+    """C_D on `area`, at `at_reynolds` where it varies, float or shape (n,)."""
     area: float = 0.0
+    """Reference area [m²]."""
     exponent: Scalars = 0.0
+    """p of C_D ∝ Re^p; 0 for a constant coefficient; float or shape (n,)."""
     at_reynolds: float = 1e5
     reference_length: float = 1.0
 

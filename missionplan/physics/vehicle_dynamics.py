@@ -55,26 +55,22 @@ class Body:
     ----------
     length, mass : float
         [m], [kg], flooded.
-    inertia : float
-        About the y axis through the origin [kg m²].
-    excess_buoyancy : float or array
-        Buoyancy less weight [N].
     x_g, z_g : float or array
         Centre of gravity, ahead of and below the origin, which is the centre of buoyancy [m].
-    density : float
-        Of the water [kg/m³].
-    derivatives : Derivatives
-        Dimensionless.
     """
 
     length: float
     mass: float
     inertia: float
+    """About the y axis through the origin [kg m²]."""
     excess_buoyancy: Scalars
+    """Buoyancy less weight [N]."""
     x_g: Scalars
     z_g: Scalars
     density: float
+    """Of the water [kg/m³]."""
     derivatives: Derivatives
+    """Dimensionless."""
 
     @property
     def weight(self) -> float:

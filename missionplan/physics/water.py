@@ -17,18 +17,12 @@ REFERENCE_SALINITY_RATIO = 35.16504 / 35.0
 
 @dataclass(frozen=True)
 class Water:
-    """Density and viscosity of water.
-
-    Attributes
-    ----------
-    density : float or array, shape (n,)
-        ρ [kg/m³].
-    viscosity : float or array, shape (n,)
-        Kinematic viscosity ν [m²/s].
-    """
+    """Density and viscosity of water."""
 
     density: Scalars
+    """ρ, float or shape (n,) [kg/m³]."""
     viscosity: Scalars
+    """Kinematic viscosity ν, float or shape (n,) [m²/s]."""
 
 
 def sea_water_density(temperature: Scalars, salinity: Scalars) -> Scalars:

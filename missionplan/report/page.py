@@ -74,22 +74,14 @@ Block = str | Figure | Table | Listing
 
 @dataclass(frozen=True)
 class PageSection:
-    """A heading that states a finding, and the blocks that show it.
-
-    Attributes
-    ----------
-    heading : str
-    blocks : sequence of Block
-    is_sheet : bool
-        Whether it is printed on a page of its own, after everything else.
-    is_summary : bool
-        Whether it belongs to the one or two pages that come first, before what was planned.
-    """
+    """A heading that states a finding, and the blocks that show it."""
 
     heading: str
     blocks: Sequence[Block]
     is_sheet: bool = False
+    """Whether it is printed on a page of its own, after everything else."""
     is_summary: bool = False
+    """Whether it belongs to the one or two pages that come first, before what was planned."""
 
 
 @dataclass(frozen=True)
@@ -98,41 +90,28 @@ class Page:
 
     The answer in a sentence, the figure that shows it, the main numbers, then sections. What only some show is a
     function, called when it is shown: a terminal draws no figure.
-
-    Attributes
-    ----------
-    title : str
-        The question.
-    answer : str
-        The answer in a sentence or two.
-    draw : callable
-        Draws the figure that shows the answer; None where there is none.
-    numbers : sequence of (label, value)
-        Two or three main numbers, with intervals and units.
-    write : callable
-        Writes the sections with everything else.
-    glance : callable
-        Makes the view for a terminal, and for a notebook.
-    plots : mapping of str to Drawing
-        Plots on given axes by name, the main one first.
-    verdict : str
-        How the answer is marked: "good", "bad" or "".
-    rerun : str
-        The command that reproduces the result, where it is not the study's own on the folder's `mission.yaml`.
-    export : callable
-        Writes files for other programs, by name.
     """
 
     title: str
+    """The question."""
     answer: str
+    """The answer in a sentence or two."""
     numbers: Sequence[tuple[str, str]]
+    """Two or three main numbers, with intervals and units."""
     write: Callable[[], Sequence[PageSection]]
+    """Writes the sections with everything else."""
     glance: Callable[[], "Terminal"]
+    """Makes the view for a terminal, and for a notebook."""
     draw: Callable[[], Figure | None] = lambda: None
+    """Draws the figure that shows the answer; None where there is none."""
     plots: Mapping[str, Drawing] = field(default_factory=dict)
+    """Plots on given axes by name, the main one first."""
     verdict: str = ""
+    """How the answer is marked: "good", "bad" or ""."""
     rerun: str = ""
+    """The command that reproduces the result, where it is not the study's own on the folder's `mission.yaml`."""
     export: Callable[[], Mapping[str, str]] = dict
+    """Writes files for other programs, by name."""
 
     @cached_property
     def figure(self) -> Figure | None:

@@ -98,18 +98,12 @@ def reader_system() -> str:
 
 @dataclass(frozen=True)
 class Unit:
-    """A unit to show a quantity in.
-
-    Attributes
-    ----------
-    name : str
-        As shown; empty for a bare number.
-    size : float
-        One of it, in the unit that the quantity's key ends with.
-    """
+    """A unit to show a quantity in."""
 
     name: str
+    """As shown; empty for a bare number."""
     size: float
+    """One of it, in the unit that the quantity's key ends with."""
 
     def __call__(self, value: float) -> float:
         """Convert a value of the result to this unit."""

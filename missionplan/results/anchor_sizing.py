@@ -36,39 +36,26 @@ class Deviation:
 
 @dataclass(frozen=True)
 class ProbableAnchor:
-    """The lightest anchor that does all that is asked of its dives, or which demands stand against which.
-
-    Attributes
-    ----------
-    required : float or None
-        Probability asked of dives that succeed; None where only the mission's requirements are asked.
-    anchor : SizedAnchor or None
-        The lightest that can be built; that of any parts where none can; None where no anchor does.
-    reason : str
-        Why none does, with the numbers of the best compromise; empty otherwise.
-    compromise : float
-        Wet weight that comes nearest [N].
-    best : float
-        Share of its dives that succeed.
-    margins : tuple of Deviation
-        Anchors a tenth lighter and heavier than the one found.
-    line_length : float or None
-        Shortest line [m] with which some anchor would do, where the line is what fails.
-    line_anchor_weight : float or None
-        Wet weight of that anchor [N].
-    lighter : float or None
-        Wet weight [N] of a lighter anchor that reaches it, where the parts cannot make that one.
-    """
+    """The lightest anchor that does all that is asked of its dives, or which demands stand against which."""
 
     required: float | None
+    """Probability asked of dives that succeed; None where only the mission's requirements are asked."""
     anchor: SizedAnchor | None
+    """The lightest that can be built; that of any parts where none can; None where no anchor does."""
     reason: str
+    """Why none does, with the numbers of the best compromise; empty otherwise."""
     compromise: float
+    """Wet weight that comes nearest [N]."""
     best: float
+    """Share of its dives that succeed."""
     margins: tuple[Deviation, ...] = ()
+    """Anchors a tenth lighter and heavier than the one found."""
     line_length: float | None = None
+    """Shortest line [m] with which some anchor would do, where the line is what fails."""
     line_anchor_weight: float | None = None
+    """Wet weight of that anchor [N]."""
     lighter: float | None = None
+    """Wet weight [N] of a lighter anchor that reaches it, where the parts cannot make that one."""
 
     def summary(self) -> dict[str, object]:
         """Return the section `probable` of ``summary.json``."""
@@ -99,24 +86,16 @@ class DesignLayer:
 
 @dataclass(frozen=True)
 class ExplainedAnchor:
-    """An anchor when one explanation holds.
-
-    Attributes
-    ----------
-    causes : tuple of str
-        Its effects; empty for none.
-    probability : float
-    good : Probability
-        Of the anchor to build: within the radius, not struck, and holding where that counts.
-    needed : float or None
-        Wet weight of the lightest anchor that reaches the probability asked for, were it known that this holds [N];
-        None where none does, or none was asked for.
-    """
+    """An anchor when one explanation holds."""
 
     causes: tuple[str, ...]
+    """Its effects; empty for none."""
     probability: float
     good: Probability
+    """Of the anchor to build: within the radius, not struck, and holding where that counts."""
     needed: float | None
+    """Wet weight of the lightest anchor that reaches the probability asked for, were it known that this holds [N]; None
+    where none does, or none was asked for."""
 
     def summary(self) -> dict[str, object]:
         """Return the entry of ``summary.json``."""
@@ -134,53 +113,40 @@ class AnchorSizing(Result):
 
     Attributes
     ----------
-    provenance : Provenance
-    phase : str
-        Name of the mooring.
     radius, depth, line_length : float
         Distributions at their means [m].
-    layers : tuple of DesignLayer
-        The worst case of Eq. 1.
-    required_velocity : float
-        Downward, over the ground, all layers aligned [m/s].
-    vector_velocity : float or None
-        The same with the layers' own directions; None where they have none [m/s].
-    anchor : SizedAnchor
-        For the worst case.
-    probable : ProbableAnchor or None
-        Where a probability was given.
-    notes : tuple of str
-        Formulae that are used outside their range.
-    judged : Outcome or None
-        The mission with the anchor to build, simulated with fresh draws; None where it requires nothing.
-    held : HeldVehicle or None
-        How the vehicle stands on its line above the anchor to build.
-    trim : tuple of TrimState
-        How the vehicle lies with that anchor, with it flooded, and without it.
-    members : tuple of MemberOutcome
-        Dives that succeed with the anchor to build in each member of the current's ensemble; empty without one.
-    explanations : tuple of ExplainedAnchor
-        The anchor to build under each explanation of the mission; empty for a mission without doubts.
     """
 
     report: ClassVar[str] = "missionplan.report.anchor.page"
 
     provenance: Provenance
     phase: str
+    """Name of the mooring."""
     radius: float
     depth: float
     line_length: float
     layers: tuple[DesignLayer, ...]
+    """The worst case of Eq. 1."""
     required_velocity: float
+    """Downward, over the ground, all layers aligned [m/s]."""
     vector_velocity: float | None
+    """The same with the layers' own directions; None where they have none [m/s]."""
     anchor: SizedAnchor
+    """For the worst case."""
     probable: ProbableAnchor | None
+    """Where a probability was given."""
     notes: tuple[str, ...]
+    """Formulae that are used outside their range."""
     judged: Outcome | None = None
+    """The mission with the anchor to build, simulated with fresh draws; None where it requires nothing."""
     held: HeldVehicle | None = None
+    """How the vehicle stands on its line above the anchor to build."""
     trim: tuple[TrimState, ...] = ()
+    """How the vehicle lies with that anchor, with it flooded, and without it."""
     explanations: tuple[ExplainedAnchor, ...] = ()
+    """The anchor to build under each explanation of the mission; empty for a mission without doubts."""
     members: tuple[MemberOutcome, ...] = ()
+    """Dives that succeed with the anchor to build in each member of the current's ensemble; empty without one."""
 
     @property
     def to_build(self) -> SizedAnchor:

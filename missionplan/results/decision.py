@@ -145,16 +145,15 @@ class SeaChart:
     ----------
     east, north : array, shape (columns,) and (rows,)
         [m]
-    depth : array, shape (rows, columns), or None
-        Of the water at the mission's start, nan where unknown; None without a grid of depths [m].
-    shapes : tuple of (str, tuple of array, shape (k, 2))
-        ``land`` or ``keep-out``, with the outline of each polygon and its holes, east and north [m].
     """
 
     east: Array
     north: Array
     depth: Array | None
+    """Of the water at the mission's start, nan where unknown; None without a grid of depths; shape (rows, columns) [m].
+    """
     shapes: tuple[tuple[str, tuple[Array, ...]], ...] = ()
+    """``land`` or ``keep-out``, with the outline of each polygon and its holes, east and north, shape (k, 2)) [m]."""
 
 
 @dataclass(frozen=True)
@@ -171,22 +170,15 @@ Aim = Literal["success", "energy", "duration"]
 
 @dataclass(frozen=True)
 class Axis(Record):
-    """What is varied along one axis.
-
-    Attributes
-    ----------
-    values : tuple
-        As the mission file takes them.
-    labels : tuple of str
-        As people read them, without the unit.
-    numbers : tuple of float or None
-        In `unit`, or for `start` seconds since 1970; None where the values are no numbers.
-    """
+    """What is varied along one axis."""
 
     keys: Annotated[tuple[str, ...], Entry("key paths that take the same value")]
     values: tuple[object, ...]
+    """As the mission file takes them."""
     labels: tuple[str, ...]
+    """As people read them, without the unit."""
     numbers: tuple[float, ...] | None = None
+    """In `unit`, or for `start` seconds since 1970; None where the values are no numbers."""
     unit: Annotated[str, Entry("as given; ``UTC`` for `start`; empty for bare numbers and for what has no number")] = ""
 
     @property

@@ -15,62 +15,40 @@ from typing import Annotated, Any, get_args, get_origin
 
 @dataclass(frozen=True)
 class Entry:
-    """Says that a field, or a property by the annotation of what it returns, is an entry of `summary.json`.
-
-    Attributes
-    ----------
-    meaning : str
-        In words; empty for a property, whose docstring says it.
-    unit : str
-        Of its numbers, such as ``m/s``; the key ends with it: ``_m_s``.
-    key : str
-        Instead of the attribute's name, without the unit; ``fixed.cost`` is the entry ``cost`` of ``fixed``.
-    ending : bool
-        Whether the key ends with the unit.
-    optional : bool
-        Whether the key is left out where there is nothing: None, or a list without items.
-    when : str
-        Attribute that says whether the key is there; default: it is.
-    scale : float
-        Numbers of the attribute are divided by it: J in a W h.
-    parts : tuple of str
-        Entries of its own that are taken; default: all.
-    after : str
-        Attribute that a property follows in tables; default: the last one.
-    """
+    """Says that a field, or a property by the annotation of what it returns, is an entry of `summary.json`."""
 
     meaning: str = ""
+    """In words; empty for a property, whose docstring says it."""
     unit: str = ""
+    """Of its numbers, such as ``m/s``; the key ends with it: ``_m_s``."""
     key: str = ""
+    """Instead of the attribute's name, without the unit; ``fixed.cost`` is the entry ``cost`` of ``fixed``."""
     ending: bool = True
+    """Whether the key ends with the unit."""
     optional: bool = False
+    """Whether the key is left out where there is nothing: None, or a list without items."""
     when: str = ""
+    """Attribute that says whether the key is there; default: it is."""
     scale: float = 1.0
+    """Numbers of the attribute are divided by it: J in a W h."""
     parts: tuple[str, ...] = ()
+    """Entries of its own that are taken; default: all."""
     after: str = ""
+    """Attribute that a property follows in tables; default: the last one."""
 
 
 @dataclass(frozen=True)
 class StatedField:
-    """A field or property of a result that is an entry.
-
-    Attributes
-    ----------
-    attribute : str
-    groups : tuple of str
-        Entries of the summary inside which it stands.
-    key : str
-    kind : object
-        Its type, without what is said of it.
-    entry : Entry
-        With its meaning.
-    """
+    """A field or property of a result that is an entry."""
 
     attribute: str
     groups: tuple[str, ...]
+    """Entries of the summary inside which it stands."""
     key: str
     kind: object
+    """Its type, without what is said of it."""
     entry: Entry
+    """With its meaning."""
 
 
 class Record:

@@ -10,27 +10,14 @@ from missionplan.results.entries import Entry, Record
 
 @dataclass(frozen=True)
 class HeldState(Record):
-    """The vehicle on its line in one current.
-
-    Attributes
-    ----------
-    clearance : float
-        Of the hull's lowest point above the seafloor below it [m].
-    line : array, shape (k, 2)
-        From the anchor to the nose: downstream and up [m].
-    friction_needed : float
-        Holding factor with which the anchor just holds; infinite where none does.
-    tail : (float, float)
-        Downstream and up from the anchor [m].
-    uphill : float
-        Rise of the seafloor over a metre downstream.
-    """
+    """The vehicle on its line in one current."""
 
     current: Annotated[str, Entry("which, such as ``mean current``")]
     speed: Annotated[float, Entry("of the lowest layer", "m/s")]
     nose_altitude: Annotated[float, Entry("of the nose above the seafloor below it", "m")]
     tail_altitude: Annotated[float, Entry("of the tail above the seafloor below it", "m")]
     clearance: float
+    """Of the hull's lowest point above the seafloor below it [m]."""
     excursion: Annotated[float, Entry("horizontal distance of the nose from the anchor", "m")]
     pitch: Annotated[float, Entry("elevation of the tail seen from the nose", "rad")]
     line_angle: Annotated[float, Entry("of the line to the vertical at the anchor", "rad")]
@@ -38,13 +25,17 @@ class HeldState(Record):
     tension_at_anchor: Annotated[float, Entry("of the line at the anchor", "N")]
     anchor_drag: Annotated[float, Entry("the anchor's own", "N")]
     friction_needed: float
+    """Holding factor with which the anchor just holds; infinite where none does."""
     holding_margin: Annotated[float, Entry("see `seafloor.holding_margin`")]
     least_weight: Annotated[
         float, Entry("wet weight with which an anchor of this size just holds", "N", "least_wet_weight")
     ]
     line: Array
+    """From the anchor to the nose: downstream and up; shape (k, 2) [m]."""
     tail: tuple[float, float]
+    """Downstream and up from the anchor [m]."""
     uphill: float
+    """Rise of the seafloor over a metre downstream."""
 
     @property
     def least_friction(self) -> Annotated[float | None, Entry(key="friction_needed")]:
@@ -67,8 +58,6 @@ class HeldVehicle(Record):
         Of the hull [m].
     anchor_length, anchor_diameter, anchor_weight : float
         [m, m, N].
-    line_length : float
-        [m].
     friction_given, centres_given : bool
         Whether the vehicle file says how the anchor holds, and where the centres of gravity and buoyancy are.
     """
@@ -80,6 +69,7 @@ class HeldVehicle(Record):
     anchor_diameter: float
     anchor_weight: float
     line_length: float
+    """Line length [m]."""
     friction: Annotated[float, Entry("friction coefficient of the anchor on the seafloor", key="holding_factor")]
     friction_given: bool
     centres_given: bool

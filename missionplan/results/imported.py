@@ -37,12 +37,6 @@ class TrackLines:
     ----------
     fixes, rejected : array, shape (2, n)
         Fixes that count, and those that do not.
-    reckoned : tuple of array, shape (2, k)
-        Dead-reckoned way of each dive; empty where there is none.
-    leg_starts : array, shape (2, dives)
-        Fix before each dive.
-    leg_ends : array, shape (2, 2, dives)
-        Dead-reckoned end of each dive, then the fix after it; nan where there is none.
     depth_t, depth : array, shape (m,)
         Depth record, thinned [s, m].
     """
@@ -50,8 +44,11 @@ class TrackLines:
     fixes: Array
     rejected: Array
     reckoned: tuple[Array, ...]
+    """Dead-reckoned way of each dive; empty where there is none; shape (2, k)."""
     leg_starts: Array
+    """Fix before each dive, shape (2, dives)."""
     leg_ends: Array
+    """Dead-reckoned end of each dive, then the fix after it; nan where there is none; shape (2, 2, dives)."""
     depth_t: Array
     depth: Array
 
@@ -76,14 +73,10 @@ class LegPicture:
 
     Attributes
     ----------
-    row : int
-        Of the dives.
     fix_t, fixes : array, shape (n,), (2, n)
         Fixes that count, from a while before the leg to a while after it: times since its start [s], and places.
     rejected_t, rejected : array, shape (k,), (2, k)
         Those that do not.
-    reasons : tuple of str
-        Why not.
     reckoned_t, reckoned : array, shape (m,), (2, m)
         Dead-reckoned positions.
     depth_t, depth : array, shape (d,)
@@ -91,11 +84,13 @@ class LegPicture:
     """
 
     row: int
+    """Of the dives."""
     fix_t: Array
     fixes: Array
     rejected_t: Array
     rejected: Array
     reasons: tuple[str, ...]
+    """Why not."""
     reckoned_t: Array
     reckoned: Array
     depth_t: Array
@@ -104,32 +99,7 @@ class LegPicture:
 
 @dataclass(frozen=True)
 class ImportedData(Result):
-    """Result of `import`.
-
-    Attributes
-    ----------
-    dataset : Mapping
-        Contents of ``dataset.yaml``.
-    table : DataFrame
-        The data set's CSV.
-    dives : DataFrame
-        Every dive that was found, with `ok` and `reason`.
-    rejected_fixes : DataFrame
-        Fixes that do not count, with the reason.
-    mission_text : str
-        The starter mission, as written.
-    figures : Mapping
-        Numbers of the summary: fixes, lengths, speeds, errors.
-    can_show : tuple of (str, str)
-        What a diagnosis of this data can find, and what it lacks for the rest.
-    lines : TrackLines
-    extra_files : Mapping
-        Further files, by name: the starter's vehicle.
-    basis : Basis or None
-        What legs rest on; what each does is in `dives`. None for dives of a depth record.
-    pictures : tuple of LegPicture
-        Of the legs that were to be explained.
-    """
+    """Result of `import`."""
 
     report: ClassVar[str] = "missionplan.importers.page"
     provenance: Provenance
@@ -137,20 +107,30 @@ class ImportedData(Result):
     name: Annotated[str, Entry("of the data set", key="dataset")]
     format: Annotated[str, Entry("of the logs")]
     dataset: Mapping[str, object]
+    """Contents of ``dataset.yaml``."""
     table: pd.DataFrame = field(repr=False)
+    """The data set's CSV."""
     dives: pd.DataFrame = field(repr=False)
+    """Every dive that was found, with `ok` and `reason`."""
     sources: Annotated[tuple[SourceEntry, ...], Entry("files that were read")]
     passed_over: Annotated[tuple[str, ...], Entry("files that were not read, with the reason")]
     reckoning: Annotated[str, Entry("where dead-reckoned positions come from, in words")]
     rejected_fixes: pd.DataFrame = field(repr=False)
+    """Fixes that do not count, with the reason."""
     mission_text: str
+    """The starter mission, as written."""
     can_show: tuple[tuple[str, str], ...]
+    """What a diagnosis of this data can find, and what it lacks for the rest."""
     next_commands: Annotated[tuple[str, ...], Entry("commands that may follow", key="next")]
     figures: Mapping[str, float]
+    """Numbers of the summary: fixes, lengths, speeds, errors."""
     lines: TrackLines = field(repr=False)
     extra_files: Mapping[str, str] = field(default_factory=dict, repr=False)
+    """Further files, by name: the starter's vehicle."""
     basis: Annotated[Basis | None, Entry("what the legs rest on", key="legs_rest_on", optional=True)] = None
+    """What legs rest on; what each does is in `dives`. None for dives of a depth record."""
     pictures: tuple[LegPicture, ...] = ()
+    """Of the legs that were to be explained."""
 
     @property
     def counted(self) -> Annotated[int, Entry()]:

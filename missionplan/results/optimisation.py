@@ -87,30 +87,22 @@ class Obstacle(Record):
 
 @dataclass(frozen=True)
 class Optimised(Result):
-    """Choices that meet all requirements at the least cost.
-
-    Attributes
-    ----------
-    axes : tuple of Axis
-        What could be chosen.
-    mission : mapping
-        The mission with the choice.
-    checked : Outcome or None
-        The choice simulated with the mission's seed; None where there is no choice to check.
-    tried : tuple of Tried
-    """
+    """Choices that meet all requirements at the least cost."""
 
     report: ClassVar[str] = "missionplan.report.optimisation"
 
     provenance: Provenance
     aim: Annotated[Literal["energy", "duration"], Entry("what is least")]
     axes: tuple[Axis, ...]
+    """What could be chosen."""
     chosen: Annotated[Mapping[str, str], Entry("the choice; of an infeasible problem the one that comes nearest")]
     feasible: Annotated[
         bool, Entry("whether it meets all requirements, on the mission's random numbers and on fresh ones")
     ]
     mission: Mapping[str, object]
+    """The mission with the choice."""
     checked: Outcome | None
+    """The choice simulated with the mission's seed; None where there is no choice to check."""
     fresh: Annotated[
         Outcome | None,
         Entry(

@@ -60,19 +60,14 @@ class ExpectedTime(Record):
 
 @dataclass(frozen=True)
 class SearchArea(Record):
-    """The smallest area that holds the vehicle with some probability, if it was lost in one way.
-
-    Attributes
-    ----------
-    polygons : tuple of tuple of array, shape (2, k)
-        Its parts: closed rings east and north of the origin, the outer one first, then holes [m].
-    """
+    """The smallest area that holds the vehicle with some probability, if it was lost in one way."""
 
     way: Annotated[Way, Entry("of being lost")]
     after: Annotated[str, Entry("mooring at which it lies, or after which it drifts; empty for other ways")]
     overdue: Annotated[float, Entry("after the time at which to worry", "s")]
     share: Annotated[float, Entry("of the trials that it holds")]
     polygons: tuple[tuple[Array, ...], ...]
+    """Its parts: closed rings east and north of the origin, the outer one first, then holes; shape (2, k) [m]."""
     centre_east: Annotated[float, Entry("mean of the places, east of the origin", "m")]
     centre_north: Annotated[float, Entry("mean of the places, north of the origin", "m")]
     densest_east: Annotated[float, Entry("where they are densest: where a search begins, east of the origin", "m")]
@@ -107,19 +102,14 @@ def _ring_area(ring: Array) -> float:
 
 @dataclass(frozen=True)
 class Overdue(Record):
-    """What the boat needs to know if the vehicle does not come back.
-
-    Attributes
-    ----------
-    assumptions : tuple of DriftAssumption
-        On which the areas rest.
-    """
+    """What the boat needs to know if the vehicle does not come back."""
 
     times: Annotated[tuple[ExpectedTime, ...], Entry("of the surfacings in their order, the return last")]
     missing: Annotated[Mapping[str, float], Entry("share of the trials that never end, by the step at which they fail")]
     areas: Annotated[tuple[SearchArea, ...], Entry("way by way, by hours overdue")]
     searches: Annotated[int, Entry("searches that found nothing and are allowed for")] = 0
     assumptions: tuple[DriftAssumption, ...] = ()
+    """On which the areas rest."""
 
     @property
     def assumed(self) -> Annotated[list[str], Entry(key="assumptions")]:

@@ -59,12 +59,8 @@ class Prediction(Record):
     ----------
     inside_50, inside_90 : int
         Values inside their central intervals.
-    chance_90 : tuple of float
-        Coverages of the 90 % intervals that chance allows, were the mission true.
     mean, sd, z, pit : array, shape (v,)
         Of each value: expected, its standard deviation, error over it, probability of less.
-    yardsticks : mapping
-        By name.
     """
 
     rmse: Annotated[
@@ -75,6 +71,7 @@ class Prediction(Record):
     inside_50: int
     inside_90: int
     chance_90: tuple[float, float]
+    """Coverages of the 90 % intervals that chance allows, were the mission true."""
     p_value: Annotated[
         float, Entry("of the probability integral transforms, by Anderson and Darling, were the mission true")
     ]
@@ -84,6 +81,7 @@ class Prediction(Record):
     z: Array
     pit: Array
     yardsticks: Mapping[str, Yardstick]
+    """By name."""
 
     @property
     def coverage_90(self) -> float:
@@ -166,10 +164,7 @@ class DatasetScore(Record):
     ----------
     labels, places : array, shape (v,)
         Group of each value, and which of its values it is: ``east``, ``north``, or the time [s].
-    measured : array, shape (v,)
-        Position error of a leg, or depth [m].
     one_step, whole : Prediction
-    notices : tuple of str
     """
 
     name: Annotated[str, Entry("of the data set")]
@@ -178,6 +173,7 @@ class DatasetScore(Record):
     labels: Array
     places: Array
     measured: Array
+    """Position error of a leg, or depth, shape (v,) [m]."""
     one_step: Prediction
     whole: Prediction
     effective: Annotated[

@@ -24,18 +24,12 @@ if TYPE_CHECKING:  # workers import this module: pandas takes half a second
 
 @dataclass(frozen=True)
 class Histogram:
-    """Counts of a quantity in bins of equal width, over all trials.
-
-    Attributes
-    ----------
-    edges : array, shape (bins + 1,)
-        In the quantity's unit.
-    counts : array, shape (bins,)
-        The first and last bin also hold what lies beyond them.
-    """
+    """Counts of a quantity in bins of equal width, over all trials."""
 
     edges: Array
+    """In the quantity's unit, shape (bins + 1,)."""
     counts: Array
+    """The first and last bin also hold what lies beyond them, shape (bins,)."""
 
 
 @dataclass(frozen=True)
@@ -44,15 +38,12 @@ class PhaseOutcome(Record):
 
     Attributes
     ----------
-    name : str
-        As in key paths.
-    histograms : mapping of str to Histogram
-        Of the quantities.
     start, end : Statistic
         Mission time at which the phase began and ended, of the trials that reached it [s].
     """
 
     name: str
+    """As in key paths."""
     kind: Annotated[str, Entry("such as ``transit``")]
     quantities: Annotated[Mapping[str, Statistic], Entry("by names that end with the unit")]
     events: Annotated[
@@ -60,6 +51,7 @@ class PhaseOutcome(Record):
         Entry("such as ``arrived``; of all trials, so that a trial that never reached the phase counts as no"),
     ]
     histograms: Mapping[str, Histogram]
+    """Of the quantities."""
     start: Statistic
     end: Statistic
     label: Annotated[str, Entry("as the mission's file has it", key="name")]
@@ -81,34 +73,24 @@ class Attrition(Record):
 
 @dataclass(frozen=True)
 class RequirementOutcome(Record):
-    """A requirement of the mission and whether it is met.
-
-    Attributes
-    ----------
-    quantity : str
-        Such as ``moor.offset``.
-    bound : 'at_most', 'at_least' or None
-        None for an event.
-    limit : float or None
-        In SI.
-    unit : str
-        SI unit of the limit.
-    trials : int
-        From which the probability is taken.
-    written : str
-        The quantity as the mission's file has it, where a phase in it has a name that cannot serve in key paths.
-    """
+    """A requirement of the mission and whether it is met."""
 
     quantity: str
+    """Such as ``moor.offset``."""
     bound: Literal["at_most", "at_least"] | None
+    """None for an event."""
     limit: float | None
+    """In SI."""
     unit: str
+    """SI unit of the limit."""
     required: Annotated[float, Entry("probability required")]
     probability: Annotated[Probability, Entry("probability reached, with its interval")]
     met: Annotated[bool, Entry("whether it is as high as required")]
     undecided: Annotated[bool, Entry("whether the required probability lies inside the interval")]
     trials: int = 0
+    """From which the probability is taken."""
     written: str = ""
+    """The quantity as the mission's file has it, where a phase in it has a name that cannot serve in key paths."""
     reached: Annotated[
         float | None, Entry("value that the required share of the trials stays within, SI", optional=True)
     ] = None
@@ -173,58 +155,31 @@ class MooringAnchor(Record):
 
 @dataclass(frozen=True)
 class Tracks:
-    """Horizontal tracks of the first trials of the run, for maps.
-
-    Attributes
-    ----------
-    position : array, shape (points, 2, trials)
-        East and north of the origin at the start and at each fix, anchor drop, touchdown and surfacing;
-        nan after a trial has ended [m].
-    time : array, shape (points, trials)
-        Since the mission's start, at these points [s].
-    phase : array of int, shape (points,)
-        Index of the phase that each point belongs to.
-    targets : mapping of str to ((east, north), radius)
-        Goal and arrival circle of each phase [m].
-    anchors : array, shape (2, trials)
-        Anchors on the seafloor, of one mooring after another; nan where there is none [m].
-    origin : (latitude, longitude) or None
-        Of the local plane [rad].
-    profile : array, shape (2, corners, trials)
-        When, since the mission's start, and how deep the vehicle is, straight between; nan after a trial has failed
-        [s, m].
-    success : array of bool, shape (trials,)
-        Whether the mission succeeds.
-    """
+    """Horizontal tracks of the first trials of the run, for maps."""
 
     position: Array
+    """East and north of the origin at the start and at each fix, anchor drop, touchdown and surfacing; nan after a
+    trial has ended; shape (points, 2, trials) [m]."""
     time: Array
+    """Since the mission's start, at these points, shape (points, trials) [s]."""
     phase: NDArray[np.int64]
+    """Index of the phase that each point belongs to, shape (points,)."""
     targets: Mapping[str, tuple[tuple[float, float], float]]
+    """Goal and arrival circle of each phase [m]."""
     anchors: Array
+    """Anchors on the seafloor, of one mooring after another; nan where there is none; shape (2, trials) [m]."""
     origin: tuple[float, float] | None
+    """Of the local plane [rad]."""
     profile: Array
+    """When, since the mission's start, and how deep the vehicle is, straight between; nan after a trial has failed;
+    shape (2, corners, trials) [s, m]."""
     success: NDArray[np.bool_]
+    """Whether the mission succeeds, shape (trials,)."""
 
 
 @dataclass(frozen=True)
 class Outcome(Result):
-    """Result of `simulate`.
-
-    Attributes
-    ----------
-    tracks : Tracks
-    arrivals : mapping of str to array, shape (2, m)
-        True end position of each phase relative to its goal, of the first trials, for CEP circles [m].
-    trials_table : bytes or None
-        Parquet, one row per trial, on request.
-    chart : SeaChart or None
-        Depths, land and zones about the tracks; None where the mission says nothing of them.
-    plan : Plan or None
-        As vehicles take it; None where the mission has no transit, or more legs than it allows.
-    members : tuple of ExplainedOutcome
-        The same trials by the member of the current's ensemble that each sails in; empty without an ensemble.
-    """
+    """Result of `simulate`."""
 
     report: ClassVar[str] = "missionplan.report.simulation.page"
 
@@ -242,6 +197,7 @@ class Outcome(Result):
     ]
     tracks: Tracks
     arrivals: Mapping[str, Array]
+    """True end position of each phase relative to its goal, of the first trials, for CEP circles, shape (2, m) [m]."""
     limits: Annotated[
         Mapping[str, Probability],
         Entry(
@@ -261,7 +217,9 @@ class Outcome(Result):
         Entry("blocks of trials that failed numerically, with seed and block; left out of everything else"),
     ] = ()
     trials_table: bytes | None = None
+    """Parquet, one row per trial, on request."""
     plan: Plan | None = None
+    """As vehicles take it; None where the mission has no transit, or more legs than it allows."""
     overdue: Annotated[
         Overdue | None,
         Entry("what to know if the vehicle does not come back; null where too few trials come back"),
@@ -271,7 +229,9 @@ class Outcome(Result):
         Entry("the same trials by the explanation that holds in each; empty for a mission without doubts"),
     ] = ()
     members: tuple[ExplainedOutcome, ...] = ()
+    """The same trials by the member of the current's ensemble that each sails in; empty without an ensemble."""
     chart: SeaChart | None = None
+    """Depths, land and zones about the tracks; None where the mission says nothing of them."""
     assumptions: tuple[Assumption, ...] = ()
     contacts: Annotated[
         tuple[PlaceContact, ...],

@@ -19,25 +19,23 @@ class DiveProbabilities:
 
     Attributes
     ----------
-    good : Probability
-        Of the mooring failing in no way: within the radius, not struck, and what else the files let be known.
     within, struck : Probability
         Of the anchor coming down within the radius, and of the vehicle striking the seafloor.
-    holds : Probability or None
-        Of the anchor holding; None where the vehicle file does not say how it does, and every anchor counts as holding.
     offset, lowest_altitude : Statistic
         Of the anchor from the last fix, and of the vehicle above the seafloor [m].
-    requirements : tuple of RequirementOutcome
-        What the mission requires of the mooring.
     """
 
     good: Probability
+    """Of the mooring failing in no way: within the radius, not struck, and what else the files let be known."""
     within: Probability
     holds: Probability | None
+    """Of the anchor holding; None where the vehicle file does not say how it does, and every anchor counts as holding.
+    """
     struck: Probability
     offset: Statistic
     lowest_altitude: Statistic
     requirements: tuple[RequirementOutcome, ...] = ()
+    """What the mission requires of the mooring."""
 
     def summary(self) -> dict[str, object]:
         """Return the section `odds` of ``summary.json``."""
@@ -54,38 +52,25 @@ class DiveProbabilities:
 
 @dataclass(frozen=True)
 class SizedAnchor:
-    """One anchor: its construction, its nominal dive, and the probabilities of its dives.
-
-    Attributes
-    ----------
-    wet_weight : float
-        [N]
-    terminal_velocity : float
-        Speed through the water at which the drag balances the wet weight; the vehicle's own buoyancy is left out, as
-        in Eq. 15, unless the mission carries it [m/s].
-    drag : DragBuildUp
-        At that speed, effects included [N].
-    design : AnchorDesign or None
-        None where the vehicle file has no `construction`.
-    remedies : tuple of Remedy
-        Single changes of the construction that would make an impossible anchor possible.
-    buildable : (float, float) or None
-        Range of wet weights that the construction can make, where this one is impossible [N].
-    dive : Dive
-        The nominal dive, distributions at their means.
-    profile : DescentProfile
-        That dive against time.
-    probabilities : DiveProbabilities
-    """
+    """One anchor: its construction, its nominal dive, and the probabilities of its dives."""
 
     wet_weight: float
+    """Wet weight [N]."""
     terminal_velocity: float
+    """Speed through the water at which the drag balances the wet weight; the vehicle's own buoyancy is left out, as in
+    Eq. 15, unless the mission carries it [m/s]."""
     drag: DragBuildUp
+    """At that speed, effects included [N]."""
     design: AnchorDesign | None
+    """None where the vehicle file has no `construction`."""
     remedies: tuple[Remedy, ...]
+    """Single changes of the construction that would make an impossible anchor possible."""
     buildable: tuple[float, float] | None
+    """Range of wet weights that the construction can make, where this one is impossible [N]."""
     dive: Dive
+    """The nominal dive, distributions at their means."""
     profile: DescentProfile
+    """That dive against time."""
     probabilities: DiveProbabilities
 
     @property

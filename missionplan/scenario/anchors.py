@@ -36,18 +36,12 @@ _Drawn = TypeVar("_Drawn", bound=DrawnMission)
 
 @dataclass(frozen=True)
 class CarriedAnchors:
-    """What the anchors that are attached, sealed and neutral add to the vehicle.
-
-    Attributes
-    ----------
-    length : float or array, shape (n,)
-        By which they lengthen the hull [m].
-    mass : float or array, shape (n,)
-        Dry [kg].
-    """
+    """What the anchors that are attached, sealed and neutral add to the vehicle."""
 
     length: Scalars
+    """By which they lengthen the hull, float or shape (n,) [m]."""
     mass: Scalars
+    """Dry, float or shape (n,) [kg]."""
 
     def lengthened(self, drag: VehicleDrag) -> VehicleDrag:
         """Drag of the vehicle with the anchors on its nose; one that was measured in a tank stays as it is."""

@@ -19,30 +19,25 @@ class DriftSample:
 
     Attributes
     ----------
-    trials : int
-        n; 1 where nothing is uncertain.
-    velocity_error : array, shape (2, 1) or (2, n)
-        Mean of the velocity error of the legs [m/s].
-    current : Current or None
-        The site's, as drawn; None in still water.
-    is_recorded : bool
-        Whether the current is read from a file, so that the forecast knows it exactly.
     depth, surfacing_time : float or array, shape (n,)
         Of the transit [m, s].
-    effects : tuple of TransitEffect
-        As drawn.
-    forecast_error : tuple of float or array, shape (n,), or None
-        Standard deviation and correlation time of the recorded current's error along the track [m/s, s].
     """
 
     trials: int
+    """n; 1 where nothing is uncertain."""
     velocity_error: Array
+    """Mean of the velocity error of the legs, shape (2, 1) or (2, n) [m/s]."""
     current: Current | None
+    """The site's, as drawn; None in still water."""
     is_recorded: bool
+    """Whether the current is read from a file, so that the forecast knows it exactly."""
     depth: Scalars
     surfacing_time: Scalars
     effects: tuple[TransitEffect, ...]
+    """As drawn."""
     forecast_error: tuple[Scalars, Scalars] | None = None
+    """Standard deviation and correlation time of the recorded current's error along the track, float or shape (n,)
+    [m/s, s]."""
 
 
 def drift_model(

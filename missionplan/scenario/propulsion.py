@@ -95,25 +95,16 @@ class InferredSpeed(TransitEffect):
 
 @dataclass(frozen=True)
 class PropelledVehicle:
-    """A vehicle with a propeller, with the draws of a block.
-
-    Attributes
-    ----------
-    propeller : Propeller
-    vehicle : Vehicle
-    propulsion : Propulsion
-        The vehicle's.
-    drag : VehicleDrag
-        Drag [N] from speed [m/s].
-    carried_mass : float or array, shape (n,)
-        That moves with the vehicle, such as its anchor's [kg].
-    """
+    """A vehicle with a propeller, with the draws of a block."""
 
     propeller: Propeller
     vehicle: Vehicle[Scalars]
     propulsion: Propulsion[Scalars]
+    """The vehicle's."""
     drag: VehicleDrag
+    """Drag [N] from speed [m/s]."""
     carried_mass: Scalars = 0.0
+    """That moves with the vehicle, such as its anchor's, float or shape (n,) [kg]."""
 
     def speed(self, shaft_rate: Scalars) -> Scalars:
         """Speed through the water at a shaft rate [rad/s], in m/s."""

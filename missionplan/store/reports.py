@@ -24,19 +24,16 @@ class ReportEntry:
 
     Attributes
     ----------
-    folder : Path
     command, mission : str
-    created : datetime or None
-        UTC; None where the summary does not say.
-    answer : str
-        The report's first sentence; why it cannot be read, where it cannot.
     """
 
     folder: Path
     command: str
     mission: str
     created: datetime | None
+    """UTC; None where the summary does not say."""
     answer: str
+    """The report's first sentence; why it cannot be read, where it cannot."""
 
     @property
     def page(self) -> Path:

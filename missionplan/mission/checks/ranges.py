@@ -27,18 +27,12 @@ EFFECT_SCALES = 6.0
 
 @dataclass(frozen=True)
 class Findings:
-    """What the limits say of a mission.
-
-    Attributes
-    ----------
-    problems : tuple of LocalProblem
-        What cannot be.
-    notices : tuple of LocalProblem
-        What is unusual.
-    """
+    """What the limits say of a mission."""
 
     problems: tuple[LocalProblem, ...] = ()
+    """What cannot be."""
     notices: tuple[LocalProblem, ...] = ()
+    """What is unusual."""
 
     def __add__(self, other: "Findings") -> "Findings":
         """Join two."""

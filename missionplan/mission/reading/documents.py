@@ -23,21 +23,14 @@ _LOADER = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
 
 @dataclass
 class Document:
-    """Plain data of a YAML file, with the line of each value.
-
-    Attributes
-    ----------
-    data : dict, list or scalar
-        Mappings, lists and scalars.
-    marks : dict
-        File and line of each key path; empty where the data come from no file.
-    texts : dict
-        Text of each file, by the key path at which its data are.
-    """
+    """Plain data of a YAML file, with the line of each value."""
 
     data: Any
+    """Mappings, lists and scalars."""
     marks: dict[KeyPath, tuple[str, int | None]] = field(default_factory=dict)
+    """File and line of each key path; empty where the data come from no file."""
     texts: dict[KeyPath, str] = field(default_factory=dict)
+    """Text of each file, by the key path at which its data are."""
 
     @property
     def files(self) -> tuple[str, ...]:

@@ -8,27 +8,18 @@ WATT_HOUR = 3600.0
 
 @dataclass(frozen=True)
 class Limit:
-    """What one quantity may be. Ends are included; the sign does not count where `signed`.
-
-    Attributes
-    ----------
-    possible : (float, float)
-        Beyond it is an error.
-    usual : (float, float)
-        Beyond it is a notice. Zero is never unusual.
-    source : str
-        Who says so, as messages quote it.
-    signed : bool
-        Whether the range is one of sizes, whatever the sign.
-    unit : str or None
-        In which the numbers are; None: the one in which the field is read.
-    """
+    """What one quantity may be. Ends are included; the sign does not count where `signed`."""
 
     possible: tuple[float, float]
+    """Beyond it is an error."""
     usual: tuple[float, float]
+    """Beyond it is a notice. Zero is never unusual."""
     source: str
+    """Who says so, as messages quote it."""
     signed: bool = False
+    """Whether the range is one of sizes, whatever the sign."""
     unit: str | None = None
+    """In which the numbers are; None: the one in which the field is read."""
 
 
 _CURRENT_SOURCE = "tidal currents reach 10 m/s in Saltstraumen, ocean currents 2.5 m/s in the Gulf Stream"

@@ -53,21 +53,18 @@ class QuantityParser:
 
     Attributes
     ----------
-    unit : str
-        SI unit of the result (temperatures in degC); empty for bare numbers.
     low, high : float
         Physical range in that unit.
-    open_low : bool
-        Whether `low` itself is excluded.
-    fixed : bool
-        Whether distributions are refused.
     """
 
     unit: str
+    """SI unit of the result (temperatures in degC); empty for bare numbers."""
     low: float = -math.inf
     high: float = math.inf
     open_low: bool = False
+    """Whether `low` itself is excluded."""
     fixed: bool = False
+    """Whether distributions are refused."""
 
     def __call__(self, value: object) -> Quantity:
         """Read a value as a pydantic validator does.
@@ -160,15 +157,10 @@ class QuantityParser:
 
 @dataclass(frozen=True)
 class CoordinateParser(QuantityParser):
-    """Reads a latitude or a longitude, as a number with a unit or as a chart has it: ``60° 06.0' N``, ``60 06 30 N``.
-
-    Attributes
-    ----------
-    signs : str
-        Letters of the positive and the negative direction.
-    """
+    """Reads a latitude or longitude, as a number with a unit or as a chart has it: ``60° 06.0' N``, ``60 06 30 N``."""
 
     signs: str = "NS"
+    """Letters of the positive and the negative direction."""
 
     def parse(self, value: object) -> Quantity:
         """Read a value; see `QuantityParser.parse`."""

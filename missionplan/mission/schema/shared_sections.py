@@ -20,24 +20,16 @@ _Section = TypeVar("_Section", bound=BaseModel)
 
 @dataclass(frozen=True)
 class ValueInForce:
-    """What holds of one key of a shared section.
-
-    Attributes
-    ----------
-    path : KeyPath
-        As in the mission's file.
-    value : object
-        As written, or the default as one would write it; None where there is none.
-    source : {'mission', 'vehicle', 'default'}
-        Where it is from.
-    overridden : object
-        What the vehicle file says, where the mission's value goes before it; else None.
-    """
+    """What holds of one key of a shared section."""
 
     path: KeyPath
+    """As in the mission's file."""
     value: object
+    """As written, or the default as one would write it; None where there is none."""
     source: Literal["mission", "vehicle", "default"]
+    """Where it is from."""
     overridden: object = None
+    """What the vehicle file says, where the mission's value goes before it; else None."""
 
     def __str__(self) -> str:
         given = "none" if self.value is None else _in_words(self.value)

@@ -66,25 +66,16 @@ class Batch:
 
 @dataclass(frozen=True)
 class Screened:
-    """What a part looks like at first.
-
-    Attributes
-    ----------
-    part : Part
-    probability : float
-        Of the failure and the stratum, roughly; zero where none was found.
-    nearest : float
-        Where none was found: probability, roughly, of coming as near to it as the nearest trials.
-    levels : int
-    trials : int
-        That were run.
-    """
+    """What a part looks like at first."""
 
     part: Part
     probability: float
+    """Of the failure and the stratum, roughly; zero where none was found."""
     nearest: float
+    """Where none was found: probability, roughly, of coming as near to it as the nearest trials."""
     levels: int
     trials: int
+    """That were run."""
 
 
 @dataclass(frozen=True)
@@ -93,45 +84,32 @@ class BatchResult(Generic[Description]):
 
     Attributes
     ----------
-    batch : Batch
     probabilities, counted : array, shape (runs,)
         Of the failure in this way and stratum; and what it adds to the whole.
-    described : Description
-        Of the trials that fail.
-    trials : int
-        That were run.
     """
 
     batch: Batch
     probabilities: Array
     counted: Array
     described: Description
+    """Of the trials that fail."""
     trials: int
+    """That were run."""
 
 
 @dataclass(frozen=True, eq=False)  # hashed by identity, as a block's task is
 class FailureSearch(Generic[Description]):
-    """What is searched, and how its runs are made; sent to the workers.
-
-    Attributes
-    ----------
-    model : Model
-    strata : sequence of Stratum
-    indices : ReliabilityIndices
-        Of plain trials.
-    seed : int
-    describe : callable
-        Of trials and their weights, shape (n,): what is kept of them.
-    known : float
-        Share of plain trials that fail: what is rarer by far is not looked for.
-    """
+    """What is searched, and how its runs are made; sent to the workers."""
 
     model: Model
     strata: Sequence[Stratum]
     indices: ReliabilityIndices
+    """Of plain trials."""
     seed: int
     describe: Callable[[StrataView, Array], Description]
+    """Of trials and their weights, shape (n,): what is kept of them."""
     known: float = 0.0
+    """Share of plain trials that fail: what is rarer by far is not looked for."""
 
     @property
     def parts(self) -> list[Part]:
@@ -185,27 +163,18 @@ class FailureSearch(Generic[Description]):
 
 @dataclass(frozen=True)
 class Found(Generic[Description]):
-    """What a search found.
-
-    Attributes
-    ----------
-    estimate : Estimate
-        Of the failure, over all ways and strata.
-    screened : tuple of Screened
-        Every part.
-    batches : tuple of BatchResult
-        Of the parts that were estimated, the first stage's first.
-    trials : int
-        That were run, without plain ones.
-    cut : bool
-        Whether fewer runs were made than the accuracy asked for takes.
-    """
+    """What a search found."""
 
     estimate: Estimate
+    """Of the failure, over all ways and strata."""
     screened: tuple[Screened, ...]
+    """Every part."""
     batches: tuple[BatchResult[Description], ...]
+    """Of the parts that were estimated, the first stage's first."""
     trials: int
+    """That were run, without plain ones."""
     cut: bool
+    """Whether fewer runs were made than the accuracy asked for takes."""
 
     def probability(self, way: int) -> float:
         """Of failing in a way, alone or with others."""

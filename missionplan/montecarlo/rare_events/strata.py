@@ -30,20 +30,13 @@ Interval = tuple[float, float]
 
 @dataclass(frozen=True)
 class DiscreteValue:
-    """A value of a discrete quantity.
-
-    Attributes
-    ----------
-    quantity : str
-    value : str
-        As a reader knows it.
-    interval : Interval
-        Where the quantity's normal gives this value.
-    """
+    """A value of a discrete quantity."""
 
     quantity: str
     value: str
+    """As a reader knows it."""
     interval: Interval
+    """Where the quantity's normal gives this value."""
 
     @property
     def probability(self) -> float:
@@ -53,36 +46,23 @@ class DiscreteValue:
 
 @dataclass(frozen=True)
 class Stratum:
-    """A part of all trials.
-
-    Attributes
-    ----------
-    probability : float
-        Of a trial to be in it.
-    value : DiscreteValue or None
-        The rare value that its trials have; None where none has one.
-    allowed : mapping of Key to sequence of Interval
-        Where the normals of its discrete quantities lie.
-    """
+    """A part of all trials."""
 
     probability: float = 1.0
+    """Of a trial to be in it."""
     value: DiscreteValue | None = None
+    """The rare value that its trials have; None where none has one."""
     allowed: Mapping[Key, Sequence[Interval]] = field(default_factory=dict)
+    """Where the normals of its discrete quantities lie."""
 
 
 @dataclass(frozen=True)
 class StrataView:
-    """Trials of strata: a population whose normals of discrete quantities are brought to where they may lie.
-
-    Attributes
-    ----------
-    population : NormalPopulation
-    strata : sequence of Stratum
-        As many trials of each, side by side.
-    """
+    """Trials of strata: a population whose normals of discrete quantities are brought to where they may lie."""
 
     population: NormalPopulation
     strata: Sequence[Stratum] = (Stratum(),)
+    """As many trials of each, side by side."""
 
     @property
     def trials(self) -> int:
@@ -182,9 +162,6 @@ class Estimate:
 
     Attributes
     ----------
-    value : float
-    variation : float
-        Coefficient of variation of `value`, from the scatter of the runs; infinite where none found a failure.
     low, high : float
         95 % interval: Student's t on the logarithm of the value, as a product of many random factors is skewed, with
         the degrees of freedom of a sum of variances (Satterthwaite 1946, *Biometrics Bulletin* 2, 110–114).
@@ -192,6 +169,7 @@ class Estimate:
 
     value: float
     variation: float
+    """Coefficient of variation of `value`, from the scatter of the runs; infinite where none found a failure."""
     low: float
     high: float
 

@@ -117,24 +117,16 @@ MOST_LEVELS = 17
 
 @dataclass
 class Levels:
-    """Levels of a group, as its pilot chooses them one after another.
-
-    Attributes
-    ----------
-    thresholds : list of float
-        The trials of each level have at most this margin: infinite on the first.
-    spreads : list of float
-        Of the moves on each level.
-    shares : list of float
-        Of the trials of each level that passed to the next; of the last level, those that failed.
-    reached : bool
-        Whether failures were found; if not, the margin led nowhere.
-    """
+    """Levels of a group, as its pilot chooses them one after another."""
 
     thresholds: list[float]
+    """The trials of each level have at most this margin: infinite on the first."""
     spreads: list[float]
+    """Of the moves on each level."""
     shares: list[float]
+    """Of the trials of each level that passed to the next; of the last level, those that failed."""
     reached: bool = False
+    """Whether failures were found; if not, the margin led nowhere."""
 
     @property
     def probability(self) -> float:
@@ -149,27 +141,19 @@ class Levels:
 
 @dataclass(frozen=True)
 class Run:
-    """What groups with fixed levels found.
-
-    Attributes
-    ----------
-    probabilities : array, shape (groups,)
-        Unbiased estimate of the probability of its failure, of each group.
-    counted : array, shape (groups,)
-        The same, each failing trial counted as what it counts.
-    failing : NormalPopulation
-        A sample of the trials that fail, as many of each group.
-    weights : array, shape (n,)
-        Of that sample: those of a group sum to its `counted`, on average; zero where a group found no failure.
-    trials : int
-        That were run.
-    """
+    """What groups with fixed levels found."""
 
     probabilities: Array
+    """Unbiased estimate of the probability of its failure, of each group, shape (groups,)."""
     counted: Array
+    """The same, each failing trial counted as what it counts, shape (groups,)."""
     failing: NormalPopulation
+    """A sample of the trials that fail, as many of each group."""
     weights: Array
+    """Of that sample: those of a group sum to its `counted`, on average; zero where a group found no failure; shape
+    (n,)."""
     trials: int
+    """That were run."""
 
 
 @dataclass(frozen=True)

@@ -29,18 +29,13 @@ _LEAST = float(np.finfo(float).tiny)
 
 @dataclass(frozen=True)
 class TrialMargins:
-    """How near trials came to each way to fail.
-
-    Attributes
-    ----------
-    by_way : array, shape (ways, n)
-        Negative or zero where the trial fails so, the smaller the nearer; nan where it never came so far.
-    failed : array of bool, shape (n,)
-        Whether it fails at all.
-    """
+    """How near trials came to each way to fail."""
 
     by_way: Array
+    """Negative or zero where the trial fails so, the smaller the nearer; nan where it never came so far; shape (ways,
+    n)."""
     failed: NDArray[np.bool_]
+    """Whether it fails at all, shape (n,)."""
 
     @property
     def fails_by(self) -> NDArray[np.bool_]:
@@ -102,21 +97,13 @@ def _score(values: Array, margins: Array, scores: Array) -> Array:
 
 @dataclass(frozen=True, eq=False)
 class WayDrive:
-    """Drives groups of trials, each in a stratum and towards one way to fail.
-
-    Attributes
-    ----------
-    model : Model
-    strata : sequence of Stratum
-        Of each group.
-    ways : sequence of int
-        Number of each group's margin; as many as there are for what fails with no margin negative.
-    indices : ReliabilityIndices
-    """
+    """Drives groups of trials, each in a stratum and towards one way to fail."""
 
     model: Model
     strata: Sequence[Stratum]
+    """Of each group."""
     ways: Sequence[int]
+    """Number of each group's margin; as many as there are for what fails with no margin negative."""
     indices: ReliabilityIndices
 
     def __call__(self, population: NormalPopulation, groups: Groups) -> tuple[Array, Array]:

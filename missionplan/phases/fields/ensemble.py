@@ -33,21 +33,16 @@ class Ensemble(RecordedCurrent):
     ----------
     time, depth : array, shapes (2,)
         Which all members cover [s since the mission's start, m].
-    members : tuple of RecordedCurrent
-    names : tuple of str
-    weights : array, shape (m,)
-        Their probabilities.
-    chosen : array of int, shape (n,), or None
-        The member of each trial; None for the weighted mean.
-    given : int or None
-        The member of all trials, where it is not drawn. What is expected remains the weighted mean.
     """
 
     members: tuple[RecordedCurrent, ...]
     names: tuple[str, ...]
     weights: Array
+    """Their probabilities, shape (m,)."""
     chosen: NDArray[np.intp] | None = None
+    """The member of each trial; None for the weighted mean; shape (n,)."""
     given: int | None = None
+    """The member of all trials, where it is not drawn. What is expected remains the weighted mean."""
 
     @classmethod
     def of(cls, members: Sequence[RecordedCurrent], names: Sequence[str], weights: Sequence[float]) -> "Ensemble":
@@ -157,16 +152,14 @@ class ErrorWaves:
 
     Attributes
     ----------
-    rate : array, shape (m, n)
-        Angular frequency [rad/s].
-    number : array, shape (2, m, n), or None
-        Wavenumber toward east and north [rad/m]; None where the error is the same everywhere.
     cosine, sine : array, shape (2, m, n)
         Amplitudes toward east and north [m/s].
     """
 
     rate: Array
+    """Angular frequency, shape (m, n) [rad/s]."""
     number: Array | None
+    """Wavenumber toward east and north [rad/m]; None where the error is the same everywhere; shape (2, m, n)."""
     cosine: Array
     sine: Array
 
@@ -225,13 +218,7 @@ class ErrorWaves:
 
 @dataclass(frozen=True)
 class ErringCurrent(Current):
-    """A forecast and, trial by trial, its error.
-
-    Attributes
-    ----------
-    forecast : Current
-    error : ErrorWaves
-    """
+    """A forecast and, trial by trial, its error."""
 
     forecast: Current
     error: ErrorWaves

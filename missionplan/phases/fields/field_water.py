@@ -14,24 +14,16 @@ from missionplan.phases.recorded_currents import bracket
 
 @dataclass(frozen=True)
 class FieldWater:
-    """Water of a field's columns.
-
-    Attributes
-    ----------
-    grid : Grid
-        c columns.
-    time : array, shape (t,)
-        [s]
-    wet : array of bool, shape (t, c)
-        Where the model has water.
-    bottom : array, shape (c,)
-        Depth down to which each column is good [m].
-    """
+    """Water of a field's columns."""
 
     grid: Grid
+    """c columns."""
     time: Array
+    """Time, shape (t,) [s]."""
     wet: NDArray[np.bool_]
+    """Where the model has water, shape (t, c)."""
     bottom: Array
+    """Depth down to which each column is good, shape (c,) [m]."""
 
     def is_good(self, place: Array, t: Scalars, depth: Scalars) -> NDArray[np.bool_]:
         """Whether places, shape (2, n), are on the grid, water at a time [s], and as deep as a depth [m]."""

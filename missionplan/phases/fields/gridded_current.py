@@ -38,23 +38,19 @@ class GriddedCurrent(RecordedCurrent):
     ----------
     time, depth : array, shapes (t,) and (2,)
         Increasing [s since the mission's start]; the least and the greatest depth at which it is good [m].
-    grid : Grid
-        c columns.
-    levels : array, shape (d,) or (t, c, d)
-        Depths of the values below the surface of the moment, increasing: the same in all columns, or each its own [m].
-    values : array of complex, shape (t, c, d)
-        Toward east, and toward north as the imaginary part [m/s].
-    wet : array of bool, shape (t, c)
-        Where the model has water.
-    bottom : array, shape (c,)
-        Depth down to which each column is good [m].
     """
 
     grid: Grid
+    """c columns."""
     levels: Array
+    """Depths of the values below the surface of the moment, increasing: the same in all columns, or each its own; shape
+    (d,) or (t, c, d) [m]."""
     values: Velocities
+    """Toward east, and toward north as the imaginary part, shape (t, c, d) [m/s]."""
     wet: NDArray[np.bool_]
+    """Where the model has water, shape (t, c)."""
     bottom: Array
+    """Depth down to which each column is good, shape (c,) [m]."""
     _slices: dict[float, Array] = field(default_factory=dict, repr=False, compare=False)
     _packed: dict[float | None, Cells] = field(default_factory=dict, repr=False, compare=False)
 

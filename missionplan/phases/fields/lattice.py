@@ -30,14 +30,13 @@ class EvenAxes:
     ----------
     first, per_unit, end : array, shape (k, 1)
         First node, nodes per unit, and just before the last node, counted in nodes.
-    count : tuple of int
-        Nodes.
     """
 
     first: Array
     per_unit: Array
     end: Array
     count: tuple[int, ...]
+    """Nodes."""
 
     @classmethod
     def of(cls, axes: tuple[Array, ...], steps: tuple[float | None, ...]) -> "EvenAxes | None":
@@ -86,21 +85,14 @@ def packed(values: NDArray[np.complexfloating], shape: tuple[int, int]) -> Cells
 
 @dataclass(frozen=True)
 class Lattice:
-    """A field in time and across, at one depth or at fixed levels.
-
-    Attributes
-    ----------
-    axes : EvenAxes
-        Time, north and east [s, m].
-    cells : Cells
-        By time, level, row and column.
-    levels : array, shape (d,)
-        Their depths; one where it is a field at one depth [m].
-    """
+    """A field in time and across, at one depth or at fixed levels."""
 
     axes: EvenAxes
+    """Time, north and east [s, m]."""
     cells: Cells
+    """By time, level, row and column."""
     levels: Array
+    """Their depths; one where it is a field at one depth; shape (d,) [m]."""
 
     def velocity(self, t: Scalars, depth: Scalars, position: Array) -> Array:
         """Velocity at moments, depths and places, shape (2, n) [m/s]."""

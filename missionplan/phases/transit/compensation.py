@@ -19,30 +19,20 @@ Memory = tuple[Array, ...]
 
 @dataclass(frozen=True)
 class PlannedLeg:
-    """The coming leg, as the vehicle knows it before it dives.
-
-    Attributes
-    ----------
-    t : array, shape (n,)
-        Since the mission's start [s].
-    fix : array, shape (2, n)
-        Fix on diving [m].
-    nominal : array, shape (2, n)
-        Nominal leg ℓ′ (Eq. 20) [m].
-    duration : array, shape (n,)
-        Planned time ‖ℓ′‖/U [s].
-    goal : array, shape (2, 1) or (2, n)
-        Target [m].
-    radius : float or array, shape (n,)
-        Of arrival [m].
-    """
+    """The coming leg, as the vehicle knows it before it dives."""
 
     t: Array
+    """Since the mission's start, shape (n,) [s]."""
     fix: Array
+    """Fix on diving, shape (2, n) [m]."""
     nominal: Array
+    """Nominal leg ℓ′ (Eq. 20); shape (2, n) [m]."""
     duration: Array
+    """Planned time ‖ℓ′‖/U, shape (n,) [s]."""
     goal: Array
+    """Target, shape (2, 1) or (2, n) [m]."""
     radius: Scalars
+    """Of arrival, float or shape (n,) [m]."""
 
 
 @dataclass(frozen=True)
@@ -51,25 +41,20 @@ class CompletedLeg:
 
     Attributes
     ----------
-    velocity_error : array, shape (2, n)
-        (fix on surfacing − x*)/(‖ℓ*‖/U), x* the adjusted destination (Eq. 23) [m/s].
-    duration : array, shape (n,)
-        ‖ℓ*‖/U [s]; 0 for a trial that did not move.
-    surface_drift : array, shape (2, n)
-        Fix on diving − fix on surfacing [m].
-    miss : array, shape (2, n)
-        Fix on diving − nominal destination x′ [m].
-    t : array, shape (n,)
-        Start of the leg since the mission's start [s].
     start, through : array, shape (2, n)
         Fix that the leg started from, and its displacement through the water as it was steered, ℓ* [m].
     """
 
     velocity_error: Array
+    """(fix on surfacing − x*)/(‖ℓ*‖/U), x* the adjusted destination (Eq. 23); shape (2, n) [m/s]."""
     duration: Array
+    """‖ℓ*‖/U [s]; 0 for a trial that did not move; shape (n,)."""
     surface_drift: Array
+    """Fix on diving − fix on surfacing, shape (2, n) [m]."""
     miss: Array
+    """Fix on diving − nominal destination x′, shape (2, n) [m]."""
     t: Array
+    """Start of the leg since the mission's start, shape (n,) [s]."""
     start: Array
     through: Array
 
@@ -125,17 +110,12 @@ class RunningMean(Compensation):
 
     The weighted mean is the recursive least-squares estimate without a prior. Along the eigenvectors of Σ_v the
     weights are the scalars 1/(λ + 2σ_fix²/T²); for isotropic errors λ = σ_v².
-
-    Attributes
-    ----------
-    covariance : array, shape (2, 2)
-        Σ_v that the vehicle assumes [m²/s²].
-    fix_error : float
-        σ_fix that it assumes, each axis [m].
     """
 
     covariance: Array
+    """Σ_v that the vehicle assumes, shape (2, 2) [m²/s²]."""
     fix_error: float
+    """σ_fix that it assumes, each axis [m]."""
 
     @override
     def begin(self, trials: int) -> Memory:
@@ -167,24 +147,16 @@ class RunningMean(Compensation):
 
 @dataclass(frozen=True)
 class Forecast(Compensation):
-    """Expect the means of current and velocity error by their models, never what a trial has drawn.
-
-    Attributes
-    ----------
-    current : Current or None
-        The site's current at its mean parameters; None for still water.
-    mean_error : array, shape (2,)
-        v̄ of Eq. 24 [m/s].
-    depth : float
-        Run depth [m].
-    surfacing_time : float
-        Planned time at the surface [s].
-    """
+    """Expect the means of current and velocity error by their models, never what a trial has drawn."""
 
     current: Current | None
+    """The site's current at its mean parameters; None for still water."""
     mean_error: Array
+    """v̄ of Eq. 24; shape (2,) [m/s]."""
     depth: float
+    """Run depth [m]."""
     surfacing_time: float
+    """Planned time at the surface [s]."""
 
     @override
     def offset(self, memory: Memory, leg: PlannedLeg) -> Array:

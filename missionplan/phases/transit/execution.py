@@ -24,53 +24,36 @@ from missionplan.phases.transit.plan import Environment, TransitNormals, Transit
 
 @dataclass(frozen=True)
 class Execution:
-    """What a vehicle does with a transit.
-
-    Attributes
-    ----------
-    ends : {"fix", "reckoning", "count"}
-        The transit ends when the fix on diving lies within the arrival radius of the goal; on surfacing after the dead
-        reckoning came within `capture` of the aim; after the legs to all of `points`.
-    aim : array, shape (2,) or (2, n)
-        Point that legs steer for, east and north of the coordinates' origin [m].
-    interval : float
-        Greatest length of a leg [m].
-    surface_time : float or None
-        At the surface after each leg, where the vehicle stays for a fixed time [s]; None: until it has a fix.
-    fix_wait : float
-        For which it waits for a fix where it stays for no fixed time [s].
-    key_wait : float
-        At the surface after that [s].
-    aborts : bool
-        Whether it gives up where no fix comes in its time at the surface; else it goes on by dead reckoning.
-    holds : bool
-        Whether it goes back to the leg's end at the surface once it has a fix, and holds its place there for the rest
-        of its time. What that takes of the battery is not counted.
-    points : array, shape (2, m)
-        Ends of the legs, in turn, of ``count``; else empty [m].
-    capture : float
-        Distance of the dead reckoning from the point at which a leg ends [m].
-    time_out : float
-        Time after which the vehicle gives the transit up [s].
-    reserve : float
-        Share of the battery's energy with which left it gives up.
-    corrects : bool
-        Whether the vehicle itself aims off by the drift of its last leg; else not at all.
-    """
+    """What a vehicle does with a transit."""
 
     ends: Literal["fix", "reckoning", "count"]
+    """The transit ends when the fix on diving lies within the arrival radius of the goal; on surfacing after the dead
+    reckoning came within `capture` of the aim; after the legs to all of `points`."""
     aim: Array
+    """Point that legs steer for, east and north of the coordinates' origin, shape (2,) or (2, n) [m]."""
     interval: float = float("inf")
+    """Greatest length of a leg [m]."""
     surface_time: float | None = None
+    """At the surface after each leg, where the vehicle stays for a fixed time [s]; None: until it has a fix."""
     fix_wait: float = float("inf")
+    """For which it waits for a fix where it stays for no fixed time [s]."""
     key_wait: float = 0.0
+    """At the surface after that [s]."""
     aborts: bool = False
+    """Whether it gives up where no fix comes in its time at the surface; else it goes on by dead reckoning."""
     holds: bool = False
+    """Whether it goes back to the leg's end at the surface once it has a fix, and holds its place there for the rest of
+    its time. What that takes of the battery is not counted."""
     points: Array | None = None
+    """Ends of the legs, in turn, of ``count``; else empty; shape (2, m) [m]."""
     capture: float = 0.0
+    """Distance of the dead reckoning from the point at which a leg ends [m]."""
     time_out: float = float("inf")
+    """Time after which the vehicle gives the transit up [s]."""
     reserve: float = 0.0
+    """Share of the battery's energy with which left it gives up."""
     corrects: bool = False
+    """Whether the vehicle itself aims off by the drift of its last leg; else not at all."""
 
     def at_surface(self, until_fix: Scalars) -> Scalars:
         """Return the time at the surface after a leg [s], where a fix takes `until_fix` to come."""

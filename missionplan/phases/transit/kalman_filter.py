@@ -35,38 +35,26 @@ class DriftModel:
     The state holds, east before north: the steady velocity [m/s], the displacement of one surfacing [m], the persistent
     velocity [m/s]; for each frequency of `tides` the coefficients of cos ωt and sin ωt toward east, then toward
     north; for `turning` A and B of (A cos ωt + B sin ωt, B cos ωt − A sin ωt), a current that turns clockwise [m/s].
-
-    Attributes
-    ----------
-    mean : array, shape (k,)
-        Of the state before the first leg.
-    prior : array, shape (k, k)
-        Its covariance.
-    tides : tuple of float
-        Angular frequencies [rad/s].
-    turning : float
-        Angular frequency; 0 for none [rad/s].
-    persistence : float
-        Correlation time of the persistent velocity [s].
-    walk : float
-        Growth of the steady velocity's deviation [m/s^1.5].
-    growth : array, shape (k,)
-        Growth of the variance of the coefficients of waves that are modulated [m²/s³].
-    covariance : array, shape (2, 2)
-        Σ_v, of the velocity error drawn anew for each leg [m²/s²].
-    fix_error : float
-        σ_fix, each axis [m].
     """
 
     mean: Array
+    """Of the state before the first leg, shape (k,)."""
     prior: Array
+    """Its covariance, shape (k, k)."""
     tides: tuple[float, ...]
+    """Angular frequencies [rad/s]."""
     turning: float
+    """Angular frequency; 0 for none [rad/s]."""
     persistence: float
+    """Correlation time of the persistent velocity [s]."""
     walk: float
+    """Growth of the steady velocity's deviation [m/s^1.5]."""
     growth: Array
+    """Growth of the variance of the coefficients of waves that are modulated, shape (k,) [m²/s³]."""
     covariance: Array
+    """Σ_v, of the velocity error drawn anew for each leg, shape (2, 2) [m²/s²]."""
     fix_error: float
+    """σ_fix, each axis [m]."""
 
     def phasors(self, t: Array, duration: Array) -> Array:
         """Means over each leg of cos ωt and sin ωt for every frequency, shape (frequencies, 2, n)."""
@@ -116,13 +104,7 @@ class DriftModel:
 
 @dataclass(frozen=True)
 class DriftFilter(Compensation):
-    """Expect the forecast and the filter's estimate beyond it.
-
-    Attributes
-    ----------
-    forecast : Forecast
-    model : DriftModel
-    """
+    """Expect the forecast and the filter's estimate beyond it."""
 
     forecast: Forecast
     model: DriftModel

@@ -20,18 +20,12 @@ from missionplan.phases.transit.compensation import Compensation
 
 @dataclass(frozen=True)
 class LegTable:
-    """Leg length against distance left: linear between the knots, held at the ends, never beyond the target (Eq. 19).
-
-    Attributes
-    ----------
-    left : array, shape (k,)
-        Distance left, increasing [m].
-    leg : array, shape (k,)
-        Leg length, positive [m].
-    """
+    """Leg length against distance left: linear between knots, held at the ends, never beyond the target (Eq. 19)."""
 
     left: Array
+    """Distance left, increasing, shape (k,) [m]."""
     leg: Array
+    """Leg length, positive, shape (k,) [m]."""
 
     def __call__(self, left: Array) -> Array:
         """Leg length for each distance left [m]."""
@@ -52,17 +46,11 @@ class LegTable:
 
 @dataclass(frozen=True)
 class LegTables:
-    """Several tables, each for some of the trials: what lets many plans of legs run at once.
-
-    Attributes
-    ----------
-    tables : sequence of LegTable
-    ends : array of int, shape (k,)
-        Trial before which each table's trials end, the next table's begin; increasing.
-    """
+    """Several tables, each for some of the trials: what lets many plans of legs run at once."""
 
     tables: Sequence[LegTable]
     ends: NDArray[np.intp]
+    """Trial before which each table's trials end, the next table's begin; increasing; shape (k,)."""
 
     def __call__(self, left: Array) -> Array:
         """Leg length for each distance left, one per trial [m]."""
@@ -86,18 +74,12 @@ class Normals(Protocol):
 
 @dataclass(frozen=True)
 class VelocityError:
-    """Velocity error of a leg, N(v̄, Σ_v) (Eq. 24).
-
-    Attributes
-    ----------
-    mean : array, shape (2, 1) or (2, n)
-        v̄, east and north [m/s].
-    root : array, shape (2, 2, 1) or (2, 2, n)
-        Lower triangular R with R Rᵀ = Σ_v [m/s].
-    """
+    """Velocity error of a leg, N(v̄, Σ_v) (Eq. 24)."""
 
     mean: Array
+    """v̄, east and north, shape (2, 1) or (2, n) [m/s]."""
     root: Array
+    """Lower triangular R with R Rᵀ = Σ_v, shape (2, 2, 1) or (2, 2, n) [m/s]."""
 
     @classmethod
     def isotropic(cls, sigma: Scalars, mean: Array | None = None) -> "VelocityError":
@@ -137,51 +119,38 @@ class TransitPlan:
 
     Attributes
     ----------
-    goal : array, shape (2,) or (2, n)
-        x_f, east and north of the coordinates' origin [m].
-    speed : float
-        U, through the water [m/s].
-    arrival_radius : float
-        r_x [m].
-    d_max : float, LegTable or LegTables
-        Maximum leg length, or leg length against distance left [m].
-    surfacing_time : float
-        t_s, at the surface after each leg [s].
-    velocity_error : VelocityError
-    fix_error : float
-        Standard deviation of a fix, each axis [m].
-    depth : float
-        Run depth [m].
-    max_legs : int
-        Legs after which a trial counts as not arrived.
     power_under_way, power_at_surface : float
         Total electrical power then [W].
-    surfacing_energy : float
-        For each surfacing [J].
-    latitude : float
-        Of the coordinates' origin, for effects [rad]; nan when unknown.
-    via : tuple of array, shape (2,) or (2, n)
-        Points that are reached one after the other as the goal is, before it [m].
-    length_lost : float or None
-        Distance lost while a leg gathers speed from rest, so that it takes (length + length lost)/U [m]; None where
-        the vehicle is at speed at once. Legs are assumed to be much longer.
     """
 
     goal: Array
+    """x_f, east and north of the coordinates' origin, shape (2,) or (2, n) [m]."""
     speed: Scalars
+    """U, through the water [m/s]."""
     arrival_radius: Scalars
+    """r_x [m]."""
     d_max: Scalars | LegTable | LegTables
+    """Maximum leg length, or leg length against distance left [m]."""
     surfacing_time: Scalars
+    """t_s, at the surface after each leg [s]."""
     velocity_error: VelocityError
     fix_error: Scalars = 0.0
+    """Standard deviation of a fix, each axis [m]."""
     depth: Scalars = 0.0
+    """Run depth [m]."""
     max_legs: int = 400
+    """Legs after which a trial counts as not arrived."""
     power_under_way: Scalars = 0.0
     power_at_surface: Scalars = 0.0
     surfacing_energy: Scalars = 0.0
+    """For each surfacing [J]."""
     latitude: float = float("nan")
+    """Of the coordinates' origin, for effects [rad]; nan when unknown."""
     length_lost: Scalars | None = None
+    """Distance lost while a leg gathers speed from rest, so that it takes (length + length lost)/U [m]; None where the
+    vehicle is at speed at once. Legs are assumed to be much longer."""
     via: tuple[Array, ...] = ()
+    """Points that are reached one after the other as the goal is, before it, shape (2,) or (2, n) [m]."""
 
     def take(self, trials: NDArray[np.intp]) -> "TransitPlan":
         """Select trials of those numbers that are arrays over trials; of `LegTables` in ascending order alone."""
@@ -239,43 +208,32 @@ class TransitNormals:
 
     Attributes
     ----------
-    velocity : Normals
-        Of the velocity error.
     fix_on_surfacing, fix_on_diving : Normals, optional
         Required where fixes have errors.
-    effects : sequence of Normals or None
-        One per effect; required where the effect is random.
-    rows : array of int, shape (n,), optional
-        Which of the normals each trial takes, where several trials share them; default the first n.
     """
 
     velocity: Normals
+    """Of the velocity error."""
     fix_on_surfacing: Normals | None = None
     fix_on_diving: Normals | None = None
     effects: Sequence[Normals | None] = ()
+    """One per effect; required where the effect is random."""
     rows: NDArray[np.intp] | None = None
+    """Which of the normals each trial takes, where several trials share them; default the first n; shape (n,)."""
 
 
 @dataclass(frozen=True)
 class Environment:
-    """The environment of a transit, with the vehicle's drift compensation.
-
-    Attributes
-    ----------
-    current : Current or None
-        The site's; None for still water.
-    compensation : Compensation or None
-        None to aim straight at the target.
-    effects : tuple of TransitEffect
-        Effects that the base model leaves out.
-    place : Place or None
-        Ground and coast; None where the mission says nothing of them.
-    """
+    """The environment of a transit, with the vehicle's drift compensation."""
 
     current: Current | None = None
+    """The site's; None for still water."""
     compensation: Compensation | None = None
+    """None to aim straight at the target."""
     effects: tuple[TransitEffect, ...] = ()
+    """Effects that the base model leaves out."""
     place: Place | None = None
+    """Ground and coast; None where the mission says nothing of them."""
 
     @property
     def is_still(self) -> bool:
@@ -285,42 +243,27 @@ class Environment:
 
 @dataclass(frozen=True)
 class TransitRecord:
-    """Results of a transit, an array of shape (n,) each; for trials that never arrived, up to their last leg.
-
-    Attributes
-    ----------
-    duration : array
-        From the start to the fix on arrival, its surfacing included [s].
-    surfacings : array
-        The arrival's included.
-    distance : array
-        Through the water [m].
-    arrival_error : array
-        True distance from the goal at the end [m].
-    energy : array
-        [J]
-    arrived : array of bool
-    outrun : array of bool
-        Whether on some leg the current, with the mean velocity error and the effects, was as fast as the vehicle.
-    left_record : array of bool
-        Whether the trial left the record of the current, but for those that could not stem the current.
-    contact : Contact
-        What of ground, coast and zones each trial met first, where it stopped.
-    track : array, shape (2, m, k), or None
-        True positions of the first k trials: the start, then for each leg where the vehicle surfaced and dived again;
-        nan after arrival [m].
-    track_time : array, shape (m, k), or None
-        Since the mission's start, at the points of the track [s].
-    """
+    """Results of a transit, an array of shape (n,) each; for trials that never arrived, up to their last leg."""
 
     duration: Array
+    """From the start to the fix on arrival, its surfacing included [s]."""
     surfacings: Array
+    """The arrival's included."""
     distance: Array
+    """Through the water [m]."""
     arrival_error: Array
+    """True distance from the goal at the end [m]."""
     energy: Array
+    """Energy [J]."""
     arrived: NDArray[np.bool_]
     outrun: NDArray[np.bool_]
+    """Whether on some leg the current, with the mean velocity error and the effects, was as fast as the vehicle."""
     left_record: NDArray[np.bool_]
+    """Whether the trial left the record of the current, but for those that could not stem the current."""
     contact: Contact
+    """What of ground, coast and zones each trial met first, where it stopped."""
     track: Array | None = field(default=None, repr=False)
+    """True positions of the first k trials: the start, then for each leg where the vehicle surfaced and dived again;
+    nan after arrival; shape (2, m, k) [m]."""
     track_time: Array | None = field(default=None, repr=False)
+    """Since the mission's start, at the points of the track, shape (m, k) [s]."""

@@ -76,33 +76,22 @@ class ThrusterControl:
 
 @dataclass(frozen=True)
 class TransitionVehicle:
-    """Parameters of a vehicle.
-
-    Attributes
-    ----------
-    body : Body
-        Mass, buoyancy, derivatives.
-    propeller : (float, float, float)
-        b₁, b₂, b₃ of `propeller_force`.
-    speed_gain : float
-        Of the propeller's command over the speed error.
-    thrusters : tuple of TunnelThruster
-        None, one, or forward and aft; positive thrust is down.
-    suction_moment : bool
-        Whether the jet's suction has a moment (sect. 7.1); in the paper's first runs it has none.
-    sternplanes : SternplaneControl
-        Controls at speed.
-    thruster_control : ThrusterControl
-        Controls at low speed.
-    """
+    """Parameters of a vehicle."""
 
     body: Body
+    """Mass, buoyancy, derivatives."""
     propeller: tuple[float, float, float]
+    """b₁, b₂, b₃ of `propeller_force`."""
     speed_gain: float
+    """Of the propeller's command over the speed error."""
     thrusters: tuple[TunnelThruster, ...]
+    """None, one, or forward and aft; positive thrust is down."""
     suction_moment: bool
+    """Whether the jet's suction has a moment (sect. 7.1); in the paper's first runs it has none."""
     sternplanes: SternplaneControl
+    """Controls at speed."""
     thruster_control: ThrusterControl
+    """Controls at low speed."""
 
 
 @dataclass(frozen=True)
@@ -111,24 +100,20 @@ class Manoeuvre:
 
     Attributes
     ----------
-    start_speed : float
-        Survey speed [m/s].
-    deceleration : float or array
-        Of the required speed, positive [m/s²].
     mid_speed, steepness : float or array
         u* and Δσ of the interchange [m/s].
-    before : float
-        Time at survey speed before slowing down [s].
-    after : float
-        Time simulated after the required speed has reached zero in the slowest trial [s].
     """
 
     start_speed: float
+    """Survey speed [m/s]."""
     deceleration: Scalars
+    """Of the required speed, positive [m/s²]."""
     mid_speed: Scalars
     steepness: Scalars
     before: float = 20.0
+    """Time at survey speed before slowing down [s]."""
     after: float = 200.0
+    """Time simulated after the required speed has reached zero in the slowest trial [s]."""
 
 
 @dataclass(frozen=True)
@@ -151,43 +136,29 @@ class History:
 
 @dataclass(frozen=True)
 class TransitionRecord:
-    """Results of a transition, arrays over trials of shape (n,).
-
-    Attributes
-    ----------
-    depth_excursion : array
-        Greatest distance from the target depth [m].
-    pitch_excursion : array
-        Greatest change of pitch from that of the survey, either way [rad].
-    hover_time : array
-        Time since the deceleration began after which it stays within `HOVER_BAND` [s]; nan if it does not.
-    energy_to_hover : array
-        Of the thrusters up to then, Eq. 14, option (b) [J]; nan if it does not.
-    hover_pitch : array
-        Root mean square of the pitch about its mean over the last `STEADY` seconds [rad].
-    saturation_speed : array
-        Highest speed at which the sternplanes were at their limit [m/s]; nan if they never were.
-    out_of_range : array
-        Share of the thrusters' energy spent beyond the force minimum, where the model of their force has not been
-        checked.
-    end_energy : array
-        Of the thrusters up to the end of the run [J].
-    end_time : float
-        End of the run since the deceleration began [s].
-    history : History
-        Sampled every `sample` seconds; of the start alone where that is not given.
-    """
+    """Results of a transition, arrays over trials of shape (n,)."""
 
     depth_excursion: Array
+    """Greatest distance from the target depth [m]."""
     pitch_excursion: Array
+    """Greatest change of pitch from that of the survey, either way [rad]."""
     hover_time: Array
+    """Time since the deceleration began after which it stays within `HOVER_BAND` [s]; nan if it does not."""
     energy_to_hover: Array
+    """Of the thrusters up to then, Eq. 14, option (b) [J]; nan if it does not."""
     hover_pitch: Array
+    """Root mean square of the pitch about its mean over the last `STEADY` seconds [rad]."""
     saturation_speed: Array
+    """Highest speed at which the sternplanes were at their limit [m/s]; nan if they never were."""
     out_of_range: Array
+    """Share of the thrusters' energy spent beyond the force minimum, where the model of their force has not been
+    checked."""
     end_energy: Array
+    """Of the thrusters up to the end of the run [J]."""
     end_time: float
+    """End of the run since the deceleration began [s]."""
     history: History
+    """Sampled every `sample` seconds; of the start alone where that is not given."""
 
 
 def energy_until(history: History, end: Scalars) -> Array:

@@ -24,32 +24,21 @@ _MOORED = ("anchor", "surfacing", "fix")
 
 @dataclass(frozen=True)
 class TrackPoint:
-    """A point of a track.
-
-    Attributes
-    ----------
-    name : str
-        Such as ``ingress: surfacing 2``.
-    kind : str
-        ``start``, ``surfacing`` (with the fix on surfacing), ``fix`` (on diving), ``anchor`` or ``hover``.
-    phase : str
-    position : (float, float)
-        True position, east and north [m].
-    time : float
-        Since the mission's start [s].
-    utc : str
-        The same as ISO 8601; empty where the mission has no start.
-    depth : float or None
-        Run depth of the leg that ended here, or of the water for an anchor [m].
-    """
+    """A point of a track."""
 
     name: str
+    """Such as ``ingress: surfacing 2``."""
     kind: str
+    """``start``, ``surfacing`` (with the fix on surfacing), ``fix`` (on diving), ``anchor`` or ``hover``."""
     phase: str
     position: tuple[float, float]
+    """True position, east and north [m]."""
     time: float
+    """Since the mission's start [s]."""
     utc: str
+    """The same as ISO 8601; empty where the mission has no start."""
     depth: float | None
+    """Run depth of the leg that ended here, or of the water for an anchor [m]."""
 
     def data(self) -> dict[str, object]:
         """Return what viewers show of it; None where not known."""

@@ -32,39 +32,25 @@ _HALF_A_STEP = 0.5
 
 @dataclass(frozen=True)
 class Slider:
-    """A control along a figure's horizontal axis: at each place, what the page says of it.
-
-    Attributes
-    ----------
-    label : str
-        What it moves over.
-    places : sequence of float
-        On the horizontal axis of the figure's first axes, increasing.
-    texts : sequence of str
-        One for each place.
-    start : int
-        Index of the place at which it stands first.
-    """
+    """A control along a figure's horizontal axis: at each place, what the page says of it."""
 
     label: str
+    """What it moves over."""
     places: Sequence[float]
+    """On the horizontal axis of the figure's first axes, increasing."""
     texts: Sequence[str]
+    """One for each place."""
     start: int = 0
+    """Index of the place at which it stands first."""
 
 
 @dataclass(frozen=True)
 class Shown:
-    """What a page adds to a figure.
-
-    Attributes
-    ----------
-    slider : Slider or None
-    origin : (float, float) or None
-        Latitude and longitude of the origin of a map's metres [rad].
-    """
+    """What a page adds to a figure."""
 
     slider: Slider | None = None
     origin: tuple[float, float] | None = None
+    """Latitude and longitude of the origin of a map's metres [rad]."""
 
 
 def name_series(figure: "MatplotlibFigure") -> dict[str, list[str]]:

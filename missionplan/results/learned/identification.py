@@ -51,40 +51,27 @@ class IdentifiedParameter:
 
 @dataclass(frozen=True)
 class FittedModel:
-    """A model fitted to data by weighted least squares.
-
-    Attributes
-    ----------
-    name : str
-        The model in words, such as "constant drag coefficient".
-    estimates : tuple of IdentifiedParameter
-        Its parameters.
-    chi_squared : float
-        Weighted sum of squared residuals, with the stated errors; nan where none were stated.
-    degrees_of_freedom : int
-        Data less parameters.
-    does_not_fit : bool
-        Whether the residuals are so much larger than the stated errors that the model is wrong.
-    widened : float
-        Factor by which the standard errors were widened for scatter beyond the stated errors, or for
-        autocorrelated residuals; 1 for none.
-    fitted : array, shape (points,)
-        The model at the data.
-    residual_sd : float
-        Residual standard deviation: root of the residual sum of squares over the degrees of freedom [data's unit].
-    covariance : array, shape (parameters, parameters)
-        Of the estimates, widened likewise.
-    """
+    """A model fitted to data by weighted least squares."""
 
     name: str
+    """The model in words, such as "constant drag coefficient"."""
     estimates: tuple[IdentifiedParameter, ...]
+    """Its parameters."""
     chi_squared: float
+    """Weighted sum of squared residuals, with the stated errors; nan where none were stated."""
     degrees_of_freedom: int
+    """Data less parameters."""
     does_not_fit: bool
+    """Whether the residuals are so much larger than the stated errors that the model is wrong."""
     widened: float
+    """Factor by which the standard errors were widened for scatter beyond the stated errors, or for autocorrelated
+    residuals; 1 for none."""
     fitted: Array
+    """The model at the data, shape (points,)."""
     residual_sd: float
+    """Residual standard deviation: root of the residual sum of squares over the degrees of freedom [data's unit]."""
     covariance: Array
+    """Of the estimates, widened likewise, shape (parameters, parameters)."""
 
     def __getitem__(self, name: str) -> IdentifiedParameter:
         """Estimate of a parameter by name."""
@@ -140,28 +127,18 @@ class FitPanel:
 
 @dataclass(frozen=True)
 class TankAnalysis:
-    """Analysis of one data set: the answer in words, fitted models (the preferred one first), and their figures.
-
-    Attributes
-    ----------
-    answer : str
-        The main finding in a sentence.
-    fits : tuple of FittedModel
-    panels : tuple of FitPanel
-    remarks : tuple of str
-        On the quality of the data and the fits, in sentences.
-    fragment : mapping
-        Keys of a vehicle file.
-    derived : tuple of IdentifiedParameter
-        Parameters that follow from those of the preferred model.
-    """
+    """Analysis of one data set: the answer in words, fitted models (the preferred one first), and their figures."""
 
     answer: str
+    """The main finding in a sentence."""
     fits: tuple[FittedModel, ...]
     panels: tuple[FitPanel, ...]
     remarks: tuple[str, ...]
+    """On the quality of the data and the fits, in sentences."""
     fragment: Mapping[str, object]
+    """Keys of a vehicle file."""
     derived: tuple[IdentifiedParameter, ...] = ()
+    """Parameters that follow from those of the preferred model."""
 
 
 @dataclass(frozen=True)
@@ -172,8 +149,6 @@ class Identification(Result):
     ----------
     kind, name, source : str
         Of the data set.
-    analysis : TankAnalysis
-        Fitted models, figures, remarks and vehicle fragment.
     """
 
     report: ClassVar[str] = "missionplan.studies.identification.page"
@@ -182,6 +157,7 @@ class Identification(Result):
     name: str
     source: str
     analysis: TankAnalysis = field(repr=False)
+    """Fitted models, figures, remarks and vehicle fragment."""
 
     @property
     def fits(self) -> tuple[FittedModel, ...]:

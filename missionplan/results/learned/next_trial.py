@@ -18,45 +18,34 @@ class ValuedDesign:
 
     Attributes
     ----------
-    name : str
-        In words.
-    minutes : float
-        Time that it takes by the planner's model, without the way there and back [min].
-    energy_wh : float or None
-        Energy that it takes [W h]; None where the mission has no energy budget, or the vehicle stays out of the water.
-    information : float
-        Expected gain in information about the causes and their sizes [nats].
     saving, saving_error : float
         Expected reduction of a mission's loss by the choice made after it, and its standard error [the loss's unit].
     """
 
     name: str
+    """In words."""
     minutes: float
+    """Time that it takes by the planner's model, without the way there and back [min]."""
     energy_wh: float | None
+    """Energy that it takes [W h]; None where the mission has no energy budget, or the vehicle stays out of the water.
+    """
     information: float
+    """Expected gain in information about the causes and their sizes [nats]."""
     saving: float
     saving_error: float
 
 
 @dataclass(frozen=True)
 class TrialOutcome:
-    """One way in which the trial may come out.
-
-    Attributes
-    ----------
-    probability : float
-    causes : tuple of str
-        Likeliest then.
-    choice : float
-        What would then be chosen [m or N].
-    saving : float
-        Expected reduction of a mission's loss then [the loss's unit].
-    """
+    """One way in which the trial may come out."""
 
     probability: float
     causes: Causes
+    """Likeliest then."""
     choice: float
+    """What would then be chosen [m or N]."""
     saving: float
+    """Expected reduction of a mission's loss then [the loss's unit]."""
 
 
 @dataclass(frozen=True)
@@ -67,26 +56,22 @@ class OutcomeRule:
     ----------
     effect, name, unit : str
         Parameter whose estimate decides.
-    threshold : float
-        [unit].
-    above : bool
-        Whether the choice changes above the threshold or below it.
-    causes : tuple of str
-        Likeliest then.
-    choice : float
-        Commonest choice then [m or N].
-    agreement : float
-        Share of the simulated outcomes in which the rule and the full calculation agree on whether the choice changes.
     """
 
     effect: str
     name: str
     unit: str
     threshold: float
+    """Threshold [unit]."""
     above: bool
+    """Whether the choice changes above the threshold or below it."""
     causes: Causes
+    """Likeliest then."""
     choice: float
+    """Commonest choice then [m or N]."""
     agreement: float
+    """Share of the simulated outcomes in which the rule and the full calculation agree on whether the choice changes.
+    """
 
 
 @dataclass(frozen=True)
@@ -95,51 +80,38 @@ class NextTrial:
 
     Attributes
     ----------
-    decides : str
-        Key of what is chosen: ``d_max_m`` or ``anchor_wet_weight_n``.
-    unit : str
-        Of the loss.
     choice, loss : float
         Best choice with what is known now [m or N], and its expected loss [unit].
-    tried : (float, float)
-        Least and greatest choice of those tried [m or N].
-    success : float
-        Probability of success with it.
-    failure_loss : float
-        Loss counted for a mission that fails [unit].
-    perfect : float
-        Expected saving if cause and sizes were known exactly [unit].
-    explanations : tuple
-        Sets of causes that may hold, with their probabilities.
-    designs : tuple of ValuedDesign
-        Greatest saving first, then greatest information.
-    best : ValuedDesign or None
-        The cheapest of those that save nearly the most; None where no trial is worth it.
-    outcomes : tuple of TrialOutcome
-        Of the best, likeliest first.
-    rule : OutcomeRule or None
-        Of the best, where one parameter decides.
-    trial : mapping or None
-        Mission file's data of the best; None for an instrument, or without a best.
-    reason : str or None
-        Why nothing was computed, where nothing was.
     """
 
     decides: str = ""
+    """Key of what is chosen: ``d_max_m`` or ``anchor_wet_weight_n``."""
     unit: LossUnit = "W h"
+    """Of the loss."""
     choice: float = 0.0
     loss: float = 0.0
     tried: tuple[float, float] = (0.0, 0.0)
+    """Least and greatest choice of those tried [m or N]."""
     success: float = 0.0
+    """Probability of success with it."""
     failure_loss: float = 0.0
+    """Loss counted for a mission that fails [unit]."""
     perfect: float = 0.0
+    """Expected saving if cause and sizes were known exactly [unit]."""
     explanations: tuple[tuple[Causes, float], ...] = ()
+    """Sets of causes that may hold, with their probabilities."""
     designs: tuple[ValuedDesign, ...] = ()
+    """Greatest saving first, then greatest information."""
     best: ValuedDesign | None = None
+    """The cheapest of those that save nearly the most; None where no trial is worth it."""
     outcomes: tuple[TrialOutcome, ...] = ()
+    """Of the best, likeliest first."""
     rule: OutcomeRule | None = None
+    """Of the best, where one parameter decides."""
     trial: Mapping[str, object] | None = None
+    """Mission file's data of the best; None for an instrument, or without a best."""
     reason: str | None = None
+    """Why nothing was computed, where nothing was."""
 
     def summary(self) -> dict[str, object]:
         """Return the entry ``next_trial`` of ``diagnosis.json``."""

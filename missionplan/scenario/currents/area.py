@@ -23,24 +23,16 @@ LOCAL = "local"
 
 @dataclass(frozen=True)
 class Area:
-    """Place and time of a mission.
-
-    Attributes
-    ----------
-    origin : Geographic
-        Of the plane.
-    start : datetime64
-        Of the mission, UTC.
-    places : array, shape (2, k)
-        Of the mission [m].
-    projection : str or None
-        Of coordinates in metres: ``EPSG:32610``, or `LOCAL`.
-    """
+    """Place and time of a mission."""
 
     origin: Geographic
+    """Of the plane."""
     start: np.datetime64
+    """Of the mission, UTC."""
     places: Array
+    """Of the mission, shape (2, k) [m]."""
     projection: str | None = None
+    """Of coordinates in metres: ``EPSG:32610``, or `LOCAL`."""
 
     @cached_property
     def box(self) -> tuple[Array, Array]:

@@ -34,22 +34,20 @@ class Carried:
 
     Attributes
     ----------
-    name : str
-        How messages name it.
     east, north : tuple of str
         Variables toward east and north, or along rows and columns.
     standard_east, standard_north : tuple of str
         CF's names.
-    fastest : float
-        Faster than this is none [m/s].
     """
 
     name: str
+    """How messages name it."""
     east: tuple[str, ...]
     north: tuple[str, ...]
     standard_east: tuple[str, ...]
     standard_north: tuple[str, ...]
     fastest: float
+    """Faster than this is none [m/s]."""
 
 
 SEA = Carried(
@@ -75,21 +73,14 @@ MEMBER_DIMENSIONS = ("member", "ensemble", "ensemble_member", "realization", "nu
 
 @dataclass(frozen=True)
 class FieldFiles:
-    """Open files of one field.
-
-    Attributes
-    ----------
-    datasets : sequence of Dataset
-        In the order of their names; of what two of them hold of the same time, the last counts (a later forecast).
-    shown : str
-        How messages name them.
-    carries : Carried
-        What moves.
-    """
+    """Open files of one field."""
 
     datasets: "Sequence[Dataset]"
+    """In the order of their names; of what two of them hold of the same time, the last counts (a later forecast)."""
     shown: str
+    """How messages name them."""
     carries: Carried = SEA
+    """What moves."""
 
     def problem(self, message: str, hint: str = "") -> InputError:
         """Return the error of the files."""

@@ -107,10 +107,6 @@ class _Part:
     Attributes
     ----------
     rows, columns : slice
-    dims : tuple of str
-        Of the nodes.
-    points : array, shape (2, j, i)
-        [m]
     longitude, latitude : array, shape (j, i)
         [deg]
     """
@@ -118,7 +114,9 @@ class _Part:
     rows: slice
     columns: slice
     dims: tuple[str, str]
+    """Of the nodes."""
     points: Array
+    """Points, shape (2, j, i) [m]."""
     longitude: Array
     latitude: Array
 

@@ -27,24 +27,20 @@ class Mesh:
 
     Attributes
     ----------
-    points : array, shape (2, p)
-        Nodes [m].
-    faces : array of int, shape (m, 3 or more)
-        Nodes of each face, -1 where it has fewer.
     nodes, numbers : array of int, shapes (p,) and (m,)
         Which of the file's nodes and faces these are.
-    turning : array of complex, shape (p,)
-        Factor that turns velocities along the file's axes toward east and north.
-    whole : int
-        Nodes of the file.
     """
 
     points: Array
+    """Nodes, shape (2, p) [m]."""
     faces: Indices
+    """Nodes of each face, -1 where it has fewer, shape (m, 3 or more)."""
     nodes: Indices
     numbers: Indices
     turning: Turning
+    """Factor that turns velocities along the file's axes toward east and north, shape (p,)."""
     whole: int
+    """Nodes of the file."""
 
     @classmethod
     def of(cls, files: FieldFiles, area: Area, names: tuple[str, str], faces: Indices) -> "Mesh":

@@ -184,61 +184,39 @@ class Contrast(Record):
 
 @dataclass(frozen=True)
 class TriedCell:
-    """A cell of an exploration.
-
-    Attributes
-    ----------
-    values : tuple of str
-        Of the keys varied, as a script reads them.
-    meets_all : bool
-        Whether it meets all requirements, undecided or not; False where there are none.
-    success : Probability
-        nan where the cell cannot be run.
-    """
+    """A cell of an exploration."""
 
     values: tuple[str, ...]
+    """Of the keys varied, as a script reads them."""
     meets_all: bool
+    """Whether it meets all requirements, undecided or not; False where there are none."""
     success: Probability
+    """nan where the cell cannot be run."""
 
 
 @dataclass(frozen=True)
 class Chosen:
-    """What a report of `explore` or `optimise` chose, and from what.
-
-    Attributes
-    ----------
-    values : mapping of str to str
-        By key, as a script reads them; empty where nothing could be compared.
-    count : int
-        Cells or combinations to choose from.
-    windows : tuple of (str, str)
-        Ranges of the only key in which all requirements are met.
-    cells : tuple of TriedCell
-        Of an exploration.
-    """
+    """What a report of `explore` or `optimise` chose, and from what."""
 
     values: Mapping[str, str]
+    """By key, as a script reads them; empty where nothing could be compared."""
     count: int
+    """Cells or combinations to choose from."""
     windows: tuple[tuple[str, str], ...] = ()
+    """Ranges of the only key in which all requirements are met."""
     cells: tuple[TriedCell, ...] = ()
+    """Of an exploration."""
 
 
 @dataclass(frozen=True)
 class Alternative(Record):
-    """A mission, or a report: of one mission, or of the best of several.
-
-    Attributes
-    ----------
-    quantities : mapping of str to Estimate
-        ``duration_s`` and ``energy_wh``, where known.
-    chosen : Chosen or None
-        Of a report of `explore` or `optimise`.
-    """
+    """A mission, or a report: of one mission, or of the best of several."""
 
     name: Annotated[str, Entry("short, unlike the others'")]
     source: Annotated[str, Entry("file or folder as given")]
     success: Annotated[Probability, Entry("of the whole mission")]
     quantities: Mapping[str, Estimate]
+    """``duration_s`` and ``energy_wh``, where known."""
     requirements: Annotated[tuple[RequirementOutcome, ...], Entry("in the mission's order")]
     trials: Annotated[int, Entry("of the Monte Carlo")]
     seed: Annotated[int, Entry("of the Monte Carlo")]
@@ -247,6 +225,7 @@ class Alternative(Record):
         Entry("``success``, ``duration_s``, ``energy_wh``; empty for the best itself", key="against_best"),
     ]
     chosen: Chosen | None = None
+    """Of a report of `explore` or `optimise`."""
 
     @property
     def means(self) -> Annotated[dict[str, dict[str, float]], Entry(key="quantities")]:
@@ -281,19 +260,14 @@ class Alternative(Record):
 
 @dataclass(frozen=True, repr=False)
 class Alternatives(Result):
-    """Missions, or what was chosen of each, side by side; the `data` of its provenance holds the missions by name.
-
-    Attributes
-    ----------
-    best : int
-        The one that misses the fewest requirements, then is first in what is aimed at, then takes the least energy.
-    """
+    """Missions, or what was chosen of each, side by side; the `data` of its provenance holds the missions by name."""
 
     report: ClassVar[str] = "missionplan.studies.comparison.alternatives_page"
 
     provenance: Provenance
     alternatives: Annotated[tuple[Alternative, ...], Entry("in the order given")]
     best: int
+    """The one that misses the fewest requirements, then is first in what is aimed at, then takes the least energy."""
     compared: Annotated[
         str, Entry("``simulate`` of missions and its reports; ``explore`` or ``optimise`` of reports of these")
     ] = "simulate"

@@ -86,19 +86,12 @@ _MAX_DEPTH = 20
 
 
 class SummaryNumber(NamedTuple):
-    """A number of a summary.
-
-    Attributes
-    ----------
-    kind : {'mean', 'probability', 'number'}
-    value : float
-    error : float
-        Standard error; nan where it is not known, or follows from the number of trials (a probability's).
-    """
+    """A number of a summary."""
 
     kind: Literal["mean", "probability", "number"]
     value: float
     error: float
+    """Standard error; nan where it is not known, or follows from the number of trials (a probability's)."""
 
 
 KeyPath = tuple[str, ...]

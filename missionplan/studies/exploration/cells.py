@@ -32,24 +32,16 @@ from missionplan.studies.simulation.trial_block import run_trials
 
 @dataclass(frozen=True)
 class SharedCurrent:
-    """A record of the current, read for one mission.
-
-    Attributes
-    ----------
-    current : Current or None
-        None where missions have none, or each reads its own.
-    place : mapping
-        What the record depends on besides the start; a mission with anything else reads its own.
-    start : datetime or None
-        Of the mission that it was read for.
-    moves : bool
-        Whether a later start meets a later part of it.
-    """
+    """A record of the current, read for one mission."""
 
     current: Current | None
+    """None where missions have none, or each reads its own."""
     place: Mapping[str, object]
+    """What the record depends on besides the start; a mission with anything else reads its own."""
     start: datetime | None
+    """Of the mission that it was read for."""
     moves: bool
+    """Whether a later start meets a later part of it."""
 
     @classmethod
     def of(cls, mission: Mission, first: datetime | None = None) -> "SharedCurrent":
@@ -126,30 +118,20 @@ class CellBlock:
 
 @dataclass(frozen=True, eq=False)  # hashed by identity, as Dask asks for
 class CellTask:
-    """Runs a block of a cell, in this process or another.
-
-    Attributes
-    ----------
-    data : mapping
-        The base mission's, with included files in their places.
-    cells : sequence of mapping
-        Values by key path that each cell puts in their places.
-    current : SharedCurrent
-    seed : int
-        The same for all cells: common random numbers.
-    quantities : tuple of str
-        Columns to return besides success and requirements, such as ``total.energy_wh``.
-    file : str
-        How messages name the mission.
-    """
+    """Runs a block of a cell, in this process or another."""
 
     COMMAND: ClassVar[str] = "explore"
     data: Mapping[str, object]
+    """The base mission's, with included files in their places."""
     cells: Sequence[Mapping[str, object]]
+    """Values by key path that each cell puts in their places."""
     current: SharedCurrent
     seed: int
+    """The same for all cells: common random numbers."""
     quantities: tuple[str, ...]
+    """Columns to return besides success and requirements, such as ``total.energy_wh``."""
     file: str
+    """How messages name the mission."""
 
     def identity(self, mission: Mission, axes: Sequence[Axis]) -> Identity:
         """Everything that a finished block depends on; not how many trials there are."""

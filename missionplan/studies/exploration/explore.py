@@ -142,18 +142,11 @@ def _members(plan: "CellPlan", found: Sequence[CellTrials], best: int | None, tr
 
 @dataclass(frozen=True)
 class CellPlan:
-    """The cells to be run and what runs them.
-
-    Attributes
-    ----------
-    task : CellTask
-    places : tuple of tuple of int
-        Index of each cell along each axis.
-    axes : tuple of Axis
-    """
+    """The cells to be run and what runs them."""
 
     task: CellTask
     places: tuple[tuple[int, ...], ...]
+    """Index of each cell along each axis."""
     axes: tuple[Axis, ...]
 
     @classmethod

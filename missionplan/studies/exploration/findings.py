@@ -25,19 +25,12 @@ Trials = Mapping[str, NDArray[np.generic]]
 
 @dataclass(frozen=True)
 class Best:
-    """All cells with their places among the others.
-
-    Attributes
-    ----------
-    cells : tuple of Cell
-    best : int or None
-    constrained : bool
-        Whether the best is among cells that meet all requirements.
-    """
+    """All cells with their places among the others."""
 
     cells: tuple[Cell, ...]
     best: int | None
     constrained: bool
+    """Whether the best is among cells that meet all requirements."""
 
 
 def cell_of(place: tuple[int, ...], mission: Mission, trials: Trials, reason: str) -> Cell:
@@ -161,21 +154,14 @@ FIRST, FACTOR = 128, 4
 
 @dataclass(frozen=True)
 class Race:
-    """What a race leaves.
-
-    Attributes
-    ----------
-    trials : list of CellTrials
-        Of each cell, as many as it was run with.
-    dropped : frozenset of int
-        Cells that cannot be the best.
-    spent : int
-        Trials run.
-    """
+    """What a race leaves."""
 
     trials: list[CellTrials]
+    """Of each cell, as many as it was run with."""
     dropped: frozenset[int]
+    """Cells that cannot be the best."""
     spent: int
+    """Trials run."""
 
 
 def race(

@@ -22,18 +22,12 @@ Status = Literal["met", "undecided", "missed", "none", "invalid"]
 
 @dataclass(frozen=True)
 class Cell(Record):
-    """The mission with one value of each key.
-
-    Attributes
-    ----------
-    place : tuple of int
-        Index along each axis.
-    reason : str
-        Why it cannot be run; empty where it can. The other attributes then say nothing.
-    """
+    """The mission with one value of each key."""
 
     place: tuple[int, ...]
+    """Index along each axis."""
     reason: str = ""
+    """Why it cannot be run; empty where it can. The other attributes then say nothing."""
     success: Annotated[Probability, Entry("of the whole mission")] = NOT_RUN
     requirements: Annotated[tuple[RequirementOutcome, ...], Entry("in the mission's order")] = ()
     quantities: Annotated[
@@ -88,28 +82,20 @@ class Window:
 
 @dataclass(frozen=True, repr=False)
 class Exploration(Result):
-    """One or two keys of a mission varied on common random numbers.
-
-    Attributes
-    ----------
-    axes : tuple of Axis
-        One or two.
-    cells : tuple of Cell
-        The last axis runs fastest.
-    best : int or None
-        Number of the best cell; None where no cell can be compared.
-    constrained : bool
-        Whether the best is among the cells that meet all requirements.
-    """
+    """One or two keys of a mission varied on common random numbers."""
 
     report: ClassVar[str] = "missionplan.studies.exploration.page"
 
     provenance: Provenance
     axes: Annotated[tuple[Axis, ...], Entry("the keys that are varied", key="vary")]
+    """One or two."""
     cells: tuple[Cell, ...]
+    """The last axis runs fastest."""
     aim: Annotated[Aim, Entry("what is best")]
     best: int | None
+    """Number of the best cell; None where no cell can be compared."""
     constrained: bool
+    """Whether the best is among the cells that meet all requirements."""
     members: Annotated[
         tuple[MemberOutcome, ...],
         Entry("how often the best succeeds in each member of the current's ensemble", optional=True),

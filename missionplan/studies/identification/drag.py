@@ -78,23 +78,21 @@ class _Towing:
     ----------
     speed, force : array, shape (points,)
         [m/s, N]
-    force_sd : array, shape (points,), or None
-        Stated errors [N].
     area, density : float
         Reference area and density of the water [m², kg/m³].
     reynolds, coefficients : array, shape (points,)
-    middle : float
-        Reynolds number in the middle of the data, two digits.
     """
 
     speed: Array
     force: Array
     force_sd: Array | None
+    """Stated errors, shape (points,) [N]."""
     area: float
     density: float
     reynolds: Array
     coefficients: Array
     middle: float
+    """Reynolds number in the middle of the data, two digits."""
 
     @classmethod
     def of(cls, data: TankData, settings: DragSettings) -> "_Towing":

@@ -54,15 +54,13 @@ class TunnelThrusterRun:
 
     Attributes
     ----------
-    geometry : ThrusterGeometry
-    density : float
-        Of the water [kg/m³].
     revolutions, speed : array, shape (points,)
         [rev/s, m/s]
     """
 
     geometry: ThrusterGeometry
     density: float
+    """Of the water [kg/m³]."""
     revolutions: Array
     speed: Array
 

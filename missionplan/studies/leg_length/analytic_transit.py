@@ -67,18 +67,12 @@ BINS = 24
 
 @dataclass(frozen=True)
 class LegSpread:
-    """Standard deviation of a leg's end on each axis, √((sigma T)² + base²).
-
-    Attributes
-    ----------
-    sigma : float
-        Of the velocity, as if drawn anew each leg [m/s].
-    base : float
-        Of any leg [m].
-    """
+    """Standard deviation of a leg's end on each axis, √((sigma T)² + base²)."""
 
     sigma: float
+    """Of the velocity, as if drawn anew each leg [m/s]."""
     base: float
+    """Of any leg [m]."""
 
 
 @dataclass
@@ -153,22 +147,14 @@ _best_legs = lru_cache(maxsize=64)(best_legs)
 
 @dataclass(frozen=True)
 class AnalyticTransit:
-    """A transit whose legs end within a known spread of where they aim.
-
-    Attributes
-    ----------
-    scenario : SweepScenario
-    spread : LegSpread
-    speed : float
-        [m/s]
-    surfacing_time : float
-        Cost of a surfacing, as time under way [s].
-    """
+    """A transit whose legs end within a known spread of where they aim."""
 
     scenario: SweepScenario
     spread: LegSpread
     speed: float
+    """Speed [m/s]."""
     surfacing_time: float
+    """Cost of a surfacing, as time under way [s]."""
 
     @property
     def speed_factor(self) -> float:

@@ -42,17 +42,11 @@ AIMS: tuple[Aim, ...] = get_args(Aim)
 
 @dataclass(frozen=True)
 class LegAim:
-    """What legs are to be best for.
-
-    Attributes
-    ----------
-    name : {'mean', 'p95', 'energy'}
-    deadline : float
-        For ``p95``: by when the transit is to be done [s]; infinite where the mission has no such requirement.
-    """
+    """What legs are to be best for."""
 
     name: Aim
     deadline: float = float("inf")
+    """For ``p95``: by when the transit is to be done [s]; infinite where the mission has no such requirement."""
 
 
 MEAN_TIME = LegAim("mean")
@@ -73,33 +67,27 @@ class OptimisedLegs:
 
     Attributes
     ----------
-    d_max : float
-        Best fixed d_max [m].
-    table : LegTable
-        Legs that adapt to the distance left.
-    speed_factor : float
-        Speed of both over the mission's own.
-    spread : LegSpread
-        Of the legs' ends, for which they are best.
     fixed_cost, adaptive_cost, one_leg_cost, least_cost : float
         Expected c (Briggs et al., Eq. 25) at that speed with that spread, from the integral equation; the last of any
         legs.
-    surfacings : float
-        Expected number of the table, the arrival's included.
-    how_found : str
-        How the table was found, in a sentence.
     """
 
     d_max: float
+    """Best fixed d_max [m]."""
     table: LegTable
+    """Legs that adapt to the distance left."""
     speed_factor: float
+    """Speed of both over the mission's own."""
     spread: LegSpread
+    """Of the legs' ends, for which they are best."""
     fixed_cost: float
     adaptive_cost: float
     one_leg_cost: float
     least_cost: float
     surfacings: float
+    """Expected number of the table, the arrival's included."""
     how_found: str
+    """How the table was found, in a sentence."""
 
     @property
     def fixed(self) -> LegsAtSpeed:

@@ -31,39 +31,25 @@ TRIALS_TOGETHER = 1 << 15
 
 @dataclass(frozen=True)
 class LegsAtSpeed:
-    """A plan of legs.
-
-    Attributes
-    ----------
-    d_max : float or LegTable
-        [m]
-    speed_factor : float
-        Speed over the mission's own.
-    """
+    """A plan of legs."""
 
     d_max: float | LegTable
+    """D max [m]."""
     speed_factor: float = 1.0
+    """Speed over the mission's own."""
 
 
 @dataclass(frozen=True)
 class ErrorScenario:
-    """A navigation error that is not as planned.
-
-    Attributes
-    ----------
-    name : str
-    sigma_factor : float
-        On Σ_v's root.
-    mean : tuple of float
-        Under way, beyond the mission's v̄, east and north [m/s].
-    surface : tuple of float
-        At the surface, beyond the mission's current, east and north [m/s].
-    """
+    """A navigation error that is not as planned."""
 
     name: str
     sigma_factor: float = 1.0
+    """On Σ_v's root."""
     mean: tuple[float, float] = (0.0, 0.0)
+    """Under way, beyond the mission's v̄, east and north [m/s]."""
     surface: tuple[float, float] = (0.0, 0.0)
+    """At the surface, beyond the mission's current, east and north [m/s]."""
 
     def applied_to(self, plan: TransitPlan) -> TransitPlan:
         """Replace the velocity error of a plan."""
@@ -99,24 +85,21 @@ class PlanTrials:
 
     Attributes
     ----------
-    cost : array, shape (n,)
-        c (Briggs et al., Eq. 25).
     duration, energy, surfacings : array, shape (n,)
         [s, J, 1]
-    arrived : array of bool, shape (n,)
-    nominal : array, shape (n,)
-        t_nom at the plan's speed [s].
-    track : array, shape (2, m, k)
-        As of `TransitRecord`, of the first k trials [m].
     """
 
     cost: Array
+    """c (Briggs et al., Eq. 25); shape (n,)."""
     duration: Array
     energy: Array
     surfacings: Array
     arrived: NDArray[np.bool_]
+    """Arrived, shape (n,)."""
     nominal: Array
+    """t_nom at the plan's speed, shape (n,) [s]."""
     track: Array
+    """As of `TransitRecord`, of the first k trials, shape (2, m, k) [m]."""
 
     def take(self, trials: slice) -> "PlanTrials":
         """Select trials; without tracks."""

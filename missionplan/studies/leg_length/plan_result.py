@@ -40,8 +40,6 @@ class LegCase(Record):
 
     Attributes
     ----------
-    name : str
-        How the case differs from the mission; empty for the mission itself.
     saving, saving_error : float
         Mean time that the table saves, and its standard error, paired trial by trial [s].
     energy_saving, energy_saving_error : float
@@ -52,6 +50,7 @@ class LegCase(Record):
     """
 
     name: str
+    """How the case differs from the mission; empty for the mission itself."""
     sigma: Annotated[float, Entry("σ_v of the trials", "m/s")]
     mean_error: Annotated[
         tuple[float, float], Entry("velocity under way in addition to the mission's, east and north", "m/s")
@@ -108,8 +107,6 @@ class CandidatePlan(Record):
 
     Attributes
     ----------
-    energy : Statistic
-        [J]
     value, standard_error : float
         What the aim minimises [s, or J]; for a deadline the probability of meeting it, which is maximised.
     """
@@ -120,6 +117,7 @@ class CandidatePlan(Record):
         Statistic, Entry("of the transit, of the trials that arrived, the arrival's surfacing included", "s")
     ]
     energy: Statistic
+    """Energy [J]."""
     on_time: Annotated[Probability, Entry("of arriving by the deadline; of arriving where there is none")]
     value: float
     standard_error: float
@@ -151,20 +149,12 @@ class LegPlan(Result):
 
     Attributes
     ----------
-    phase_index : int
-        Place of the transit among the mission's phases.
     arrival_radius, surfacing_time : float
         Of the transit, distributions at their means [m, s].
-    mission_speed : float
-        The mission's own [m/s].
-    goal : tuple of float
-        Of the transit, east and north [m].
     left, leg : array, shape (k,)
         Knots of the table: distance left and leg length [m].
     fixed_tracks, adaptive_tracks : array, shape (2, m, j)
         The same few trials by both plans: the start, then where they surfaced and dived; nan after arrival [m].
-    members : tuple of LegCase
-        Both plans in each member of the current's ensemble; empty without one.
     """
 
     report: ClassVar[str] = "missionplan.studies.leg_length.plan_page"
@@ -172,6 +162,7 @@ class LegPlan(Result):
     provenance: Provenance
     phase: Annotated[str, Entry("name of the transit")]
     phase_index: int
+    """Place of the transit among the mission's phases."""
     aim: Annotated[
         str,
         Entry(
@@ -184,6 +175,7 @@ class LegPlan(Result):
     distance: Annotated[float, Entry("length of the transit", "m")]
     speed: Annotated[float, Entry("of the transit; chosen for ``energy``", "m/s")]
     mission_speed: float
+    """The mission's own [m/s]."""
     arrival_radius: float
     required_arrival: Annotated[
         float, Entry("probability of arriving that legs must have to be recommended: the mission's requirement on it")
@@ -193,6 +185,7 @@ class LegPlan(Result):
     planned_sigma: Annotated[float, Entry("of a leg's velocity, planned for", "m/s", "planned.sigma")]
     base_spread: Annotated[float, Entry("of a leg's end whatever its length, planned for", "m", "planned.base_spread")]
     goal: tuple[float, float]
+    """Of the transit, east and north [m]."""
     left: Array
     leg: Array
     expected_cost: Annotated[float, Entry("of the table, from the integral equation", key="adaptive.cost")]
@@ -212,6 +205,7 @@ class LegPlan(Result):
     fixed_tracks: Array
     adaptive_tracks: Array
     members: tuple[LegCase, ...] = ()
+    """Both plans in each member of the current's ensemble; empty without one."""
     judged: Annotated[
         Outcome | None,
         Entry(

@@ -30,18 +30,12 @@ FIRST_LEG_SHARE = 0.97
 
 @dataclass(frozen=True)
 class PolicyFamily:
-    """Leg tables that are tried.
-
-    Attributes
-    ----------
-    spread_factors : sequence of float
-        Tried at the true cost of a surfacing.
-    surfacing_factors : sequence of float
-        Tried for the best spread.
-    """
+    """Leg tables that are tried."""
 
     spread_factors: Sequence[float] = SPREAD_FACTORS
+    """Tried at the true cost of a surfacing."""
     surfacing_factors: Sequence[float] = SURFACING_FACTORS
+    """Tried for the best spread."""
 
 
 @dataclass(frozen=True)

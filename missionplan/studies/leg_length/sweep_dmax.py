@@ -159,25 +159,21 @@ class _Costs:
 
     Attributes
     ----------
-    best : int
-        Index of the best d_max of the grid.
     cost, standard_error, variance, surfacings : array
         nan where no trial arrived.
-    arrived : tuple of Probability
-    excess_error : array
-        Standard error of the cost less the best one.
-    as_good : array of bool
-        Whether the cost is as good as the best one.
     """
 
     best: int
+    """Index of the best d_max of the grid."""
     cost: Array
     standard_error: Array
     variance: Array
     surfacings: Array
     arrived: tuple[Probability, ...]
     excess_error: Array
+    """Standard error of the cost less the best one."""
     as_good: NDArray[np.bool_]
+    """Whether the cost is as good as the best one."""
 
     @classmethod
     def of_trials(cls, totals: CellTotals, grid: int) -> "_Costs":

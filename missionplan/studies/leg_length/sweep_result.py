@@ -62,19 +62,12 @@ _OF_TABLE = (
 
 @dataclass(frozen=True)
 class SweepCurve(Record):
-    """Cost against d_max for one velocity error.
-
-    Attributes
-    ----------
-    best_index : int
-        Index of the point of least cost, among those where practically as many trials arrive as anywhere.
-    nominal_time : float
-        t_nom of the transit [s].
-    """
+    """Cost against d_max for one velocity error."""
 
     sigma: Annotated[float, Entry("σ_v; of an anisotropic Σ_v the root mean of its variances", "m/s")]
     points: Annotated[tuple[SweepPoint, ...], Entry("by increasing d_max", key="curve")]
     best_index: int
+    """Index of the point of least cost, among those where practically as many trials arrive as anywhere."""
     one_leg: Annotated[SweepPoint, Entry("the naive choice: d_max equal to the whole distance", parts=_COST)]
     table: Annotated[
         SweepPoint | None,
@@ -88,6 +81,7 @@ class SweepCurve(Record):
         ),
     ]
     nominal_time: float
+    """t_nom of the transit [s]."""
 
     @property
     def best(self) -> Annotated[SweepPoint, Entry(parts=_COST)]:

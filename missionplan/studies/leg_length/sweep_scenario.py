@@ -41,19 +41,16 @@ class CellTotals:
     ----------
     cost, surfacings : Moments of shape (k,)
         Of the trials that arrived; `missing` counts the others.
-    groups : int
-        Groups of trials in the two sums below.
-    sums : array, shape (k,)
-        Sum of the groups' means of the cost about a fixed reference.
-    products : array, shape (k, k)
-        Sum of their products; shape (0, 0) where there are too many d_max.
     """
 
     cost: Moments
     surfacings: Moments
     groups: int
+    """Groups of trials in the two sums below."""
     sums: Array
+    """Sum of the groups' means of the cost about a fixed reference, shape (k,)."""
     products: Array
+    """Sum of their products; shape (0, 0) where there are too many d_max."""
 
     def merge(self, other: "CellTotals") -> "CellTotals":
         """Add the next block."""
@@ -167,29 +164,19 @@ USUAL_ARRIVAL = 0.99
 
 @dataclass(frozen=True)
 class SweepScenario:
-    """A transit to be run with many plans of legs.
-
-    Attributes
-    ----------
-    means : Scenario
-        The mission at its means.
-    phase : TransitPhase
-        At the means.
-    navigation : Navigation
-    distance : float
-        L, at the means [m].
-    d_max : array, shape (k + 1,)
-        The mission's grid, and the whole distance after it: one leg [m].
-    sigmas : tuple of (float or None)
-        σ_v of each curve [m/s]; None is the mission's own velocity error.
-    """
+    """A transit to be run with many plans of legs."""
 
     means: Scenario
+    """The mission at its means."""
     phase: TransitPhase[Scalars]
+    """At the means."""
     navigation: Navigation
     distance: float
+    """L, at the means [m]."""
     d_max: Array
+    """The mission's grid, and the whole distance after it: one leg; shape (k + 1,) [m]."""
     sigmas: tuple[float | None, ...]
+    """σ_v of each curve [m/s]; None is the mission's own velocity error."""
 
     @classmethod
     def of(cls, mission: Mission, means: Scenario | None = None) -> "SweepScenario":

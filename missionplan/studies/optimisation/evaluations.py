@@ -48,20 +48,13 @@ class ChoiceTask(CellTask):
 
 @dataclass(frozen=True)
 class Evaluation:
-    """Trials of one choice.
-
-    Attributes
-    ----------
-    point : Point
-    columns : mapping of str to array, shape (n,)
-        Empty where the choice cannot be run.
-    reason : str
-        Why not.
-    """
+    """Trials of one choice."""
 
     point: Point
     columns: Columns
+    """Empty where the choice cannot be run, shape (n,)."""
     reason: str = ""
+    """Why not."""
 
     @property
     def trials(self) -> int:
@@ -79,29 +72,18 @@ class Evaluation:
 
 @dataclass
 class Evaluations:
-    """All trials run so far.
-
-    Attributes
-    ----------
-    mission : Mission
-    lattice : Lattice
-    task : ChoiceTask
-    workers : Workers
-    store : Checkpoints or None
-        Where finished blocks are kept.
-    spent : int
-        Trials run, or found finished.
-    kept : dict of (Point, int) to Evaluation
-        By point and number of trials.
-    """
+    """All trials run so far."""
 
     mission: Mission
     lattice: Lattice
     task: ChoiceTask
     workers: Workers
     store: Checkpoints | None = None
+    """Where finished blocks are kept."""
     spent: int = 0
+    """Trials run, or found finished."""
     kept: dict[tuple[Point, int], Evaluation] = field(default_factory=dict)
+    """By point and number of trials."""
 
     def of(self, points: Sequence[Point], trials: int) -> list[Evaluation]:
         """Return the trials of some points, run where they have not been."""
@@ -143,27 +125,18 @@ _FARTHEST = 1.0
 
 @dataclass(frozen=True)
 class Demand:
-    """A requirement as the search sees it.
-
-    Attributes
-    ----------
-    quantity : str
-        As the mission writes it.
-    column : str
-        Of the trials.
-    side : 'at_most', 'at_least' or None
-        None for an event.
-    limit : float
-        In the column's unit; nan for an event.
-    required : float
-        Probability.
-    """
+    """A requirement as the search sees it."""
 
     quantity: str
+    """As the mission writes it."""
     column: str
+    """Of the trials."""
     side: Literal["at_most", "at_least"] | None
+    """None for an event."""
     limit: float
+    """In the column's unit; nan for an event."""
     required: float
+    """Probability."""
 
     def relaxed(self) -> "Demand":
         """Return the demand with its bound one percent wider, or of an event with a percentage point less."""

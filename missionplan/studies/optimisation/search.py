@@ -46,24 +46,15 @@ _DOUBTFUL = 4
 
 @dataclass
 class Search:
-    """A search for the choice of least cost that meets all demands.
-
-    Attributes
-    ----------
-    evaluations : Evaluations
-    demands : tuple of Demand
-    aim : 'energy' or 'duration'
-    seed : int
-        Of the first choices and of the candidates.
-    fits : dict of int to Kriging
-        The last surface of each margin, and under −1 that of the cost: the next fit starts from it.
-    """
+    """A search for the choice of least cost that meets all demands."""
 
     evaluations: Evaluations
     demands: tuple[Demand, ...]
     aim: Aim
     seed: int
+    """Of the first choices and of the candidates."""
     fits: dict[int, Kriging] = field(default_factory=dict)
+    """The last surface of each margin, and under −1 that of the cost: the next fit starts from it."""
 
     def widely(self) -> None:
         """Search the whole lattice with few trials."""

@@ -139,16 +139,10 @@ TEXT_OR_NUMBER: Schema = {"anyOf": [{"type": "string", "pattern": NUMBER_WITH_UN
 
 @dataclass
 class Sections:
-    """Definitions of sections, by name, as they are met.
-
-    Attributes
-    ----------
-    replaced : mapping
-        Schemas of keys that no annotation tells, by the section's name and the key.
-    definitions : dict
-    """
+    """Definitions of sections, by name, as they are met."""
 
     replaced: Mapping[tuple[str, str], Schema]
+    """Schemas of keys that no annotation tells, by the section's name and the key."""
     definitions: dict[str, Schema] = field(default_factory=dict)
 
     def of(self, section: type[BaseModel]) -> Schema:

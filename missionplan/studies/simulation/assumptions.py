@@ -28,13 +28,12 @@ class Doubt:
     ----------
     what, otherwise : str
         What is taken for granted, and what is put in its place.
-    changes : mapping of str to object
-        Of the mission's keys (`Mission.with_`).
     """
 
     what: str
     otherwise: str
     changes: Mapping[str, object]
+    """Of the mission's keys (`Mission.with_`)."""
 
 
 def ledger(mission: Mission, seed: int, trials: int = TRIALS) -> tuple[Assumption, ...]:

@@ -43,21 +43,18 @@ class Precision:
 
     Attributes
     ----------
-    key : str
-        Column of the statistics, such as ``moor.offset_m`` or ``total.success``.
-    error : float
-        In the results' unit, or a share of the mean.
     relative, is_event : bool
         Whether `error` is a share of the mean; whether it is that of a probability.
-    text : str
-        As written.
     """
 
     key: str
+    """Column of the statistics, such as ``moor.offset_m`` or ``total.success``."""
     error: float
+    """In the results' unit, or a share of the mean."""
     relative: bool
     is_event: bool
     text: str = field(default="", compare=False)
+    """As written."""
 
     @classmethod
     def parse(cls, text: str, mission: Mission) -> "Precision":
@@ -114,18 +111,11 @@ BlockItem = tuple[int, int]
 
 @dataclass(frozen=True)
 class BlockResult:
-    """A finished block.
-
-    Attributes
-    ----------
-    totals : BlockStatistics
-    rows : mapping of str to array, shape (n,)
-        Columns of the table of trials, where asked for.
-    tracks : MapTracks or None
-    """
+    """A finished block."""
 
     totals: BlockStatistics
     rows: Mapping[str, NDArray[np.generic]] = field(default_factory=dict)
+    """Columns of the table of trials, where asked for, shape (n,)."""
     tracks: MapTracks | None = None
 
     def to_arrays(self) -> dict[str, NDArray[np.generic]]:
@@ -155,46 +145,30 @@ RunBlocks = Callable[[Sequence[BlockItem]], Generator[BlockOutcome, None, None]]
 
 @dataclass(frozen=True)
 class MergedBlocks:
-    """All blocks of a run.
-
-    Attributes
-    ----------
-    totals : BlockStatistics
-        Of the blocks that did not fail.
-    failures : tuple of str
-        Why the others did.
-    first : BlockItem
-        First block that did not fail.
-    tracks : MapTracks or None
-        Its tracks, where it has any.
-    """
+    """All blocks of a run."""
 
     totals: BlockStatistics
+    """Of the blocks that did not fail."""
     failures: tuple[str, ...]
+    """Why the others did."""
     first: BlockItem
+    """First block that did not fail."""
     tracks: MapTracks | None
+    """Its tracks, where it has any."""
 
 
 @dataclass(frozen=True)
 class BlockSequence:
-    """A run.
-
-    Attributes
-    ----------
-    items : sequence of BlockItem
-        All blocks, ascending.
-    store : Checkpoints or None
-        Where finished blocks are kept.
-    goal : Precision or None
-        Ends the run early.
-    table : TrialsTable or None
-        Takes the rows.
-    """
+    """A run."""
 
     items: Sequence[BlockItem]
+    """All blocks, ascending."""
     store: Checkpoints | None = None
+    """Where finished blocks are kept."""
     goal: Precision | None = None
+    """Ends the run early."""
     table: "TrialsTable | None" = None
+    """Takes the rows."""
 
     def run(self, run_blocks: RunBlocks, progress: Progress | None = None) -> MergedBlocks:
         """Run until all blocks are done or the result is precise enough.
@@ -264,20 +238,13 @@ TRACKED_TRIALS = 300
 
 @dataclass(frozen=True, eq=False)  # hashed by identity: Dask hashes what it runs, and arrays have no hash
 class BlockTask:
-    """Runs a block, in this process or another; it holds everything that it needs.
-
-    Attributes
-    ----------
-    means : Scenario
-        The mission at its means, with the site's current where it is read from a file, which workers need not reach.
-    seed : int
-    keep_trials : bool
-        Whether to return one row a trial too.
-    """
+    """Runs a block, in this process or another; it holds everything that it needs."""
 
     means: Scenario
+    """The mission at its means, with the site's current where it is read from a file, which workers need not reach."""
     seed: int
     keep_trials: bool = False
+    """Whether to return one row a trial too."""
 
     @property
     def members(self) -> tuple[tuple[str, float], ...]:

@@ -80,24 +80,16 @@ class Exposure:
 
 @dataclass(frozen=True)
 class TrialBlock:
-    """A block of trials to run.
-
-    Attributes
-    ----------
-    scenario : Scenario
-        With the block's draws.
-    source : NormalSource
-        Of what is drawn each leg or fix.
-    tracked : int
-        Trials whose tracks are kept.
-    inputs : bool
-        Whether to sum up what was drawn each leg.
-    """
+    """A block of trials to run."""
 
     scenario: Scenario
+    """With the block's draws."""
     source: NormalSource
+    """Of what is drawn each leg or fix."""
     tracked: int
+    """Trials whose tracks are kept."""
     inputs: bool
+    """Whether to sum up what was drawn each leg."""
 
 
 @dataclass(frozen=True)
@@ -107,62 +99,49 @@ class PhaseTrials:
     Attributes
     ----------
     name, kind : str
-    quantities : mapping of str to array, shape (n,)
-        By the names of `summary.json`.
-    events : mapping of str to array of bool, shape (n,)
-    limits : mapping of str to array of bool, shape (n,)
-        Which trials met a current faster than the vehicle (``current_faster``), or left the record of it
-        (``left_record``), whether or not they failed; empty where neither can be.
     start, end : array, shape (n,)
         Since the mission's start [s].
-    failures : mapping of str to array of bool, shape (n,)
-        Trials of which the mission fails here, by the reason, in the order in which they happen.
-    miss : array, shape (2, n)
-        From the phase's goal to where it ended, of the vehicle or its anchor [m].
-    track : array, shape (points, 2, k)
-        Of the first trials, nan after the phase has ended for them [m].
-    track_time : array, shape (points, k)
-        Since the mission's start, at the points of the track [s].
-    profile : array, shape (2, corners, k)
-        When, since the mission's start, and how deep, of the same trials; straight between [s, m].
-    anchor : array, shape (2, n) or (2, 0)
-        On the seafloor; none in a transit [m].
-    goal : array, shape (2, 1) or (2, n)
-        [m]
-    radius : float or array, shape (n,)
-        Of arrival or of the mooring [m].
-    inputs : mapping of str to array, shape (n,)
-        Draws of each leg or fix, summed up in one number a trial; empty where not requested.
-    contact : Contact or None
-        What of ground, coast and zones each trial met here, on which leg and where; None where the phase meets none.
-    exposure : Exposure
-        Of the equipment, in this phase.
-    left : mapping of str to array of bool, shape (n,)
-        Trials whose equipment failed here, by what that leaves of the vehicle: ``adrift``, ``sunk``, ….
-    margins : mapping of str to array, shape (n,)
-        By the reason, how near each trial came to failing here of what no quantity tells: 0 or less where it does.
     """
 
     name: str
     kind: str
     quantities: Mapping[str, Array]
+    """By the names of `summary.json`, shape (n,)."""
     events: Mapping[str, Flags]
+    """Events, shape (n,)."""
     limits: Mapping[str, Flags]
+    """Which trials met a current faster than the vehicle (``current_faster``), or left the record of it
+    (``left_record``), whether or not they failed; empty where neither can be; shape (n,)."""
     start: Array
     end: Array
     failures: Mapping[str, Flags]
+    """Trials of which the mission fails here, by the reason, in the order in which they happen, shape (n,)."""
     miss: Array
+    """From the phase's goal to where it ended, of the vehicle or its anchor, shape (2, n) [m]."""
     track: Array
+    """Of the first trials, nan after the phase has ended for them, shape (points, 2, k) [m]."""
     track_time: Array
+    """Since the mission's start, at the points of the track, shape (points, k) [s]."""
     anchor: Array
+    """On the seafloor; none in a transit; shape (2, n) or (2, 0) [m]."""
     goal: Array
+    """Goal, shape (2, 1) or (2, n) [m]."""
     radius: Scalars
+    """Of arrival or of the mooring, float or shape (n,) [m]."""
     inputs: Mapping[str, Array]
+    """Draws of each leg or fix, summed up in one number a trial; empty where not requested; shape (n,)."""
     contact: Contact | None = None
+    """What of ground, coast and zones each trial met here, on which leg and where; None where the phase meets none."""
     exposure: Exposure = Exposure()
+    """Of the equipment, in this phase."""
     left: Mapping[str, Flags] = field(default_factory=dict)
+    """Trials whose equipment failed here, by what that leaves of the vehicle: ``adrift``, ``sunk``, …; shape (n,)."""
     profile: Array = field(default_factory=lambda: np.empty((2, 0, 0)))
+    """When, since the mission's start, and how deep, of the same trials; straight between; shape (2, corners, k) [s,
+    m]."""
     margins: Mapping[str, Array] = field(default_factory=dict)
+    """By the reason, how near each trial came to failing here of what no quantity tells: 0 or less where it does; shape
+    (n,)."""
 
 
 def failures_met(contact: Contact) -> dict[str, Flags]:

@@ -38,22 +38,14 @@ _TINY = 1e-300
 
 @dataclass(frozen=True)
 class Part:
-    """A hazard with the age at which it strikes in each trial.
-
-    Attributes
-    ----------
-    per : str
-    leaves : str
-    age : array, shape (n,)
-        Of the exposure: seconds, metres or events, of which it strikes at the first after it.
-    shape : float or array, shape (n,)
-        Of the Weibull law; 1 where it strikes as likely at any age.
-    """
+    """A hazard with the age at which it strikes in each trial."""
 
     per: Per
     leaves: Leaves
     age: Array
+    """Of the exposure: seconds, metres or events, of which it strikes at the first after it; shape (n,)."""
     shape: Scalars = 1.0
+    """Of the Weibull law; 1 where it strikes as likely at any age; float or shape (n,)."""
 
     def margin(self, exposure: Array) -> Array:
         """Logarithm of the cumulative hazard at which it strikes over that of an exposure, shape (n,)."""
@@ -139,23 +131,15 @@ def _kinds(parts: Sequence[Part]) -> list[Leaves]:
 
 @dataclass(frozen=True)
 class MissionTrials:
-    """A block of missions.
-
-    Attributes
-    ----------
-    phases : tuple of PhaseTrials
-    total : mapping of str to array, shape (n,)
-        ``duration_s`` and ``energy_wh``; nan for a trial that did not reach the mission's end.
-    success : array of bool, shape (n,)
-        Every transit arrived, every mooring within its radius and not struck, energy within the capacity.
-    draws : mapping of str to array, shape (n,)
-        The uncertain quantities of the mission, by key path.
-    """
+    """A block of missions."""
 
     phases: tuple[PhaseTrials, ...]
     total: Mapping[str, Array]
+    """``duration_s`` and ``energy_wh``; nan for a trial that did not reach the mission's end; shape (n,)."""
     success: Flags
+    """Every transit arrived, every mooring within its radius and not struck, energy within the capacity, shape (n,)."""
     draws: Mapping[str, Array]
+    """The uncertain quantities of the mission, by key path, shape (n,)."""
 
     def columns(self) -> dict[str, Array | Flags]:
         """One array a column of the table of trials, shape (n,) each."""
@@ -168,33 +152,22 @@ class MissionTrials:
 
 @dataclass(frozen=True)
 class MapTracks:
-    """Some trials for maps: plain arrays, the phases one after another.
-
-    Attributes
-    ----------
-    position : array, shape (points, 2, k)
-        Tracks [m].
-    time : array, shape (points, k)
-        Since the mission's start, at the points of the tracks [s].
-    points : integers, shape (phases,)
-        Points of the tracks that are each phase's.
-    anchors : array, shape (2, m)
-        On the seafloor [m].
-    profile : array, shape (2, corners, k)
-        When, since the mission's start, and how deep, straight between [s, m].
-    success : array of bool, shape (k,)
-        Whether the mission succeeds.
-    goals : array, shape (phases, 3)
-        Goal, east and north, and arrival radius or mooring radius, at the trials' mean [m].
-    """
+    """Some trials for maps: plain arrays, the phases one after another."""
 
     position: Array
+    """Tracks, shape (points, 2, k) [m]."""
     time: Array
+    """Since the mission's start, at the points of the tracks, shape (points, k) [s]."""
     points: NDArray[np.int64]
+    """Points of the tracks that are each phase's, shape (phases,)."""
     anchors: Array
+    """On the seafloor, shape (2, m) [m]."""
     goals: Array
+    """Goal, east and north, and arrival radius or mooring radius, at the trials' mean, shape (phases, 3) [m]."""
     profile: Array
+    """When, since the mission's start, and how deep, straight between, shape (2, corners, k) [s, m]."""
     success: Flags
+    """Whether the mission succeeds, shape (k,)."""
 
     @classmethod
     def from_arrays(cls, flat: Mapping[str, NDArray[np.generic]]) -> "MapTracks":

@@ -16,18 +16,12 @@ _LEAST_SAMPLES = 10
 
 @dataclass(frozen=True)
 class ResidualProcess:
-    """An Ornstein–Uhlenbeck process.
-
-    Attributes
-    ----------
-    sd : float
-        Of one component [m/s].
-    time : float
-        After which the correlation has fallen to 1/e [s].
-    """
+    """An Ornstein–Uhlenbeck process."""
 
     sd: float
+    """Of one component [m/s]."""
     time: float
+    """After which the correlation has fallen to 1/e [s]."""
 
     def density(self, frequency: float) -> float:
         """Two-sided spectral density at an angular frequency [m²/s]: 2σ²τ/(1 + ω²τ²)."""
@@ -95,21 +89,14 @@ _ROUNDS = 3
 
 @dataclass(frozen=True)
 class Samples:
-    """What was measured at one depth, gaps left out.
-
-    Attributes
-    ----------
-    time : array, shape (k,)
-        Increasing, since the start of 1970 [s].
-    velocity : array, shape (2, k)
-        East and north [m/s].
-    latitude : float
-        [rad]
-    """
+    """What was measured at one depth, gaps left out."""
 
     time: Array
+    """Increasing, since the start of 1970, shape (k,) [s]."""
     velocity: Array
+    """East and north, shape (2, k) [m/s]."""
     latitude: float
+    """Latitude [rad]."""
 
     @property
     def lasting(self) -> float:
@@ -124,24 +111,16 @@ class Samples:
 
 @dataclass(frozen=True)
 class HarmonicFit:
-    """Constituents, a mean and what is left.
-
-    Attributes
-    ----------
-    samples : Samples
-        Those that were fitted.
-    constituents : tuple of Constituent
-        The largest first.
-    mean : array, shape (2,)
-        East and north [m/s].
-    residual : ResidualProcess
-        Of the current about the tide and the mean.
-    """
+    """Constituents, a mean and what is left."""
 
     samples: Samples
+    """Those that were fitted."""
     constituents: tuple[Constituent, ...]
+    """The largest first."""
     mean: Array
+    """East and north, shape (2,) [m/s]."""
     residual: ResidualProcess
+    """Of the current about the tide and the mean."""
 
     @property
     def spread(self) -> float:

@@ -49,21 +49,18 @@ class CurrentRecord:
 
     Attributes
     ----------
-    time : array, shape (k,)
-        Increasing, since the start of 1970 [s].
-    depth : array, shape (m,)
-        Increasing [m].
     east, north : array, shape (k, m)
         nan where nothing was measured [m/s].
-    latitude : float
-        nan where the file does not tell [rad].
     """
 
     time: Array
+    """Increasing, since the start of 1970, shape (k,) [s]."""
     depth: Array
+    """Increasing, shape (m,) [m]."""
     east: Array
     north: Array
     latitude: float = math.nan
+    """nan where the file does not tell [rad]."""
 
 
 def read_current_record(path: Path, start: datetime | None = None) -> CurrentRecord:

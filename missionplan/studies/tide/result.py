@@ -15,17 +15,10 @@ from missionplan.results.entries import Entry, Record
 
 @dataclass(frozen=True)
 class Constituent(Record):
-    """A tidal ellipse; standard errors are nan where the constituent is inferred.
-
-    Attributes
-    ----------
-    name : str
-        Such as ``M2``.
-    inferred_from : str
-        The constituent from which it is inferred; empty where it is fitted.
-    """
+    """A tidal ellipse; standard errors are nan where the constituent is inferred."""
 
     name: str
+    """Such as ``M2``."""
     major: Annotated[float, Entry("major semi-axis", "m/s")]
     minor: Annotated[float, Entry("minor semi-axis; negative where the current turns clockwise", "m/s")]
     toward: Annotated[float, Entry("direction of the major axis, clockwise from north, below π", "rad")]
@@ -35,6 +28,7 @@ class Constituent(Record):
     toward_error: Annotated[float, Entry("standard error of the direction", "rad")] = math.nan
     phase_error: Annotated[float, Entry("standard error of the phase", "rad")] = math.nan
     inferred_from: str = ""
+    """The constituent from which it is inferred; empty where it is fitted."""
 
     @property
     def fitted_constituent(self) -> Annotated[str | None, Entry(key="inferred_from")]:
@@ -61,13 +55,7 @@ class HeldOut(Record):
 
 @dataclass(frozen=True)
 class DepthTide(Record):
-    """The tide at one depth.
-
-    Attributes
-    ----------
-    constituents : tuple of Constituent
-        The largest first.
-    """
+    """The tide at one depth."""
 
     depth: Annotated[float, Entry("below the surface", "m")]
     samples: Annotated[int, Entry("moments at which the current was measured")]
@@ -75,6 +63,7 @@ class DepthTide(Record):
     north: Annotated[float, Entry("mean current towards the north", "m/s")]
     mean_error: Annotated[float, Entry("standard error of either component of the mean", "m/s")]
     constituents: tuple[Constituent, ...]
+    """The largest first."""
     residual: Annotated[
         float,
         Entry(
@@ -101,8 +90,6 @@ class TideResult(Result):
     ----------
     time, measured, fitted : array, shapes (k,), (2, k) and (2, k)
         At the depth of the picture: since 1970 [s], east and north; nan in gaps [m/s].
-    shown_depth : float
-        [m]
     """
 
     report: ClassVar[str] = "missionplan.studies.tide.page"
@@ -116,6 +103,7 @@ class TideResult(Result):
     measured: Array
     fitted: Array
     shown_depth: float
+    """Shown depth [m]."""
     unresolved: Annotated[tuple[str, ...], Entry("what the record is too short for, in words")]
 
     @property

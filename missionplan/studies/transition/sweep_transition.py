@@ -54,23 +54,19 @@ class TransitionSweep(Result):
 
     Attributes
     ----------
-    cells : DataFrame
-        One run per row: `variant`, `deceleration_m_s2`, `steepness_m_s`, `mid_speed_m_s`, `depth_excursion_m`,
-        `pitch_excursion_rad`, `hover_time_s`, `hover_pitch_rad`, `energy_common_wh` (option (a): until the slowest
-        run of the set hovers), `energy_to_hover_wh` (option (b)), `energy_out_of_range` (share).
-    unassisted : TimeHistory
-        Without thrusters (Fig. 3).
     by_mid_speed, by_steepness : tuple of TimeHistory
         One thruster, force alone, at the shown deceleration (Figs. 6 to 9).
-    by_variant : tuple of TimeHistory
-        The variants at the shown deceleration, steepness and mid-transition speed (Fig. 14).
     """
 
     report: ClassVar[str] = "missionplan.studies.transition.page"
     provenance: Provenance
     cells: pd.DataFrame
+    """One run per row: `variant`, `deceleration_m_s2`, `steepness_m_s`, `mid_speed_m_s`, `depth_excursion_m`,
+    `pitch_excursion_rad`, `hover_time_s`, `hover_pitch_rad`, `energy_common_wh` (option (a): until the slowest run of
+    the set hovers), `energy_to_hover_wh` (option (b)), `energy_out_of_range` (share)."""
     shown_deceleration: float
     unassisted: TimeHistory
+    """Without thrusters (Fig. 3)."""
     saturation_speed: Annotated[
         float,
         Entry("at which the sternplanes reach their limit in level flight, point A; null if they never do", "m/s"),
@@ -78,6 +74,7 @@ class TransitionSweep(Result):
     by_mid_speed: tuple[TimeHistory, ...]
     by_steepness: tuple[TimeHistory, ...]
     by_variant: tuple[TimeHistory, ...]
+    """The variants at the shown deceleration, steepness and mid-transition speed (Fig. 14)."""
     hover: Annotated[
         Mapping[str, float],
         Entry("`thrust_n`, `revolutions_per_s`, `power_w` of one thruster and `pair_power_w` at hover"),

@@ -10,20 +10,13 @@ from missionplan.mission.schema.shared_sections import ValueInForce
 
 @dataclass(frozen=True)
 class Readiness:
-    """Whether one command can use a file.
-
-    Attributes
-    ----------
-    command : str
-    needs : tuple of str
-        What is missing or wrong; none where it is ready.
-    without : str
-        What a part of its answer needs, where it is ready.
-    """
+    """Whether one command can use a file."""
 
     command: str
     needs: tuple[str, ...] = ()
+    """What is missing or wrong; none where it is ready."""
     without: str = ""
+    """What a part of its answer needs, where it is ready."""
 
     def __str__(self) -> str:
         words = f"needs {'; '.join(self.needs)}" if self.needs else "ready"
@@ -32,29 +25,19 @@ class Readiness:
 
 @dataclass(frozen=True)
 class Validated:
-    """What was found of one file or data set.
-
-    Attributes
-    ----------
-    path : Path
-    summary : str
-        What it is.
-    values : tuple of ValueInForce
-        Of a mission, what is in force of the keys that its vehicle file may give too.
-    table : tuple of Readiness
-        What it is good for.
-    notices : tuple of str
-        What is unusual.
-    problems : tuple of Problem
-        What is wrong; then there is no more.
-    """
+    """What was found of one file or data set."""
 
     path: Path
     summary: str = ""
+    """What it is."""
     values: tuple[ValueInForce, ...] = ()
+    """Of a mission, what is in force of the keys that its vehicle file may give too."""
     table: tuple[Readiness, ...] = ()
+    """What it is good for."""
     notices: tuple[str, ...] = ()
+    """What is unusual."""
     problems: tuple[Problem, ...] = ()
+    """What is wrong; then there is no more."""
 
 
 def needs(check: Callable[[], object]) -> tuple[str, ...]:

@@ -47,21 +47,18 @@ class TransitExpectation:
 
     Attributes
     ----------
-    distance : float
-        To the target at the start [m].
     speed, surfacing_time : float
         Speed through the water [m/s] and time at the surface after each leg [s].
-    distance_run : float
-        Expected total length of the legs [m].
-    surfacings : float
-        Expected number of legs, hence of surfacings, the arrival's included.
     """
 
     distance: float
+    """To the target at the start [m]."""
     speed: float
     surfacing_time: float
     distance_run: float
+    """Expected total length of the legs [m]."""
     surfacings: float
+    """Expected number of legs, hence of surfacings, the arrival's included."""
 
     @property
     def duration(self) -> float:

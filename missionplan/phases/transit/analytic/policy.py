@@ -51,33 +51,23 @@ _GOLDEN = 0.5 * (np.sqrt(5.0) - 1.0)
 
 @dataclass(frozen=True)
 class Bellman:
-    """Bellman's equation on a grid. Times are multiplied by the speed, so that J is in metres.
-
-    Attributes
-    ----------
-    panels : Panels
-        Grid of J.
-    distance : float
-        To the target at the start [m].
-    k : float
-        σ/U.
-    base : float
-        s₀ [m].
-    surfacing : float
-        t_s U [m].
-    candidates : array, shape (nodes, CANDIDATES)
-        Leg lengths scanned at each node [m].
-    transition : csr_array, shape (nodes * CANDIDATES, nodes)
-        Transition matrix of the candidates: E[J(d′); d′ > r_x] after each of them from J at the nodes.
-    """
+    """Bellman's equation on a grid. Times are multiplied by the speed, so that J is in metres."""
 
     panels: Panels
+    """Grid of J."""
     distance: float
+    """To the target at the start [m]."""
     k: float
+    """σ/U."""
     base: float
+    """s₀ [m]."""
     surfacing: float
+    """t_s U [m]."""
     candidates: Array
+    """Leg lengths scanned at each node, shape (nodes, CANDIDATES) [m]."""
     transition: csr_array
+    """Transition matrix of the candidates: E[J(d′); d′ > r_x] after each of them from J at the nodes; shape (nodes *
+    CANDIDATES, nodes)."""
 
     @classmethod
     def on_grid(cls, distance: float, arrival_radius: float, k: float, surfacing: float, base: float) -> "Bellman":
@@ -185,21 +175,14 @@ MIN_ERROR = 1e-3
 
 @dataclass(frozen=True)
 class LegPolicy:
-    """The optimal legs with their expected transit.
-
-    Attributes
-    ----------
-    legs : LegTable
-        Leg length against distance left, exact at its knots.
-    transit : TransitExpectation
-        Expected with these legs.
-    bound : float
-        Least expected cost c of any legs, which the table exceeds by at most `TABLE_LOSS`.
-    """
+    """The optimal legs with their expected transit."""
 
     legs: LegTable
+    """Leg length against distance left, exact at its knots."""
     transit: TransitExpectation
+    """Expected with these legs."""
     bound: float
+    """Least expected cost c of any legs, which the table exceeds by at most `TABLE_LOSS`."""
 
 
 def best_legs(

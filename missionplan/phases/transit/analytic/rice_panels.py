@@ -33,15 +33,10 @@ _TO_NODES = np.linalg.inv(np.polynomial.legendre.legvander(_NODES, ORDER - 1))
 
 @dataclass(frozen=True)
 class Panels:
-    """A grid over the distance left.
-
-    Attributes
-    ----------
-    edges : array, shape (m + 1,)
-        Ascending; the first is the arrival radius [m].
-    """
+    """A grid over the distance left."""
 
     edges: Array
+    """Ascending; the first is the arrival radius; shape (m + 1,) [m]."""
 
     @property
     def nodes(self) -> Array:
