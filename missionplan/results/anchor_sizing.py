@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import Annotated, ClassVar
 
 import numpy as np
 import pandas as pd
@@ -11,69 +11,60 @@ from missionplan.montecarlo.statistics import Probability
 from missionplan.phases.mooring.profile import DescentProfile
 from missionplan.physics.trim import TrimState
 from missionplan.results.base import Provenance, Result, to_csv
-from missionplan.results.decision import Assumption, MemberOutcome
+from missionplan.results.decision import MemberOutcome
+from missionplan.results.entries import Entry, Record
 from missionplan.results.held_vehicle import HeldVehicle
 from missionplan.results.simulation import Outcome, judgement_summary
 from missionplan.results.sized_anchor import DiveProbabilities, SizedAnchor
 
 
 @dataclass(frozen=True)
-class Deviation:
-    """An anchor of another weight, as one that was built heavier: its wet weight [N], and how its dives end."""
+class Deviation(Record):
+    """An anchor of another weight, as one that was built heavier, and how its dives end."""
 
-    weight: float
-    probabilities: DiveProbabilities
-    misses: tuple[str, ...]
-
-    def summary(self) -> dict[str, object]:
-        """Return an entry of ``summary.json``."""
-        return {
-            "wet_weight_n": self.weight,
-            "misses": list(self.misses),
-            "odds": self.probabilities.summary(),
-        }
+    weight: Annotated[float, Entry("of the anchor", "N", "wet_weight")]
+    probabilities: Annotated[DiveProbabilities, Entry("how its dives end", key="odds")]
+    misses: Annotated[tuple[str, ...], Entry("what is asked and not reached, in words")]
 
 
 @dataclass(frozen=True)
-class ProbableAnchor:
+class ProbableAnchor(Record):
     """The lightest anchor that does all that is asked of its dives, or which demands stand against which."""
 
-    required: float | None
-    """Probability asked of dives that succeed; None where only the mission's requirements are asked."""
-    anchor: SizedAnchor | None
-    """The lightest that can be built; that of any parts where none can; None where no anchor does."""
-    reason: str
-    """Why none does, with the numbers of the best compromise; empty otherwise."""
-    compromise: float
-    """Wet weight that comes nearest [N]."""
-    best: float
-    """Share of its dives that succeed."""
-    margins: tuple[Deviation, ...] = ()
-    """Anchors a tenth lighter and heavier than the one found."""
-    line_length: float | None = None
-    """Shortest line [m] with which some anchor would do, where the line is what fails."""
-    line_anchor_weight: float | None = None
-    """Wet weight of that anchor [N]."""
-    lighter: float | None = None
-    """Wet weight [N] of a lighter anchor that reaches it, where the parts cannot make that one."""
+    required: Annotated[
+        float | None, Entry("of dives that succeed, as asked; null where only the mission's requirements are asked")
+    ]
+    anchor: Annotated[
+        SizedAnchor | None,
+        Entry("the lightest that can be built; that of any parts where none can; null where no anchor does"),
+    ]
+    reason: Annotated[str, Entry("why none does, with the numbers of the best compromise; empty otherwise")]
+    compromise: Annotated[float, Entry("wet weight that comes nearest", "N", "best_wet_weight")]
+    best: Annotated[float, Entry("share of its dives that succeed")]
+    margins: Annotated[tuple[Deviation, ...], Entry("anchors a tenth lighter and heavier than the one found")] = ()
+    line_length: Annotated[
+        float | None, Entry("shortest with which some anchor would do, where the line is what fails", "m")
+    ] = None
+    line_anchor_weight: Annotated[float | None, Entry("of that anchor", "N", "line_anchor_wet_weight")] = None
+    lighter: Annotated[
+        float | None,
+        Entry("a lighter anchor that reaches it, where the parts cannot make it", "N", "lightest_of_any_parts"),
+    ] = None
 
-    def summary(self) -> dict[str, object]:
-        """Return the section `probable` of ``summary.json``."""
-        found = self.anchor
-        return {
-            "required": self.required,
-            "found": found is not None,
-            "reason": self.reason,
-            "best": self.best,
-            "best_wet_weight_n": self.compromise,
-            "margins": [each.summary() for each in self.margins],
-            "anchor": found.summary() if found else None,
-            "descent": found.descent_summary() if found else None,
-            "odds": found.probabilities.summary() if found else None,
-            "line_length_m": self.line_length,
-            "line_anchor_wet_weight_n": self.line_anchor_weight,
-            "lightest_of_any_parts_n": self.lighter,
-        }
+    @property
+    def found(self) -> Annotated[bool, Entry()]:
+        """Whether an anchor does all that is asked."""
+        return self.anchor is not None
+
+    @property
+    def descent(self) -> Annotated[dict[str, float] | None, Entry()]:
+        """Its nominal dive."""
+        return self.anchor.descent_summary() if self.anchor else None
+
+    @property
+    def odds(self) -> Annotated[DiveProbabilities | None, Entry()]:
+        """How its dives end."""
+        return self.anchor.probabilities if self.anchor else None
 
 
 @dataclass(frozen=True)
@@ -85,68 +76,63 @@ class DesignLayer:
 
 
 @dataclass(frozen=True)
-class ExplainedAnchor:
+class ExplainedAnchor(Record):
     """An anchor when one explanation holds."""
 
-    causes: tuple[str, ...]
-    """Its effects; empty for none."""
-    probability: float
-    good: Probability
-    """Of the anchor to build: within the radius, not struck, and holding where that counts."""
-    needed: float | None
-    """Wet weight of the lightest anchor that reaches the probability asked for, were it known that this holds [N]; None
-    where none does, or none was asked for."""
-
-    def summary(self) -> dict[str, object]:
-        """Return the entry of ``summary.json``."""
-        return {
-            "causes": list(self.causes),
-            "probability": self.probability,
-            "good": self.good.summary(),
-            "needed_wet_weight_n": self.needed,
-        }
+    causes: Annotated[tuple[str, ...], Entry("its effects; empty for none")]
+    probability: Annotated[float, Entry("of the explanation")]
+    good: Annotated[
+        Probability, Entry("of the anchor to build: within the radius, not struck, and holding where that counts")
+    ]
+    needed: Annotated[
+        float | None,
+        Entry(
+            "of the lightest anchor that reaches the probability asked for, were it known that this holds; null where "
+            "none does, or none was asked for",
+            "N",
+            "needed_wet_weight",
+        ),
+    ]
 
 
 @dataclass(frozen=True)
 class AnchorSizing(Result):
-    """The anchor of a mooring: for the worst case and, where one was given, for a probability.
-
-    Attributes
-    ----------
-    radius, depth, line_length : float
-        Distributions at their means [m].
-    """
+    """The anchor of a mooring: for the worst case and, where one was given, for a probability."""
 
     report: ClassVar[str] = "missionplan.report.anchor.page"
 
     provenance: Provenance
-    phase: str
-    """Name of the mooring."""
-    radius: float
+    phase: Annotated[str, Entry("name of the mooring")]
+    radius: Annotated[float, Entry("at its mean", "m")]
     depth: float
-    line_length: float
+    """At its mean [m]."""
+    line_length: Annotated[float, Entry("at its mean", "m")]
     layers: tuple[DesignLayer, ...]
     """The worst case of Eq. 1."""
-    required_velocity: float
-    """Downward, over the ground, all layers aligned [m/s]."""
-    vector_velocity: float | None
-    """The same with the layers' own directions; None where they have none [m/s]."""
-    anchor: SizedAnchor
-    """For the worst case."""
-    probable: ProbableAnchor | None
-    """Where a probability was given."""
-    notes: tuple[str, ...]
-    """Formulae that are used outside their range."""
+    required_velocity: Annotated[float, Entry("downward, over the ground, all layers aligned", "m/s")]
+    vector_velocity: Annotated[
+        float | None,
+        Entry("the same with the layers' own directions; null where none", "m/s", "required_velocity_vector"),
+    ]
+    anchor: Annotated[SizedAnchor, Entry("for the worst case")]
+    probable: Annotated[ProbableAnchor | None, Entry("where a probability was given")]
+    notes: Annotated[tuple[str, ...], Entry("formulae that are used outside their range")]
     judged: Outcome | None = None
     """The mission with the anchor to build, simulated with fresh draws; None where it requires nothing."""
-    held: HeldVehicle | None = None
-    """How the vehicle stands on its line above the anchor to build."""
-    trim: tuple[TrimState, ...] = ()
-    """How the vehicle lies with that anchor, with it flooded, and without it."""
-    explanations: tuple[ExplainedAnchor, ...] = ()
-    """The anchor to build under each explanation of the mission; empty for a mission without doubts."""
-    members: tuple[MemberOutcome, ...] = ()
-    """Dives that succeed with the anchor to build in each member of the current's ensemble; empty without one."""
+    held: Annotated[
+        HeldVehicle | None, Entry("how the vehicle stands on its line above the anchor to build", key="hold")
+    ] = None
+    trim: Annotated[
+        tuple[TrimState, ...], Entry("how the vehicle lies with that anchor, with it flooded, and without it")
+    ] = ()
+    explanations: Annotated[
+        tuple[ExplainedAnchor, ...],
+        Entry("the anchor to build under each explanation of a mission that has doubts", optional=True),
+    ] = ()
+    members: Annotated[
+        tuple[MemberOutcome, ...],
+        Entry("dives that succeed with the anchor to build in each member of the ensemble", optional=True),
+    ] = ()
 
     @property
     def to_build(self) -> SizedAnchor:
@@ -154,51 +140,41 @@ class AnchorSizing(Result):
         return self.probable.anchor if self.probable and self.probable.anchor else self.anchor
 
     @property
-    def meets_requirements(self) -> bool:
+    def meets_requirements(self) -> Annotated[bool, Entry()]:
         """Whether the mission with the anchor to build meets all requirements on fresh draws, if it has any."""
         return self.judged is None or self.judged.requirements_met
 
     @property
-    def succeeds(self) -> bool:
+    def succeeds(self) -> Annotated[bool, Entry()]:
         """Whether the anchor to build can be built, is ever good, does all that is asked, and so does the mission."""
         reached = self.probable is None or self.probable.anchor is not None
         some_succeed = self.to_build.probabilities.good.value > 0.0
         return reached and some_succeed and not self.to_build.problems and self.meets_requirements
 
-    def summary(self) -> dict[str, object]:
-        """Return the contents of ``summary.json``."""
-        entries = {
-            **self.provenance.summary(),
-            "phase": self.phase,
-            "radius_m": self.radius,
-            "line_length_m": self.line_length,
-            "required_velocity_m_s": self.required_velocity,
-            "required_velocity_vector_m_s": self.vector_velocity,
-            "anchor": self.anchor.summary(),
-            "descent": self.anchor.descent_summary(),
-            "odds": self.anchor.probabilities.summary(),
-            "probable": self.probable.summary() if self.probable else None,
-            "to_build": "worst-case" if self.to_build is self.anchor else "probable",
-            "meets_requirements": self.meets_requirements,
-            "judged": judgement_summary(self.judged),
-            "succeeds": self.succeeds,
-            "hold": self.held.summary() if self.held else None,
-            "trim": [state.summary() for state in self.trim],
-            "notes": list(self.notes),
-            **({"members": [each.summary() for each in self.members]} if self.members else {}),
-            **({"explanations": [each.summary() for each in self.explanations]} if self.explanations else {}),
-        }
-        return self.with_decision(entries)
+    @property
+    def descent(self) -> Annotated[dict[str, float], Entry()]:
+        """Nominal dive of the anchor for the worst case."""
+        return self.anchor.descent_summary()
+
+    @property
+    def odds(self) -> Annotated[DiveProbabilities, Entry()]:
+        """How the dives of the anchor for the worst case end."""
+        return self.anchor.probabilities
+
+    @property
+    def which_to_build(self) -> Annotated[str, Entry(key="to_build")]:
+        """``worst-case`` or ``probable``."""
+        return "worst-case" if self.to_build is self.anchor else "probable"
+
+    @property
+    def judgement(self) -> Annotated[dict[str, object] | None, Entry(key="judged")]:
+        """The mission with the anchor to build, simulated with fresh draws; null where it requires nothing."""
+        return judgement_summary(self.judged)
 
     @property
     def certainty(self) -> Mapping[str, object]:
         """Probability that a dive with the anchor to build does all that is asked."""
         return self.to_build.probabilities.good.summary()
-
-    @property
-    def assumed(self) -> tuple[Assumption, ...]:
-        """What the mission with it takes for granted, each with its worth; nothing where it was not judged."""
-        return () if self.judged is None else self.judged.assumed
 
     @property
     def recommended_values(self) -> Mapping[str, object]:

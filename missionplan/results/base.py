@@ -177,14 +177,19 @@ class Result(Record, ABC):
         return {**entries, "decision": decision}
 
     @property
+    def judged(self) -> "Result | None":
+        """The mission with what is recommended, simulated with fresh draws; None where nothing was judged."""
+        return None
+
+    @property
     def certainty(self) -> Mapping[str, object] | None:
         """How sure the answer is, as the entry ``sure`` of its decision: a probability; None where none is told."""
-        return None
+        return None if self.judged is None else self.judged.certainty
 
     @property
     def assumed(self) -> tuple[Assumption, ...]:
         """What the answer takes for granted, as far as its worth was computed."""
-        return ()
+        return () if self.judged is None else self.judged.assumed
 
     @property
     def recommended_values(self) -> Mapping[str, object]:

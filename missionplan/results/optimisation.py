@@ -9,7 +9,7 @@ import pandas as pd
 
 from missionplan.montecarlo.statistics import Probability
 from missionplan.results.base import Provenance, Result, to_csv, to_yaml
-from missionplan.results.decision import Assumption, Axis, MemberOutcome
+from missionplan.results.decision import Axis, MemberOutcome
 from missionplan.results.entries import Entry, Record
 from missionplan.results.simulation import Outcome, PhaseOutcome, RequirementOutcome
 
@@ -119,14 +119,9 @@ class Optimised(Result):
     relaxation_trials: Annotated[int, Entry("that the relaxed problems took", key="trials_of.relaxations")]
 
     @property
-    def certainty(self) -> Mapping[str, object] | None:
-        """Probability of success of the choice on fresh draws."""
-        return None if self.fresh is None else self.fresh.certainty
-
-    @property
-    def assumed(self) -> tuple[Assumption, ...]:
-        """What the mission with it takes for granted, each with its worth; nothing where it was not judged."""
-        return () if self.fresh is None else self.fresh.assumed
+    def judged(self) -> Outcome | None:
+        """The choice on fresh draws."""
+        return self.fresh
 
     @property
     def recommended_values(self) -> Mapping[str, object]:

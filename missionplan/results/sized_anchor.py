@@ -3,6 +3,7 @@
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Annotated
 
 from missionplan.montecarlo.statistics import Probability, Statistic
 from missionplan.phases.mooring.forces import Dive
@@ -10,44 +11,36 @@ from missionplan.phases.mooring.profile import DescentProfile
 from missionplan.physics.anchor import AnchorDesign
 from missionplan.physics.anchor_remedies import MAX_WET_WEIGHT, Remedy
 from missionplan.physics.vehicle_drag import DragBuildUp
+from missionplan.results.entries import Entry, Record
 from missionplan.results.simulation import RequirementOutcome
 
 
 @dataclass(frozen=True)
-class DiveProbabilities:
-    """Outcomes of many dives with one anchor.
+class DiveProbabilities(Record):
+    """Outcomes of many dives with one anchor."""
 
-    Attributes
-    ----------
-    within, struck : Probability
-        Of the anchor coming down within the radius, and of the vehicle striking the seafloor.
-    offset, lowest_altitude : Statistic
-        Of the anchor from the last fix, and of the vehicle above the seafloor [m].
-    """
-
-    good: Probability
-    """Of the mooring failing in no way: within the radius, not struck, and what else the files let be known."""
-    within: Probability
-    holds: Probability | None
-    """Of the anchor holding; None where the vehicle file does not say how it does, and every anchor counts as holding.
-    """
-    struck: Probability
-    offset: Statistic
-    lowest_altitude: Statistic
-    requirements: tuple[RequirementOutcome, ...] = ()
-    """What the mission requires of the mooring."""
-
-    def summary(self) -> dict[str, object]:
-        """Return the section `odds` of ``summary.json``."""
-        return {
-            "within_radius_and_not_struck": self.good.summary(),
-            "within_radius": self.within.summary(),
-            "struck_seafloor": self.struck.summary(),
-            **({} if self.holds is None else {"anchor_holds": self.holds.summary()}),
-            "offset_m": self.offset.summary(),
-            "lowest_altitude_m": self.lowest_altitude.summary(),
-            **({"requirements": [item.summary() for item in self.requirements]} if self.requirements else {}),
-        }
+    good: Annotated[
+        Probability,
+        Entry(
+            "of the mooring failing in no way: within the radius, not struck, and what else the files let be known",
+            key="within_radius_and_not_struck",
+        ),
+    ]
+    within: Annotated[Probability, Entry("of the anchor coming down within the radius", key="within_radius")]
+    holds: Annotated[
+        Probability | None,
+        Entry(
+            "of the anchor holding, where the vehicle file says how it does: else every anchor counts as holding",
+            key="anchor_holds",
+            optional=True,
+        ),
+    ]
+    struck: Annotated[Probability, Entry("of the vehicle striking the seafloor", key="struck_seafloor")]
+    offset: Annotated[Statistic, Entry("of the anchor from the last fix", "m")]
+    lowest_altitude: Annotated[Statistic, Entry("of the vehicle above the seafloor", "m")]
+    requirements: Annotated[
+        tuple[RequirementOutcome, ...], Entry("what the mission requires of the mooring", optional=True)
+    ] = ()
 
 
 @dataclass(frozen=True)

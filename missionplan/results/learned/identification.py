@@ -3,28 +3,26 @@
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import ClassVar
+from typing import Annotated, ClassVar
 
 import pandas as pd
 
 from missionplan.arrays import Array
 from missionplan.results.base import Provenance, Result, to_csv, to_yaml
+from missionplan.results.entries import Entry, Record
 
 
 @dataclass(frozen=True)
-class IdentifiedParameter:
-    """An estimated parameter: `value` and standard deviation `sd` in `unit`, 90 % interval from `low` to `high`.
+class IdentifiedParameter(Record):
+    """An estimated parameter; its unit stands beside its value, not in the key."""
 
-    The ends are nan where there is no interval: the standard deviation is not known, or the model does not fit.
-    """
-
-    name: str
+    name: Annotated[str, Entry("of the parameter")]
     symbol: str
-    value: float
-    sd: float
-    low: float
-    high: float
-    unit: str
+    value: Annotated[float, Entry("estimate, in `unit`")]
+    sd: Annotated[float, Entry("its standard deviation, in `unit`")]
+    low: Annotated[float, Entry("begin of the 90 % interval; null without one: no error is known, or no fit")]
+    high: Annotated[float, Entry("end of the 90 % interval")]
+    unit: Annotated[str, Entry("of all of them; empty for bare numbers")]
 
     @property
     def has_interval(self) -> bool:
@@ -37,35 +35,33 @@ class IdentifiedParameter:
         return f" (90 % interval {self.low:{digits}} to {self.high:{digits}}{unit})" if self.has_interval else ""
 
     @property
-    def note(self) -> str:
+    def note(self) -> Annotated[str, Entry()]:
         """Why there is no interval; empty where there is one."""
         if self.has_interval:
             return ""
         return "the model does not fit: no interval" if math.isfinite(self.sd) else "the data state no error"
 
-    def summary(self) -> dict[str, object]:
-        """Return the entry of `summary.json`, which is also a row of the table."""
-        names = ("name", "value", "sd", "low", "high", "unit", "note")
-        return {name: getattr(self, name) for name in names}
-
 
 @dataclass(frozen=True)
-class FittedModel:
+class FittedModel(Record):
     """A model fitted to data by weighted least squares."""
 
-    name: str
-    """The model in words, such as "constant drag coefficient"."""
-    estimates: tuple[IdentifiedParameter, ...]
-    """Its parameters."""
-    chi_squared: float
-    """Weighted sum of squared residuals, with the stated errors; nan where none were stated."""
-    degrees_of_freedom: int
-    """Data less parameters."""
-    does_not_fit: bool
-    """Whether the residuals are so much larger than the stated errors that the model is wrong."""
-    widened: float
-    """Factor by which the standard errors were widened for scatter beyond the stated errors, or for autocorrelated
-    residuals; 1 for none."""
+    name: Annotated[str, Entry('in words, such as "constant drag coefficient"', key="model")]
+    estimates: Annotated[tuple[IdentifiedParameter, ...], Entry("its parameters", key="parameters")]
+    chi_squared: Annotated[
+        float, Entry("weighted sum of squared residuals, with the stated errors; null where none were stated")
+    ]
+    degrees_of_freedom: Annotated[int, Entry("data less parameters")]
+    does_not_fit: Annotated[
+        bool, Entry("whether the residuals are so much larger than the stated errors that the model is wrong")
+    ]
+    widened: Annotated[
+        float,
+        Entry(
+            "factor by which the standard errors were widened for scatter beyond the stated errors, or for "
+            "autocorrelated residuals; 1 for none"
+        ),
+    ]
     fitted: Array
     """The model at the data, shape (points,)."""
     residual_sd: float
@@ -80,17 +76,6 @@ class FittedModel:
     def __contains__(self, name: object) -> bool:
         """Whether the model has a parameter of that name."""
         return any(estimate.name == name for estimate in self.estimates)
-
-    def summary(self) -> dict[str, object]:
-        """Return the entry of `summary.json`."""
-        return {
-            "model": self.name,
-            "chi_squared": self.chi_squared,
-            "degrees_of_freedom": self.degrees_of_freedom,
-            "does_not_fit": self.does_not_fit,
-            "widened": self.widened,
-            "parameters": [estimate.summary() for estimate in self.estimates],
-        }
 
 
 @dataclass(frozen=True)
@@ -143,29 +128,24 @@ class TankAnalysis:
 
 @dataclass(frozen=True)
 class Identification(Result):
-    """Result of `identify`.
-
-    Attributes
-    ----------
-    kind, name, source : str
-        Of the data set.
-    """
+    """Result of `identify`."""
 
     report: ClassVar[str] = "missionplan.studies.identification.page"
     provenance: Provenance
-    kind: str
-    name: str
+    kind: Annotated[str, Entry("of the data set")]
+    name: Annotated[str, Entry("name of the data set", key="dataset")]
     source: str
+    """Of the data set."""
     analysis: TankAnalysis = field(repr=False)
     """Fitted models, figures, remarks and vehicle fragment."""
 
     @property
-    def fits(self) -> tuple[FittedModel, ...]:
+    def fits(self) -> Annotated[tuple[FittedModel, ...], Entry()]:
         """Fitted models, the preferred one first."""
         return self.analysis.fits
 
     @property
-    def estimates(self) -> tuple[IdentifiedParameter, ...]:
+    def estimates(self) -> Annotated[tuple[IdentifiedParameter, ...], Entry(key="parameters")]:
         """Parameters of the preferred model, then those derived from them."""
         return (*self.fits[0].estimates, *self.analysis.derived)
 
@@ -173,20 +153,25 @@ class Identification(Result):
         """Parameter of the preferred model, or derived from it, by name."""
         return next(estimate for estimate in self.estimates if estimate.name == name)
 
-    def summary(self) -> dict[str, object]:
-        """Return the contents of `summary.json`; a parameter's unit stands beside its value, not in its key."""
-        entries = {
-            **self.provenance.summary(),
-            "kind": self.kind,
-            "dataset": self.name,
-            "preferred": self.fits[0].name,
-            "does_not_fit": self.fits[0].does_not_fit,
-            "parameters": [estimate.summary() for estimate in self.estimates],
-            "fits": [fit.summary() for fit in self.fits],
-            "remarks": list(self.analysis.remarks),
-            "vehicle_fragment": dict(self.analysis.fragment),
-        }
-        return self.with_decision(entries)
+    @property
+    def preferred(self) -> Annotated[str, Entry()]:
+        """Name of the preferred model."""
+        return self.fits[0].name
+
+    @property
+    def does_not_fit(self) -> Annotated[bool, Entry()]:
+        """Whether the preferred model does not fit."""
+        return self.fits[0].does_not_fit
+
+    @property
+    def remarks(self) -> Annotated[tuple[str, ...], Entry()]:
+        """Remarks on the quality of the data and the fits, in sentences."""
+        return self.analysis.remarks
+
+    @property
+    def vehicle_fragment(self) -> Annotated[Mapping[str, object], Entry()]:
+        """Keys of a vehicle file."""
+        return self.analysis.fragment
 
     def to_frame(self) -> pd.DataFrame:
         """Parameters of every fitted model, one per row."""

@@ -120,7 +120,7 @@ def fit_leg_spread(scenario: SweepScenario, seed: int) -> LegSpread:
         return records[-1]
 
     plans = [LegsAtSpeed(share * scenario.distance) for share in LENGTH_SHARES]
-    run_plans(scenario, plans, seed, PILOT_BLOCK, wrap_compensation=recorded)
+    list(run_plans(scenario, plans, seed, PILOT_BLOCK, wrap_compensation=recorded))  # for what is recorded
     first = 1 if scenario.navigation.drift_compensation in LEARNING_COMPENSATIONS else 0
     duration = np.concatenate([part for record in records for part in record.durations[first:]])
     squared = np.concatenate([part for record in records for part in record.squared_misses[first:]])

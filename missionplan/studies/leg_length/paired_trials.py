@@ -139,8 +139,8 @@ def run_plans(
     case: ErrorScenario = AS_PLANNED,
     tracked: int = 0,
     wrap_compensation: Callable[[Compensation | None], Compensation] | None = None,
-) -> list[PlanTrials]:
-    """Run every plan on the same trials of a block.
+) -> Iterator[PlanTrials]:
+    """Run every plan on the same trials of a block, a few plans at a time.
 
     Parameters
     ----------
@@ -155,23 +155,6 @@ def run_plans(
     wrap_compensation : callable, optional
         Applied to the vehicle's compensation.
     """
-    return list(
-        iter_plans(scenario, plans, seed, block, size, case=case, tracked=tracked, wrap_compensation=wrap_compensation)
-    )
-
-
-def iter_plans(
-    scenario: SweepScenario,
-    plans: Sequence[LegsAtSpeed],
-    seed: int,
-    block: int,
-    size: int = BLOCK,
-    *,
-    case: ErrorScenario = AS_PLANNED,
-    tracked: int = 0,
-    wrap_compensation: Callable[[Compensation | None], Compensation] | None = None,
-) -> Iterator[PlanTrials]:
-    """Run every plan on the same trials of a block, a few plans at a time; parameters as of `run_plans`."""
     drawn = scenario.means.sampled(seed=seed, block=block, size=size)
     state = scenario.state(drawn, seed, block, size)
     normals, environment = scenario.normals(seed, block), case.applied_to_surface(scenario.environment(drawn))
@@ -234,7 +217,7 @@ def _run_together(
 
 def _pilot_trials(scenario: SweepScenario, seed: int, trials: int, plans: Sequence[LegsAtSpeed]) -> list[PlanTrials]:
     """Run some of the plans: a task for one process."""
-    return run_plans(scenario, plans, seed, PILOT_BLOCK, trials)
+    return list(run_plans(scenario, plans, seed, PILOT_BLOCK, trials))
 
 
 def pilot_work(plans: int) -> int:

@@ -11,7 +11,7 @@ from missionplan.arrays import Array
 from missionplan.montecarlo.statistics import Probability, Statistic
 from missionplan.physics.energy import JOULES_PER_WATT_HOUR
 from missionplan.results.base import Provenance, Result, to_csv, to_yaml
-from missionplan.results.decision import Assumption, MemberOutcome
+from missionplan.results.decision import MemberOutcome
 from missionplan.results.entries import Entry, Record
 from missionplan.results.simulation import Outcome
 
@@ -300,16 +300,6 @@ class LegPlan(Result):
         """Keys of the transit that the plan changes, as in a mission file."""
         speed = {"speed": f"{self.speed:.3f} m/s"} if self.speed != self.mission_speed else {}
         return {**speed, "d_max": self.d_max}
-
-    @property
-    def certainty(self) -> Mapping[str, object] | None:
-        """Probability of success of the mission with the plan, on fresh draws."""
-        return None if self.judged is None else self.judged.certainty
-
-    @property
-    def assumed(self) -> tuple[Assumption, ...]:
-        """What the mission with it takes for granted, each with its worth; nothing where it was not judged."""
-        return () if self.judged is None else self.judged.assumed
 
     @property
     def recommended_values(self) -> Mapping[str, object]:

@@ -10,7 +10,7 @@ import pandas as pd
 
 from missionplan.montecarlo.statistics import Probability
 from missionplan.results.base import Provenance, Result, to_csv, to_grid
-from missionplan.results.decision import Assumption, MemberOutcome
+from missionplan.results.decision import MemberOutcome
 from missionplan.results.entries import Entry, Record
 from missionplan.results.simulation import Outcome
 
@@ -200,16 +200,6 @@ class Sweep(Result):
             parts=("seed", "trials", "total", "requirements"),
         ),
     ] = None
-
-    @property
-    def certainty(self) -> Mapping[str, object] | None:
-        """Probability of success of the mission with what is recommended, on fresh draws."""
-        return None if self.judged is None else self.judged.certainty
-
-    @property
-    def assumed(self) -> tuple[Assumption, ...]:
-        """What the mission with it takes for granted, each with its worth; nothing where it was not judged."""
-        return () if self.judged is None else self.judged.assumed
 
     @property
     def recommended_values(self) -> Mapping[str, object]:

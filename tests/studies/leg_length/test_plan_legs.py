@@ -271,7 +271,7 @@ def test_plans_run_together_have_the_numbers_that_each_has_alone(method, tmp_pat
 
     def run(together):
         monkeypatch.setattr(paired_trials, "TRIALS_TOGETHER", together)
-        return run_plans(scenario, plans, 3, 0, 300)
+        return list(run_plans(scenario, plans, 3, 0, 300))
 
     alone = run(1)
     assert not all(trials.arrived.all() for trials in alone)
