@@ -57,7 +57,7 @@ class ProbableAnchor(Record):
         return self.anchor is not None
 
     @property
-    def descent(self) -> Annotated[dict[str, float] | None, Entry()]:
+    def descent(self) -> Annotated[Mapping[str, float | bool] | None, Entry()]:
         """Its nominal dive."""
         return self.anchor.descent_summary() if self.anchor else None
 
@@ -152,7 +152,7 @@ class AnchorSizing(Result):
         return reached and some_succeed and not self.to_build.problems and self.meets_requirements
 
     @property
-    def descent(self) -> Annotated[dict[str, float], Entry()]:
+    def descent(self) -> Annotated[Mapping[str, float | bool], Entry()]:
         """Nominal dive of the anchor for the worst case."""
         return self.anchor.descent_summary()
 
