@@ -18,6 +18,8 @@ if TYPE_CHECKING:
 
 _NODES = 160
 """Of the field of distances, along each side."""
+_PARTS = 8
+"""Into which a way is cut that may touch a zone, before its geometry is asked."""
 
 
 @dataclass(frozen=True)
@@ -142,6 +144,17 @@ class Fence:
 
     def near(self, start: Array, end: Array) -> NDArray[np.bool_]:
         """Whether straight ways, shape (2, n), may touch a zone; of those that do, none is left out."""
+        near = self._is_near(start, end)
+        close = np.flatnonzero(near)
+        if close.size:
+            cuts = np.linspace(0.0, 1.0, _PARTS + 1)
+            points = start[:, close, None] + cuts * (end - start)[:, close, None]
+            parts = self._is_near(points[..., :-1].reshape(2, -1), points[..., 1:].reshape(2, -1))
+            near[close] = parts.reshape(-1, _PARTS).any(axis=1)
+        return near
+
+    def _is_near(self, start: Array, end: Array) -> NDArray[np.bool_]:
+        """Whether ways are no farther from a zone than they reach from their middles."""
         middle = 0.5 * (start + end)
         half = 0.5 * np.sqrt(((end - start) ** 2).sum(axis=0))
         step = (self.high - self.low)[:, None] / (_NODES - 1.0)
