@@ -107,9 +107,8 @@ def _group(sheet: _Sheet, group: Sequence[State], following: dict[str, str], ent
     framed, top = bool(group[0].phase), sheet.y + 12.0
     sheet.y = top
     if framed:
-        name = textwrap.shorten(
-            f"{group[0].name.rpartition('-')[0]} {group[0].phase}", int(_BOX / _LETTER), placeholder="…"
-        )
+        name, most = f"{group[0].name.rpartition('-')[0]} {group[0].phase}", int((_BOX - 60.0) / _LETTER)
+        name = name if len(name) <= most else f"{name[: most - 1]}…"
         sheet.text(_STEM + 20.0, top + 18.0, name, fill=_PHASE, **{"font-weight": "bold"})
         for each in common:
             _abort(sheet, _FRAME_RIGHT, sheet.y + 20.0, sheet.guards(each))

@@ -60,13 +60,13 @@ Amount = Callable[[float, str], str]
 
 
 def amount_in_si(value: float, unit: str) -> str:
-    """Write a value with its unit, long times in minutes and hours."""
-    scales = {"h": 3600.0, "min": 60.0} if unit == "s" else {}
-    for larger, scale in scales.items():
-        if value >= 2.0 * scale:
-            return f"{value / scale:.3g}\u00a0{larger}"
-    written = "W\u202fh" if unit == "Wh" else unit
-    return f"{value:.4g}\u00a0{written}"
+    """Write a value with its unit, long times in minutes, hours and days."""
+    if unit == "s":
+        scales = {"days": 86400.0, "h": 3600.0, "min": 60.0}
+        unit, scale = next(((name, scale) for name, scale in scales.items() if value >= 2.0 * scale), (unit, 1.0))
+        value /= scale
+    number = f"{value:.4g}" if value < 1000.0 else f"{value:.0f}"
+    return f"{number}\u00a0" + ("W\u202fh" if unit == "Wh" else unit)
 
 
 @dataclass(frozen=True)

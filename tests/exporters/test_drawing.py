@@ -79,6 +79,6 @@ def test_every_state_is_drawn_with_what_it_does_and_every_guard(drawn):
 
 
 def test_long_times_are_in_minutes_and_hours():
-    written = [amount_in_si(value, "s") for value in (90.0, 119.0, 150.0, 7200.0, 123456.0)]
-    assert written == ["90\u00a0s", "119\u00a0s", "2.5\u00a0min", "2\u00a0h", "34.3\u00a0h"]
+    written = [amount_in_si(value, "s") for value in (90.0, 119.0, 150.0, 7200.0, 123456.0, 9_876_543.0)]
+    assert written == ["90\u00a0s", "119\u00a0s", "2.5\u00a0min", "2\u00a0h", "34.29\u00a0h", "114.3\u00a0days"]
     assert amount_in_si(60.0, "Wh") == "60\u00a0W\u202fh"
