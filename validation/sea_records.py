@@ -153,6 +153,36 @@ def _museum(options: Options) -> list[float]:
     return [float("mean-current" in found.causes), speed]
 
 
+@row(
+    "sea.current-fields",
+    "Currents interpolated in the fields of ocean models",
+    case="1000 random places, times and depths each of ROMS (WCOFS), FVCOM (SFBOFS) and SCHISM files as published",
+    reference="interpolation by brute force, written apart",
+    seed=25,
+    accepted=[near("models compared", 3.0, 0.0), at_most("greatest difference", 1e-3, "m/s")],
+    cost=30.0,
+)
+def _current_fields(options: Options) -> list[float]:
+    folder_of(options, "currents")
+    if importlib.util.find_spec("xarray") is None:
+        raise NotMeasurableHereError("xarray is not installed")
+    from tests.scenario.currents import test_published_fields as published
+
+    worst, compare = [], published.compare
+    published.DATA = options.data / "currents"
+    published.compare = lambda *field: worst.append(compare(*field)) or worst[-1]
+    try:
+        for each in (
+            published.test_roms_of_the_west_coast,
+            published.test_fvcom_of_san_francisco_bay,
+            published.test_schism_of_a_quarter_of_an_annulus,
+        ):
+            each()
+    finally:
+        published.compare = compare
+    return [float(len(worst)), max(worst)]
+
+
 _RAW = {
     "slocum-saanich": ("dbdreader", 20),
     "seaexplorer-sea035": ("numpy", 59),

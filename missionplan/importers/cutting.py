@@ -113,7 +113,7 @@ def cut(track: Track, rules: LegRules) -> CutTrack:
     dives["ok"] = (dives["reason"] == "").astype(int)
     notices = [*track.notices[told:], *notices, *_of_late_fixes(dives, depths.surface), *_of_old_ends(dives)]
     speed = "logged" if len(track.speed) else "pitch and depth rate" if by == "made" else "dead-reckoned way"
-    north = "a north that is not told" if track.heading_from == "unknown" else f"{track.heading_from} north"
+    north = "a north that is not stated" if track.heading_from == "unknown" else f"{track.heading_from} north"
     north += ", declination added" if track.heading_from == "magnetic" and len(track.declination) else ""
     basis = Basis(depths.dive, depths.surface, zero, zero_by, north, speed, shortest, gap)
     return CutTrack(dives, track.depth, fixes, tuple(reckoned), current, by == "made", how, basis, tuple(notices))

@@ -319,4 +319,4 @@ def _explanation(held: Mapping[str, object]) -> Row:
     ]
     probability = held.get("probability")
     share = f"{100.0 * probability:.3g} %" if isinstance(probability, int | float) else "an explanation"
-    return f"held possible, {share}", ", ".join(parts)
+    return f"possible, {share}", ", ".join(parts)

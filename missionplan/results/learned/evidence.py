@@ -163,7 +163,7 @@ class Readings:
     not_computed : float
         Estimate of the probability of sets that were not computed.
     families : tuple
-        Sets that are told as one, as the data do not tell them apart.
+        Sets that are reported as one, as the data cannot separate them.
     aliases : tuple of Alias
     plan_with : bool or None
         Whether the extended mission predicts data kept away better, one step and all the way; None where unknown.

@@ -5,7 +5,6 @@ A thousand random places and times each, to 1 mm/s; the sources are told in the 
 
 from pathlib import Path
 
-import brute_force as slow
 import numpy as np
 import pytest
 
@@ -14,6 +13,7 @@ from missionplan.mission.schema.site import Geographic
 from missionplan.phases.currents import Span
 from missionplan.scenario.currents.area import Area
 from missionplan.scenario.currents.field import read_field
+from tests.scenario.currents import brute_force as slow
 
 xarray = pytest.importorskip("xarray")
 DATA = Path(__file__).parents[3].parent / "shared" / "data" / "currents"
