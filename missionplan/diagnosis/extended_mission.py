@@ -17,6 +17,7 @@ from missionplan.mission import Mission
 from missionplan.mission.mission import MOST_LEARNED
 from missionplan.mission.reading.posterior import SIGMA, hash_of
 from missionplan.mission.schema.effect_list import ONE_OF, POSTERIOR
+from missionplan.moments import moment_of
 from missionplan.montecarlo.posterior import Column, PosteriorFile, WeightedDraws
 from missionplan.montecarlo.streams import stream
 from missionplan.results.learned.evidence import Causes
@@ -105,7 +106,10 @@ def extended_mission(found: Sequence[Hypothesis], identities: Sequence[str] = ()
         centre = float(weights @ logs)
         _set_sigma(mission, math.exp(centre), math.exp(math.sqrt(float(weights @ (logs - centre) ** 2))))
     if draws.effects:
-        mission[POSTERIOR] = PosteriorFile.of(draws, hash_of(mission.get("learned_from")), _summary(draws))
+        start = mission.get("start")
+        epoch = math.nan if start is None else moment_of(start).timestamp()
+        summary = _summary(draws, "" if start is None else moment_of(start).isoformat())
+        mission[POSTERIOR] = PosteriorFile.of(draws, hash_of(mission.get("learned_from")), summary, epoch)
     return mission
 
 
@@ -184,15 +188,15 @@ def _resampled(weights: Array, count: int, generator: np.random.Generator) -> ND
     return generator.permutation(np.minimum(picked, len(weights) - 1))
 
 
-def _summary(draws: WeightedDraws) -> dict[str, object]:
-    """What a person reads of the draws: each effect with its probability, mean and standard deviation."""
+def _summary(draws: WeightedDraws, start: str) -> dict[str, object]:
+    """What a person reads of the draws: each effect with its probability, means and spreads, and the date of phases."""
     found: dict[str, object] = {}
     for effect in sorted(draws.effects, key=lambda name: -draws.probability(name)):
         words: dict[str, object] = {"probability": float(f"{draws.probability(effect):.4g}")}
         for other, name in draws.columns:
             if other == effect:
                 words[name] = _in_words((effect, name), *draws.column((effect, name)))
-        found[effect] = words
+        found[effect] = words | ({"epoch": start} if start and CATALOGUE[effect].frequency_of is not None else {})
     return found
 
 

@@ -85,6 +85,7 @@ INFO = EffectInfo(
     confused_with=("tidal-current", "persistent-error", "mean-current"),
     distinguished_by="A record of two inertial periods or more; both components, which are in quadrature.",
     polar=(("amplitude", "phase"),),
+    frequency_of=lambda phase, latitude: inertial_frequency(latitude),
     is_modulated=True,
     lacking=_lacking,
     needs_latitude=True,

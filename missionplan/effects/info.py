@@ -221,6 +221,9 @@ class EffectInfo:
         False for effects on readings only.
     polar : tuple
         Pairs (amplitude, phase) of parameters: linear together as a·cos φ and a·sin φ.
+    frequency_of : callable, optional
+        From the name of a phase in `polar` and a latitude [rad], the angular frequency at which it turns [rad/s], where
+        the phases are of time.
     part : str
         Whether it is diagnosed in the mean of a log's errors or in their covariance. In the covariance it refines
         `fix_variance`, `position_variance_rate` or `tail_dof`, or is a `MarkovProcess`, and its parameters are shapes.
@@ -270,6 +273,7 @@ class EffectInfo:
     distinguished_by: str
     changes_plan: bool = True
     polar: tuple[tuple[str, str], ...] = ()
+    frequency_of: Callable[[str, float], float] | None = None
     part: Part = "mean"
     linear: bool = True
     exclusive_group: str = ""

@@ -189,6 +189,7 @@ INFO = EffectInfo(
         "year for K2 and P1."
     ),
     polar=tuple((f"{name}_{d}", f"{name}_{d}_phase") for name in PERIODS for d in ("east", "north")),
+    frequency_of=lambda phase, latitude: 2.0 * np.pi / PERIODS[phase.split("_")[0]],
     is_modulated=True,
     resolvable=_resolvable,
 )

@@ -1,6 +1,7 @@
 """The mission: what a mission file holds, validated and in SI, with distributions kept as distributions."""
 
 import copy
+import math
 from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Annotated, Any, Generic, Literal, Self, TypeVar, cast
@@ -17,6 +18,7 @@ from missionplan.mission.checks.requirements import misspelt_requirements, read_
 from missionplan.mission.checks.sections import check_correlations, check_phases, check_site
 from missionplan.mission.editing.changes import changed_data
 from missionplan.mission.editing.yaml_text import MissionText, dumped
+from missionplan.mission.epochs import turned_draws, turned_effects
 from missionplan.mission.quantity_paths import changed, phase_keys
 from missionplan.mission.reading.documents import Document, unprintable_texts
 from missionplan.mission.reading.includes import REMOTE, include_files
@@ -172,9 +174,7 @@ class Mission(FileSection, Generic[V]):
         except ValidationError as error:
             misspelt = [document.located(problem) for problem in misspelt_requirements(document.data)]
             raise InputError(in_order([*problems, *validation_problems(error, document, cls), *misspelt])) from None
-        if mission.posterior is not None:
-            learned = mission.effect_list.having_learned(mission.posterior.draws)
-            mission = mission.model_copy(update={"effect_list": learned})
+        mission = mission._from_its_start()
         requirements, wrong = read_requirements(mission.requirements, mission.phases)
         limits = mission._limits()
         problems += [document.located(problem) for problem in (*mission._contradictions(), *wrong, *limits.problems)]
@@ -249,6 +249,17 @@ class Mission(FileSection, Generic[V]):
         write_atomically(path, text)
         return path
 
+    def _from_its_start(self: "Mission") -> "Mission":
+        """The mission with what it has learned among its effects, all of whose phases count from its start."""
+        effects, posterior = self.effect_list, self.posterior
+        start = math.nan if self.start is None else self.start.timestamp()
+        latitude = self.site.origin.latitude if self.site and self.site.origin else math.nan
+        if self.start is not None:
+            effects = turned_effects(effects, start, latitude)
+        if posterior is not None:
+            effects = effects.having_learned(turned_draws(posterior.draws, start - posterior.epoch, latitude))
+        return self.model_copy(update={"effect_list": effects})
+
     def _stays(self, folder: Path) -> bool:
         """Whether a mission written into a folder finds the draws where the file that it was read from has them."""
         text = self._text
@@ -261,8 +272,14 @@ class Mission(FileSection, Generic[V]):
         return [
             *check_phases(self.phases, self.site, self.vehicle, self.navigation, self.sweep),
             *check_site(self.site, self.phases),
+            *self._undated(),
             *check_correlations(self.correlations, self.quantities(), self.doubts),
         ]
+
+    def _undated(self: "Mission") -> list[LocalProblem]:
+        """List the effects whose phases count from a date, in a mission without one."""
+        words = "the mission has no start, which the date of these phases needs"
+        return [LocalProblem((*e.path, e.effect, "epoch"), words) for e in self.effects if e.epoch is not None]
 
     def _limits(self: "Mission") -> Findings:
         """List what the world does not allow, and what is unusual."""

@@ -250,7 +250,33 @@ class WhichHolds(NormalTransform):
         return [*ends[:-1], 1.0 if ends[-1] > 1.0 - ROUNDING else ends[-1]]
 
 
-Distribution = Normal | TruncatedNormal | Uniform | LogNormal | Choices | Truncated | WhichHolds | DrawnColumn
+@dataclass(frozen=True)
+class Shifted(NormalTransform):
+    """A distribution moved by a constant."""
+
+    parent: "Distribution"
+    by: float
+
+    @property
+    def mean(self) -> float:
+        """Mean of the parent, moved."""
+        return self.parent.mean + self.by
+
+    @property
+    def sd(self) -> float:
+        """That of the parent."""
+        return self.parent.sd
+
+    @override
+    def from_normal(self, z: Array) -> Array:
+        return self.parent.from_normal(z) + self.by
+
+    @override
+    def cdf(self, value: float) -> float:
+        return self.parent.cdf(value - self.by)
+
+
+Distribution = Normal | TruncatedNormal | Uniform | LogNormal | Choices | Truncated | WhichHolds | DrawnColumn | Shifted
 """A scalar distribution: one draw per trial."""
 
 Quantity = float | Distribution

@@ -39,6 +39,7 @@ _MEMBERS: Mapping[str, tuple[str, int]] = {
     "values": ("f", 2),
     "weights": ("f", 1),
     "learned_from": ("U", 0),
+    "epoch": ("f", 0),
     "summary": ("U", 0),
 }
 """Kind and number of dimensions of each array of the file."""
@@ -207,12 +208,14 @@ class PosteriorFile(Mapping[str, object]):
 
     def __init__(self, content: bytes) -> None:
         self.content = content
-        self.draws, self.learned_from, summary = _read(content)
+        self.draws, self.learned_from, self.epoch, summary = _read(content)
         self.section: Mapping[str, object] = {"file": FILE, "sha256": sha256(content), "summary": summary}
 
     @classmethod
-    def of(cls, draws: WeightedDraws, learned_from: str, summary: Mapping[str, object]) -> "PosteriorFile":
-        """Write draws, the hash of what they were learned from and a summary for the reader."""
+    def of(
+        cls, draws: WeightedDraws, learned_from: str, summary: Mapping[str, object], epoch: float = math.nan
+    ) -> "PosteriorFile":
+        """Write draws, the hash of what they were learned from, a summary for the reader, and the date of phases."""
         effects = draws.effects
         held = np.array([[effect in own for effect in effects] for own in draws.sets], dtype=bool)
         written = io.BytesIO()
@@ -226,6 +229,7 @@ class PosteriorFile(Mapping[str, object]):
             values=draws.values.astype(np.float32),
             weights=draws.weights.astype(np.float64),
             learned_from=np.array(learned_from),
+            epoch=np.array(epoch),
             summary=np.array(json.dumps(summary, ensure_ascii=False)),
         )
         return cls(written.getvalue())
@@ -251,8 +255,8 @@ def sha256(content: bytes) -> str:
     return hashlib.sha256(content).hexdigest()
 
 
-def _read(content: bytes) -> tuple[WeightedDraws, str, Mapping[str, object]]:
-    """Read draws, the hash of what they were learned from, and the summary.
+def _read(content: bytes) -> tuple[WeightedDraws, str, float, Mapping[str, object]]:
+    """Read draws, the hash of what they were learned from, the date of phases [s since 1970], and the summary.
 
     Raises
     ------
@@ -281,7 +285,7 @@ def _read(content: bytes) -> tuple[WeightedDraws, str, Mapping[str, object]]:
         arrays["weights"].astype(float),
     )
     _check(draws)
-    return draws, str(arrays["learned_from"]), summary
+    return draws, str(arrays["learned_from"]), float(arrays["epoch"]), summary
 
 
 def _arrays(content: bytes) -> dict[str, NDArray[np.generic]]:

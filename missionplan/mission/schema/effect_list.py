@@ -37,12 +37,15 @@ class EffectEntry(Generic[V]):
     explanation : (str, tuple of int) or None
         Key path of what is in doubt, and the numbers of the explanations there with which it holds; None: it always
         holds.
+    epoch : float or None
+        Date from which its phases count [s since 1970]; None: from the mission's start.
     """
 
     effect: str
     parameters: dict[str, V]
     path: KeyPath = ()
     explanation: tuple[str, tuple[int, ...]] | None = None
+    epoch: float | None = None
 
     @property
     def place(self) -> str:

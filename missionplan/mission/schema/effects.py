@@ -10,11 +10,14 @@ from missionplan.mission.schema.effect_list import ONE_OF, EffectEntry, EffectLi
 from missionplan.mission.schema.quantity_parser import QuantityParser
 from missionplan.mission.schema.section import all_invalid, invalid
 from missionplan.mission.units import QuantityError
+from missionplan.moments import moment_of
 from missionplan.montecarlo.distributions import ROUNDING, Quantity, mean_of
 from missionplan.montecarlo.draws import Correlation, correlation_problems
 
 _T = TypeVar("_T")
 
+EPOCH = "epoch"
+"""Key of the date from which the phases of an effect count."""
 _EXPLANATION = ("probability", "effects", "correlations")
 _EACH = "each as `effect-id: {parameter: quantity}`"
 _PROBABILITY = QuantityParser("", low=0.0, high=1.0, open_low=True, fixed=True)
@@ -184,14 +187,22 @@ def _entry(item: object) -> EffectEntry:
         raise QuantityError(f"no effect of that name{hint}", (effect,))
     parameters: dict[str, Quantity] = {}
     problems: list[LocalProblem] = []
+    epoch = None
     for name, text in given.items():
+        if name == EPOCH and CATALOGUE[effect].frequency_of is not None:
+            try:
+                epoch = moment_of(text).timestamp()
+            except (ValueError, OverflowError, TypeError):
+                words = f"given {shown(text)}, expected a date such as 2026-06-01T04:00Z"
+                problems.append(LocalProblem((effect, name), words))
+            continue
         try:
             parameters[name] = _parameter(effect, name, text)
         except QuantityError as error:
             problems += [problem.within((effect, name)) for problem in error.problems]
     if problems:
         raise QuantityError(problems)
-    return EffectEntry(effect, parameters)
+    return EffectEntry(effect, parameters, epoch=epoch)
 
 
 def _parameter(effect: str, name: str, text: object) -> Quantity:

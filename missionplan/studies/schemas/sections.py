@@ -114,10 +114,12 @@ def effects() -> tuple[Schema, dict[str, Schema]]:
 
 
 def _entry(info: EffectInfo) -> Schema:
+    epoch: Schema = {"type": "string", "description": "the date of the phases; default: the mission's start"}
+    dated = {"epoch": epoch} if info.frequency_of is not None else {}
     return {
         "type": "object",
         "description": info.what,
-        "properties": {name: parameter(each.unit, each.doc) for name, each in info.parameters.items()},
+        "properties": {**{name: parameter(each.unit, each.doc) for name, each in info.parameters.items()}, **dated},
         "additionalProperties": False,
     }
 
