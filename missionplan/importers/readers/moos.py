@@ -161,7 +161,7 @@ def _date(start: float, opened: float) -> tuple[float, tuple[str, ...]]:
     if _FIRST < start < _LAST:
         return 0.0, ()
     notice = (
-        f"LOGSTART, {start:.0f} s, is no date (a time warp that is not stated): times count from the log's start, as if "
+        f"LOGSTART, {start:.0f} s, is no date (a time warp, not stated): times count from the log's start, as if "
         "that were 1970-01-01"
     )
     return -start, (notice,)
