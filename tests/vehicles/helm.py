@@ -104,8 +104,13 @@ class Helm:
         goal: tuple[float, float] = (0.0, 0.0),
         mooring: tuple[float, float] = (0.0, 0.0),
         fix_every: float | None = None,
+        power: float = 0.0,
     ) -> None:
-        """`climb` is a slope, `mooring` depth and time to part; without `fix_every` [s] a surfacing has one fix."""
+        """`climb` is a slope, `mooring` depth and time to part; without `fix_every` [s] a surfacing has one fix.
+
+        A vehicle that knows its `power` [W] posts the energy used.
+        """
+        self.power = power
         initial, self.behaviours = read(text)
         self.values: dict[str, object] = {**initial, "DEPLOY": "true", "MODE": "ACTIVE"}
         self.posted_at = dict.fromkeys(initial, -0.5)
@@ -250,6 +255,8 @@ class Helm:
             self.nav[axis] += through[axis] * step
             self.true[axis] += made[axis] * step
         self._receive()
+        if self.power:
+            self._post("ENERGY_USED", self.power * self.time / 3600.0)
         if self.time - self.logged >= LOG_STEP or self.depth <= 0.3:
             self.logged = self.time
             self.done.states.append((self.time, *self.nav, self.depth, self.heading, self.speed))

@@ -2,7 +2,7 @@
 
 import json
 import re
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import dune
@@ -150,6 +150,36 @@ def test_no_leg_is_longer_and_none_released_before_a_fix_however_the_vehicle_cli
     longest = float(found.data["phases"][0]["transit"]["d_max"].split()[0])
     assert all(max(each.legs) <= longest for each in found.sailed)
     assert all(each.release["fix_off"] < 40.0 and each.release["depth"] == 0.0 for each in found.sailed)
+
+
+def test_moos_gives_up_where_no_fix_comes_or_the_battery_is_used(tmp_path):
+    data, sea, facts = voyage_of(4)
+    data["site"].pop("origin")
+    (path,) = missionplan.export(Mission.from_data(data, file="voyage.yaml"), "moos", out=tmp_path / "voyage.bhv").files
+    climb, bottom = np.tan(np.radians(5.0)), (facts["bottom"], facts["galvanic"])
+
+    def sail(sea, power=0.0):
+        voyage = Voyage(sea, np.random.default_rng(4))
+        return Helm(path.read_text(), voyage, climb, facts["goal"], bottom, power=power).sail()
+
+    assert sail(sea, power=10.0).aborted == ""
+    emptied = sail(sea, power=1000.0)  # 60 W h in 216 s
+    assert (emptied.aborted, emptied.release) == ("BATTERY", None)
+    deaf = sail(replace(sea, fix_time=100_000.0))
+    assert (deaf.aborted, deaf.release, deaf.legs != []) == ("NO_FIX", None, True)
+
+
+def test_a_glider_gives_up_with_a_tenth_of_its_battery_left():
+    data, *_ = voyage_of(4, gliding=True)
+    data["phases"] = data["phases"][:1]
+    mission = Mission.from_data(data, file="voyage.yaml")
+    used = missionplan.simulate(mission, trials=200, seed=1, as_exported="slocum", keep_trials=True).trials
+    most, least = used["out.energy_wh"].max(), used["out.energy_wh"].min()
+    for capacity, share in ((1.12 * most, used["out.arrived"].mean()), (1.05 * least, 0.0)):
+        emptied = mission.with_({"energy.capacity": f"{capacity} W*h"})
+        found = missionplan.simulate(emptied, trials=200, seed=1, as_exported="slocum").total.events["success"].value
+        assert found == share
+    assert missionplan.simulate(emptied, trials=200, seed=1).total.events["success"].value > 0.0
 
 
 def test_simulate_runs_the_states_of_the_plan(tmp_path):
