@@ -185,13 +185,14 @@ class _Made:
         """Compute some blocks of a simulation again; returns how many values there are and those that differ."""
         from missionplan.scenario.scenario import Scenario
         from missionplan.scenario.site_current import recorded_current
-        from missionplan.studies.mission_plan.build import executions
+        from missionplan.studies.mission_plan.build import executions, mission_plan
         from missionplan.studies.simulation.block_sequence import BlockResult, BlockTask
 
         mission = self.mission()
         means = Scenario.at_means(mission, recorded_current(mission))
-        if self.options.get("as_exported"):
-            means = replace(means, executions=executions(mission, self.options["as_exported"], means))
+        if to := self.options.get("as_exported"):
+            plan = mission_plan(mission, means=means, to=to)
+            means = replace(means, executions=executions(mission, to, plan))
         task = BlockTask(means, whole(self.summary.get("seed")), bool(self.options.get("keep_trials")))
         values, different = 0, list[str]()
         results = run_blocks(task, chosen, jobs=self.jobs, progress=self.progress)

@@ -90,9 +90,9 @@ def mission_plan(
     return plan
 
 
-def executions(mission: Mission, to: str, means: Scenario) -> dict[str, Execution]:
-    """Return how the vehicle of a format carries out each transit, by its name, of the files of the mission's seed."""
-    plan, executes = mission_plan(mission, means=means, to=to), execution_of(to)
+def executions(mission: Mission, to: str, plan: Plan) -> dict[str, Execution]:
+    """Return how the vehicle of a format carries out each transit of the plan that was made for it, by its name."""
+    executes = execution_of(to)
     if executes is None:
         return {}
     return {phase.name: executes(made) for phase, made in zip(mission.transits, plan.transits, strict=True)}

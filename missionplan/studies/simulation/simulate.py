@@ -14,6 +14,7 @@ from missionplan.montecarlo.statistics import Probability
 from missionplan.montecarlo.streams import BLOCK, block_count, block_size
 from missionplan.results.decision import Assumption, SeaChart
 from missionplan.results.overdue import Overdue
+from missionplan.results.plan import Plan
 from missionplan.results.simulation import Outcome
 from missionplan.scenario.scenario import Scenario
 from missionplan.scenario.site_current import recorded_current
@@ -124,16 +125,17 @@ def simulate(
     goal = Precision.parse(precision, mission) if precision else None
     means = _checked_means(mission)
     notices = input_notices(mission, means)
-    if as_exported is not None:
-        means = replace(means, executions=executions(mission, as_exported, means))
+    exported = (as_exported, mission_plan(mission, means=means, to=as_exported)) if as_exported is not None else None
+    if exported is not None:
+        means = replace(means, executions=executions(mission, *exported))
     task = BlockTask(means, seed, keep_trials)
     items = _items(trials or (MAX_TRIALS if goal else mission.monte_carlo.trials))
     store = Checkpoints(folder, _identity(task, as_exported), resume=resume) if folder else None
     sequence = BlockSequence(items, store, goal, TrialsTable() if keep_trials else None)
     merged = sequence.run(lambda todo: run.workers.quiet.run(task, todo), progress)
     _check_record(means, merged)
-    if as_exported is not None:
-        notices = (*notices, *_loss(mission, as_exported, merged, seed))
+    if exported is not None:
+        notices = (*notices, *_loss(mission, exported, merged, seed))
     tracks = merged.tracks or task.tracks(*merged.first)  # block 0 has them, unless it failed
     options: dict[str, object] = {"jobs": jobs, "backend": backend, "precision": precision, "keep_trials": keep_trials}
     options |= _uncommon_options(searched, as_exported, assumptions=assumptions)
@@ -257,8 +259,9 @@ def simulate_block(mission: Mission, *, seed: int, block: int, trials: int = BLO
     return BlockTask(Scenario.at_means(mission, recorded_current(mission)), seed).trials(block, trials)
 
 
-def _loss(mission: Mission, as_exported: str, merged: MergedBlocks, seed: int) -> tuple[str, ...]:
-    """Say how the mission as exported compares with the mission as it is meant, on the same trials, and why."""
+def _loss(mission: Mission, exported: tuple[str, Plan], merged: MergedBlocks, seed: int) -> tuple[str, ...]:
+    """Say how the mission as exported compares with the mission as it is meant, on one block, and why."""
+    as_exported, plan = exported
     trials = min(merged.totals.trials, BLOCK)
     meant = event_probabilities(mission, trials=trials, seed=seed)
     parts = [
@@ -267,7 +270,6 @@ def _loss(mission: Mission, as_exported: str, merged: MergedBlocks, seed: int) -
         for name in meant
         if name == "total.success" or name.endswith(".arrived")
     ]
-    plan = mission_plan(mission, to=as_exported)
     lost = (f"Not in its files: {words}." for words in format_named(as_exported).lost(plan))
     return (f"As the vehicle carries out its {as_exported} files: {'; '.join(parts)}.", *lost)
 
