@@ -1,7 +1,8 @@
 """What the probability of a mission's success holds of the world, and where its models were checked."""
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
+from dataclasses import replace
 
 import numpy as np
 
@@ -10,6 +11,7 @@ from missionplan.mission.schema.site import Site
 from missionplan.montecarlo.distributions import mean_of
 from missionplan.results.checked_range import RANGES, CheckedRange
 from missionplan.results.decision import Coverage
+from missionplan.results.entries import mappings
 from missionplan.scenario.place.building import mission_places
 
 _GLIDERS = 0.5, 90.0
@@ -25,6 +27,27 @@ def probability_holds(mission: Mission) -> tuple[Coverage, ...]:
     if not mission.phases:
         return ()
     return tuple(Coverage(what, held, why) for what, held, why in _rows(mission))
+
+
+def coverage_of(alternatives: Mapping[str, Mission | Mapping[str, object]]) -> tuple[Coverage, ...]:
+    """Return the boxes of missions and of reports' summaries as one, what they do not share under their names."""
+    boxes = {
+        name: probability_holds(each)
+        if isinstance(each, Mission)
+        else tuple(
+            Coverage(str(row.get("what")), row.get("held") is True, str(row.get("why")))
+            for row in mappings(each.get("probability_holds"))
+        )
+        for name, each in alternatives.items()
+    }
+    found: list[Coverage] = []
+    for what in dict.fromkeys(row.what for box in boxes.values() for row in box):
+        rows = {name: row for name, box in boxes.items() for row in box if row.what == what}
+        if len(rows) == len(boxes) and len(set(rows.values())) == 1:
+            found.append(next(iter(rows.values())))
+        else:
+            found += [replace(row, what=f"{what} ({name})") for name, row in rows.items()]
+    return tuple(found)
 
 
 def checked_ranges(mission: Mission) -> tuple[CheckedRange, ...]:

@@ -2,7 +2,7 @@
 
 import missionplan
 from missionplan.mission import load
-from missionplan.studies.coverage import checked_ranges, probability_holds
+from missionplan.studies.coverage import checked_ranges, coverage_of, probability_holds
 
 TOPICS = ["ground", "coast", "wind", "waves", "traffic", "equipment", "biofouling", "operators"]
 
@@ -60,3 +60,16 @@ def test_a_mission_is_held_against_the_ranges_in_which_the_models_were_checked(m
     assert "closed.transit-loop" in summary["rests_on"]
     page = (outcome.save(tmp_path / "out") / "report.html").read_text()
     assert "Where the model was checked: outside for velocity error over speed" in page
+
+
+def test_missions_compared_share_a_box_and_differ_under_their_names(mission, transit_mission):
+    raw = dict(transit_mission.raw)
+    raw["vehicle"] = {
+        "hull": {"length": "1 m", "diameter": "0.1 m"},
+        "reliability": [{"per": "hour", "rate": "1e-4 1/h"}],
+    }
+    summary = missionplan.simulate(transit_mission, trials=50).summary()
+    found = {each.what: each.held for each in coverage_of({"a": summary, "b": mission(raw)})}
+    assert found["ground"] is False
+    assert (found["equipment (a)"], found["equipment (b)"]) == (False, True)
+    assert "equipment" not in found

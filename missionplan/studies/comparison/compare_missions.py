@@ -23,6 +23,7 @@ from missionplan.studies.comparison.reported_choices import CHOOSING, aim_of, ch
 from missionplan.studies.comparison.result import DECIDES, Alternative, Alternatives, Comparison, Contrast, Estimate
 from missionplan.studies.comparison.summary_numbers import SummaryNumber, differing_values, standard_error_and_p_value
 from missionplan.studies.comparison.two_reports import compare_reports, read_summary
+from missionplan.studies.coverage import coverage_of
 from missionplan.studies.exploration.cells import (
     CellBlock,
     CellItem,
@@ -105,6 +106,7 @@ def compare_missions(
             elapsed_s=time.perf_counter() - began,
             data={each.name: each.data for each in sources},
             inputs={each.name: each.identified for each in sources},
+            holds=coverage_of({each.name: each.mission or each.summary for each in sources}),
         ),
         alternatives=tuple(
             entry if index == best else replace(entry, contrasts=_contrasts(entries, columns, index, best))

@@ -22,6 +22,7 @@ from missionplan.studies.comparison.summary_numbers import (
     standard_error_and_p_value,
     summary_numbers,
 )
+from missionplan.studies.coverage import coverage_of
 
 LEVEL = 0.05
 """Probability of finding any difference where there is none."""
@@ -63,6 +64,7 @@ def compare_reports(first: str | Path, second: str | Path) -> Comparison:
             data={"first": missions[0], "second": missions[1]},
             notices=(*_notices(runs), *_other_program(*summaries)),
             inputs={"reports": [digest_of(summary) for summary in summaries]},
+            holds=coverage_of({run.folder: summary for run, summary in zip(runs, summaries, strict=True)}),
         ),
         compared=command,
         runs=runs,
