@@ -4,7 +4,7 @@ import math
 import re
 
 from validation.record import DIFFERS, FAILS, FOLDER, HOLDS, NOT_MEASURED, Found
-from validation.rows import LEVELS, Accepted, Row, all_rows
+from validation.rows import CHEAP, LEVELS, Accepted, Row, all_rows
 
 PAGE = FOLDER / "index.md"
 _BEGIN, _END = "<!-- begin rows -->", "<!-- end rows -->"
@@ -38,7 +38,7 @@ def table(found: dict[str, Found]) -> str:
             if seen is not None and seen.has_figure:
                 parts += [f"![{each.claim}: {each.case}](figures/{each.name}.svg)", ""]
     parts += ["## When and with what", "", "| ID | date | commit | seed | CPU time | versions |", "|" + "---|" * 6]
-    parts += [_circumstances(name, found[name]) for name in rows if name in found]
+    parts += [_circumstances(each, found[name]) for name, each in rows.items() if name in found]
     return "\n".join(parts)
 
 
@@ -100,7 +100,9 @@ def _limits(each: Accepted) -> str:
     return f"{words}{_unit(each)}"
 
 
-def _circumstances(name: str, found: Found) -> str:
+def _circumstances(row: Row, found: Found) -> str:
+    """A row that went on from what was done before does not know what it cost."""
+    cost = f"{found.cpu_s:g} s" if found.cpu_s > 0.05 * row.cost or row.cost <= CHEAP else "continued"
     seed = "–" if found.seed is None else str(found.seed)
     used = ", ".join(f"{package} {version}" for package, version in found.versions.items())
-    return f"| `{name}` | {found.date} | {found.commit} | {seed} | {found.cpu_s:g} s | {used} |"
+    return f"| `{row.name}` | {found.date} | {found.commit} | {seed} | {cost} | {used} |"
