@@ -1,7 +1,7 @@
 """The command line: load → one study → render → exit status. Heavy imports wait until a command needs them.
 
 `planning`, `exploring`, `measurements`, `exchange` and `files` have the commands, `options` what they share,
-`running` and `resuming` what is done around a study.
+`running` what is done around a study.
 """
 
 import atexit

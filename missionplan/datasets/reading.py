@@ -59,26 +59,21 @@ class RawDataset(Generic[S_co]):
     ----------
     name, source, file : str
         As in ``dataset.yaml`` (the name by default the folder's); the CSV as messages name it.
-    document : Document
-        ``dataset.yaml`` with its line marks.
-    table : DataFrame
-        Rows of the CSV, indexed by line.
-    notices : tuple of str
-        Treatments the reader should know of.
-    settings : DatasetSettings or None
-        Keys of ``dataset.yaml``; None where something is wrong with them.
-    problems : tuple of Problem
-        Of both files; see `checked`.
     """
 
     name: str
     source: str
     file: str
     document: Document
+    """``dataset.yaml`` with its line marks."""
     table: pd.DataFrame
+    """Rows of the CSV, indexed by line."""
     notices: tuple[str, ...]
+    """Treatments the reader should know of."""
     settings: S_co | None
+    """Keys of ``dataset.yaml``; None where something is wrong with them."""
     problems: tuple[Problem, ...]
+    """Of both files; see `checked`."""
 
     def checked(self, problems: Iterable[Problem] = ()) -> S_co:
         """Return the settings of a data set with which nothing is wrong.

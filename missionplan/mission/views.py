@@ -38,18 +38,11 @@ def forecast_error(mission: Mission[_At]) -> ForecastError[_At] | None:
 
 @dataclass(frozen=True)
 class TransitMission(Generic[V]):
-    """A mission with at least one transit and what transits need.
-
-    Attributes
-    ----------
-    mission : Mission
-    transits : tuple of TransitPhase
-        One or more.
-    navigation : Navigation
-    """
+    """A mission with at least one transit and what transits need."""
 
     mission: Mission[V]
     transits: tuple[TransitPhase[V], ...]
+    """One or more."""
     navigation: Navigation[V]
 
     @classmethod
@@ -73,32 +66,20 @@ class TransitMission(Generic[V]):
 
 @dataclass(frozen=True)
 class MooringMission(Generic[V]):
-    """A mission with at least one mooring and what its descent needs.
-
-    Attributes
-    ----------
-    mission : Mission
-    moors : tuple of MoorPhase
-        One or more.
-    vehicle : Vehicle
-    mass
-        The vehicle's.
-    anchor : Anchor
-        With a flooded mass or a construction.
-    site : Site
-    water : WaterSection
-    depth
-        The site's; nan where it has none and `of` was called with `depth=False`.
-    """
+    """A mission with at least one mooring and what its descent needs."""
 
     mission: Mission[V]
     moors: tuple[MoorPhase[V], ...]
+    """One or more."""
     vehicle: Vehicle[V]
     mass: V
+    """The vehicle's."""
     anchor: Anchor[V]
+    """With a flooded mass or a construction."""
     site: Site[V]
     water: WaterSection[V]
     depth: V | float
+    """The site's; nan where it has none and `of` was called with `depth=False`."""
 
     @classmethod
     def of(cls, mission: Mission[_At], *, depth: bool = True) -> "MooringMission[_At]":
@@ -131,23 +112,14 @@ class MooringMission(Generic[V]):
 
 @dataclass(frozen=True)
 class TransitionMission(Generic[V]):
-    """A mission with at least one transition from survey speed to hover, and what transitions need.
-
-    Attributes
-    ----------
-    mission : Mission
-    transitions : tuple of TransitionPhase
-        One or more.
-    vehicle : Vehicle
-    mass
-        The vehicle's.
-    manoeuvring : Manoeuvring
-    """
+    """A mission with at least one transition from survey speed to hover, and what transitions need."""
 
     mission: Mission[V]
     transitions: tuple[TransitionPhase[V], ...]
+    """One or more."""
     vehicle: Vehicle[V]
     mass: V
+    """The vehicle's."""
     manoeuvring: Manoeuvring[V]
 
     @classmethod
@@ -171,19 +143,12 @@ class TransitionMission(Generic[V]):
 
 @dataclass(frozen=True)
 class ExplainedMission:
-    """A mission in which one explanation is known to hold.
-
-    Attributes
-    ----------
-    causes : tuple of str
-        Its effects; empty for none.
-    probability : float
-        As the mission gives it.
-    mission : Mission
-    """
+    """A mission in which one explanation is known to hold."""
 
     causes: tuple[str, ...]
+    """Its effects; empty for none."""
     probability: float
+    """As the mission gives it."""
     mission: Mission
 
 

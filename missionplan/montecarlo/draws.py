@@ -26,24 +26,16 @@ class Correlation:
 
 @dataclass(frozen=True)
 class JointDistribution:
-    """The uncertain quantities of a mission with their correlations, to be drawn block by block.
-
-    Attributes
-    ----------
-    marginals : mapping of str to NormalTransform
-        By key path.
-    correlated : sequence of str
-        Names of those that are correlated, in alphabetical order.
-    factor : array, shape (k, k)
-        Cholesky factor of their correlations.
-    streams : mapping of str to str
-        Names of the streams of those that have another one than their own.
-    """
+    """The uncertain quantities of a mission with their correlations, to be drawn block by block."""
 
     marginals: Mapping[str, NormalTransform]
+    """By key path."""
     correlated: Sequence[str]
+    """Names of those that are correlated, in alphabetical order."""
     factor: Array
+    """Cholesky factor of their correlations, shape (k, k)."""
     streams: Mapping[str, str] = field(default_factory=dict)
+    """Names of the streams of those that have another one than their own."""
 
     @classmethod
     def of(

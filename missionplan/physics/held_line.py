@@ -41,43 +41,28 @@ _CURVED = 0.01
 
 @dataclass(frozen=True)
 class Float:
-    """Buoyancy on the line; each number is a float or an array over trials.
-
-    Attributes
-    ----------
-    distance : float or array
-        From the body along the line [m].
-    buoyancy : float or array
-        In water [N].
-    """
+    """Buoyancy on the line; each number is a float or an array over trials."""
 
     distance: Scalars
+    """From the body along the line [m]."""
     buoyancy: Scalars
+    """In water [N]."""
 
 
 @dataclass(frozen=True)
 class HeldLine:
-    """The line; each number is a float or an array over trials, shape (n,).
-
-    Attributes
-    ----------
-    length : float or array
-        Unstretched [m].
-    drag_factor : float or array
-        ½ ρ C_d d: drag per length across the flow over the speed squared; see `line_drag_factor` [kg/m²].
-    wet_weight : float or array
-        Per length in water; negative where it floats [N/m].
-    compliance : float or array
-        1/EA, stretch per length and tension [1/N].
-    floats : tuple of Float
-        From the body on.
-    """
+    """The line; each number is a float or an array over trials, shape (n,)."""
 
     length: Scalars
+    """Unstretched [m]."""
     drag_factor: Scalars = 0.0
+    """½ ρ C_d d: drag per length across the flow over the speed squared; see `line_drag_factor` [kg/m²]."""
     wet_weight: Scalars = 0.0
+    """Per length in water; negative where it floats [N/m]."""
     compliance: Scalars = 0.0
+    """1/EA, stretch per length and tension [1/N]."""
     floats: tuple[Float, ...] = ()
+    """From the body on."""
 
 
 def line_drag_factor(diameter: Scalars, density: Scalars) -> Scalars:
@@ -91,16 +76,14 @@ class LowPoint:
 
     Attributes
     ----------
-    number : array of int, shape (n,)
-        Of the points of the line that come before it.
-    distance : array, shape (n,)
-        From the body along the line [m].
     fallen, tension : array, shape (3, n)
         From there to the body [m], and the tension there [N]. Without such a place it is infinitely high.
     """
 
     number: NDArray[np.intp]
+    """Of the points of the line that come before it, shape (n,)."""
     distance: Array
+    """From the body along the line, shape (n,) [m]."""
     fallen: Array
     tension: Array
 
@@ -120,19 +103,12 @@ class LowPoint:
 
 @dataclass(frozen=True)
 class HungLine:
-    """A line that was followed from the body.
-
-    Attributes
-    ----------
-    fallen : array, shape (k, 3, n)
-        From points of the line, the anchor last, to the body [m].
-    load : array, shape (3, n)
-        With which it pulls the anchor [N].
-    low : LowPoint
-    """
+    """A line that was followed from the body."""
 
     fallen: Array
+    """From points of the line, the anchor last, to the body, shape (k, 3, n) [m]."""
     load: Array
+    """With which it pulls the anchor, shape (3, n) [N]."""
     low: LowPoint
 
     @property
@@ -201,20 +177,18 @@ class _Piece:
     ----------
     moved, end : array, shape (3, n)
         From its end to its beginning [m], and the tension there [N].
-    levels : array of bool, shape (n,)
-        Whether it becomes level.
     to_level, level : array, shape (3, n)
         The same of the place where it does, else of its end.
-    share : float or array, shape (n,)
-        Of the piece, until there.
     """
 
     moved: Array
     end: Array
     levels: NDArray[np.bool_]
+    """Whether it becomes level, shape (n,)."""
     to_level: Array
     level: Array
     share: Scalars
+    """Of the piece, until there, float or shape (n,)."""
 
 
 def _piece(
@@ -314,28 +288,23 @@ class HeldBody:
     ----------
     length, diameter : float or array
         [m].
-    net_buoyancy : float or array
-        Buoyancy minus weight [N].
-    raising_moment : float or array
-        About the nose with the body level, buoyancy's minus weight's; positive raises the tail [N m].
-    righting_moment : float or array
-        About the nose with the body upright, of centres off the axis; its size counts, as the body rolls freely [N m].
-    crossflow_coefficient : float or array
-        C_d on length × diameter.
-    axial_drag : DragLaw
-        Drag along the axis.
-    density : float or array
-        Of the water [kg/m³].
     """
 
     length: Scalars
     diameter: Scalars
     net_buoyancy: Scalars
+    """Buoyancy minus weight [N]."""
     raising_moment: Scalars
+    """About the nose with the body level, buoyancy's minus weight's; positive raises the tail [N m]."""
     righting_moment: Scalars
+    """About the nose with the body upright, of centres off the axis; its size counts, as the body rolls freely [N m].
+    """
     crossflow_coefficient: Scalars
+    """C_d on length × diameter."""
     axial_drag: DragLaw
+    """Drag along the axis."""
     density: Scalars
+    """Of the water [kg/m³]."""
 
     @property
     def section_drag(self) -> Scalars:
@@ -351,25 +320,17 @@ class HeldBody:
 
 @dataclass(frozen=True)
 class LineMaterial:
-    """A material of lines.
-
-    Attributes
-    ----------
-    density : float
-        Of the material [kg/m³].
-    filling : float
-        Share of the line's circle that it fills. Of a fibre line all of it, the most that a tight cord of this
-        diameter weighs; laid and plaited ropes fill 0.63 to 0.75, and `line_wet_weight` states what was weighed.
-    stiffness : float
-        EA over the diameter squared [Pa].
-    strength : float
-        Breaking load over the diameter squared [Pa].
-    """
+    """A material of lines."""
 
     density: float
+    """Of the material [kg/m³]."""
     filling: float
+    """Share of the line's circle that it fills. Of a fibre line all of it, the most that a tight cord of this diameter
+    weighs; laid and plaited ropes fill 0.63 to 0.75, and `line_wet_weight` states what was weighed."""
     stiffness: float
+    """EA over the diameter squared [Pa]."""
     strength: float
+    """Breaking load over the diameter squared [Pa]."""
 
     def wet_weight(self, diameter: Scalars, water_density: Scalars) -> Scalars:
         """Weight in water of a metre, negative where it floats [N/m]."""

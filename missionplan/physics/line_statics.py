@@ -155,16 +155,14 @@ class HeldPose:
 
     Attributes
     ----------
-    nose : array, shape (3, n)
-        East, north and up from the anchor [m].
-    axis : array, shape (3, n)
-        Unit vector from nose to tail.
     tension_at_nose, tension_at_anchor : array, shape (3, n)
         With which the body pulls the line, and the line the anchor [N].
     """
 
     nose: Array
+    """East, north and up from the anchor, shape (3, n) [m]."""
     axis: Array
+    """Unit vector from nose to tail, shape (3, n)."""
     tension_at_nose: Array
     tension_at_anchor: Array
 

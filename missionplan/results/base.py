@@ -44,19 +44,7 @@ _LIBRARIES = ("numpy", "scipy", "pandas", "matplotlib", "joblib", "pydantic", "p
 
 @dataclass(frozen=True)
 class Provenance(Record):
-    """Where a result comes from: enough to reproduce it.
-
-    Attributes
-    ----------
-    elapsed_s : float
-        Wall time of the study [s].
-    data : Mapping
-        The mission file's data with includes in place.
-    inputs : Mapping
-        What it depends on: plain data and digests of files by what they are; default: `data`.
-    created : datetime
-        When the study ended, UTC.
-    """
+    """Where a result comes from: enough to reproduce it."""
 
     command: Annotated[str, Entry("name of the study on the command line")]
     mission: Annotated[str, Entry("the mission's name")]
@@ -65,11 +53,14 @@ class Provenance(Record):
     trials: Annotated[int, Entry("of the Monte Carlo; zero where none were run")]
     options: Annotated[Mapping[str, object], Entry("the study's options")]
     elapsed_s: float
+    """Wall time of the study [s]."""
     data: Mapping[str, object]
+    """The mission file's data with includes in place."""
     notices: Annotated[
         tuple[str, ...], Entry("notes on the input: truncated distributions, values outside a model's range")
     ] = ()
     inputs: Mapping[str, object] = field(default_factory=dict)
+    """What it depends on: plain data and digests of files by what they are; default: `data`."""
     holds: Annotated[
         tuple[Coverage, ...],
         Entry("what a probability of success holds of the world, and what not", key="probability_holds"),
@@ -79,6 +70,7 @@ class Provenance(Record):
         Entry("quantities of the mission beside the ranges in which the models were checked", key="checked_ranges"),
     ] = ()
     created: datetime = field(default_factory=lambda: datetime.now(UTC))
+    """When the study ended, UTC."""
 
     @cached_property
     def identity(self) -> Identity:

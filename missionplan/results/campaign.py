@@ -14,19 +14,13 @@ from missionplan.results.learned.diagnosis import Diagnosis
 
 @dataclass(frozen=True)
 class Campaign(Result):
-    """Several data sets of one campaign.
-
-    Attributes
-    ----------
-    provenance : Provenance
-    diagnoses : tuple of Diagnosis
-        In the order in which they were made: each with the mission that the one before had extended.
-    """
+    """Several data sets of one campaign."""
 
     report: ClassVar[str] = "missionplan.report.diagnosis.campaign"
 
     provenance: Provenance
     diagnoses: tuple[Diagnosis, ...]
+    """In the order in which they were made: each with the mission that the one before had extended."""
 
     @property
     def extended(self) -> Mapping[str, object]:

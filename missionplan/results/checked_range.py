@@ -13,20 +13,17 @@ class Range:
 
     Attributes
     ----------
-    quantity : str
     low, high : float
         [`unit`]
-    unit : str
-        SI; empty for a ratio.
-    rows : tuple of str
-        IDs of the rows that compared: ``python -m validation ID``.
     """
 
     quantity: str
     low: float
     high: float
     unit: str
+    """SI; empty for a ratio."""
     rows: tuple[str, ...]
+    """IDs of the rows that compared: ``python -m validation ID``."""
 
 
 _MOORED = ("peer.scipy-moored-line", "peer.moordyn-moored-line")

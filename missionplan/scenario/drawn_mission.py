@@ -30,18 +30,12 @@ NO_BUDGET: EnergyBudget[Scalars] = EnergyBudget.model_construct(
 
 @dataclass(frozen=True)
 class DrawnMission:
-    """A mission, and the same mission drawn.
-
-    Attributes
-    ----------
-    mission : Mission
-        As its file has it, with distributions.
-    drawn : Mission of float or array, shape (n,)
-        With a value, or one a trial, for each of its quantities [SI].
-    """
+    """A mission, and the same mission drawn."""
 
     mission: Mission
+    """As its file has it, with distributions."""
     drawn: Mission[Scalars]
+    """With a value, or one a trial, for each of its quantities, float or shape (n,) [SI]."""
 
     @property
     def trials(self) -> int:

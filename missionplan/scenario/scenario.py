@@ -48,32 +48,24 @@ class Scenario(DrawnMission):
     ----------
     mission, drawn : Mission
         See `DrawnMission`.
-    recorded : Current or None
-        The site's current where the mission reads it from a file (`site_current.recorded_current`).
-    expected : Scenario or None
-        The mission at its means, if already made; see `means`.
-    sailed : Current or None
-        The recorded current with what was drawn of it, one a trial; None at the means.
-    member : array, shape (n,), or None
-        Number of the member of the current's ensemble that each trial sails in; None where it is none.
-    wind : Current or None
-        Where the mission reads it from a file.
-    leeway : Leeway or None
-        Of the vehicle afloat; None in a mission without wind.
-    place : Place or None
-        Ground, coast and sea level; None where the mission names no file of them.
-    executions : mapping of str to Execution
-        By transit, how a vehicle carries it out by other rules than the plan's.
     """
 
     recorded: Current | None = None
+    """The site's current where the mission reads it from a file (`site_current.recorded_current`)."""
     expected: "Scenario | None" = None
+    """The mission at its means, if already made; see `means`."""
     sailed: Current | None = None
+    """The recorded current with what was drawn of it, one a trial; None at the means."""
     member: Array | None = None
+    """Number of the member of the current's ensemble that each trial sails in; None where it is none; shape (n,)."""
     wind: Current | None = None
+    """Where the mission reads it from a file."""
     leeway: Leeway | None = None
+    """Of the vehicle afloat; None in a mission without wind."""
     place: Place | None = None
+    """Ground, coast and sea level; None where the mission names no file of them."""
     executions: Mapping[str, Execution] = field(default_factory=dict)
+    """By transit, how a vehicle carries it out by other rules than the plan's."""
 
     @classmethod
     def at_means(cls, mission: Mission, recorded: Current | None = None) -> "Scenario":

@@ -100,26 +100,21 @@ class Run:
 
     Attributes
     ----------
-    command : str
-        Name of the study on the command line.
-    mission : Mission
     trials, seed : int
         As asked for, else the mission's.
-    workers : Workers
-        Where blocks of trials run, and who is told of those done.
-    precision : str or None
-        At which the run may end.
-    started : float
-        `time.perf_counter` at its beginning [s].
     """
 
     command: str
+    """Name of the study on the command line."""
     mission: Mission
     trials: int
     seed: int
     workers: Workers = IN_THIS_PROCESS
+    """Where blocks of trials run, and who is told of those done."""
     precision: str | None = None
+    """At which the run may end."""
     started: float = field(default_factory=time.perf_counter)
+    """`time.perf_counter` at its beginning [s]."""
 
     @classmethod
     def begun(

@@ -195,30 +195,20 @@ _VEHICLE, _POSTERIOR = "vehicle", "posterior"
 
 @dataclass(frozen=True)
 class MissionText:
-    """What a mission was read from.
-
-    Attributes
-    ----------
-    text : str
-        Of the mission file.
-    written : mapping
-        Its data as written: a vehicle by the name of its file.
-    folder : Path
-        Of the file.
-    current_file : str
-        The file of the current as it was resolved; empty where there is none.
-    vehicle : mapping or None
-        Data of the vehicle's file, where the mission names one.
-    vehicle_text : str
-        Its text.
-    """
+    """What a mission was read from."""
 
     text: str
+    """Of the mission file."""
     written: Mapping[str, object]
+    """Its data as written: a vehicle by the name of its file."""
     folder: Path
+    """Of the file."""
     current_file: str
+    """The file of the current as it was resolved; empty where there is none."""
     vehicle: Mapping[str, object] | None
+    """Data of the vehicle's file, where the mission names one."""
     vehicle_text: str
+    """Its text."""
 
     @classmethod
     def of(cls, document: Document, written: Mapping[str, object], folder: Path) -> "MissionText | None":

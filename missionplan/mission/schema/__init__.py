@@ -1,4 +1,4 @@
 """Sections of a mission file, in SI once validated.
 
-Read first `section` and `quantities` (on `quantity_parser`), then `phases`, `site`, `navigation` and `vehicle`.
+Read first `section`, `limits` and `quantity_parser`, then `phases`, `site` and `vehicle`.
 """

@@ -57,14 +57,10 @@ class ReadBy:
 
     Like pydantic's `PlainValidator`, which also builds a schema of the result that nothing here needs: of every
     distribution, for every quantity, a quarter of the time in which the mission's schema is imported.
-
-    Attributes
-    ----------
-    read : callable
-        From the file's value to the field's; raises `PydanticCustomError`.
     """
 
     read: Callable[[object], object]
+    """From the file's value to the field's; raises `PydanticCustomError`."""
 
     def __get_pydantic_core_schema__(self, source: object, handler: object) -> CoreSchema:
         """Return pydantic's schema of the field."""

@@ -1,4 +1,4 @@
 """Transition from survey speed to hover (Palmer, Hearn & Stevenson).
 
-Read first `plan` (parameters and record), then `controllers` and `simulation`.
+Read first `plan` (parameters and record), then `simulation`, with its controllers.
 """

@@ -27,27 +27,18 @@ _LEAST_POINTS = 10
 
 @dataclass(frozen=True)
 class Ring:
-    """A closed line about where the trials end.
-
-    Attributes
-    ----------
-    kind : str
-        ``arrival circle`` or ``CEP`` of a transit, ``mooring circle`` or ``mooring ellipse`` of a mooring.
-    phase : str
-        Name of the phase.
-    share : float
-        Share of the trials inside; nan for a circle that the mission sets.
-    radius : float
-        Of a circle; for an ellipse, of the circle of equal area [m].
-    line : array, shape (2, k)
-        East and north, counter-clockwise, the last point equal to the first [m].
-    """
+    """A closed line about where the trials end."""
 
     kind: str
+    """``arrival circle`` or ``CEP`` of a transit, ``mooring circle`` or ``mooring ellipse`` of a mooring."""
     phase: str
+    """Name of the phase."""
     share: float
+    """Share of the trials inside; nan for a circle that the mission sets."""
     radius: float
+    """Of a circle; for an ellipse, of the circle of equal area [m]."""
     line: Array
+    """East and north, counter-clockwise, the last point equal to the first, shape (2, k) [m]."""
 
 
 def rings(outcome: Outcome) -> Iterator[Ring]:
@@ -144,19 +135,16 @@ class Frame:
     ----------
     west_east, south_north : (float, float)
         [m]
-    shape : float
-        Height over width.
-    astray : int
-        Tracks that leave it.
-    farthest : float
-        How far beyond its edge the farthest of them goes [m].
     """
 
     west_east: tuple[float, float]
     south_north: tuple[float, float]
     shape: float
+    """Height over width."""
     astray: int = 0
+    """Tracks that leave it."""
     farthest: float = 0.0
+    """How far beyond its edge the farthest of them goes [m]."""
 
     @property
     def width(self) -> float:

@@ -101,20 +101,13 @@ Point = tuple[float, float]
 
 @dataclass(frozen=True)
 class Goal:
-    """A point that the mission names: the start, where a transit ends, where it moors.
-
-    Attributes
-    ----------
-    name : str
-    place : (float, float)
-        East and north of the origin [m].
-    radius : float
-        Within which it is reached, or the anchor may lie; 0 for the start [m].
-    """
+    """A point that the mission names: the start, where a transit ends, where it moors."""
 
     name: str
     place: Point
+    """East and north of the origin [m]."""
     radius: float
+    """Within which it is reached, or the anchor may lie; 0 for the start [m]."""
 
 
 def site_map(data: Mapping[str, object]) -> Figure | None:

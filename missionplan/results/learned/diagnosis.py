@@ -34,16 +34,14 @@ class PlanGain:
     ----------
     before, after : mapping
         Plans with the base and with the extended mission; empty where there is none.
-    base_choice_under_extended : mapping or None
-        How the base mission's choice fares when the extended mission is true.
-    reason : str or None
-        Why there is no plan to compare.
     """
 
     before: Plan = field(default_factory=dict)
     after: Plan = field(default_factory=dict)
     base_choice_under_extended: Plan | None = None
+    """How the base mission's choice fares when the extended mission is true."""
     reason: str | None = None
+    """Why there is no plan to compare."""
 
     def summary(self) -> dict[str, object]:
         """Return the entry of ``decision``."""
@@ -61,61 +59,12 @@ class Diagnosis(Result):
 
     Attributes
     ----------
-    provenance : Provenance
     kind, data, source : str
         Of the data set.
-    verdict : str
-    causes : tuple of str
-        The claimed set; empty if none.
-    known : tuple of ParameterEstimate
-        What the mission knew of its own effects.
-    confirmed : tuple of ParameterEstimate
-        The same after these data, of the effects that have not changed.
-    misfit : str
-        Size of the base model's misfit in the planner's terms.
-    credible_set : tuple
-        Sets that hold 95 % of the probability, best first.
-    ranking : tuple of RankedSet
-        Best first.
-    rivals : tuple
-        Sets within 3 nats of the claimed one, and those that the data cannot separate from it.
-    not_constant : tuple of str
-        Claimed causes that do not hold still over the record.
-    suspect_labels : str
-        Which labels of the record look wrong, such as weights of dives; empty where none do.
-    none_of_these : float
-        Probability that something is left which no cause of the catalogue explains.
-    coverage : Coverage or None
-        Of the 90 % intervals on data held out, where it is known.
     discrepancy, base_discrepancy : Discrepancy
         What the claimed model leaves, and the base model.
-    scores : tuple of GroupScore
-        Held-out scores of the best set, group by group; empty where there are none.
-    outlying_groups : tuple
-        Group and p-value.
-    indistinguishable : tuple
-        Pairs of sets that these data cannot tell apart.
-    next_measurements : tuple of NextMeasurement
-    decision : PlanGain
-        What the planner would choose before and after.
-    calibration : mapping
-        Nuisance parameters of the base model as fitted.
     untestable, failures : mapping
         Effects that the data could not show and sets that could not be fitted, and why.
-    residuals : DataFrame
-        Row by row: data, base model, extended model, residuals.
-    extended : mapping
-        The mission's data with the causes as effects.
-    next_trial : NextTrial or None
-        The trial worth making next, where it was asked for.
-    explanations : tuple of ExplanationOdds
-        What is in doubt, as that mission carries it; empty where nothing is.
-    last_part : DatasetScore or None
-        The extended mission's score on the part of the record that was held out of everything, where one was.
-    learned_from : tuple of str
-        Hash of each leg, dive or run that was new to the mission.
-    readings : Readings
-        What else the posterior says.
     """
 
     report: ClassVar[str] = "missionplan.report.diagnosis.page"
@@ -126,33 +75,56 @@ class Diagnosis(Result):
     source: str
     verdict: Verdict
     causes: Causes
+    """The claimed set; empty if none."""
     known: tuple[ParameterEstimate, ...]
+    """What the mission knew of its own effects."""
     confirmed: tuple[ParameterEstimate, ...]
+    """The same after these data, of the effects that have not changed."""
     misfit: str
+    """Size of the base model's misfit in the planner's terms."""
     credible_set: tuple[Causes, ...]
+    """Sets that hold 95 % of the probability, best first."""
     ranking: tuple[RankedSet, ...]
+    """Best first."""
     rivals: tuple[Causes, ...]
+    """Sets within 3 nats of the claimed one, and those that the data cannot separate from it."""
     not_constant: Causes
+    """Claimed causes that do not hold still over the record."""
     suspect_labels: str
+    """Which labels of the record look wrong, such as weights of dives; empty where none do."""
     none_of_these: float
+    """Probability that something is left which no cause of the catalogue explains."""
     coverage: Coverage | None
+    """Of the 90 % intervals on data held out, where it is known."""
     discrepancy: Discrepancy
     base_discrepancy: Discrepancy
     scores: tuple[GroupScore, ...]
+    """Held-out scores of the best set, group by group; empty where there are none."""
     outlying_groups: tuple[tuple[str, float], ...]
+    """Group and p-value."""
     indistinguishable: tuple[tuple[Causes, Causes], ...]
+    """Pairs of sets that these data cannot tell apart."""
     next_measurements: tuple[NextMeasurement, ...]
     decision: PlanGain
+    """What the planner would choose before and after."""
     calibration: Mapping[str, float]
+    """Nuisance parameters of the base model as fitted."""
     untestable: Mapping[str, str]
     failures: Mapping[str, str]
     residuals: pd.DataFrame
+    """Row by row: data, base model, extended model, residuals."""
     extended: Mapping[str, object]
+    """The mission's data with the causes as effects."""
     next_trial: NextTrial | None = None
+    """The trial worth making next, where it was asked for."""
     explanations: tuple[ExplanationOdds, ...] = ()
+    """What is in doubt, as that mission carries it; empty where nothing is."""
     last_part: DatasetScore | None = None
+    """The extended mission's score on the part of the record that was held out of everything, where one was."""
     learned_from: tuple[str, ...] = ()
+    """Hash of each leg, dive or run that was new to the mission."""
     readings: Readings = field(default_factory=Readings)
+    """What else the posterior says."""
 
     @property
     def best(self) -> RankedSet | None:

@@ -1,5 +1,5 @@
 """What to choose so that all requirements hold at the least energy or time.
 
-Read first `optimise`, then `choices` (what may be chosen), `evaluations` (trials of choices, kept), `judging` (how far
-a choice is from the requirements) and `search`.
+Read first `optimise`, then `choosable` (what may be chosen), `evaluations` (trials of choices, kept, and how far they
+are from the requirements) and `search`.
 """

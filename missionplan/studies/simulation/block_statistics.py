@@ -45,24 +45,17 @@ EXPLAINED = "explained:"
 
 @dataclass(frozen=True)
 class BlockStatistics:
-    """Reduced blocks.
-
-    Attributes
-    ----------
-    statistics : RunningStatistics
-        Of ``phase.quantity``, and of ``phase.end`` but for the last phase, which ends with the mission.
-    counts : mapping of str to Count
-        Of ``phase.event``, of ``phase: failure`` (those still good until then), and of each requirement met.
-    sample : mapping of str to array, shape (..., m)
-        Of the first trials: ``input:…``, ``output:…`` and ``miss:phase``.
-    contacts : array, shape (m, 6)
-        Trials lost to ground, coast and zones: number of the phase, `Cause`, leg, how many, sums of east and north [m].
-    """
+    """Reduced blocks."""
 
     statistics: RunningStatistics
+    """Of ``phase.quantity``, and of ``phase.end`` but for the last phase, which ends with the mission."""
     counts: Mapping[str, Count]
+    """Of ``phase.event``, of ``phase: failure`` (those still good until then), and of each requirement met."""
     sample: Mapping[str, Array]
+    """Of the first trials: ``input:…``, ``output:…`` and ``miss:phase``; shape (..., m)."""
     contacts: Array = field(default_factory=lambda: np.empty((0, 6)))
+    """Trials lost to ground, coast and zones: number of the phase, `Cause`, leg, how many, sums of east and north;
+    shape (m, 6) [m]."""
 
     @property
     def trials(self) -> int:

@@ -48,33 +48,21 @@ BINS = 40
 
 @dataclass(frozen=True)
 class OutcomeBuilder:
-    """The merged blocks of a simulation.
-
-    Attributes
-    ----------
-    mission : Mission
-    totals : BlockStatistics
-        Of all blocks that succeeded.
-    tracks : MapTracks
-        Of the first trials.
-    failed_blocks : tuple of str
-    trials_table : bytes or None
-    anchors : tuple of MooringAnchor
-        As of `Outcome`.
-    held : tuple of HeldVehicle
-        As of `Outcome`.
-    members : tuple of (str, float)
-        Of the current's ensemble: names and probabilities.
-    """
+    """The merged blocks of a simulation."""
 
     mission: Mission
     totals: BlockStatistics
+    """Of all blocks that succeeded."""
     tracks: MapTracks
+    """Of the first trials."""
     failed_blocks: tuple[str, ...] = ()
     trials_table: bytes | None = None
     anchors: tuple[MooringAnchor, ...] = ()
+    """As of `Outcome`."""
     held: tuple[HeldVehicle, ...] = ()
+    """As of `Outcome`."""
     members: tuple[tuple[str, float], ...] = ()
+    """Of the current's ensemble: names and probabilities."""
 
     def outcome(self, provenance: Provenance) -> Outcome:
         """Return the result."""

@@ -1,4 +1,4 @@
 """Transits without Monte Carlo: expected cost by an integral equation, optimal legs by dynamic programming.
 
-Read first `rice_panels` (the quadrature), then `expectation`, `bellman` and `policy`.
+Read first `rice_panels` (the quadrature), then `expectation` and `policy`.
 """
