@@ -9,7 +9,6 @@ import json
 import tempfile
 import time
 from collections.abc import Callable
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -37,7 +36,7 @@ def compare(options: Options) -> Section:
         rows = [_row(name, flat, _over(flat, Path(folder), bottom), options) for name, bottom in BOTTOMS.items()]
         name, bottom = next(iter(BOTTOMS.items()))
         by_coast = _over(flat, Path(folder), bottom, has_coast=True)
-        rows.append(replace(_row(f"{name}, past a coast", flat, by_coast, options), target="", met=None))
+        rows.append(_row(f"{name}, past a coast", flat, by_coast, options))
     return Section(tuple(rows), packages=("numpy", "scipy", "shapely"))
 
 

@@ -9,7 +9,7 @@ from missionplan.arrays import Array
 from missionplan.errors import InputError, shown
 from missionplan.phases.place.ground import Frame, Ground
 from missionplan.scenario.place import grid_files
-from missionplan.scenario.place.grid import Grid
+from missionplan.scenario.place.grid_files import Grid
 from missionplan.scenario.place.positions import DEGREES, LOCAL, Chart, longitude_beside
 
 MAX_BYTES = 2_000_000_000

@@ -1,6 +1,8 @@
-"""Readers of grids of depths, one a format. Each returns a `Grid` as the file has it."""
+"""Grids of depths as files have them, and a reader for each format."""
 
+import math
 import re
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -12,9 +14,8 @@ from missionplan.scenario.currents.attributes import FieldAttributeError, counts
 from missionplan.scenario.currents.field import opened
 from missionplan.scenario.currents.files import FieldFiles
 from missionplan.scenario.currents.regular import LATITUDE, LONGITUDE
-from missionplan.scenario.place.grid import Grid, of_soundings
 from missionplan.scenario.place.polygons import features
-from missionplan.scenario.place.positions import DEGREES, Chart
+from missionplan.scenario.place.positions import DEGREES, LOCAL, Chart
 
 _UP = ("elevation", "Elevation", "z", "topo", "topography", "altitude", "height", "Band1", "band_data")
 _DOWN = ("depth", "Depth", "bathymetry", "Bathymetry", "bathy", "deptho", "h", "water_depth")
@@ -33,6 +34,31 @@ _SCALE, _TIE_POINT, _MATRIX, _KEYS, _NO_DATA = 33550, 33922, 34264, 34735, 42113
 """Tags of GeoTIFF 1.1, and GDAL's for missing values."""
 _GEOGRAPHIC, _PROJECTED, _RASTER_TYPE, _USER_DEFINED = 2048, 3072, 1025, 32767
 """Keys of GeoTIFF 1.1: EPSG codes of both kinds of reference systems; 2 where a pixel is a point."""
+_MOST_CELLS = 1_000_000
+"""Of the grid that is made of soundings."""
+
+
+@dataclass(frozen=True)
+class Grid:
+    """Heights or depths at the centres of cells, as a file has them.
+
+    Attributes
+    ----------
+    x, y : array, shape (columns,) and (rows,)
+        Coordinates, in either direction.
+    values : array, shape (rows, columns)
+        nan where missing [m].
+    is_up : bool
+        Whether values count up.
+    system : str or None
+        Reference system that the file names.
+    """
+
+    x: Array
+    y: Array
+    values: Array
+    is_up: bool
+    system: str | None = None
 
 
 def netcdf(chart: Chart) -> Grid:
@@ -211,7 +237,7 @@ def xyz(chart: Chart) -> Grid:
         values[row, column] = z
         return Grid(columns, rows, values, _asked_up(chart))
     depth = -z if _asked_up(chart) else z
-    return of_soundings(chart.to_plane(x, y, chart.system(None)), depth)
+    return _of_soundings(chart.to_plane(x, y, chart.system(None)), depth)
 
 
 def _numbers(chart: Chart) -> Array:
@@ -253,4 +279,25 @@ def contours(chart: Chart) -> Grid:
     if not places or len({float(each[0]) for each in depths}) < 2:
         raise chart.problem("expected contours of two depths or more, each with a property `depth`")
     joined, unique = np.unique(np.concatenate(places, axis=1), axis=1, return_index=True)
-    return of_soundings(joined, np.concatenate(depths)[unique])
+    return _of_soundings(joined, np.concatenate(depths)[unique])
+
+
+def _of_soundings(places: Array, depths: Array) -> Grid:
+    """Make a grid of scattered depths: linear within Delaunay's triangles of them, missing outside.
+
+    Parameters
+    ----------
+    places : array, shape (2, k)
+        East and north of the origin [m].
+    depths : array, shape (k,)
+        [m]
+    """
+    from scipy.interpolate import LinearNDInterpolator
+    from scipy.spatial import cKDTree
+
+    span = places.max(axis=1) - places.min(axis=1)
+    nearest = np.asarray(cKDTree(places.T).query(places.T, k=2)[0])[:, 1]
+    step = max(float(np.median(nearest[nearest > 0.0])), math.sqrt(float(np.prod(span)) / _MOST_CELLS))
+    x, y = (np.arange(low, high + step, step) for low, high in zip(places.min(axis=1), places.max(axis=1), strict=True))
+    fit = LinearNDInterpolator(places.T, depths)
+    return Grid(x, y, np.asarray(fit(*np.meshgrid(x, y)), dtype=float), is_up=False, system=LOCAL)
