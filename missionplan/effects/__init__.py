@@ -10,6 +10,7 @@ from missionplan.effects.catalogue import (
     effects_of,
     exclusive_groups,
     instruments,
+    named_effects,
     scattering_effect,
 )
 from missionplan.effects.info import Effect, EffectInfo, Parameter, TankEffect
@@ -25,5 +26,6 @@ __all__ = [
     "effects_of",
     "exclusive_groups",
     "instruments",
+    "named_effects",
     "scattering_effect",
 ]

@@ -18,11 +18,14 @@ from missionplan.effects import (
     clock_offset,
     compass_bias,
     compass_deviation,
+    compass_jump,
+    current_response,
     current_shear,
     depth_scale,
     drag_bias,
     drag_crisis,
     fix_error,
+    heading_by_depth,
     heavy_tails,
     inertial_current,
     jet_suction,
@@ -32,9 +35,12 @@ from missionplan.effects import (
     position_random_walk,
     quadratic_damping,
     random_walk,
+    response,
     reynolds_drag,
     sensor_lag,
+    sideslip,
     slow_flooding,
+    speed_loss,
     speed_scale,
     stratification,
     surface_drift,
@@ -243,6 +249,12 @@ _FILES = (
     fix_error,
     heavy_tails,
     current_shear,
+    current_response,
+    sideslip,
+    heading_by_depth,
+    speed_loss,
+    compass_jump,
+    response,
     reynolds_drag,
     quadratic_damping,
     jet_suction,
@@ -336,6 +348,11 @@ def exclusive_groups(phase: Phase) -> tuple[frozenset[str], ...]:
         if info.exclusive_group:
             groups.setdefault(info.exclusive_group, set()).add(info.id)
     return tuple(frozenset(group) for group in groups.values())
+
+
+def named_effects(phase: Phase) -> tuple[EffectInfo, ...]:
+    """Return the catalogue's effects on one phase that have a name, in its order."""
+    return tuple(info for info in effects_of(phase) if info.tier != "neutral")
 
 
 def scattering_effect(scatter: Scatter) -> str:

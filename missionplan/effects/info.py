@@ -13,7 +13,7 @@ from missionplan.effects.finding import Finding
 from missionplan.phases.hooks import DescentEffect, TransitEffect
 
 Phase = Literal["transit", "descent", "tank"]
-Tier = Literal["physical", "statistical"]
+Tier = Literal["physical", "statistical", "neutral"]
 Part = Literal["mean", "covariance"]
 Scatter = Literal["", "release", "drag"]
 TankKind = Literal["drag", "free-oscillation", "thruster", "propeller-transient"]
@@ -32,11 +32,18 @@ class LegRecord:
         Whether the time at the surface before each fix is logged.
     duration : float
         Between the middles of the first and the last leg [s].
+    speeds, durations : float
+        Range of the legs' speeds, and of their times under way, over the median.
+    depths : float
+        Range of the legs' mean depths [m]; nan where they are not logged.
     """
 
     latitude: float
     has_surface_time: bool
     duration: float
+    speeds: float = 0.0
+    durations: float = 0.0
+    depths: float = float("nan")
 
 
 @dataclass(frozen=True)
@@ -107,6 +114,28 @@ class Likeness:
 
 
 @dataclass(frozen=True)
+class Term:
+    """Strengths of an effect that act together and without its others.
+
+    Attributes
+    ----------
+    strengths : tuple of str
+        One parameter, or two that are components.
+    searched : str
+        The shape that they depend on; empty: none.
+    finding : Finding, optional
+        How it is told, where it is not as the effect is.
+    lacking : callable
+        Why a navigation log cannot show it; empty where it can.
+    """
+
+    strengths: tuple[str, ...]
+    searched: str = ""
+    finding: Finding | None = None
+    lacking: Callable[[LegRecord], str] = lacks_nothing
+
+
+@dataclass(frozen=True)
 class TankEffect:
     """Neutral base of effects seen only in a tank.
 
@@ -169,6 +198,9 @@ class Parameter:
         For a gradient: `scale` and `spike` are at most these over the extent of the record [unit·m].
     tank_spike : float
         `spike` for tank data, where it differs; 0: the same [unit].
+    searched : str
+        Along what of a log the values of a shape are tried one by one: the ``time`` at which something changes, the
+        ``speed`` or ``depth`` from which it does; empty: none.
     """
 
     unit: str
@@ -186,6 +218,7 @@ class Parameter:
     extent_scale: float = inf
     extent_spike: float = inf
     tank_spike: float = 0.0
+    searched: Literal["", "time", "speed", "depth"] = ""
 
     @property
     def is_shape(self) -> bool:
@@ -204,7 +237,8 @@ class EffectInfo:
     phase : str
         Phase it acts on.
     tier : str
-        ``physical`` names a cause; ``statistical`` describes the errors without naming one.
+        ``physical`` names a cause; ``statistical`` describes the errors without naming one; ``neutral`` describes to
+        what the vehicle responds, outside of what is named.
     effect : type
         The data class that refines the phase's hooks.
     parameters : mapping
@@ -253,6 +287,9 @@ class EffectInfo:
         What to say of it where it is found too large to be true.
     finding : Finding, optional
         How it is told to the operator, and what to do about it.
+    terms : tuple of `Term`
+        Alternatives of which one acts on a log, each a few strengths in which the mean is linear: the diagnosis of legs
+        weighs an effect that has any by its columns beside all sets of others, at most one to a set.
     tank : tuple of str
         Kinds of tank data that could show it.
     lacking_in_tank : callable
@@ -287,6 +324,7 @@ class EffectInfo:
     instrument: Instrument | None = None
     likeness: Likeness | None = None
     finding: Finding | None = None
+    terms: tuple[Term, ...] = ()
     tank: tuple[TankKind, ...] = ()
     lacking_in_tank: Callable[[TankRecord], str] = lacks_nothing
     vehicle_key: VehicleKey = ""

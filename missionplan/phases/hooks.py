@@ -35,6 +35,8 @@ class Leg:
         Speed through the water [m/s].
     latitude : float
         Of the coordinates' origin [rad]; nan when the mission has none.
+    depth : float or array, shape (n,)
+        Mean depth under way [m]; nan where it is not known.
     """
 
     t_start: Array
@@ -43,6 +45,7 @@ class Leg:
     along: Array
     speed: Scalars
     latitude: float = float("nan")
+    depth: Scalars = float("nan")
 
     @property
     def through_water(self) -> NDArray[np.complex128]:
@@ -116,6 +119,19 @@ class TransitEffect:
         """Whether the effect refines `course_factor`."""
         return type(self).course_factor is not TransitEffect.course_factor
 
+    def answer_to_current(self, leg: Leg, water: Array) -> Array | float:
+        """Velocity error because the vehicle answers to a current otherwise than by going with it, shape (2, n) [m/s].
+
+        `water` is the velocity of the water on each leg, of the site's current and of all effects' `velocity` but
+        those of effects that refine this hook, shape (2, n) [m/s].
+        """
+        return 0.0
+
+    @property
+    def answers_current(self) -> bool:
+        """Whether the effect refines `answer_to_current`."""
+        return type(self).answer_to_current is not TransitEffect.answer_to_current
+
     def surface_velocity(self, t: Array, duration: Array, position: Array) -> Array | float:
         """Drift velocity at the surface beyond the site's current, shape (2, n) [m/s]."""
         return 0.0
@@ -172,7 +188,7 @@ class TransitEffect:
         return memory, 0.0
 
 
-def velocity_error(effects: Iterable[TransitEffect], leg: Leg) -> Array:
+def velocity_error(effects: Iterable[TransitEffect], leg: Leg, current: Array | float = 0.0) -> Array:
     """Combine the effects' mean velocity errors: factors on the velocity through the water multiply, velocities add.
 
     Parameters
@@ -180,6 +196,8 @@ def velocity_error(effects: Iterable[TransitEffect], leg: Leg) -> Array:
     effects : iterable of TransitEffect
     leg : Leg
         n legs.
+    current : array, shape (2, n), or float
+        The site's current on each leg, to which the vehicle may answer [m/s].
 
     Returns
     -------
@@ -187,12 +205,19 @@ def velocity_error(effects: Iterable[TransitEffect], leg: Leg) -> Array:
         [m/s]
     """
     factor = np.ones(leg.along.shape[1], dtype=complex)
-    velocity = np.zeros(leg.along.shape)
+    velocity, own = np.zeros(leg.along.shape), np.zeros(leg.along.shape)
+    answering: list[TransitEffect] = []
     for effect in effects:
         factor = factor * effect.course_factor(leg)
-        velocity = velocity + effect.velocity(leg)
+        if effect.answers_current:
+            answering.append(effect)
+            own = own + effect.velocity(leg)
+        else:
+            velocity = velocity + effect.velocity(leg)
+    for effect in answering:
+        own = own + effect.answer_to_current(leg, current + velocity)
     changed = (factor - 1.0) * leg.through_water
-    return velocity + np.stack([changed.real, changed.imag])
+    return velocity + own + np.stack([changed.real, changed.imag])
 
 
 def surface_velocity(effects: Iterable[TransitEffect], t: Array, duration: Array, position: Array) -> Array:

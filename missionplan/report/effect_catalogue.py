@@ -56,7 +56,7 @@ def fragment(info: EffectInfo) -> str:
 
 
 def _entry(info: EffectInfo) -> str:
-    tier = "" if info.tier == "physical" else " (a statistical description)"
+    tier = {"statistical": " (a statistical description)", "neutral": " (a response, no cause)"}.get(info.tier, "")
     lines = [f"{info.id}{tier}", _wrapped(info.what)]
     lines += [_wrapped(f"{name}: {_described(parameter)}") for name, parameter in info.parameters.items()]
     lines.append(_wrapped(f"Usual sizes: {info.sizes}"))

@@ -26,6 +26,11 @@ CONTRACT = {
     "compass-bias": ["angle"],
     "compass-deviation": ["amplitude", "phase"],
     "speed-scale": ["fraction"],
+    "current-response": ["along"],
+    "sideslip": ["angle"],
+    "heading-by-depth": ["rate"],
+    "speed-loss": ["fraction", "threshold"],
+    "compass-jump": ["angle", "moment"],
     "surface-drift": ["east", "north"],
     "persistent-error": ["sigma", "time"],
     "random-walk": ["rate"],
@@ -54,8 +59,8 @@ def legs(n=7, latitude=0.5):
 
 
 def test_names_are_the_contract():
-    assert len(CATALOGUE) == 30
-    assert (len(effects_of("descent")), len(effects_of("transit"))) == (12, 13)
+    assert len(CATALOGUE) == 36
+    assert (len(effects_of("descent")), len(effects_of("transit"))) == (12, 19)
     for name, parameters in CONTRACT.items():
         assert list(CATALOGUE[name].parameters) == parameters
 

@@ -82,11 +82,55 @@ class SetPriors:
         logs -= np.log(np.diagonal(factor, axis1=-2, axis2=-1)).sum(axis=-1)
         return np.asarray(logs), np.asarray(factor, dtype=float), np.asarray(white)
 
+    def gains(self, grams: Sequence[GramMatrix], blocks: Sequence["Block"], scale: float) -> Array:
+        """What blocks of further columns, one at a time, add to the log densities, shape (j, s, b).
+
+        Each of a block's coefficients has a normal prior of standard deviation `scale`. The products are those of the k
+        coefficients' columns, then the blocks', then the data.
+        """
+        products, normalisers = _stacked(grams)
+        k, count = self.mean.shape[1], products.shape[1] - 1
+        core = np.append(np.arange(k), count)
+        _, factor, white = self._solved(products[np.ix_(np.arange(len(grams)), core, core)], normalisers)
+        further = products[:, :k, k:count]
+        turned = np.swapaxes(self.factor, 1, 2) @ further[:, None]
+        half = np.linalg.solve(factor, turned)
+        right = products[:, None, k:count, -1] - self.mean @ further - (white[..., None, :] @ half)[..., 0, :]
+        found = np.empty((*white.shape[:2], len(blocks)))
+        diagonal = np.diagonal(products, axis1=-2, axis2=-1)[:, None, k:count] - np.sum(half**2, axis=-2)
+        single = [index for index, block in enumerate(blocks) if block.size == 1]
+        if single:
+            first = np.array([blocks[index].first for index in single])
+            inner = scale**2 * np.maximum(diagonal[..., first], 0.0) + 1.0
+            found[..., single] = -0.5 * (np.log(inner) - (scale * right[..., first]) ** 2 / inner)
+        for index, block in enumerate(blocks):
+            if block.size == 1:
+                continue
+            own = np.arange(block.first, block.first + block.size)
+            inner = products[:, None, k + own[:, None], k + own] - np.swapaxes(half[..., own], -1, -2) @ half[..., own]
+            found[..., index] = _gain(scale**2 * inner, scale * right[..., own])
+        return found
+
     def posterior(self, grams: Sequence[GramMatrix]) -> tuple[Array, Array]:
         """Posterior means (j, s, k) and factors R, (j, s, k, k), of the covariances R Rᵀ."""
         _, factor, white = self._solved(*_stacked(grams))
         root = self.factor @ np.swapaxes(np.linalg.inv(factor), -1, -2)
         return self.mean + (root @ white[..., None])[..., 0], root
+
+
+@dataclass(frozen=True)
+class Block:
+    """Columns that act together: the first of them and their number."""
+
+    first: int
+    size: int
+
+
+def _gain(inner: Array, right: Array) -> Array:
+    """Ln of the factor by which q coefficients N(0, 1) change a density, of inner products (…, q, q) and (…, q)."""
+    precision = inner + np.eye(right.shape[-1])
+    solved = np.linalg.solve(precision, right[..., None])[..., 0]
+    return np.asarray(0.5 * np.sum(right * solved, axis=-1) - 0.5 * np.linalg.slogdet(precision)[1])
 
 
 def _stacked(grams: Sequence[GramMatrix]) -> tuple[Array, Array]:

@@ -30,8 +30,9 @@ def aliases(model: TransitModel, fit: CauseFit) -> tuple[Alias, ...]:
     fit : CauseFit
         The claimed set.
     """
+    model = model.with_term(fit.state.term)
     noise = np.sqrt(np.stack([np.diag(each) for each in model.noise(fit.state.values)]))
-    here, back = model.columns_as_expected, _on_the_way_back(model).columns_as_expected
+    here, back = model.columns_at(fit), _on_the_way_back(model).columns_at(fit)
     found = []
     for claimed in fit.causes:
         own = model.by_effect.get(claimed)
@@ -62,7 +63,7 @@ def _on_the_way_back(model: TransitModel) -> TransitModel:
     later = LATER + float(np.ptp(data.t_start))
     turned = data.start - (data.dead_reckoned - data.start)
     moved = replace(data, t_start=data.t_start + later, dead_reckoned=turned, end=turned)
-    return replace(model, data=moved, only=model.coordinates)
+    return replace(model, data=moved, only=model.with_term(None).coordinates)
 
 
 def _matters_from(model: TransitModel, apart: Array, noise: Array) -> float:

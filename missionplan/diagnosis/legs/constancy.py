@@ -27,7 +27,7 @@ def not_constant(model: TransitModel, fit: CauseFit) -> Causes:
     fit : CauseFit
         The claimed set, fitted to the whole log.
     """
-    count = model.data.n
+    count, model = model.data.n, model.with_term(fit.state.term)
     physical = [name for name in fit.causes if CATALOGUE[name].tier == "physical" and name in model.by_effect]
     if not physical or count < 2 * LEGS:
         return ()

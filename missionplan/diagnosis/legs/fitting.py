@@ -3,6 +3,7 @@
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import Self
 
 import numpy as np
 
@@ -20,6 +21,7 @@ from missionplan.diagnosis.legs.likelihood.hyperparameters import (
 )
 from missionplan.diagnosis.legs.likelihood.linearised import LinearisedLegs
 from missionplan.diagnosis.legs.likelihood.markov_covariance import LegSelection
+from missionplan.diagnosis.legs.likelihood.mean import ActingTerm
 from missionplan.diagnosis.legs.likelihood.modulation import Forms, variance_of_mean
 from missionplan.diagnosis.legs.state import TransitState
 from missionplan.effects import CATALOGUE
@@ -108,10 +110,35 @@ class TransitFitting(TransitCovariance):
             found = forms
         return found
 
+    def with_term(self, term: ActingTerm | None) -> Self:
+        """Return the model with the strengths of a term among its coordinates."""
+        return self if term == self.acting else replace(self, acting=term)
+
+    def from_last(self, term: ActingTerm) -> list[int]:
+        """Places of the coordinates where those of its term stand after all others."""
+        own = {coordinate.key for coordinate in term.coordinates}
+        others = iter(range(len(self.coordinates) - len(own)))
+        lasts = iter(range(len(self.coordinates) - len(own), len(self.coordinates)))
+        return [next(lasts if coordinate.key in own else others) for coordinate in self.coordinates]
+
+    def settled(self, causes: Causes, state: TransitState) -> TransitState:
+        """Return a state with a term linearised anew about its mean, at its noise, until it settles."""
+        slabs = np.array([coordinate.slab for coordinate in self.coordinates])
+        for _ in range(MAX_LINEARISATIONS):
+            linear = self.linearised(causes, state.mean, state.forms)
+            marginal = self.marginal(state.hyperparameters, state.posterior.mode, linear)
+            mean, covariance = linear.prior.posterior(marginal)
+            moved = np.max(np.abs(mean - state.mean) / slabs)
+            state = replace(state, mean=mean, covariance=covariance, linear=linear)
+            if moved < CONVERGED:
+                break
+        return state
+
     def refitted(self, fit: CauseFit, rows: LegSelection) -> CauseFit:
         """Fit the same set to some of the legs: the mode alone, without evidence."""
-        state = self._fitted(fit.causes, fit.state.forms, [fit.state], rows, integrate=False)
-        return self.fit_of(fit.causes, state, math.nan)
+        model = self.with_term(fit.state.term)
+        state = model._fitted(fit.causes, fit.state.forms, [fit.state], rows, integrate=False)
+        return model.fit_of(fit.causes, state, math.nan)
 
     def _fitted(
         self, causes: Causes, forms: Forms, near: Sequence[TransitState], rows: LegSelection, *, integrate: bool
@@ -127,7 +154,7 @@ class TransitFitting(TransitCovariance):
             linear = self.linearised(causes, about, forms)
             posterior = self._posterior(hyperparameters, starts, covariance, linear, rows, integrate=integrate)
             mean, spread = linear.prior.posterior(self.marginal(hyperparameters, posterior.mode, linear, rows))
-            state = TransitState(forms, hyperparameters, posterior, mean, spread, linear)
+            state = TransitState(forms, hyperparameters, posterior, mean, spread, linear, self.acting)
             moved, about = np.abs(mean - about), mean
             starts, covariance = [posterior.mode], posterior.covariance
             if not nonlinear or (iteration and np.max(moved / slabs) < CONVERGED):

@@ -18,8 +18,8 @@ from missionplan.diagnosis.legs.fitting import TransitFitting
 from missionplan.diagnosis.legs.likelihood.covariance import ALL_LEGS
 from missionplan.diagnosis.legs.likelihood.linearised import LinearisedLegs
 from missionplan.diagnosis.legs.posterior import infer, with_forms
-from missionplan.diagnosis.legs.responses import responses_along
 from missionplan.diagnosis.legs.set_density import LegInference
+from missionplan.diagnosis.legs.terms import terms_of
 from missionplan.effects import exclusive_groups
 
 ALTERNATIVES = exclusive_groups("transit")
@@ -48,13 +48,7 @@ class TransitModel(TransitFitting):
     def all_sets(self, progress: Progress = no_progress, jobs: int = 1) -> Selection:
         """Return all sets of causes with their probabilities."""
         progress("weighing all sets of causes", 0, 1)
-        neutral = responses_along(transit_axes(self.data, self.leg, self.axes), self.columns_at_usual_sizes)
-        return with_forms(infer(LegInference(self, neutral))).selection()
-
-    @property
-    def columns_at_usual_sizes(self) -> Array:
-        """Velocity errors of the effects in the mean at their usual sizes, shape (2, n, k) [m/s]."""
-        return np.asarray(self.columns_as_expected * [coordinate.slab for coordinate in self.coordinates])
+        return with_forms(infer(LegInference(self, terms_of(self)))).selection()
 
     def residuals(self, fit: CauseFit) -> Residuals:
         """Velocity errors leg by leg (first axis, second axis, next leg) and their covariance under a fit."""
@@ -134,14 +128,14 @@ class TransitModel(TransitFitting):
 
     def _block_score(self, fit: CauseFit, block: NDArray[np.int_]) -> HeldOutScore:
         others = np.setdiff1d(np.arange(self.data.n), block)
-        trained = self.refitted(fit, others)
+        trained, model = self.refitted(fit, others), self.with_term(fit.state.term)
         state = trained.state
         whole, seen = (
-            self.marginal(state.hyperparameters, state.posterior.mode, state.linear, rows)
+            model.marginal(state.hyperparameters, state.posterior.mode, state.linear, rows)
             for rows in (ALL_LEGS, others)
         )
         log_score = whole.log_density - seen.log_density
-        mean, covariance = self.predictor(trained)(others, block)
+        mean, covariance = model.predictor(trained)(others, block)
         error = (self.y[:, block] - mean).ravel()
         standardised = error / np.sqrt(np.diag(covariance))
         name = f"legs {self.data.labels[block[0]]} to {self.data.labels[block[-1]]}"
@@ -164,18 +158,29 @@ class TransitModel(TransitFitting):
             Of `designs`, added to the log; None for the log alone.
         """
         model = self if entry is None else self._with_design(entry)
-        own = np.array([coordinate.effect in first.causes for coordinate in self.coordinates])
-        columns = model.columns_as_expected.reshape(2 * model.data.n, -1)
-        truth = columns @ np.where(own, first.state.mean - self.expected, 0.0)
-        models = [model.linearised(fit.causes, fit.state.linear.about, fit.state.forms) for fit in (first, second)]
-        predictive = [
-            (columns @ (linear.prior.mean - self.expected), model._total_covariance(fit, linear))
-            for fit, linear in zip((first, second), models, strict=True)
-        ]
-        return max(expected_log_ratio((truth, model._total_covariance(first, model.linearised(()))), *predictive), 0.0)
+        truth = model.with_term(first.state.term)
+        own = np.array([coordinate.effect in first.causes for coordinate in truth.coordinates])
+        columns = truth.columns_at(first).reshape(2 * model.data.n, -1)
+        signal = columns @ np.where(own, first.state.mean - truth.expected, 0.0)
+        predictive = []
+        for fit in (first, second):
+            acting = model.with_term(fit.state.term)
+            linear = acting.linearised(fit.causes, fit.state.linear.about, fit.state.forms)
+            usual = acting.columns_at(fit).reshape(2 * model.data.n, -1) @ (linear.prior.mean - acting.expected)
+            predictive.append((usual, acting._total_covariance(fit, linear)))
+        return max(expected_log_ratio((signal, model._total_covariance(first, model.linearised(()))), *predictive), 0.0)
+
+    def columns_at(self, fit: CauseFit) -> Array:
+        """Columns of the coordinates, where a term has to be linearised about a fit as this has it, shape (2, n, k)."""
+        return self.columns_as_expected if self.acting is None else self.columns(fit.state.linear.about)
 
     def _with_design(self, entry: int) -> "TransitModel":
         """The model of the log with the legs of a design after it."""
         data = with_further_legs(self.data, designs_for(self.data)[entry])
         added = np.repeat(self.base.mean(axis=1, keepdims=True), data.n - self.data.n, axis=1)
-        return replace(self, data=data, base=np.concatenate([self.base, added], axis=1), only=self.coordinates)
+        current = np.broadcast_to(self.site_current, (2, self.data.n))
+        current = np.concatenate(
+            [current, np.repeat(current.mean(axis=1, keepdims=True), added.shape[1], axis=1)], axis=1
+        )
+        base = np.concatenate([self.base, added], axis=1)
+        return replace(self, data=data, base=base, site_current=current, only=self.coordinates)

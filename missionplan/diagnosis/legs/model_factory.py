@@ -47,7 +47,7 @@ def transit_model(data: TransitData, mission: Mission, seed: int) -> TransitMode
     drawn = means.sampled(seed=seed, block=0, size=DRAWS)
     if means.current is not None:
         check_cover(data, means.current, float(np.mean(means.transit().depth)), mission)
-    base, spread = _expected_velocity(data, means, drawn)
+    current, base, spread = _expected_velocity(data, means, drawn)
     error = transits.navigation.velocity_error
     base = base + np.array([[mean_of(part)] for part in error.mean])
     spread = np.hypot(spread, [np.std(side) for side in drawn.velocity_error.mean])
@@ -55,7 +55,7 @@ def transit_model(data: TransitData, mission: Mission, seed: int) -> TransitMode
     given = given_priors(mission, effects_of("transit"))
     check_together(given, mission, "transit")
     current_sd = (float(spread[0]), float(spread[1]))
-    model = TransitModel(data, base, error.covariance, fix_error, current_sd, given)
+    model = TransitModel(data, base, error.covariance, fix_error, current_sd, given, site_current=current)
     return with_fix_share(replace(model, base=_with_given_effects(model, mission)))
 
 
@@ -96,10 +96,10 @@ def check_cover(data: TransitData, current: Current, depth: float, mission: Miss
     raise InputError([Problem(problem, mission.file, key="site.current", hint=hint)])
 
 
-def _expected_velocity(data: TransitData, means: Scenario, drawn: Scenario) -> tuple[Array, Array]:
-    """Velocity error that the site's current gives each leg, shape (2, n), and its standard deviation (2,) [m/s]."""
+def _expected_velocity(data: TransitData, means: Scenario, drawn: Scenario) -> tuple[Array, Array, Array]:
+    """The site's current on each leg, with that at the surface, each (2, n), and its standard deviation (2,) [m/s]."""
     if means.current is None or drawn.current is None:
-        return np.zeros((2, data.n)), np.zeros(2)
+        return np.zeros((2, data.n)), np.zeros((2, data.n)), np.zeros(2)
     depth = float(np.mean(means.transit().depth))
     through = data.dead_reckoned - data.start
     velocity = means.current.mean_velocity(data.t_start, data.under_way, depth, data.start, through)
@@ -108,7 +108,8 @@ def _expected_velocity(data: TransitData, means: Scenario, drawn: Scenario) -> t
     expected = velocity + drift * data.surface / data.under_way
     place = np.repeat(data.start[:, :1], DRAWS, axis=1)
     draws = drawn.current.velocity(float(data.t_start[0]), depth, place)
-    return np.broadcast_to(expected, (2, data.n)).copy(), np.broadcast_to(draws, (2, DRAWS)).std(axis=1)
+    under_way, whole = (np.broadcast_to(each, (2, data.n)).copy() for each in (velocity, expected))
+    return under_way, whole, np.broadcast_to(draws, (2, DRAWS)).std(axis=1)
 
 
 def _with_given_effects(model: TransitModel, mission: Mission) -> Array:

@@ -9,6 +9,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.special import gammaincinv, logsumexp, ndtri
 
 from missionplan.arrays import Array
@@ -42,8 +43,12 @@ class Law:
     at : array, shape (j, h)
         Logarithms of the noise at its points.
     sets : tuple of MeanSet
-    log_weights : array, shape (s, j, c)
-        Of each set at each noise and scale of the slabs, prior included; their sum is the evidence times the prior.
+        Without a term.
+    terms : tuple of int
+        Numbers of those that stand beside them.
+    log_weights : array, shape (s, j, c, 1 + t)
+        Of each set at each noise and scale of the slabs, without a term and with each, prior included; their sum is the
+        evidence times the prior.
     grams : mapping
         By group, the inner products at each noise.
     """
@@ -52,6 +57,7 @@ class Law:
     hyperparameters: tuple[Hyperparameter, ...]
     at: Array
     sets: tuple[MeanSet, ...]
+    terms: tuple[int, ...]
     log_weights: Array
     grams: Mapping[Causes, Sequence[GramMatrix]]
 
@@ -63,7 +69,7 @@ class Law:
 
     @property
     def _shares(self) -> Array:
-        logs = logsumexp(self.log_weights, axis=(0, 2))
+        logs = logsumexp(self.log_weights, axis=(0, 2, 3))
         return np.asarray(np.exp(logs - logsumexp(logs)))
 
     def noise(self) -> Laplace:
@@ -93,7 +99,7 @@ class NoiseSearch:
         start = start or {}
 
         def log_posterior(logs: Array) -> float:
-            return self.prior.log_density(logs) + float(self.inference.log_densities(self.errors, logs, [one], 1)[0])
+            return self.prior.log_density(logs) + self.inference.log_density(self.errors, logs, one)
 
         centre = np.array([start.get(h.key, h.centre) for h in self.hyperparameters])
         starts = [centre]
@@ -108,37 +114,49 @@ class NoiseSearch:
         return {h.key: float(value) for h, value in zip(self.hyperparameters, found.mode, strict=True)}
 
     def compared(self, plain: Laplace, rich: Laplace) -> "ComparedSets":
-        """Compare all sets, each at its likeliest of a few noises."""
+        """Compare all sets without a term and with each, each at its likeliest of a few noises."""
         inference = self.inference
-        priors = np.array([inference.log_prior(one, self.effects) for one in inference.sets])
+        terms = range(1, len(inference.terms) + 1)
         found = [
-            self.prior.log_density(logs) + inference.log_densities(self.errors, logs, inference.sets, 1)
+            self.prior.log_density(logs) + inference.log_densities(self.errors, logs, inference.sets, terms)
             for logs in (plain.mode + share * (rich.mode - plain.mode) for share in BETWEEN)
         ]
-        return ComparedSets(self, plain, rich, np.asarray(np.max(found, axis=0) + priors))
+        return ComparedSets(self, plain, rich, np.max(found, axis=0) + inference.log_priors(self.effects))
 
-    def integrated(self, anchors: Sequence[Laplace], sets: Sequence[MeanSet], count: int) -> Law:
-        """Integrate sets over the noise, with a number of points about each anchor."""
+    def integrated(self, anchors: Sequence[Laplace], chosen: NDArray[np.bool_], count: int) -> Law:
+        """Integrate sets over the noise, with a number of points about each anchor.
+
+        Parameters
+        ----------
+        anchors : sequence of Laplace
+        chosen : array of bool, shape (s, 1 + t)
+            Which sets, without a term and with which.
+        count : int
+        """
+        inference = self.inference
         at, log_proposal = _drawn(anchors, count)
-        kept, grams = self._inner_products(at, sets)
+        rows = np.flatnonzero(chosen.any(axis=1))
+        sets = tuple(inference.sets[row] for row in rows)
+        terms = tuple((np.flatnonzero(chosen[:, 1:].any(axis=0)) + 1).tolist())
+        kept, grams = self._inner_products(at, sets, terms)
         base = np.array([self.prior.log_density(at[i]) - log_proposal[i] - math.log(len(at)) for i in kept])
-        return Law(
-            self.effects, self.hyperparameters, at[kept], tuple(sets), self._log_weights(sets, grams, base), grams
-        )
+        priors = inference.log_priors(self.effects)
+        wanted = np.where(chosen, priors, -np.inf)[rows][:, [0, *terms]]
+        logs = self._log_weights(sets, terms, grams, base) + wanted[:, None, None, :]
+        return Law(self.effects, self.hyperparameters, at[kept], sets, terms, logs, grams)
 
-    def _inner_products(self, at: Array, sets: Sequence[MeanSet]) -> tuple[list[int], dict[Causes, list[GramMatrix]]]:
+    def _inner_products(
+        self, at: Array, sets: Sequence[MeanSet], terms: Sequence[int]
+    ) -> tuple[list[int], dict[Causes, list[GramMatrix]]]:
         """Return which noises are possible, and the inner products of each group of sets at these."""
         inference = self.inference
-        groups = {
-            group: {sets[i].response for i in members} for group, members in grouped(sets, inference.group).items()
-        }
         kept: list[int] = []
-        grams: dict[Causes, list[GramMatrix]] = {group: [] for group in groups}
+        grams: dict[Causes, list[GramMatrix]] = {group: [] for group in grouped(sets, inference.group)}
         for index, logs in enumerate(at):
             if not math.isfinite(self.prior.log_density(logs)):
                 continue
             try:
-                found = {group: inference.gram(self.errors, logs, group, numbers) for group, numbers in groups.items()}
+                found = {group: inference.gram(self.errors, logs, group, terms) for group in grams}
             except np.linalg.LinAlgError:
                 continue
             kept.append(index)
@@ -146,24 +164,21 @@ class NoiseSearch:
                 grams[group].append(gram)
         return kept, grams
 
-    def _log_weights(self, sets: Sequence[MeanSet], grams: Mapping[Causes, Sequence[GramMatrix]], base: Array) -> Array:
-        """Log weight of each set at each noise and scale of the slabs, shape (s, j, c)."""
+    def _log_weights(
+        self,
+        sets: Sequence[MeanSet],
+        terms: Sequence[int],
+        grams: Mapping[Causes, Sequence[GramMatrix]],
+        base: Array,
+    ) -> Array:
+        """Log density of the data of each set at each noise and scale of the slabs, shape (s, j, c, 1 + t)."""
         inference = self.inference
-        logs = np.empty((len(sets), len(base), len(SCALES)))
-        for (group, response), members in grouped(sets, lambda one: (inference.group(one), one.response)).items():
-            chosen, places = [sets[i] for i in members], inference.places(response)
-            parts = [gram.part(places) for gram in grams[group]]
-            has_slabs = bool(response) or any(one.causes for one in chosen)
+        logs = np.empty((len(sets), len(base), len(SCALES), 1 + len(terms)))
+        for group, members in grouped(sets, inference.group).items():
+            chosen = [sets[i] for i in members]
             for scale in range(len(SCALES)):
-                if scale == 1 or has_slabs:
-                    found = inference.priors(chosen, scale).log_densities(parts).T
-                    logs[members, :, scale] = found + base + math.log(SCALE_PRIOR[scale])
-                else:
-                    logs[members, :, scale] = -np.inf
-        logs += np.array([inference.log_prior(one, self.effects) for one in sets])[:, None, None]
-        for i, one in enumerate(sets):
-            if not one.causes and not one.response:
-                logs[i, :, 1] -= math.log(SCALE_PRIOR[1])
+                found = inference.with_terms(grams[group], chosen, terms, scale)
+                logs[members, :, scale] = found.swapaxes(0, 1) + base[:, None] + math.log(SCALE_PRIOR[scale])
         return logs
 
 
@@ -176,8 +191,8 @@ class ComparedSets:
     search : NoiseSearch
     plain, rich : Laplace
         The likeliest noise without causes in the mean, and with many.
-    scores : array, shape (s,)
-        Log density and prior of all sets at their likeliest noises.
+    scores : array, shape (s, 1 + t)
+        Log density and prior of all sets at their likeliest noises, without a term and with each.
     """
 
     search: NoiseSearch
@@ -193,18 +208,19 @@ class ComparedSets:
     @property
     def top(self) -> MeanSet:
         """The likeliest set."""
-        return self.search.inference.sets[int(np.argmax(self.scores))]
+        row, term = np.unravel_index(np.argmax(self.scores), self.scores.shape)
+        return MeanSet(self.search.inference.sets[row].causes, int(term))
 
-    def integrated(self, sets: Sequence[MeanSet]) -> Law:
+    def integrated(self, chosen: NDArray[np.bool_]) -> Law:
         """Integrate some of the sets over the noise, from the likeliest noises of the best and without causes."""
-        nothing, search = MeanSet((), 0), self.search
+        nothing, search = MeanSet(()), self.search
         anchors = [search.likeliest(self.top, search.at(self.rich), integrate=True)]
-        if nothing in sets and self.top != nothing:
+        if chosen[search.inference.sets.index(nothing), 0] and self.top != nothing:
             anchors.append(search.likeliest(nothing, search.at(self.plain), integrate=True))
-        law, count = search.integrated(anchors, sets, DRAWN), DRAWN
+        law, count = search.integrated(anchors, chosen, DRAWN), DRAWN
         while law.effective < EFFECTIVE and count < MOST_DRAWN:
             count *= 2
-            law = search.integrated([*anchors, law.noise()], sets, count)
+            law = search.integrated([*anchors, law.noise()], chosen, count)
         return law
 
 

@@ -1,19 +1,20 @@
 """One posterior of a navigation log over all sets of causes, their sizes, the noise and neutral responses.
 
-A set is some effects in the mean, and at most two that are random. Given a noise, the model is linear and Gaussian, and
-all sets share the inner products of its columns (`inference.set_evidence`). The noise is integrated over by importance
-sampling (Owen 2013, *Monte Carlo Theory, Methods and Examples*, chapter 9) from a mixture of Student-t laws about the
-likeliest noise without a cause and with the likeliest ones. Effects that are not linear are linearised about the
-posterior mean of the likeliest set that has them.
+A set is some effects in the mean, one term at most (`terms`), and at most two effects that are random. Given a noise,
+the model is linear and Gaussian, and all sets share the inner products of its columns (`inference.set_evidence`). The
+noise is integrated over by importance sampling (Owen 2013, *Monte Carlo Theory, Methods and Examples*, chapter 9) from
+a mixture of Student-t laws about the likeliest noise without a cause and with the likeliest ones. Effects that are not
+linear are linearised about the posterior mean of the likeliest set that has them.
 """
 
 import itertools
 import math
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.special import logsumexp
 
 from missionplan.arrays import Array
@@ -24,16 +25,16 @@ from missionplan.diagnosis.inference.posterior import credible_set
 from missionplan.diagnosis.inference.selection import FURTHER, Candidate, Selection
 from missionplan.diagnosis.inference.set_evidence import SCALES
 from missionplan.diagnosis.legs.fitting import by_quantiles
+from missionplan.diagnosis.legs.likelihood.mean import ActingTerm
 from missionplan.diagnosis.legs.likelihood.modulation import SHORTEST, Forms
 from missionplan.diagnosis.legs.noise_integration import ComparedSets, Law, NoiseSearch
-from missionplan.diagnosis.legs.responses import Response
 from missionplan.diagnosis.legs.set_density import MOST_IN_MEAN, LegInference, MeanSet
 from missionplan.diagnosis.legs.state import TransitState
-from missionplan.effects import CATALOGUE, exclusive_groups
-from missionplan.results.learned.evidence import Causes
+from missionplan.effects import CATALOGUE, effects_of, exclusive_groups
+from missionplan.results.learned.evidence import Causes, ParameterEstimate
 
-KEPT = 12.0
-"""Nats below the likeliest set within which a set is integrated; what the others hold is stated."""
+KEPT, KEPT_WITH_TERM = 12.0, 9.0
+"""Nats below the likeliest set within which a set is integrated, and one with a term; the others are stated."""
 LISTED = 12
 """Sets, at most, that are fitted for the report."""
 BESIDE = 3
@@ -53,35 +54,44 @@ def laws_of(random: Causes) -> tuple[list[Causes], list[Causes]]:
 
 def infer(inference: LegInference) -> "LegPosterior":
     """Compute the posterior."""
-    nothing, rich = MeanSet((), 0), MeanSet(inference.in_mean, 0)
+    nothing, rich = MeanSet(()), MeanSet(inference.in_mean)
     plain = NoiseSearch(inference, (), nothing)
     first = plain.likeliest(nothing)
     full = plain.likeliest(rich, plain.at(first))
     inference.relinearise(plain.errors, full.mode)
-    searches: dict[Causes, ComparedSets] = {(): plain.compared(first, full)}
+    best = plain.likeliest(inference.refine(plain.errors, full.mode), plain.at(full))
+    searches: dict[Causes, ComparedSets] = {(): plain.compared(first, best)}
     top = searches[()].top
-    known = plain.at(plain.likeliest(top, plain.at(full)))
+    known = plain.at(plain.likeliest(top, plain.at(best)))
     singles, pairs = laws_of(inference.random)
     for law in singles:
         search = NoiseSearch(inference, law, top)
         searches[law] = search.compared(search.likeliest(nothing, plain.at(first)), search.likeliest(top, known))
-    best = max(each.best for each in searches.values())
+    highest = max(each.best for each in searches.values())
     for law in pairs:
-        if any(searches[name,].best > best - WORTH_PAIRING for name in law):
+        if any(searches[name,].best > highest - WORTH_PAIRING for name in law):
             search = NoiseSearch(inference, law, top)
             searches[law] = search.compared(search.likeliest(nothing, plain.at(first)), search.likeliest(top, known))
-    best = max(each.best for each in searches.values())
-    laws, left = [], [-np.inf]
+    highest = max(each.best for each in searches.values())
+    whole = float(logsumexp([logsumexp(each.scores) for each in searches.values()]))
+    laws, left = [], np.zeros(1 + len(inference.terms))
     for each in searches.values():
-        likely = {one.causes for one, score in zip(inference.sets, each.scores, strict=True) if score > best - KEPT}
-        likely |= set() if each.search.effects else {()}
-        chosen = each.scores > best - KEPT
-        chosen |= np.array([not one.response and one.causes in likely for one in inference.sets])
-        left.append(float(logsumexp(each.scores[~chosen])))
+        chosen = _chosen(inference, each, highest)
+        left += np.sum(np.where(chosen, 0.0, np.exp(each.scores - whole)), axis=0)
         if chosen.any():
-            own = [one for one, kept in zip(inference.sets, chosen, strict=True) if kept]
-            laws.append(each.integrated(own))
-    return LegPosterior(inference, tuple(laws), float(logsumexp(left)) - best)
+            laws.append(each.integrated(chosen))
+    return LegPosterior(inference, tuple(laws), left)
+
+
+def _chosen(inference: LegInference, compared: ComparedSets, best: float) -> NDArray[np.bool_]:
+    """Which sets are integrated, without a term and with which: the likely ones, and parts without their term."""
+    least = np.full(compared.scores.shape[1], best - KEPT_WITH_TERM)
+    least[0] = best - KEPT
+    chosen = compared.scores > least
+    chosen[:, 0] |= chosen.any(axis=1)
+    if not compared.search.effects:
+        chosen[inference.sets.index(MeanSet(())), 0] = True
+    return np.asarray(chosen)
 
 
 @dataclass(frozen=True)
@@ -92,8 +102,8 @@ class LegPosterior:
     ----------
     inference : LegInference
     laws : tuple of Law
-    left : float
-        Log of what the sets that were not integrated hold, over the likeliest.
+    left : array, shape (1 + t,)
+        Estimated probability of the sets that were not integrated, without a term and with each.
     masses : mapping, optional
         Of `log_masses` where they are not those of the laws.
     forms : mapping
@@ -102,30 +112,54 @@ class LegPosterior:
 
     inference: LegInference
     laws: tuple[Law, ...]
-    left: float
+    left: Array
     masses: Mapping[tuple[Causes, int], float] | None = None
     forms: Mapping[Causes, TransitState] = field(default_factory=dict)
 
     @cached_property
     def log_masses(self) -> Mapping[tuple[Causes, int], float]:
-        """Log evidence times prior of each set of causes with each response."""
+        """Log evidence times prior of each set of causes of the mean and the noise with each term, or with none."""
         if self.masses is not None:
             return self.masses
         found: dict[tuple[Causes, int], float] = {}
-        order = {name: index for index, name in enumerate(self.inference.model.candidates)}
         for law in self.laws:
-            for one, logs in zip(law.sets, law.log_weights, strict=True):
-                causes = tuple(sorted((*one.causes, *law.effects), key=order.__getitem__))
-                found[causes, one.response] = float(logsumexp(logs))
+            for one, logs in zip(law.sets, logsumexp(law.log_weights, axis=(1, 2)), strict=True):
+                causes = self._in_order((*one.causes, *law.effects))
+                found |= {(causes, term): float(mass) for term, mass in zip((0, *law.terms), logs, strict=True)}
+        return {key: mass for key, mass in found.items() if mass > -np.inf}
+
+    def _in_order(self, names: Iterable[str]) -> Causes:
+        return tuple(sorted(names, key=self._order.__getitem__))
+
+    @cached_property
+    def _order(self) -> dict[str, int]:
+        return {info.id: index for index, info in enumerate(effects_of("transit"))}
+
+    def _causes(self, key: tuple[Causes, int]) -> Causes:
+        """A set with the effect of its term, if that is one of an effect."""
+        causes, term = key
+        effect = self.inference.terms[term - 1].effect if term else ""
+        return self._in_order((*causes, effect)) if effect else causes
+
+    @cached_property
+    def _by_causes(self) -> dict[Causes, list[tuple[Causes, int]]]:
+        """Of each set of causes, what of `log_masses` belongs to it, greatest first."""
+        found: dict[Causes, list[tuple[Causes, int]]] = {}
+        for key in sorted(self.log_masses, key=lambda key: -self.log_masses[key]):
+            found.setdefault(self._causes(key), []).append(key)
         return found
 
     @cached_property
+    def _total(self) -> float:
+        return float(logsumexp(list(self.log_masses.values())))
+
+    @cached_property
     def probabilities(self) -> dict[Causes, float]:
-        """Probability of each set of causes, with a neutral response or without; greatest first."""
-        total = logsumexp(list(self.log_masses.values()))
-        found: dict[Causes, float] = {}
-        for (causes, _), mass in self.log_masses.items():
-            found[causes] = found.get(causes, 0.0) + math.exp(mass - total)
+        """Probability of each set of causes, with a smooth error or without; greatest first."""
+        found = {
+            causes: sum(math.exp(self.log_masses[key] - self._total) for key in keys)
+            for causes, keys in self._by_causes.items()
+        }
         return dict(sorted(found.items(), key=lambda item: -item[1]))
 
     @property
@@ -142,38 +176,55 @@ class LegPosterior:
 
     def _described(self, causes: Causes) -> Causes:
         """A set without the descriptions without which it is likelier."""
-        for name in set(causes) & set(self.inference.random):
+        for name in causes:
             rest = tuple(other for other in causes if other != name)
-            if self.log_masses.get((rest, 0), -math.inf) > self.log_masses.get((causes, 0), math.inf):
+            if CATALOGUE[name].tier != "physical" and self._score(rest) > self._score(causes):
                 return self._described(rest)
         return causes
 
     @property
-    def responses(self) -> tuple[tuple[Response, float], ...]:
-        """Neutral responses with their probabilities."""
-        total = logsumexp(list(self.log_masses.values()))
-        return tuple(
-            (response, sum(math.exp(m - total) for (_, own), m in self.log_masses.items() if own == number))
-            for number, response in enumerate(self.inference.responses, start=1)
-        )
+    def responses(self) -> tuple[tuple[str, str, float], ...]:
+        """Neutral terms and smooth errors with their probabilities, greatest first."""
+        by_term = self.left.copy()
+        for (_, number), mass in self.log_masses.items():
+            by_term[number] += math.exp(mass - self._total)
+        found: dict[tuple[str, str], float] = {}
+        for term, probability in zip(self.inference.terms, by_term[1:].tolist(), strict=True):
+            if term.is_neutral:
+                key = term.axis, term.description
+                found[key] = found.get(key, 0.0) + probability
+        return tuple((*key, p) for key, p in sorted(found.items(), key=lambda item: -item[1]))
 
     @property
     def not_computed(self) -> float:
         """Estimate of the probability of the sets that were not integrated."""
-        return math.exp(min(self.left, 0.0))
+        return min(float(self.left.sum()), 1.0)
+
+    def _parts(self, causes: Causes) -> tuple[MeanSet, Causes]:
+        """What a set of causes has in the mean, with the likeliest term, and of random effects."""
+        regular, term = next(
+            key for key in self._by_causes[causes] if not key[1] or self.inference.terms[key[1] - 1].effect
+        )
+        law = tuple(name for name in regular if name in self.inference.random)
+        return MeanSet(tuple(name for name in regular if name not in law), term), law
 
     def evidence(self, causes: Causes) -> float:
-        """Log evidence of a set without a response, its prior taken out."""
-        law = tuple(name for name in causes if name in self.inference.random)
-        mean = MeanSet(tuple(name for name in causes if name not in law), 0)
-        return self.log_masses[causes, 0] - self.inference.log_prior(mean, law)
+        """Log evidence of a set without a smooth error, its prior taken out."""
+        one, law = self._parts(causes)
+        keys = [key for key in self._by_causes[causes] if bool(key[1]) == bool(one.term)]
+        shares = [self.inference.terms[key[1] - 1].log_share if key[1] else 0.0 for key in keys]
+        prior = self.inference.log_prior(one, law) - (shares[0] if one.term else 0.0)
+        whole = float(logsumexp([self.log_masses[key] for key in keys]))
+        return whole - prior - (float(logsumexp(shares)) if one.term else 0.0)
 
     def state(self, causes: Causes) -> TransitState:
         """State of a fit to a set: moments of its part of the posterior, over noises and slabs."""
-        model = self.inference.model
-        law, wanted, shares = self._part(causes)
+        one, _ = self._parts(causes)
+        term = self.inference.terms[one.term - 1].acting if one.term else None
+        model = self.inference.model.with_term(term)
+        law, shares = self._part(causes)
         over_noise, over_scales = shares.sum(axis=1), shares.sum(axis=0)
-        mean, covariance = self._moments(law, wanted, shares)
+        mean, covariance = self._moments(law, one, shares)
         hyperparameters = model.hyperparameters(causes, model.given_forms)
         noise = law.noise_of(over_noise)
         place = {h.key: index for index, h in enumerate(law.hyperparameters)}
@@ -185,53 +236,87 @@ class LegPosterior:
         for row, i in known:
             for column, j in known:
                 spread[row, column] = noise.covariance[i, j]
-        about = self.inference.linear(self.inference.group(wanted)).about
+        about = mean if one.term else self.inference.linear(self.inference.group(one)).about
         linear = model.linearised(causes, about, model.given_forms)
-        return TransitState(
-            model.given_forms, hyperparameters, Laplace(self.evidence(causes), mode, spread), mean, covariance, linear
-        )
+        found = Laplace(self.evidence(causes), mode, spread)
+        state = TransitState(model.given_forms, hyperparameters, found, mean, covariance, linear, term)
+        return model.settled(causes, state) if one.term else state
 
-    def _part(self, causes: Causes) -> tuple[Law, MeanSet, Array]:
-        """Law and mean set of a set of causes, and its shares of noises and scales, shape (j, c)."""
-        law = next(law for law in self.laws if set(law.effects) == set(causes) & set(self.inference.random))
-        wanted = MeanSet(tuple(name for name in causes if name not in law.effects), 0)
-        logs = law.log_weights[law.sets.index(wanted)]
-        return law, wanted, np.exp(logs - logsumexp(logs))
-
-    def _over_noise(self, causes: Causes) -> tuple[Law, Array]:
-        law, _, shares = self._part(causes)
-        return law, shares.sum(axis=1)
+    def _part(self, causes: Causes) -> tuple[Law, Array]:
+        """Law of a set of causes, and the shares of noises and scales of it with its likeliest term, shape (j, c)."""
+        one, random = self._parts(causes)
+        law = next(law for law in self.laws if set(law.effects) == set(random))
+        place = (0, *law.terms).index(one.term)
+        logs = law.log_weights[law.sets.index(MeanSet(one.causes)), :, :, place]
+        return law, np.exp(logs - logsumexp(logs))
 
     def _moments(self, law: Law, one: MeanSet, shares: Array) -> tuple[Array, Array]:
-        """Posterior mean (k,) and covariance (k, k) of the coordinates of a set."""
+        """Posterior mean (k,) and covariance (k, k) of the coordinates of a set, those of its term last."""
         inference, k = self.inference, len(self.inference.model.coordinates)
-        grams = [gram.part(inference.places(0)) for gram in law.grams[inference.group(one)]]
-        mean, covariance, squares = np.zeros(k), np.zeros((k, k)), np.zeros((k, k))
+        blocks = inference.blocks(law.terms)
+        own = inference.core + np.arange(0)
+        if one.term:
+            block = blocks[law.terms.index(one.term)]
+            own = inference.core + block.first + np.arange(block.size)
+        places = np.concatenate([np.arange(inference.core), own])
+        grams = [gram.part(places) for gram in law.grams[inference.group(one)]]
+        kept = np.concatenate([np.arange(k), inference.core + np.arange(len(own))])
+        mean, covariance = np.zeros(len(kept)), np.zeros((len(kept), len(kept)))
+        squares = np.zeros_like(covariance)
         for scale in range(len(SCALES)):
             if shares[:, scale].sum() < LEAST_SHARE:
                 continue
             means, roots = inference.priors([one], scale).posterior(grams)
-            means, roots, weights = means[:, 0, :k], roots[:, 0, :k], shares[:, scale]
+            means, roots, weights = means[:, 0, kept], roots[:, 0, kept], shares[:, scale]
             mean += weights @ means
             squares += (weights[:, None] * means).T @ means
             covariance += np.einsum("j,jik,jlk->il", weights, roots, roots)
         mean /= shares.sum()
-        return mean, covariance + squares - np.outer(mean, mean)
+        covariance += squares - np.outer(mean, mean)
+        acting = inference.terms[one.term - 1].acting if one.term else None
+        if acting is None:
+            return mean, covariance
+        unit = np.concatenate([np.ones(k), [coordinate.slab for coordinate in acting.coordinates]])
+        order = inference.model.with_term(acting).from_last(acting)
+        return (mean * unit)[order], (covariance * np.outer(unit, unit))[np.ix_(order, order)]
 
     def fit(self, causes: Causes) -> CauseFit:
         """Return a set as fitted: its state, with sizes and times of random effects by their quantiles."""
         known = self.forms.get(causes)
         state = self.state(causes) if known is None else known
-        fit = self.inference.model.fit_of(causes, state, self.evidence(causes))
+        fit = self.inference.model.with_term(state.term).fit_of(causes, state, self.evidence(causes))
         if known is not None:
             return fit
-        law, shares = self._over_noise(causes)
-        found = {h.key: np.exp(_quantiles(law.at[:, i], shares)) for i, h in enumerate(law.hyperparameters)}
+        law, shares = self._part(causes)
+        over_noise = shares.sum(axis=1)
+        found = {h.key: np.exp(_quantiles(law.at[:, i], over_noise)) for i, h in enumerate(law.hyperparameters)}
         estimates, given = (
             tuple(by_quantiles(each, found.get((each.effect, each.name))) for each in several)
             for several in (fit.estimates, fit.given)
         )
-        return replace(fit, estimates=estimates, given=given)
+        return replace(fit, estimates=estimates + self._shape(causes, state.term), given=given)
+
+    def _shape(self, causes: Causes, term: ActingTerm | None) -> tuple[ParameterEstimate, ...]:
+        """The shape of a set's term, by the probabilities of the values tried."""
+        if term is None or not term.shapes:
+            return ()
+        strengths = [each.name for each in term.coordinates]
+        alike = [
+            (float(np.asarray(own.shapes[name])), math.exp(self.log_masses[key] - self._total))
+            for key in self._by_causes[causes]
+            if key[1] and (own := self.inference.terms[key[1] - 1].acting) is not None
+            if [each.name for each in own.coordinates] == strengths
+            for name in own.shapes
+        ]
+        (name,) = term.shapes
+        values, shares = np.array(alike).T
+        low, _, high = _quantiles(values, shares / shares.sum()) if len(values) > 1 else np.repeat(values, 3)
+        steps = np.diff(np.sort(values))
+        half = 0.5 * float(steps.min()) if len(steps) else 0.0
+        mean = float(shares @ values / shares.sum())
+        sd = math.sqrt(float(shares @ (values - mean) ** 2 / shares.sum()) + half**2 / 3.0)
+        unit = CATALOGUE[term.effect].parameters[name].unit
+        return (ParameterEstimate(term.effect, name, mean, sd, float(low) - half, float(high) + half, unit),)
 
     def selection(self) -> Selection:
         """Return the sets with their probabilities, the likeliest fitted."""
@@ -244,7 +329,7 @@ class LegPosterior:
         ruled_out = {fit.causes for fit in impossible}
         total = sum(p for causes, p in probabilities.items() if causes not in ruled_out)
         posterior = {causes: p / total for causes, p in probabilities.items() if causes not in ruled_out}
-        nothing = self.log_masses[(), 0] - float(logsumexp(list(self.log_masses.values())))
+        nothing = self.log_masses[(), 0] - self._total
 
         def candidate(fit: CauseFit) -> Candidate:
             return Candidate(fit, fit.log_evidence - base.log_evidence)
@@ -256,7 +341,7 @@ class LegPosterior:
             (),
             self.inference.catalogue,
             posterior,
-            tuple((response.axis, response.description, p) for response, p in self.responses),
+            self.responses,
             self._families(posterior),
             math.exp(nothing) / total,
             self.not_computed,
@@ -279,7 +364,10 @@ class LegPosterior:
         return tuple(families)
 
     def _score(self, causes: Causes) -> float:
-        return self.log_masses.get((causes, 0), -math.inf)
+        """Log evidence times prior of a set of causes without a smooth error."""
+        terms = self.inference.terms
+        keys = [k for k in self._by_causes.get(causes, ()) if not k[1] or terms[k[1] - 1].effect]
+        return float(logsumexp([self.log_masses[key] for key in keys])) if keys else -math.inf
 
 
 def _quantiles(values: Array, shares: Array) -> Array:
@@ -294,7 +382,7 @@ def with_forms(posterior: LegPosterior) -> LegPosterior:
     masses, forms = dict(posterior.log_masses), {}
     for causes in _modulated_sets(posterior):
         law = tuple(name for name in causes if name in posterior.inference.random)
-        mean = MeanSet(tuple(name for name in causes if name not in law), 0)
+        mean = MeanSet(tuple(name for name in causes if name not in law))
         if len(mean.causes) > MOST_IN_MEAN:
             continue
         try:
@@ -316,7 +404,7 @@ def _modulated_sets(posterior: LegPosterior) -> list[Causes]:
     names = [name for name in model.candidates if CATALOGUE[name].is_modulated and name not in given]
     if not names or float(np.ptp(model.data.middle)) < SHORTEST:
         return []
-    likely = list(posterior.probabilities)[:BESIDE]
+    likely = [causes for causes in posterior.probabilities if set(causes) <= set(model.candidates)][:BESIDE]
     order = {name: index for index, name in enumerate(model.candidates)}
     found = {tuple(sorted({*causes, name}, key=order.__getitem__)) for causes in [(), *likely] for name in names}
     return sorted(found)

@@ -7,7 +7,7 @@ about the posterior mean of the likeliest set that has them.
 
 import itertools
 import math
-from collections.abc import Callable, Collection, Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import TypeVar
@@ -18,17 +18,19 @@ from scipy.special import gammaln
 
 from missionplan.arrays import Array
 from missionplan.diagnosis.inference.marginal_likelihood import student_marginal
-from missionplan.diagnosis.inference.selection import log_prior
-from missionplan.diagnosis.inference.set_evidence import SCALES, GramMatrix, SetPriors
+from missionplan.diagnosis.inference.selection import FURTHER, log_prior
+from missionplan.diagnosis.inference.set_evidence import SCALES, Block, GramMatrix, SetPriors
 from missionplan.diagnosis.legs.fitting import TransitFitting
 from missionplan.diagnosis.legs.likelihood.hyperparameters import Hyperparameter, values_of
 from missionplan.diagnosis.legs.likelihood.linearised import LinearisedLegs
 from missionplan.diagnosis.legs.likelihood.selected_legs import MIN_DOF
-from missionplan.diagnosis.legs.responses import Response
-from missionplan.effects import CATALOGUE, effects_of
+from missionplan.diagnosis.legs.terms import LegTerm, answers, at_size, refined
+from missionplan.effects import CATALOGUE, named_effects
 from missionplan.results.learned.evidence import Causes
 
 MOST_IN_MEAN = 3
+SETTLING = 3
+"""Times that the current to which the vehicle may answer is taken anew."""
 RELINEARISED, SETTLED = 4, 0.02
 """Most times that the columns are linearised anew, and change [slabs] below which they are not."""
 
@@ -40,17 +42,17 @@ Noise = dict[tuple[str, str], float]
 
 @dataclass(frozen=True)
 class MeanSet:
-    """A set's effects in the mean with a neutral response, or none.
+    """A set's effects in the mean with a term, or none.
 
     Attributes
     ----------
     causes : tuple of str
-    response : int
-        Number of the response, from 1; 0 for none.
+    term : int
+        Number of the term, from 1; 0 for none.
     """
 
     causes: Causes
-    response: int
+    term: int = 0
 
 
 @dataclass(frozen=True)
@@ -72,7 +74,7 @@ class RandomErrors:
 
 @dataclass(frozen=True)
 class _Linear:
-    """The model of a group of sets, linearised: its columns, data and their places."""
+    """The model of a group of sets, linearised: its columns, the terms' and data, and the point about which it is."""
 
     about: Array
     linear: LinearisedLegs
@@ -85,64 +87,111 @@ class LegInference:
     Parameters
     ----------
     model : TransitFitting
-    responses : sequence of Response
-        Neutral ones.
+    terms : sequence of LegTerm
+        Of which a set may have one.
     """
 
-    def __init__(self, model: TransitFitting, responses: Sequence[Response]) -> None:
-        self.model, self.responses = model, tuple(responses)
+    def __init__(self, model: TransitFitting, terms: Sequence[LegTerm]) -> None:
+        self.model, self.terms = model, tuple(terms)
         infos = [CATALOGUE[name] for name in model.candidates]
         self.in_mean = tuple(info.id for info in infos if info.part == "mean")
         self.random = tuple(info.id for info in infos if info.part == "covariance")
-        self.catalogue = len(effects_of("transit"))
+        self.catalogue = len(named_effects("transit"))
         self.uniform_currents = {i.id for i in infos if i.is_steady_current or i.is_modulated}
         self.bent = tuple(name for name in self.in_mean if not CATALOGUE[name].linear)
         subsets = [s for size in range(MOST_IN_MEAN + 1) for s in itertools.combinations(self.in_mean, size)]
-        numbers = range(len(self.responses) + 1)
-        self.sets = tuple(MeanSet(s, r) for s in subsets for r in numbers if not r or len(s) < MOST_IN_MEAN)
+        self.sets = tuple(MeanSet(causes) for causes in subsets)
+        self._water = np.broadcast_to(model.site_current, (2, model.data.n))
         self._k = len(model.coordinates)
         self._known: dict[tuple[MeanSet, int], tuple[Array, Array]] = {}
         self._groups: dict[Causes, _Linear] = {}
+        self._first = self._places()
+
+    def refine(self, law: RandomErrors, logs: Array) -> MeanSet:
+        """Try more moments about the likeliest of those at which something may change, and take the term at its size.
+
+        Turns of the course are linear in small angles alone: the columns of the likeliest term are then those between
+        nil and its size, beside the likeliest set. Returns the likeliest set of all, with its term.
+        """
+        numbers = range(1, len(self.terms) + 1)
+        scores = self.log_densities(law, logs, self.sets, numbers) + self.log_priors(law.effects)
+        row, column = np.unravel_index(np.argmax(scores[:, 1:]), scores[:, 1:].shape)
+        best, likeliest = MeanSet(self.sets[row].causes, int(column) + 1), self.terms[column]
+        mean = self._posterior_mean(law, logs, best)
+        own = [each for each in (*self.terms, *refined(self.model, likeliest)) if each.is_alike(likeliest)]
+        own = [at_size(self.model, each, best.causes, mean[: self._k], mean[self.core :]) for each in own]
+        self.terms = (*(each for each in self.terms if not each.is_alike(likeliest)), *own)
+        self._known.clear()
+        self._first = self._places()
+        self._groups = {group: self._linearised(group, one.about) for group, one in self._groups.items()}
+        if scores[:, 0].max() > scores[row, column + 1]:
+            return self.sets[int(np.argmax(scores[:, 0]))]
+        return MeanSet(best.causes, 1 + next(i for i, each in enumerate(self.terms) if each.key == likeliest.key))
 
     # priors
 
     def log_prior(self, one: MeanSet, law: Causes) -> float:
-        """Log prior odds of a set over none, a response counted as a cause."""
-        shared = math.log(len(self.responses)) if one.response else 0.0
-        return log_prior(len(one.causes) + len(law) + (one.response > 0), self.catalogue) - shared
+        """Log prior odds of a set over none, a term counted as a cause that has a share of its prior."""
+        shared = self.terms[one.term - 1].log_share if one.term else 0.0
+        return log_prior(len(one.causes) + len(law) + (one.term > 0), self.catalogue) + shared
+
+    def log_priors(self, law: Causes) -> Array:
+        """Those of all sets without a term and with each, shape (s, 1 + t); none of a set that is full."""
+        plain = np.array([self.log_prior(one, law) for one in self.sets])[:, None]
+        shares = np.array([term.log_share for term in self.terms])
+        first = np.array([not one.causes and not law for one in self.sets])[:, None]
+        full = np.array([len(one.causes) == MOST_IN_MEAN for one in self.sets])[:, None]
+        with_term = plain + shares - np.where(first, math.log(self.catalogue), FURTHER)
+        nothing_to_answer = ~self._moves_water[:, None] & np.array([term.answers for term in self.terms])
+        return np.concatenate([plain, np.where(full | nothing_to_answer, -np.inf, with_term)], axis=1)
+
+    @cached_property
+    def _moves_water(self) -> NDArray[np.bool_]:
+        """Whether there is a current under each set, shape (s,)."""
+        if np.any(self.model.site_current):
+            return np.ones(len(self.sets), dtype=bool)
+        return np.array([not self.uniform_currents.isdisjoint(one.causes) for one in self.sets])
 
     def group(self, one: MeanSet) -> Causes:
         """Effects of a set that are not linear: sets with the same ones share their columns."""
         return tuple(name for name in one.causes if name in self.bent)
 
-    def places(self, response: int) -> NDArray[np.int_]:
-        """Columns that act beside a response."""
-        core = np.arange(self._core)
-        sizes = [r.columns.shape[2] for r in self.responses]
-        first = self._core + sum(sizes[: response - 1]) if response else 0
-        return np.concatenate([core, np.arange(first, first + sizes[response - 1])]) if response else core
+    def places(self, term: int) -> NDArray[np.int_]:
+        """Columns that act beside a term."""
+        core = np.arange(self.core)
+        return np.concatenate([core, self._own_places(term)]) if term else core
+
+    def _own_places(self, term: int) -> NDArray[np.int_]:
+        first = self._first[term - 1]
+        return np.arange(first, first + self.terms[term - 1].columns.shape[2])
+
+    def _places(self) -> list[int]:
+        """Place of each term's first column."""
+        sizes = [term.columns.shape[2] for term in self.terms]
+        return [self.core + int(before) for before in np.cumsum([0, *sizes])]
 
     @cached_property
-    def _core(self) -> int:
+    def core(self) -> int:
+        """Number of columns that act beside any term."""
         return int(self.linear(()).linear.columns.shape[2])
 
     def prior(self, one: MeanSet, scale: int) -> tuple[Array, Array]:
         """Mean and factor of the prior of a set's coefficients, raw coordinates first."""
         if (one, scale) not in self._known:
             coordinates = self.model.prior(one.causes)
-            size = len(self.places(one.response))
+            size = len(self.places(one.term))
             mean, factor = np.zeros(size), np.eye(size)
             mean[: self._k] = coordinates.mean
             own = coordinates.factor.copy()
             chosen = [i for name in one.causes for i in self.model.by_effect.get(name, ())]
             own[chosen] *= SCALES[scale]
             factor[: self._k, : self._k] = own
-            factor[self._core :, self._core :] *= SCALES[scale]
+            factor[self.core :, self.core :] *= SCALES[scale]
             self._known[one, scale] = mean, factor
         return self._known[one, scale]
 
     def priors(self, sets: Iterable[MeanSet], scale: int) -> SetPriors:
-        """Priors of sets of one response."""
+        """Priors of sets of one term."""
         means, factors = zip(*(self.prior(one, scale) for one in sets), strict=True)
         return SetPriors(np.stack(means), np.stack(factors))
 
@@ -160,25 +209,18 @@ class LegInference:
         raw = model.columns(about) if group else model.columns_as_expected
         y = model.y - (model.mean_error(about) - model.mean_error(model.expected)) + raw @ about
         modulations = linear.columns[:, :, self._k :]
-        columns = [raw, modulations, *(r.columns for r in self.responses), y[:, :, None]]
-        return _Linear(about, linear, np.concatenate(columns, axis=2))
+        of_terms = [answers(model, t, self._water) if t.answers else t.columns for t in self.terms]
+        return _Linear(about, linear, np.concatenate([raw, modulations, *of_terms, y[:, :, None]], axis=2))
 
-    def gram(self, law: RandomErrors, logs: Array, group: Causes, responses: Collection[int]) -> GramMatrix:
-        """Inner products of a group's columns under a noise, those of other responses nil."""
-        full = self.linear(group).joined.shape[2]
-        acting = np.unique(np.concatenate([self.places(number) for number in {0, law.reference.response, *responses}]))
-        kept = np.append(acting, full - 1)
-        small = self._gram(law, logs, group, kept)
-        products = np.zeros((full, full))
-        products[np.ix_(kept, kept)] = small.products
-        return GramMatrix(products, small.log_normaliser)
-
-    def _gram(self, law: RandomErrors, logs: Array, group: Causes, kept: NDArray[np.int_]) -> GramMatrix:
-        own, values = self.linear(group), values_of(law.hyperparameters, logs)
+    def gram(self, law: RandomErrors, logs: Array, group: Causes, terms: Sequence[int]) -> GramMatrix:
+        """Inner products under a noise of a group's columns, those of some terms in their order, and the data."""
+        own = [self._own_places(term) for term in terms]
+        kept = np.concatenate([np.arange(self.core), *own, [self.linear(group).joined.shape[2] - 1]]).astype(int)
+        linear, values = self.linear(group), values_of(law.hyperparameters, logs)
         noise, legs = self.model.noise_components(values), self.model._all_legs
-        joined = own.joined[:, :, kept]
-        if self._core > self._k:
-            joined[:, :, self._k : self._core] *= own.linear.prior_sd(values)[self._k :]
+        joined = linear.joined[:, :, kept]
+        if self.core > self._k:
+            joined[:, :, self._k : self.core] *= linear.linear.prior_sd(values)[self._k :]
         independent = noise.independent(legs.under_way)
         if math.isinf(noise.dof):
             products, log_determinant = legs.gram(joined, independent, noise.fix_sd, noise.process)
@@ -186,10 +228,13 @@ class LegInference:
         if noise.dof <= MIN_DOF:
             raise np.linalg.LinAlgError("the variance of the errors does not exist")
         variance = independent + noise.fix_sd**2 * legs.fix_variance()
-        return self._heavy_tailed(joined, variance, noise.dof, law.reference, kept)
+        design = linear.joined[:, :, self.places(law.reference.term)]
+        if self.core > self._k:
+            design[:, :, self._k : self.core] = joined[:, :, self._k : self.core]
+        return self._heavy_tailed(joined, design, variance, noise.dof, law.reference)
 
     def _heavy_tailed(
-        self, joined: Array, variance: Array, dof: float, reference: MeanSet, kept: NDArray[np.int_]
+        self, joined: Array, design: Array, variance: Array, dof: float, reference: MeanSet
     ) -> GramMatrix:
         """A normal lower bound of Student-t errors that touches them where a reference set is likeliest.
 
@@ -197,7 +242,6 @@ class LegInference:
         squares (Lange, Little & Taylor 1989; Jaakkola & Jordan 2000, *Stat. Comput.* 10).
         """
         mean, factor = self.prior(reference, 1)
-        design = joined[:, :, np.searchsorted(kept, self.places(reference.response))]
         y = joined[:, :, -1] - design @ mean
         white = design @ factor
         found = student_marginal(y, white, np.ones(len(mean)), variance, dof)
@@ -209,37 +253,83 @@ class LegInference:
         weighted = joined * (weight / variance)[:, :, None]
         return GramMatrix(np.einsum("ijk,ijl->kl", weighted, joined), log_normaliser)
 
-    def log_densities(self, law: RandomErrors, logs: Array, sets: Sequence[MeanSet], scale: int) -> Array:
-        """Log density of the data under each of some sets at one noise, shape (s,)."""
-        found = np.full(len(sets), -np.inf)
+    def log_density(self, law: RandomErrors, logs: Array, one: MeanSet) -> float:
+        """Log density of the data under a set at one noise."""
+        gram = self.gram(law, logs, self.group(one), (one.term,) if one.term else ())
+        return self.priors([one], 1).log_density(gram)
+
+    def log_densities(self, law: RandomErrors, logs: Array, sets: Sequence[MeanSet], terms: Sequence[int]) -> Array:
+        """Log density at one noise under each of some sets without a term, and with each of some, shape (s, 1 + t)."""
+        found = np.empty((len(sets), 1 + len(terms)))
         for group, members in grouped(sets, self.group).items():
-            gram = self.gram(law, logs, group, {sets[i].response for i in members})
-            for response, own in grouped([sets[i] for i in members], lambda one: one.response).items():
-                places = [members[i] for i in own]
-                part = gram.part(self.places(response))
-                priors = self.priors([sets[i] for i in places], scale)
-                found[places] = priors.log_densities([part])[0] if len(places) > 1 else priors.log_density(part)
+            gram = self.gram(law, logs, group, terms)
+            found[members] = self.with_terms([gram], [sets[i] for i in members], terms, 1)[0]
         return found
+
+    def with_terms(
+        self, grams: Sequence[GramMatrix], sets: Sequence[MeanSet], terms: Sequence[int], scale: int
+    ) -> Array:
+        """Log densities of sets of one group at each noise, without a term and with each, shape (j, s, 1 + t)."""
+        priors = self.priors(sets, scale)
+        core = [gram.part(np.arange(self.core)) for gram in grams]
+        plain = priors.log_densities(core)[:, :, None]
+        if not terms:
+            return plain
+        gains = priors.gains(grams, self.blocks(terms), SCALES[scale])
+        return np.concatenate([plain, plain + gains], axis=2)
+
+    def blocks(self, terms: Sequence[int]) -> list[Block]:
+        """Places of the columns of some terms among theirs."""
+        sizes = [len(self._own_places(term)) for term in terms]
+        firsts = np.cumsum([0, *sizes])
+        return [Block(int(first), size) for first, size in zip(firsts[:-1], sizes, strict=True)]
 
     # search
 
     def relinearise(self, law: RandomErrors, logs: Array) -> None:
-        """Linearise each group anew about the posterior mean of its likeliest set."""
+        """Linearise each group anew about the posterior mean of its likeliest set, and terms about the current."""
         slabs = np.array([coordinate.slab for coordinate in self.model.coordinates])
-        plain = [one for one in self.sets if not one.response]
         for _ in range(RELINEARISED):
             moved = 0.0
-            scores = self.log_densities(law, logs, plain, 1) + [self.log_prior(one, law.effects) for one in plain]
-            for group, members in grouped(plain, self.group).items():
+            scores = self.log_densities(law, logs, self.sets, ())[:, 0] + self.log_priors(law.effects)[:, 0]
+            for group, members in grouped(self.sets, self.group).items():
                 if not group:
                     continue
-                best = plain[max(members, key=lambda i: scores[i])]
-                mean, _ = self.priors([best], 1).posterior([self.gram(law, logs, group, ()).part(self.places(0))])
-                about = mean[0, 0, : self._k]
+                best = self.sets[max(members, key=lambda i: scores[i])]
+                about = self._likeliest_coordinates(law, logs, best)
                 moved = max(moved, float(np.max(np.abs(about - self.linear(group).about) / slabs)))
                 self._groups[group] = self._linearised(group, about)
             if moved < SETTLED:
                 break
+        self._settle_current(law, logs)
+
+    def _likeliest_coordinates(self, law: RandomErrors, logs: Array, one: MeanSet) -> Array:
+        return self._posterior_mean(law, logs, one)[: self._k]
+
+    def _posterior_mean(self, law: RandomErrors, logs: Array, one: MeanSet) -> Array:
+        """Posterior mean of a set's coefficients at one noise, raw coordinates first, those of its term last."""
+        gram = self.gram(law, logs, self.group(one), (one.term,) if one.term else ())
+        return np.asarray(self.priors([one], 1).posterior([gram])[0][0, 0])
+
+    def _settle_current(self, law: RandomErrors, logs: Array) -> None:
+        """Take for the current to which the vehicle answers that of the likeliest set with an answer of any size.
+
+        Along the course and across it the current is then estimated apart, whatever the answer's size.
+        """
+        free = [i for i, term in enumerate(self.terms, start=1) if term.answers and not term.is_neutral]
+        if not free:
+            return
+        priors = self.log_priors(law.effects)[:, free]
+        for _ in range(SETTLING):
+            scores = self.log_densities(law, logs, self.sets, free)[:, 1:] + priors
+            row, column = np.unravel_index(np.argmax(scores), scores.shape)
+            best = MeanSet(self.sets[row].causes, free[column])
+            mean = self._likeliest_coordinates(law, logs, best)
+            water = self.model.water(best.causes, mean)
+            if np.allclose(water, self._water, atol=1e-4):
+                break
+            self._water = water
+            self._groups = {group: self._linearised(group, one.about) for group, one in self._groups.items()}
 
 
 def grouped(items: Sequence[MeanSet], key: Callable[[MeanSet], K]) -> dict[K, list[int]]:

@@ -9,6 +9,7 @@ from missionplan.diagnosis.coordinates import SIGMA_V, Coordinate, JointPosterio
 from missionplan.diagnosis.inference.laplace import Laplace
 from missionplan.diagnosis.legs.likelihood.hyperparameters import Hyperparameter, values_of
 from missionplan.diagnosis.legs.likelihood.linearised import LinearisedLegs
+from missionplan.diagnosis.legs.likelihood.mean import ActingTerm
 from missionplan.diagnosis.legs.likelihood.modulation import Forms
 from missionplan.effects import CATALOGUE
 from missionplan.results.learned.evidence import Causes, ParameterEstimate
@@ -32,6 +33,8 @@ class TransitState:
         Posterior covariance of them.
     linear : LinearisedLegs
         The model as linearised last.
+    term : ActingTerm or None
+        Whose strengths are coordinates beside those of the model.
     """
 
     forms: Forms
@@ -40,6 +43,7 @@ class TransitState:
     mean: Array
     covariance: Array
     linear: LinearisedLegs
+    term: ActingTerm | None = None
 
     @property
     def values(self) -> dict[tuple[str, str], float]:

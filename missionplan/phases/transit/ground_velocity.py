@@ -61,22 +61,24 @@ class GroundVelocity:
         length = np.sqrt(through[0] * through[0] + through[1] * through[1])
         speed = plan.speed if speed is None else speed
         drift: Array = plan.velocity_error.mean
+        carried: Array | float = 0.0
+        if current is not None:
+            carried = current.mean_velocity(t, duration, plan.depth, start, through)
         if self._environment.effects:
             along = through / np.where(length > 0.0, length, 1.0)
-            leg = Leg(t, duration, start, along, speed, plan.latitude)
-            velocity, persistent = self._with_effects(number, velocity, leg)
+            leg = Leg(t, duration, start, along, speed, plan.latitude, plan.depth)
+            velocity, persistent = self._with_effects(number, velocity, leg, carried)
             drift = drift + persistent
         velocity = velocity + drift
         moving = length > 0.0
         if current is not None:
-            carried = current.mean_velocity(t, duration, plan.depth, start, through)
             velocity, drift = velocity + carried, drift + carried
             end = start + through + velocity * duration
             self.left_record |= moving & ~current.covers(Span(t, t + duration, plan.depth, (start, end)))
         self.outrun |= moving & (np.sqrt(drift[0] * drift[0] + drift[1] * drift[1]) >= speed)
         return velocity
 
-    def _with_effects(self, number: int, velocity: Array, leg: Leg) -> tuple[Array, Array]:
+    def _with_effects(self, number: int, velocity: Array, leg: Leg, current: Array | float) -> tuple[Array, Array]:
         """Random velocity error of a leg as the effects change it, and the velocity that they add to it [m/s]."""
         effects, trials = self._environment.effects, leg.t_start.size
         mid_leg = leg.t_start + 0.5 * leg.duration
@@ -92,7 +94,7 @@ class GroundVelocity:
             if source is not None and np.any(rate := effect.position_variance_rate()):
                 gathered = gathered + np.sqrt(rate / np.where(leg.duration > 0.0, leg.duration, 1.0)) * own
         self._mid_leg = mid_leg
-        return velocity + gathered, persistent + velocity_error(effects, leg)
+        return velocity + gathered, persistent + velocity_error(effects, leg, current)
 
     def at_surface(self, t: Array, position: Array, moving: Array | None = None) -> Array | float:
         """Mean velocity of the drift while the vehicle is at the surface, shape (2, n); 0 in still water [m/s].

@@ -13,7 +13,7 @@ from missionplan.report.wording import capitalised
 from missionplan.results.learned.diagnosis import Diagnosis
 from missionplan.results.learned.evidence import Coverage, ParameterEstimate
 
-_PERCENT = 100.0
+_PERCENT, _HOUR = 100.0, 3600.0
 _RIVALS = 2
 """Other explanations that the headline names."""
 
@@ -37,7 +37,7 @@ def disputed_causes(diagnosis: Diagnosis) -> frozenset[str]:
     """Physical causes of the likeliest set that are not in every rival: to act on them is to toss a coin."""
     if diagnosis.verdict != "ambiguous":
         return frozenset()
-    physical = {cause for cause in diagnosis.causes if CATALOGUE[cause].tier != "statistical"}
+    physical = {cause for cause in diagnosis.causes if CATALOGUE[cause].tier == "physical"}
     return frozenset(cause for cause in physical if any(cause not in rival for rival in diagnosis.rivals))
 
 
@@ -51,14 +51,16 @@ def _find_out(diagnosis: Diagnosis, disputed: frozenset[str]) -> str:
 
 def _clause(cause: str, found: tuple[ParameterEstimate, ...], *, is_order: bool) -> str:
     info = CATALOGUE[cause]
-    finding = info.finding
+    mine = {each.name: each for each in found if each.effect == cause}
+    finding = next((t.finding for t in info.terms if t.finding and {*t.strengths} <= {*mine}), info.finding)
     if finding is None:
         return ""
-    mine = {each.name: each for each in found if each.effect == cause}
     limit = info.likeness
     if limit is not None and limit.parameter in mine and abs(mine[limit.parameter].value) > limit.size:
         return ""
     words = _sized_clause(finding, mine)
+    if info.tier == "neutral":
+        return f"{words}: no effect that I know does that"
     return f"{words}: {finding.remedy}" if words and finding.remedy and is_order else words
 
 
@@ -68,13 +70,25 @@ def _sized_clause(finding: Finding, mine: Mapping[str, ParameterEstimate]) -> st
     estimate = mine.get(finding.parameter)
     if estimate is None:
         return ""
+    at = next((_place(each) for each in mine.values() if _is_searched(each)), "")
     if finding.toward is not None:
-        return _vector_clause(finding, mine)
+        return _vector_clause(finding, mine, at)
     clause = finding.negative if estimate.value < 0.0 and finding.negative else finding.positive
-    return clause.format(size=_size(estimate, finding))
+    return clause.format(size=_size(estimate, finding), at=at)
 
 
-def _vector_clause(finding: Finding, mine: Mapping[str, ParameterEstimate]) -> str:
+def _is_searched(parameter: ParameterEstimate) -> bool:
+    return bool(CATALOGUE[parameter.effect].parameters[parameter.name].searched)
+
+
+def _place(parameter: ParameterEstimate) -> str:
+    """Write the moment of a change, or a threshold."""
+    if parameter.unit == "s":
+        return f"{parameter.value / _HOUR:.1f} h after the start"
+    return sized(parameter)
+
+
+def _vector_clause(finding: Finding, mine: Mapping[str, ParameterEstimate], at: str) -> str:
     """Write size and direction of a vector by its components; its error is that along it."""
     parts = [mine.get(name) for name in finding.toward or ()]
     east, north = parts
@@ -82,20 +96,17 @@ def _vector_clause(finding: Finding, mine: Mapping[str, ParameterEstimate]) -> s
         return ""
     length = math.hypot(east.value, north.value)
     sd = math.hypot(east.value * east.sd, north.value * north.sd) / max(length, 1e-12)
-    size = sized(_changed(east, length, sd))
+    size = _size(replace(east, value=length, sd=sd), finding)
     direction = f"{math.degrees(math.atan2(east.value, north.value)) % 360.0:.0f}°"
-    return finding.positive.format(size=size, direction=direction)
+    return finding.positive.format(size=size, direction=direction, at=at)
 
 
 def _size(estimate: ParameterEstimate, finding: Finding) -> str:
-    if finding.in_percent:
-        share = _changed(estimate, _PERCENT * abs(estimate.value), _PERCENT * estimate.sd)
-        return sized(replace(share, unit="%"))
-    return sized(_changed(estimate, abs(estimate.value), estimate.sd))
-
-
-def _changed(estimate: ParameterEstimate, value: float, sd: float) -> ParameterEstimate:
-    return replace(estimate, value=value, sd=sd)
+    """Write a size as the finding tells it: for so much of what it responds to, beyond so much, as a share."""
+    value = finding.beyond + finding.each * estimate.value if finding.beyond else finding.each * abs(estimate.value)
+    factor, unit = (_PERCENT, "%") if finding.in_percent else (1.0, finding.unit or estimate.unit)
+    sd = finding.each * estimate.sd
+    return sized(replace(estimate, value=factor * value, sd=factor * sd, unit=unit))
 
 
 def _gained(diagnosis: Diagnosis) -> str:

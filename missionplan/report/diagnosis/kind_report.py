@@ -158,7 +158,13 @@ ALMOST_ALL = 0.995
 
 def names(causes: Causes) -> str:
     """Write a set of causes in words."""
-    return enumerated([cause.replace("-", " ") for cause in causes])
+    return enumerated([_name(cause) for cause in causes])
+
+
+def _name(cause: str) -> str:
+    known = CATALOGUE.get(cause)
+    words = cause.replace("-", " ")
+    return f"{words} without a name" if known is not None and known.tier == "neutral" else words
 
 
 def found_causes(causes: Causes, found: Iterable[ParameterEstimate]) -> str:

@@ -133,7 +133,7 @@ def _verdict_words(diagnosis: Diagnosis) -> str:
     words += _changed(diagnosis)
     if diagnosis.not_constant:
         words += _not_constant(diagnosis)
-    if any(CATALOGUE[cause].tier == "statistical" for cause in diagnosis.causes):
+    if any(CATALOGUE[cause].tier != "physical" for cause in diagnosis.causes):
         words += " Part of this describes the errors statistically; its physical cause is not identified."
     return words
 

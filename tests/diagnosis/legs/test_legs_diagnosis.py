@@ -144,15 +144,23 @@ def test_metres_lost_on_every_leg_are_no_speed_scale(folder, transit_mission, le
     for place in (["x_start_m", "y_start_m"], ["x_dr_m", "y_dr_m"]):  # the next leg begins where this one ended
         table[place] -= np.vstack([np.zeros(2), lost[:-1]])
     found = run_pipeline(model(folder, transit_mission, table))
-    assert found.best.causes == ("speed-scale",)
-    assert found.verdict == "partly-explained"
-    assert found.discrepancy.axis == "duration"
+    assert found.best.causes == ("response",)
+    assert found.verdict == "unexplained"
+    (lost_each,) = found.best.estimates
+    assert (lost_each.name, lost_each.unit) == ("ahead_each_leg", "m")
+    assert lost_each.low < -70.0 < lost_each.high
 
 
 def test_what_a_record_cannot_show_is_said(folder, mission, transit_mission, legs):
     nowhere = mission({key: value for key, value in transit_mission.raw.items() if key != "site"})
     bound = model(folder, nowhere, legs(20))
-    assert set(bound.untestable) == {"inertial-current", "surface-drift"}
+    assert set(bound.untestable) == {
+        "inertial-current",
+        "surface-drift",
+        "sideslip",
+        "speed-loss",
+        "heading-by-depth",
+    }
 
 
 @pytest.fixture

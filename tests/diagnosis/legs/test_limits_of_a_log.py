@@ -84,13 +84,25 @@ def test_headings_all_round_separate_them(folder, transit_mission, legs):
 
 
 def test_a_cause_that_changes_within_the_record_is_not_constant(folder, transit_mission, legs):
-    """A compass that is 3° off in the first half and 8° in the second."""
-    table = legs(80, error=turned(lambda t: np.radians(np.where(t < 32000.0, 3.0, 8.0))))
+    """A compass that is 3° off and 8° off, by turns of five legs."""
+    table = legs(80, error=turned(lambda t: np.radians(np.where(np.arange(len(t)) // 5 % 2 < 1, 3.0, 8.0))))
     found = diagnose(transit_mission, folder(KIND, table), plan=False)
     assert "compass-bias" in found.not_constant
     assert found.verdict == "partly-explained"
     assert found.diagnosis()["not_constant"] == list(found.not_constant)
     assert "is not constant over the record" in words_of(found)
+
+
+def test_a_compass_that_jumps_is_told_so(folder, transit_mission, legs):
+    """Three degrees off in the first half and eight in the second: an offset, and a jump when it happened."""
+    table = legs(80, error=turned(lambda t: np.radians(np.where(t < 32000.0, 3.0, 8.0))))
+    found = diagnose(transit_mission, folder(KIND, table), plan=False)
+    assert found.causes == ("compass-bias", "compass-jump")
+    sizes = {(each.effect, each.name): each for each in found.best.parameters}
+    jump, moment = sizes["compass-jump", "angle"], sizes["compass-jump", "moment"]
+    assert jump.low < np.radians(5.0) < jump.high
+    assert abs(moment.value - 32000.0) < 3000.0
+    assert "the compass jumped" in words_of(found).lower()
 
 
 @pytest.mark.parametrize("seed", range(4))

@@ -8,7 +8,7 @@ from typing import cast
 
 import numpy as np
 
-from missionplan.arrays import Array
+from missionplan.arrays import Array, Scalars
 from missionplan.datasets.records import TransitData
 from missionplan.diagnosis.coordinates import Coordinate, coordinates_of, parameters_from
 from missionplan.diagnosis.given.effects import GivenEffect, held, tied
@@ -21,7 +21,7 @@ from missionplan.diagnosis.legs.likelihood.modulation import (
     modulated_columns,
     smooth_functions,
 )
-from missionplan.effects import CATALOGUE, effects_of
+from missionplan.effects import CATALOGUE, effects_of, named_effects
 from missionplan.effects.info import LegRecord
 from missionplan.effects.oscillation import MODULATION_PARAMETERS
 from missionplan.phases.hooks import Leg, TransitEffect, surface_velocity, velocity_error
@@ -29,6 +29,24 @@ from missionplan.results.learned.evidence import Causes
 
 DIFFERENCE_STEP = 1e-3
 """Step of the central differences, in slabs (prior standard deviations of a cause)."""
+
+
+@dataclass(frozen=True)
+class ActingTerm:
+    """A term of an effect as it acts on a log: its strengths are fitted, its shape is one of those tried.
+
+    Attributes
+    ----------
+    effect : str
+    coordinates : tuple of Coordinate
+        Its strengths.
+    shapes : mapping
+        Name and value of the shape on which they depend; empty: none.
+    """
+
+    effect: str
+    coordinates: tuple[Coordinate, ...]
+    shapes: Mapping[str, Scalars]
 
 
 @dataclass(frozen=True)
@@ -53,6 +71,10 @@ class TransitMean:
         Coordinates to use; default those that the record can resolve.
     fix_share : float
         κ of `fix_gaps`: part of the gap between two fixes that is an error of either.
+    site_current : array, shape (2, n), or float
+        The site's current on each leg, as the mission has it [m/s].
+    acting : ActingTerm, optional
+        A term whose strengths are coordinates beside those of the effects that the record can resolve.
     """
 
     data: TransitData
@@ -63,38 +85,49 @@ class TransitMean:
     given: tuple[GivenEffect, ...] = ()
     only: tuple[Coordinate, ...] | None = None
     fix_share: float = 0.0
+    site_current: Array | float = 0.0
+    acting: ActingTerm | None = None
 
     @cached_property
     def untestable(self) -> Mapping[str, str]:
         """Effects that this record cannot show, and why."""
-        reasons = {info.id: info.lacking(self._record) for info in effects_of("transit")}
+        reasons = {info.id: info.lacking(self.record) for info in named_effects("transit")}
         return {effect: reason for effect, reason in reasons.items() if reason}
 
     @cached_property
-    def _record(self) -> LegRecord:
+    def record(self) -> LegRecord:
         """What the record holds, as the effects ask for it."""
-        data = self.data
-        return LegRecord(data.latitude, data.has_surface_time, float(np.ptp(data.middle)))
+        data, speed = self.data, np.asarray(self.leg.speed)
+        depths = math.nan if data.depth is None or np.isnan(data.depth).any() else float(np.ptp(data.depth))
+        ranges = [float(np.ptp(values) / np.median(values)) for values in (speed, data.under_way)]
+        return LegRecord(data.latitude, data.has_surface_time, float(np.ptp(data.middle)), ranges[0], ranges[1], depths)
 
     @cached_property
     def candidates(self) -> Causes:
-        """Effects of the catalogue that this record could show."""
-        return tuple(info.id for info in effects_of("transit") if info.id not in self.untestable)
+        """Effects of the catalogue that this record could show, but for those that act by their terms."""
+        own = (info for info in named_effects("transit") if not info.terms)
+        return tuple(info.id for info in own if info.id not in self.untestable)
 
     @cached_property
     def coordinates(self) -> tuple[Coordinate, ...]:
         """Coordinates of all causes of the mean, and of the mission's own effects in it."""
-        if self.only is not None:
-            return self.only
+        found = list(self._resolvable if self.only is None else self.only)
+        if self.acting is not None:
+            found += self.acting.coordinates
+        return tuple(sorted(found, key=lambda coordinate: self._order[coordinate.effect]))
+
+    @cached_property
+    def _resolvable(self) -> list[Coordinate]:
+        """Coordinates of the causes of the mean that the record can resolve, and of the mission's own effects in it."""
         found: list[Coordinate] = []
         for info in map(CATALOGUE.__getitem__, self.candidates):
             if info.part == "mean":
-                names = info.resolvable(self._record.duration) if info.resolvable is not None else None
+                names = info.resolvable(self.record.duration) if info.resolvable is not None else None
                 found += [self._limited(coordinate) for coordinate in coordinates_of(info, names)]
         known = {(coordinate.effect, coordinate.name) for coordinate in found}
         for each in self.given_in_mean:
             found += [c for c in each.coordinates if (c.effect, c.name) not in known]
-        return tuple(sorted(found, key=lambda coordinate: self._order[coordinate.effect]))
+        return found
 
     @cached_property
     def _order(self) -> dict[str, int]:
@@ -169,6 +202,7 @@ class TransitMean:
             path / np.maximum(length, 1e-9),
             length / data.under_way,
             data.latitude,
+            math.nan if data.depth is None else data.depth,
         )
 
     def mean_error(self, values: Array) -> Array:
@@ -187,18 +221,33 @@ class TransitMean:
         """Mean velocity errors of effects together, drift at the surface included, shape (2, n) [m/s]."""
         data, effects = self.data, tuple(effects)
         drift = surface_velocity(effects, data.t_start + data.under_way, data.surface, data.end)
-        return velocity_error(effects, self.leg) + drift * data.surface / data.under_way
+        return velocity_error(effects, self.leg, self.site_current) + drift * data.surface / data.under_way
+
+    def water(self, names: Iterable[str], values: Array) -> Array:
+        """Velocity of the water on each leg by the site's current and some effects, shape (2, n) [m/s]."""
+        own = [index for name in names for index in self.by_effect.get(name, ())]
+        made = parameters_from([self.coordinates[index] for index in own], values[own])
+        effects = (cast(TransitEffect, CATALOGUE[name].make(each)) for name, each in made.items())
+        moved = (effect.velocity(self.leg) for effect in effects if not effect.changes_course)
+        return np.asarray(sum(moved, np.zeros((2, self.data.n))) + self.site_current)
 
     def _error(self, names: Sequence[str], values: Array) -> Array:
         """Velocity errors east and north that some effects cause together, shape (2, n) [m/s]."""
         own = [index for name in names for index in self.by_effect[name]]
         made = parameters_from([self.coordinates[index] for index in own], values[own])
+        if self.acting is not None and self.acting.effect in made:
+            made[self.acting.effect] |= self.acting.shapes
         return self.velocity_error(cast(TransitEffect, CATALOGUE[name].make(each)) for name, each in made.items())
 
     @cached_property
     def _on_course(self) -> tuple[str, ...]:
-        """Effects whose factors on the velocity through the water multiply, so that one changes another's column."""
+        """Effects of which one changes another's column.
+
+        Factors on the velocity through the water multiply; what answers to a current does so to that of all effects.
+        """
         made = {name: cast(TransitEffect, CATALOGUE[name].make({})) for name in self.by_effect}
+        if any(effect.answers_current for effect in made.values()):
+            return tuple(made)
         return tuple(name for name, effect in made.items() if effect.changes_course)
 
     def columns(self, about: Array) -> Array:

@@ -1,0 +1,253 @@
+"""Columns that compete beside all sets of causes, one at a time: terms of effects, and smooth errors of no form.
+
+An effect that acts by its terms (`effects.info.Term`) is linear in a few strengths at each value of a shape: the moment
+of a change, a threshold. Every value tried is a column or two under a prior of its own. Named effects have the
+catalogue's; the neutral response, and smooth random functions along an axis (Kennedy & O'Hagan 2001, *J. R. Stat. Soc.
+B* 63; Brynjarsdóttir & O'Hagan 2014, *Inverse Problems* 30) by their leading principal components, share e⁻³ of that of
+one named effect: that something without a name is there costs as much as one cause more. A velocity fixed to the Earth
+that changes with time is not among the smooth ones: random effects of the catalogue describe it.
+"""
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from typing import cast
+
+import numpy as np
+
+from missionplan.arrays import Array, Scalars
+from missionplan.diagnosis.coordinates import Coordinate
+from missionplan.diagnosis.inference.adequacy.axes import Axis
+from missionplan.diagnosis.legs.axes import transit_axes
+from missionplan.diagnosis.legs.fitting import TransitFitting
+from missionplan.diagnosis.legs.likelihood.mean import ActingTerm
+from missionplan.effects import CATALOGUE, EffectInfo, effects_of
+from missionplan.effects.info import Term
+from missionplan.phases.hooks import TransitEffect, velocity_error
+from missionplan.results.learned.evidence import Causes
+
+UNNAMED = 3.0
+"""Nats of prior that all neutral terms together have less than one named effect."""
+SIZE = 0.04
+"""Usual size of a neutral response [m/s]: as of the catalogue's effects in the middle of their sizes."""
+LENGTH = 0.4
+"""Correlation length of a smooth one, of the record's extent along the axis."""
+MOST_COLUMNS = 8
+LEAST_SHARE = 0.01
+"""Principal components kept at most, and least share of the first one's variance that one has."""
+SAME = 1e-3
+"""Size of a combination of the catalogue's effects, over the greatest, below which it is none."""
+IS_DESCRIBED = ("time", "a velocity that changes with time")
+"""What random effects of the catalogue describe."""
+MOMENTS, THRESHOLDS = 24, 6
+"""Most values tried of the moment of a change, and of a threshold."""
+MIDDLE = (0.15, 0.85)
+"""Part of a log within which something may change: before and after it there must be legs that show it."""
+STEP = 1e-3
+"""Strength at which columns are taken, in its usual sizes: small, so that turns of the course are linear."""
+
+
+@dataclass(frozen=True)
+class LegTerm:
+    """Columns that act together, under one prior.
+
+    Attributes
+    ----------
+    effect : str
+        Whose term it is; empty for a smooth error.
+    axis, description : str
+        What it follows.
+    columns : array, shape (2, n, q)
+        Velocity errors for standard normal coefficients, on the principal axes [m/s].
+    log_share : float
+        Log of its share of the prior of what it belongs to.
+    acting : ActingTerm or None
+        As a model fits it; None for a smooth error.
+    answers : bool
+        Whether it depends on the current.
+    """
+
+    effect: str
+    axis: str
+    description: str
+    columns: Array
+    log_share: float
+    acting: ActingTerm | None = None
+    answers: bool = False
+
+    @property
+    def is_neutral(self) -> bool:
+        """Whether it names no cause."""
+        return not self.effect or CATALOGUE[self.effect].tier == "neutral"
+
+    @property
+    def key(self) -> tuple[str, str, str, tuple[Scalars, ...]]:
+        """What distinguishes it from all others."""
+        shapes = () if self.acting is None else tuple(self.acting.shapes.values())
+        return self.effect, self.axis, self.description, shapes
+
+    def is_alike(self, other: "LegTerm") -> bool:
+        """Whether both are the same term, at whatever shape."""
+        return self.key[:-1] == other.key[:-1]
+
+
+def terms_of(model: TransitFitting) -> tuple[LegTerm, ...]:
+    """Return all terms that a log could show, those of effects that the mission has already apart."""
+    given = {each.effect for each in model.given}
+    found: list[LegTerm] = []
+    families = 0
+    for info in effects_of("transit"):
+        if not info.terms or info.id in given or info.lacking(model.record):
+            continue
+        terms = [term for term in info.terms if not term.lacking(model.record)]
+        families += len(terms) if info.tier == "neutral" else 0
+        found += [each for term in terms for each in _members(model, info, term)]
+    smooth = _smooth(model)
+    share = UNNAMED + math.log(max(families + len(smooth), 1))
+    return tuple(
+        replace(each, log_share=each.log_share - share) if each.is_neutral else each for each in [*found, *smooth]
+    )
+
+
+def refined(model: TransitFitting, likeliest: LegTerm) -> list[LegTerm]:
+    """Return a term at all moments near one of those tried, one leg from the next, with their share of its prior."""
+    if likeliest.acting is None or not likeliest.acting.shapes:
+        return []
+    info = CATALOGUE[likeliest.effect]
+    strengths = tuple(each.name for each in likeliest.acting.coordinates)
+    term = next(each for each in info.terms if each.strengths == strengths)
+    if info.parameters[term.searched].searched != "time":
+        return []
+    tried, starts = _tried(model, "time"), model.data.t_start
+    place = int(np.searchsorted(starts, float(np.asarray(likeliest.acting.shapes[term.searched]))))
+    apart = math.ceil((MIDDLE[1] - MIDDLE[0]) * model.data.n / MOMENTS)
+    near = starts[max(place - apart, 0) : place + apart + 1]
+    share = likeliest.log_share + math.log(len(tried)) - math.log(max((MIDDLE[1] - MIDDLE[0]) * model.data.n, 1.0))
+    return [replace(each, log_share=share) for each in _members(model, info, term, np.setdiff1d(near, tried))]
+
+
+def at_size(model: TransitFitting, term: LegTerm, causes: Causes, values: Array, coefficients: Array) -> LegTerm:
+    """Return a term that turns the course with columns from nil to a size, beside causes of these coordinates.
+
+    Parameters
+    ----------
+    model : TransitFitting
+    term : LegTerm
+    causes : tuple of str
+    values : array, shape (k,)
+        Coordinates of the model.
+    coefficients : array, shape (q,)
+        Standard normal ones of the term.
+    """
+    acting = term.acting
+    turns = acting is not None and cast(TransitEffect, CATALOGUE[acting.effect].make({})).changes_course
+    if acting is None or not turns or abs(coefficients[0]) < STEP:
+        return term
+    with_term = model.with_term(acting)
+    sizes = coefficients * [each.slab for each in acting.coordinates]
+    together = np.concatenate([values, sizes])[with_term.from_last(acting)]
+    names = [name for name in causes if name in model.by_effect]
+    moved = with_term._error([*names, acting.effect], together) - model._error(names, values)
+    return replace(term, columns=(model.axes.T @ moved / coefficients[0])[:, :, None])
+
+
+def _members(model: TransitFitting, info: EffectInfo, term: Term, wanted: Array | None = None) -> list[LegTerm]:
+    """A term at each value of its shape, or at some."""
+    values: list[float | None] = [None]
+    if term.searched:
+        tried = _tried(model, info.parameters[term.searched].searched) if wanted is None else wanted
+        values = list(tried.tolist())
+    found = []
+    for value in values:
+        shapes: dict[str, Scalars] = {} if value is None else {term.searched: value}
+        does_answer = _answers(model, info, term)
+        columns = _unit_columns(model, info, term, shapes)
+        sizes = [
+            info.parameters[name].scale if does_answer else _slab(model, info, name, columns[:, :, i])
+            for i, name in enumerate(term.strengths)
+        ]
+        if min(sizes) <= 0.0:
+            continue
+        coordinates = tuple(
+            Coordinate(info.id, name, "strength", 0.0, size, info.parameters[name].spike)
+            for name, size in zip(term.strengths, sizes, strict=True)
+        )
+        found.append(
+            LegTerm(
+                info.id,
+                term.strengths[0],
+                (info.parameters[term.strengths[0]].doc if info.tier == "neutral" else info.what),
+                columns * sizes,
+                -math.log(len(values)),
+                ActingTerm(info.id, coordinates, shapes),
+                does_answer,
+            )
+        )
+    return found
+
+
+def _unit_columns(model: TransitFitting, info: EffectInfo, term: Term, shapes: Mapping[str, Scalars]) -> Array:
+    """Velocity errors a unit of each strength without what the current does, shape (2, n, q)."""
+    found = []
+    for name in term.strengths:
+        step = STEP * info.parameters[name].scale
+        effect = cast(TransitEffect, info.make({**shapes, name: step}))
+        found.append(model.axes.T @ velocity_error((effect,), model.leg) / step)
+    return np.stack(found, axis=2)
+
+
+def _answers(model: TransitFitting, info: EffectInfo, term: Term) -> bool:
+    """Whether a term depends on the current."""
+    effect = cast(TransitEffect, info.make(dict.fromkeys(term.strengths, 1.0)))
+    return bool(np.any(effect.answer_to_current(model.leg, np.ones((2, model.data.n)))))
+
+
+def _slab(model: TransitFitting, info: EffectInfo, name: str, column: Array) -> float:
+    """Usual size of a strength: the catalogue's, or of a neutral response what errs as much as is usual."""
+    parameter = info.parameters[name]
+    rms = float(np.sqrt(np.mean(np.sum(column**2, axis=0))))
+    if info.tier != "neutral":
+        depths = model.record.depths
+        return min(parameter.scale, parameter.extent_scale / depths) if depths > 0.0 else parameter.scale
+    return SIZE / rms if rms > 0.0 else 0.0
+
+
+def _tried(model: TransitFitting, searched: str) -> Array:
+    """Values of a shape that are tried: between legs, or between the values of a quantity."""
+    if searched == "time":
+        places = np.linspace(MIDDLE[0] * model.data.n, MIDDLE[1] * model.data.n, MOMENTS)
+        return np.asarray(model.data.t_start[np.unique(places.astype(int))])
+    values = np.asarray(model.leg.speed if searched == "speed" else model.leg.depth)
+    return np.asarray(np.quantile(values, np.linspace(*MIDDLE, THRESHOLDS)))
+
+
+def answers(model: TransitFitting, term: LegTerm, water: Array) -> Array:
+    """Columns of a term that depends on the current, for one of these velocities, shape (2, n, q)."""
+    info = CATALOGUE[term.effect]
+    assert term.acting is not None
+    found = []
+    for each in term.acting.coordinates:
+        effect = cast(TransitEffect, info.make({each.name: 1.0}))
+        found.append(model.axes.T @ effect.answer_to_current(model.leg, water) * each.slab)
+    return np.stack(found, axis=2)
+
+
+def _smooth(model: TransitFitting) -> list[LegTerm]:
+    """Smooth errors along the axes of a log, less what effects of the catalogue do to the legs."""
+    named = model.columns_as_expected * [coordinate.slab for coordinate in model.coordinates]
+    flat = np.moveaxis(named, 0, 1).reshape(2 * named.shape[1], -1)
+    left, sizes, _ = np.linalg.svd(flat, full_matrices=False)
+    span = left[:, sizes > SAME * sizes[0]]
+    axes = transit_axes(model.data, model.leg, model.axes)
+    wanted = [axis for axis in axes if (axis.name, axis.description) != IS_DESCRIBED]
+    return [_along(axis, span) for axis in wanted]
+
+
+def _along(axis: Axis, span: Array) -> LegTerm:
+    smooth = axis.smooth(LENGTH)
+    functions = axis.response.shape[1] // len(smooth)
+    values = axis.response @ np.kron(np.eye(functions), smooth)
+    left, sizes, _ = np.linalg.svd(values - span @ (span.T @ values), full_matrices=False)
+    kept = np.flatnonzero(sizes**2 > LEAST_SHARE * sizes[0] ** 2)[:MOST_COLUMNS]
+    columns = SIZE * left[:, kept] * sizes[kept]
+    return LegTerm("", axis.name, axis.description, np.moveaxis(columns.reshape(len(span) // 2, 2, -1), 1, 0), 0.0)
