@@ -8,9 +8,14 @@ from scipy.integrate import quad, solve_ivp
 
 from missionplan.effects.compass_bias import CompassBias
 from missionplan.effects.compass_deviation import CompassDeviation
+from missionplan.effects.compass_jump import CompassJump
+from missionplan.effects.current_response import CurrentResponse
 from missionplan.effects.current_shear import CurrentShear
 from missionplan.effects.inertial_current import InertialCurrent
 from missionplan.effects.mean_current import MeanCurrent
+from missionplan.effects.response import Response
+from missionplan.effects.sideslip import Sideslip
+from missionplan.effects.speed_loss import SpeedLoss
 from missionplan.effects.speed_scale import SpeedScale
 from missionplan.effects.surface_drift import SurfaceDrift
 from missionplan.effects.tidal_current import PERIODS, TidalCurrent, resolvable_constituents
@@ -64,6 +69,47 @@ def test_turns_and_scales_of_the_course_multiply_and_currents_add(angle, amplitu
     course = heading + angle + amplitude * np.cos(heading - 0.3)
     expected = (1.0 + fraction) * 1.5 * np.array([np.sin(course), np.cos(course)]) + [0.2, -0.1]
     np.testing.assert_allclose(made[:, 0], expected, atol=1e-12)
+
+
+@given(st.floats(0.0, 6.28), st.floats(-0.3, 0.3), st.floats(-0.3, 0.3))
+def test_a_vehicle_that_holds_its_speed_over_the_ground_goes_with_a_current_across_alone(heading, east, north):
+    one = leg(heading=heading)
+    ahead, abeam = one.along[:, 0], np.array([one.along[1, 0], -one.along[0, 0]])
+    made = velocity_error((MeanCurrent(east, north), CurrentResponse(-1.0)), one)[:, 0]
+    assert made @ ahead == pytest.approx(0.0, abs=1e-12)
+    assert made @ abeam == pytest.approx(np.array([east, north]) @ abeam, abs=1e-12)
+    by_site = velocity_error((CurrentResponse(-1.0),), one, np.array([[east], [north]]))[:, 0]
+    np.testing.assert_allclose(by_site, made - [east, north], atol=1e-12)
+
+
+def test_sideslip_falls_with_the_square_of_the_speed():
+    slow, fast = (error(Sideslip(0.04), leg(speed=speed))[0, 0] / speed for speed in (1.0, 2.0))
+    assert np.arcsin(slow) == pytest.approx(4.0 * np.arcsin(fast))
+
+
+def test_a_jump_of_the_compass_turns_the_part_of_a_leg_after_it():
+    jump = CompassJump(0.1, moment=1500.0)
+    turns = [np.arcsin(error(jump, leg(t=t, duration=1000.0))[0, 0] / 1.5) for t in (0.0, 1000.0, 1500.0)]
+    np.testing.assert_allclose(turns, [0.0, 0.05, 0.1], atol=1e-12)
+
+
+def test_speed_beyond_a_threshold_is_lost():
+    lost = SpeedLoss(0.5, threshold=1.2)
+    np.testing.assert_allclose([error(lost, leg(speed=v))[1, 0] for v in (1.0, 1.6)], [0.0, -0.2], atol=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("term", "heading", "expected"),
+    [
+        ({"ahead_by_time_under_way": 1e-5}, 0.0, [0.0, 0.015]),
+        ({"abeam_by_twice_course_sine": 0.1}, np.pi / 4, np.array([1.0, -1.0]) * 0.15 / np.sqrt(2.0)),
+        ({"east_each_leg": 20.0}, 1.0, [0.02, 0.0]),
+        ({"ahead_each_leg": -30.0}, np.pi / 2, [-0.03, 0.0]),
+        ({"north_changed": 0.1, "moment": 250.0}, 0.0, [0.0, 0.075]),
+    ],
+)
+def test_a_response_is_a_direction_times_a_factor(term, heading, expected):
+    np.testing.assert_allclose(error(Response(**term), leg(heading=heading))[:, 0], expected, atol=1e-12)
 
 
 def test_inertial_current_turns_clockwise_in_the_north_with_the_period_of_the_latitude():

@@ -61,7 +61,7 @@ def pair_rows(seed: int) -> Iterator[str]:
     """Diagnose all pairs; a row each."""
     for number, (name, pair) in enumerate(PAIRS.items()):
         rng = np.random.default_rng([seed, number])
-        log = log_of_pair(rng)
+        log = log_of_pair(rng, pair.speeds)
         if "advance" in name:
             log = Log(log.headings, log.under_way, np.full_like(log.speeds, still_speed()), log.depths, 0.015, 2.0)
         before, after = (diagnosed(log, velocity_errors(log, r), seed + number) for r in (pair.before, pair.after))

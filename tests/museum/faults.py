@@ -30,6 +30,10 @@ class Pair:
         What names the fault rightly; a response describes it.
     mended : set
         What is there after the mend.
+    response : str
+        Part of the name of a term that describes it; empty: none is meant to.
+    speeds : tuple of float
+        Speeds of the legs, drawn from these [m/s].
     """
 
     before: Recipe
@@ -37,6 +41,7 @@ class Pair:
     names: tuple[frozenset[str], ...] = ()
     mended: frozenset[str] = frozenset()
     response: str = ""
+    speeds: tuple[float, ...] = (1.5,)
 
 
 RHO, DIAMETER, WAKE, DEDUCTION, SHAFT = 1026.0, 0.14, 0.944, 0.1, 1000.0 / 60.0
@@ -114,13 +119,14 @@ PAIRS: dict[str, Pair] = {
     "reckoning before the propeller": Pair(
         Recipe(pace=lambda m: 0.0 if m.since < 45.0 else 1.0), NOTHING, (), frozenset(), "each_leg"
     ),
-    # the loop of speed closed on the bottom track, where the propeller's revolutions are meant
+    # the loop of speed closed on the bottom track and not on revolutions; at one speed it is exactly a deviation
     "a loop on the bottom track": Pair(
         Recipe(water=lambda m: CURRENT, along=0.0),
         Recipe(water=lambda m: CURRENT),
         (STEADY | {"current-response"},),
         STEADY,
         "current",
+        (1.0, 1.5, 2.0),
     ),
     # the heading's offset applied from a restart of the logger on, half-way
     "an offset from a restart on": Pair(
@@ -133,12 +139,10 @@ PAIRS: dict[str, Pair] = {
 }
 
 
-def log_of_pair(rng: np.random.Generator, count: int = 60) -> Log:
-    """Draw the legs of a pair: all round the compass, of different lengths, at one speed."""
-    under_way = rng.uniform(400.0, 1000.0, count)
-    return Log(
-        rng.uniform(0.0, 2.0 * np.pi, count), under_way, np.full(count, 1.5), np.full(count, 20.0), sigma=0.015, fix=2.0
-    )
+def log_of_pair(rng: np.random.Generator, speeds: tuple[float, ...] = (1.5,), count: int = 60) -> Log:
+    """Draw the legs of a pair: all round the compass, of different lengths."""
+    under_way, headings = rng.uniform(400.0, 1000.0, count), rng.uniform(0.0, 2.0 * np.pi, count)
+    return Log(headings, under_way, rng.choice(speeds, count), np.full(count, 20.0), sigma=0.015, fix=2.0)
 
 
 def still_speed() -> float:

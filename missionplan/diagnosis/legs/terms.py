@@ -39,7 +39,7 @@ SAME = 1e-3
 """Size of a combination of the catalogue's effects, over the greatest, below which it is none."""
 IS_DESCRIBED = ("time", "a velocity that changes with time")
 """What random effects of the catalogue describe."""
-MOMENTS, THRESHOLDS = 24, 6
+MOMENTS, THRESHOLDS = 16, 6
 """Most values tried of the moment of a change, and of a threshold."""
 MIDDLE = (0.15, 0.85)
 """Part of a log within which something may change: before and after it there must be legs that show it."""
