@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from scipy.special import logsumexp
 
 from missionplan.arrays import Array
-from missionplan.diagnosis.coordinates import LOWER, UPPER
+from missionplan.diagnosis.coordinates import LOWER, UPPER, Coordinate, JointPosterior, estimates
 from missionplan.diagnosis.inference.laplace import Laplace
 from missionplan.diagnosis.inference.model import CauseFit
 from missionplan.diagnosis.inference.posterior import credible_set
@@ -31,7 +31,7 @@ from missionplan.diagnosis.legs.noise_integration import ComparedSets, Law, Nois
 from missionplan.diagnosis.legs.set_density import MOST_IN_MEAN, LegInference, MeanSet
 from missionplan.diagnosis.legs.state import TransitState
 from missionplan.effects import CATALOGUE, effects_of, exclusive_groups
-from missionplan.results.learned.evidence import Causes, ParameterEstimate
+from missionplan.results.learned.evidence import Causes
 
 KEPT, KEPT_WITH_TERM = 12.0, 9.0
 """Nats below the likeliest set within which a set is integrated, and one with a term; the others are stated."""
@@ -290,33 +290,33 @@ class LegPosterior:
         law, shares = self._part(causes)
         over_noise = shares.sum(axis=1)
         found = {h.key: np.exp(_quantiles(law.at[:, i], over_noise)) for i, h in enumerate(law.hyperparameters)}
-        estimates, given = (
+        own, given = (
             tuple(by_quantiles(each, found.get((each.effect, each.name))) for each in several)
             for several in (fit.estimates, fit.given)
         )
-        return replace(fit, estimates=estimates + self._shape(causes, state.term), given=given)
+        shape = self._shape(causes, state.term)
+        found_of_shape = estimates(shape.coordinates, shape.mean, shape.covariance)
+        return replace(fit, estimates=own + found_of_shape, given=given, posterior=fit.posterior.joined(shape))
 
-    def _shape(self, causes: Causes, term: ActingTerm | None) -> tuple[ParameterEstimate, ...]:
-        """The shape of a set's term, by the probabilities of the values tried."""
+    def _shape(self, causes: Causes, term: ActingTerm | None) -> JointPosterior:
+        """The shape of a set's term, by the probabilities of the values tried, between which any is as likely."""
         if term is None or not term.shapes:
-            return ()
+            return JointPosterior((), np.zeros(0), np.zeros((0, 0)))
         strengths = [each.name for each in term.coordinates]
+        (name,) = term.shapes
         alike = [
-            (float(np.asarray(own.shapes[name])), math.exp(self.log_masses[key] - self._total))
+            (float(np.asarray(own.shapes[name])), self.log_masses[key])
             for key in self._by_causes[causes]
             if key[1] and (own := self.inference.terms[key[1] - 1].acting) is not None
             if [each.name for each in own.coordinates] == strengths
-            for name in own.shapes
         ]
-        (name,) = term.shapes
-        values, shares = np.array(alike).T
-        low, _, high = _quantiles(values, shares / shares.sum()) if len(values) > 1 else np.repeat(values, 3)
-        steps = np.diff(np.sort(values))
-        half = 0.5 * float(steps.min()) if len(steps) else 0.0
-        mean = float(shares @ values / shares.sum())
-        sd = math.sqrt(float(shares @ (values - mean) ** 2 / shares.sum()) + half**2 / 3.0)
-        unit = CATALOGUE[term.effect].parameters[name].unit
-        return (ParameterEstimate(term.effect, name, mean, sd, float(low) - half, float(high) + half, unit),)
+        values, logs = np.array(alike).T
+        shares = np.exp(logs - logsumexp(logs))
+        apart = np.diff(np.sort(values))
+        mean = float(shares @ values)
+        variance = float(shares @ (values - mean) ** 2) + (float(apart.min()) ** 2 / 12.0 if len(apart) else 0.0)
+        shape = Coordinate(term.effect, name, "shape", math.log(mean), 1.0, 0.0)
+        return JointPosterior((shape,), np.array([math.log(mean)]), np.array([[variance / mean**2]]))
 
     def selection(self) -> Selection:
         """Return the sets with their probabilities, the likeliest fitted."""
