@@ -6,7 +6,7 @@ from dataclasses import asdict
 from importlib.resources import files as files_of
 from typing import cast
 
-from missionplan.exporters.table import known, place, waypoint_row
+from missionplan.exporters.table import OF_MOORINGS, OF_TRANSITS, known, place, waypoint_row
 from missionplan.results.base import to_json
 from missionplan.results.plan import Plan, PlannedMooring, PlannedTransit
 from missionplan.results.plan_states import ACTIONS, GUARDS, State, states_of
@@ -14,22 +14,9 @@ from missionplan.results.plan_states import ACTIONS, GUARDS, State, states_of
 TITLE = "JSON, all of the plan"
 NEEDS_ORIGIN = False
 
+_ELSEWHERE = (*OF_TRANSITS, *OF_MOORINGS)
 _UNITS = {"interval": "_m", "table": "_m"}
 """Of the fields of a rule for surfacing; others are times."""
-_WAYPOINT_KEYS = (
-    "name",
-    "kind",
-    "east_m",
-    "north_m",
-    "latitude_deg",
-    "longitude_deg",
-    "course_deg",
-    "leg_m",
-    "duration_s",
-    "duration_p99_s",
-    "time_out_s",
-    "elapsed_s",
-)
 
 
 def lost(plan: Plan) -> tuple[str, ...]:
@@ -115,7 +102,7 @@ def _transit(transit: PlannedTransit) -> dict[str, object]:
         "time_out_s": transit.time_out,
         "surfacing": {f"{key}{_UNITS.get(key, '_s')}": _rounded(value) for key, value in asdict(rule).items()},
         "waypoints": [
-            {key: value for key, value in waypoint_row(transit, waypoint).items() if key in _WAYPOINT_KEYS}
+            {key: value for key, value in waypoint_row(transit, waypoint).items() if key not in _ELSEWHERE}
             for waypoint in transit.waypoints
         ],
     }

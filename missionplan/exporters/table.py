@@ -11,7 +11,9 @@ TITLE = "CSV"
 NEEDS_ORIGIN = False
 
 Cell = str | float | None
-_OF_MOORINGS = ("release_time_s", "hold_s", "galvanic_release_s")
+OF_TRANSITS = ("phase", "depth_m", "speed_m_s", "surface_time_s", "radius_m")
+"""Columns of a waypoint that its transit says already."""
+OF_MOORINGS = ("release_time_s", "hold_s", "galvanic_release_s")
 _OF_WAYPOINTS = ("course_deg", "leg_m", "speed_m_s", "duration_s", "duration_p99_s", "time_out_s", "surface_time_s")
 
 
@@ -60,7 +62,7 @@ def waypoint_row(transit: PlannedTransit, waypoint: Waypoint) -> dict[str, Cell]
         "surface_time_s": None if at_start else known(transit.surfacing.surface_time, 1),
         "elapsed_s": known(waypoint.elapsed, 1),
         "radius_m": known(transit.arrival_radius, 3) if waypoint.kind == "arrival" else None,
-        **dict.fromkeys(_OF_MOORINGS),
+        **dict.fromkeys(OF_MOORINGS),
     }
 
 
@@ -88,7 +90,7 @@ def mooring_row(mooring: PlannedMooring) -> dict[str, Cell]:
         **dict.fromkeys(_OF_WAYPOINTS),
         "elapsed_s": known(mooring.elapsed, 1),
         "radius_m": known(mooring.radius, 3),
-        **{key: known(getattr(mooring, key.removesuffix("_s")), 1) for key in _OF_MOORINGS},
+        **{key: known(getattr(mooring, key.removesuffix("_s")), 1) for key in OF_MOORINGS},
     }
 
 
