@@ -14,6 +14,7 @@ from missionplan.diagnosis.inference.model import CauseFit
 from missionplan.diagnosis.inference.selection import WeighsAllSets
 from missionplan.effects import instruments
 from missionplan.mission import Mission
+from missionplan.montecarlo.posterior import NOWHERE, Place
 from missionplan.results.learned.diagnosis import PlanGain
 from missionplan.results.learned.evidence import Alias, Causes, ParameterEstimate, Verdict
 
@@ -88,6 +89,11 @@ class DataKind(ABC):
     @abstractmethod
     def given(self) -> tuple[GivenEffect, ...]:
         """The mission's own effects, those that the data could show."""
+
+    @property
+    def place(self) -> Place:
+        """Where and when the data were taken; else what the mission has learned so far."""
+        return NOWHERE if self.mission.posterior is None else self.mission.posterior.place
 
     @property
     def known(self) -> tuple[ParameterEstimate, ...]:

@@ -221,10 +221,11 @@ def hypotheses(explanations: Sequence[Weighed], found: PipelineResult, scale: fl
         Hypothesis(
             (*one.explained.causes, *fit.causes),
             float(weight / total),
-            one.explained.mission,
+            one.bound.mission,
             tuple(each.effect for each in one.bound.given),
             one.bound.carried(fit, scale),
             one.bound.extended_mission(one.bound.carried(fit, scale)),
+            one.bound.place,
         )
         for one, fit, weight in listed
     )

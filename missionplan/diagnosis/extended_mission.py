@@ -18,7 +18,7 @@ from missionplan.mission.mission import MOST_LEARNED
 from missionplan.mission.reading.posterior import SIGMA, hash_of
 from missionplan.mission.schema.effect_list import ONE_OF, POSTERIOR
 from missionplan.moments import moment_of
-from missionplan.montecarlo.posterior import Column, PosteriorFile, WeightedDraws
+from missionplan.montecarlo.posterior import NOWHERE, Column, Place, PosteriorFile, WeightedDraws
 from missionplan.montecarlo.streams import stream
 from missionplan.results.learned.evidence import Causes
 
@@ -47,6 +47,8 @@ class Hypothesis:
         With what is known of these now, and of the causes.
     data : mapping
         The mission's data with all that belongs to no effect, and the effects that it had.
+    place : tuple of float
+        Of the data; see `DataKind.place`.
     """
 
     causes: Causes
@@ -55,6 +57,7 @@ class Hypothesis:
     shown: Causes
     fit: CauseFit
     data: Mapping[str, object]
+    place: Place = NOWHERE
 
 
 def with_noise(raw: Mapping[str, object], calibration: Mapping[str, float]) -> dict[str, object]:
@@ -109,7 +112,9 @@ def extended_mission(found: Sequence[Hypothesis], identities: Sequence[str] = ()
         start = mission.get("start")
         epoch = math.nan if start is None else moment_of(start).timestamp()
         summary = _summary(draws, "" if start is None else moment_of(start).isoformat())
-        mission[POSTERIOR] = PosteriorFile.of(draws, hash_of(mission.get("learned_from")), summary, epoch)
+        mission[POSTERIOR] = PosteriorFile.of(
+            draws, hash_of(mission.get("learned_from")), summary, epoch, found[0].place
+        )
     return mission
 
 

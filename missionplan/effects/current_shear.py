@@ -58,6 +58,7 @@ INFO = EffectInfo(
         for component in ("east", "north")
         for axis in ("east", "north")
     },
+    belongs_to="place",
     what="The edge of a jet, a river mouth, the shelf edge: the current differs from one end of the area to the other.",
     finding=Finding(
         "",

@@ -74,6 +74,7 @@ INFO = EffectInfo(
         "phase": Parameter("rad", "direction at the mission's start, counter-clockwise from east"),
         **MODULATION_PARAMETERS,
     },
+    belongs_to="day",
     what="Water set in motion by a wind that has ceased rotates by the Coriolis force alone.",
     finding=Finding(
         "amplitude",

@@ -258,6 +258,8 @@ class EffectInfo:
     frequency_of : callable, optional
         From the name of a phase in `polar` and a latitude [rad], the angular frequency at which it turns [rad/s], where
         the phases are of time.
+    belongs_to : str
+        What has it: the vehicle wherever it is, a place in a season, or the weather of some days.
     part : str
         Whether it is diagnosed in the mean of a log's errors or in their covariance. In the covariance it refines
         `fix_variance`, `position_variance_rate` or `tail_dof`, or is a `MarkovProcess`, and its parameters are shapes.
@@ -311,6 +313,7 @@ class EffectInfo:
     changes_plan: bool = True
     polar: tuple[tuple[str, str], ...] = ()
     frequency_of: Callable[[str, float], float] | None = None
+    belongs_to: Literal["vehicle", "place", "day"] = "vehicle"
     part: Part = "mean"
     linear: bool = True
     exclusive_group: str = ""

@@ -36,6 +36,7 @@ INFO = EffectInfo(
         "east": Parameter("m/s", f"east {_COMPONENT}", -3.0, 3.0, scale=0.15, spike=0.004),
         "north": Parameter("m/s", f"north {_COMPONENT}", -3.0, 3.0, scale=0.15, spike=0.004),
     },
+    belongs_to="place",
     what="A current that is constant over the whole record, in addition to the site's current.",
     finding=Finding(
         "east",

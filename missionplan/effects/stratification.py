@@ -38,6 +38,7 @@ INFO = EffectInfo(
         "depth": Parameter("m", "middle of the layer", 0.5, 500.0, median=9.0, factor=2.0, default=10.0),
         "thickness": Parameter("m", "thickness of the layer", 0.05, 100.0, median=2.5, factor=2.0, default=2.0),
     },
+    belongs_to="place",
     what="The vehicle is ballasted at the surface; below the pycnocline the denser water buoys it up.",
     finding=Finding(
         "lift",

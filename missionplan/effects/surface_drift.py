@@ -39,6 +39,7 @@ INFO = EffectInfo(
         "east": Parameter("m/s", "east component, toward positive", -3.0, 3.0, scale=0.25, spike=0.01),
         "north": Parameter("m/s", "north component, toward positive", -3.0, 3.0, scale=0.25, spike=0.01),
     },
+    belongs_to="day",
     what="Windage and Stokes drift move the vehicle between surfacing and its fix, in addition to the current.",
     finding=Finding(
         "east",

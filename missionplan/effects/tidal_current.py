@@ -176,6 +176,7 @@ INFO = EffectInfo(
     tier="physical",
     effect=TidalCurrent,
     parameters={**_parameters(), **MODULATION_PARAMETERS},
+    belongs_to="place",
     what="Tidal ellipses: each component of the current oscillates with the periods of the moon and the sun.",
     finding=Finding(
         "",

@@ -25,6 +25,7 @@ INFO = EffectInfo(
     tier="physical",
     effect=VerticalCurrent,
     parameters={"speed": Parameter("m/s", "of the water, down positive", -1.0, 1.0, scale=0.12, spike=0.003)},
+    belongs_to="day",
     what=(
         "Up- or downwelling along a slope, Langmuir circulation, internal waves: the bodies sink through moving water."
     ),

@@ -1,15 +1,68 @@
-"""Phases of oscillating currents that count from a date of their own, as those of a mission that starts at another."""
+"""What was learned at another date and place: phases turned to the mission's start, and effects that stay behind."""
 
 import math
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import replace
 
 import numpy as np
 
 from missionplan.effects import CATALOGUE
-from missionplan.mission.schema.effect_list import EffectEntry, EffectList, OneOf
+from missionplan.mission.schema.effect_list import EffectEntry, EffectList, Learned, OneOf, effects_of_draws
 from missionplan.montecarlo.distributions import Distribution, Quantity, Shifted
-from missionplan.montecarlo.posterior import WeightedDraws
+from missionplan.montecarlo.posterior import Place, WeightedDraws
+
+REACH = 20_000.0
+"""Distance beyond which a current that was learned is another one [m]: it changes with depth and coast within that."""
+SEASON, DAYS = 30.0 * 86400.0, 3.0 * 86400.0
+"""Time beyond which what belongs to a place in a season, and to the weather, is another one [s]."""
+EARTH = 6.371e6
+"""Mean radius of the Earth [m]."""
+
+
+def not_handed_on(effects: Collection[str], learned: Place, here: Place) -> dict[str, str]:
+    """Return the effects that were learned too far away or too long ago to hold here, each with the reason.
+
+    What is not known, of the place or the date, is taken to be the same. A tide's constituents outlast a season.
+
+    Parameters
+    ----------
+    effects : collection of str
+    learned, here : tuple of float
+        Latitude, longitude [rad] and date [s since 1970].
+    """
+    away, ago = _distance(learned, here), abs(here[2] - learned[2])
+    found = {}
+    for effect in effects:
+        info = CATALOGUE[effect]
+        if info.belongs_to == "vehicle":
+            continue
+        lasts = DAYS if info.belongs_to == "day" else math.inf if info.is_modulated else SEASON
+        if away > REACH:
+            found[effect] = f"{effect} was learned {away / 1000.0:.0f} km away"
+        elif ago > lasts:
+            found[effect] = f"{effect} was learned {ago / 86400.0:.0f} days before or after"
+    return found
+
+
+def _distance(first: Place, second: Place) -> float:
+    """Distance on a sphere [m]; nan where it is not known."""
+    north, east = second[0] - first[0], second[1] - first[1]
+    chord = math.sin(0.5 * north) ** 2 + math.cos(first[0]) * math.cos(second[0]) * math.sin(0.5 * east) ** 2
+    return 2.0 * EARTH * math.asin(math.sqrt(chord)) if math.isfinite(chord) else math.nan
+
+
+def left_behind(effects: EffectList, learned: Place, here: Place) -> tuple[EffectList, tuple[str, ...]]:
+    """Return effects without those of a posterior that do not hold here, with a notice of each."""
+    posterior = effects.learned
+    gone = not_handed_on(posterior.draws.effects, learned, here) if posterior is not None else {}
+    if posterior is None or not gone:
+        return effects, ()
+    draws = posterior.held.without(gone)
+    own = {entry.effect for entry in posterior.entries}
+    entries = tuple(entry for entry in effects_of_draws(draws) if entry.effect in own)
+    kept = Learned(draws, entries, None if posterior.known is None else 0)
+    notices = tuple(f"{words}, and is not handed on" for words in gone.values())
+    return EffectList(tuple(kept if item is posterior else item for item in effects.items)), notices
 
 
 def phase_shifts(effect: str, seconds: float, latitude: float) -> dict[str, float]:

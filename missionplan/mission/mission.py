@@ -18,7 +18,7 @@ from missionplan.mission.checks.requirements import misspelt_requirements, read_
 from missionplan.mission.checks.sections import check_correlations, check_phases, check_site
 from missionplan.mission.editing.changes import changed_data
 from missionplan.mission.editing.yaml_text import MissionText, dumped
-from missionplan.mission.epochs import turned_draws, turned_effects
+from missionplan.mission.epochs import left_behind, turned_draws, turned_effects
 from missionplan.mission.quantity_paths import changed, phase_keys
 from missionplan.mission.reading.documents import Document, unprintable_texts
 from missionplan.mission.reading.includes import REMOTE, include_files
@@ -35,7 +35,7 @@ from missionplan.mission.schema.transition import TransitionPhase
 from missionplan.mission.schema.vehicle import EnergyBudget, Vehicle
 from missionplan.montecarlo.distributions import Distribution, mean_of
 from missionplan.montecarlo.draws import Correlation
-from missionplan.montecarlo.posterior import FILE, PosteriorFile
+from missionplan.montecarlo.posterior import FILE, Place, PosteriorFile
 from missionplan.store.folder import as_path, exists, matching, write_atomically
 
 _New = TypeVar("_New")
@@ -183,7 +183,8 @@ class Mission(FileSection, Generic[V]):
         mission = mission.model_copy(update={"requirements": requirements})
         mission._raw, mission._file = document.data, file
         mission._text = MissionText.of(document, written, folder)
-        mission._unusual = tuple(f"{key_path(notice.path)}: {notice.message}" for notice in limits.notices)
+        unusual = (f"{key_path(notice.path)}: {notice.message}" for notice in limits.notices)
+        mission._unusual = (*mission._unusual, *unusual)
         named = [path for name in (mission.site.files if mission.site else ()) for path in matching(name)]
         mission._sources = tuple(Path(name) for name in (*document.files, *named) if not name.startswith(REMOTE))
         return mission
@@ -258,7 +259,17 @@ class Mission(FileSection, Generic[V]):
             effects = turned_effects(effects, start, latitude)
         if posterior is not None:
             effects = effects.having_learned(turned_draws(posterior.draws, start - posterior.epoch, latitude))
-        return self.model_copy(update={"effect_list": effects})
+        longitude = self.site.origin.longitude if self.site and self.site.origin else math.nan
+        return self.model_copy(update={"effect_list": effects}).at_place((latitude, longitude, start))
+
+    def at_place(self: "Mission", here: Place) -> "Mission":
+        """Return the mission at a place [rad] and a date: without what was learned too far from there."""
+        if self.posterior is None:
+            return self
+        effects, words = left_behind(self.effect_list, self.posterior.place, here)
+        moved = self.model_copy(update={"effect_list": effects})
+        moved._unusual = (*self._unusual, *words)
+        return moved
 
     def _stays(self, folder: Path) -> bool:
         """Whether a mission written into a folder finds the draws where the file that it was read from has them."""

@@ -9,7 +9,7 @@ import io
 import json
 import math
 import zipfile
-from collections.abc import Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -24,6 +24,9 @@ from missionplan.montecarlo.normal_transform import NormalTransform
 Causes = tuple[str, ...]
 Column = tuple[str, str]
 """Effect and parameter; of what belongs to no effect, an empty name and the quantity."""
+Place = tuple[float, float, float]
+"""Latitude, longitude [rad] and date [s since 1970]; nan where they are not known."""
+NOWHERE: Place = (math.nan, math.nan, math.nan)
 FILE = "posterior.npz"
 """Name of the file beside the mission that names it."""
 FORMAT = 1
@@ -40,6 +43,7 @@ _MEMBERS: Mapping[str, tuple[str, int]] = {
     "weights": ("f", 1),
     "learned_from": ("U", 0),
     "epoch": ("f", 0),
+    "place": ("f", 1),
     "summary": ("U", 0),
 }
 """Kind and number of dimensions of each array of the file."""
@@ -166,6 +170,21 @@ class WeightedDraws:
         which = np.zeros(len(weights), dtype=int)
         return WeightedDraws((self.sets[number],), which, self.columns, self.values[own], weights / weights.sum())
 
+    def without(self, effects: Collection[str]) -> "WeightedDraws":
+        """Return the draws without some effects: sets that differ in nothing else are one."""
+        kept = [tuple(effect for effect in held if effect not in effects) for held in self.sets]
+        sets = tuple(dict.fromkeys(kept))
+        which = np.array([sets.index(held) for held in kept])[self.which]
+        order = np.argsort(which, kind="stable")
+        columns = [index for index, (effect, _) in enumerate(self.columns) if effect not in effects]
+        return WeightedDraws(
+            sets,
+            which[order],
+            tuple(self.columns[index] for index in columns),
+            self.values[order][:, columns],
+            self.weights[order],
+        )
+
     def column(self, column: Column) -> tuple[Array, Array]:
         """Values of a column where it is known, and their weights, not normalised."""
         values = self.values[:, self.columns.index(column)]
@@ -208,14 +227,32 @@ class PosteriorFile(Mapping[str, object]):
 
     def __init__(self, content: bytes) -> None:
         self.content = content
-        self.draws, self.learned_from, self.epoch, summary = _read(content)
+        self.draws, self.learned_from, self.epoch, self.place, summary = _read(content)
         self.section: Mapping[str, object] = {"file": FILE, "sha256": sha256(content), "summary": summary}
 
     @classmethod
     def of(
-        cls, draws: WeightedDraws, learned_from: str, summary: Mapping[str, object], epoch: float = math.nan
+        cls,
+        draws: WeightedDraws,
+        learned_from: str,
+        summary: Mapping[str, object],
+        epoch: float = math.nan,
+        place: Place = NOWHERE,
     ) -> "PosteriorFile":
-        """Write draws, the hash of what they were learned from, a summary for the reader, and the date of phases."""
+        """Write draws.
+
+        Parameters
+        ----------
+        draws : WeightedDraws
+        learned_from : str
+            Hash of what they were learned from.
+        summary : mapping
+            For the reader.
+        epoch : float
+            Date from which phases count [s since 1970].
+        place : tuple of float
+            Latitude, longitude [rad] and date [s since 1970] at which they were learned.
+        """
         effects = draws.effects
         held = np.array([[effect in own for effect in effects] for own in draws.sets], dtype=bool)
         written = io.BytesIO()
@@ -230,6 +267,7 @@ class PosteriorFile(Mapping[str, object]):
             weights=draws.weights.astype(np.float64),
             learned_from=np.array(learned_from),
             epoch=np.array(epoch),
+            place=np.array(place),
             summary=np.array(json.dumps(summary, ensure_ascii=False)),
         )
         return cls(written.getvalue())
@@ -255,8 +293,8 @@ def sha256(content: bytes) -> str:
     return hashlib.sha256(content).hexdigest()
 
 
-def _read(content: bytes) -> tuple[WeightedDraws, str, float, Mapping[str, object]]:
-    """Read draws, the hash of what they were learned from, the date of phases [s since 1970], and the summary.
+def _read(content: bytes) -> tuple[WeightedDraws, str, float, Place, Mapping[str, object]]:
+    """Read draws, the hash of what they were learned from, the date of phases, the place of the data, and the summary.
 
     Raises
     ------
@@ -285,7 +323,10 @@ def _read(content: bytes) -> tuple[WeightedDraws, str, float, Mapping[str, objec
         arrays["weights"].astype(float),
     )
     _check(draws)
-    return draws, str(arrays["learned_from"]), float(arrays["epoch"]), summary
+    if arrays["place"].shape != (3,):
+        raise DamagedPosteriorError("is damaged: it names no place")
+    latitude, longitude, date = (float(each) for each in arrays["place"])
+    return draws, str(arrays["learned_from"]), float(arrays["epoch"]), (latitude, longitude, date), summary
 
 
 def _arrays(content: bytes) -> dict[str, NDArray[np.generic]]:

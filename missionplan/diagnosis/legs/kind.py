@@ -1,10 +1,12 @@
 """Navigation logs as a kind of data."""
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Self
 
+import numpy as np
 import pandas as pd
 
 from missionplan.datasets.legs import read_transit
@@ -24,8 +26,22 @@ from missionplan.diagnosis.legs.one_step import one_step
 from missionplan.diagnosis.legs.tables import transit_misfit, transit_residuals, transit_share
 from missionplan.diagnosis.plan_gain import leg_length_choice, plan_gain
 from missionplan.mission import Mission
+from missionplan.mission.geodesy import to_geographic
+from missionplan.mission.schema.site import Geographic
+from missionplan.montecarlo.posterior import Place
 from missionplan.results.learned.diagnosis import PlanGain
 from missionplan.results.learned.evidence import Alias, Causes
+
+
+def place_of(data: TransitData, mission: Mission) -> Place:
+    """Latitude, longitude [rad] and date [s since 1970] of the middle of a log; nan where it does not tell."""
+    zero = data.epoch if data.epoch is not None else mission.start.timestamp() if mission.start else math.nan
+    date = zero + float(np.mean(data.middle))
+    if data.origin is None:
+        return math.nan, math.nan, date
+    origin = Geographic.model_construct(latitude=data.origin[0], longitude=data.origin[1])
+    latitude, longitude = to_geographic(data.start[0].mean(), data.start[1].mean(), origin)
+    return float(latitude), float(longitude), date
 
 
 @dataclass(frozen=True)
@@ -42,8 +58,16 @@ class TransitKind(DataKind):
     @classmethod
     def bind(cls, kind: str, folder: Path, mission: Mission, seed: int) -> Self:
         """Read the legs and bind the mission's first transit to them."""
-        model = transit_model(unlearned(read_transit(folder, mission), mission), mission, seed)
-        return cls(kind, mission, model.data, model)
+        data = unlearned(read_transit(folder, mission), mission)
+        here = mission.at_place(place_of(data, mission))
+        left = [notice for notice in here.notices() if notice not in mission.notices()]
+        model = transit_model(replace(data, notices=(*data.notices, *left)), here, seed)
+        return cls(kind, here, model.data, model)
+
+    @property
+    def place(self) -> Place:
+        """Middle of the legs, and its date."""
+        return place_of(self.data, self.mission)
 
     @property
     def model_coordinates(self) -> Sequence[Coordinate]:

@@ -96,7 +96,8 @@ def test_every_parameter_of_the_catalogue_is_described() -> None:
     entries = definitions["definitions"]["effect"]["properties"]
     assert set(entries) == set(CATALOGUE)
     for name, info in CATALOGUE.items():
-        assert set(cast(Mapping[str, object], entries[name]["properties"])) == set(info.parameters)
+        dated = {"epoch"} if info.frequency_of is not None else set()
+        assert set(cast(Mapping[str, object], entries[name]["properties"])) == set(info.parameters) | dated
 
 
 def test_another_kind_is_refused() -> None:
