@@ -14,7 +14,7 @@ from .voyages import SIDEREAL_DAY, Array, Truth
 RANDOM = ("persistent-error", "random-walk", "fix-error", "heavy-tails")
 STEADY = ("mean-current", "tidal-current", "inertial-current", "compass-bias", "compass-deviation", "speed-scale")
 EFFECTS = (*STEADY, *RANDOM)
-CATALOGUE = 13
+CATALOGUE = 18
 """Effects on a transit in the catalogue; those that are not drawn here are as probable as each that is."""
 FURTHER = np.exp(-3.0)
 M2 = 12.4206012 * 3600.0
@@ -22,7 +22,7 @@ OUTSIDE = ("soft-iron", "slipping-log", "weed")
 
 
 def names(rng: np.random.Generator) -> tuple[str, ...]:
-    """A set of causes by its prior: none 1, each single one 1/13, each pair e⁻³/13, without two alike."""
+    """A set of causes by its prior: none 1, each single one 1/18, each pair e⁻³/18, without two alike."""
     sets: list[tuple[str, ...]] = [(), *((name,) for name in EFFECTS)]
     exclusive = {"persistent-error", "random-walk", "heavy-tails"}
     sets += [pair for pair in itertools.combinations(EFFECTS, 2) if not set(pair) <= exclusive]
