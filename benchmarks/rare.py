@@ -85,16 +85,27 @@ def _model_of(problem: Problem) -> Model:
     return model
 
 
+def searched(problem: Problem, seeds: int) -> tuple[float, np.ndarray, np.ndarray]:
+    """Search a problem so often.
+
+    Returns
+    -------
+    truth, ratios, judged : float, array, array
+        Its probability, that found over it, and whether intervals hold it and lie wholly below it, shape (2,).
+    """
+    truth = problem.probability()
+    found = [search(_model_of(problem), seed) for seed in range(seeds)]
+    ratios = np.array([each.estimate.value for each in found]) / truth
+    return truth, ratios, np.mean([_holds(each, truth) for each in found], axis=0)
+
+
 def problems(seeds: int, only: str | None = None) -> Iterator[str]:
     """Yield a line for each problem of the literature, and one for all."""
     ratios, held = [], []
     for problem in PROBLEMS:
         if only is not None and only != problem.name:
             continue
-        truth = problem.probability()
-        found = [search(_model_of(problem), seed) for seed in range(seeds)]
-        ratio = np.array([each.estimate.value for each in found]) / truth
-        holds, below = np.mean([_holds(each, truth) for each in found], axis=0)
+        truth, ratio, (holds, below) = searched(problem, seeds)
         ratios.append(ratio)
         held.append(holds)
         yield (
@@ -115,28 +126,39 @@ def _error(values: np.ndarray) -> float:
     return float(np.std(values, ddof=1) / math.sqrt(values.size)) if values.size > 1 else math.inf
 
 
-def ways(seeds: int, systems: int = 100) -> Iterator[str]:
-    """Yield what was found of random systems with several known ways to fail, searched in turn."""
-    ratios, judged, missed, counted, parts = [], [], [], 0, []
+def searched_systems(seeds: int, systems: int = 100) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Search random systems with several known ways to fail, one after the other.
+
+    Returns
+    -------
+    ratios, judged, parts : array
+        Probability found over the true one, shape (seeds,); whether each interval holds it and lies wholly below it,
+        shape (seeds, 2); and the same ratio of each way above a tenth of the whole.
+    """
+    ratios, judged, parts = [], [], []
     for seed in range(seeds):
         system = drawn(seed % systems)
         found = search(system, seed, system.values)
         ratios.append(found.estimate.value / system.truth)
         judged.append(_holds(found, system.truth))
-        for way, probability in enumerate(system.probabilities):
-            if probability <= 0.1 * system.truth:
-                continue
-            counted += 1
-            parts.append(found.probability(way) / probability)
-            if parts[-1] < 0.1:
-                missed.append((seed % systems, way))
-    ratio = np.array(ratios)
-    holds, below = np.mean(judged, axis=0)
+        large = [way for way, each in enumerate(system.probabilities) if each > 0.1 * system.truth]
+        parts += [found.probability(way) / system.probabilities[way] for way in large]
+    return np.array(ratios), np.array(judged), np.array(parts)
+
+
+MISSED = 0.1
+"""Of its probability, below which a way counts as missed."""
+
+
+def ways(seeds: int, systems: int = 100) -> Iterator[str]:
+    """Yield what was found of random systems with several known ways to fail."""
+    ratio, judged, parts = searched_systems(seeds, systems)
+    holds, below = judged.mean(axis=0)
     yield (
         f"{min(systems, seeds)} systems, {seeds} searches: mean ratio {ratio.mean():.4f} ± {_error(ratio):.4f}, median "
         f"{np.median(ratio):.3f} ({ratio.min():.2f}–{ratio.max():.2f}); intervals hold {holds:.3f} (asked 0.92 to "
-        f"0.98), wholly below {below:.3f}; {len(missed)} of {counted} ways above a tenth missed {missed or ''}; "
-        f"a way over its truth {np.mean(parts):.3f} ({min(parts):.2f}–{max(parts):.2f})"
+        f"0.98), wholly below {below:.3f}; {np.count_nonzero(parts < MISSED)} of {parts.size} ways above a tenth "
+        f"missed; a way over its truth {parts.mean():.3f} ({parts.min():.2f}–{parts.max():.2f})"
     )
 
 

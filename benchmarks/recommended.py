@@ -1,14 +1,15 @@
 """Recommendations against brute force: ``python -m benchmarks.recommended``.
 
-`size-anchor`: the lightest of 465 wet weights, a fiftieth apart, that meets everything asked of the dive, on 40 random
-missions. `optimise`: the least energy of every choice of a fine lattice, each with 4096 trials of another seed, on 12
-missions and 5 seeds. About 15 minutes of one core.
+`size-anchor`: the lightest of up to 350 wet weights, a fiftieth apart, that meets everything asked of the dive, on 40
+random missions. `optimise`: the least energy of every choice of a fine lattice, each with 4096 trials of another seed,
+on 12 missions and 5 seeds. About ten minutes of one core.
 """
 
 import argparse
 import copy
+import math
 import time
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -35,10 +36,10 @@ from missionplan.studies.simulation.block_statistics import requirement_flags
 from missionplan.studies.simulation.mooring_trials import mooring_trials
 from missionplan.studies.simulation.phase_trials import TrialBlock
 
-DIVES = 80
+DIVES = 40
 """Of each anchor."""
-WEIGHTS, APART = 465, 1.02
-"""Wet weights of the brute force, from a thousandth of the worst-case one on, and the ratio of neighbours."""
+APART = 1.02
+"""Ratio of neighbouring wet weights of the brute force."""
 
 
 # The lightest anchor.
@@ -146,29 +147,40 @@ def good_weights(sizer: AnchorSizer, weights: np.ndarray) -> np.ndarray:
     return good
 
 
-def anchors(count: int = 40) -> Iterator[str]:
+def lightest_anchors(number: int) -> tuple[float | None, float | None, Mission]:
+    """Lightest weight that the search finds, and by brute force, of a mission [N]; None where there is none."""
+    mission = anchor_mission(number)
+    sizer = _sizer(mission)
+    worst = worst_case_weight(sizer.means, sizer.moor)
+    found = sizer.probable(None, worst)
+    assert isinstance(found, ProbableAnchor)
+    start = worst + float(sizer.means.mooring.vehicle.net_buoyancy)
+    lightest = None if found.anchor is None else found.lighter or found.anchor.wet_weight
+    low, high = (0.01 * start, 10.0 * start) if lightest is None else (min(0.01 * start, 0.5 * lightest), lightest)
+    weights = low * APART ** np.arange(math.log(high / low) / math.log(APART) + 3.0)
+    good = good_weights(sizer, weights)
+    return lightest, float(weights[int(np.argmax(good))]) if good.any() else None, mission
+
+
+def agree(found: float | None, first: float | None) -> bool:
+    """Whether the search and the grid of the brute force, up to a step of it, say the same."""
+    if found is None or first is None:
+        return found is first
+    return first / APART / 1.002 <= found <= first * 1.002
+
+
+def anchors(count: int = 40, first: int = 0) -> Iterator[str]:
     """Yield what was found for each mission, and how many agree."""
-    agree = none = 0
-    for number in range(count):
-        mission = anchor_mission(number)
-        sizer = _sizer(mission)
-        worst = worst_case_weight(sizer.means, sizer.moor)
-        found = sizer.probable(None, worst)
-        assert isinstance(found, ProbableAnchor)
-        start = worst + float(sizer.means.mooring.vehicle.net_buoyancy)
-        weights = start / 1000.0 * APART ** np.arange(WEIGHTS)
-        good = good_weights(sizer, weights)
-        lightest = None if found.anchor is None else found.lighter or found.anchor.wet_weight
-        first = float(weights[int(np.argmax(good))]) if good.any() else None
-        none += first is None
-        same = (lightest is None) == (first is None)
-        if same and lightest is not None and first is not None:
-            same = first / APART / 1.002 <= lightest <= first * 1.002
-        agree += same
+    same = none = 0
+    for number in range(first, first + count):
+        lightest, best, mission = lightest_anchors(number)
+        none += best is None
+        same += agree(lightest, best)
         words = ", ".join(f"{item.quantity} {item.probability:.2f}" for item in mission.requirements)
-        shown = [f"{weight:.3f} N" if weight is not None else "none" for weight in (lightest, first)]
-        yield f"{number:2}: {'' if same else 'OTHERWISE '}{shown[0]}, brute force {shown[1]} ({words})"
-    yield f"{agree} of {count} missions agree; in {none} no anchor does"
+        shown = [f"{weight:.3f} N" if weight is not None else "none" for weight in (lightest, best)]
+        mark = "" if agree(lightest, best) else "OTHERWISE "
+        yield f"{number:2}: {mark}{shown[0]}, brute force {shown[1]} ({words})"
+    yield f"{same} of {count} missions agree; in {none} no anchor does"
 
 
 # The choice of least energy.
@@ -229,28 +241,34 @@ def _brute_force(mission: Mission, seed: int) -> tuple[dict[tuple[str, ...], Cel
     return cells, sorted(good, key=lambda name: float(np.nanmean(cells[name].columns[_ENERGY])))
 
 
-def choices(count: int = 12, seeds: int = 5) -> Iterator[str]:
+def chosen(number: int, seeds: Iterable[int]) -> Iterator[tuple[bool, str]]:
+    """Yield whether each seed's choice is as good as the best of a mission, and how much worse, in words."""
+    mission = choice_mission(number)
+    cells, good = _brute_force(mission, 1000 + number)
+    if not good:
+        return
+    best = cells[good[0]].columns[_ENERGY]
+    for seed in seeds:
+        found = missionplan.optimise(mission, choose=CHOOSE, seed=seed)
+        own = cells[tuple(map(str, found.chosen.values()))].columns[_ENERGY]
+        worse, error, _ = paired_difference(best, own, most=False)
+        share = worse / float(np.nanmean(best))
+        fine = found.feasible and (share <= 0.01 or worse <= 2.0 * error)
+        yield (
+            fine,
+            f"{number:2}, seed {seed}: {'' if fine else 'OTHERWISE '}{', '.join(map(str, found.chosen.values()))}: "
+            f"{100.0 * share:+.2f} % from {', '.join(good[0])} ({len(good)} of {len(cells)} choices do)",
+        )
+
+
+def choices(count: int = 12, first: int = 0, seeds: int = 5) -> Iterator[str]:
     """Yield what was found for each mission and seed, and how many are as good as the best."""
     right = total = 0
-    for number in range(count):
-        mission = choice_mission(number)
-        cells, good = _brute_force(mission, 1000 + number)
-        if not good:
-            yield f"{number:2}: no choice of {len(cells)} does"
-            continue
-        best = cells[good[0]].columns[_ENERGY]
-        for seed in range(1, seeds + 1):
-            found = missionplan.optimise(mission, choose=CHOOSE, seed=seed)
-            total += 1
-            own = cells[tuple(map(str, found.chosen.values()))].columns[_ENERGY]
-            worse, error, _ = paired_difference(best, own, most=False)
-            share = worse / float(np.nanmean(best))
-            fine = found.feasible and (share <= 0.01 or worse <= 2.0 * error)
+    for number in range(first, first + count):
+        for fine, words in chosen(number, range(1, seeds + 1)):
             right += fine
-            yield (
-                f"{number:2}, seed {seed}: {'' if fine else 'OTHERWISE '}{', '.join(map(str, found.chosen.values()))}: "
-                f"{100.0 * share:+.2f} % from {', '.join(good[0])} ({len(good)} of {len(cells)} choices do)"
-            )
+            total += 1
+            yield words
     yield f"{right} of {total} within 1 % or two standard errors of brute force"
 
 
@@ -266,12 +284,14 @@ def main() -> None:
     )
     parser.add_argument("kinds", nargs="*", metavar="KIND", help=f"{', '.join(KINDS)}; default: both")
     parser.add_argument("--missions", type=int, help="of each kind; default: 40 and 12")
+    parser.add_argument("--first", type=int, default=0, help="number of the first mission")
     asked = parser.parse_args()
     if unknown := set(asked.kinds) - set(KINDS):
         parser.error(f"no {', '.join(unknown)}; there are {', '.join(KINDS)}")
     for name in asked.kinds or KINDS:
         started = time.process_time()
-        for line in KINDS[name](*([asked.missions] if asked.missions else [])):
+        count = {"count": asked.missions} if asked.missions else {}
+        for line in KINDS[name](first=asked.first, **count):
             print(line, flush=True)
         print(f"{name}: {duration(time.process_time() - started)} of one core\n", flush=True)
 

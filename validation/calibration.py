@@ -349,6 +349,22 @@ def _search_areas(_: Options) -> list[float]:
 
 
 @row(
+    "calibration.time-to-find",
+    "A search by the sheet finds a vehicle adrift sooner than one about the last fix",
+    case="1000 losses each in three seas, wind of 5, 6 and 12 m/s; boat of 5 m/s, sweep width 200 m, a day at most",
+    reference="expanding square from the last fix; losses carried by the published equations of leeway",
+    seed=12,
+    accepted=[at_least("sooner, least", 0.3), reported("by the sheet, longest", "h"), reported("by the square", "h")],
+    cost=10.0,
+)
+def _time_to_find(_: Options) -> list[float]:
+    from tests.studies.overdue import test_time_to_find as searched
+
+    found = np.array([searched.times_to_find(*sea) for sea in searched.SEAS]).mean(axis=2) / 3600.0
+    return [float((1.0 - found[:, 0] / found[:, 1]).min()), float(found[:, 0].max()), float(found[:, 1].min())]
+
+
+@row(
     "calibration.fleets",
     "What was learned is kept from mission to mission, and a knocked compass is named",
     case="20 vehicles, five missions of 40 legs; every second compass knocked by 4° before the fourth",

@@ -6,7 +6,7 @@ import math
 import os
 import sys
 import warnings
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from importlib import import_module
 from typing import Any
 
@@ -165,18 +165,35 @@ def _scipy_moored_line(_: Options) -> list[float]:
     "peer.moordyn-moored-line",
     "The nose of a moored vehicle",
     case="eight of the 40 cases of `benchmarks.line`: five currents, eight lines of other weight, stretch and length",
-    reference="MoorDyn, 40 segments, dynamic relaxation",
+    reference="MoorDyn, 20 segments, dynamic relaxation",
     packages=("moordyn",),
     accepted=[at_most("noses apart, greatest", 2e-3, "of the line"), reported("in the median", "of the line")],
     cost=50.0,
 )
 def _moordyn(_: Options) -> list[float]:
+    return _apart_from_moordyn([(rope, ()) for rope in moordyn_lines.LINES], every=5)
+
+
+@row(
+    "peer.moordyn-floats",
+    "The nose of a vehicle on a line with floats, partly on the seafloor",
+    case="40 cases: five currents, eight lines with one to three floats, 23 touching the seafloor before a float",
+    reference="MoorDyn, 20 segments, dynamic relaxation",
+    packages=("moordyn",),
+    accepted=[at_most("noses apart, greatest", 2e-2, "of the line"), reported("in the median", "of the line")],
+    cost=120.0,
+)
+def _moordyn_floats(_: Options) -> list[float]:
+    return _apart_from_moordyn(moordyn_lines.FLOATED)
+
+
+def _apart_from_moordyn(lines_with_floats: Sequence[tuple[Any, Any]], every: int = 1) -> list[float]:
     from itertools import product
 
     peer("moordyn")
-    cases = list(product(moordyn_lines.CURRENTS, moordyn_lines.LINES))[::5]
+    cases = list(product(moordyn_lines.CURRENTS, lines_with_floats))[::every]
     with _silent():
-        found = [moordyn_lines.apart(*case) for case in cases]
+        found = [moordyn_lines.apart(current, *case) for current, case in cases]
     return [max(found), float(np.median(found))]
 
 
