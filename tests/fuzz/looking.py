@@ -11,7 +11,7 @@ import yaml
 from .hostile_names import MARK
 
 _TAGS = frozenset(
-    ["html", "head", "meta", "link", "title", "style", "body", "main", "div", "header", "p", "h1", "h2", "figure", "figcaption", "dl", "dt", "dd", "section", "table", "caption", "thead", "tbody", "tr", "th", "td", "pre", "ul", "li", "code", "details", "summary", "script", "svg", "g", "path", "rect", "defs", "use", "text", "tspan", "clippath", "image", "lineargradient", "stop", "small", "b", "br", "img", "span", "pattern", "circle"]
+    ["html", "head", "meta", "link", "title", "style", "body", "main", "div", "header", "p", "h1", "h2", "figure", "figcaption", "dl", "dt", "dd", "section", "table", "caption", "thead", "tbody", "tr", "th", "td", "pre", "ul", "li", "code", "details", "summary", "script", "svg", "g", "path", "rect", "defs", "use", "text", "tspan", "clippath", "image", "lineargradient", "stop", "small", "b", "br", "img", "span", "pattern", "circle", "nav", "ol", "a", "polygon", "polyline"]
 )  # fmt: skip
 _SCRIPTED = ("on", "src", "srcdoc", "formaction", "action")
 
@@ -25,6 +25,7 @@ class _Page(HTMLParser):
         self.attributes: Counter[str] = Counter()
         self.ids: list[str] = []
         self.targets: set[str] = set()
+        self.abroad: list[str] = []
         self.words: list[str] = []
 
     def handle_starttag(self, tag, attributes) -> None:
@@ -35,6 +36,8 @@ class _Page(HTMLParser):
                 self.ids.append(value)
             if name in ("href", "xlink:href") and (value or "").startswith("#"):
                 self.targets.add(value[1:])
+            elif tag == "a" and name == "href":
+                self.abroad.append(value)
 
     def handle_data(self, data) -> None:
         self.words.append(data)
@@ -51,6 +54,7 @@ def look_at_page(html: str) -> _Page:
     assert page.tags["script"] == 1, page.tags["script"]
     twice = [name for name, count in Counter(page.ids).items() if count > 1 or any(mark in name for mark in " <>\"'&")]
     assert not twice, twice[:3]
+    assert not page.abroad, page.abroad
     assert page.targets <= set(page.ids), page.targets - set(page.ids)
     return page
 
