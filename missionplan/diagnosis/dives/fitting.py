@@ -6,7 +6,6 @@ from functools import cached_property, partial
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import solve_triangular
 from scipy.special import logsumexp
 
 from missionplan.arrays import Array
@@ -17,7 +16,7 @@ from missionplan.diagnosis.dives.noise import FORM_SD, NOMINAL_NOISE, noise_grid
 from missionplan.diagnosis.dives.starts import starting_points
 from missionplan.diagnosis.given.effects import RecordPosterior, held, tied
 from missionplan.diagnosis.inference.gauss_newton import GaussNewtonOptions, LeastSquares, Start, gauss_newton
-from missionplan.diagnosis.inference.marginal_likelihood import LOG_2PI, Marginal
+from missionplan.diagnosis.inference.marginal_likelihood import Marginal
 from missionplan.diagnosis.inference.model import CauseFit, FailedFit, FitRequest
 from missionplan.diagnosis.inference.prior import inside_range, likeliest_scales
 from missionplan.effects import CATALOGUE
@@ -215,10 +214,9 @@ class DescentFitting(DescentLikelihood):
         free, linear = self.searched(fit.causes), fit.state.linear
         away = (linear.at - linear.centre)[free]
         noise = noise_grid()[fit.state.best_noise]
-        factor = cholesky(self.total_covariance(linear, noise, self.nuisance_sd(fit.causes)))
-        prior = self.prior(fit.causes).of(free).log_density(linear.at[free])
-        residuals = linear.y - linear.columns[:, free] @ away
-        return float(log_normal_density(residuals[:, None], factor)[0] + prior)
+        residuals = (linear.y - linear.columns[:, free] @ away)[:, None]
+        density = self.log_densities(linear, self.nuisance_sd(fit.causes), residuals, (noise,))
+        return float(density[0, 0] + self.prior(fit.causes).of(free).log_density(linear.at[free]))
 
 
 def _calibration(best: int) -> dict[str, float]:
@@ -230,15 +228,3 @@ def _calibration(best: int) -> dict[str, float]:
 def log_joint_with_noise(marginals: Sequence[Marginal]) -> Array:
     """Log density of the data at each noise of the grid, plus the log prior of the noise, shape (g,)."""
     return np.array([noise.log_prior + found.log_density for noise, found in zip(noise_grid(), marginals, strict=True)])
-
-
-def cholesky(covariance: Array) -> Array:
-    """Lower Cholesky factor."""
-    return np.asarray(np.linalg.cholesky(covariance), dtype=float)
-
-
-def log_normal_density(residuals: Array, factor: Array) -> Array:
-    """Ln N(r; 0, L Lᵀ) of each column r of the residuals, shape (N, s) → (s,)."""
-    white = solve_triangular(factor, residuals, lower=True, check_finite=False)
-    log_determinant = np.log(np.diag(factor)).sum()
-    return np.asarray(-0.5 * np.sum(white**2, axis=0) - log_determinant - 0.5 * len(residuals) * LOG_2PI)

@@ -24,6 +24,7 @@ from missionplan.diagnosis.dives.noise import (
 )
 from missionplan.diagnosis.inference.adequacy.residuals import InnerProducts
 from missionplan.diagnosis.inference.marginal_likelihood import (
+    LOG_2PI,
     Marginal,
     gaussian_marginal,
     standardised,
@@ -63,9 +64,7 @@ class NoiseGridLikelihood:
         """
         return [self.marginal(index, prior_sd, dives) for index in range(len(self.grams))]
 
-    def marginal(
-        self, index: int, prior_sd: Array, dives: NDArray[np.int_] | slice = ALL_DIVES, shift: Array | None = None
-    ) -> Marginal:
+    def marginal(self, index: int, prior_sd: Array, dives: NDArray[np.int_] | slice = ALL_DIVES) -> Marginal:
         """Marginalise all coordinates, and the curvature, at one noise of the grid.
 
         Parameters
@@ -76,17 +75,15 @@ class NoiseGridLikelihood:
             Of the coordinates.
         dives : array of int or slice
             Dives to use; default all.
-        shift : array, shape (k,), optional
-            Of the prior means from those of the linearisation.
         """
-        gram, log_determinant = self.grams[index, dives].sum(axis=0), float(self.log_determinants[index, dives].sum())
-        if shift is not None:
-            moved = np.eye(len(gram))
-            moved[: len(shift), -1] = -shift
-            gram = moved.T @ gram @ moved
-        prior = _with_shared(prior_sd, noise_grid()[index])
-        found = gaussian_marginal(gram, prior, log_determinant, int(self.counts[dives].sum()))
+        found = self.with_curvature(index, prior_sd, dives)
         return Marginal(found.log_density, found.mean[:-1], found.covariance[:-1, :-1])
+
+    def with_curvature(self, index: int, prior_sd: Array, dives: NDArray[np.int_] | slice = ALL_DIVES) -> Marginal:
+        """Return the same, the curvature's coefficient after those of the coordinates."""
+        gram, log_determinant = self.grams[index, dives].sum(axis=0), float(self.log_determinants[index, dives].sum())
+        prior = _with_shared(prior_sd, noise_grid()[index])
+        return gaussian_marginal(gram, prior, log_determinant, int(self.counts[dives].sum()))
 
 
 @dataclass(frozen=True)
@@ -150,6 +147,30 @@ class DescentLikelihood(LinearisedDescent):
             gram += more
             log_determinant += further
         return marginalised_products(gram, log_determinant, prior_sd, wanted)
+
+    def log_densities(
+        self, linear: DiveLinearisation, prior_sd: Array, residuals: Array, noises: tuple[Noise, ...]
+    ) -> Array:
+        """Log density of residuals, shape (N, s), by a linearisation's covariance at each noise, shape (g, s)."""
+        finite = np.all(np.isfinite(residuals), axis=0)
+        columns = np.concatenate([linear.columns, linear.curvature[:, None]], axis=1)
+        both, inner = np.concatenate([columns, np.where(finite, residuals, 0.0)], axis=1), columns.shape[1]
+        gram = np.zeros((len(noises), inner, both.shape[1]))
+        squared, determinants = np.zeros((len(noises), residuals.shape[1])), np.zeros(len(noises))
+        for rows, covariance in zip(self.parts, self.covariances(linear, noises), strict=True):
+            for index, factor in enumerate(np.linalg.cholesky(covariance)):
+                white, _ = lapack.dtrtrs(factor.T, both[rows], trans=1)
+                gram[index] += white[:, :inner].T @ white
+                squared[index] += np.sum(white[:, inner:] ** 2, axis=0)
+                determinants[index] += 2.0 * np.log(np.diag(factor)).sum()
+        for index, noise in enumerate(noises):
+            prior = _with_shared(prior_sd, noise)
+            factor = np.linalg.cholesky(standardised_gram(gram[index, :, :inner], prior) + np.eye(inner))
+            known = solve_triangular(factor, standardised(gram[index, :, inner:].T, prior).T, lower=True)
+            squared[index] -= np.sum(known**2, axis=0)
+            determinants[index] += 2.0 * np.log(np.diag(factor)).sum()
+        logs = -0.5 * (squared + determinants[:, None] + len(residuals) * LOG_2PI)
+        return np.where(finite, logs, -np.inf)
 
     def _inner_products(
         self, linear: DiveLinearisation, columns: Array, noises: tuple[Noise, ...]

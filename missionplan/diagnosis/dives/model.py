@@ -11,7 +11,7 @@ from scipy.special import logsumexp
 from missionplan.arrays import Array
 from missionplan.diagnosis.dives import designs as dive_designs
 from missionplan.diagnosis.dives.discrepancy_axes import descent_axes
-from missionplan.diagnosis.dives.fitting import DescentFitting, cholesky, log_joint_with_noise, log_normal_density
+from missionplan.diagnosis.dives.fitting import DescentFitting, log_joint_with_noise
 from missionplan.diagnosis.dives.linearised import DiveLinearisation
 from missionplan.diagnosis.dives.noise import noise_grid
 from missionplan.diagnosis.dives.responses import responses_beside
@@ -26,6 +26,8 @@ from missionplan.diagnosis.inference.selection import Progress, Selection, no_pr
 from missionplan.diagnosis.inference.weighing import NeutralResponses, weigh
 from missionplan.results.learned.evidence import Causes
 
+MOST_REFITTED = 8
+"""Dives up to which the causes are searched anew without each."""
 REFIT_ITERATIONS = 2
 """Gauss–Newton steps of a fit without one dive, from the fit with it."""
 
@@ -60,17 +62,14 @@ class DescentModel(DescentFitting):
         if not len(free):
             return SampledEvidence(fit.log_evidence, float(DRAWS))
         prior, narrow = self.prior(fit.causes), self.nuisance_sd(fit.causes)
-        factors = [cholesky(self.total_covariance(linear, noise, narrow)) for noise in noise_grid()]
+        weights = np.array([noise.log_prior for noise in noise_grid()])
 
         def log_joint(at: Array) -> Array:
             settings = np.repeat(prior.centre[:, None], len(at), axis=1)
             settings[free] = at.T
             readings = self.forward.readings(self.coordinates, settings, delays=linear.release_delays)
             residuals = self.y[:, None] - readings + self.release_delay_shift(linear)[:, None]
-            logs = [
-                noise.log_prior + log_normal_density(residuals, factor)
-                for noise, factor in zip(noise_grid(), factors, strict=True)
-            ]
+            logs = weights[:, None] + self.log_densities(linear, narrow, residuals, noise_grid())
             return np.asarray(logsumexp(logs, axis=0) + prior.of(free).log_density(at) - prior.log_mass)
 
         inside = inside_range(linear.centre + state.marginal.mean, state.marginal.covariance, *prior.bounds)
@@ -108,11 +107,17 @@ class DescentModel(DescentFitting):
 
     def innovations(self, fit: CauseFit) -> Array:
         """One-step-ahead errors of the readings over their standard deviations, dive after dive, shape (N,)."""
-        factor = cholesky(self._covariance(fit))
+        factor = np.linalg.cholesky(self._covariance(fit))
         return np.asarray(solve_triangular(factor, fit.state.linear.y, lower=True, check_finite=False))
 
     def held_out(self, fits: Sequence[CauseFit]) -> list[list[HeldOutScore]]:
-        """Predict each dive from the others under several fits: causes and noise fitted to the others alone."""
+        """Predict each dive from the others under several fits: causes and noise fitted to the others alone.
+
+        Of many dives one alone hardly moves where the model is linearised.
+        """
+        count = len(self.parts)
+        if count > MOST_REFITTED:
+            return [[self._score(fit, fit.state.linear, dive) for dive in range(count)] for fit in fits]
         others = [np.setdiff1d(np.arange(len(self.y)), rows) for rows in self.parts]
         folds = [(fit, dive) for fit in fits for dive in range(len(self.parts))]
         starts = [
@@ -121,25 +126,27 @@ class DescentModel(DescentFitting):
         points = self.best_coordinates(starts, REFIT_ITERATIONS)
         linears = self.linearise([(fit.causes, at) for (fit, _), at in zip(folds, points, strict=True)])
         scores = [self._score(fit, linear, dive) for (fit, dive), linear in zip(folds, linears, strict=True)]
-        return [scores[k * len(others) : (k + 1) * len(others)] for k in range(len(fits))]
+        return [scores[k * count : (k + 1) * count] for k in range(len(fits))]
 
     def _score(self, fit: CauseFit, linear: DiveLinearisation, dive: int) -> HeldOutScore:
         """Predict one dive from the others.
 
         Its log score (Gneiting & Raftery 2007) is averaged over the noises by their posterior from the other dives.
-        Its errors are those of the conditional mean of a joint normal (Rasmussen & Williams 2006, Eq. A.6) at their
-        most likely noise.
+        Its errors are those of the mean that the others leave of the coordinates at their most likely noise.
         """
-        prior, likelihood = fit.state.prior_sd, self.likelihood(linear)
+        state = fit.state
+        prior = state.prior_sd
+        likelihood = state.likelihood if linear is state.linear else self.likelihood(linear)
         others = np.delete(np.arange(len(self.parts)), dive)
         seen = log_joint_with_noise(likelihood.marginals(prior, others))
         log_score = float(logsumexp(log_joint_with_noise(likelihood.marginals(prior))) - logsumexp(seen))
-        total = self.total_covariance(linear, noise_grid()[int(np.argmax(seen))], prior)
-        own, rest = self.parts[dive], np.setdiff1d(np.arange(len(self.y)), self.parts[dive])  # none: from the prior
-        weights = np.linalg.solve(total[np.ix_(rest, rest)], total[np.ix_(rest, own)]).T
-        error = linear.y[own] - weights @ linear.y[rest]
+        own, best = self.parts[dive], int(np.argmax(seen))
+        columns = np.concatenate([linear.columns, linear.curvature[:, None]], axis=1)[own]
+        shared = likelihood.with_curvature(best, prior, others)
+        error = linear.y[own] - columns @ shared.mean
         scaled = error / self.units[own]
-        variance = np.diag(total[np.ix_(own, own)] - weights @ total[np.ix_(rest, own)])
+        noise = self.covariances(linear, (noise_grid()[best],))[dive][0]
+        variance = np.diag(noise) + np.sum(columns @ shared.covariance * columns, axis=1)
         inside = int((np.abs(error) <= QUANTILE_95 * np.sqrt(variance)).sum())
         return HeldOutScore(self.forward.logs[dive].name, log_score, float(scaled @ scaled), inside, len(error))
 

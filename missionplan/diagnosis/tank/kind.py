@@ -1,26 +1,35 @@
-"""Tank data as a kind of data."""
+"""Tank data as a kind of data: bound to a mission, with what that knows already, and its residuals in tables."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Self
 
+import numpy as np
 import pandas as pd
 
-from missionplan.datasets.tank import TANK_FORMATS, TankData
+from missionplan.datasets.tank import TANK_FORMATS, DragSettings, OscillationSettings, TankData, ThrusterSettings
+from missionplan.diagnosis.coordinates import coordinates_of
 from missionplan.diagnosis.data_kind import DataKind
 from missionplan.diagnosis.given.effects import GivenEffect
+from missionplan.diagnosis.given.priors import check_together, given_priors
 from missionplan.diagnosis.inference.model import CauseFit
 from missionplan.diagnosis.learned_data import unlearned
 from missionplan.diagnosis.plan_gain import anchor_choice, plan_gain
 from missionplan.diagnosis.tank.data import read_tank
 from missionplan.diagnosis.tank.extended_mission import extended_tank_mission, vehicle_keys
-from missionplan.diagnosis.tank.given import given_in_tank
+from missionplan.diagnosis.tank.forward import TankForward
+from missionplan.diagnosis.tank.free_oscillation import full_size_added_mass, oscillation_forward
 from missionplan.diagnosis.tank.model import TankModel
-from missionplan.diagnosis.tank.model_factory import tank_forward
-from missionplan.diagnosis.tank.tables import tank_misfit, tank_residuals, tank_share
-from missionplan.effects import exclusive_groups
+from missionplan.diagnosis.tank.propeller import propeller_forward
+from missionplan.diagnosis.tank.thruster import thruster_forward
+from missionplan.diagnosis.tank.towed_drag import drag_forward
+from missionplan.effects import CATALOGUE, EffectInfo, exclusive_groups
+from missionplan.effects.info import VehicleKey
+from missionplan.errors import InputError, Problem
 from missionplan.mission import Mission
+from missionplan.mission.schema.vehicle import Vehicle
+from missionplan.montecarlo.distributions import mean_of, sd_of
 from missionplan.results.learned.diagnosis import PlanGain
 
 
@@ -74,3 +83,111 @@ class TankKind(DataKind):
         if not (self.mission.moors and vehicle and vehicle.anchor):
             return PlanGain(reason="no mooring's anchor, whose choice the tank's data could change")
         return plan_gain(anchor_choice, base, extended, seed=seed, jobs=jobs)
+
+
+def tank_forward(data: TankData, mission: Mission) -> TankForward:
+    """Bind the base model of a kind of tank data, with the constants that the mission's vehicle file has.
+
+    Raises
+    ------
+    InputError
+        When the data hold as many unknowns as numbers, or nothing but zeros.
+    """
+    forward = _forward(data, mission)
+    if not np.any(forward.y):
+        words = f"{forward.quantity} is 0 in every row: there is nothing to explain"
+        raise InputError([Problem(words, data.settings.file)])
+    return forward
+
+
+def _forward(data: TankData, mission: Mission) -> TankForward:
+    settings, vehicle = data.settings, mission.vehicle
+    if isinstance(settings, DragSettings):
+        plain, faster = (drag_forward(data, settings, vehicle, factor) for factor in (1.0, 2.0))
+        return replace(plain, designs=(("the same runs at twice the speeds", faster),))
+    if isinstance(settings, OscillationSettings):
+        plain, larger = (oscillation_forward(data, settings, vehicle, factor) for factor in (1.0, 3.0))
+        return replace(plain, designs=(("a release from three times the displacement", larger),))
+    if isinstance(settings, ThrusterSettings):
+        return thruster_forward(data, settings)
+    return propeller_forward(data, settings)
+
+
+def given_in_tank(data: TankData, mission: Mission, candidates: Iterable[str]) -> tuple[GivenEffect, ...]:
+    """Return the priors of the candidates of which the mission knows something.
+
+    Its own effects; else, where an effect is stated by a key of the vehicle file and that key has a distribution, no
+    change on the mean, with that uncertainty.
+
+    Raises
+    ------
+    InputError
+        When a diagnosis cannot hold the mission's effects together.
+    """
+    effects = [CATALOGUE[name] for name in candidates]
+    given = given_priors(mission, effects)
+    check_together(given, mission, "tank")
+    own = {entry.effect for entry in mission.effect_list.known}
+    stated = [_stated(info, data, mission.vehicle) for info in effects if info.vehicle_key and info.id not in own]
+    return (*given, *(each for each in stated if each is not None))
+
+
+def _stated(info: EffectInfo, data: TankData, vehicle: Vehicle | None) -> GivenEffect | None:
+    sd = _uncertainty(info.vehicle_key, data, vehicle) if vehicle is not None else 0.0
+    if sd == 0.0:
+        return None
+    coordinates = coordinates_of(info)
+    (parameter,) = info.parameters.values()
+    spike = parameter.tank_spike or parameter.spike
+    return GivenEffect(info.id, coordinates, np.zeros(1), np.array([[sd**2]]), np.array([spike**2]))
+
+
+def _uncertainty(key: VehicleKey, data: TankData, vehicle: Vehicle) -> float:
+    """Standard deviation of an effect's one parameter by the key that states it; 0 where the key is a number."""
+    settings = data.settings
+    if isinstance(settings, DragSettings) and vehicle.drag is not None:
+        if key == "drag.coefficient":
+            return sd_of(vehicle.drag.coefficient) / mean_of(vehicle.drag.coefficient)
+        if key == "drag.exponent":
+            return sd_of(vehicle.drag.exponent)
+    if key == "added_mass.surge" and isinstance(settings, OscillationSettings) and vehicle.added_mass is not None:
+        surge = vehicle.added_mass.surge
+        return sd_of(surge) / full_size_added_mass(settings, vehicle, 0.0, 1.0)[1] if surge is not None else 0.0
+    return 0.0
+
+
+def tank_residuals(model: TankModel, best: CauseFit) -> pd.DataFrame:
+    """Return one row a datum: where it lies, what was measured, both models' values, and what is left of each [SI]."""
+    places = {f"at_{name}": values for name, values in model.forward.axes.items()}
+    measured = model.forward.y
+    before = model.plain_residuals()
+    after = best.state.residuals if best.causes else before
+    return pd.DataFrame(
+        {
+            "group": model.forward.groups,
+            **places,
+            model.forward.quantity: measured,
+            "base": measured - before,
+            "extended": measured - after,
+            "residual_base": before,
+            "residual_extended": after,
+        }
+    )
+
+
+def tank_misfit(model: TankModel, table: pd.DataFrame) -> str:
+    """Describe the base model's errors beside the sensor's noise."""
+    rms = float(np.sqrt(np.mean(table["residual_base"] ** 2)))
+    size = float(np.sqrt(np.mean(model.forward.y**2)))
+    stated = f", {rms / float(np.median(model.forward.sd)):.1f} times the stated noise" if model.forward.stated else ""
+    name, unit = UNITS[model.forward.quantity]
+    return f"The base model misses {name} by {rms:.3g} {unit} rms, {100.0 * rms / size:.1f} % of it{stated}."
+
+
+UNITS = {"force_n": ("the drag", "N"), "displacement_m": ("the displacement", "m"), "thrust_n": ("the thrust", "N")}
+
+
+def tank_share(table: pd.DataFrame, fit: CauseFit) -> float:
+    """Return the share of the base model's squared residuals that goes with a set."""
+    before, after = float(np.sum(table["residual_base"] ** 2)), float(np.sum(fit.state.residuals**2))
+    return float(np.clip(1.0 - after / max(before, 1e-30), 0.0, 1.0))

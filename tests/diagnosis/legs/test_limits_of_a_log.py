@@ -1,6 +1,5 @@
 """What a log cannot show, however well it fits: few legs, one heading, a cause that changes."""
 
-import math
 import re
 from dataclasses import replace
 
@@ -9,12 +8,11 @@ import pytest
 
 from missionplan import diagnose
 from missionplan.datasets.legs import read_transit
-from missionplan.diagnosis.inference.adequacy.discrepancy import none_of_these
 from missionplan.diagnosis.legs.extended_mission import widened
 from missionplan.diagnosis.legs.model_factory import transit_model
 from missionplan.report.diagnosis.page import answer
 from missionplan.report.render import render_report
-from missionplan.results.learned.evidence import Coverage, Discrepancy, ResidualTest
+from missionplan.results.learned.evidence import Coverage
 
 
 def words_of(found):
@@ -111,20 +109,6 @@ def test_a_constant_cause_is_constant(seed, folder, transit_mission, legs):
     found = diagnose(transit_mission, folder(KIND, table), plan=False)
     assert found.causes == ("compass-bias",)
     assert found.not_constant == ()
-
-
-@pytest.mark.parametrize(
-    ("log_bayes_factor", "p_values", "expected"),
-    [
-        (-2.0, (0.4, 0.9), math.exp(0.0) / 13.0),  # of two tests at 0.4 nothing is left
-        (5.0, (0.9,), math.exp(5.0) / 13.0),
-        (0.0, (1e-6,), -1.0 / (math.e * 1e-6 * math.log(1e-6)) / 13.0),
-        (400.0, (1e-300,), 1e150),
-    ],
-)
-def test_probability_of_something_outside_the_catalogue(log_bayes_factor, p_values, expected):
-    left = Discrepancy(log_bayes_factor, None, (), tuple(ResidualTest("", p) for p in p_values))
-    assert none_of_these(left, 12) == pytest.approx(expected / (1.0 + expected))
 
 
 def test_intervals_that_are_too_narrow_are_said(folder, transit_mission, legs):

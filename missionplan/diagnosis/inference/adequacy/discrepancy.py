@@ -7,7 +7,6 @@ Eq. 2.30), with a covariance of low rank.
 """
 
 import itertools
-import math
 from collections.abc import Sequence
 
 import numpy as np
@@ -149,24 +148,3 @@ def _log_likelihoods(values: Array, projected: Array, total: float, count: int) 
     rest = (count - len(values)) * np.log(variance[:, 0]) + (total - projected.sum()) / variance[:, 0]
     logs = -0.5 * (rest + np.log(along).sum(axis=2) + (projected / along).sum(axis=2))
     return np.asarray(logs + SCALE_PRIOR - np.log(len(SIZES)))
-
-
-def none_of_these(left: Discrepancy, catalogue: int) -> float:
-    """Return the probability that something which no cause of the catalogue explains is left.
-
-    Its prior odds are those of one cause more. The evidence is the Bayes factor of the smooth discrepancy, or the
-    most that the p-values of the residual tests can mean, −1/(e·p·ln p), where that is more (Sellke, Bayarri & Berger
-    2001, *Am. Stat.* 55).
-
-    Parameters
-    ----------
-    left : Discrepancy
-        What the claimed model leaves.
-    catalogue : int
-        Number of effects that the data could show.
-    """
-    smallest = min((test.p_value * len(left.tests) for test in left.tests), default=1.0)
-    smallest = min(max(smallest, 1e-300), 1.0 / math.e)
-    evidence = max(left.log_bayes_factor, -math.log(-math.e * smallest * math.log(smallest)))
-    log_odds = evidence - math.log(catalogue + 1.0)
-    return 1.0 / (1.0 + math.exp(-log_odds)) if log_odds > -700.0 else 0.0
