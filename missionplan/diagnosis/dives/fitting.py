@@ -137,7 +137,9 @@ class DescentFitting(DescentLikelihood):
         for each in own:
             places = self.places(each)
             given += each.posterior(mean[places], reported[np.ix_(places, places)])
-        together = RecordPosterior(self.coordinates, mean, reported).afterwards(own, self.places, free.tolist())
+        whole = linear.centre + marginal.mean  # draws of it are cut, and so must not be of what is cut already
+        record = RecordPosterior(self.coordinates, whole, self._spread(causes, marginal.covariance, whole))
+        together = record.afterwards(own, self.places, free.tolist())
         evidence = float(logsumexp(logs)) + inside.log_mass - prior.log_mass
         return CauseFit(causes, evidence, found, _calibration(best), is_possible(found), state, tuple(given), together)
 

@@ -175,11 +175,11 @@ class TankFitting:
         likely = int(np.argmax(logs))
         residuals, factor = self.forward.y - best.prediction, float(self.noise_factors[likely])
         own = marginals[likely]
-        inside = inside_range(own.mean, own.covariance, *prior.of(active).bounds)
-        own = Marginal(own.log_density, inside.mean, inside.covariance)
         state = TankState(best.at, residuals, best.jacobian, active, factor, sd, own)
-        posterior = self._posterior(causes, state)
-        found = estimates(posterior.coordinates, posterior.mean, posterior.covariance)
+        inside = inside_range(own.mean, own.covariance, *prior.of(active).bounds)
+        cut = Marginal(own.log_density, inside.mean, inside.covariance)
+        reported = self._posterior(causes, replace(state, marginal=cut))
+        found = estimates(reported.coordinates, reported.mean, reported.covariance)
         evidence = float(logsumexp(logs)) + inside.log_mass - prior.log_mass
         possible, (given, together) = is_possible(found), self._after(causes, state)
         return CauseFit(causes, evidence, found, self._calibration(state), possible, state, given, together)
