@@ -53,7 +53,7 @@ def log_gains(model: DescentLikelihood, fits: Sequence[CauseFit], supersets: Seq
     shapes = [_FurtherShapes.of(model, fit) for fit in fits]
     columns = _columns(model, fits, shapes)
     return [
-        _gains(model, fit, sets, own, further)
+        _gains_where_known(model, fit, sets, own, further)
         for fit, sets, own, further in zip(fits, supersets, shapes, columns, strict=True)
     ]
 
@@ -109,6 +109,17 @@ def _columns(model: DescentLikelihood, fits: Sequence[CauseFit], shapes: Sequenc
         (block - fit.state.linear.readings[:, None]) / (DIFFERENCE * model.slab[own.strengths])
         for fit, own, block in zip(fits, shapes, blocks, strict=True)
     ]
+
+
+def _gains_where_known(
+    model: DescentLikelihood, fit: CauseFit, sets: Sequence[Causes], shapes: _FurtherShapes, further: Array
+) -> Array:
+    """Gains of the supersets of one fit; none where the linearisation has no numbers for them."""
+    try:
+        gains = _gains(model, fit, sets, shapes, further)
+    except np.linalg.LinAlgError:
+        return np.full(len(sets), -np.inf)
+    return np.where(np.isnan(gains), -np.inf, gains)
 
 
 def _gains(
