@@ -115,9 +115,7 @@ def _diagnose(mission: Mission, dataset: Path, seed: int, jobs: int, wanted: _Wa
     stage()
     decision = bound.plan_gain(mission, extended, seed=seed, jobs=jobs) if wanted.plan and is_new else PlanGain()
     trial = _next_trial(explanations, found, scale, seed) if wanted.next_trial and is_new else None
-    if trial is not None and trial.trial is not None:
-        known: dict[str, object] = {key: extended[key] for key in ("posterior", "learned_from") if key in extended}
-        trial = replace(trial, trial={**trial.trial, **known})  # the trial's mission lies beside the same draws
+    trial = _beside_the_draws(trial, extended)
     untold = () if is_new or not wanted.next_trial else (NO_TRIAL,)
     provenance = Run("diagnose", mission, 0, seed, started=started).provenance(
         {"dataset": str(dataset), "jobs": jobs, **asdict(wanted)},
@@ -127,6 +125,14 @@ def _diagnose(mission: Mission, dataset: Path, seed: int, jobs: int, wanted: _Wa
     result = _result(provenance, bound, found, judgement, separated, decision, extended)
     last = None if share is None else _score_of_rest(dataset, share, mission, extended, seed)
     return replace(result, next_trial=trial, explanations=odds(explanations, believed), last_part=last)
+
+
+def _beside_the_draws(found: NextTrial | None, extended: Mapping[str, object]) -> NextTrial | None:
+    """Let the trial's mission name the draws that the extended mission does: both lie beside them."""
+    if found is None or found.trial is None:
+        return found
+    known = {key: extended[key] for key in ("posterior", "learned_from") if key in extended}
+    return replace(found, trial={**found.trial, **known})
 
 
 def _separated(bound: DataKind, found: PipelineResult, judgement: Judgement, jobs: int) -> tuple[Discrimination, ...]:

@@ -53,7 +53,7 @@ def simulated_with(
     """Simulate a mission with other values at some key paths; None where it cannot be."""
     try:
         whole = Mission.from_data(with_values(mission.raw, values), file=mission.file)
-        return simulate(whole, trials=trials, seed=seed, jobs=jobs, assumptions=assumptions)
+        return simulate(whole, trials=trials, seed=seed, jobs=jobs, assumptions=assumptions, sheet=False)
     except InputError:
         return None
 

@@ -89,6 +89,10 @@ class TransitFitting(TransitCovariance):
             weights.append(math.log(weight))
         return states, np.array(weights)
 
+    def _may_wander(self, name: str) -> bool:
+        """Whether an oscillation has the parameters of one that wanders, and the mission has none like it."""
+        return len(self.by_effect[name]) == PAIR and all(each.effect != name for each in self.given)
+
     def _variants(self, causes: Causes, near: Sequence[CauseFit]) -> list[tuple[Forms, float]]:
         """Forms of the oscillations with their prior probabilities; those that a smaller set has as steady stay so.
 
@@ -100,7 +104,7 @@ class TransitFitting(TransitCovariance):
         for name in causes:
             if not CATALOGUE[name].is_modulated:
                 continue
-            may_wander = len(self.by_effect[name]) == PAIR and not any(each.effect == name for each in self.given)
+            may_wander = self._may_wander(name)
             share = 0.25 if may_wander else 0.5
             forms = [(forms, 0.5 * weight) for forms, weight in found]
             if name not in known or name in shown:

@@ -172,6 +172,17 @@ def _time(message: Any, logged: float) -> float:
     return stamp.sec + 1e-9 * stamp.nanosec if stamp.sec else logged
 
 
+def _joined(parts: Sequence[Positions]) -> Positions:
+    """Positions of several bags as one line."""
+    if not parts:
+        return Positions()
+    return positions(
+        np.concatenate([part.t for part in parts]),
+        np.concatenate([part.latitude for part in parts]),
+        np.concatenate([part.longitude for part in parts]),
+    )
+
+
 def _track(
     files: Sequence[Path], options: ReadOptions, chosen: Mapping[str, str], fixed: Samples, deep: Samples,
     lines: Sequence[Samples],
@@ -187,8 +198,6 @@ def _track(
     origin = origin_of(options.names.get("origin"))
     east, north = ("y", "x") if is_down else ("x", "y")
     parts = [plane_positions(each["t"], each[east], each[north], found, origin) for each in lines]
-    places = [np.concatenate([getattr(each, name) for each in parts]) if parts else np.empty(0)
-              for name in ("t", "latitude", "longitude")]  # fmt: skip
     turned = np.degrees(joined("yaw")) if is_down else 90.0 - np.degrees(joined("yaw"))
     own_depth = series(t, z if is_down else -z) if np.any(z) else Series()
     notices = [f"{each} from the topic {topic}" for each, topic in chosen.items() if topic]
@@ -196,7 +205,7 @@ def _track(
         name=files[0].stem,
         format="rosbag",
         fixes=found,
-        reckoned=positions(*places) if parts else Positions(),
+        reckoned=_joined(parts),
         reckoning=f"the vehicle's own ({chosen.get('odometry', 'no odometry')})",
         depth=series(deep["t"], deep["depth"]) if len(deep) else own_depth,
         pitch=series(t, np.degrees(joined("pitch"))),

@@ -2,7 +2,7 @@
 
 import math
 import shlex
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 
 from missionplan.effects import CATALOGUE
 from missionplan.report.diagnosis.evidence import (
@@ -233,22 +233,23 @@ def _numbers(diagnosis: Diagnosis) -> list[tuple[str, str]]:
     return numbers + kind.numbers(diagnosis)
 
 
-def _next_words(diagnosis: Diagnosis) -> list[str]:
-    words = []
-    is_worse = diagnosis.readings.plan_with is False
-    if is_worse:
+def _mission_words(diagnosis: Diagnosis) -> Iterator[str]:
+    """Write with which mission to plan."""
+    if diagnosis.readings.plan_with is False:
         file = diagnosis.provenance.file or "the mission as it was"
-        words.append(
-            f"Plan with {file}. The extended mission, mission.yaml in this folder, is what the next diagnosis needs."
-        )
+        yield f"Plan with {file}. The extended mission, mission.yaml in this folder, is what the next diagnosis needs."
     elif diagnosis.causes:
-        words.append(
+        yield (
             "The extended mission, mission.yaml in this folder, draws from posterior.npz beside it what may be behind "
             "the data, with its uncertainties. simulate, size-anchor and sweep-dmax run it as it is."
         )
+
+
+def _next_words(diagnosis: Diagnosis) -> list[str]:
+    words = list(_mission_words(diagnosis))
     if told := explanations_in_words(diagnosis):
         words.append(told)
-    if diagnosis.causes and not is_worse:
+    if diagnosis.causes and diagnosis.readings.plan_with is not False:
         words += plan_words(diagnosis)
     words += next_trial_pointer(diagnosis.next_trial)
     if diagnosis.next_trial is None or diagnosis.next_trial.best is None:

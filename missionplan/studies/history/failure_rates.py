@@ -74,20 +74,26 @@ def _rows(text: str, file: str, problems: list[Problem]) -> Iterator[Row]:
         problems.append(Problem(f"lacks the column {missing[0]}; a log of failures has {', '.join(COLUMNS)}", file, 1))
         return
     for cells in reader:
-        line, wrong = reader.line_num, len(problems)
         found = {name: (cells.get(name) or "").strip() for name in (*COLUMNS, "leaves")}
-        for name, known in (("per", get_args(Per)), ("leaves", ("", *get_args(Leaves)))):
-            if found[name] not in known:
-                message = f"{name}: given {shown(found[name])}, expected one of {', '.join(filter(None, known))}"
-                problems.append(Problem(message, file, line, hint=did_you_mean(found[name], known)))
-        counts = [_count(found[name]) for name in ("failures", "exposure")]
-        for name, count in zip(("failures", "exposure"), counts, strict=True):
-            if not 0.0 <= count < math.inf:
-                problems.append(Problem(f"{name}: given {shown(found[name])}, expected a number from 0", file, line))
-        if counts[0] > 0.0 and counts[1] == 0.0:
-            problems.append(Problem(f"{found['failures']} failures in no exposure", file, line))
-        if len(problems) == wrong and counts[1] > 0.0:
-            yield Row((found["per"], found["leaves"]), counts[0], counts[1], digest_of(dict(cells)))
+        counts = {name: _count(found[name]) for name in ("failures", "exposure")}
+        wrong = list(_problems(found, counts, file, reader.line_num))
+        problems += wrong
+        if not wrong and counts["exposure"] > 0.0:
+            digest = digest_of(dict(cells))
+            yield Row((found["per"], found["leaves"]), counts["failures"], counts["exposure"], digest)
+
+
+def _problems(found: Mapping[str, str], counts: Mapping[str, float], file: str, line: int) -> Iterator[Problem]:
+    """What is wrong with a row."""
+    for name, known in (("per", get_args(Per)), ("leaves", ("", *get_args(Leaves)))):
+        if found[name] not in known:
+            message = f"{name}: given {shown(found[name])}, expected one of {', '.join(filter(None, known))}"
+            yield Problem(message, file, line, hint=did_you_mean(found[name], known))
+    for name, count in counts.items():
+        if not 0.0 <= count < math.inf:
+            yield Problem(f"{name}: given {shown(found[name])}, expected a number from 0", file, line)
+    if counts["failures"] > 0.0 and counts["exposure"] == 0.0:
+        yield Problem(f"{found['failures']} failures in no exposure", file, line)
 
 
 def _count(text: str) -> float:

@@ -10,13 +10,13 @@ from pathlib import Path
 
 from missionplan.errors import InputError, Problem
 from missionplan.identity import differences, digest_of, program_part
-from missionplan.mission import MissionOrPath, as_mission
+from missionplan.mission import Mission, MissionOrPath, as_mission
 from missionplan.mission.reading.documents import load_document, read_text
 from missionplan.moments import moment_of
 from missionplan.results.base import Provenance
 from missionplan.results.entries import mapping, mappings, real
 from missionplan.store.folder import as_path
-from missionplan.studies.history.failure_rates import rates_file, read_counts, updated_rates
+from missionplan.studies.history.failure_rates import Row, rates_file, read_counts, updated_rates
 from missionplan.studies.history.result import History, Learned, State
 
 MAX_BYTES = 20_000_000
@@ -60,8 +60,7 @@ def history(folder: str | Path, *, mission: MissionOrPath | None = None) -> Hist
     InputError
         When there is no such folder, or neither report nor counts in it, or one cannot be read.
     """
-    began = time.perf_counter()
-    root = as_path(folder, "folder")
+    began, root = time.perf_counter(), as_path(folder, "folder")
     if not root.is_dir():
         raise InputError([Problem("no such folder", str(root))])
     rows, copies = read_counts(root)
@@ -74,25 +73,30 @@ def history(folder: str | Path, *, mission: MissionOrPath | None = None) -> Hist
     by_start = all(report.start for report in reports)
     reports.sort(key=lambda report: (_moment(report.start if by_start else report.created), report.place))
     entries = [entry for report in reports for entry in _learned(report, report.start if by_start else report.created)]
+    told = (*foreign, *copies, *notices, *_other_programs(reports))
+    provenance = replace(_provenance(root, reports, rows, planned), notices=told, elapsed_s=time.perf_counter() - began)
+    known = {report.place: report.learned_from or frozenset() for report in reports}
+    written = rates_file(rates, planned) if rates else ""
+    return History(provenance, tuple(known), tuple(_with_jumps(entries, known)), by_start, rates, written)
+
+
+def _provenance(root: Path, reports: Sequence[_Report], rows: Sequence[Row], planned: Mission | None) -> Provenance:
+    """Return what the history is made from."""
     missions = dict.fromkeys(str(report.summary.get("mission", "")) for report in reports)
-    provenance = Provenance(
+    return Provenance(
         command="history",
         mission=", ".join(missions),
         file="",
         seed=0,
         trials=0,
         options={"folder": str(root), **({} if planned is None else {"mission": planned.file})},
-        elapsed_s=time.perf_counter() - began,
+        elapsed_s=0.0,
         data={"folder": str(root), "reports": [report.place for report in reports]},
-        notices=(*foreign, *copies, *notices, *_other_programs(reports)),
         inputs={
             "reports": {report.place: digest_of(report.summary) for report in reports},
             **({"counts": digest_of([row.digest for row in rows])} if rows else {}),
         },
     )
-    known = {report.place: report.learned_from or frozenset() for report in reports}
-    written = rates_file(rates, planned) if rates else ""
-    return History(provenance, tuple(known), tuple(_with_jumps(entries, known)), by_start, rates, written)
 
 
 def _other_programs(reports: Sequence[_Report]) -> Iterator[str]:

@@ -6,7 +6,7 @@ A mooring on a grid of depths: the depth and slope where the anchor lands, and w
 from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
-from typing import NamedTuple
+from typing import NamedTuple, TypedDict
 
 import numpy as np
 import scipy
@@ -163,7 +163,6 @@ def mooring_trials(
     after = replace(after, alive=after.alive & ~lost)
     continuing, exhausted = end_exhausted(after, scenario.capacity)
     moored, ended = moored & ~lost, after.alive & ~exhausted
-    within, struck = moored & record.within_radius, moored & record.struck
     failures = {
         **({} if contact is None else {name: begun & met for name, met in failures_met(contact).items()}),
         **prevented,
@@ -171,28 +170,25 @@ def mooring_trials(
         **_failures(block, record, begun, taut, moored),
         OUT_OF_ENERGY: exhausted,
     }
-    track, times = _track(plan, state, after, record, block.tracked)
-    profile = _profile(plan, state, moored, after, record)[:, :, : block.tracked]
     room = room_in_depth(plan.dive, plan.held.body.length)
     found = PhaseTrials(
         name=phase.name,
         kind=phase.kind,
         quantities=_quantities(record, goal, moored, after.alive, ended) | _snatch(plan, record, taut),
-        events={"within_radius": within, "struck_seafloor": struck, **_line_events(block, phase, record, taut, moored)},
+        events=_events(block, phase, record, taut, moored),
         limits=limit_events(current, left_record=left),
         start=where_reached(begun, state.clock),
         end=where_reached(ended, after.clock),
         failures=failures,
         miss=where_reached(moored, record.anchor - goal),
-        track=track,
-        track_time=times,
+        **_track(plan, state, after, record, block.tracked),
         anchor=where_reached(moored, record.anchor),
         goal=goal,
         radius=plan.radius,
         inputs={},
         contact=contact,
         exposure=_exposure(plan, begun, record),
-        profile=profile,
+        profile=_profile(plan, state, moored, after, record)[:, :, : block.tracked],
         margins={TOO_SHALLOW: over_trials(room, state.trials), **margins_met(contact)},
     )
     return continuing, found
@@ -255,11 +251,12 @@ def _snatch(plan: MoorPlan, record: MoorRecord, taut: Flags) -> dict[str, Array]
     return quantities_reached(found)
 
 
-def _line_events(
+def _events(
     block: TrialBlock, phase: MoorPhase[Scalars], record: MoorRecord, taut: Flags, moored: Flags
 ) -> dict[str, Flags]:
-    """Events of the line and of what hangs on it; that the line parts where its strength is known."""
-    events = {"anchor_holds": moored & record.hold.anchor_holds, "grounded": moored & record.hold.grounded}
+    """Events of the dive and the hold; that the line parts where its strength is known."""
+    dive = {"within_radius": moored & record.within_radius, "struck_seafloor": moored & record.struck}
+    events = {**dive, "anchor_holds": moored & record.hold.anchor_holds, "grounded": moored & record.hold.grounded}
     if line_strength(phase) is not None:
         events["line_parts"] = taut & record.line_parted
     return events
@@ -273,17 +270,20 @@ def _hold_failures(block: TrialBlock, record: MoorRecord, moored: Flags) -> dict
     return failures | ({"grounded in the hold": moored & hold.grounded} if given.vehicle.centres is not None else {})
 
 
-def _track(
-    plan: MoorPlan, before: TrialState, after: TrialState, record: MoorRecord, tracked: int
-) -> tuple[Array, Array]:
+class _Track(TypedDict):
+    track: Array
+    track_time: Array
+
+
+def _track(plan: MoorPlan, before: TrialState, after: TrialState, record: MoorRecord, tracked: int) -> _Track:
     """Anchor on the seafloor, vehicle surfacing, last fix: where, shape (3, 2, k) [m], and when, shape (3, k) [s]."""
     descent, end = record.descent, before.clock + record.duration
     points = (record.anchor, record.surfaced_at, after.position)
     times = (before.clock + descent.release_time + descent.descent_time, end - plan.surfacing_time, end)
-    return (
-        np.stack([np.where(after.alive, point, np.nan)[:, :tracked] for point in points]),
-        np.stack([np.where(after.alive, time, np.nan)[:tracked] for time in times]),
-    )
+    return {
+        "track": np.stack([np.where(after.alive, point, np.nan)[:, :tracked] for point in points]),
+        "track_time": np.stack([np.where(after.alive, time, np.nan)[:tracked] for time in times]),
+    }
 
 
 def _profile(plan: MoorPlan, before: TrialState, moored: Flags, after: TrialState, record: MoorRecord) -> Array:

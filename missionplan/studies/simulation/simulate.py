@@ -69,6 +69,7 @@ def simulate(
     searched: str | Path | None = None,
     as_exported: str | None = None,
     assumptions: bool = False,
+    sheet: bool = True,
     progress: Progress | None = None,
 ) -> Outcome:
     """Run the whole mission many times.
@@ -96,6 +97,8 @@ def simulate(
         its own rules, instead of what the mission means. A notice says what of it is lost.
     assumptions : bool
         Run the mission again without each of its assumptions (`assumptions.ledger`), and tell what they are worth.
+    sheet : bool
+        Compute what to know if the vehicle does not come back (`Outcome.overdue`).
     progress : callable, optional
         Called with the trials done and their total.
 
@@ -147,7 +150,7 @@ def simulate(
     return replace(
         built,
         plan=plan_if_any(mission, means, seed),
-        overdue=_overdue(task, merged.first, searches),
+        overdue=_overdue(task, merged.first, searches) if sheet else None,
         chart=_chart(means, tracks),
         assumptions=_ledger(mission, seed) if assumptions else (),
     )
