@@ -60,7 +60,7 @@ def test_every_file_of_the_package_counts_and_nothing_that_python_writes(tmp_pat
     (copy / "__pycache__").mkdir(exist_ok=True)
     (copy / "__pycache__" / "errors.cpython-311.pyc").write_bytes(b"x")
     assert module._digest_of_folder(str(copy)) == same
-    water = copy / "physics" / "buoyancy.py"
+    water = copy / "physics" / "water.py"
     water.write_text(water.read_text().replace("9.80665", "9.9"))
     assert module._digest_of_folder(str(copy)) != same
 
@@ -154,7 +154,7 @@ def test_blocks_of_other_code_are_refused_and_stay(monkeypatch, tmp_path, study,
 def test_a_resumed_run_of_a_copy_with_another_gravity_is_refused_and_overwrites_nothing(tmp_path):
     copy = tmp_path / "other" / "missionplan"
     shutil.copytree(PACKAGE, copy, ignore=shutil.ignore_patterns("__pycache__"))
-    gravity = copy / "physics" / "buoyancy.py"
+    gravity = copy / "physics" / "water.py"
     gravity.write_text(gravity.read_text().replace("9.80665", "9.9"))
     words = [sys.executable, "-m", "missionplan", "simulate", str(CHESAPEAKE), "--jobs", "1", "--out", "out", "--quiet"]
 

@@ -20,8 +20,7 @@ class CompassJump(TransitEffect):
 
     def course_factor(self, leg: Leg) -> NDArray[np.complex128]:
         """Return the turn of each leg's course, shape (n,)."""
-        after = np.clip((leg.t_start + leg.duration - self.moment) / leg.duration, 0.0, 1.0)
-        return np.asarray(np.exp(-1j * np.asarray(self.angle * after)))
+        return np.asarray(np.exp(-1j * np.asarray(self.angle * leg.share_after(self.moment))))
 
 
 INFO = EffectInfo(

@@ -126,7 +126,7 @@ def _per_leg(response: Response, leg: Leg) -> Array:
 
 def _changed(response: Response, leg: Leg) -> Array:
     """Share of each leg after the moment."""
-    return np.asarray(np.clip((leg.t_start + leg.duration - response.moment) / leg.duration, 0.0, 1.0))
+    return leg.share_after(response.moment)
 
 
 _NOT_OF_SPEED = ("ahead_constant", "ahead_each_leg", "abeam_each_leg")

@@ -15,7 +15,19 @@ from missionplan.montecarlo.normal_transform import NormalTransform
 
 SECTIONS = frozenset(
     {
-        *("name", "start", "units", "vehicle", "site", "navigation", "phases", "sweep", "optimise", "monte_carlo"),
+        *(
+            "schema",
+            "name",
+            "start",
+            "units",
+            "vehicle",
+            "site",
+            "navigation",
+            "phases",
+            "sweep",
+            "optimise",
+            "monte_carlo",
+        ),
         *("energy", "requirements", "correlations", "effects", "posterior", "learned_from", "total"),
     }
 )

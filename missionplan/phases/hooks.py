@@ -52,6 +52,11 @@ class Leg:
         """Velocity through the water as complex numbers, east + i north, shape (n,) [m/s]."""
         return np.asarray(self.speed * (self.along[0] + 1j * self.along[1]))
 
+    def share_after(self, moment: Scalars) -> Array:
+        """Share of each leg that comes after a moment, shape (n,); 0 of one that takes no time."""
+        after = np.clip(self.t_start + self.duration - moment, 0.0, self.duration)
+        return np.asarray(after / np.where(self.duration > 0.0, self.duration, 1.0))
+
 
 @dataclass(frozen=True)
 class DriftParts:

@@ -184,7 +184,7 @@ def test_lines_break_at_ordinary_spaces_alone():
         ("ingress.arrived", "arrival (ingress)"),
         ("site.current[1].speed", "current speed in layer 2"),
         ("navigation.surfacing_time", "surfacing time"),
-        ("within_radius", "within radius"),
+        ("within_radius", "anchor within the radius"),
         ("moor.within_radius", "anchor within the radius (moor)"),
         ("total.success", "success of the mission"),
         ("moor.release_time", "release time (moor)"),

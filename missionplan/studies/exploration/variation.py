@@ -24,7 +24,8 @@ _STEP = re.compile(r"[^.\[\]]+|\[\d+\]")
 _WHOLES = ("vehicle", "start", "site.current", "site.water", "vehicle.anchor")
 """Keys that may be varied as a whole, besides those that hold one value."""
 _OF_THE_RUN = (
-    *("monte_carlo", "sweep", "optimise", "requirements", "correlations", "posterior", "learned_from", "units", "name"),
+    *("schema", "file_schema", "monte_carlo", "sweep", "optimise", "requirements", "correlations"),
+    *("posterior", "learned_from", "units", "name"),
 )
 """Sections that no choice of a mission can lie in."""
 
