@@ -68,8 +68,13 @@ def test_nothing_grows_on_the_same_data(ambiguous):
     again = diagnose(Mission.from_data(found.extended), place, plan=False)
     assert again.verdict == "adequate"
     assert again.extended["posterior"] == found.extended["posterior"]
-    before = {each.causes: each.probability for each in found.explanations}
-    assert {each.causes: each.prior for each in again.explanations} == pytest.approx(before, abs=0.01)
+    carried, listed = shares(found.extended), {each.causes for each in found.explanations}
+    assert listed <= {each.causes for each in again.explanations}
+    total = sum(carried[each.causes] for each in again.explanations)
+    assert total > 0.97
+    for each in again.explanations:
+        assert each.prior == pytest.approx(carried[each.causes] / total, abs=0.01)
+        assert each.probability == pytest.approx(each.prior, abs=1e-6)
     assert "(was 9" in explanations_in_words(again)
 
 
@@ -78,9 +83,9 @@ def test_data_that_can_tell_end_the_doubt(ambiguous, folder, legs):
     resolved = diagnose(Mission.from_data(found.extended), folder(KIND, legs(30, seed=5, error=slow)), plan=False)
     assert resolved.verdict == "adequate"
     assert resolved.explanations[0].causes == ("speed-scale",)
-    assert resolved.explanations[0].probability > 0.999
+    assert resolved.explanations[0].probability > 0.995
     draws = resolved.extended["posterior"].draws
-    assert draws.probability("speed-scale") > 0.999
+    assert draws.probability("speed-scale") > 0.995
     assert shares(resolved.extended)["speed-scale",] > 0.95
     (estimate,) = resolved.confirmed
     assert abs(estimate.value + 0.06) < 3.0 * estimate.sd

@@ -35,6 +35,7 @@ def parameters(info: EffectInfo):
     found = {}
     for name, parameter in info.parameters.items():
         size = 0.3 * parameter.scale if parameter.scale > 0.0 else parameter.median
+        size = 60.0 if name == "moment" else size  # in the mission's first leg
         if size > 0.0:
             value = {"mean": size, "sd": 0.1 * size} if name in info.neutral else size
             found[name] = _written(value, parameter.unit)

@@ -23,6 +23,8 @@ _LARGEST, _LARGEST_PRINTED = 1.7, 1.2
 """Largest scale of a figure on the screen and on paper [px/pt]: text of 10 pt is then about as high as the page's."""
 _TALL, _LONG = 0.8, 1.3
 """Height over width from which a figure is given more room on paper, so that its text can be read."""
+_WIDE = 500.0
+"""Width from which a figure is not made for a telephone [pt]."""
 _LONG_NAME = 18
 """Characters of a first cell for which a wide screen keeps more room."""
 _LEAST_COLUMNS, _MOST_CARDS, _NARROW = 4, 14, 42
@@ -96,7 +98,7 @@ def _environment() -> Environment:
     environment.filters["inline"] = inline
     environment.filters["grouped"] = grouped
     environment.filters["shape"] = shape
-    environment.filters["height_class"] = height_class
+    environment.filters["size_class"] = size_class
     environment.filters["filled"] = filled
     environment.tests["text"] = lambda block: isinstance(block, str)
     environment.tests["figures"] = lambda block: isinstance(block, list)
@@ -171,11 +173,14 @@ def inline(figure: Figure) -> Markup:
     return Markup(svg.replace("<svg", f'<svg preserveAspectRatio="xMinYMid" role="img" aria-label="{label}"{limit}', 1))
 
 
-def height_class(figure: Figure) -> str:
-    """Class of a figure that is about as high as it is wide, or higher, or so much higher that it fills a page."""
+def size_class(figure: Figure) -> str:
+    """Classes of a figure that is about as high as it is wide or fills a page, and of one made for a wide page."""
     size = re.search(r'viewBox="0 0 ([\d.]+) ([\d.]+)"', figure.svg)
-    ratio = float(size[2]) / float(size[1]) if size else 0.0
-    return "page" if ratio > _LONG else "tall" if ratio > _TALL else ""
+    if size is None:
+        return ""
+    width, height = float(size[1]), float(size[2])
+    high = "page" if height > _LONG * width else "tall" if height > _TALL * width else ""
+    return " ".join(filter(None, (high, "wide" if width > _WIDE else "")))
 
 
 def rerun_command(provenance: Provenance) -> str:
