@@ -32,8 +32,6 @@ class Coordinate:
     ----------
     effect, name : str
         Effect and parameter (of a polar pair: the amplitude).
-    kind : str
-        Its relation to the parameter: the parameter itself, its logarithm, or one of a·cos φ and a·sin φ.
     centre, slab, spike : float
         Prior mean, and prior standard deviation as a cause and otherwise; a shape has no spike.
     """
@@ -41,6 +39,7 @@ class Coordinate:
     effect: str
     name: str
     kind: Literal["strength", "shape", "cosine", "sine"]
+    """Its relation to the parameter: the parameter itself, its logarithm, or one of a·cos φ and a·sin φ."""
     centre: float
     slab: float
     spike: float

@@ -44,28 +44,19 @@ class Dataset(Protocol):
 
 
 class DataKind(ABC):
-    """A kind of measured data; an instance is one data set of the kind, bound to a mission.
-
-    Attributes
-    ----------
-    ids : tuple of str
-        ``kind`` in ``dataset.yaml``.
-    kind : str
-        One of `ids`.
-    mission : Mission
-        The base model.
-    data : Dataset
-        What was read.
-    model : WeighsAllSets
-        Base model and catalogue, bound to the data.
-    """
+    """A kind of measured data; an instance is one data set of the kind, bound to a mission."""
 
     ids: ClassVar[tuple[str, ...]]
+    """``kind`` in ``dataset.yaml``."""
 
     kind: str
+    """One of `ids`."""
     mission: Mission
+    """The base model."""
     data: Dataset
+    """What was read."""
     model: WeighsAllSets
+    """Base model and catalogue, bound to the data."""
 
     @property
     def is_known(self) -> bool:

@@ -33,21 +33,14 @@ MOST, FEW = 12, 3
 
 @dataclass(frozen=True)
 class Explained:
-    """A mission under one explanation of each of its doubts.
-
-    Attributes
-    ----------
-    prior : float
-        Probability of the combination, of those compared.
-    causes : tuple of str
-        Effects of the explanations; empty where none holds.
-    mission : Mission
-        With these effects as plain ones.
-    """
+    """A mission under one explanation of each of its doubts."""
 
     prior: float
+    """Probability of the combination, of those compared."""
     causes: Causes
+    """Effects of the explanations; empty where none holds."""
     mission: Mission
+    """With these effects as plain ones."""
 
 
 @dataclass(frozen=True)
@@ -57,24 +50,19 @@ class Weighed:
     Attributes
     ----------
     explained : Explained
-    bound : DataKind
-        The data set, bound to its mission.
-    base : CauseFit or None
-        Its base model fitted; None where the mission has no doubt.
-    probability : float
-        After the data: prior times evidence of the base models.
-    extended : CauseFit or None
-        With the causes found beside the likeliest explanation, where they are better than none beside this one.
-    gain : float
-        What these causes add to the log of its weight.
     """
 
     explained: Explained
     bound: DataKind
+    """The data set, bound to its mission."""
     base: CauseFit | None
+    """Its base model fitted; None where the mission has no doubt."""
     probability: float
+    """After the data: prior times evidence of the base models."""
     extended: CauseFit | None = None
+    """With the causes found beside the likeliest explanation, where they are better than none beside this one."""
     gain: float = 0.0
+    """What these causes add to the log of its weight."""
 
     @property
     def fit(self) -> CauseFit | None:

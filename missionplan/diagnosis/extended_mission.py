@@ -36,28 +36,22 @@ class Hypothesis:
 
     Attributes
     ----------
-    causes : tuple of str
-        Effects of the mission's explanation, and those found beyond it.
     probability : float
-    before : Mission
-        Under the explanation.
-    shown : tuple of str
-        The mission's own effects that the data concern.
-    fit : CauseFit
-        With what is known of these now, and of the causes.
-    data : mapping
-        The mission's data with all that belongs to no effect, and the effects that it had.
-    place : tuple of float
-        Of the data; see `DataKind.place`.
     """
 
     causes: Causes
+    """Effects of the mission's explanation, and those found beyond it."""
     probability: float
     before: Mission
+    """Under the explanation."""
     shown: Causes
+    """The mission's own effects that the data concern."""
     fit: CauseFit
+    """With what is known of these now, and of the causes."""
     data: Mapping[str, object]
+    """The mission's data with all that belongs to no effect, and the effects that it had."""
     place: Place = NOWHERE
+    """Of the data; see `DataKind.place`."""
 
 
 def with_noise(raw: Mapping[str, object], calibration: Mapping[str, float]) -> dict[str, object]:

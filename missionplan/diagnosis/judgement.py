@@ -17,27 +17,21 @@ class Judgement:
     Attributes
     ----------
     verdict : str
-    credible_set : tuple
-        Sets that hold 95 % of the probability.
-    rivals : tuple
-        Sets within 3 nats of the claimed one.
-    not_constant : tuple of str
-        Claimed causes that do not hold still.
-    suspect_labels : str
-        Which labels of the record look wrong; empty where none do.
-    none_of_these : float
-        Probability that something outside the catalogue is left.
-    coverage : Coverage or None
-        Of the 90 % intervals of the model claimed, else of the base model's, on data held out; None where unknown.
     """
 
     verdict: Verdict
     credible_set: tuple[Causes, ...]
+    """Sets that hold 95 % of the probability."""
     rivals: tuple[Causes, ...]
+    """Sets within 3 nats of the claimed one."""
     not_constant: Causes
+    """Claimed causes that do not hold still."""
     suspect_labels: str
+    """Which labels of the record look wrong; empty where none do."""
     none_of_these: float
+    """Probability that something outside the catalogue is left."""
     coverage: Coverage | None
+    """Of the 90 % intervals of the model claimed, else of the base model's, on data held out; None where unknown."""
 
 
 def judge(bound: DataKind, found: PipelineResult, jobs: int = 1) -> Judgement:

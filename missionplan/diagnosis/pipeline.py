@@ -32,27 +32,22 @@ class PipelineResult:
 
     Attributes
     ----------
-    reading : Reading
-        What the posterior says.
-    best : CauseFit
-        The claimed set's fit, else the base model's.
-    selection : Selection
-        All sets.
-    held_out : mapping
-        Predictions of held-out data by the best sets, beside the base model's.
     discrepancy, base_discrepancy : Discrepancy
         What the claimed model leaves, and the base model.
-    outlying_groups : tuple
-        Groups that the best model cannot explain, with p-values.
     """
 
     reading: Reading
+    """What the posterior says."""
     best: CauseFit
+    """The claimed set's fit, else the base model's."""
     selection: Selection
+    """All sets."""
     held_out: Mapping[Causes, HeldOutComparison]
+    """Predictions of held-out data by the best sets, beside the base model's."""
     discrepancy: Discrepancy
     base_discrepancy: Discrepancy
     outlying_groups: OutlyingGroups
+    """Groups that the best model cannot explain, with p-values."""
 
     @property
     def posterior(self) -> Mapping[Causes, float]:

@@ -13,24 +13,16 @@ LIKELY = 0.5
 
 @dataclass(frozen=True)
 class Reading:
-    """What a posterior says.
-
-    Attributes
-    ----------
-    posterior : mapping
-        Probability of each set of causes.
-    nothing : float
-        That nothing is there: no cause, and nothing that no cause explains.
-    none_of_these : float
-        That something which no cause explains is there.
-    families : sequence of sequence of set
-        Sets that differ in nothing that these data show, and that are told as one.
-    """
+    """What a posterior says."""
 
     posterior: Mapping[Causes, float]
+    """Probability of each set of causes."""
     nothing: float
+    """That nothing is there: no cause, and nothing that no cause explains."""
     none_of_these: float
+    """That something which no cause explains is there."""
     families: Sequence[Sequence[Causes]] = ()
+    """Sets that differ in nothing that these data show, and that are told as one."""
 
     @property
     def claimed(self) -> Causes:

@@ -268,21 +268,14 @@ _GROUP = "missionplan.effects"
 
 @dataclass(frozen=True)
 class Catalogue:
-    """The project's effects and those of plug-ins.
-
-    Attributes
-    ----------
-    entries : mapping
-        Effects by name.
-    origins : mapping
-        Package that each comes from, by name.
-    failed : mapping
-        Why a plug-in is left out, by the plug-in's name.
-    """
+    """The project's effects and those of plug-ins."""
 
     entries: Mapping[str, EffectInfo]
+    """Effects by name."""
     origins: Mapping[str, str]
+    """Package that each comes from, by name."""
     failed: Mapping[str, str]
+    """Why a plug-in is left out, by the plug-in's name."""
 
 
 def with_plugins(own: Sequence[EffectInfo], plugins: Iterable[EntryPoint]) -> Catalogue:

@@ -9,31 +9,24 @@ class Finding:
 
     Attributes
     ----------
-    parameter : str
-        Whose size is told; empty where none is.
     positive, negative : str
         Clauses for either sign, with ``{size}``, and ``{at}`` for the moment or threshold from which it acts; a
         parameter that has one sign needs the first alone.
-    remedy : str
-        What to do about it.
-    in_percent : bool
-        Whether the size is a share, told in per cent.
-    toward : (str, str)
-        Components east and north, where the size is that of a vector; the clause has ``{direction}`` too.
-    each : float
-        Change of what it responds to for which the size is told [its unit].
-    unit : str
-        Unit of the size that is then told; empty: the parameter's.
-    beyond : float
-        What is added to the size before it is told: 1 where nothing is meant by a share of all.
     """
 
     parameter: str
+    """Whose size is told; empty where none is."""
     positive: str
     negative: str = ""
     remedy: str = ""
+    """What to do about it."""
     in_percent: bool = False
+    """Whether the size is a share, told in per cent."""
     toward: tuple[str, str] | None = None
+    """Components east and north, where the size is that of a vector; the clause has ``{direction}`` too."""
     each: float = 1.0
+    """Change of what it responds to for which the size is told [its unit]."""
     unit: str = ""
+    """Unit of the size that is then told; empty: the parameter's."""
     beyond: float = 0.0
+    """What is added to the size before it is told: 1 where nothing is meant by a share of all."""

@@ -26,46 +26,34 @@ class LegRecord:
 
     Attributes
     ----------
-    latitude : float
-        Of the coordinates' origin [rad]; nan where unknown.
-    has_surface_time : bool
-        Whether the time at the surface before each fix is logged.
-    duration : float
-        Between the middles of the first and the last leg [s].
     speeds, durations : float
         Range of the legs' speeds, and of their times under way, over the median.
-    depths : float
-        Range of the legs' mean depths [m]; nan where they are not logged.
     """
 
     latitude: float
+    """Of the coordinates' origin [rad]; nan where unknown."""
     has_surface_time: bool
+    """Whether the time at the surface before each fix is logged."""
     duration: float
+    """Between the middles of the first and the last leg [s]."""
     speeds: float = 0.0
     durations: float = 0.0
     depths: float = float("nan")
+    """Range of the legs' mean depths [m]; nan where they are not logged."""
 
 
 @dataclass(frozen=True)
 class TankRecord:
-    """What tank data hold, as far as it decides which effects they could show.
-
-    Attributes
-    ----------
-    has_vehicle_drag : bool
-        Whether the mission's vehicle file has a drag from a tank.
-    has_both_signs : bool
-        Whether a thruster was commanded in both directions.
-    has_jet_speed : bool
-        Whether shaft rates and the tunnel's diameter are known, so that the speed of a thruster's jet follows.
-    is_under_way : bool
-        Whether some rows were taken under way.
-    """
+    """What tank data hold, as far as it decides which effects they could show."""
 
     has_vehicle_drag: bool = False
+    """Whether the mission's vehicle file has a drag from a tank."""
     has_both_signs: bool = False
+    """Whether a thruster was commanded in both directions."""
     has_jet_speed: bool = False
+    """Whether shaft rates and the tunnel's diameter are known, so that the speed of a thruster's jet follows."""
     is_under_way: bool = False
+    """Whether some rows were taken under way."""
 
 
 def lacks_nothing(record: LegRecord | TankRecord) -> str:
@@ -75,24 +63,16 @@ def lacks_nothing(record: LegRecord | TankRecord) -> str:
 
 @dataclass(frozen=True)
 class Instrument:
-    """An instrument that measures one effect by itself.
-
-    Attributes
-    ----------
-    description : str
-        In words.
-    parameter : str
-        What it measures.
-    sd : float
-        Standard deviation of its error, in the parameter's unit: what such instruments state.
-    minutes : float
-        Time that it takes a practised crew [min].
-    """
+    """An instrument that measures one effect by itself."""
 
     description: str
+    """In words."""
     parameter: str
+    """What it measures."""
     sd: float
+    """Standard deviation of its error, in the parameter's unit: what such instruments state."""
     minutes: float = 60.0
+    """Time that it takes a practised crew [min]."""
 
 
 @dataclass(frozen=True)
@@ -102,37 +82,27 @@ class Likeness:
     Attributes
     ----------
     parameter : str
-    size : float
-        Beyond this [the parameter's unit].
-    words : str
-        In the place of the effect's name.
     """
 
     parameter: str
     size: float
+    """Beyond this [the parameter's unit]."""
     words: str
+    """In the place of the effect's name."""
 
 
 @dataclass(frozen=True)
 class Term:
-    """Strengths of an effect that act together and without its others.
-
-    Attributes
-    ----------
-    strengths : tuple of str
-        One parameter, or two that are components.
-    searched : str
-        The shape that they depend on; empty: none.
-    finding : Finding, optional
-        How it is told, where it is not as the effect is.
-    lacking : callable
-        Why a navigation log cannot show it; empty where it can.
-    """
+    """Strengths of an effect that act together and without its others."""
 
     strengths: tuple[str, ...]
+    """One parameter, or two that are components."""
     searched: str = ""
+    """The shape that they depend on; empty: none."""
     finding: Finding | None = None
+    """How it is told, where it is not as the effect is."""
     lacking: Callable[[LegRecord], str] = lacks_nothing
+    """Why a navigation log cannot show it; empty where it can."""
 
 
 @dataclass(frozen=True)
@@ -173,52 +143,42 @@ class Parameter:
 
     Attributes
     ----------
-    unit : str
-        SI unit as written in a mission file; empty for a bare number.
-    doc : str
-        Description with sign convention.
     low, high : float
         Physical range: a fitted value outside it is not this effect [unit].
-    scale : float
-        Standard deviation of the plausible sizes of a strength; 0 for a shape or a phase [unit].
-    spike : float
-        Standard deviation of a strength in the base model, its uncertainty before any misfit [unit].
     median, factor : float
         Plausible sizes of a shape [unit, 1].
-    reciprocal_is_uniform : bool
-        Whether a shape's reciprocal is as likely anywhere from nil, where the effect vanishes, to 2/`median`; `factor`
-        is then a scale of its logarithm for searches alone.
-    default : float
-        Value when the mission file leaves it out [unit].
-    field : str
-        Field of the data class where a hook has the parameter's name; by default the same as the name.
-    is_random_size : bool
-        Whether it is the size of a velocity error that is random from leg to leg.
     extent_scale, extent_spike : float
         For a gradient: `scale` and `spike` are at most these over the extent of the record [unit·m].
-    tank_spike : float
-        `spike` for tank data, where it differs; 0: the same [unit].
-    searched : str
-        Along what of a log the values of a shape are tried one by one: the ``time`` at which something changes, the
-        ``speed`` or ``depth`` from which it does; empty: none.
     """
 
     unit: str
+    """SI unit as written in a mission file; empty for a bare number."""
     doc: str
+    """Description with sign convention."""
     low: float = -inf
     high: float = inf
     scale: float = 0.0
+    """Standard deviation of the plausible sizes of a strength; 0 for a shape or a phase [unit]."""
     spike: float = 0.0
+    """Standard deviation of a strength in the base model, its uncertainty before any misfit [unit]."""
     median: float = 0.0
     factor: float = 1.0
     reciprocal_is_uniform: bool = False
+    """Whether a shape's reciprocal is as likely anywhere from nil, where the effect vanishes, to 2/`median`; `factor`
+    is then a scale of its logarithm for searches alone."""
     default: float = 0.0
+    """Value when the mission file leaves it out [unit]."""
     field: str = ""
+    """Field of the data class where a hook has the parameter's name; by default the same as the name."""
     is_random_size: bool = False
+    """Whether it is the size of a velocity error that is random from leg to leg."""
     extent_scale: float = inf
     extent_spike: float = inf
     tank_spike: float = 0.0
+    """`spike` for tank data, where it differs; 0: the same [unit]."""
     searched: Literal["", "time", "speed", "depth"] = ""
+    """Along what of a log the values of a shape are tried one by one: the ``time`` at which something changes, the
+    ``speed`` or ``depth`` from which it does; empty: none."""
 
     @property
     def is_shape(self) -> bool:
@@ -228,109 +188,75 @@ class Parameter:
 
 @dataclass(frozen=True)
 class EffectInfo:
-    """An entry of the catalogue.
-
-    Attributes
-    ----------
-    id : str
-        Stable name in mission files and results.
-    phase : str
-        Phase it acts on.
-    tier : str
-        ``physical`` names a cause; ``statistical`` describes the errors without naming one; ``neutral`` describes to
-        what the vehicle responds, outside of what is named.
-    effect : type
-        The data class that refines the phase's hooks.
-    parameters : mapping
-        Name of each field of the data class → `Parameter`.
-    what : str
-        What happens physically.
-    sizes : str
-        Plausible sizes and signs, and where they come from.
-    confused_with : tuple of str
-        Effects that look alike.
-    distinguished_by : str
-        Measurement that would distinguish them.
-    changes_plan : bool
-        False for effects on readings only.
-    polar : tuple
-        Pairs (amplitude, phase) of parameters: linear together as a·cos φ and a·sin φ.
-    frequency_of : callable, optional
-        From the name of a phase in `polar` and a latitude [rad], the angular frequency at which it turns [rad/s], where
-        the phases are of time.
-    belongs_to : str
-        What has it: the vehicle wherever it is, a place in a season, or the weather of some days.
-    part : str
-        Whether it is diagnosed in the mean of a log's errors or in their covariance. In the covariance it refines
-        `fix_variance`, `position_variance_rate` or `tail_dof`, or is a `MarkovProcess`, and its parameters are shapes.
-    linear : bool
-        Whether the mean is linear in its coordinates.
-    exclusive_group : str
-        Of the effects of one group a set of causes holds at most one.
-    is_modulated : bool
-        Whether it is an oscillation whose amplitude and phase may change over days: an
-        `effects.oscillation.Oscillation` with its two parameters, the others being pairs in `polar`.
-    lacking : callable
-        Why a navigation log cannot show it; empty where it can.
-    resolvable : callable, optional
-        From a log's duration [s], the parameters that it can resolve; default all.
-    needs_latitude : bool
-        Whether the phase needs the latitude of the coordinates' origin.
-    is_steady_current : bool
-        Whether its parameters `east` and `north` add to the mission's own uncertainty of the current.
-    follows_law : bool
-        Whether a physical law or its definition gives its form but for its parameters. The diagnosis of dives allows
-        the strengths of others a relative error, and what they add to the readings if they have shape parameters.
-    scatter : str
-        Whether dives scatter in this effect from one to the next: in the time of release, or in drag.
-    instrument : Instrument, optional
-        What measures it directly.
-    likeness : Likeness, optional
-        What to say of it where it is found too large to be true.
-    finding : Finding, optional
-        How it is told to the operator, and what to do about it.
-    terms : tuple of `Term`
-        Alternatives of which one acts on a log, each a few strengths in which the mean is linear: the diagnosis of legs
-        weighs an effect that has any by its columns beside all sets of others, at most one to a set.
-    tank : tuple of str
-        Kinds of tank data that could show it.
-    lacking_in_tank : callable
-        Why tank data of such a kind cannot show it; empty where they can.
-    vehicle_key : str
-        Key of the vehicle file that states what tank data show of it, with its one parameter: a relative change of the
-        drag's coefficient, a change of its exponent, or a relative change of the oscillating mass.
-    """
+    """An entry of the catalogue."""
 
     id: str
+    """Stable name in mission files and results."""
     phase: Phase
+    """Phase it acts on."""
     tier: Tier
+    """``physical`` names a cause; ``statistical`` describes the errors without naming one; ``neutral`` describes to
+    what the vehicle responds, outside of what is named."""
     effect: type[TransitEffect] | type[DescentEffect] | type[TankEffect]
+    """The data class that refines the phase's hooks."""
     parameters: Mapping[str, Parameter]
+    """Name of each field of the data class → `Parameter`."""
     what: str
+    """What happens physically."""
     sizes: str
+    """Plausible sizes and signs, and where they come from."""
     confused_with: tuple[str, ...]
+    """Effects that look alike."""
     distinguished_by: str
+    """Measurement that would distinguish them."""
     changes_plan: bool = True
+    """False for effects on readings only."""
     polar: tuple[tuple[str, str], ...] = ()
+    """Pairs (amplitude, phase) of parameters: linear together as a·cos φ and a·sin φ."""
     frequency_of: Callable[[str, float], float] | None = None
+    """From the name of a phase in `polar` and a latitude [rad], the angular frequency at which it turns [rad/s], where
+    the phases are of time."""
     belongs_to: Literal["vehicle", "place", "day"] = "vehicle"
+    """What has it: the vehicle wherever it is, a place in a season, or the weather of some days."""
     part: Part = "mean"
+    """Whether it is diagnosed in the mean of a log's errors or in their covariance. In the covariance it refines
+    `fix_variance`, `position_variance_rate` or `tail_dof`, or is a `MarkovProcess`, and its parameters are shapes."""
     linear: bool = True
+    """Whether the mean is linear in its coordinates."""
     exclusive_group: str = ""
+    """Of the effects of one group a set of causes holds at most one."""
     is_modulated: bool = False
+    """Whether it is an oscillation whose amplitude and phase may change over days: an `effects.oscillation.Oscillation`
+    with its two parameters, the others being pairs in `polar`."""
     lacking: Callable[[LegRecord], str] = lacks_nothing
+    """Why a navigation log cannot show it; empty where it can."""
     resolvable: Callable[[float], Collection[str]] | None = None
+    """From a log's duration [s], the parameters that it can resolve; default all."""
     needs_latitude: bool = False
+    """Whether the phase needs the latitude of the coordinates' origin."""
     is_steady_current: bool = False
+    """Whether its parameters `east` and `north` add to the mission's own uncertainty of the current."""
     follows_law: bool = False
+    """Whether a physical law or its definition gives its form but for its parameters. The diagnosis of dives allows the
+    strengths of others a relative error, and what they add to the readings if they have shape parameters."""
     scatter: Scatter = ""
+    """Whether dives scatter in this effect from one to the next: in the time of release, or in drag."""
     instrument: Instrument | None = None
+    """What measures it directly."""
     likeness: Likeness | None = None
+    """What to say of it where it is found too large to be true."""
     finding: Finding | None = None
+    """How it is told to the operator, and what to do about it."""
     terms: tuple[Term, ...] = ()
+    """Alternatives of which one acts on a log, each a few strengths in which the mean is linear: the diagnosis of legs
+    weighs an effect that has any by its columns beside all sets of others, at most one to a set."""
     tank: tuple[TankKind, ...] = ()
+    """Kinds of tank data that could show it."""
     lacking_in_tank: Callable[[TankRecord], str] = lacks_nothing
+    """Why tank data of such a kind cannot show it; empty where they can."""
     vehicle_key: VehicleKey = ""
+    """Key of the vehicle file that states what tank data show of it, with its one parameter: a relative change of the
+    drag's coefficient, a change of its exponent, or a relative change of the oscillating mass."""
 
     def make(self, values: Mapping[str, Scalars]) -> Effect:
         """Build the effect from parameters by their names; those left out take their defaults.

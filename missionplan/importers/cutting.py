@@ -57,32 +57,25 @@ class CutTrack:
 
     Attributes
     ----------
-    dives : DataFrame
-        Every dive between two fixes, with `LEG_COLUMNS`.
-    depth : Series
-        Below what the gauge reads at the surface [m].
     fixes : JudgedFixes
-    reckoned : tuple of Positions
-        Of each dive, as used.
-    current : VehicleCurrent or None
-        What the dead reckoning holds of a current that the vehicle estimated.
-    is_made : bool
-        Whether the dead reckoning was made here, and is not the vehicle's own.
-    reckoning : str
-        Where the dead-reckoned positions come from, in words.
-    basis : Basis
-        What all legs rest on.
     notices : tuple of str
     """
 
     dives: pd.DataFrame
+    """Every dive between two fixes, with `LEG_COLUMNS`."""
     depth: Series
+    """Below what the gauge reads at the surface [m]."""
     fixes: JudgedFixes
     reckoned: tuple[Positions, ...]
+    """Of each dive, as used."""
     current: VehicleCurrent | None
+    """What the dead reckoning holds of a current that the vehicle estimated."""
     is_made: bool
+    """Whether the dead reckoning was made here, and is not the vehicle's own."""
     reckoning: str
+    """Where the dead-reckoned positions come from, in words."""
     basis: Basis
+    """What all legs rest on."""
     notices: tuple[str, ...]
 
     @property

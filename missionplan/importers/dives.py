@@ -29,24 +29,16 @@ _SEVERAL = 10.0
 
 @dataclass(frozen=True)
 class LegRules:
-    """Rules for legs.
-
-    Attributes
-    ----------
-    shortest : float or None
-        Time from fix to fix below which a leg does not count [s]; None for the reader's own.
-    longest_gap : float or None
-        Longest time without a reading that a leg may have [s]; None for 120 s, or four intervals of a slower log.
-    dive_depth : float or None
-        Depth that a dive reaches [m]; None for 5 m, or a quarter of the depth of a vehicle that stays above 20 m.
-    take_out_current : bool
-        Whether the current that the vehicle's dead reckoning is carried with is taken out of it.
-    """
+    """Rules for legs."""
 
     shortest: float | None = None
+    """Time from fix to fix below which a leg does not count [s]; None for the reader's own."""
     longest_gap: float | None = None
+    """Longest time without a reading that a leg may have [s]; None for 120 s, or four intervals of a slower log."""
     dive_depth: float | None = None
+    """Depth that a dive reaches [m]; None for 5 m, or a quarter of the depth of a vehicle that stays above 20 m."""
     take_out_current: bool = False
+    """Whether the current that the vehicle's dead reckoning is carried with is taken out of it."""
 
 
 @dataclass(frozen=True)
@@ -80,22 +72,18 @@ class Candidate:
     ----------
     before, after : int
         Of the good fixes.
-    max_depth : float
-        Greatest depth [m]; nan where none was logged.
-    depth_at_fix : float
-        Depth that the log has at the time of the fix before: large where that fix was logged late [m].
-    surfaced : float
-        When the vehicle came to the surface [s]; the time of the fix after where that is not known.
-    reckoned_to : float
-        Until when positions are of this dive [s]: that of the fix after, or of surfacing where it was logged late.
     """
 
     before: int
     after: int
     max_depth: float
+    """Greatest depth [m]; nan where none was logged."""
     depth_at_fix: float
+    """Depth that the log has at the time of the fix before: large where that fix was logged late [m]."""
     surfaced: float
+    """When the vehicle came to the surface [s]; the time of the fix after where that is not known."""
     reckoned_to: float
+    """Until when positions are of this dive [s]: that of the fix after, or of surfacing where it was logged late."""
 
 
 def from_surface(track: Track, good: Fixes) -> tuple[Track, float, str]:

@@ -44,21 +44,18 @@ class JudgedFixes:
     Attributes
     ----------
     good : Fixes
-    sd : array, shape (n,)
-        Of each good one, each axis [m]; nan where nothing is known of it.
     rejected : Fixes
-    reasons : tuple of str
-        Of each rejected one.
-    by : array of str, shape (n,)
-        What speaks for each good one: its ``flag``, its ``quality``, its ``neighbours`` against a bad quality, or
-        ``place``: nothing is stated of it, and it does not jump.
     """
 
     good: Fixes
     sd: Array
+    """Shape (n,). Of each good one, each axis [m]; nan where nothing is known of it."""
     rejected: Fixes
     reasons: tuple[str, ...]
+    """Of each rejected one."""
     by: NDArray[np.object_]
+    """What speaks for each good one: its ``flag``, its ``quality``, its ``neighbours`` against a bad quality, or
+    ``place``: nothing is stated of it, and it does not jump, shape (n,)."""
 
     def without(self, which: NDArray[np.bool_], reason: str) -> "JudgedFixes":
         """Reject some of the good ones, shape (n,), too."""

@@ -26,21 +26,14 @@ class PartlyReadError(Exception):
 
 @dataclass(frozen=True)
 class ReadOptions:
-    """What the user says of the sources.
-
-    Attributes
-    ----------
-    names : Mapping
-        Quantities (`lat`, `time`, ...) and where the source has them.
-    cache : Path or None
-        Folder of the sensor lists of Slocum gliders.
-    vehicle : str or None
-        To be read where one file holds several.
-    """
+    """What the user says of the sources."""
 
     names: Mapping[str, MappedName] = field(default_factory=dict)
+    """Quantities (`lat`, `time`, ...) and where the source has them."""
     cache: Path | None = None
+    """Folder of the sensor lists of Slocum gliders."""
     vehicle: str | None = None
+    """To be read where one file holds several."""
 
 
 @dataclass(frozen=True)
@@ -59,24 +52,16 @@ class Identity:
 
 @dataclass
 class SourceLog:
-    """Keeps what became of each file while a reader works.
-
-    Attributes
-    ----------
-    passed_over : list of Problem
-        Files that were not read, with the reason.
-    read : list of Path
-        Files that were.
-    progress : callable or None
-        Called with the number of files done and of all.
-    is_strict : bool
-        Whether a damaged file ends the import.
-    """
+    """Keeps what became of each file while a reader works."""
 
     passed_over: list[Problem] = field(default_factory=list)
+    """Files that were not read, with the reason."""
     read: list[Path] = field(default_factory=list)
+    """Files that were."""
     progress: Callable[[int, int], None] | None = None
+    """Called with the number of files done and of all."""
     is_strict: bool = False
+    """Whether a damaged file ends the import."""
 
     def each(self, files: Sequence[Path]) -> Iterator[Path]:
         """Yield the files, with the progress shown."""
@@ -118,33 +103,22 @@ class SourceLog:
 
 @dataclass(frozen=True)
 class Importer:
-    """A reader of one format. Installed packages add theirs through the entry points `missionplan.importers`.
-
-    Attributes
-    ----------
-    name : str
-        As `--format` names it.
-    describes : str
-        What it reads, in a few words.
-    recognises : callable
-        From a path and the first bytes of the file to whether it is of this format.
-    read : callable
-        From files, options and a log of what became of each file to a track.
-    is_guessed : bool
-        Whether files are read by it without `--format`.
-    identify : callable or None
-        From a path to the vehicle and the deployment that a file is of; may raise as a reader does.
-    is_choosing : bool
-        Whether a file may be of several vehicles, of which the reader reads one.
-    """
+    """A reader of one format. Installed packages add theirs through the entry points `missionplan.importers`."""
 
     name: str
+    """As `--format` names it."""
     describes: str
+    """What it reads, in a few words."""
     recognises: Callable[[Path, bytes], bool]
+    """From a path and the first bytes of the file to whether it is of this format."""
     read: Callable[[Sequence[Path], ReadOptions, SourceLog], Track]
+    """From files, options and a log of what became of each file to a track."""
     is_guessed: bool = True
+    """Whether files are read by it without `--format`."""
     identify: Callable[[Path], Identity] | None = None
+    """From a path to the vehicle and the deployment that a file is of; may raise as a reader does."""
     is_choosing: bool = False
+    """Whether a file may be of several vehicles, of which the reader reads one."""
 
 
 def unpacked(path: Path) -> BinaryIO:

@@ -33,13 +33,12 @@ class Limits:
     ----------
     shortest, longest_gap : float
         Time from fix to fix, and without a reading under water [s].
-    surface : float
-        Depth of the surface [m].
     """
 
     shortest: float
     longest_gap: float
     surface: float
+    """Depth of the surface [m]."""
 
 
 def judge(dives: pd.DataFrame, track: Track, reckoned: Sequence[Positions], limits: Limits) -> pd.DataFrame:

@@ -51,23 +51,19 @@ class Reading:
     Attributes
     ----------
     track : Track
-    name : str
-        Of the data set.
     sources : tuple of SourceEntry
-    passed_over : tuple of str
-        Files that were not read, with the reason.
-    options : Mapping
-        As the report tells them.
-    began : float
-        When the import began, by the performance counter [s].
     """
 
     track: Track
     name: str
+    """Of the data set."""
     sources: tuple[SourceEntry, ...]
     passed_over: tuple[str, ...]
+    """Files that were not read, with the reason."""
     options: Mapping[str, object]
+    """As the report tells them."""
     began: float
+    """When the import began, by the performance counter [s]."""
 
     def provenance(self, mission: str, notices: tuple[str, ...]) -> Provenance:
         """Return the provenance of the result, with the starter mission's data."""

@@ -24,45 +24,35 @@ class LegNumbers:
     ----------
     latitude, longitude : float
         Of the first fix [deg].
-    start : str
-        Of the first leg, ISO 8601.
-    sigma : float
-        Root mean square of the velocity errors about their mean, each axis [m/s].
-    mean_error : tuple of float
-        Mean velocity error, east and north [m/s].
-    surfacing : float
-        Median time at the surface, from surfacing to the next leg's start [s].
-    fix_sd : float
-        Median standard deviation of a fix, each axis [m].
     speed, length, duration : float
         Medians of the legs [m/s, m, s].
-    course : float
-        Mean course of the way through the water [deg].
-    spread : float
-        Length of the mean unit vector of the courses: 1 for one course, 0 for all.
-    way : float
-        From the first fix to the last [m].
-    record : float
-        Time from the first fix to the last [s].
-    depth : float
-        Greatest depth [m]; nan where none was logged.
     """
 
     latitude: float
     longitude: float
     start: str
+    """Of the first leg, ISO 8601."""
     sigma: float
+    """Root mean square of the velocity errors about their mean, each axis [m/s]."""
     mean_error: tuple[float, float]
+    """Mean velocity error, east and north [m/s]."""
     surfacing: float
+    """Median time at the surface, from surfacing to the next leg's start [s]."""
     fix_sd: float
+    """Median standard deviation of a fix, each axis [m]."""
     speed: float
     length: float
     duration: float
     course: float
+    """Mean course of the way through the water [deg]."""
     spread: float
+    """Length of the mean unit vector of the courses: 1 for one course, 0 for all."""
     way: float
+    """From the first fix to the last [m]."""
     record: float
+    """Time from the first fix to the last [s]."""
     depth: float
+    """Greatest depth [m]; nan where none was logged."""
 
 
 def numbers_of(legs: pd.DataFrame) -> LegNumbers:

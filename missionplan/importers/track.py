@@ -97,23 +97,19 @@ class Fixes:
     ----------
     t, latitude, longitude : array
         Time since 1970 [s] and position [deg].
-    accuracy : array
-        Horizontal accuracy that the receiver states [m].
-    hdop : array
-        Horizontal dilution of precision.
-    satellites : array
-        Number in use.
-    valid : array
-        1 where the log calls the fix valid, 0 where not, nan where it says neither.
     """
 
     t: Array
     latitude: Array
     longitude: Array
     accuracy: Array
+    """Horizontal accuracy that the receiver states [m]."""
     hdop: Array
+    """Horizontal dilution of precision."""
     satellites: Array
+    """Number in use."""
     valid: Array
+    """1 where the log calls the fix valid, 0 where not, nan where it says neither."""
 
     def __len__(self) -> int:
         return len(self.t)
@@ -149,21 +145,14 @@ def fixes(
 
 @dataclass(frozen=True)
 class Break:
-    """A moment at which a log does not go on as it should.
-
-    Attributes
-    ----------
-    t : float
-        Since 1970 [s].
-    reason : str
-        What happened: a restart, a jump of the clock.
-    at_surface_too : bool
-        Whether it spoils a leg even while the vehicle is at the surface, as a jump of the clock does.
-    """
+    """A moment at which a log does not go on as it should."""
 
     t: float
+    """Since 1970 [s]."""
     reason: str
+    """What happened: a restart, a jump of the clock."""
     at_surface_too: bool = True
+    """Whether it spoils a leg even while the vehicle is at the surface, as a jump of the clock does."""
 
 
 @dataclass(frozen=True)
@@ -174,54 +163,42 @@ class Track:
     ----------
     name, format : str
         Of the vehicle or source, and of the reader.
-    fixes : Fixes
-        As logged, good and bad.
-    reckoned : Positions
-        By the vehicle's own dead reckoning; empty where it logs none under water.
-    reckoning : str
-        Where these positions come from, in words; or why there are none.
     depth, pitch, heading, speed : Series
         Depth [m], pitch (either sign) [deg], heading clockwise [deg], horizontal speed through the water [m/s].
-    heading_from : str
-        North that headings are counted from: ``magnetic``, ``true`` or ``unknown``.
-    declination : Series
-        That the vehicle adds to its headings [deg].
-    rpm : Series
-        Of the propeller [1/min].
     current_east, current_north : Series
         Current that the vehicle estimates and may carry its dead reckoning with [m/s].
     breaks : tuple of Break
-    marks : tuple of float
-        Moments that the log marks as the separation of an anchor, since 1970 [s].
-    shortest : float or None
-        Shortest leg that counts by default [s]; None for half of the vehicle's usual dive, 15 min at most.
-    planned : float or None
-        Time from one surfacing to the next by the plan beside the logs [s].
-    at_surface : Series
-        1 where the vehicle's own state says that it is at the surface, else 0.
-    notices : tuple of str
-        What the reader noticed.
     """
 
     name: str
     format: str
     fixes: Fixes
+    """As logged, good and bad."""
     reckoned: Positions = field(default_factory=Positions)
+    """By the vehicle's own dead reckoning; empty where it logs none under water."""
     reckoning: str = "the log holds no dead reckoning"
+    """Where these positions come from, in words; or why there are none."""
     depth: Series = field(default_factory=Series)
     pitch: Series = field(default_factory=Series)
     heading: Series = field(default_factory=Series)
     speed: Series = field(default_factory=Series)
     heading_from: Literal["magnetic", "true", "unknown"] = "unknown"
+    """North that headings are counted from: ``magnetic``, ``true`` or ``unknown``."""
     declination: Series = field(default_factory=Series)
+    """That the vehicle adds to its headings [deg]."""
     rpm: Series = field(default_factory=Series)
+    """Of the propeller [1/min]."""
     current_east: Series = field(default_factory=Series)
     current_north: Series = field(default_factory=Series)
     breaks: tuple[Break, ...] = ()
     marks: tuple[float, ...] = ()
+    """Moments that the log marks as the separation of an anchor, since 1970 [s]."""
     shortest: float | None = None
+    """Shortest leg that counts by default [s]; None for half of the vehicle's usual dive, 15 min at most."""
     planned: float | None = None
+    """Time from one surfacing to the next by the plan beside the logs [s]."""
     at_surface: Series = field(default_factory=Series)
+    """1 where the vehicle's own state says that it is at the surface, else 0."""
 
     def within(self, start: float, end: float) -> "Track":
         """Keep what was logged from `start` on and before `end` [s]; a quantity logged once is for all times."""
@@ -251,3 +228,4 @@ class Track:
         ]
 
     notices: tuple[str, ...] = ()
+    """What the reader noticed."""

@@ -153,12 +153,11 @@ class Choices(NormalTransform):
     Attributes
     ----------
     values : tuple of float
-    cut : float
-        Probability of the values that earlier truncations have removed.
     """
 
     values: tuple[float, ...]
     cut: float = 0.0
+    """Probability of the values that earlier truncations have removed."""
 
     @property
     def mean(self) -> float:
@@ -202,15 +201,10 @@ class Choices(NormalTransform):
 
 @dataclass(frozen=True)
 class WhichHolds(NormalTransform):
-    """Which of several explanations of a mission holds, of which one at most does.
-
-    Attributes
-    ----------
-    probabilities : tuple of float
-        Of each explanation; what they leave to 1 is the probability that none holds, drawn as their number.
-    """
+    """Which of several explanations of a mission holds, of which one at most does."""
 
     probabilities: tuple[float, ...]
+    """Of each explanation; what they leave to 1 is the probability that none holds, drawn as their number."""
 
     @property
     def mean(self) -> float:

@@ -60,15 +60,13 @@ class DrawnColumn(NormalTransform):
     Attributes
     ----------
     values : array, shape (n,)
-    ends : array, shape (n,)
-        Cumulative weights; the last is 1.
-    typical : float
-        What stands for it in a mission at its means: of an angle, and of a set of effects, there is no mean.
     """
 
     values: Array
     ends: Array
+    """Shape (n,). Cumulative weights; the last is 1."""
     typical: float
+    """What stands for it in a mission at its means: of an angle, and of a set of effects, there is no mean."""
 
     @property
     def mean(self) -> float:
@@ -104,18 +102,12 @@ class DrawnColumn(NormalTransform):
 
 @dataclass(frozen=True, eq=False)
 class Tied(NormalTransform):
-    """A quantity that keeps its own distribution, and has the ranks of a posterior's column: the two are then joint.
-
-    Attributes
-    ----------
-    own : NormalTransform
-        Its distribution.
-    scores : DrawnColumn
-        Normals by the ranks of the column.
-    """
+    """A quantity that keeps its own distribution, and has the ranks of a posterior's column: the two are then joint."""
 
     own: NormalTransform
+    """Its distribution."""
     scores: DrawnColumn
+    """Normals by the ranks of the column."""
 
     @override
     def from_normal(self, z: Array) -> Array:
@@ -132,22 +124,18 @@ class WeightedDraws:
 
     Attributes
     ----------
-    sets : tuple of tuple of str
-        The effects that hold together, by the number of the set.
-    which : array of int, shape (n,)
-        Set of each draw, in ascending order.
     columns : tuple of (str, str), length k
-    values : array, shape (n, k)
-        In SI; nan where the effect of the column does not hold.
-    weights : array, shape (n,)
-        Their sum is 1.
     """
 
     sets: tuple[Causes, ...]
+    """The effects that hold together, by the number of the set."""
     which: NDArray[np.int_]
+    """Set of each draw, in ascending order, shape (n,)."""
     columns: tuple[Column, ...]
     values: Array
+    """Shape (n, k). In SI; nan where the effect of the column does not hold."""
     weights: Array
+    """Their sum is 1, shape (n,)."""
 
     @property
     def effects(self) -> Causes:

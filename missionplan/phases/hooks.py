@@ -27,25 +27,20 @@ class Leg:
     ----------
     t_start, duration : array, shape (n,)
         Start of the leg since the mission's start, and its planned length [s].
-    start : array, shape (2, n)
-        True position at the start, east and north of the coordinates' origin [m].
-    along : array, shape (2, n)
-        Unit vector of the course steered (east, north).
-    speed : float or array, shape (n,)
-        Speed through the water [m/s].
-    latitude : float
-        Of the coordinates' origin [rad]; nan when the mission has none.
-    depth : float or array, shape (n,)
-        Mean depth under way [m]; nan where it is not known.
     """
 
     t_start: Array
     duration: Array
     start: Array
+    """True position at the start, east and north of the coordinates' origin, shape (2, n) [m]."""
     along: Array
+    """Unit vector of the course steered (east, north), shape (2, n)."""
     speed: Scalars
+    """Speed through the water, shape (n,) [m/s]."""
     latitude: float = float("nan")
+    """Of the coordinates' origin [rad]; nan when the mission has none."""
     depth: Scalars = float("nan")
+    """Shape (n,). Mean depth under way [m]; nan where it is not known."""
 
     @property
     def through_water(self) -> NDArray[np.complex128]:
@@ -60,34 +55,24 @@ class Leg:
 
 @dataclass(frozen=True)
 class DriftParts:
-    """What an effect adds to the drift, as far as the filter of the drift estimates it (`transit.kalman_filter`).
-
-    Attributes
-    ----------
-    velocity : float or array, shape (2,) or (2, n)
-        Steady velocity under way [m/s].
-    surface : float or array, shape (2,) or (2, n)
-        Steady velocity at the surface [m/s].
-    waves : mapping
-        By period [s], coefficients of cos ωt and sin ωt toward east, then toward north, shape (4,) or (4, n) [m/s].
-    inertial : array, optional, shape (2,) or (2, n)
-        A and B of a current (A cos ft + B sin ft, B cos ft − A sin ft) that turns with the inertial frequency [m/s].
-    persistent : pair of float or array, optional
-        Standard deviation [m/s] and correlation time [s] of an Ornstein–Uhlenbeck velocity; None: it has none.
-    walk : float or array
-        Growth of the steady velocity's deviation [m/s^1.5].
-    modulation : pair of float or array
-        Standard deviation of slow changes of the waves and of the turning current, relative to their amplitudes, and
-        their e-folding time [s].
-    """
+    """What an effect adds to the drift, as far as the filter of the drift estimates it (`transit.kalman_filter`)."""
 
     velocity: Array | float = 0.0
+    """Steady velocity under way, shape (2,) or (2, n) [m/s]."""
     surface: Array | float = 0.0
+    """Steady velocity at the surface, shape (2,) or (2, n) [m/s]."""
     waves: Mapping[float, Array] = field(default_factory=dict)
+    """By period [s], coefficients of cos ωt and sin ωt toward east, then toward north, shape (4,) or (4, n) [m/s]."""
     inertial: Array | None = None
+    """A and B of a current (A cos ft + B sin ft, B cos ft − A sin ft) that turns with the inertial frequency, shape
+    (2,) or (2, n) [m/s]."""
     persistent: tuple[Scalars, Scalars] | None = None
+    """Standard deviation [m/s] and correlation time [s] of an Ornstein–Uhlenbeck velocity; None: it has none."""
     walk: Scalars = 0.0
+    """Growth of the steady velocity's deviation [m/s^1.5]."""
     modulation: tuple[Scalars, Scalars] = (0.0, 1.0)
+    """Standard deviation of slow changes of the waves and of the turning current, relative to their amplitudes, and
+    their e-folding time [s]."""
 
 
 @runtime_checkable
@@ -292,27 +277,18 @@ class DescentEffect:
 
 @dataclass(frozen=True)
 class TrialState:
-    """State of a block of trials between two phases.
-
-    Attributes
-    ----------
-    position : array, shape (2, n)
-        True position, east and north of the coordinates' origin [m].
-    fix : array, shape (2, n)
-        Last fix: where the vehicle believes that it is [m].
-    clock : array, shape (n,)
-        Time since the mission's start [s].
-    energy : array, shape (n,)
-        Used so far [J].
-    alive : array of bool, shape (n,)
-        Whether the trial goes on: it has arrived at every goal and surfaced from every mooring so far.
-    """
+    """State of a block of trials between two phases."""
 
     position: Array
+    """True position, east and north of the coordinates' origin, shape (2, n) [m]."""
     fix: Array
+    """Last fix: where the vehicle believes that it is, shape (2, n) [m]."""
     clock: Array
+    """Time since the mission's start, shape (n,) [s]."""
     energy: Array
+    """Used so far, shape (n,) [J]."""
     alive: NDArray[np.bool_]
+    """Whether the trial goes on: it has arrived at every goal and surfaced from every mooring so far, shape (n,)."""
 
     @property
     def trials(self) -> int:

@@ -27,39 +27,33 @@ class Waypoint:
 
     Attributes
     ----------
-    name : str
-        Such as ``ingress 2``.
-    kind : str
-        ``start``, ``surfacing`` (where a planned leg ends) or ``arrival``.
     east, north : float
         Of the origin [m].
     latitude, longitude : float
         [rad]; nan where the mission has no origin.
-    course : float
-        Of the leg over ground, clockwise from true north [rad]; nan at a start.
-    length : float
-        Of the leg [m].
     duration, duration_p99 : float
         Time under way: length over speed, with the acceleration from rest; and what 99 % of the trials take at most
         for the leg of this number, course corrections included [s].
-    elapsed : float
-        Since the mission's start, nominally [s].
-    is_via : bool
-        Whether it is a point on the way that the transit goes round by: it is arrived at as the goal is.
     """
 
     name: str
+    """Such as ``ingress 2``."""
     kind: str
+    """``start``, ``surfacing`` (where a planned leg ends) or ``arrival``."""
     east: float
     north: float
     latitude: float
     longitude: float
     course: float
+    """Of the leg over ground, clockwise from true north [rad]; nan at a start."""
     length: float
+    """Of the leg [m]."""
     duration: float
     duration_p99: float
     elapsed: float
+    """Since the mission's start, nominally [s]."""
     is_via: bool = False
+    """Whether it is a point on the way that the transit goes round by: it is arrived at as the goal is."""
 
     @property
     def time_out(self) -> float:
@@ -73,23 +67,20 @@ class SurfacingRule:
 
     Attributes
     ----------
-    interval : float
-        Greatest length of a leg; with a table, the one that costs least in its place [m].
-    interval_time : float
-        Time under way of such a leg in still water [s].
     surface_time, surface_time_p99 : float
         At the surface, mean and 99 % quantile [s].
-    table : tuple of (float, float)
-        Distance left and length of the leg, linear between; empty where one length holds throughout [m].
     extra_time, extra_time_error : float
         Mean time that the one interval costs beyond the table, and its standard error; zero without a table [s].
     """
 
     interval: float
+    """Greatest length of a leg; with a table, the one that costs least in its place [m]."""
     interval_time: float
+    """Time under way of such a leg in still water [s]."""
     surface_time: float
     surface_time_p99: float
     table: tuple[tuple[float, float], ...] = ()
+    """Distance left and length of the leg, linear between; empty where one length holds throughout [m]."""
     extra_time: float = 0.0
     extra_time_error: float = 0.0
 
@@ -108,29 +99,24 @@ class PlannedTransit:
     name : str
     depth, speed : float
         Run depth, and speed through the water [m, m/s].
-    arrival_radius : float
-        [m]
     surfacing : SurfacingRule
-    waypoints : tuple of Waypoint
-        The start, where each planned leg ends, and the goal last.
-    duration_p99 : float
-        Time that 99 % of the trials that arrive take, from the first dive to the fix on arrival [s].
-    aim : Waypoint or None
-        Point that a vehicle without a correction for drift steers for, so that the mean drift at the surface takes it
-        to the goal; None: the goal.
-    extra_legs : int
-        Legs for that point after the nominal ones, of a vehicle that cannot compare a fix with the goal.
     """
 
     name: str
     depth: float
     speed: float
     arrival_radius: float
+    """[m]"""
     surfacing: SurfacingRule
     waypoints: tuple[Waypoint, ...]
+    """The start, where each planned leg ends, and the goal last."""
     duration_p99: float
+    """Time that 99 % of the trials that arrive take, from the first dive to the fix on arrival [s]."""
     aim: Waypoint | None = None
+    """Point that a vehicle without a correction for drift steers for, so that the mean drift at the surface takes it to
+    the goal; None: the goal."""
     extra_legs: int = 0
+    """Legs for that point after the nominal ones, of a vehicle that cannot compare a fix with the goal."""
 
     @property
     def steered_for(self) -> Waypoint:
@@ -215,22 +201,10 @@ class PlannedMooring:
     name : str
     east, north, latitude, longitude : float
         Where the transit before it ends [m, rad].
-    radius : float
-        Within which the anchor is to lie [m].
-    water_depth : float
-        [m]; nan where the mission has none.
-    line_length : float
-        [m]
-    anchor_wet_weight : float
-        [N]; nan where it is to be sized.
     release_time, release_time_p99 : float
         From the last fix until the anchor separates, mean and 99 % quantile [s].
     hold, galvanic_release : float
         Time on the bottom until the release is commanded, and until the link has corroded, means [s].
-    elapsed : float
-        Mission time of the last fix before it, nominally [s].
-    surface_time_p99 : float
-        At the surface after the ascent, 99 % quantile [s].
     """
 
     name: str
@@ -239,15 +213,21 @@ class PlannedMooring:
     latitude: float
     longitude: float
     radius: float
+    """Within which the anchor is to lie [m]."""
     water_depth: float
+    """[m]; nan where the mission has none."""
     line_length: float
+    """[m]"""
     anchor_wet_weight: float
+    """[N]; nan where it is to be sized."""
     release_time: float
     release_time_p99: float
     hold: float
     galvanic_release: float
     elapsed: float
+    """Mission time of the last fix before it, nominally [s]."""
     surface_time_p99: float = 0.0
+    """At the surface after the ascent, 99 % quantile [s]."""
 
     @property
     def fix_wait(self) -> float:
@@ -282,21 +262,17 @@ class Fence:
     Attributes
     ----------
     name : str
-    outline : tuple of (float, float)
-        Corners, latitude and longitude, the first one not repeated [rad].
-    kind : str
-        ``land`` or ``keep-out``.
-    holes : tuple of tuple of (float, float)
-        Corners of the water inside it, as the outline's [rad].
-    limits : mapping of str to float
-        When and at which depths it holds: ``from_s``, ``to_s`` since the mission's start, ``above_m``, ``below_m``.
     """
 
     name: str
     outline: tuple[tuple[float, float], ...]
+    """Corners, latitude and longitude, the first one not repeated [rad]."""
     kind: str = "keep-out"
+    """``land`` or ``keep-out``."""
     holes: tuple[tuple[tuple[float, float], ...], ...] = ()
+    """Corners of the water inside it, as the outline's [rad]."""
     limits: Mapping[str, float] = field(default_factory=dict)
+    """When and at which depths it holds: ``from_s``, ``to_s`` since the mission's start, ``above_m``, ``below_m``."""
 
     @property
     def is_limited(self) -> bool:
@@ -313,46 +289,31 @@ class Fence:
 
 @dataclass(frozen=True)
 class Plan:
-    """The plan of a mission, its uncertain quantities at their means.
-
-    Attributes
-    ----------
-    mission : str
-        The mission's name.
-    digest : str
-        SHA-256 of the mission's data as `mission.yaml` of a report has them, in hexadecimal digits; of a current's file
-        the contents count, not the path.
-    version : str
-        Of missionplan.
-    start : datetime or None
-        UTC.
-    origin : (float, float) or None
-        Latitude and longitude of the local plane [rad].
-    phases : tuple of PlannedTransit or PlannedMooring
-        In the mission's order.
-    notes : tuple of str
-        What the reader is to know of every form of the plan.
-    capacity : float
-        Energy in the battery; nan where the mission gives none [Wh].
-    fences : tuple of Fence
-        Land and zones kept out of, where the mission has an origin.
-    has_thruster : bool
-        Whether the vehicle has a propeller.
-    corrects : bool
-        Whether the mission corrects the course for drift from fix to fix.
-    """
+    """The plan of a mission, its uncertain quantities at their means."""
 
     mission: str
+    """The mission's name."""
     digest: str
+    """SHA-256 of the mission's data as `mission.yaml` of a report has them, in hexadecimal digits; of a current's file
+    the contents count, not the path."""
     version: str
+    """Of missionplan."""
     start: datetime | None
+    """UTC."""
     origin: tuple[float, float] | None
+    """Latitude and longitude of the local plane [rad]."""
     phases: tuple[PlannedTransit | PlannedMooring, ...]
+    """In the mission's order."""
     notes: tuple[str, ...] = ()
+    """What the reader is to know of every form of the plan."""
     capacity: float = math.nan
+    """Energy in the battery; nan where the mission gives none [Wh]."""
     fences: tuple[Fence, ...] = ()
+    """Land and zones kept out of, where the mission has an origin."""
     has_thruster: bool = False
+    """Whether the vehicle has a propeller."""
     corrects: bool = False
+    """Whether the mission corrects the course for drift from fix to fix."""
 
     @property
     def transits(self) -> tuple[PlannedTransit, ...]:

@@ -98,19 +98,16 @@ class State:
 
     Attributes
     ----------
-    name : str
-        Unlike that of any other state: number of the phase and kind.
     kind : str
-    phase : str
-        Name of the phase; empty for the ends.
-    transitions : tuple of Transition
-        In the order in which they are tried; none at an end.
     """
 
     name: str
+    """Unlike that of any other state: number of the phase and kind."""
     kind: StateKind
     phase: str
+    """Name of the phase; empty for the ends."""
     transitions: tuple[Transition, ...] = ()
+    """In the order in which they are tried; none at an end."""
 
 
 def states_of(plan: Plan) -> tuple[State, ...]:

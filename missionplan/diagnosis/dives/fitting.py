@@ -34,27 +34,19 @@ STEP_REDUCTION = 0.25
 
 @dataclass(frozen=True)
 class DescentState:
-    """State of a fit.
-
-    Attributes
-    ----------
-    linear : DiveLinearisation
-        The model, linearised about the best coordinates.
-    likelihood : NoiseGridLikelihood
-        Its likelihood.
-    best_noise : int
-        Most likely noise of the grid.
-    prior_sd : array, shape (k,) or (k, k)
-        Prior standard deviations of the coordinates, the slabs at their likeliest scales; see `Prior.root`.
-    marginal : Marginal
-        Posterior of the coordinates at that noise.
-    """
+    """State of a fit."""
 
     linear: DiveLinearisation
+    """The model, linearised about the best coordinates."""
     likelihood: NoiseGridLikelihood
+    """Its likelihood."""
     best_noise: int
+    """Most likely noise of the grid."""
     prior_sd: Array
+    """Shape (k,) or (k, k). Prior standard deviations of the coordinates, the slabs at their likeliest scales; see
+    `Prior.root`."""
     marginal: Marginal
+    """Posterior of the coordinates at that noise."""
 
 
 @dataclass(frozen=True)

@@ -33,24 +33,16 @@ NO_BOTTOM = 1e5
 
 @dataclass(frozen=True)
 class DescentForward:
-    """Readings of all dives under many settings at once.
-
-    Attributes
-    ----------
-    build : callable
-        The mission's descent from wet weights [N] and line lengths [m], arrays of shape (d,).
-    logs : tuple of DiveLog
-        The d dives, at whose times readings are wanted.
-    given : tuple of DescentEffect
-        Effects that act under every setting.
-    step : float
-        Of the integration [s].
-    """
+    """Readings of all dives under many settings at once."""
 
     build: Callable[[Array, Array], Dive]
+    """The mission's descent from wet weights [N] and line lengths [m], arrays of shape (d,)."""
     logs: tuple[DiveLog, ...]
+    """The d dives, at whose times readings are wanted."""
     given: tuple[DescentEffect, ...] = ()
+    """Effects that act under every setting."""
     step: float = STEP
+    """Of the integration [s]."""
 
     @cached_property
     def coarse(self) -> Self:
@@ -140,18 +132,12 @@ class Histories(Protocol):
 
 @dataclass(frozen=True)
 class DiveHistories:
-    """Readings of the sensor in all d dives under b settings, at any time.
-
-    Attributes
-    ----------
-    logs : tuple of DiveLog
-        The d dives.
-    history : SensorHistory
-        Of b·d trials, setting by setting.
-    """
+    """Readings of the sensor in all d dives under b settings, at any time."""
 
     logs: tuple[DiveLog, ...]
+    """The d dives."""
     history: SensorHistory
+    """Of b·d trials, setting by setting."""
 
     @property
     def settings(self) -> int:

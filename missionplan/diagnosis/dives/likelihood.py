@@ -36,21 +36,15 @@ ALL_DIVES = slice(None)
 
 @dataclass(frozen=True)
 class NoiseGridLikelihood:
-    """Likelihood of a linearisation at each of the grid's g noises, for any of the d dives.
-
-    Attributes
-    ----------
-    grams : array, shape (g, d, k + 2, k + 2)
-        Whitened inner products of the k coordinates' columns, the curvature's, and the data.
-    log_determinants : array, shape (g, d)
-        Ln |covariance| of each dive's readings.
-    counts : array of int, shape (d,)
-        Readings of each dive.
-    """
+    """Likelihood of a linearisation at each of the grid's g noises, for any of the d dives."""
 
     grams: Array
+    """Whitened inner products of the k coordinates' columns, the curvature's, and the data, shape (g, d, k + 2, k + 2).
+    """
     log_determinants: Array
+    """Ln |covariance| of each dive's readings, shape (g, d)."""
     counts: NDArray[np.int_]
+    """Readings of each dive, shape (d,)."""
 
     def marginals(self, prior_sd: Array, dives: NDArray[np.int_] | slice = ALL_DIVES) -> list[Marginal]:
         """Marginalise all coordinates at each noise of the grid.

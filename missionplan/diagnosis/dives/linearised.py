@@ -44,42 +44,29 @@ FIXED_SETTINGS = 6
 
 @dataclass(frozen=True)
 class DiveLinearisation:
-    """The model linearised about a set's best coordinates.
-
-    Attributes
-    ----------
-    at : array, shape (k,)
-        Coordinates.
-    centre : array, shape (k,)
-        Prior means of the coordinates.
-    release_delays : array, shape (d,)
-        Most likely delay of each dive's release (the separation of vehicle and anchor) on its log's clock, about which
-        the readings are linearised [s].
-    y : array, shape (N,)
-        Data less the model there, plus columns times the distance of `at` from the prior means, plus sensitivities
-        times `release_delays` [m].
-    columns : array, shape (N, k)
-        Sensitivities to all coordinates; zero for shape parameters of effects that are neither causes nor the
-        mission's own.
-    sensitivities : array, shape (N, 4)
-        To what differs from dive to dive, in the order of `DIVE_SD`.
-    readings : array, shape (N,)
-        The model there [m].
-    curvature : array, shape (N,)
-        Second-order term of the release delay's scatter: large where the line goes taut with a jerk [m].
-    shaped : array, shape (N,)
-        Part of the readings that is due to the causes whose form is approximate [m].
-    """
+    """The model linearised about a set's best coordinates."""
 
     at: Array
+    """Coordinates, shape (k,)."""
     centre: Array
+    """Prior means of the coordinates, shape (k,)."""
     release_delays: Array
+    """Most likely delay of each dive's release (the separation of vehicle and anchor) on its log's clock, about which
+    the readings are linearised, shape (d,) [s]."""
     y: Array
+    """Data less the model there, plus columns times the distance of `at` from the prior means, plus sensitivities times
+    `release_delays`, shape (N,) [m]."""
     columns: Array
+    """Shape (N, k). Sensitivities to all coordinates; zero for shape parameters of effects that are neither causes nor
+    the mission's own."""
     sensitivities: Array
+    """To what differs from dive to dive, in the order of `DIVE_SD`, shape (N, 4)."""
     readings: Array
+    """The model there, shape (N,) [m]."""
     curvature: Array
+    """Second-order term of the release delay's scatter: large where the line goes taut with a jerk, shape (N,) [m]."""
     shaped: Array
+    """Part of the readings that is due to the causes whose form is approximate, shape (N,) [m]."""
 
     def sensitivity(self, name: str) -> Array:
         """Sensitivity of the readings to one of the things that differ from dive to dive, shape (N,)."""

@@ -34,15 +34,10 @@ REFIT_ITERATIONS = 2
 
 @dataclass(frozen=True)
 class DescentModel(DescentFitting):
-    """Base model of a mission's descent and every cause of the catalogue, bound to dive logs.
-
-    Attributes
-    ----------
-    alternatives : sequence of frozenset of str
-        Groups of effects of which a set holds at most one.
-    """
+    """Base model of a mission's descent and every cause of the catalogue, bound to dive logs."""
 
     alternatives: Sequence[frozenset[str]] = ()
+    """Groups of effects of which a set holds at most one."""
 
     def all_sets(self, progress: Progress = no_progress, jobs: int = 1) -> Selection:
         """Return all sets of causes with their probabilities."""

@@ -31,24 +31,16 @@ FORM_SD = SHAPE_SD
 
 @dataclass(frozen=True)
 class Noise:
-    """Hyperparameters of the covariance, a point of the grid.
-
-    Attributes
-    ----------
-    scatter : float
-        Factor κ on the scatter from dive to dive.
-    diffusion : float
-        Rate q of the turbulence [m²/s].
-    eddy_time : float
-        Time scale τ of the turbulence [s].
-    log_prior : float
-        Log prior weight.
-    """
+    """Hyperparameters of the covariance, a point of the grid."""
 
     scatter: float
+    """Factor κ on the scatter from dive to dive."""
     diffusion: float
+    """Rate q of the turbulence [m²/s]."""
     eddy_time: float
+    """Time scale τ of the turbulence [s]."""
     log_prior: float
+    """Log prior weight."""
 
 
 @cache

@@ -48,34 +48,29 @@ class DiveLog:
 
     Attributes
     ----------
-    name : str
-        Of the run.
     t, depth, sd : array, shape (m,)
         Time since the separation by the log's clock [s], reading [m], and its noise's standard deviation [m], each
         of a bin of consecutive readings.
-    fine : array, shape (f,)
-        Times within the bins [s]: a model is averaged over them as the readings were.
-    bins : array of int, shape (f,)
-        Bin of each of them.
-    shares : array, shape (f,)
-        Weight of each in its bin's mean.
     wet_weight, line_length, site_depth : float
         Of this dive [N, m, m].
-    identity : str
-        Hash of the dive as it was logged.
     """
 
     name: str
+    """Of the run."""
     t: Array
     depth: Array
     sd: Array
     fine: Array
+    """Times within the bins [s]: a model is averaged over them as the readings were, shape (f,)."""
     bins: NDArray[np.int_]
+    """Bin of each of them, shape (f,)."""
     shares: Array
+    """Weight of each in its bin's mean, shape (f,)."""
     wet_weight: float
     line_length: float
     site_depth: float
     identity: str = ""
+    """Hash of the dive as it was logged."""
 
 
 @dataclass(frozen=True)
@@ -86,16 +81,14 @@ class PreparedDives:
     ----------
     name, source : str
         Of the data set.
-    dives : tuple of DiveLog
-        In the order of the file.
-    notices : tuple of str
-        Treatments the reader should know of.
     """
 
     name: str
     source: str
     dives: tuple[DiveLog, ...]
+    """In the order of the file."""
     notices: tuple[str, ...]
+    """Treatments the reader should know of."""
 
     @property
     def identities(self) -> tuple[str, ...]:

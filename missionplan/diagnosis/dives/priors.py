@@ -18,18 +18,12 @@ from missionplan.results.learned.evidence import Causes
 
 @dataclass(frozen=True)
 class DescentPriors:
-    """The d dives of a data set with k coordinates of all causes, each under a spike-and-slab prior.
-
-    Attributes
-    ----------
-    forward : DescentForward
-        The descent phase, bound to the dives.
-    given : tuple of GivenEffect
-        The mission's own effects, whose parameters are fitted under what the mission knows of them.
-    """
+    """The d dives of a data set with k coordinates of all causes, each under a spike-and-slab prior."""
 
     forward: DescentForward
+    """The descent phase, bound to the dives."""
     given: tuple[GivenEffect, ...] = ()
+    """The mission's own effects, whose parameters are fitted under what the mission knows of them."""
 
     @cached_property
     def candidates(self) -> Causes:

@@ -60,18 +60,12 @@ def log_gains(model: DescentLikelihood, fits: Sequence[CauseFit], supersets: Seq
 
 @dataclass(frozen=True)
 class _FurtherShapes:
-    """Effects that a fit does not have at other shapes than the linearisation's.
-
-    Attributes
-    ----------
-    strengths : list of int
-        Coordinate of each one's strength.
-    settings : array, shape (k, m)
-        Coordinates at which the phase is run.
-    """
+    """Effects that a fit does not have at other shapes than the linearisation's."""
 
     strengths: list[int]
+    """Coordinate of each one's strength."""
     settings: Array
+    """Coordinates at which the phase is run, shape (k, m)."""
 
     @classmethod
     def of(cls, model: DescentLikelihood, fit: CauseFit) -> "_FurtherShapes":

@@ -22,30 +22,20 @@ CoordinateKey = tuple[str, str, str]
 
 @dataclass(frozen=True)
 class GivenEffect:
-    """An effect of the mission as the diagnosis holds it, k coordinates.
-
-    Attributes
-    ----------
-    effect : str
-        Its name.
-    coordinates : tuple of Coordinate, length k
-        Of the parameters that the mission gives, and of all its shapes.
-    mean : array, shape (k,)
-        Of their long-run values.
-    covariance : array, shape (k, k)
-        Of their long-run values: what the mission knows.
-    scatter : array, shape (k,)
-        Variance about them from record to record.
-    shared : mapping
-        Covariances of long-run values of one effect with those of another, by the pairs of their coordinates' keys.
-    """
+    """An effect of the mission as the diagnosis holds it, k coordinates."""
 
     effect: str
+    """Its name."""
     coordinates: tuple[Coordinate, ...]
+    """Of the parameters that the mission gives, and of all its shapes."""
     mean: Array
+    """Of their long-run values, shape (k,)."""
     covariance: Array
+    """Of their long-run values: what the mission knows, shape (k, k)."""
     scatter: Array
+    """Variance about them from record to record, shape (k,)."""
     shared: Mapping[tuple[CoordinateKey, CoordinateKey], float] = field(default_factory=dict)
+    """Covariances of long-run values of one effect with those of another, by the pairs of their coordinates' keys."""
 
     def only(self, names: Collection[str]) -> "GivenEffect":
         """Return the effect with some of its parameters; an amplitude goes with its phase."""

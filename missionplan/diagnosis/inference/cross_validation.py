@@ -21,13 +21,12 @@ class HeldOutComparison:
 
     Attributes
     ----------
-    gain : HeldOutGain
-        Of the extended model over the base model, all groups together.
     base, extended : tuple of HeldOutScore
         Group by group.
     """
 
     gain: HeldOutGain
+    """Of the extended model over the base model, all groups together."""
     base: tuple[HeldOutScore, ...]
     extended: tuple[HeldOutScore, ...]
 

@@ -20,37 +20,24 @@ INDISTINGUISHABLE_BELOW = 1.0
 
 @dataclass(frozen=True)
 class DirectMeasurement:
-    """An instrument that measures one effect by itself.
-
-    Attributes
-    ----------
-    description : str
-        In words.
-    parameter : str
-        What it measures.
-    sd : float
-        Standard deviation of its error, in the parameter's unit.
-    """
+    """An instrument that measures one effect by itself."""
 
     description: str
+    """In words."""
     parameter: str
+    """What it measures."""
     sd: float
+    """Standard deviation of its error, in the parameter's unit."""
 
 
 @dataclass(frozen=True)
 class Discrimination:
-    """How a rival can be separated from the first set.
-
-    Attributes
-    ----------
-    measurement : NextMeasurement
-        The cheapest sufficient one, else the best there is.
-    indistinguishable : bool
-        Whether data like those in hand cannot discriminate between the two.
-    """
+    """How a rival can be separated from the first set."""
 
     measurement: NextMeasurement
+    """The cheapest sufficient one, else the best there is."""
     indistinguishable: bool
+    """Whether data like those in hand cannot discriminate between the two."""
 
 
 def discriminations(

@@ -29,100 +29,69 @@ class LeastSquares:
 
     Attributes
     ----------
-    predict : callable
-        f, of m settings of the coordinates at once: (k, m) → (N, m).
-    y : array, shape (N,)
-        Data.
-    noise : array, shape (N,) or (N, N)
-        Standard deviations of independent noise, or the covariance of the noise.
     centre, prior_sd : array, shape (k,)
         Prior means μ and standard deviations s. Steps and differences are measured in these standard deviations.
-    noise_factors : tuple of float
-        Range of φ. At each θ it takes its likeliest value, the root mean square of the whitened residuals
-        (concentrated likelihood; Seber & Wild 1989, *Nonlinear Regression*, chapter 2).
     """
 
     predict: Callable[[Array], Array]
+    """f, of m settings of the coordinates at once: (k, m) → (N, m)."""
     y: Array
+    """Data, shape (N,)."""
     noise: Array
+    """Standard deviations of independent noise, or the covariance of the noise, shape (N,) or (N, N)."""
     centre: Array
     prior_sd: Array
     noise_factors: tuple[float, float] = (1.0, 1.0)
+    """Range of φ. At each θ it takes its likeliest value, the root mean square of the whitened residuals (concentrated
+    likelihood; Seber & Wild 1989, *Nonlinear Regression*, chapter 2)."""
 
 
 @dataclass(frozen=True)
 class GaussNewtonOptions:
-    """How to search.
-
-    Attributes
-    ----------
-    iterations : int
-        Steps that are tried at most, rejected ones included.
-    tolerance : float
-        Decrease of the objective below which a search has converged [nats].
-    difference : float
-        Step of the finite differences, in prior standard deviations.
-    central : bool
-        Whether the differences are central or forward.
-    step_lengths : tuple of float
-        Shares of a Gauss–Newton step, each tried when the one before did not descend.
-    longest_step : float
-        Bound on each coordinate of a step, in prior standard deviations.
-    """
+    """How to search."""
 
     iterations: int
+    """Steps that are tried at most, rejected ones included."""
     tolerance: float
+    """Decrease of the objective below which a search has converged [nats]."""
     difference: float
+    """Step of the finite differences, in prior standard deviations."""
     central: bool = False
+    """Whether the differences are central or forward."""
     step_lengths: tuple[float, ...] = (1.0, 0.25)
+    """Shares of a Gauss–Newton step, each tried when the one before did not descend."""
     longest_step: float = np.inf
+    """Bound on each coordinate of a step, in prior standard deviations."""
 
 
 @dataclass(frozen=True)
 class Start:
-    """One point to search from.
-
-    Attributes
-    ----------
-    at : array, shape (k,)
-        All coordinates.
-    free : array of int, shape (a,)
-        Coordinates that are fitted.
-    group : int
-        Starts of the same fit share a number; those that fall behind are abandoned.
-    rows : array of int, optional
-        Data to fit; default all.
-    prior : Prior, optional
-        Of all coordinates; default the problem's.
-    """
+    """One point to search from."""
 
     at: Array
+    """All coordinates, shape (k,)."""
     free: NDArray[np.int_]
+    """Coordinates that are fitted, shape (a,)."""
     group: int
+    """Starts of the same fit share a number; those that fall behind are abandoned."""
     rows: NDArray[np.int_] | None = None
+    """Data to fit; default all."""
     prior: Prior | None = None
+    """Of all coordinates; default the problem's."""
 
 
 @dataclass(frozen=True)
 class GaussNewtonResult:
-    """The model where a search ended.
-
-    Attributes
-    ----------
-    at : array, shape (k,)
-        Coordinates.
-    objective : float
-        There [nats]; infinite where the model or its derivatives are not finite.
-    prediction : array, shape (N,)
-        The model there.
-    jacobian : array, shape (N, a)
-        Its derivatives along the free coordinates.
-    """
+    """The model where a search ended."""
 
     at: Array
+    """Coordinates, shape (k,)."""
     objective: float
+    """There [nats]; infinite where the model or its derivatives are not finite."""
     prediction: Array
+    """The model there, shape (N,)."""
     jacobian: Array
+    """Its derivatives along the free coordinates, shape (N, a)."""
 
 
 def gauss_newton(

@@ -26,19 +26,13 @@ heavier than the posterior's keep the weights bounded (Geweke 1989)."""
 
 @dataclass(frozen=True)
 class SampledEvidence:
-    """Evidence by importance sampling.
-
-    Attributes
-    ----------
-    log_evidence : float
-        ln p(data).
-    effective : float
-        Effective number of draws, (Σw)²/Σw² (Owen 2013, section 9.3): small where the posterior is unlike the one
-        assumed.
-    """
+    """Evidence by importance sampling."""
 
     log_evidence: float
+    """ln p(data)."""
     effective: float
+    """Effective number of draws, (Σw)²/Σw² (Owen 2013, section 9.3): small where the posterior is unlike the one
+    assumed."""
 
 
 def sampled_evidence(log_joint: Callable[[Array], Array], mean: Array, covariance: Array) -> SampledEvidence:

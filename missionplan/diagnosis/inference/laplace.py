@@ -32,21 +32,14 @@ LEAST_CURVATURE = 1e-2
 
 @dataclass(frozen=True)
 class Laplace:
-    """Evidence of a model with a few hyperparameters, and a normal approximation of their posterior.
-
-    Attributes
-    ----------
-    log_evidence : float
-        ln ∫ exp(log posterior).
-    mode : array, shape (h,)
-        Where it is greatest.
-    covariance : array, shape (h, h)
-        Inverse of the negative curvature there.
-    """
+    """Evidence of a model with a few hyperparameters, and a normal approximation of their posterior."""
 
     log_evidence: float
+    """ln ∫ exp(log posterior)."""
     mode: Array
+    """Where it is greatest, shape (h,)."""
     covariance: Array
+    """Inverse of the negative curvature there, shape (h, h)."""
 
 
 def laplace(

@@ -31,21 +31,14 @@ def normal_log_pdf(x: Array, mean: Array | float, sd: Array | float) -> Array:
 
 @dataclass(frozen=True)
 class Marginal:
-    """Log density of the data with the coefficients of a linear model integrated out, and their posterior.
-
-    Attributes
-    ----------
-    log_density : float
-        ln p(y | covariance), priors of the coefficients included.
-    mean : array, shape (k,)
-        Posterior mean of the coefficients.
-    covariance : array, shape (k, k)
-        Posterior covariance.
-    """
+    """Log density of the data with the coefficients of a linear model integrated out, and their posterior."""
 
     log_density: float
+    """ln p(y | covariance), priors of the coefficients included."""
     mean: Array
+    """Posterior mean of the coefficients, shape (k,)."""
     covariance: Array
+    """Posterior covariance, shape (k, k)."""
 
 
 def gaussian_marginal(gram: Array, prior_sd: Array, log_determinant: float, count: int) -> Marginal:

@@ -19,36 +19,24 @@ FitRequest = tuple[Causes, Sequence["CauseFit"]]
 
 @dataclass(frozen=True)
 class CauseFit:
-    """A set of causes fitted to the data.
-
-    Attributes
-    ----------
-    causes : tuple of str
-        Effects under their slab priors; the others are under their spikes.
-    log_evidence : float
-        ln p(data | causes).
-    estimates : tuple of ParameterEstimate
-        The causes' parameters.
-    calibration : mapping
-        Nuisance parameters of the base model as fitted, such as ``sigma_v_m_s``.
-    possible : bool
-        Whether signs and sizes are physically possible, and the fit lies where the model can be trusted.
-    state : Any
-        The model's own: linearisation, posterior and what else it needs to go on from here.
-    given : tuple of ParameterEstimate
-        The mission's own effects after this record; those among the causes or replaced by one are left out.
-    posterior : Any
-        Joint posterior of all of these, and of the noise, for a record to come (`coordinates.JointPosterior`).
-    """
+    """A set of causes fitted to the data."""
 
     causes: Causes
+    """Effects under their slab priors; the others are under their spikes."""
     log_evidence: float
+    """ln p(data | causes)."""
     estimates: tuple[ParameterEstimate, ...]
+    """The causes' parameters."""
     calibration: Mapping[str, float]
+    """Nuisance parameters of the base model as fitted, such as ``sigma_v_m_s``."""
     possible: bool
+    """Whether signs and sizes are physically possible, and the fit lies where the model can be trusted."""
     state: Any
+    """The model's own: linearisation, posterior and what else it needs to go on from here."""
     given: tuple[ParameterEstimate, ...] = ()
+    """The mission's own effects after this record; those among the causes or replaced by one are left out."""
     posterior: Any = None
+    """Joint posterior of all of these, and of the noise, for a record to come (`coordinates.JointPosterior`)."""
 
 
 @dataclass(frozen=True)
@@ -61,30 +49,20 @@ class FailedFit:
 
 @dataclass(frozen=True)
 class HeldOutScore:
-    """How well one held-out group was predicted from the others.
-
-    Attributes
-    ----------
-    group : str
-        Run, or block of legs.
-    log_score : float
-        ln p(group | the others).
-    squared_error : float
-        Sum of squared errors of the predictive mean.
-    inside : int
-        Values inside their 90 % predictive interval.
-    count : int
-        Values.
-    standardised : tuple of float
-        Errors over their predictive standard deviations, where the model gives them.
-    """
+    """How well one held-out group was predicted from the others."""
 
     group: str
+    """Run, or block of legs."""
     log_score: float
+    """ln p(group | the others)."""
     squared_error: float
+    """Sum of squared errors of the predictive mean."""
     inside: int
+    """Values inside their 90 % predictive interval."""
     count: int
+    """Values."""
     standardised: tuple[float, ...] = ()
+    """Errors over their predictive standard deviations, where the model gives them."""
 
 
 class Model(Protocol):

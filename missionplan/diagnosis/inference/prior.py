@@ -35,10 +35,6 @@ class Prior:
     ----------
     centre, sd : array, shape (k,)
         Means and standard deviations; of a Student-t distribution its scale.
-    heavy : array of bool, shape (k,), optional
-        Whether a coordinate's is a Student-t distribution; default none.
-    tied : tuple of (array of int, array), optional
-        Coordinates of joint normal distributions, shape (m,), and their covariances, shape (m, m); default none.
     low, high : array, shape (k,), optional
         Ends of the ranges outside which a coordinate cannot lie; default none.
     """
@@ -46,7 +42,9 @@ class Prior:
     centre: Array
     sd: Array
     heavy: NDArray[np.bool_] | None = None
+    """Shape (k,). Whether a coordinate's is a Student-t distribution; default none."""
     tied: tuple[tuple[NDArray[np.int_], Array], ...] = ()
+    """Coordinates of joint normal distributions, shape (m,), and their covariances, shape (m, m); default none."""
     low: Array | None = None
     high: Array | None = None
 
@@ -130,18 +128,13 @@ class Prior:
 
 @dataclass(frozen=True)
 class SlabScales:
-    """Likeliest scales λ of the slabs.
-
-    Attributes
-    ----------
-    sd : array, shape (k,)
-        Standard deviations of the coordinates given these scales.
-    log_factor : float
-        What the evidence given these scales lacks: their prior density, and the integral over them by Laplace's method.
-    """
+    """Likeliest scales λ of the slabs."""
 
     sd: Array
+    """Standard deviations of the coordinates given these scales, shape (k,)."""
     log_factor: float
+    """What the evidence given these scales lacks: their prior density, and the integral over them by Laplace's method.
+    """
 
 
 def likeliest_scales(marginal_of: Callable[[Array], Marginal], prior: Prior) -> SlabScales:
@@ -195,13 +188,12 @@ class InsideRange:
 
     Attributes
     ----------
-    log_mass : float
-        Log probability of the ranges.
     mean, covariance : array, shape (k,) and (k, k)
         Moments inside them.
     """
 
     log_mass: float
+    """Log probability of the ranges."""
     mean: Array
     covariance: Array
 

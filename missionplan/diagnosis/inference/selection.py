@@ -30,18 +30,12 @@ def log_prior(count: int, catalogue: int) -> float:
 
 @dataclass(frozen=True)
 class Candidate:
-    """A set of causes against the base model.
-
-    Attributes
-    ----------
-    fit : CauseFit
-        The set fitted.
-    log_bayes_factor : float
-        ln evidence over the base model's.
-    """
+    """A set of causes against the base model."""
 
     fit: CauseFit
+    """The set fitted."""
     log_bayes_factor: float
+    """ln evidence over the base model's."""
 
     @property
     def causes(self) -> Causes:
@@ -56,45 +50,30 @@ class Candidate:
 
 @dataclass(frozen=True)
 class Selection:
-    """All sets, those that are likely fitted.
-
-    Attributes
-    ----------
-    base : CauseFit
-        The base model.
-    ranking : tuple of Candidate
-        Fitted sets that are possible and not empty, likeliest first.
-    impossible : tuple of Candidate
-        Sets whose best fit is not possible (`CauseFit.possible`).
-    failed : tuple of FailedFit
-        Sets that could not be fitted, and why.
-    catalogue : int
-        Number of effects in the catalogue.
-    posterior : mapping
-        Probability of each set.
-    responses : tuple
-        Neutral responses by axis and in words, with their probabilities.
-    families : tuple
-        Sets that differ in nothing that the data show, and that are told as one.
-    nothing : float
-        Probability that neither a cause nor a response is there.
-    not_computed : float
-        Probability of sets that were not fitted, by estimates.
-    credible : tuple
-        Sets that hold 95 % of the probability.
-    """
+    """All sets, those that are likely fitted."""
 
     base: CauseFit
+    """The base model."""
     ranking: tuple[Candidate, ...]
+    """Fitted sets that are possible and not empty, likeliest first."""
     impossible: tuple[Candidate, ...]
+    """Sets whose best fit is not possible (`CauseFit.possible`)."""
     failed: tuple[FailedFit, ...]
+    """Sets that could not be fitted, and why."""
     catalogue: int
+    """Number of effects in the catalogue."""
     posterior: Mapping[Causes, float] = field(default_factory=lambda: {(): 1.0})
+    """Probability of each set."""
     responses: tuple[tuple[str, str, float], ...] = ()
+    """Neutral responses by axis and in words, with their probabilities."""
     families: tuple[tuple[Causes, ...], ...] = ()
+    """Sets that differ in nothing that the data show, and that are told as one."""
     nothing: float = 1.0
+    """Probability that neither a cause nor a response is there."""
     not_computed: float = 0.0
+    """Probability of sets that were not fitted, by estimates."""
     credible: tuple[Causes, ...] = ((),)
+    """Sets that hold 95 % of the probability."""
 
     @property
     def none_of_these(self) -> float:

@@ -22,18 +22,12 @@ SCALE_PRIOR = (0.3, 0.35, 0.25, 0.1)
 
 @dataclass(frozen=True)
 class GramMatrix:
-    """Whitened data and columns of a linear model under one noise.
-
-    Attributes
-    ----------
-    products : array, shape (k + 1, k + 1)
-        Inner products of the columns and, last, the data.
-    log_normaliser : float
-        ln density of the data where all of them are nil.
-    """
+    """Whitened data and columns of a linear model under one noise."""
 
     products: Array
+    """Inner products of the columns and, last, the data, shape (k + 1, k + 1)."""
     log_normaliser: float
+    """ln density of the data where all of them are nil."""
 
     @classmethod
     def of(cls, products: Array, log_determinant: float, count: int) -> "GramMatrix":

@@ -39,18 +39,12 @@ BESIDE_RESPONSES = 8
 
 @dataclass(frozen=True)
 class NeutralResponses:
-    """Neutral responses beside fits.
-
-    Attributes
-    ----------
-    described : sequence of (str, str)
-        Axis of each, and in words.
-    log_gains : array, shape (f, r)
-        What each adds to the log evidence of each fit.
-    """
+    """Neutral responses beside fits."""
 
     described: Sequence[tuple[str, str]]
+    """Axis of each, and in words."""
     log_gains: Array
+    """What each adds to the log evidence of each fit, shape (f, r)."""
 
 
 class LinearisedModel(Model, Protocol):

@@ -40,26 +40,21 @@ class Law:
     ----------
     effects : tuple of str
     hyperparameters : tuple of Hyperparameter
-    at : array, shape (j, h)
-        Logarithms of the noise at its points.
-    sets : tuple of MeanSet
-        Without a term.
-    terms : tuple of int
-        Numbers of those that stand beside them.
-    log_weights : array, shape (s, j, c, 1 + t)
-        Of each set at each noise and scale of the slabs, without a term and with each, prior included; their sum is the
-        evidence times the prior.
-    grams : mapping
-        By group, the inner products at each noise.
     """
 
     effects: Causes
     hyperparameters: tuple[Hyperparameter, ...]
     at: Array
+    """Logarithms of the noise at its points, shape (j, h)."""
     sets: tuple[MeanSet, ...]
+    """Without a term."""
     terms: tuple[int, ...]
+    """Numbers of those that stand beside them."""
     log_weights: Array
+    """Shape (s, j, c, 1 + t). Of each set at each noise and scale of the slabs, without a term and with each, prior
+    included; their sum is the evidence times the prior."""
     grams: Mapping[Causes, Sequence[GramMatrix]]
+    """By group, the inner products at each noise."""
 
     @property
     def effective(self) -> float:
@@ -191,14 +186,13 @@ class ComparedSets:
     search : NoiseSearch
     plain, rich : Laplace
         The likeliest noise without causes in the mean, and with many.
-    scores : array, shape (s, 1 + t)
-        Log density and prior of all sets at their likeliest noises, without a term and with each.
     """
 
     search: NoiseSearch
     plain: Laplace
     rich: Laplace
     scores: Array
+    """Log density and prior of all sets at their likeliest noises, without a term and with each, shape (s, 1 + t)."""
 
     @property
     def best(self) -> float:

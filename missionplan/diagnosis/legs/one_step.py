@@ -18,21 +18,14 @@ REFITS = 8
 
 @dataclass(frozen=True)
 class OneStep:
-    """Root mean square of the two-dimensional position error of the next leg [m].
-
-    Attributes
-    ----------
-    mean_so_far : float
-        With the unweighted mean of the past velocity errors.
-    last_leg : float
-        With the last leg's velocity error.
-    model : float
-        With the fitted set of causes, its hyperparameters refitted along the record, to past legs alone.
-    """
+    """Root mean square of the two-dimensional position error of the next leg [m]."""
 
     mean_so_far: float
+    """With the unweighted mean of the past velocity errors."""
     last_leg: float
+    """With the last leg's velocity error."""
     model: float
+    """With the fitted set of causes, its hyperparameters refitted along the record, to past legs alone."""
 
 
 def one_step(model: TransitModel, fit: CauseFit) -> OneStep | None:

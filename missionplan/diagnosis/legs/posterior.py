@@ -102,19 +102,16 @@ class LegPosterior:
     ----------
     inference : LegInference
     laws : tuple of Law
-    left : array, shape (1 + t,)
-        Estimated probability of the sets that were not integrated, without a term and with each.
-    masses : mapping, optional
-        Of `log_masses` where they are not those of the laws.
-    forms : mapping
-        States of sets with oscillations that are not steady.
     """
 
     inference: LegInference
     laws: tuple[Law, ...]
     left: Array
+    """Estimated probability of the sets that were not integrated, without a term and with each, shape (1 + t,)."""
     masses: Mapping[tuple[Causes, int], float] | None = None
+    """Of `log_masses` where they are not those of the laws."""
     forms: Mapping[Causes, TransitState] = field(default_factory=dict)
+    """States of sets with oscillations that are not steady."""
 
     @cached_property
     def log_masses(self) -> Mapping[tuple[Causes, int], float]:

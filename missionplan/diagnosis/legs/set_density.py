@@ -47,12 +47,11 @@ class MeanSet:
     Attributes
     ----------
     causes : tuple of str
-    term : int
-        Number of the term, from 1; 0 for none.
     """
 
     causes: Causes
     term: int = 0
+    """Number of the term, from 1; 0 for none."""
 
 
 @dataclass(frozen=True)
@@ -63,13 +62,12 @@ class RandomErrors:
     ----------
     effects : tuple of str
     hyperparameters : tuple of Hyperparameter
-    reference : MeanSet
-        Likeliest set, about which heavy tails are bounded.
     """
 
     effects: Causes
     hyperparameters: tuple[Hyperparameter, ...]
     reference: MeanSet
+    """Likeliest set, about which heavy tails are bounded."""
 
 
 @dataclass(frozen=True)

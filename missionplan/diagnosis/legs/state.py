@@ -17,33 +17,22 @@ from missionplan.results.learned.evidence import Causes, ParameterEstimate
 
 @dataclass(frozen=True)
 class TransitState:
-    """State of a fit: Laplace approximation of the hyperparameters, and the coefficients at their mode.
-
-    Attributes
-    ----------
-    forms : Forms
-        Oscillations among the causes that are not steady.
-    hyperparameters : tuple of Hyperparameter
-        Those of the set of causes.
-    posterior : Laplace
-        Of their logarithms.
-    mean : array, shape (k,)
-        Posterior mean of all coordinates, the hyperparameters at their mode.
-    covariance : array, shape (k, k)
-        Posterior covariance of them.
-    linear : LinearisedLegs
-        The model as linearised last.
-    term : ActingTerm or None
-        Whose strengths are coordinates beside those of the model.
-    """
+    """State of a fit: Laplace approximation of the hyperparameters, and the coefficients at their mode."""
 
     forms: Forms
+    """Oscillations among the causes that are not steady."""
     hyperparameters: tuple[Hyperparameter, ...]
+    """Those of the set of causes."""
     posterior: Laplace
+    """Of their logarithms."""
     mean: Array
+    """Posterior mean of all coordinates, the hyperparameters at their mode, shape (k,)."""
     covariance: Array
+    """Posterior covariance of them, shape (k, k)."""
     linear: LinearisedLegs
+    """The model as linearised last."""
     term: ActingTerm | None = None
+    """Whose strengths are coordinates beside those of the model."""
 
     @property
     def values(self) -> dict[tuple[str, str], float]:

@@ -53,27 +53,22 @@ class LegTerm:
 
     Attributes
     ----------
-    effect : str
-        Whose term it is; empty for a smooth error.
     axis, description : str
         What it follows.
-    columns : array, shape (2, n, q)
-        Velocity errors for standard normal coefficients, on the principal axes [m/s].
-    log_share : float
-        Log of its share of the prior of what it belongs to.
-    acting : ActingTerm or None
-        As a model fits it; None for a smooth error.
-    answers : bool
-        Whether it depends on the current.
     """
 
     effect: str
+    """Whose term it is; empty for a smooth error."""
     axis: str
     description: str
     columns: Array
+    """Velocity errors for standard normal coefficients, on the principal axes, shape (2, n, q) [m/s]."""
     log_share: float
+    """Log of its share of the prior of what it belongs to."""
     acting: ActingTerm | None = None
+    """As a model fits it; None for a smooth error."""
     answers: bool = False
+    """Whether it depends on the current."""
 
     @property
     def is_neutral(self) -> bool:

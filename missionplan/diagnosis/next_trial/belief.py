@@ -23,21 +23,14 @@ EXPLANATIONS, NEGLIGIBLE = 5, 0.02
 
 @dataclass(frozen=True)
 class Posterior:
-    """What a fit says of all its model's coordinates.
-
-    Attributes
-    ----------
-    places : array of int, shape (k,)
-        Those of the causes and of the mission's own effects: known from one record to the next.
-    mean : array, shape (K,)
-        Of all coordinates; of the others as the mission expects them.
-    covariance : array, shape (k, k)
-        Of those in `places`.
-    """
+    """What a fit says of all its model's coordinates."""
 
     places: NDArray[np.int_]
+    """Those of the causes and of the mission's own effects: known from one record to the next, shape (k,)."""
     mean: Array
+    """Shape (K,). Of all coordinates; of the others as the mission expects them."""
     covariance: Array
+    """Of those in `places`, shape (k, k)."""
 
 
 @dataclass(frozen=True)
@@ -46,27 +39,22 @@ class Believed:
 
     Attributes
     ----------
-    causes : tuple of str
-        Effects of the mission's own explanation, where it is in doubt, and those found.
-    bound : DataKind
-        The data so far, bound to the mission under that explanation.
     fit : CauseFit
     posterior : Posterior
-    explanation : Explanation
-        Its probability, with mean and covariance of the parameters that stay.
-    coordinates : tuple of Coordinate
-        Of those parameters.
-    mission : Mission
-        Extended with these causes.
     """
 
     causes: Causes
+    """Effects of the mission's own explanation, where it is in doubt, and those found."""
     bound: DataKind
+    """The data so far, bound to the mission under that explanation."""
     fit: CauseFit
     posterior: Posterior
     explanation: Explanation
+    """Its probability, with mean and covariance of the parameters that stay."""
     coordinates: tuple[Coordinate, ...]
+    """Of those parameters."""
     mission: Mission
+    """Extended with these causes."""
 
 
 Fits = list[tuple[Weighed, CauseFit, float]]

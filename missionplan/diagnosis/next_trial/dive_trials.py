@@ -55,15 +55,10 @@ class _Dives:
 
 @dataclass(frozen=True)
 class DiveTrials(TrialKind):
-    """Dives that the mission's vehicle could make.
-
-    Attributes
-    ----------
-    bound : DescentKind
-        The dives so far, bound to the mission.
-    """
+    """Dives that the mission's vehicle could make."""
 
     bound: DescentKind
+    """The dives so far, bound to the mission."""
 
     @cached_property
     def _moor(self) -> MoorPhase:

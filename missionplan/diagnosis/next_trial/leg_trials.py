@@ -60,15 +60,10 @@ class _Legs:
 
 @dataclass(frozen=True)
 class LegTrials(TrialKind):
-    """Legs that the mission's vehicle could sail.
-
-    Attributes
-    ----------
-    bound : TransitKind
-        The log so far, bound to the mission.
-    """
+    """Legs that the mission's vehicle could sail."""
 
     bound: TransitKind
+    """The log so far, bound to the mission."""
 
     @cached_property
     def _means(self) -> Scenario:

@@ -26,43 +26,28 @@ Change = Callable[[Mission, float], Mission]
 
 @dataclass(frozen=True)
 class Alternatives:
-    """What may be chosen.
-
-    Attributes
-    ----------
-    key : str
-        ``d_max_m`` or ``anchor_wet_weight_n``.
-    values : array, shape (a,)
-        [m or N].
-    change : callable
-        The mission with one of them.
-    """
+    """What may be chosen."""
 
     key: str
+    """``d_max_m`` or ``anchor_wet_weight_n``."""
     values: Array
+    """[m or N], shape (a,)."""
     change: Change
+    """The mission with one of them."""
 
 
 @dataclass(frozen=True)
 class Losses:
-    """The decision with the numbers that explain its losses.
-
-    Attributes
-    ----------
-    problem : DecisionProblem
-        Losses in `unit`.
-    unit : str
-        Energy where the mission has a budget, else time.
-    failure : float
-        Loss counted for a failure besides [unit].
-    success : array, shape (a,)
-        Probability of success with each alternative.
-    """
+    """The decision with the numbers that explain its losses."""
 
     problem: DecisionProblem
+    """Losses in `unit`."""
     unit: LossUnit
+    """Energy where the mission has a budget, else time."""
     failure: float
+    """Loss counted for a failure besides [unit]."""
     success: Array
+    """Probability of success with each alternative, shape (a,)."""
 
 
 def losses(

@@ -24,21 +24,14 @@ FITTING = 0.8
 
 @dataclass(frozen=True)
 class SimulatedTrial:
-    """A trial, simulated for every draw.
-
-    Attributes
-    ----------
-    probabilities : array, shape (n, s)
-        Of each set of causes after it.
-    means : tuple of array, shape (n, k_s) each
-        Parameters as they are then estimated under each set.
-    chosen : array of int, shape (n,)
-        Alternative chosen then.
-    """
+    """A trial, simulated for every draw."""
 
     probabilities: Array
+    """Of each set of causes after it, shape (n, s)."""
     means: tuple[Array, ...]
+    """Parameters as they are then estimated under each set, shape (n, k_s)."""
     chosen: NDArray[np.int_]
+    """Alternative chosen then, shape (n,)."""
 
 
 def outcomes(believed: Sequence[Believed], problem: DecisionProblem, made: SimulatedTrial) -> tuple[TrialOutcome, ...]:

@@ -26,18 +26,12 @@ GRID = np.concatenate([-_TAIL[::-1], ndtri(np.linspace(5e-4, 1.0 - 5e-4, 101)), 
 
 @dataclass(frozen=True)
 class Chance:
-    """What a record is beside those that chance would make, were the mission true.
-
-    Attributes
-    ----------
-    p_value : float
-        Share of them whose transforms are as far from uniform, or farther.
-    coverage_90 : tuple of float
-        Shares of values inside 90 % intervals that chance allows.
-    """
+    """What a record is beside those that chance would make, were the mission true."""
 
     p_value: float
+    """Share of them whose transforms are as far from uniform, or farther."""
     coverage_90: tuple[float, float]
+    """Shares of values inside 90 % intervals that chance allows."""
 
 
 def one_step_chance(ensemble: Ensemble, found: OneStep, seed: int, level: float) -> Chance:

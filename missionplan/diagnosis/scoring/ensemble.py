@@ -15,43 +15,29 @@ RELATIVE_JITTER = 1e-10
 
 @dataclass(frozen=True)
 class Noise:
-    """What is random beside the draws: normal, independent of them.
-
-    Attributes
-    ----------
-    weight : float
-        Prior probability, among the noises of its part.
-    covariance : array, shape (v, v)
-        Of the v values.
-    scales : array, shape (s,)
-        Equally likely factors on the standard deviation of the share that has heavy tails; (1,) for none.
-    tailed : array, shape (v,)
-        Variance of that share in each value.
-    """
+    """What is random beside the draws: normal, independent of them."""
 
     weight: float
+    """Prior probability, among the noises of its part."""
     covariance: Array
+    """Of the v values, shape (v, v)."""
     scales: Array
+    """Shape (s,). Equally likely factors on the standard deviation of the share that has heavy tails; (1,) for none."""
     tailed: Array
+    """Variance of that share in each value, shape (v,)."""
 
 
 @dataclass(frozen=True)
 class Part:
-    """One explanation of the mission: its probability, and what it expects.
-
-    Attributes
-    ----------
-    probability : float
-        That it holds; those of all parts add up to 1.
-    draws : array, shape (d, v)
-        Expected values in each of d draws of the uncertain quantities; one row where nothing is uncertain.
-    noises : tuple of Noise
-        For as many draws of the sizes of what is random.
-    """
+    """One explanation of the mission: its probability, and what it expects."""
 
     probability: float
+    """That it holds; those of all parts add up to 1."""
     draws: Array
+    """Shape (d, v). Expected values in each of d draws of the uncertain quantities; one row where nothing is uncertain.
+    """
     noises: tuple[Noise, ...]
+    """For as many draws of the sizes of what is random."""
 
 
 @dataclass(frozen=True)
@@ -70,15 +56,13 @@ class Ensemble:
 
     Attributes
     ----------
-    values : array, shape (v,)
-        As measured, group by group.
-    groups : array of int, shape (v,)
-        Leg or dive of each value, from 0, in the order of time.
     parts : tuple of Part
     """
 
     values: Array
+    """As measured, group by group, shape (v,)."""
     groups: NDArray[np.int_]
+    """Leg or dive of each value, from 0, in the order of time, shape (v,)."""
     parts: tuple[Part, ...]
 
     def slices(self) -> list[slice]:

@@ -32,21 +32,14 @@ SCALES = 32
 
 @dataclass(frozen=True)
 class SingleLegs:
-    """Standard normals of one source: zero but for one leg, one component and one trial each.
-
-    Attributes
-    ----------
-    legs : int
-        n.
-    trials : int
-        Of all sources together.
-    first : int or None
-        Trial of the first of the 2n; None: zero everywhere.
-    """
+    """Standard normals of one source: zero but for one leg, one component and one trial each."""
 
     legs: int
+    """n."""
     trials: int
+    """Of all sources together."""
     first: int | None
+    """Trial of the first of the 2n; None: zero everywhere."""
 
     def leg(self, number: int) -> Array:
         """Normals of a leg, shape (2, trials)."""

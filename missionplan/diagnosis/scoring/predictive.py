@@ -116,15 +116,13 @@ class OneStep:
     Attributes
     ----------
     mixture : Mixture
-    roots : list of list of array
-        For each component of the mixture and each group, the triangular root of the covariance of the group's values.
-    effective : float
-        Effective number of components at the end of the record, 1/Σw².
     """
 
     mixture: Mixture
     roots: list[list[Array]]
+    """For each component of the mixture and each group, the triangular root of the covariance of the group's values."""
     effective: float
+    """Effective number of components at the end of the record, 1/Σw²."""
 
 
 def one_step_ahead(ensemble: Ensemble) -> OneStep:

@@ -54,33 +54,22 @@ SHAPE_SHIFTS = (-1.2, 0.0, 1.2)
 
 @dataclass(frozen=True)
 class TankState:
-    """State of a fit.
-
-    Attributes
-    ----------
-    at : array, shape (k,)
-        Coordinates.
-    residuals : array, shape (N,)
-        Data less the model there [SI].
-    columns : array, shape (N, a)
-        Derivatives along the active coordinates.
-    active : array of int, shape (a,)
-        Coordinates with a prior of some width.
-    factor : float
-        Most likely factor on the noise.
-    prior_sd : array, shape (a,)
-        Prior standard deviations of the active coordinates, the slabs at their likeliest scales.
-    marginal : Marginal
-        Posterior of the active coordinates at that factor.
-    """
+    """State of a fit."""
 
     at: Array
+    """Coordinates, shape (k,)."""
     residuals: Array
+    """Data less the model there, shape (N,) [SI]."""
     columns: Array
+    """Derivatives along the active coordinates, shape (N, a)."""
     active: NDArray[np.int_]
+    """Coordinates with a prior of some width, shape (a,)."""
     factor: float
+    """Most likely factor on the noise."""
     prior_sd: Array
+    """Prior standard deviations of the active coordinates, the slabs at their likeliest scales, shape (a,)."""
     marginal: Marginal
+    """Posterior of the active coordinates at that factor."""
 
 
 @dataclass(frozen=True)
@@ -88,20 +77,14 @@ class TankFitting:
     """Base model of a tank experiment and the effects that it may lack, bound to data.
 
     Every array of k coordinates begins with the nuisance parameters of the base model, about their prior means.
-
-    Attributes
-    ----------
-    forward : TankForward
-        Data and base model.
-    noise_known : bool
-        Whether the noise is exactly as stated.
-    given : tuple of GivenEffect
-        What the mission knows of the candidates.
     """
 
     forward: TankForward
+    """Data and base model."""
     noise_known: bool = False
+    """Whether the noise is exactly as stated."""
     given: tuple[GivenEffect, ...] = ()
+    """What the mission knows of the candidates."""
 
     @property
     def candidates(self) -> Causes:

@@ -38,42 +38,32 @@ class TankForward:
 
     Attributes
     ----------
-    kind : str
-        Kind of the data.
-    record : TankRecord
-        What they hold, as far as it decides which effects they could show.
-    quantity : str
-        Column that is explained.
     y, sd : array, shape (N,)
         Data and the sensor's standard deviation [SI].
-    stated : bool
-        Whether that deviation was stated; else its size is fitted, from a rough guess.
-    nuisances : tuple of Nuisance
-        Fitted under any set of causes.
-    predict : callable
-        The model of the data.
-    axes : mapping
-        Axis → where each datum lies.
-    groups : array of str, shape (N,)
-        Runs, or blocks in the order of the record, for predictions of what was held out.
-    starts : mapping
-        Effect and parameter → coordinates from which its fit starts, where the data tell of some.
-    designs : tuple
-        Further measurements in words, and the model of each.
     """
 
     kind: TankKind
+    """Kind of the data."""
     record: TankRecord
+    """What they hold, as far as it decides which effects they could show."""
     quantity: str
+    """Column that is explained."""
     y: Array
     sd: Array
     stated: bool
+    """Whether that deviation was stated; else its size is fitted, from a rough guess."""
     nuisances: tuple[Nuisance, ...]
+    """Fitted under any set of causes."""
     predict: Predict
+    """The model of the data."""
     axes: Mapping[str, Array]
+    """Axis → where each datum lies."""
     groups: NDArray[np.str_]
+    """Runs, or blocks in the order of the record, for predictions of what was held out, shape (N,)."""
     starts: Mapping[tuple[str, str], tuple[float, ...]] = field(default_factory=dict)
+    """Effect and parameter → coordinates from which its fit starts, where the data tell of some."""
     designs: tuple[tuple[str, "TankForward"], ...] = ()
+    """Further measurements in words, and the model of each."""
 
     @property
     def candidates(self) -> Causes:

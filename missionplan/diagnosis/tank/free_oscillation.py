@@ -36,18 +36,16 @@ class OscillationModel:
 
     Attributes
     ----------
-    time : array, shape (N,)
-        [s].
     stiffness, mass : float
         Of the springs [N/m], and oscillating [kg].
-    release_factor : float
-        Factor on displacement and velocity at the release, for a further measurement.
     """
 
     time: Array
+    """[s], shape (N,)."""
     stiffness: float
     mass: float
     release_factor: float
+    """Factor on displacement and velocity at the release, for a further measurement."""
 
     def __call__(self, values: Array, effects: Sequence[Effect]) -> Array:
         """Predict the displacement, shape (N, m) [m]."""

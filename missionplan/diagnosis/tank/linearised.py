@@ -87,24 +87,16 @@ class _Whitening:
 
 @dataclass(frozen=True)
 class GroupPrediction:
-    """A group as the others predict it.
-
-    Attributes
-    ----------
-    rows : array of bool, shape (N,)
-        Data of the group.
-    estimated : array, shape (l,)
-        Shared coordinates estimated from the others, less their prior means.
-    log_score : float
-        ln p(group | the others).
-    inside : int
-        Data of the group inside their 90 % predictive interval.
-    """
+    """A group as the others predict it."""
 
     rows: NDArray[np.bool_]
+    """Data of the group, shape (N,)."""
     estimated: Array
+    """Shared coordinates estimated from the others, less their prior means, shape (l,)."""
     log_score: float
+    """ln p(group | the others)."""
     inside: int
+    """Data of the group inside their 90 % predictive interval."""
 
 
 @dataclass(frozen=True)
@@ -115,22 +107,19 @@ class LinearData:
     ----------
     y, sd : array, shape (N,)
         Data less the prediction at the prior means, and the standard deviation of their noise.
-    columns : array, shape (N, a)
-        Derivatives along the coordinates.
-    prior : array, shape (a,)
-        Prior standard deviations of the coordinates.
-    shared : array of bool, shape (a,)
-        Constants of the base model and causes of the set, the same in all groups; the others are random effects.
-    groups : array of str, shape (N,)
-        Group of each datum.
     """
 
     y: Array
     sd: Array
     columns: Array
+    """Derivatives along the coordinates, shape (N, a)."""
     prior: Array
+    """Prior standard deviations of the coordinates, shape (a,)."""
     shared: NDArray[np.bool_]
+    """Shape (a,). Constants of the base model and causes of the set, the same in all groups; the others are random
+    effects."""
     groups: NDArray[np.str_]
+    """Group of each datum, shape (N,)."""
 
     def predicted(self) -> list[GroupPrediction]:
         """Predict each group from the others.

@@ -30,15 +30,10 @@ SAME = 1e-9
 
 @dataclass(frozen=True)
 class TankModel(TankFitting):
-    """Base model of a tank experiment and the effects that it may lack, bound to data.
-
-    Attributes
-    ----------
-    alternatives : sequence of frozenset of str
-        Groups of effects of which a set holds at most one.
-    """
+    """Base model of a tank experiment and the effects that it may lack, bound to data."""
 
     alternatives: Sequence[frozenset[str]] = ()
+    """Groups of effects of which a set holds at most one."""
 
     @property
     def untestable(self) -> Mapping[str, str]:

@@ -20,18 +20,12 @@ MASS_FACTORS = (1e-4, 1e4)
 
 @dataclass(frozen=True)
 class PropellerModel:
-    """Quasi-steady thrust, the flow in the disc (1 + a)(1 - w) times the speed (Blanke, Lindegaard & Fossen 2000).
-
-    Attributes
-    ----------
-    run : TransientRun
-        The measured run.
-    water_mass : float
-        Mass of a cylinder of water with the propeller's diameter and as long [kg].
-    """
+    """Quasi-steady thrust, the flow in the disc (1 + a)(1 - w) times the speed (Blanke, Lindegaard & Fossen 2000)."""
 
     run: TransientRun
+    """The measured run."""
     water_mass: float
+    """Mass of a cylinder of water with the propeller's diameter and as long [kg]."""
 
     def __call__(self, values: Array, effects: Sequence[Effect]) -> Array:
         """Predict the thrust, shape (N, m) [N]."""

@@ -28,16 +28,14 @@ class ThrusterModel:
     ----------
     command, speed : array, shape (N,)
         Shaft rate [1/s] or voltage [V], and the vehicle's speed [m/s].
-    area : float
-        Cross-section of the tunnel [m²]; nan where it is not known.
-    density : float
-        Of the water [kg/m³].
     """
 
     command: Array
     speed: Array
     area: float
+    """Cross-section of the tunnel [m²]; nan where it is not known."""
     density: float
+    """Of the water [kg/m³]."""
 
     @property
     def squared_command(self) -> Array:

@@ -19,21 +19,14 @@ from missionplan.physics.tank import reynolds_drag_coefficient
 
 @dataclass(frozen=True)
 class DragModel:
-    """Force ½ρA C_D U² with C_D constant, or with the vehicle file's dependence on the Reynolds number.
-
-    Attributes
-    ----------
-    unit : array, shape (N,)
-        Force for a coefficient of 1 [N].
-    coefficient : float or None
-        Of the vehicle file; None where it is fitted.
-    reynolds_ratio : array, shape (N,)
-        Reynolds numbers over the one at which the coefficient is stated.
-    """
+    """Force ½ρA C_D U² with C_D constant, or with the vehicle file's dependence on the Reynolds number."""
 
     unit: Array
+    """Force for a coefficient of 1, shape (N,) [N]."""
     coefficient: float | None
+    """Of the vehicle file; None where it is fitted."""
     reynolds_ratio: Array
+    """Reynolds numbers over the one at which the coefficient is stated, shape (N,)."""
 
     def __call__(self, values: Array, effects: Sequence[Effect]) -> Array:
         """Predict the force, shape (N, m) [N]."""

@@ -36,18 +36,15 @@ class _Part:
     Attributes
     ----------
     fixes : Fixes
-    ways : tuple of array
-        Times since 1970 [s] and displacements east and north since the reading before [m], shape (n,) each.
-    reckoned : Positions
-        That the file itself calls dead-reckoned.
-    reckoning : str
-        Where ways or positions come from; nothing where there are none.
     """
 
     fixes: Fixes
     ways: tuple[Array, Array, Array]
+    """Times since 1970 [s] and displacements east and north since the reading before [m], shape (n,) each."""
     reckoned: Positions
+    """That the file itself calls dead-reckoned."""
     reckoning: str
+    """Where ways or positions come from; nothing where there are none."""
     depth: Series
     pitch: Series
     heading: Series

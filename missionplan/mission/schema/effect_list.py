@@ -24,28 +24,19 @@ POSTERIOR = "posterior"
 
 @dataclass(frozen=True)
 class EffectEntry(Generic[V]):
-    """One effect of the mission.
-
-    Attributes
-    ----------
-    effect : str
-        Its id in the catalogue.
-    parameters : dict
-        Floats or distributions; drawn, floats or arrays [SI].
-    path : tuple of (str or int)
-        Where it stands in the file.
-    explanation : (str, tuple of int) or None
-        Key path of what is in doubt, and the numbers of the explanations there with which it holds; None: it always
-        holds.
-    epoch : float or None
-        Date from which its phases count [s since 1970]; None: from the mission's start.
-    """
+    """One effect of the mission."""
 
     effect: str
+    """Its id in the catalogue."""
     parameters: dict[str, V]
+    """Floats or distributions; drawn, floats or arrays [SI]."""
     path: KeyPath = ()
+    """Where it stands in the file."""
     explanation: tuple[str, tuple[int, ...]] | None = None
+    """Key path of what is in doubt, and the numbers of the explanations there with which it holds; None: it always
+    holds."""
     epoch: float | None = None
+    """Date from which its phases count [s since 1970]; None: from the mission's start."""
 
     @property
     def place(self) -> str:
@@ -74,13 +65,12 @@ class Explanation(Generic[V]):
     ----------
     probability : float
     effects : tuple of EffectEntry
-    correlations : tuple of Correlation
-        Of their parameters, by key paths within the explanation: ``compass-bias.angle``.
     """
 
     probability: float
     effects: tuple[EffectEntry[V], ...]
     correlations: tuple[Correlation, ...] = ()
+    """Of their parameters, by key paths within the explanation: ``compass-bias.angle``."""
 
     @property
     def causes(self) -> tuple[str, ...]:
@@ -94,19 +84,16 @@ class OneOf(Generic[V]):
 
     Attributes
     ----------
-    place : str
-        Its key path.
     explanations : tuple of Explanation
-    known : int or None
-        Number of the explanation that is taken to hold, or of them all for none; None: it is drawn.
-    drawn : float or array, shape (n,), or None
-        Number of the explanation that holds, once it is drawn.
     """
 
     place: str
+    """Its key path."""
     explanations: tuple[Explanation[V], ...]
     known: int | None = None
+    """Number of the explanation that is taken to hold, or of them all for none; None: it is drawn."""
     drawn: V | None = None
+    """Number of the explanation that holds, once it is drawn, shape (n,)."""
 
     @property
     def which(self) -> V:
@@ -163,18 +150,15 @@ class Learned(Generic[V]):
     Attributes
     ----------
     draws : WeightedDraws
-    entries : tuple of EffectEntry
-        Each effect of a set once, for all sets with it.
-    known : int or None
-        Number of the set that is taken to hold; None: it is drawn.
-    drawn : float or array, shape (n,), or None
-        Number of the set that holds, once it is drawn.
     """
 
     draws: WeightedDraws
     entries: tuple[EffectEntry[V], ...]
+    """Each effect of a set once, for all sets with it."""
     known: int | None = None
+    """Number of the set that is taken to hold; None: it is drawn."""
     drawn: V | None = None
+    """Number of the set that holds, once it is drawn, shape (n,)."""
 
     place = POSTERIOR
 
@@ -264,15 +248,10 @@ def _mean_vector(draws: WeightedDraws, amplitude: Column, phase: Column) -> comp
 
 @dataclass(frozen=True)
 class EffectList(Generic[V]):
-    """Effects as the mission states them, and as it has learned them.
-
-    Attributes
-    ----------
-    items : tuple of EffectEntry, OneOf and Learned
-        In the order of the file.
-    """
+    """Effects as the mission states them, and as it has learned them."""
 
     items: tuple[EffectEntry[V] | OneOf[V] | Learned[V], ...] = ()
+    """In the order of the file."""
 
     @property
     def entries(self) -> tuple[EffectEntry[V], ...]:

@@ -27,15 +27,13 @@ class AscentRecord:
 
     Attributes
     ----------
-    ascent_time : array, shape (n,)
-        From the release to the surface; nan where the vehicle never surfaced [s].
-    drift : array, shape (2, n)
-        Displacement by the current meanwhile, east and north [m].
     surfaced : array of bool, shape (n,)
     """
 
     ascent_time: Array
+    """Shape (n,). From the release to the surface; nan where the vehicle never surfaced [s]."""
     drift: Array
+    """Displacement by the current meanwhile, east and north, shape (2, n) [m]."""
     surfaced: NDArray[np.bool_]
 
 

@@ -18,21 +18,14 @@ CHUNK_SIZE = 1 << 16
 
 @dataclass(frozen=True)
 class SensorHistory:
-    """Readings of the depth sensor in n dives on a uniform time grid.
-
-    Attributes
-    ----------
-    step : float
-        Of the grid, which starts at the separation [s].
-    depths : array, shape (m, n)
-        Readings [m].
-    delay : array, shape (n,)
-        Of the dive on the clock of its log [s].
-    """
+    """Readings of the depth sensor in n dives on a uniform time grid."""
 
     step: float
+    """Of the grid, which starts at the separation [s]."""
     depths: Array
+    """Readings, shape (m, n) [m]."""
     delay: Array
+    """Of the dive on the clock of its log, shape (n,) [s]."""
 
     def at(self, times: Array) -> Array:
         """Readings at times of each dive's log since the separation, shape (k, n) [s]; nan where `times` is [m].

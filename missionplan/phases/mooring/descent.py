@@ -35,23 +35,19 @@ class DescentStages:
     ----------
     lone, pull_down, coast : Stage
         The anchor alone (its depth), both bodies, and the vehicle after touchdown (the vehicle's depth).
-    delay : array, shape (n,)
-        From the separation to the start of the anchor's free fall [s].
-    fall : CrossFlowFall or None
-        Horizontal motion of the lone anchor where the bodies' drift is tied.
-    tied : TiedPullDown or None
-        The pull-down in three dimensions, as above.
-    pitched : PitchOver or None
-        How the vehicle came nose down, which `pull_down` holds, where that is simulated.
     """
 
     lone: Stage
     pull_down: Stage
     coast: Stage
     delay: Array
+    """From the separation to the start of the anchor's free fall, shape (n,) [s]."""
     fall: CrossFlowFall | None = None
+    """Horizontal motion of the lone anchor where the bodies' drift is tied."""
     tied: TiedPullDown | None = None
+    """The pull-down in three dimensions, as above."""
     pitched: PitchOver | None = None
+    """How the vehicle came nose down, which `pull_down` holds, where that is simulated."""
 
     @property
     def taut_at(self) -> Array:
@@ -70,42 +66,34 @@ class DescentRecord:
 
     Attributes
     ----------
-    release_time : array
-        From the last fix to the anchor's separation [s].
-    payout_time : array
-        From the separation to the taut line [s].
-    descent_time : array
-        From the separation to the anchor's touchdown; nan where it never touched down [s].
-    terminal_velocity : array
-        Speed through the water at which the forces at touchdown balance [m/s].
-    touchdown_speed : array
-        Speed over the ground with which the anchor touches down; nan where it never did [m/s].
-    offset : array, shape (2, n)
-        Of the anchor on the seafloor from where the vehicle was at the last fix, east and north [m].
-    lowest_altitude : array
-        Least height of the vehicle's nose above the seafloor; where negative, how deep it would have gone into it [m].
     touched_down, struck : array of bool
         Whether the anchor reached the seafloor with the vehicle on its line, and whether the vehicle did.
     nose_down_time, depth_lost : array
         From the taut line to nose down [s], and the depth that the vehicle would have gained by being so at once [m];
         nan where the pitch-over is not simulated, or the vehicle does not turn over.
-    snatch_tension : array
-        Peak tension of the line as it goes taut; nan where its stiffness is not known [N].
-    parted : array of bool
-        Whether it parted then.
     """
 
     release_time: Array
+    """From the last fix to the anchor's separation [s]."""
     payout_time: Array
+    """From the separation to the taut line [s]."""
     descent_time: Array
+    """From the separation to the anchor's touchdown; nan where it never touched down [s]."""
     terminal_velocity: Array
+    """Speed through the water at which the forces at touchdown balance [m/s]."""
     touchdown_speed: Array
+    """Speed over the ground with which the anchor touches down; nan where it never did [m/s]."""
     offset: Array
+    """Of the anchor on the seafloor from where the vehicle was at the last fix, east and north, shape (2, n) [m]."""
     lowest_altitude: Array
+    """Least height of the vehicle's nose above the seafloor; where negative, how deep it would have gone into it [m].
+    """
     touched_down: NDArray[np.bool_]
     struck: NDArray[np.bool_]
     snatch_tension: Array
+    """Peak tension of the line as it goes taut; nan where its stiffness is not known [N]."""
     parted: NDArray[np.bool_]
+    """Whether it parted then."""
     nose_down_time: Array
     depth_lost: Array
 

@@ -19,44 +19,36 @@ class Dive:
 
     Attributes
     ----------
-    wet_weight : float or array
-        Of the flooded anchor [N].
     anchor_mass, anchor_added_mass : float or array
         Of the anchor with the water inside, and its axial added mass [kg].
     anchor_drag : DragLaw
     vehicle_mass, vehicle_added_mass : float or array
         Of the egress vehicle, and its axial added mass [kg].
-    net_buoyancy : float or array
-        Buoyancy minus weight of the egress vehicle [N].
     vehicle_drag : DragLaw
-    line_length : float or array
-        From the anchor to the vehicle's nose [m].
-    site_depth : float or array
-        [m].
-    tied : TiedBodies or None
-        What ties the horizontal drift of the two bodies together; None: each goes with its layer of the current.
-    spring : LineSpring or None
-        For the peak tension of the snatch; None: it is not computed.
-    pitching : PitchingBody or None
-        For the pitch-over after the snatch; None: the vehicle is nose down at once.
-    flooding_time : float or array
-        From the separation until the anchor is full of water [s].
     """
 
     wet_weight: Scalars
+    """Of the flooded anchor [N]."""
     anchor_mass: Scalars
     anchor_added_mass: Scalars
     anchor_drag: DragLaw
     vehicle_mass: Scalars
     vehicle_added_mass: Scalars
     net_buoyancy: Scalars
+    """Buoyancy minus weight of the egress vehicle [N]."""
     vehicle_drag: DragLaw
     line_length: Scalars
+    """From the anchor to the vehicle's nose [m]."""
     site_depth: Scalars
+    """[m]."""
     tied: TiedBodies | None = None
+    """What ties the horizontal drift of the two bodies together; None: each goes with its layer of the current."""
     spring: LineSpring | None = None
+    """For the peak tension of the snatch; None: it is not computed."""
     pitching: PitchingBody | None = None
+    """For the pitch-over after the snatch; None: the vehicle is nose down at once."""
     flooding_time: Scalars = 0.0
+    """From the separation until the anchor is full of water [s]."""
 
     def weight_at(self, since_separation: Scalars) -> Scalars:
         """Wet weight of the anchor at a time since its separation [s] [N].
@@ -228,24 +220,16 @@ _STEADY_TIME = 1e6
 
 @dataclass(frozen=True)
 class SteadyDescent:
-    """Both bodies at a steady speed: the balance of Eqs. 14–15, with the effects that do not decay.
-
-    Attributes
-    ----------
-    through_water : float or array, shape (n,)
-        Speed through the water [m/s].
-    drag_factor : float or array, shape (n,)
-        Of the effects, on both bodies' drag.
-    lift : float or array, shape (n,)
-        Of the effects, on the vehicle, mean over the depth [N].
-    weight_factor : float or array, shape (n,)
-        Of the effects, on the anchor's wet weight.
-    """
+    """Both bodies at a steady speed: the balance of Eqs. 14–15, with the effects that do not decay."""
 
     through_water: Scalars
+    """Speed through the water, shape (n,) [m/s]."""
     drag_factor: Scalars
+    """Of the effects, on both bodies' drag, shape (n,)."""
     lift: Scalars
+    """Of the effects, on the vehicle, mean over the depth, shape (n,) [N]."""
     weight_factor: Scalars
+    """Of the effects, on the anchor's wet weight, shape (n,)."""
 
     @classmethod
     def at(cls, speed: float, hooks: DescentHooks, site_depth: float) -> "SteadyDescent":

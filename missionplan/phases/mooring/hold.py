@@ -41,20 +41,17 @@ class Hold:
     body : HeldBody
     line : HeldLine
     anchor : LyingAnchor
-    site_depth : float or array, shape (n,)
-        At the anchor [m].
-    slope : Slope
-        Of the seafloor.
-    roughness : float or array, shape (n,)
-        z₀ of the seafloor [m].
     """
 
     body: HeldBody
     line: HeldLine
     anchor: LyingAnchor
     site_depth: Scalars
+    """At the anchor, shape (n,) [m]."""
     slope: Slope = field(default_factory=Slope)
+    """Of the seafloor."""
     roughness: Scalars = ROUGHNESS
+    """z₀ of the seafloor, shape (n,) [m]."""
 
     def after(self, pose: HeldPose, layers: LayersAbove, time: Scalars) -> HeldPose:
         """The pose on the way to which the nose is a time after touchdown [s], the rest as it will be."""
@@ -89,30 +86,20 @@ class Hold:
 
 @dataclass(frozen=True)
 class HoldRecord:
-    """Envelope of a hold, arrays of shape (n,) unless stated otherwise.
-
-    Attributes
-    ----------
-    nose_altitude : array
-        Least height of the nose above the seafloor [m].
-    excursion : array
-        Greatest horizontal distance of the nose from the anchor: the radius of the watch circle [m].
-    line_tension : array
-        Greatest [N].
-    holding_margin : array
-        Least; see `seafloor.holding_margin`.
-    grounded : array of bool
-        Whether the hull ever touches the seafloor.
-    parted_from : array, shape (3, n)
-        Where the nose is when the line parts, east, north and up from the anchor [m].
-    """
+    """Envelope of a hold, arrays of shape (n,) unless stated otherwise."""
 
     nose_altitude: Array
+    """Least height of the nose above the seafloor [m]."""
     excursion: Array
+    """Greatest horizontal distance of the nose from the anchor: the radius of the watch circle [m]."""
     line_tension: Array
+    """Greatest [N]."""
     holding_margin: Array
+    """Least; see `seafloor.holding_margin`."""
     grounded: NDArray[np.bool_]
+    """Whether the hull ever touches the seafloor."""
     parted_from: Array
+    """Where the nose is when the line parts, east, north and up from the anchor, shape (3, n) [m]."""
 
     @property
     def anchor_holds(self) -> NDArray[np.bool_]:

@@ -94,21 +94,14 @@ class _Steps(NamedTuple):
 
 @dataclass(frozen=True)
 class CrossFlowBody:
-    """An upright body across the flow; each number is a float or an array over trials, shape (n,).
-
-    Attributes
-    ----------
-    drag : float or array
-        k = ½ ρ C_d A of the drag k w|w| [N s²/m²].
-    mass : float or array
-        With its lateral added mass [kg].
-    centre : float or array
-        Height of its middle, where the water acts on it, above the line's end [m].
-    """
+    """An upright body across the flow; each number is a float or an array over trials, shape (n,)."""
 
     drag: Scalars
+    """k = ½ ρ C_d A of the drag k w|w| [N s²/m²]."""
     mass: Scalars
+    """With its lateral added mass [kg]."""
     centre: Scalars = 0.0
+    """Height of its middle, where the water acts on it, above the line's end [m]."""
 
 
 @dataclass(frozen=True)

@@ -26,36 +26,28 @@ class MoorPlan:
 
     Attributes
     ----------
-    dive : Dive
-        Bodies, line and depth.
-    held : Hold
-        The vehicle on its line.
-    radius : float
-        R of Eq. 1: greatest distance of the anchor from the last fix [m].
-    release_time : float
-        From the last fix until the anchor separates [s].
     hold, galvanic_release : float
         From touchdown until the release is triggered, and from then until the line parts [s].
-    surfacing_time : float
-        At the surface after the ascent, up to the fix [s].
-    fix_error : float
-        Standard deviation of that fix, each axis [m].
-    hotel_power : float
-        Drawn throughout [W].
-    surfacing_energy : float
-        For the one surfacing [J].
     """
 
     dive: Dive
+    """Bodies, line and depth."""
     held: Hold
+    """The vehicle on its line."""
     radius: Scalars
+    """R of Eq. 1: greatest distance of the anchor from the last fix [m]."""
     release_time: Scalars
+    """From the last fix until the anchor separates [s]."""
     hold: Scalars = 0.0
     galvanic_release: Scalars = 0.0
     surfacing_time: Scalars = 0.0
+    """At the surface after the ascent, up to the fix [s]."""
     fix_error: Scalars = 0.0
+    """Standard deviation of that fix, each axis [m]."""
     hotel_power: Scalars = 0.0
+    """Drawn throughout [W]."""
     surfacing_energy: Scalars = 0.0
+    """For the one surfacing [J]."""
 
 
 @dataclass(frozen=True)
@@ -65,20 +57,6 @@ class MoorRecord:
     Attributes
     ----------
     descent : DescentRecord
-    hold : HoldRecord
-        Without meaning where the anchor never touched down.
-    anchor : array, shape (2, n)
-        Position on the seafloor, east and north of the coordinates' origin; nan where it never touched down [m].
-    offset : array, shape (2, n)
-        Of the anchor from the last fix, which holds its drift and the error of that fix [m].
-    surfaced_at : array, shape (2, n)
-        Where the vehicle surfaced; nan where it did not [m].
-    ascent_time : array
-        From the parting of the line to the surface; nan where the vehicle did not surface [s].
-    duration : array
-        From the arrival fix to the fix after the ascent; nan as above [s].
-    energy : array
-        nan as above [J].
     within_radius, struck, surfaced, line_parted : array of bool
         Whether the anchor came down within the radius about the last fix, the vehicle struck the seafloor on the way
         down, the vehicle surfaced again, and the line was overloaded by the snatch or in the hold.
@@ -86,12 +64,20 @@ class MoorRecord:
 
     descent: DescentRecord
     hold: HoldRecord
+    """Without meaning where the anchor never touched down."""
     anchor: Array
+    """Shape (2, n). Position on the seafloor, east and north of the coordinates' origin; nan where it never touched
+    down [m]."""
     offset: Array
+    """Of the anchor from the last fix, which holds its drift and the error of that fix, shape (2, n) [m]."""
     surfaced_at: Array
+    """Shape (2, n). Where the vehicle surfaced; nan where it did not [m]."""
     ascent_time: Array
+    """From the parting of the line to the surface; nan where the vehicle did not surface [s]."""
     duration: Array
+    """From the arrival fix to the fix after the ascent; nan as above [s]."""
     energy: Array
+    """nan as above [J]."""
     within_radius: NDArray[np.bool_]
     struck: NDArray[np.bool_]
     surfaced: NDArray[np.bool_]

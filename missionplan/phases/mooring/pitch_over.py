@@ -28,21 +28,14 @@ _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(6)
 
 @dataclass(frozen=True)
 class PitchOver:
-    """A pitch-over, integrated.
-
-    Attributes
-    ----------
-    stage : Stage
-        Of the nose, from the taut line to nose down.
-    turned : array of bool, shape (n,)
-        Whether the vehicle came nose down before the anchor touched down, and within `LONGEST`.
-    pitch : array, shape (n,)
-        At the end of the stage, nose down positive [rad].
-    """
+    """A pitch-over, integrated."""
 
     stage: Stage
+    """Of the nose, from the taut line to nose down."""
     turned: Array
+    """Whether the vehicle came nose down before the anchor touched down, and within `LONGEST`, shape (n,)."""
     pitch: Array
+    """At the end of the stage, nose down positive, shape (n,) [rad]."""
 
 
 class _Motion:

@@ -25,25 +25,22 @@ class DescentProfile:
 
     Attributes
     ----------
-    record : DescentRecord
-        Of the one trial.
-    time : array, shape (k,)
-        Since the last fix [s].
     vehicle_depth, anchor_depth : array, shape (k,)
         Of the vehicle's nose and of the anchor [m].
     vehicle_track, anchor_track : array, shape (2, k)
         East and north of the last fix, until touchdown, nan after it [m].
-    stages : dict
-        Separation, free fall, pull-down, touchdown and lowest point, each since the last fix [s].
     """
 
     record: DescentRecord
+    """Of the one trial."""
     time: Array
+    """Since the last fix, shape (k,) [s]."""
     vehicle_depth: Array
     anchor_depth: Array
     vehicle_track: Array
     anchor_track: Array
     stages: dict[str, float]
+    """Separation, free fall, pull-down, touchdown and lowest point, each since the last fix [s]."""
 
     @property
     def vehicle_speed(self) -> Array:

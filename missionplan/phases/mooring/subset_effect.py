@@ -12,21 +12,14 @@ from missionplan.phases.hooks import DescentEffect
 
 @dataclass(frozen=True)
 class SubsetEffect(DescentEffect):
-    """An effect on a subset of the trials; it is neutral to the others and not computed for them.
-
-    Attributes
-    ----------
-    effect : DescentEffect
-        Its parameters are floats or arrays over the subset, shape (m,).
-    trials : array of int, shape (m,)
-        Indices of the subset.
-    count : int
-        Number n of all trials.
-    """
+    """An effect on a subset of the trials; it is neutral to the others and not computed for them."""
 
     effect: DescentEffect
+    """Its parameters are floats or arrays over the subset, shape (m,)."""
     trials: NDArray[np.intp]
+    """Indices of the subset, shape (m,)."""
     count: int
+    """Number n of all trials."""
 
     def refines(self, hook: str) -> bool:
         """Whether the effect refines a hook."""

@@ -20,18 +20,12 @@ from missionplan.physics.vehicle_drag import DragLaw
 
 @dataclass(frozen=True)
 class TiedState:
-    """Vehicle and anchor on a taut line; rows are the vehicle's and the line's vector, each east, north, down.
-
-    Attributes
-    ----------
-    place : array, shape (6, n)
-        Of the vehicle's nose, and from it to the anchor [m].
-    rate : array, shape (6, n)
-        Their derivatives [m/s].
-    """
+    """Vehicle and anchor on a taut line; rows are the vehicle's and the line's vector, each east, north, down."""
 
     place: Array
+    """Of the vehicle's nose, and from it to the anchor, shape (6, n) [m]."""
     rate: Array
+    """Their derivatives, shape (6, n) [m/s]."""
 
     @property
     def anchor(self) -> Array:

@@ -26,24 +26,16 @@ _Motion = tuple[Array, Array]
 
 @dataclass(frozen=True)
 class TiedPullDown:
-    """A pull-down, integrated.
-
-    Attributes
-    ----------
-    stage : Stage
-        The vehicle's.
-    end : TiedState
-        At the anchor's touchdown.
-    places : array, shape (m, 6, n)
-        On the grid of the stage; no rows unless kept [m].
-    after : array, shape (n,)
-        When it begins, since the line went taut [s].
-    """
+    """A pull-down, integrated."""
 
     stage: Stage
+    """The vehicle's."""
     end: TiedState
+    """At the anchor's touchdown."""
     places: Array
+    """Shape (m, 6, n). On the grid of the stage; no rows unless kept [m]."""
     after: Array
+    """When it begins, since the line went taut, shape (n,) [s]."""
 
     @property
     def times(self) -> Array:
@@ -62,18 +54,15 @@ class TiedWater:
     Attributes
     ----------
     current : Current
-    centres : tuple of float or array
-        Height of the vehicle's middle above its nose, and of the anchor's above the line's end [m].
-    t_start : array, shape (n,)
-        When the line went taut, since the mission's start [s].
-    looked_up : tuple of (float, array)
-        The last two times since then, and what was found [s, m/s].
     """
 
     current: Current
     centres: tuple[Scalars, Scalars]
+    """Height of the vehicle's middle above its nose, and of the anchor's above the line's end [m]."""
     t_start: Array
+    """When the line went taut, since the mission's start, shape (n,) [s]."""
     looked_up: tuple[tuple[float, Array], ...] = ()
+    """The last two times since then, and what was found [s, m/s]."""
 
     def at(self, t: float, place: Array) -> Array:
         """Horizontal velocity about the vehicle and about the anchor, shape (2, 2, n) [m/s]."""

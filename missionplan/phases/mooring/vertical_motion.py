@@ -64,21 +64,19 @@ class Stage:
 
     Attributes
     ----------
-    step : float
-        [s].
     time, depth, speed : array, shape (n,)
         End of each trial's stage: on the stage's clock [s], depth [m] and speed through the water [m/s].
-    ended : array of bool, shape (n,)
-        False where the stage was cut at its time limit.
     depths, rates : array, shape (m, n)
         On the grid k·step of the stage's clock: depth [m] and its rate [m/s]; no rows unless kept.
     """
 
     step: float
+    """[s]."""
     time: Array
     depth: Array
     speed: Array
     ended: NDArray[np.bool_]
+    """False where the stage was cut at its time limit, shape (n,)."""
     depths: Array
     rates: Array
 

@@ -37,13 +37,13 @@ class Frame:
     ----------
     low, high : array, shape (2,)
         Corners of the part of the plane in which it was fitted [m].
-    terms : array, shape (degree + 1, degree + 1, 2)
-        Coefficients of x^i y^j, x and y from -1 to 1 across that part, of column and row.
     """
 
     low: Array
     high: Array
     terms: Array
+    """Coefficients of x^i y^j, x and y from -1 to 1 across that part, of column and row, shape (degree + 1, degree + 1,
+    2)."""
 
     @classmethod
     def fitted(cls, low: Array, high: Array, places: Array, cells: Array, tolerance: float = 1e-3) -> "Frame | None":
@@ -83,12 +83,11 @@ class Ground:
 
     Attributes
     ----------
-    depth : array, shape (rows, columns)
-        Below the datum, negative on land, nan where unknown [m].
     frame : Frame
     """
 
     depth: Depths = field(repr=False)
+    """Below the datum, negative on land, nan where unknown, shape (rows, columns) [m]."""
     frame: Frame
 
     @property

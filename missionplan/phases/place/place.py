@@ -28,8 +28,6 @@ class SeaLevel:
 
     Attributes
     ----------
-    level : float or array, shape (n,)
-        [m]
     frequency, cosine, sine : array, shape (k,)
         Of waves ``C·cos(ωt) + S·sin(ωt)`` [rad/s, m, m].
     time, height : array, shape (m,)
@@ -37,6 +35,7 @@ class SeaLevel:
     """
 
     level: Scalars = 0.0
+    """Shape (n,). [m]"""
     frequency: Array = field(default_factory=lambda: np.zeros(0))
     cosine: Array = field(default_factory=lambda: np.zeros(0))
     sine: Array = field(default_factory=lambda: np.zeros(0))
@@ -91,26 +90,18 @@ class Way:
 
 @dataclass(frozen=True)
 class Contact:
-    """What each trial of a block met first, and where.
-
-    Attributes
-    ----------
-    cause : array of int8, shape (n,)
-        A `Cause`.
-    leg : array of int, shape (n,)
-        From 1; 0 where nothing was met, or not on a leg.
-    where : array, shape (2, n)
-        nan where nothing was met [m].
-    nearest : array, shape (4, n) or (0, n)
-        How near each trial came to each cause but none: 0 where it was met first, infinite where it never was under
-        way; none where the place does not measure it. Of ground and unknown depths as in `Ground.spare_along`, of zones
-        in metres.
-    """
+    """What each trial of a block met first, and where."""
 
     cause: NDArray[np.int8]
+    """A `Cause`, shape (n,)."""
     leg: NDArray[np.int64]
+    """Shape (n,). From 1; 0 where nothing was met, or not on a leg."""
     where: Array
+    """nan where nothing was met, shape (2, n) [m]."""
     nearest: Array
+    """Shape (4, n) or (0, n). How near each trial came to each cause but none: 0 where it was met first, infinite where
+    it never was under way; none where the place does not measure it. Of ground and unknown depths as in
+    `Ground.spare_along`, of zones in metres."""
 
     @classmethod
     def none(cls, trials: int, *, measured: bool = False) -> "Contact":
@@ -152,20 +143,17 @@ class Place:
     ground : Ground or None
     fence : Fence or None
     sea_level : SeaLevel
-    draught : float or array, shape (n,)
-        Of the hull below its axis [m].
-    clearance : float or array, shape (n,)
-        Water that is to stay under it [m].
-    is_measured : bool
-        Whether contacts say how near trials came to what they did not meet, which takes several times as long.
     """
 
     ground: Ground | None = None
     fence: Fence | None = None
     sea_level: SeaLevel = field(default_factory=SeaLevel)
     draught: Scalars = 0.0
+    """Of the hull below its axis, shape (n,) [m]."""
     clearance: Scalars = 0.0
+    """Water that is to stay under it, shape (n,) [m]."""
     is_measured: bool = False
+    """Whether contacts say how near trials came to what they did not meet, which takes several times as long."""
 
     @property
     def zones(self) -> tuple[Zone, ...]:
@@ -235,12 +223,11 @@ class Lookout:
 
     Attributes
     ----------
-    place : Place
-        For the trials under watch.
     contact : Contact
     """
 
     place: Place
+    """For the trials under watch."""
     contact: Contact
 
     @classmethod

@@ -28,8 +28,6 @@ class Zone:
 
     Attributes
     ----------
-    geometry : Geometry
-        In the plane [m].
     name : str
     is_land : bool
     since, until : float
@@ -39,6 +37,7 @@ class Zone:
     """
 
     geometry: "Geometry" = field(repr=False)
+    """In the plane [m]."""
     name: str
     is_land: bool
     since: float = -np.inf

@@ -34,8 +34,6 @@ class GroupScore:
 
     Attributes
     ----------
-    group : str
-        Run, or first and last leg.
     log_score_base, log_score_extended : float
         ln p(group | the others).
     rmse_base, rmse_extended : float
@@ -43,6 +41,7 @@ class GroupScore:
     """
 
     group: str
+    """Run, or first and last leg."""
     log_score_base: float
     log_score_extended: float
     rmse_base: float
@@ -55,10 +54,6 @@ class HeldOutGain:
 
     Attributes
     ----------
-    log_score_gain : float
-        Sum over groups of the difference in ln p(group | the others).
-    paired_se : float
-        Standard error of that sum, from the groups' differences.
     groups_improved, groups : int
         How many groups the extended model predicts better, of how many.
     rmse_base, rmse_extended : float
@@ -68,7 +63,9 @@ class HeldOutGain:
     """
 
     log_score_gain: float
+    """Sum over groups of the difference in ln p(group | the others)."""
     paired_se: float
+    """Standard error of that sum, from the groups' differences."""
     groups_improved: int
     groups: int
     rmse_base: float
@@ -90,16 +87,14 @@ class Coverage:
     ----------
     inside, count : int
         Values inside, of how many.
-    scale : float
-        Factor on the random errors with which 90 % would have been inside; 1 where chance allows the difference.
-    inside_scaled : int
-        Values inside when the errors of each group are scaled by the factor fitted to the others.
     """
 
     inside: int
     count: int
     scale: float
+    """Factor on the random errors with which 90 % would have been inside; 1 where chance allows the difference."""
     inside_scaled: int
+    """Values inside when the errors of each group are scaled by the factor fitted to the others."""
 
     @property
     def is_off(self) -> bool:
@@ -109,21 +104,14 @@ class Coverage:
 
 @dataclass(frozen=True)
 class ExplanationOdds:
-    """One of several explanations, as the extended mission carries them.
-
-    Attributes
-    ----------
-    causes : tuple of str
-        Its effects; empty where none of the others holds.
-    prior : float or None
-        Probability in the mission given; None where that had no doubt.
-    probability : float
-        After the data.
-    """
+    """One of several explanations, as the extended mission carries them."""
 
     causes: Causes
+    """Its effects; empty where none of the others holds."""
     prior: float | None
+    """Probability in the mission given; None where that had no doubt."""
     probability: float
+    """After the data."""
 
     def summary(self) -> dict[str, object]:
         """Return the entry of ``explanations``."""
@@ -138,16 +126,14 @@ class Alias:
     Attributes
     ----------
     claimed, other : str
-    matters_from : float
-        Distance from which it would matter which it is [m].
-    trial : str
-        What tells them apart.
     """
 
     claimed: str
     other: str
     matters_from: float
+    """Distance from which it would matter which it is [m]."""
     trial: str
+    """What tells them apart."""
 
 
 @dataclass(frozen=True)
@@ -156,25 +142,20 @@ class Readings:
 
     Attributes
     ----------
-    inclusion : mapping
-        Probability of each effect.
-    responses : tuple
-        Smooth errors outside the catalogue by axis and in words, with their probabilities.
-    not_computed : float
-        Estimate of the probability of sets that were not computed.
-    families : tuple
-        Sets that are reported as one, as the data cannot separate them.
     aliases : tuple of Alias
-    plan_with : bool or None
-        Whether the extended mission predicts data kept away better, one step and all the way; None where unknown.
     """
 
     inclusion: Mapping[str, float] = field(default_factory=dict)
+    """Probability of each effect."""
     responses: tuple[tuple[str, str, float], ...] = ()
+    """Smooth errors outside the catalogue by axis and in words, with their probabilities."""
     not_computed: float = 0.0
+    """Estimate of the probability of sets that were not computed."""
     families: tuple[tuple[Causes, ...], ...] = ()
+    """Sets that are reported as one, as the data cannot separate them."""
     aliases: tuple[Alias, ...] = ()
     plan_with: bool | None = None
+    """Whether the extended mission predicts data kept away better, one step and all the way; None where unknown."""
 
     def summary(self) -> dict[str, object]:
         """Return the entries of ``diagnosis.json``."""
@@ -195,26 +176,21 @@ class RankedSet:
     Attributes
     ----------
     causes : tuple of str
-    log_bayes_factor : float
-        Over the base model.
-    score : float
-        Less 3 nats for each cause beyond the first.
-    posterior : float or None
-        Probability; None where it was not computed.
     parameters : tuple of ParameterEstimate
-    held_out : HeldOutGain or None
-        Where it was measured: the best few.
-    share_explained : float
-        Share of the base model's squared residuals that goes with these causes.
     """
 
     causes: Causes
     log_bayes_factor: float
+    """Over the base model."""
     score: float
+    """Less 3 nats for each cause beyond the first."""
     posterior: float | None
+    """Probability; None where it was not computed."""
     parameters: tuple[ParameterEstimate, ...]
     held_out: HeldOutGain | None
+    """Where it was measured: the best few."""
     share_explained: float
+    """Share of the base model's squared residuals that goes with these causes."""
 
     def summary(self) -> dict[str, object]:
         """Return the entry of ``ranking``."""
@@ -258,30 +234,20 @@ class DiscrepancyShape:
 
 @dataclass(frozen=True)
 class Discrepancy:
-    """What a model leaves of the data beyond its noise.
-
-    Attributes
-    ----------
-    log_bayes_factor : float
-        Of a smooth discrepancy along some axis over none; the axes share the prior equally.
-    axis : str or None
-        Along which, where there is one: ``time`` where only a residual test says so.
-    by_axis : tuple
-        What would be smooth along each axis, in words, and its own ln Bayes factor, greatest first.
-    tests : tuple of ResidualTest
-        Tests of the innovations.
-    resembles : str or None
-        What it resembles most, in words, where it is smooth.
-    shape : DiscrepancyShape or None
-        That function, where it is a single one of one dimension.
-    """
+    """What a model leaves of the data beyond its noise."""
 
     log_bayes_factor: float
+    """Of a smooth discrepancy along some axis over none; the axes share the prior equally."""
     axis: str | None
+    """Along which, where there is one: ``time`` where only a residual test says so."""
     by_axis: tuple[tuple[str, float], ...]
+    """What would be smooth along each axis, in words, and its own ln Bayes factor, greatest first."""
     tests: tuple[ResidualTest, ...]
+    """Tests of the innovations."""
     resembles: str | None = None
+    """What it resembles most, in words, where it is smooth."""
     shape: DiscrepancyShape | None = None
+    """That function, where it is a single one of one dimension."""
 
     @property
     def significant(self) -> bool:

@@ -46,19 +46,16 @@ class Grid:
     ----------
     x, y : array, shape (columns,) and (rows,)
         Coordinates, in either direction.
-    values : array, shape (rows, columns)
-        nan where missing [m].
-    is_up : bool
-        Whether values count up.
-    system : str or None
-        Reference system that the file names.
     """
 
     x: Array
     y: Array
     values: Array
+    """nan where missing, shape (rows, columns) [m]."""
     is_up: bool
+    """Whether values count up."""
     system: str | None = None
+    """Reference system that the file names."""
 
 
 def netcdf(chart: Chart) -> Grid:

@@ -24,19 +24,16 @@ class Chart:
 
     Attributes
     ----------
-    key : str
-        Of the mission file, such as ``site.land``.
-    written : BathymetryFile
-        Of polygons, one that asks for no variable and direction.
-    origin : Geographic or None
-        None where all coordinates are local.
     low, high : array, shape (2,)
         South-west and north-east corner of what is wanted [m].
     """
 
     key: str
+    """Of the mission file, such as ``site.land``."""
     written: BathymetryFile
+    """Of polygons, one that asks for no variable and direction."""
     origin: Geographic | None
+    """None where all coordinates are local."""
     low: Array
     high: Array
 

@@ -44,17 +44,15 @@ class AnchorTrials:
     Attributes
     ----------
     mission : Mission
-    phase : str
-        The mooring's name.
-    recorded : Current or None
-        The site's current where the mission reads it from a file.
     trials, seed : int
     workers : Workers
     """
 
     mission: Mission
     phase: str
+    """The mooring's name."""
     recorded: Current | None
+    """The site's current where the mission reads it from a file."""
     trials: int
     seed: int
     workers: Workers = IN_THIS_PROCESS

@@ -37,19 +37,16 @@ class Demand:
     ----------
     words : str
     required : float
-    share : callable
-        How often they do.
-    needs_height : bool
-        Whether a longer line helps.
-    is_hill : bool
-        Whether the share may rise with the weight and then fall; else it does one of both.
     """
 
     words: str
     required: float
     share: Callable[[DiveProbabilities], float]
+    """How often they do."""
     needs_height: bool = False
+    """Whether a longer line helps."""
     is_hill: bool = False
+    """Whether the share may rise with the weight and then fall; else it does one of both."""
 
     def slack(self, found: DiveProbabilities) -> float:
         """Share of the dives less that required."""
@@ -62,19 +59,16 @@ class LightestAnchor:
 
     Attributes
     ----------
-    weight : float or None
-        Lightest wet weight that does all that is asked [N].
-    compromise : float
-        Weight that comes nearest to it; the same where there is one [N].
-    reason : str
-        Which demand stands against which where there is none; empty otherwise.
     line_length, line_weight : float or None
         Shortest line with which an anchor does, and the anchor's wet weight [m, N].
     """
 
     weight: float | None
+    """Lightest wet weight that does all that is asked [N]."""
     compromise: float
+    """Weight that comes nearest to it; the same where there is one [N]."""
     reason: str = ""
+    """Which demand stands against which where there is none; empty otherwise."""
     line_length: float | None = None
     line_weight: float | None = None
 

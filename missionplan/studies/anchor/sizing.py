@@ -43,15 +43,13 @@ class AnchorSizer:
     Attributes
     ----------
     moor : MoorPhase
-    means : Scenario
-        The mission at its means.
-    trials : AnchorTrials
-        Its dives.
     """
 
     moor: MoorPhase[Scalars]
     means: Scenario
+    """The mission at its means."""
     trials: AnchorTrials
+    """Its dives."""
 
     @property
     def radius(self) -> float:

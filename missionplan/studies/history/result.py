@@ -97,26 +97,19 @@ class FailureRate(Record):
 
 @dataclass(frozen=True)
 class History(Result):
-    """Learned parameters from mission to mission, and failure rates of a fleet.
-
-    Attributes
-    ----------
-    entries : tuple of Learned
-        In the order of time.
-    by_start : bool
-        Whether times are those of the missions' starts, not those at which the reports were made.
-    rates_file : str
-        `reliability.yaml`; empty without counts.
-    """
+    """Learned parameters from mission to mission, and failure rates of a fleet."""
 
     report: ClassVar[str] = "missionplan.studies.history.page"
 
     provenance: Provenance
     reports: Annotated[tuple[str, ...], Entry("diagnoses, in the order of time")]
     entries: tuple[Learned, ...]
+    """In the order of time."""
     by_start: bool
+    """Whether times are those of the missions' starts, not those at which the reports were made."""
     rates: Annotated[tuple[FailureRate, ...], Entry("failure rates, where the folder has counts", optional=True)] = ()
     rates_file: str = ""
+    """`reliability.yaml`; empty without counts."""
 
     @property
     def parameters(self) -> dict[tuple[str, str], list[Learned]]:

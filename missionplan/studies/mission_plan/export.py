@@ -22,15 +22,13 @@ class ExportedPlan:
     Attributes
     ----------
     files : tuple of Path
-    notes : tuple of str
-        What a reader of the files is to know.
-    lost : tuple of str
-        What of the plan the format cannot hold.
     """
 
     files: tuple[Path, ...]
     notes: tuple[str, ...]
+    """What a reader of the files is to know."""
     lost: tuple[str, ...]
+    """What of the plan the format cannot hold."""
 
 
 def export(

@@ -24,24 +24,16 @@ _MOST_POINTS = 2_000_000
 
 @dataclass(frozen=True)
 class TransitDurations:
-    """Durations that 99 % of the trials keep.
-
-    Attributes
-    ----------
-    legs : array, shape (m,)
-        Under way, by the number of the leg, of the trials that sail it [s].
-    whole : float
-        Of the trials that arrive, from the first dive to the fix on arrival; nan where none does [s].
-    arrived : float
-        Share of the trials that arrive.
-    surface_drift : array, shape (2,)
-        Mean drift at the surface after the last leg [m].
-    """
+    """Durations that 99 % of the trials keep."""
 
     legs: Array
+    """Under way, by the number of the leg, of the trials that sail it, shape (m,) [s]."""
     whole: float
+    """Of the trials that arrive, from the first dive to the fix on arrival; nan where none does [s]."""
     arrived: float
+    """Share of the trials that arrive."""
     surface_drift: Array
+    """Mean drift at the surface after the last leg, shape (2,) [m]."""
 
     def leg(self, number: int) -> float:
         """Duration of a leg, from 0; that of the longest leg where no trial needed so many [s]."""
@@ -115,13 +107,12 @@ class SingleInterval:
 
     Attributes
     ----------
-    length : float
-        [m]
     extra_time, standard_error : float
         Mean time of a transit beyond that by the table, of the trials that arrive by both [s].
     """
 
     length: float
+    """[m]"""
     extra_time: float
     standard_error: float
 

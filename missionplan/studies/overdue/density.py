@@ -25,18 +25,12 @@ _LEAST = 1.0
 
 @dataclass(frozen=True)
 class Cloud:
-    """Points with weights.
-
-    Attributes
-    ----------
-    points : array, shape (2, n)
-        [m]
-    weights : array, shape (n,)
-        Their sum is one.
-    """
+    """Points with weights."""
 
     points: Array
+    """Shape (2, n). [m]"""
     weights: Array
+    """Their sum is one, shape (n,)."""
 
     @cached_property
     def centre(self) -> Array:
@@ -73,9 +67,6 @@ class _Density:
     x, y : array
         Of the grid's nodes.
     values : array, shape (y, x)
-    of_points : array, shape (n,)
-        At each point, as the others alone give it: what a point adds at its own place is no evidence that the vehicle
-        is there, and areas that counted it would be too small.
     """
 
     cloud: Cloud
@@ -83,6 +74,8 @@ class _Density:
     y: Array
     values: Array
     of_points: Array
+    """At each point, as the others alone give it: what a point adds at its own place is no evidence that the vehicle is
+    there, and areas that counted it would be too small, shape (n,)."""
 
     @classmethod
     def of(cls, cloud: Cloud) -> "_Density":

@@ -45,27 +45,21 @@ class Drift:
     Attributes
     ----------
     current : Current
-    effects : tuple of TransitEffect
-        Leeway too.
-    trials : int
-        Of the block.
-    is_error_assumed : bool
-        Whether the current's error is not the mission's.
-    shore : Place or None
-        Land and ground on which a vehicle strands; None where the mission gives none.
-    is_steady : bool
-        Whether the current is that of layers, to which no effect adds a tide.
-    ends : float
-        Last time of a record of the current; infinite without one [s since the mission's start].
     """
 
     current: Current
     effects: tuple[TransitEffect, ...]
+    """Leeway too."""
     trials: int = 1
+    """Of the block."""
     is_error_assumed: bool = False
+    """Whether the current's error is not the mission's."""
     shore: Place | None = None
+    """Land and ground on which a vehicle strands; None where the mission gives none."""
     is_steady: bool = False
+    """Whether the current is that of layers, to which no effect adds a tide."""
     ends: float = math.inf
+    """Last time of a record of the current; infinite without one [s since the mission's start]."""
 
     @classmethod
     def of(cls, scenario: Scenario, seed: int, size: int) -> "Drift":

@@ -24,24 +24,19 @@ class Losses:
     Attributes
     ----------
     way : Way
-    after : str
-        Name of the mooring that they lie at, or after which they drift; empty where the way has no such part.
-    trials : array of int, shape (n,)
-        Of the block.
-    position : array, shape (2, n)
-        Where they were lost [m].
-    clock : array, shape (n,)
-        When [s].
-    is_assumed : bool
-        Whether they are assumed to be lost so: too few trials were.
     """
 
     way: Way
     after: str
+    """Name of the mooring that they lie at, or after which they drift; empty where the way has no such part."""
     trials: NDArray[np.intp]
+    """Of the block, shape (n,)."""
     position: Array
+    """Where they were lost, shape (2, n) [m]."""
     clock: Array
+    """When, shape (n,) [s]."""
     is_assumed: bool
+    """Whether they are assumed to be lost so: too few trials were."""
 
 
 @dataclass(frozen=True)
@@ -51,12 +46,11 @@ class _Part:
     Attributes
     ----------
     mooring : PhaseTrials or None
-    phases : tuple of PhaseTrials
-        The mooring first.
     """
 
     mooring: PhaseTrials | None
     phases: tuple[PhaseTrials, ...]
+    """The mooring first."""
 
     @property
     def name(self) -> str:

@@ -23,24 +23,16 @@ MAX_BYTES = 20_000_000
 
 @dataclass(frozen=True)
 class Search:
-    """An area that was searched without finding the vehicle.
-
-    Attributes
-    ----------
-    polygons : tuple of tuple of array, shape (2, k)
-        Rings of each part, the outer one first [m].
-    detection : float
-        Probability that a vehicle in it would have been found.
-    time : float
-        When, since the mission's start [s].
-    way : str
-        Of being lost in which it would have been found: a boat sees what floats, a sonar what lies on the seafloor.
-    """
+    """An area that was searched without finding the vehicle."""
 
     polygons: tuple[tuple[Array, ...], ...]
+    """Rings of each part, the outer one first, shape (2, k) [m]."""
     detection: float
+    """Probability that a vehicle in it would have been found."""
     time: float
+    """When, since the mission's start [s]."""
     way: str = AFLOAT
+    """Of being lost in which it would have been found: a boat sees what floats, a sonar what lies on the seafloor."""
 
     def missed(self, places: Array) -> Array:
         """Probability that the search misses a vehicle at places of shape (2, n), shape (n,)."""

@@ -147,18 +147,16 @@ class FailingTrials:
     Attributes
     ----------
     weights : array, shape (n,)
-    columns : mapping of str to array, shape (n,)
-        What was drawn, and what came of it.
-    inputs : tuple of str
-        Names of the columns that were drawn.
-    steps : array of str, shape (n,)
-        Where each fails first, ``moor: anchor outside the radius``; empty where the mission succeeds all the same.
     """
 
     weights: Array
     columns: Mapping[str, NDArray[np.generic]]
+    """What was drawn, and what came of it, shape (n,)."""
     inputs: tuple[str, ...]
+    """Names of the columns that were drawn."""
     steps: NDArray[np.str_]
+    """Shape (n,). Where each fails first, ``moor: anchor outside the radius``; empty where the mission succeeds all the
+    same."""
 
 
 @dataclass(frozen=True, eq=False)  # hashed by identity, as a block's task is
@@ -169,13 +167,12 @@ class DrivenMission:
     ----------
     means : Scenario
     event : RareEvent
-    ways : tuple of str
-        Ways to fail, in the order of their margins; those of the mission's, which each trial has.
     """
 
     means: Scenario
     event: RareEvent
     ways: tuple[str, ...] = field(default=())
+    """Ways to fail, in the order of their margins; those of the mission's, which each trial has."""
 
     def run(self, population: StrataView, *, inputs: bool = False) -> tuple[Scenario, MissionTrials]:
         """Run one trial for each of a population.

@@ -26,27 +26,18 @@ _HINT = "such as 'not total.success', moor.struck_seafloor, 'not ingress.arrived
 
 @dataclass(frozen=True)
 class RareEvent:
-    """A failure.
-
-    Attributes
-    ----------
-    text : str
-        As written.
-    key : str
-        Column of the table of trials: ``total.success``, ``moor.offset_m``.
-    sign : int
-        1 where the failure is a value above the limit, -1 where it is one below, 0 for an event.
-    limit : float
-        In the unit of the column.
-    negated : bool
-        Whether the failure is that an event does not happen.
-    """
+    """A failure."""
 
     text: str
+    """As written."""
     key: str
+    """Column of the table of trials: ``total.success``, ``moor.offset_m``."""
     sign: int = 0
+    """1 where the failure is a value above the limit, -1 where it is one below, 0 for an event."""
     limit: float = 0.0
+    """In the unit of the column."""
     negated: bool = False
+    """Whether the failure is that an event does not happen."""
 
     @classmethod
     def parse(cls, text: str, mission: Mission) -> "RareEvent":

@@ -50,15 +50,7 @@ class WayDriven(Record):
 
 @dataclass(frozen=True)
 class RareFailure(Result):
-    """Result of `simulate --rare`.
-
-    Attributes
-    ----------
-    nearest : float
-        Where no failure was found: probability, roughly, of coming as near to one as the nearest trials.
-    sample : DataFrame
-        Trials that fail: their weight, the step at which they fail, what was drawn, and what came of it.
-    """
+    """Result of `simulate --rare`."""
 
     report: ClassVar[str] = "missionplan.studies.rare_failure.page"
 
@@ -76,9 +68,11 @@ class RareFailure(Result):
     levels: Annotated[int, Entry("the most levels of one repetition", key="rare.levels")]
     reached: Annotated[bool, Entry("whether a failure was found", key="rare.found")]
     nearest: float
+    """Where no failure was found: probability, roughly, of coming as near to one as the nearest trials."""
     ways: Annotated[tuple[WayDriven, ...], Entry("ways to fail towards which trials were driven", key="rare.ways")]
     modes: Annotated[tuple[FailureMode, ...], Entry("the commonest first", key="rare.modes")]
     sample: pd.DataFrame
+    """Trials that fail: their weight, the step at which they fail, what was drawn, and what came of it."""
 
     @property
     def plain_trials(self) -> Annotated[float, Entry(key="rare.plain_trials")]:

@@ -29,21 +29,14 @@ Labels = tuple[int, ...]
 
 @dataclass(frozen=True)
 class ExchangedLabels:
-    """Labels that explain dives better than any cause.
-
-    Attributes
-    ----------
-    dives : tuple of str
-        Those whose labels differ from the log book's.
-    weights : tuple of float
-        Which they would have [N].
-    log_bayes_factor : float
-        Over the best set of causes, less ln of the number of exchanges tried.
-    """
+    """Labels that explain dives better than any cause."""
 
     dives: tuple[str, ...]
+    """Those whose labels differ from the log book's."""
     weights: tuple[float, ...]
+    """Which they would have [N]."""
     log_bayes_factor: float
+    """Over the best set of causes, less ln of the number of exchanges tried."""
 
     def __str__(self) -> str:
         listed = ", ".join(f"{weight:.4g} N in {name}" for name, weight in zip(self.dives, self.weights, strict=True))

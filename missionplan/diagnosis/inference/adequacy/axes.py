@@ -24,8 +24,6 @@ class AxisScale:
         Its ends [unit].
     place, value : str
         Labels of the axis and of the function, with units.
-    factor : float
-        From a value of the function to the value shown.
     """
 
     low: float
@@ -33,34 +31,25 @@ class AxisScale:
     place: str
     value: str
     factor: float = 1.0
+    """From a value of the function to the value shown."""
 
 
 @dataclass(frozen=True)
 class Axis:
-    """An axis along which a discrepancy may be smooth.
-
-    Attributes
-    ----------
-    name : str
-        As `diagnosis.json` names it.
-    description : str
-        What would be smooth, and along what, in words.
-    places : array, shape (m, d)
-        Where its functions are given, scaled so that the record spans about one.
-    response : array, shape (N, p·m)
-        Response of each value to p independent functions at the places, function by function.
-    scale : AxisScale, optional
-        For a single function, which can be drawn.
-    size : float
-        Usual size of the functions, in their unit.
-    """
+    """An axis along which a discrepancy may be smooth."""
 
     name: str
+    """As `diagnosis.json` names it."""
     description: str
+    """What would be smooth, and along what, in words."""
     places: Array
+    """Where its functions are given, scaled so that the record spans about one, shape (m, d)."""
     response: Array
+    """Response of each value to p independent functions at the places, function by function, shape (N, p·m)."""
     scale: AxisScale | None = None
+    """For a single function, which can be drawn."""
     size: float = 1.0
+    """Usual size of the functions, in their unit."""
 
     def smooth(self, length: float) -> Array:
         """Return columns B, shape (m, r), with B Bᵀ ≈ exp(−½(d/length)²) between places (m, m).

@@ -14,53 +14,35 @@ from missionplan.diagnosis.inference.adequacy.axes import Axis
 
 @dataclass(frozen=True)
 class InnerProducts:
-    """Inner products xᵀW⁻¹y of columns and residuals, W the residuals' covariance at one level of the model's noise.
-
-    Attributes
-    ----------
-    log_weight : float
-        Log prior weight of that noise.
-    log_determinant : float
-        ln |W|.
-    gram : array, shape (m + 1, m + 1)
-        Of m columns and, last, the residuals.
-    """
+    """Inner products xᵀW⁻¹y of columns and residuals, W the residuals' covariance at one level of the model's noise."""
 
     log_weight: float
+    """Log prior weight of that noise."""
     log_determinant: float
+    """ln |W|."""
     gram: Array
+    """Of m columns and, last, the residuals, shape (m + 1, m + 1)."""
 
 
 @dataclass(frozen=True)
 class Residuals:
-    """Residuals of the base model and their joint distribution under a set of causes.
-
-    Attributes
-    ----------
-    values : array, shape (N,)
-        Data less the prior mean of the (linearised) model, in the order of the record.
-    covariance : array, shape (N, N)
-        Of the values under the model, uncertain parameters included.
-    series : array of int, shape (N,)
-        Which series each value belongs to: runs and components.
-    axes : sequence of Axis
-        Along which a discrepancy may be smooth.
-    groups : array of str, shape (N,)
-        Runs, which the search for outlying groups leaves out in turn.
-    quantised : bool
-        Whether the residual tests ignore what alternates, as readings of a coarse sensor in quick succession do.
-    products_by_noise : callable, optional
-        From columns, shape (N, m), to their inner products at every noise over which the test for a discrepancy
-        averages; default the one noise of the covariance.
-    """
+    """Residuals of the base model and their joint distribution under a set of causes."""
 
     values: Array
+    """Data less the prior mean of the (linearised) model, in the order of the record, shape (N,)."""
     covariance: Array
+    """Of the values under the model, uncertain parameters included, shape (N, N)."""
     series: NDArray[np.int_]
+    """Which series each value belongs to: runs and components, shape (N,)."""
     axes: Sequence[Axis]
+    """Along which a discrepancy may be smooth."""
     groups: NDArray[np.str_]
+    """Runs, which the search for outlying groups leaves out in turn, shape (N,)."""
     quantised: bool = False
+    """Whether the residual tests ignore what alternates, as readings of a coarse sensor in quick succession do."""
     products_by_noise: Callable[[Array], Sequence[InnerProducts]] | None = None
+    """From columns, shape (N, m), to their inner products at every noise over which the test for a discrepancy
+    averages; default the one noise of the covariance."""
 
     @cached_property
     def _factor(self) -> Array:

@@ -24,21 +24,15 @@ RIDGE = 1e-6
 
 @dataclass(frozen=True)
 class DecisionProblem:
-    """What is to be chosen, and what each alternative costs.
-
-    Attributes
-    ----------
-    alternatives : array, shape (a,)
-        What is chosen: a length, a weight.
-    losses : array, shape (n, a)
-        Loss of each alternative under each draw of the unknowns; they may be noisy, with common random numbers.
-    weight : array, shape (n,)
-        Of each draw; they add up to 1.
-    """
+    """What is to be chosen, and what each alternative costs."""
 
     alternatives: Array
+    """What is chosen: a length, a weight, shape (a,)."""
     losses: Array
+    """Shape (n, a). Loss of each alternative under each draw of the unknowns; they may be noisy, with common random
+    numbers."""
     weight: Array
+    """Shape (n,). Of each draw; they add up to 1."""
 
     @property
     def expected(self) -> Array:
@@ -59,13 +53,12 @@ class Saving:
     ----------
     mean, error : float
         Expected saving over the choice of now, and its standard error [of the losses].
-    chosen : array of int, shape (n,)
-        Alternative chosen for each draw.
     """
 
     mean: float
     error: float
     chosen: NDArray[np.int_]
+    """Alternative chosen for each draw, shape (n,)."""
 
     @property
     def changes(self) -> bool:

@@ -21,21 +21,14 @@ CURVED = 3
 
 @dataclass(frozen=True)
 class Draws:
-    """Unknowns drawn from what is believed.
-
-    Attributes
-    ----------
-    explanation : array of int, shape (n,)
-        Which explanation holds.
-    parameters : tuple of array, shape (n_s, k_s) each
-        Its parameters, for the draws of each explanation in their order.
-    weight : array, shape (n,)
-        Of each draw; they add up to 1.
-    """
+    """Unknowns drawn from what is believed."""
 
     explanation: NDArray[np.int_]
+    """Which explanation holds, shape (n,)."""
     parameters: tuple[Array, ...]
+    """Its parameters, for the draws of each explanation in their order, shape (n_s, k_s)."""
     weight: Array
+    """Shape (n,). Of each draw; they add up to 1."""
 
 
 def drawn(explanations: Sequence[Explanation], counts: Sequence[int], generator: np.random.Generator) -> Draws:
@@ -65,18 +58,12 @@ def square_root(covariance: Array) -> Array:
 
 @dataclass(frozen=True)
 class Experiment:
-    """An experiment as every explanation predicts it.
-
-    Attributes
-    ----------
-    explanations : tuple of Explanation
-        Whose probabilities add up to 1.
-    predictions : tuple of Prediction
-        In the same order.
-    """
+    """An experiment as every explanation predicts it."""
 
     explanations: tuple[Explanation, ...]
+    """Whose probabilities add up to 1."""
     predictions: tuple[Prediction, ...]
+    """In the same order."""
 
     @cached_property
     def _updated(self) -> tuple[Updated, ...]:

@@ -17,43 +17,28 @@ SMALLEST_SHARE = 1e-9
 
 @dataclass(frozen=True)
 class Explanation:
-    """What is believed if one explanation is true.
-
-    Attributes
-    ----------
-    probability : float
-        Of the explanation.
-    mean : array, shape (k,)
-        Of its parameters.
-    covariance : array, shape (k, k)
-        Of them.
-    """
+    """What is believed if one explanation is true."""
 
     probability: float
+    """Of the explanation."""
     mean: Array
+    """Of its parameters, shape (k,)."""
     covariance: Array
+    """Of them, shape (k, k)."""
 
 
 @dataclass(frozen=True)
 class Prediction:
-    """The data of an experiment if one explanation is true: y ~ N(centre + columns·(θ − mean), noise).
-
-    Attributes
-    ----------
-    centre : array, shape (N,)
-        Data at the parameters' mean.
-    columns : array, shape (N, k)
-        Sensitivities to the parameters.
-    noise : array, shape (N, N) or (g, N, N)
-        Covariance of everything else; several where it is not known which it is.
-    shares : array, shape (g,), optional
-        Their probabilities; default one that is known.
-    """
+    """The data of an experiment if one explanation is true: y ~ N(centre + columns·(θ − mean), noise)."""
 
     centre: Array
+    """Data at the parameters' mean, shape (N,)."""
     columns: Array
+    """Sensitivities to the parameters, shape (N, k)."""
     noise: Array
+    """Shape (N, N) or (g, N, N). Covariance of everything else; several where it is not known which it is."""
     shares: Array = field(default_factory=lambda: np.ones(1))
+    """Shape (g,). Their probabilities; default one that is known."""
 
     @property
     def noises(self) -> Array:

@@ -33,18 +33,13 @@ WITHIN = 2.0
 
 @dataclass(frozen=True)
 class FixGaps:
-    """Gaps of a log, and how much of them are errors of fixes.
-
-    Attributes
-    ----------
-    before : array, shape (2, n)
-        From the fix after the previous leg to the one before this, less the mean drift [m]; 0 where none is used.
-    is_gap : array of bool, shape (n,)
-        Whether the gap before a leg is used.
-    """
+    """Gaps of a log, and how much of them are errors of fixes."""
 
     before: Array
+    """Shape (2, n). From the fix after the previous leg to the one before this, less the mean drift [m]; 0 where none
+    is used."""
     is_gap: NDArray[np.bool_]
+    """Whether the gap before a leg is used, shape (n,)."""
 
     @property
     def after(self) -> NDArray[np.bool_]:

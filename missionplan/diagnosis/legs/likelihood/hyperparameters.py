@@ -35,12 +35,6 @@ class Hyperparameter:
         Effect and parameter; no effect for the base model's own.
     centre, spread : float
         Of the prior.
-    law : str
-        ``normal``; ``student``, a Student-t distribution with `inference.prior.DOF` degrees of freedom; ``reciprocal``,
-        the value's reciprocal uniform from nil to twice that at the centre, where `spread` is a scale for searches; or
-        ``slab scale``, that of √λ in `inference.prior`: a slab of √λ standard deviations is then such a distribution.
-    ceiling : float
-        Logarithm above which it is none of this hyperparameter's values.
     """
 
     effect: str
@@ -48,7 +42,11 @@ class Hyperparameter:
     centre: float
     spread: float
     law: Law = "normal"
+    """``normal``; ``student``, a Student-t distribution with `inference.prior.DOF` degrees of freedom; ``reciprocal``,
+    the value's reciprocal uniform from nil to twice that at the centre, where `spread` is a scale for searches; or
+    ``slab scale``, that of √λ in `inference.prior`: a slab of √λ standard deviations is then such a distribution."""
     ceiling: float = math.inf
+    """Logarithm above which it is none of this hyperparameter's values."""
 
     @property
     def key(self) -> tuple[str, str]:
@@ -98,15 +96,13 @@ class HyperparameterPrior:
     Attributes
     ----------
     hyperparameters : tuple of Hyperparameter
-    precision : array, shape (h, h), or None
-        Inverse of the matrix of correlations, less the unit matrix; None where there are none.
-    log_factor : float
-        Minus half the log determinant of that matrix.
     """
 
     hyperparameters: tuple[Hyperparameter, ...]
     precision: Array | None = None
+    """Shape (h, h). Inverse of the matrix of correlations, less the unit matrix; None where there are none."""
     log_factor: float = 0.0
+    """Minus half the log determinant of that matrix."""
 
     @classmethod
     def of(cls, hyperparameters: tuple[Hyperparameter, ...], given: Iterable[GivenEffect]) -> "HyperparameterPrior":

@@ -28,30 +28,21 @@ class CoordinatePrior:
 
 @dataclass(frozen=True)
 class LinearisedLegs:
-    """Linearised model of a set of causes: y ≈ columns·coefficients + noise, coefficients ~ N(0, 1) and independent.
-
-    Attributes
-    ----------
-    about : array, shape (k,)
-        Coordinates about which it is linearised.
-    prior : CoordinatePrior
-        Of the k coordinates, which are its mean plus its factor times the first k coefficients.
-    y : array, shape (2, n)
-        Velocity errors less those at the prior means, on the principal axes [m/s].
-    columns : array, shape (2, n, k + m)
-        Of the coefficients: k for the coordinates, then m of the functions that modulate oscillations.
-    slabs : mapping
-        By cause, the coefficients whose prior standard deviation its slab scale multiplies.
-    modulations : tuple of Modulation
-        Whose functions follow the coordinates, in their order.
-    """
+    """Linearised model of a set of causes: y ≈ columns·coefficients + noise, coefficients ~ N(0, 1) and independent."""
 
     about: Array
+    """Coordinates about which it is linearised, shape (k,)."""
     prior: CoordinatePrior
+    """Of the k coordinates, which are its mean plus its factor times the first k coefficients."""
     y: Array
+    """Velocity errors less those at the prior means, on the principal axes, shape (2, n) [m/s]."""
     columns: Array
+    """Of the coefficients: k for the coordinates, then m of the functions that modulate oscillations, shape (2, n, k +
+    m)."""
     slabs: Mapping[str, list[int]]
+    """By cause, the coefficients whose prior standard deviation its slab scale multiplies."""
     modulations: tuple[Modulation, ...]
+    """Whose functions follow the coordinates, in their order."""
 
     def prior_sd(self, values: HyperparameterValues) -> Array:
         """Prior standard deviations of the coefficients, 1 but for slabs and modulations, shape (k + m,)."""

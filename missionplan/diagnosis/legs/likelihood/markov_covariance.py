@@ -29,23 +29,19 @@ class MarkovCovariance:
 
     Attributes
     ----------
-    under_way : array, shape (n,)
-        Time under way [s].
-    since : array, shape (n,)
-        Time from the start of the first leg of the leg's run to its own start [s].
-    elapsed : array, shape (n,)
-        Time from the end of the previous selected leg's way to its start; nan where a run begins [s].
-    in_common : array, shape (n,)
-        Correlation of the error of the fix before a leg with that of the fix after the previous selected one: 1 where
-        it is the same fix.
     start_scale, end_scale : array, shape (n,), or float
         Standard deviation of the fix before and after each leg, over the typical one.
     """
 
     under_way: Array
+    """Time under way, shape (n,) [s]."""
     since: Array
+    """Time from the start of the first leg of the leg's run to its own start, shape (n,) [s]."""
     elapsed: Array
+    """Shape (n,). Time from the end of the previous selected leg's way to its start; nan where a run begins [s]."""
     in_common: Array
+    """Correlation of the error of the fix before a leg with that of the fix after the previous selected one: 1 where it
+    is the same fix, shape (n,)."""
     start_scale: Scalars = 1.0
     end_scale: Scalars = 1.0
 
@@ -165,21 +161,14 @@ class MarkovCovariance:
 
 @dataclass(frozen=True)
 class _States:
-    """States x of both axes: M = Q + Hᵀ R⁻¹ H and Hᵀ R⁻¹ times columns.
-
-    Attributes
-    ----------
-    band : array, shape (2, s, w)
-        The main diagonal of M and those below it, each column's elements together.
-    right : array, shape (2, m, s)
-        Of m columns.
-    log_determinant : float
-        Minus ln |Q| of one axis.
-    """
+    """States x of both axes: M = Q + Hᵀ R⁻¹ H and Hᵀ R⁻¹ times columns."""
 
     band: Array
+    """The main diagonal of M and those below it, each column's elements together, shape (2, s, w)."""
     right: Array
+    """Of m columns, shape (2, m, s)."""
     log_determinant: float
+    """Minus ln |Q| of one axis."""
 
     @classmethod
     def tridiagonal(cls, diagonal: Array, off_diagonal: Array, right: Array, log_determinant: float) -> "_States":
@@ -215,10 +204,6 @@ class _ProcessStates:
     ----------
     diagonal, off_diagonal : array, shapes (2n,) and (2n - 1,)
         Of the precision [s²/m²].
-    present : array, shape (2n,)
-        1 where the process has a variance, else 0: a random walk is zero where a run begins.
-    log_determinant : float
-        ln |precision|.
     share, rest : array, shape (n,)
         The mean over a leg is a share of the sum of both values, and a rest of this variance [m²/s²].
     """
@@ -226,7 +211,9 @@ class _ProcessStates:
     diagonal: Array
     off_diagonal: Array
     present: Array
+    """1 where the process has a variance, else 0: a random walk is zero where a run begins, shape (2n,)."""
     log_determinant: float
+    """ln |precision|."""
     share: Array
     rest: Array
 

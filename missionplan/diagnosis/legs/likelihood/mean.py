@@ -38,55 +38,39 @@ class ActingTerm:
     Attributes
     ----------
     effect : str
-    coordinates : tuple of Coordinate
-        Its strengths.
-    shapes : mapping
-        Name and value of the shape on which they depend; empty: none.
     """
 
     effect: str
     coordinates: tuple[Coordinate, ...]
+    """Its strengths."""
     shapes: Mapping[str, Scalars]
+    """Name and value of the shape on which they depend; empty: none."""
 
 
 @dataclass(frozen=True)
 class TransitMean:
-    """Legs of a log, the velocity errors that the mission expects, and the columns of the causes.
-
-    Attributes
-    ----------
-    data : TransitData
-        The log.
-    base : array, shape (2, n)
-        Velocity error that the mission expects: site's current and mean of the velocity error [m/s].
-    covariance : array, shape (2, 2)
-        Σ_v of the mission [m²/s²].
-    fix_error : float
-        The mission's standard deviation of a fix [m]; 0 when not given.
-    current_sd : tuple of float
-        Standard deviation of the mission's steady current, east and north [m/s].
-    given : tuple of GivenEffect
-        The mission's own effects on a transit, whose means `base` includes.
-    only : tuple of Coordinate, optional
-        Coordinates to use; default those that the record can resolve.
-    fix_share : float
-        κ of `fix_gaps`: part of the gap between two fixes that is an error of either.
-    site_current : array, shape (2, n), or float
-        The site's current on each leg, as the mission has it [m/s].
-    acting : ActingTerm, optional
-        A term whose strengths are coordinates beside those of the effects that the record can resolve.
-    """
+    """Legs of a log, the velocity errors that the mission expects, and the columns of the causes."""
 
     data: TransitData
+    """The log."""
     base: Array
+    """Velocity error that the mission expects: site's current and mean of the velocity error, shape (2, n) [m/s]."""
     covariance: Array
+    """Σ_v of the mission, shape (2, 2) [m²/s²]."""
     fix_error: float
+    """The mission's standard deviation of a fix [m]; 0 when not given."""
     current_sd: tuple[float, float] = (0.0, 0.0)
+    """Standard deviation of the mission's steady current, east and north [m/s]."""
     given: tuple[GivenEffect, ...] = ()
+    """The mission's own effects on a transit, whose means `base` includes."""
     only: tuple[Coordinate, ...] | None = None
+    """Coordinates to use; default those that the record can resolve."""
     fix_share: float = 0.0
+    """κ of `fix_gaps`: part of the gap between two fixes that is an error of either."""
     site_current: Array | float = 0.0
+    """The site's current on each leg, as the mission has it, shape (2, n) [m/s]."""
     acting: ActingTerm | None = None
+    """A term whose strengths are coordinates beside those of the effects that the record can resolve."""
 
     @cached_property
     def untestable(self) -> Mapping[str, str]:

@@ -47,24 +47,17 @@ STEADY = Forms()
 
 @dataclass(frozen=True)
 class Modulation:
-    """Functions of time that modulate an oscillation.
-
-    Attributes
-    ----------
-    effect : str
-        The oscillation.
-    frequencies : array, shape (m,)
-        Of the cosines [rad/s].
-    span : float
-        Of their domain [s].
-    wanders_over : array, shape (n,), optional
-        Middles of the legs [s] where the oscillation wanders: the functions are those of its whole amplitude.
-    """
+    """Functions of time that modulate an oscillation."""
 
     effect: str
+    """The oscillation."""
     frequencies: Array
+    """Of the cosines, shape (m,) [rad/s]."""
     span: float
+    """Of their domain [s]."""
     wanders_over: Array | None = None
+    """Middles of the legs [s] where the oscillation wanders: the functions are those of its whole amplitude, shape
+    (n,)."""
 
     def sd(self, relative: float, coherence_time: float) -> Array:
         """Prior standard deviations of the coefficients, real parts then imaginary ones, shape (2m,).

@@ -20,27 +20,18 @@ NoiseKey = tuple[float | MarkovProcess | None, ...]
 
 @dataclass(frozen=True)
 class NoiseComponents:
-    """Parts of the errors' covariance.
-
-    Attributes
-    ----------
-    white : array, shape (2,)
-        Variance of the velocity error that is the same on every leg, on each axis [m²/s²].
-    walk : float
-        Growth of the variance of the position error under way, each axis [m²/s].
-    fix_sd : float
-        Standard deviation of a fix, each axis [m].
-    process : MarkovProcess or None
-        Error that persists from leg to leg.
-    dof : float
-        Degrees of freedom of the errors; infinite: normal.
-    """
+    """Parts of the errors' covariance."""
 
     white: Array
+    """Variance of the velocity error that is the same on every leg, on each axis, shape (2,) [m²/s²]."""
     walk: float
+    """Growth of the variance of the position error under way, each axis [m²/s]."""
     fix_sd: float
+    """Standard deviation of a fix, each axis [m]."""
     process: MarkovProcess | None
+    """Error that persists from leg to leg."""
     dof: float
+    """Degrees of freedom of the errors; infinite: normal."""
 
     @cached_property
     def key(self) -> NoiseKey:
@@ -54,21 +45,14 @@ class NoiseComponents:
 
 @dataclass(frozen=True)
 class SelectedLegs:
-    """Some legs of a linearised log.
-
-    Attributes
-    ----------
-    linear : LinearisedLegs
-        The log.
-    legs : MarkovCovariance
-        Covariance between the n legs.
-    joined : array, shape (2, n, k + 1)
-        Their columns and, last, data.
-    """
+    """Some legs of a linearised log."""
 
     linear: LinearisedLegs
+    """The log."""
     legs: MarkovCovariance
+    """Covariance between the n legs."""
     joined: Array
+    """Their columns and, last, data, shape (2, n, k + 1)."""
     _grams: dict[NoiseKey, tuple[Array, float]] = field(default_factory=dict)
 
     @property
