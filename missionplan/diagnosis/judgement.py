@@ -40,7 +40,7 @@ def judge(bound: DataKind, found: PipelineResult, jobs: int = 1) -> Judgement:
     not_constant = bound.not_constant(found.best) if causes else ()
     suspect = bound.suspect_labels(found.selection.base, found.best, jobs)
     verdict = found.reading.verdict(is_constant=not not_constant and not suspect)
-    if suspect and not causes:
+    if not causes and (suspect or verdict != "adequate"):  # also where the likeliest set cannot be fitted
         verdict = "unexplained"
     return Judgement(
         bound.limited_verdict(verdict),

@@ -30,8 +30,6 @@ MOST_COLUMNS, LEAST_SHARE = 8, 1e-4
 """Principal components kept at most, and least share of the first one's variance that one has."""
 LEAST_LIKELY = 0.01
 """Probability from which a noise is considered."""
-FEW = 2
-"""Data over coordinates below which only what the fit's own causes do is taken from a response."""
 SAME = 1e-6
 """Size of a combination of the catalogue's effects, over the greatest, below which it is none."""
 
@@ -69,7 +67,7 @@ def _columns(model: "DescentModel", fit: CauseFit, axes: Sequence[Axis]) -> list
     """Readings' responses for standard normal coefficients, shape (N, q) each [m]."""
     linear, noise = fit.state.linear, noise_grid()[fit.state.best_noise]
     factor = np.linalg.cholesky(block_diag(*(block[0] for block in model.covariances(linear, (noise,)))))
-    own = model.searched(fit.causes) if len(model.y) < FEW * len(model.slab) else np.arange(len(model.slab))
+    own = model.searched(fit.causes)
     named = solve_triangular(factor, (linear.columns * model.slab)[:, own], lower=True, check_finite=False)
     left, sizes, _ = np.linalg.svd(named, full_matrices=False)
     span = left[:, sizes > SAME * sizes.max(initial=0.0)]
