@@ -5,7 +5,7 @@ import pytest
 
 from missionplan.datasets.summaries import read_summary
 from missionplan.diagnosis.summaries import model
-from missionplan.diagnosis.summaries.model_factory import summary_model
+from missionplan.diagnosis.summaries.kind import summary_model
 from missionplan.errors import InputError
 
 HEADER = "run,quantity,value,sd\n"

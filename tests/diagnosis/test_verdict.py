@@ -10,7 +10,7 @@ from missionplan.diagnosis.inference.cross_validation import compare_held_out
 from missionplan.diagnosis.inference.model import CauseFit, HeldOutScore
 from missionplan.diagnosis.inference.posterior import credible_set, inclusion, probabilities, rivals
 from missionplan.diagnosis.inference.selection import Candidate, Selection, log_prior
-from missionplan.diagnosis.verdict import Reading
+from missionplan.diagnosis.pipeline import Reading
 
 GOOD, BAD = (
     compare_held_out(

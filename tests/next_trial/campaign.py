@@ -14,8 +14,7 @@ from missionplan.diagnosis.inference.trials.decision import choice_after
 from missionplan.diagnosis.inference.trials.experiment import Experiment
 from missionplan.diagnosis.judgement import judge
 from missionplan.diagnosis.next_trial.leg_trials import LegTrials
-from missionplan.diagnosis.next_trial.next_trial import valuation
-from missionplan.diagnosis.next_trial.valuation import Valuation
+from missionplan.diagnosis.next_trial.next_trial import Valuation, valuation
 from missionplan.diagnosis.pipeline import run_pipeline
 from missionplan.mission import Mission
 

@@ -28,7 +28,7 @@ from missionplan.diagnosis.inference.trials.prediction import Explanation, Predi
 from missionplan.diagnosis.judgement import judge
 from missionplan.diagnosis.next_trial.belief import Believed, believe, possible_fits
 from missionplan.diagnosis.next_trial.dive_trials import DiveTrials
-from missionplan.diagnosis.next_trial.valuation import Valuation
+from missionplan.diagnosis.next_trial.next_trial import Valuation
 from missionplan.diagnosis.pipeline import run_pipeline
 from missionplan.errors import MissionplanError
 from missionplan.mission import Mission

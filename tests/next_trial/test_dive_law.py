@@ -14,7 +14,7 @@ from missionplan.diagnosis.dives.preparation import MIN_NOISE
 from missionplan.diagnosis.inference.model import CauseFit
 from missionplan.diagnosis.inference.trials.prediction import Explanation, Prediction
 from missionplan.diagnosis.next_trial.belief import Believed, Posterior
-from missionplan.diagnosis.next_trial.dive_law import made, planned
+from missionplan.diagnosis.next_trial.dive_trials import made, planned
 
 from .dive_campaign import of_some
 

@@ -1,1 +1,1 @@
-"""The trial worth making next: `valuation` of `designs` and `instruments` by what they would save (`losses`)."""
+"""The trial worth making next: `next_trial` values `designs` and instruments by what they would save (`losses`)."""

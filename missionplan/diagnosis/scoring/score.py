@@ -13,22 +13,108 @@ from missionplan.datasets.dives import read_descent
 from missionplan.datasets.legs import read_transit
 from missionplan.datasets.reading import dataset_kind, files_outside
 from missionplan.datasets.records import TransitData
-from missionplan.diagnosis.dives.model_factory import check_leaves_surface
-from missionplan.diagnosis.dives.preparation import PreparedDives, prepare_dives
+from missionplan.diagnosis.dives.forward import NO_BOTTOM, STEP, DiveHistories
+from missionplan.diagnosis.dives.model_factory import check_leaves_surface, descent_model
+from missionplan.diagnosis.dives.noise import noise_grid
+from missionplan.diagnosis.dives.preparation import DiveLog, PreparedDives, prepare_dives
 from missionplan.diagnosis.learned_data import learned
 from missionplan.diagnosis.scoring.chance import Chance, one_step_chance, whole_chance
-from missionplan.diagnosis.scoring.dives import dive_ensemble
-from missionplan.diagnosis.scoring.ensemble import Ensemble
-from missionplan.diagnosis.scoring.explanations import bare_mission
+from missionplan.diagnosis.scoring.ensemble import Ensemble, Noise, Part
+from missionplan.diagnosis.scoring.explanations import bare_mission, explained
 from missionplan.diagnosis.scoring.legs import leg_ensemble
 from missionplan.diagnosis.scoring.predictive import Mixture, one_step_ahead, without_past
-from missionplan.diagnosis.scoring.vehicle_filter import expected_by_vehicle
 from missionplan.diagnosis.scoring.yardsticks import Point, with_spread, yardsticks
 from missionplan.errors import InputError
 from missionplan.mission import Mission, MissionOrPath
+from missionplan.mission.views import MooringMission
+from missionplan.phases.hooks import DescentEffect
+from missionplan.phases.mooring.depth_sensor import sensor_history
+from missionplan.phases.transit.compensation import CompletedLeg, PlannedLeg
+from missionplan.phases.transit.kalman_filter import DriftFilter
 from missionplan.results.score import STATED, DatasetScore, Prediction, Score, Yardstick
+from missionplan.scenario.phases import dive_of
+from missionplan.scenario.scenario import Scenario
+from missionplan.scenario.site_current import recorded_current
 from missionplan.store.folder import as_path
 from missionplan.studies.run import Run, check_arguments
+
+
+def expected_by_vehicle(data: TransitData, mission: Mission) -> list[Array] | None:
+    """Run the mission's drift compensation along a log; expected error of each leg [m], None where there is none.
+
+    The displacement at the surface that it expects after a leg is not part of the leg's error, and is left out.
+    """
+    scenario = Scenario.at_means(mission, recorded_current(mission))
+    compensation = scenario.compensation(scenario.transit())
+    if compensation is None:
+        return None
+    found, last_run, memory = [], -1, compensation.begin(1)
+    for leg in range(data.n):
+        if data.run[leg] != last_run:
+            memory, last_run = compensation.begin(1), int(data.run[leg])
+        start, reckoned, end = (each[:, leg : leg + 1] for each in (data.start, data.dead_reckoned, data.end))
+        t, duration, through = data.t_start[leg : leg + 1], data.under_way[leg : leg + 1], reckoned - start
+        planned = PlannedLeg(t, start, through, duration, reckoned, 0.0)
+        if isinstance(compensation, DriftFilter):
+            expected = compensation.expected(memory, planned)[0] * duration
+        else:
+            expected = compensation.offset(memory, planned) - compensation.undershoot(memory, planned)
+        found.append(np.broadcast_to(expected, (2, 1))[:, 0])
+        memory = compensation.update(
+            memory,
+            CompletedLeg((end - reckoned) / duration, duration, np.zeros((2, 1)), end - reckoned, t, start, through),
+        )
+    return found
+
+
+DRAWS = 256
+"""Draws of the mission's uncertain quantities."""
+
+
+def dive_ensemble(data: PreparedDives, mission: Mission, seed: int) -> Ensemble:
+    """Return a mission's distribution of the depths of dives [m].
+
+    Parameters
+    ----------
+    data : PreparedDives
+    mission : Mission
+    seed : int
+        Of the draws.
+
+    Raises
+    ------
+    InputError
+        When the mission lacks what a descent needs.
+    """
+    MooringMission.of(mission, depth=False)
+    parts = tuple(_part(data, known, share, seed) for share, known in explained(mission))
+    groups = np.repeat(np.arange(len(data.dives)), [len(log.t) for log in data.dives])
+    return Ensemble(np.concatenate([log.depth for log in data.dives]), groups, parts)
+
+
+def _part(data: PreparedDives, mission: Mission, share: float, seed: int) -> Part:
+    means = Scenario.at_means(mission).at_depth(0.0)
+    drawn = means.sampled(seed=seed, block=0, size=DRAWS)
+    trials = DRAWS if drawn.draws else 1
+    expected = np.concatenate([_readings(log, drawn, trials) for log in data.dives]).T
+    model = descent_model(data, mission)
+    spread = model.nuisance_sd(())  # nil for the mission's own effects: those are drawn
+    noises = []
+    for noise in noise_grid():
+        covariance = model.total_covariance(model.base, noise, spread)
+        noises.append(Noise(float(np.exp(noise.log_prior)), covariance, np.ones(1), np.zeros(len(covariance))))
+    return Part(share, expected, tuple(noises))
+
+
+def _readings(log: DiveLog, scenario: Scenario, trials: int) -> Array:
+    """Run one dive in each draw; its readings, shape (m, trials) [m]."""
+    weight, line = np.full(trials, log.wet_weight), np.full(trials, log.line_length)
+    phase = scenario.moor().model_copy(update={"line_length": line, "lateral": "uncoupled"})
+    dive = replace(dive_of(scenario, phase, weight), site_depth=NO_BOTTOM)
+    effects = [effect for effect in scenario.effects_on_readings_too if isinstance(effect, DescentEffect)]
+    history = sensor_history(dive, trials, float(log.fine[-1]), effects=effects, step=STEP)
+    return DiveHistories((log,), history).readings(0.0)
+
 
 FALSE_ALARM = 0.05
 """Probability, at most, with which a mission that is true is said to be outside chance, all data sets together."""

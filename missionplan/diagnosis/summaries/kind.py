@@ -1,4 +1,7 @@
-"""Summaries of dives as a kind of data, with residuals number by number and the misfit in the planner's terms."""
+"""Summaries of dives as a kind of data, with residuals number by number and the misfit in the planner's terms.
+
+They are bound to the mission's first mooring at its means.
+"""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -10,16 +13,28 @@ import pandas as pd
 
 from missionplan.datasets.summaries import SummaryData, read_summary
 from missionplan.diagnosis.data_kind import DataKind
+from missionplan.diagnosis.dives.model_factory import descent_builder, given_on_descent
 from missionplan.diagnosis.dives.tables import descent_shares
 from missionplan.diagnosis.given.effects import GivenEffect
 from missionplan.diagnosis.inference.model import CauseFit
 from missionplan.diagnosis.learned_data import unlearned
 from missionplan.diagnosis.plan_gain import anchor_choice, plan_gain
-from missionplan.diagnosis.summaries.model import SummaryModel
-from missionplan.diagnosis.summaries.model_factory import summary_model
+from missionplan.diagnosis.summaries.model import SummaryForward, SummaryModel, as_log
 from missionplan.mission import Mission
 from missionplan.results.learned.diagnosis import PlanGain
 from missionplan.results.learned.evidence import Verdict
+
+
+def summary_model(data: SummaryData, mission: Mission) -> SummaryModel:
+    """Bind a mission's first mooring to summaries of dives.
+
+    Raises
+    ------
+    InputError
+        When the mission lacks what a descent needs.
+    """
+    logs = tuple(as_log(test) for test in data.tests)
+    return SummaryModel(SummaryForward(descent_builder(mission), logs, tests=data.tests), given_on_descent(mission))
 
 
 @dataclass(frozen=True)

@@ -8,7 +8,15 @@ from typing import Self
 import numpy as np
 import pandas as pd
 
-from missionplan.datasets.tank import TANK_FORMATS, DragSettings, OscillationSettings, TankData, ThrusterSettings
+from missionplan.arrays import Array
+from missionplan.datasets.tank import (
+    TANK_FORMATS,
+    DragSettings,
+    OscillationSettings,
+    PropellerSettings,
+    TankData,
+    ThrusterSettings,
+)
 from missionplan.diagnosis.coordinates import coordinates_of
 from missionplan.diagnosis.data_kind import DataKind
 from missionplan.diagnosis.given.effects import GivenEffect
@@ -16,21 +24,74 @@ from missionplan.diagnosis.given.priors import check_together, given_priors
 from missionplan.diagnosis.inference.model import CauseFit
 from missionplan.diagnosis.learned_data import unlearned
 from missionplan.diagnosis.plan_gain import anchor_choice, plan_gain
-from missionplan.diagnosis.tank.data import read_tank
+from missionplan.diagnosis.tank.data import read_tank, row_blocks
 from missionplan.diagnosis.tank.extended_mission import extended_tank_mission, vehicle_keys
-from missionplan.diagnosis.tank.forward import TankForward
+from missionplan.diagnosis.tank.forward import Nuisance, TankForward, noise_sd, tank_effects
 from missionplan.diagnosis.tank.free_oscillation import full_size_added_mass, oscillation_forward
 from missionplan.diagnosis.tank.model import TankModel
-from missionplan.diagnosis.tank.propeller import propeller_forward
 from missionplan.diagnosis.tank.thruster import thruster_forward
 from missionplan.diagnosis.tank.towed_drag import drag_forward
-from missionplan.effects import CATALOGUE, EffectInfo, exclusive_groups
-from missionplan.effects.info import VehicleKey
+from missionplan.effects import CATALOGUE, Effect, EffectInfo, exclusive_groups
+from missionplan.effects.info import TankRecord, VehicleKey
 from missionplan.errors import InputError, Problem
 from missionplan.mission import Mission
 from missionplan.mission.schema.vehicle import Vehicle
 from missionplan.montecarlo.distributions import mean_of, sd_of
+from missionplan.physics.drag import disc_area
 from missionplan.results.learned.diagnosis import PlanGain
+from missionplan.studies.identification.identify import TURN, TransientRun
+
+MASS_FACTORS = (1e-4, 1e4)
+"""Least and largest mass of the flow over ρ A_p D at which the model is evaluated: no effect's parameter is beyond."""
+
+
+@dataclass(frozen=True)
+class PropellerModel:
+    """Quasi-steady thrust, the flow in the disc (1 + a)(1 - w) times the speed (Blanke, Lindegaard & Fossen 2000)."""
+
+    run: TransientRun
+    """The measured run."""
+    water_mass: float
+    """Mass of a cylinder of water with the propeller's diameter and as long [kg]."""
+
+    def __call__(self, values: Array, effects: Sequence[Effect]) -> Array:
+        """Predict the thrust, shape (N, m) [N]."""
+        factors = [np.asarray(effect.flow_mass_factor()) for effect in tank_effects(effects)]
+        if not factors:
+            return np.stack([self.run.quasi_steady(pair) for pair in values.T], axis=1)
+        masses = np.broadcast_to(self.water_mass * np.clip(sum(factors), *MASS_FACTORS), values.shape[1:])
+        constants = (np.array([*pair, mass]) for pair, mass in zip(values.T, masses, strict=True))
+        return np.stack([self.run.axial_flow(each) for each in constants], axis=1)
+
+
+def propeller_forward(data: TankData, settings: PropellerSettings) -> TankForward:
+    """Bind the model of a propeller's thrust.
+
+    Parameters
+    ----------
+    data : TankData
+        The run.
+    settings : PropellerSettings
+        Of the data set.
+    """
+    run = TransientRun(data, settings.geometry)
+    thrust = data.columns["thrust_n"]
+    diameter = settings.geometry.diameter
+    unit = data.density * diameter**4 / TURN**2
+    level, slope = 0.4 * unit, -0.8 * unit * TURN / diameter
+    sd, stated = noise_sd(thrust, settings.noise.thrust)
+    return TankForward(
+        kind="propeller-transient",
+        record=TankRecord(),
+        quantity="thrust_n",
+        y=thrust,
+        sd=sd,
+        stated=stated,
+        nuisances=(Nuisance("thrust_nn_n_s2", level, 2.0 * level), Nuisance("thrust_nu_kg", slope, 3.0 * abs(slope))),
+        predict=PropellerModel(run, data.density * float(disc_area(diameter)) * diameter),
+        axes={"time": run.time, "speed": run.speed},
+        groups=row_blocks(len(thrust)),
+    )
 
 
 @dataclass(frozen=True)

@@ -26,8 +26,7 @@ from missionplan.report.quantities import quantity
 from missionplan.report.wording import shortened
 from missionplan.results.entries import mapping, mappings
 from missionplan.scenario.place.grid_files import placed_pixels
-from missionplan.scenario.place.polygons import features
-from missionplan.scenario.place.positions import LOCAL, Chart
+from missionplan.scenario.place.polygons import LOCAL, Chart, features
 
 _PIXELS = 300
 """Of the picture along each side of the map."""

@@ -14,8 +14,7 @@ from missionplan.scenario.currents.attributes import FieldAttributeError, counts
 from missionplan.scenario.currents.field import opened
 from missionplan.scenario.currents.files import FieldFiles
 from missionplan.scenario.currents.regular import LATITUDE, LONGITUDE
-from missionplan.scenario.place.polygons import features
-from missionplan.scenario.place.positions import DEGREES, LOCAL, Chart
+from missionplan.scenario.place.polygons import DEGREES, LOCAL, Chart, features
 
 _UP = ("elevation", "Elevation", "z", "topo", "topography", "altitude", "height", "Band1", "band_data")
 _DOWN = ("depth", "Depth", "bathymetry", "Bathymetry", "bathy", "deptho", "h", "water_depth")

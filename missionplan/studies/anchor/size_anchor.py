@@ -4,22 +4,26 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from functools import partial
 
+from missionplan.arrays import Scalars
 from missionplan.errors import InputError, Problem, shown
 from missionplan.mission import Mission, MissionOrPath
+from missionplan.mission.schema.vehicle import Centre
 from missionplan.mission.views import MooringMission
 from missionplan.montecarlo.parallel.blocks import Backend, Progress
+from missionplan.physics.anchor import AnchorDesign, wet_centre
+from missionplan.physics.trim import TrimState, Weight, trim
+from missionplan.physics.water import STANDARD_GRAVITY
 from missionplan.results.anchor_sizing import AnchorSizing, ExplainedAnchor, ProbableAnchor
 from missionplan.results.base import Provenance
 from missionplan.results.decision import MemberOutcome
 from missionplan.results.simulation import Outcome
 from missionplan.results.sized_anchor import SizedAnchor
-from missionplan.scenario.anchors import laden, worst_case_weight
+from missionplan.scenario.anchors import anchor_length, laden, overlap_height, worst_case_weight
 from missionplan.scenario.scenario import Scenario
 from missionplan.scenario.site_current import recorded_current
 from missionplan.studies.anchor.dive_trials import AnchorTrials
 from missionplan.studies.anchor.lightest_anchor import Demand, lightest_anchor
 from missionplan.studies.anchor.sizing import AnchorSizer
-from missionplan.studies.anchor.trim_check import trim_states
 from missionplan.studies.held_vehicle import check_dives, held_vehicle
 from missionplan.studies.judgement import judged
 from missionplan.studies.run import Run
@@ -196,3 +200,34 @@ def worst_case_anchor(mission: Mission) -> float:
         return float(worst_case_weight(laden(means, means.moor()), means.moor()))
     except ValueError as error:
         raise InputError([Problem(str(error), mission.file, key="vehicle.anchor")]) from error
+
+
+def trim_states(means: Scenario, weight: float, design: AnchorDesign | None) -> tuple[TrimState, ...]:
+    """Find the trim of the paper's three configurations.
+
+    Sealed, the anchor's weight and buoyancy cancel, and so do their moments where its ring is in place (Eqs. 16, 17).
+
+    Parameters
+    ----------
+    means : Scenario
+        At the means.
+    weight : float
+        Of the flooded anchor in water [N].
+    design : AnchorDesign or None
+        Its parts; None where they are not given, and the anchor's wet weight is taken at mid-length.
+    """
+    hull = means.mooring.vehicle
+    known, own = hull.centres is not None, float(means.mooring.mass) * STANDARD_GRAVITY
+    middle = Centre[Scalars].model_construct(from_nose=0.5 * float(hull.hull.length), below_axis=0.0)
+    gravity, displaced = hull.centres or (middle, middle)
+    vehicle = Weight(own, float(gravity.from_nose), float(gravity.below_axis))
+    carried = own + float(hull.net_buoyancy)
+    buoyancy = Weight(carried, float(displaced.from_nose), float(displaced.below_axis))
+    length = float(anchor_length(means, weight))
+    from_tip = wet_centre(design) if design is not None else 0.5 * length
+    flooded = Weight(weight, from_tip - (length - overlap_height(means)), 0.0)
+    return (
+        trim("with the sealed anchor", (vehicle,), buoyancy, centres_known=known),
+        trim("with the anchor flooded", (vehicle, flooded), buoyancy, centres_known=known),
+        trim("released, without the anchor", (vehicle,), buoyancy, centres_known=known),
+    )

@@ -1,13 +1,21 @@
 """`validate`: what missions, data sets and folders are good for, and every problem of theirs at once."""
 
 from collections.abc import Iterable, Iterator
+from itertools import pairwise
 from pathlib import Path, PurePath
 
+import numpy as np
+
+from missionplan.arrays import Array, Scalars
 from missionplan.errors import InputError, Problem
 from missionplan.mission import Mission, MissionOrPath, load
+from missionplan.mission.schema.phases import MoorPhase, TransitPhase
 from missionplan.mission.views import TransitionMission, TransitMission
+from missionplan.phases.place.place import Cause, Contact, Place, Way
 from missionplan.scenario.anchors import design_current
-from missionplan.scenario.scenario import Scenario
+from missionplan.scenario.phases import moor_plan, room_in_depth
+from missionplan.scenario.place.ways import blocked
+from missionplan.scenario.scenario import Scenario, leg_spread
 from missionplan.scenario.site_current import recorded_current
 from missionplan.store.folder import as_path, is_folder
 from missionplan.studies.held_vehicle import check_dives
@@ -20,7 +28,6 @@ from missionplan.studies.simulation.checks import (
     input_notices,
     vehicle_notices,
 )
-from missionplan.studies.validation.place import check_place, tracks_lost
 from missionplan.studies.validation.readiness import Readiness, Validated, needs
 
 
@@ -163,3 +170,134 @@ def _is_mission(path: Path) -> bool:
     except (OSError, UnicodeDecodeError):
         return True  # said by whoever loads it
     return any(line.startswith(("phases:", "navigation:", "site:")) for line in lines)
+
+
+AHEAD = 400
+"""Tracks that are drawn ahead."""
+_REACH = 2.0
+"""Half width, over the spread of a leg, of the strip in which a way may run: six standard deviations."""
+_WORDS = {
+    Cause.AGROUND: "the water is too shallow there",
+    Cause.ON_LAND: "it lies on land",
+    Cause.KEEP_OUT: "it lies in a zone kept out of",
+    Cause.UNCHARTED: "no depth is known there",
+}
+
+
+def check_place(means: Scenario) -> None:
+    """Refuse a mission of which no trial can reach a goal or a mooring.
+
+    A goal is refused that itself cannot be; a way, when start and goal are not joined by water within a strip of six
+    standard deviations of a leg's end to each side.
+
+    Raises
+    ------
+    InputError
+        With each goal, mooring and way.
+    """
+    if means.place is not None and (problems := list(_problems(means, means.place))):
+        raise InputError(problems)
+
+
+def _problems(means: Scenario, place: Place) -> Iterator[Problem]:
+    file, here, is_clear = means.mission.file, np.zeros(2), True
+    for phase in means.drawn.phases:
+        if isinstance(phase, TransitPhase):
+            points = list(_points(means, phase, here))
+            for number, (key, point) in enumerate(points):
+                is_start = key == "from" or not number
+                if is_start and key != "from":
+                    continue
+                met = _at(place, point, 0.0 if is_start else float(phase.depth))
+                if met != Cause.NONE:
+                    is_clear = False
+                    yield Problem(f"{_shown(point)}: {_WORDS[met]}", file, key=f"{phase.name}.{key}")
+            if is_clear and means.mission.navigation is not None:
+                yield from _ways(means, place, phase, [point for _, point in points])
+            here, is_clear = points[-1][1], True
+        elif isinstance(phase, MoorPhase):
+            yield from _mooring(means, place, phase, here)
+
+
+def _points(means: Scenario, phase: TransitPhase[Scalars], here: Array) -> Iterator[tuple[str, Array]]:
+    """Start, points on the way and goal of a transit, with their keys."""
+    yield ("from", means.position(phase.start).reshape(2)) if phase.start is not None else ("", here)
+    for number, point in enumerate(means.ways(phase)):
+        yield f"via[{number}]", point.reshape(2)
+    yield "to", means.position(phase.to).reshape(2)
+
+
+def _at(place: Place, point: Array, depth: float) -> Cause:
+    """What a vehicle meets at a point, at a depth and at the surface; zones of some times do not count."""
+    found, here = Contact.none(1), point.reshape(2, 1)
+    lasting = place.lasting()
+    for at in (depth, 0.0):
+        way = Way(here, here, np.zeros(1), np.zeros(1), at, at)
+        found.note(np.zeros(1, dtype=np.intp), lasting.meets(way), 0)
+    return Cause(int(found.cause[0]))
+
+
+def _ways(means: Scenario, place: Place, phase: TransitPhase[Scalars], points: list[Array]) -> Iterator[Problem]:
+    """Ways along which no water joins both ends."""
+    import shapely
+
+    width, depth = max(_REACH * leg_spread(means, phase), 1.0), float(phase.depth)
+    for start, end in pairwise(points):
+        line = shapely.linestrings(np.stack((start, end)))
+        strip = line.buffer(width)
+        low, high = np.array(strip.bounds[:2]), np.array(strip.bounds[2:])
+        water = strip.difference(blocked(place, low, high, depth, at_some_time=False))
+        radius = float(phase.arrival_radius)
+        parts = shapely.get_parts(water)
+        from_start = shapely.distance(parts, shapely.points(start)) <= 1.0
+        to_goal = shapely.distance(parts, shapely.points(end)) <= radius
+        if not np.any(from_start & to_goal):
+            message = (
+                f"from {_shown(start)} to {_shown(end)} no water joins both ends within {width:.3g} m to each side, "
+                f"six standard deviations of where a leg ends"
+            )
+            key = f"{phase.name}.to"
+            yield Problem(message, means.mission.file, key=key, hint=f"{phase.name}.via: auto goes round")
+            return
+
+
+def _mooring(means: Scenario, place: Place, phase: MoorPhase[Scalars], here: Array) -> Iterator[Problem]:
+    file, met = means.mission.file, _at(place, here, 0.0)
+    if met != Cause.NONE:
+        yield Problem(f"moors at {_shown(here)}: {_WORDS[met]}", file, key=phase.name)
+        return
+    water = float(place.water_at(here.reshape(2, 1), np.zeros(1))[0])
+    if np.isfinite(water) and means.mission.vehicle is not None and means.mission.vehicle.anchor is not None:
+        deep = means.at_depth(water)
+        plan = moor_plan(deep, phase)
+        if np.all(room_in_depth(plan.dive, plan.held.body.length) <= 0.0):
+            message = f"moors at {_shown(here)}: line and vehicle are longer than the water is deep, {water:.3g} m"
+            yield Problem(message, file, key=f"{phase.name}.line_length")
+
+
+def _shown(point: Array) -> str:
+    return f"[{point[0]:.6g} m, {point[1]:.6g} m]"
+
+
+def tracks_lost(means: Scenario) -> tuple[str, ...]:
+    """Notice of the tracks drawn ahead that meet ground, coast or a zone; none where the mission has no place."""
+    if means.place is None:
+        return ()
+    # what simulates is loaded for missions with a place alone
+    from missionplan.studies.simulation.block_statistics import failures_by_step
+    from missionplan.studies.simulation.phase_trials import MET
+    from missionplan.studies.simulation.trial_block import run_block
+
+    seed = means.mission.monte_carlo.seed
+    ahead = run_block(means.sampled(seed=seed, block=0, size=AHEAD), seed, 0, AHEAD, inputs=False)
+    steps = failures_by_step(ahead)
+    lost = {
+        f"{phase.name}: {reason}": float(np.mean(steps[f"{phase.name}: {reason}"]))
+        for phase in ahead.phases
+        for reason in MET.values()
+        if f"{phase.name}: {reason}" in steps
+    }
+    words = ", ".join(f"{100.0 * share:.3g} % {step}" for step, share in lost.items() if share > 0.0)
+    if not words:
+        return (f"Of {AHEAD} tracks drawn ahead none meets ground, coast or a zone kept out of.",)
+    return (f"Of {AHEAD} tracks drawn ahead {100.0 * sum(lost.values()):.3g} % would be lost: {words}.",)

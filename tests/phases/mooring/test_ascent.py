@@ -7,8 +7,8 @@ from missionplan.effects.broadside_start import BroadsideStart
 from missionplan.effects.drag_bias import DragBias
 from missionplan.effects.vertical_current import VerticalCurrent
 from missionplan.phases.currents import layers
-from missionplan.phases.mooring.ascent import ascend
 from missionplan.phases.mooring.forces import Dive
+from missionplan.phases.mooring.mooring import ascend
 from missionplan.physics.vehicle_drag import QuadraticDrag
 
 DIVE = Dive(
