@@ -76,6 +76,23 @@ class Frame:
             found[:, beyond] = _BEYOND
         return found
 
+    def box(self, low: Array, high: Array) -> tuple[Array, Array] | None:
+        """Least and greatest column and row that a box of the plane can hold; None where it leaves what was fitted.
+
+        The greatest slopes of the polynomial bound how far its columns and rows are from those of the box's middle.
+        """
+        if not ((low >= self.low).all() and (high <= self.high).all()):
+            return None
+        middle = self.cells(0.5 * (low + high)[:, None])[:, 0]
+        reach = ((high - low) / (self.high - self.low)) @ self._steepest
+        return middle - reach, middle + reach
+
+    @cached_property
+    def _steepest(self) -> Array:
+        """Bounds of the slopes of column and row along x and y, shape (2, 2)."""
+        powers, size = np.arange(len(self.terms)), np.abs(self.terms)
+        return np.stack([np.einsum("i,ijk->k", powers, size), np.einsum("j,ijk->k", powers, size)])
+
 
 @dataclass(frozen=True)
 class Ground:
@@ -100,6 +117,18 @@ class Ground:
     def depth_at(self, places: Array) -> Array:
         """Depth at places of shape (2, n), shape (n,); nan where unknown [m]."""
         return self._bilinear(self.depth, self.frame.cells(places))
+
+    def is_deep(self, low: Array, high: Array, least: float) -> bool:
+        """Whether all of a box of the plane, corners of shape (2,), is surely deeper than `least` [m]."""
+        within = self.frame.box(low, high)
+        if within is None:
+            return False
+        first, last = (np.floor(corner).astype(np.int64) for corner in within)
+        level = min(int(max(last - first) + 1).bit_length() // 2, len(self._blocks) - 1)
+        (column, row), (right, top) = (np.maximum((corner >> level) + 1, 0) for corner in (first, last))
+        held = self._blocks[level][row : top + 1, column : right + 1]
+        is_whole = held.shape == (top - row + 1, right - column + 1)
+        return bool(is_whole and held.min() > least)
 
     def spare_along(self, start: Array, end: Array, least: Array) -> tuple[Array, Array]:
         """How near straight ways come to water that is too shallow, and to where the depth is unknown.

@@ -49,6 +49,12 @@ class SeaLevel:
             found += cosine * np.cos(frequency * t) + sine * np.sin(frequency * t)
         return found + np.interp(t, self.time, self.height) if self.time.size else found
 
+    @property
+    def lowest(self) -> float:
+        """What no trial's level ever falls below [m]."""
+        waves = float(np.hypot(self.cosine, self.sine).sum())
+        return float(np.min(self.level)) - waves + float(self.height.min() if self.time.size else 0.0)
+
 
 @dataclass(frozen=True)
 class Way:
@@ -178,16 +184,21 @@ class Place:
         return self.ground.depth_at(places) + self.sea_level.at(t)
 
     def meets(self, way: Way) -> Contact:
-        """Return what straight ways meet first."""
+        """Return what straight ways meet first; most meet nothing, which the box that holds all of them tells."""
         count = way.begun.size
+        if not count:
+            return Contact.none(0, measured=self.is_measured)
+        is_deep, reached = self._is_deep(way), self.fence.reached(way.start, way.end) if self.fence is not None else ()
+        if is_deep and not reached and not self.is_measured:
+            return Contact.none(count)
         cause, share = np.zeros(count, dtype=np.int8), np.full(count, np.inf)
-        if self.ground is not None:
+        if self.ground is not None and not is_deep:
             shoal, _, unknown = self.ground.too_shallow(way.start, way.end, self._needed(way))
             share = np.minimum(shoal, unknown)
             cause[np.isfinite(share)] = Cause.AGROUND
             cause[unknown < shoal] = Cause.UNCHARTED
-        if self.fence is not None:
-            touched, which = self.fence.first(way.start, way.end, way.times, way.depths)
+        if self.fence is not None and reached:
+            touched, which = self.fence.first(way.start, way.end, way.times, way.depths, reached)
             land = np.array([zone.is_land for zone in self.fence.zones])[which]
             sooner = np.isfinite(touched) & (touched <= share)
             cause[sooner] = np.where(land, Cause.ON_LAND, Cause.KEEP_OUT)[sooner]
@@ -197,6 +208,14 @@ class Place:
         where[:, met] = way.start[:, met] + share[met] * (way.end - way.start)[:, met]
         nearest = self._nearest(way, cause) if self.is_measured else np.empty((0, count))
         return Contact(cause, np.zeros(count, dtype=np.int64), where, nearest)
+
+    def _is_deep(self, way: Way) -> bool:
+        """Whether the box that holds all ways is deeper than any of them needs."""
+        if self.ground is None:
+            return True
+        needed = np.max(way.greatest + np.asarray(self.draught) + np.asarray(self.clearance))
+        low, high = np.minimum(way.start, way.end).min(axis=1), np.maximum(way.start, way.end).max(axis=1)
+        return self.ground.is_deep(low, high, float(needed) - self.sea_level.lowest)
 
     def _needed(self, way: Way) -> Array:
         """Depth below the datum that has to be exceeded at both ends of ways, shape (2, n) [m]."""

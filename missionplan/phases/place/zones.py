@@ -16,10 +16,8 @@ from missionplan.arrays import Array
 if TYPE_CHECKING:
     from shapely import Geometry, STRtree
 
-_NODES = 160
-"""Of the field of distances, along each side."""
-_PARTS = 8
-"""Into which a way is cut that may touch a zone, before its geometry is asked."""
+_SLACK = 1e-3
+"""By which the box that holds ways is widened, so that rounding leaves none out [m]."""
 
 
 @dataclass(frozen=True)
@@ -128,81 +126,63 @@ def _ways(start: Array, end: Array) -> "NDArray[Any]":
 
 @dataclass(frozen=True)
 class Fence:
-    """All zones of a place, and how far the nearest is: most ways pass none.
+    """All zones of a place.
 
     Attributes
     ----------
     zones : tuple of Zone
-    low, high : array, shape (2,)
-        Corners of the part of the plane in which distances are tabulated [m].
     """
 
     zones: tuple[Zone, ...]
-    low: Array
-    high: Array
 
-    def near(self, start: Array, end: Array) -> NDArray[np.bool_]:
-        """Whether straight ways, shape (2, n), may touch a zone; of those that do, none is left out."""
-        near = self._is_near(start, end)
-        close = np.flatnonzero(near)
-        if close.size:
-            cuts = np.linspace(0.0, 1.0, _PARTS + 1)
-            points = start[:, close, None] + cuts * (end - start)[:, close, None]
-            parts = self._is_near(points[..., :-1].reshape(2, -1), points[..., 1:].reshape(2, -1))
-            near[close] = parts.reshape(-1, _PARTS).any(axis=1)
-        return near
+    def reached(self, start: Array, end: Array) -> tuple[int, ...]:
+        """Numbers of the zones that straight ways, shape (2, n), may touch: those in the box along their mean course.
 
-    def _is_near(self, start: Array, end: Array) -> NDArray[np.bool_]:
-        """Whether ways are no farther from a zone than they reach from their middles."""
-        middle = 0.5 * (start + end)
-        half = 0.5 * np.sqrt(((end - start) ** 2).sum(axis=0))
-        step = (self.high - self.low)[:, None] / (_NODES - 1.0)
-        node = np.clip(np.rint((middle - self.low[:, None]) / step), 0, _NODES - 1).astype(np.intp)
-        away = self.low[:, None] + node * step - middle
-        reach = self._distance[node[1], node[0]] - np.sqrt((away**2).sum(axis=0))
-        return np.asarray(reach <= half)
+        Most blocks of trials pass all zones at a distance, which one look at that box tells.
+        """
+        import shapely
 
-    def first(self, start: Array, end: Array, times: Array, depths: Array) -> tuple[Array, NDArray[np.intp]]:
+        course = (end - start).mean(axis=1)
+        size = float(np.hypot(*course))
+        east, north = course / size if size > 0.0 else (1.0, 0.0)
+        turned = np.array([[east, north], [-north, east]])
+        ends = np.concatenate((turned @ start, turned @ end), axis=1)
+        (left, right), (low, high) = zip(ends.min(axis=1) - _SLACK, ends.max(axis=1) + _SLACK, strict=True)
+        corners = np.array([[left, low], [right, low], [right, high], [left, high]]) @ turned
+        box = shapely.polygons(corners)
+        beside = (self._bounds[:, :2] > corners.max(axis=0)) | (self._bounds[:, 2:] < corners.min(axis=0))
+        near = np.flatnonzero(~beside.any(axis=1)).tolist()
+        return tuple(number for number in near if shapely.intersects(self._prepared[number], box))
+
+    def first(
+        self, start: Array, end: Array, times: Array, depths: Array, reached: Sequence[int]
+    ) -> tuple[Array, NDArray[np.intp]]:
         """Share of straight ways until the first zone, infinite where none is met, and which it is.
 
-        Parameters are those of `Zone.contact`.
+        Parameters are those of `Zone.contact`, and what `reached` gave.
         """
         share, which = np.full(start.shape[1], np.inf), np.zeros(start.shape[1], dtype=np.intp)
-        close = np.flatnonzero(self.near(start, end))
-        if not close.size:
-            return share, which
-        for number, zone in enumerate(self.zones):
-            found = zone.contact(start[:, close], end[:, close], times[:, close], depths[:, close])
+        low, high = np.minimum(start, end), np.maximum(start, end)
+        for number in reached:
+            bounds = self._bounds[number]
+            close = np.flatnonzero(((low <= bounds[2:, None]) & (high >= bounds[:2, None])).all(axis=0))
+            found = self.zones[number].contact(start[:, close], end[:, close], times[:, close], depths[:, close])
             sooner = found < share[close]
             share[close[sooner]], which[close[sooner]] = found[sooner], number
         return share, which
 
     @cached_property
-    def _distance(self) -> Array:
-        """From each node to the nearest zone, 0 inside one, shape (`_NODES`, `_NODES`) [m]."""
+    def _bounds(self) -> Array:
+        """West, south, east and north of each zone, shape (k, 4) [m]."""
+        return np.array([zone.geometry.bounds for zone in self.zones])
+
+    @cached_property
+    def _prepared(self) -> "list[Geometry]":
         import shapely
 
-        east, north = (np.linspace(a, b, _NODES) for a, b in zip(self.low, self.high, strict=True))
-        places = shapely.points(*(axis.ravel() for axis in np.meshgrid(east, north)))
-        return distances(places, [zone.geometry for zone in self.zones]).reshape(_NODES, _NODES)
-
-
-def distances(places: "NDArray[Any]", geometries: "Sequence[Geometry]") -> Array:
-    """Distance of points to the nearest of some polygons, shape (n,); 0 inside [m]."""
-    import shapely
-
-    whole = shapely.union_all(list(geometries))
-    shapely.prepare(whole)
-    lines = shapely.get_parts(shapely.boundary(whole))
-    if not len(lines):
-        return np.full(len(places), np.inf)
-    edges = np.concatenate([_edges(shapely.get_coordinates(line)) for line in lines])
-    tree = shapely.STRtree(shapely.linestrings(edges))
-    (asked, _), found = tree.query_nearest(places, return_distance=True, all_matches=False)
-    away = np.full(len(places), np.inf)
-    away[asked] = found
-    away[shapely.intersects(whole, places)] = 0.0
-    return away
+        for zone in self.zones:
+            shapely.prepare(zone.geometry)
+        return [zone.geometry for zone in self.zones]
 
 
 def _edges(points: Array) -> Array:

@@ -205,7 +205,7 @@ def _read(
             ground = read_ground(chart)
         else:
             zones += read_zones(chart, moment_of(start) if start else None, is_land=key == "land")
-    return ground, Fence(tuple(zones), np.array(box[:2]), np.array(box[2:])) if zones else None
+    return ground, Fence(tuple(zones)) if zones else None
 
 
 def drawn_place(place: Place, drawn: Mission[Scalars]) -> Place:

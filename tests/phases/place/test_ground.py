@@ -6,6 +6,8 @@ from ground_examples import STEP, ground
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from missionplan.phases.place.ground import Frame
+
 
 def plane(east=0.02, north=-0.05, deep=10.0, shape=(30, 40)):
     rows, columns = np.mgrid[0 : shape[0], 0 : shape[1]]
@@ -87,6 +89,42 @@ def test_ways_are_found_shallow_as_by_dense_sampling(seed):
     clear = np.isinf(rough.too_shallow(start, end, np.stack((needed, needed)))[0])
     sure = np.abs(least - needed) > 0.15  # the samples of both are some centimetres off the least depth
     assert (clear == (least > needed))[sure].all()
+
+
+@settings(max_examples=40, deadline=None)
+@given(st.integers(0, 10_000))
+def test_a_box_that_is_deep_is_so_everywhere_in_it_and_one_of_a_plane_is_judged_within_some_cells(seed):
+    rng = np.random.default_rng(seed)
+    shape = rng.integers(3, 40, 2)
+    rough = ground(np.where(rng.random(shape) < 0.02, np.nan, rng.uniform(10.0, 30.0, shape)))
+    low = rng.uniform(-8.0, 1.0, 2) + rng.random(2) * STEP * shape[::-1] * 0.8
+    high = low + rng.uniform(0.0, 200.0, 2)
+    inside = low[:, None] + rng.random((2, 4000)) * (high - low)[:, None]
+    if rough.is_deep(low, high, 9.9):
+        assert (rough.depth_at(inside) > 9.9).all()
+    sloping = plane(east=0.0, north=0.05, shape=(200, 200))
+    box = np.array([300.0, 500.0]), np.array([900.0, 700.0])  # 35 m deep at its south edge
+    assert not sloping.is_deep(*box, 35.1)
+    assert sloping.is_deep(*box, 35.0 - 0.05 * 80.0)
+
+
+def test_a_projection_that_is_not_linear_bounds_the_cells_of_a_box():
+    low, high = np.array([-1000.0, -500.0]), np.array([3000.0, 2500.0])
+    rng = np.random.default_rng(3)
+    places = low[:, None] + rng.random((2, 400)) * (high - low)[:, None]
+
+    def bent(where):
+        x, y = where
+        return np.stack((x / 10.0 + 2e-6 * x * y, y / 10.0 - 1e-6 * x * x))
+
+    frame = Frame.fitted(low, high, places, bent(places))
+    corner, size = np.array([200.0, 300.0]), np.array([700.0, 40.0])
+    least, greatest = frame.box(corner, corner + size)
+    cells = bent(corner[:, None] + rng.random((2, 4000)) * size[:, None])
+    assert (cells.min(axis=1) >= least).all()
+    assert (cells.max(axis=1) <= greatest).all()
+    assert (greatest - least < 2.0 * (cells.max(axis=1) - cells.min(axis=1)) + 1.0).all()
+    assert frame.box(corner, high + 1.0) is None
 
 
 def test_the_side_of_a_cell_is_known():

@@ -68,7 +68,7 @@ def test_hull_clearance_and_tide_count(depth, changes, met):
 
 def test_a_vehicle_that_sails_under_a_zone_meets_it_only_where_it_surfaces():
     zone = Zone(shapely.box(300.0, 0.0, 500.0, 200.0), "lane", is_land=False, above=5.0)
-    place = Place(None, Fence((zone,), np.array([0.0, -500.0]), np.array([1200.0, 500.0])))
+    place = Place(None, Fence((zone,)))
     goal = {"goal": np.array([1000.0, 100.0]), "depth": 20.0}
     assert run({**goal, "d_max": 550.0}, start(at=(50.0, 100.0)), place=place)[1].arrived.all()
     _, record = run({**goal, "d_max": 400.0}, start(at=(50.0, 100.0)), place=place)
@@ -80,7 +80,7 @@ def test_trials_that_arrived_are_not_watched_any_more_and_dropping_them_changes_
     error = {"velocity_error": VelocityError.isotropic(0.05), "d_max": 150.0, "goal": np.array([1000.0, 100.0])}
     begin = start(1000, at=(50.0, 100.0))
     zone = Zone(shapely.box(700.0, 104.0, 800.0, 200.0), "islet", is_land=True)
-    place = Place(sea().ground, Fence((zone,), np.array([0.0, -500.0]), np.array([1200.0, 500.0])))
+    place = Place(sea().ground, Fence((zone,)))
     (_, dropped), (_, kept) = (run(error, begin, place=place, tracked=tracked) for tracked in (0, 1))
     assert np.array_equal(dropped.contact.cause, kept.contact.cause)
     assert np.array_equal(dropped.arrived, kept.arrived)

@@ -258,7 +258,7 @@ def test_a_coast_stops_a_drifter():
     """Land from 1000 m east on: who drifts there at 0.5 m/s stays, who passes south of it goes on."""
     shapely = pytest.importorskip("shapely")
     land = Zone(shapely.box(1000.0, 0.0, 5000.0, 5000.0), "coast", is_land=True)
-    shore = Place(fence=Fence((land,), np.array([-1e4, -1e4]), np.array([1e4, 1e4])))
+    shore = Place(fence=Fence((land,)))
     drift = Drift(layers([1.0], [0.5], [np.pi / 2.0]), (), 2, shore=shore)
     first, last = drift.places(np.array([[0.0, 0.0], [100.0, -100.0]]), np.zeros(2), (1000.0, 6000.0))
     assert first == pytest.approx(np.array([[500.0, 500.0], [100.0, -100.0]]))
