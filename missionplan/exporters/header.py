@@ -5,7 +5,7 @@ import re
 import unicodedata
 from collections.abc import Sequence
 
-from missionplan.results.plan import Plan, PlannedTransit
+from missionplan.results.plan import Fence, Plan, PlannedTransit
 
 FIXED_POINTS = (
     "legs that begin where the vehicle surfaces: it goes through the ends of the planned legs, and a leg may be longer "
@@ -14,6 +14,8 @@ FIXED_POINTS = (
 
 _LONGEST = 40
 """Characters of a name that a token keeps."""
+_NAMES = 6
+"""Names of zones that are listed."""
 
 
 def header(plan: Plan, title: str, lost: Sequence[str]) -> tuple[str, ...]:
@@ -68,6 +70,25 @@ def no_decision(plan: Plan) -> tuple[str, ...]:
 def no_battery(plan: Plan, instead: str) -> tuple[str, ...]:
     """Say what becomes of the plan's guard on the battery, where it has one."""
     return (f"the guard for the battery of {plan.capacity:g} W h: {instead}",) if math.isfinite(plan.capacity) else ()
+
+
+def zones_lost(plan: Plan, what: str = "nothing in it keeps the vehicle out") -> tuple[str, ...]:
+    """Say what a format without polygons loses: land and zones kept out of, by their names, a few of many."""
+    return (f"land and zones kept out of ({_names(plan.fences)}): {what}",) if plan.fences else ()
+
+
+def limits_lost(plan: Plan) -> tuple[str, ...]:
+    """Say what a format loses whose polygons hold at all times and depths, and have no holes."""
+    limited = [fence for fence in plan.fences if fence.is_limited]
+    holed = [fence for fence in plan.fences if fence.holes]
+    times = (f"times and depths of zones kept out of: fenced at all of them ({_names(limited)})",) if limited else ()
+    return times + ((f"water inside land and zones: fenced with them ({_names(holed)})",) if holed else ())
+
+
+def _names(fences: Sequence[Fence]) -> str:
+    named = list(dict.fromkeys(fence.name for fence in fences))
+    more = f" and {len(named) - _NAMES} more" if len(named) > _NAMES else ""
+    return ", ".join(named[:_NAMES]) + more
 
 
 def unheld_moorings(plan: Plan, what: str = "the mooring") -> tuple[str, ...]:

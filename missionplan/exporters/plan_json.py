@@ -2,6 +2,7 @@
 
 import json
 import math
+from collections.abc import Iterable
 from dataclasses import asdict
 from importlib.resources import files as files_of
 from typing import cast
@@ -15,6 +16,7 @@ TITLE = "JSON, all of the plan"
 NEEDS_ORIGIN = False
 
 _ELSEWHERE = (*OF_TRANSITS, *OF_MOORINGS)
+_LIMITS = "from_s", "to_s", "above_m", "below_m"
 _UNITS = {"interval": "_m", "table": "_m"}
 """Of the fields of a rule for surfacing; others are times."""
 
@@ -63,12 +65,19 @@ def plan_data(plan: Plan) -> dict[str, object]:
         "fences": [
             {
                 "name": fence.name,
-                "outline_deg": [[round(math.degrees(each), 8) for each in corner] for corner in fence.outline],
+                "kind": fence.kind,
+                "outline_deg": _corners(fence.outline),
+                "holes_deg": [_corners(hole) for hole in fence.holes],
+                **{key: fence.limits.get(key) for key in _LIMITS},
             }
             for fence in plan.fences
         ],
         "notes": list(plan.notes),
     }
+
+
+def _corners(ring: Iterable[Iterable[float]]) -> list[list[float]]:
+    return [[round(math.degrees(each), 8) for each in corner] for corner in ring]
 
 
 def _state(state: State) -> dict[str, object]:

@@ -3,7 +3,7 @@
 import math
 from collections.abc import Iterator
 
-from missionplan.exporters.header import header, one_line
+from missionplan.exporters.header import header, one_line, zones_lost
 from missionplan.results.base import to_csv
 from missionplan.results.plan import Plan, PlannedMooring, PlannedTransit, Waypoint
 
@@ -20,7 +20,8 @@ _OF_WAYPOINTS = ("course_deg", "leg_m", "speed_m_s", "duration_s", "duration_p99
 def lost(plan: Plan) -> tuple[str, ...]:
     """Say what the form cannot hold."""
     tables = [transit.name for transit in plan.transits if transit.surfacing.table]
-    return tuple(f"the table of legs of {name}; the waypoints are those of its nominal legs" for name in tables)
+    legs = (f"the table of legs of {name}; the waypoints are those of its nominal legs" for name in tables)
+    return (*legs, *zones_lost(plan, "columns hold points"))
 
 
 def files(plan: Plan, stem: str) -> dict[str, str | bytes]:

@@ -18,6 +18,8 @@ _GLIDERS = 0.5, 90.0
 """Share of deep gliders that end a mission of so many days as planned (Brito, Smeed & Griffiths 2014, 205 deployments):
 the yardstick for equipment whose hazards a mission does not give."""
 _DAY, _HOUR = 86400.0, 3600.0
+_BRIEF = 60.0
+"""Nominal time below which a mission gives none of what takes its time: a dive without a hold [s]."""
 _GROWS = 7.0 * _DAY
 """Time after which growth on a hull is worth a thought [s]."""
 
@@ -93,17 +95,10 @@ def _rows(mission: Mission) -> Iterator[tuple[str, bool, str]]:
     yield ("ground", *_ground(mission, site))
     yield ("coast", *_coast(site, length))
     yield ("wind", *_wind(site, afloat))
-    depth = min((mean_of(phase.depth) for phase in mission.transits), default=0.0)
-    waves = (
-        f"runs {_m(depth)} below the surface and is {afloat:.0f} s afloat at each fix, which waves push and lengthen"
-    )
-    yield "waves", False, waves
+    yield "waves", False, _waves(mission, afloat)
     yield ("traffic", *_traffic(site, length, _leg(mission), afloat))
     yield ("equipment", *_equipment(mission, time))
-    growth = f"in {_duration(time)} it grows a little"
-    if time >= _GROWS:
-        growth = f"in {_duration(time)} growth slows the vehicle and weighs on it"
-    yield "biofouling", False, f"drag and weight stay those of a clean hull; {growth}"
+    yield "biofouling", False, f"drag and weight stay those of a clean hull; {_growth(time)}"
     yield "operators", False, "ballast, settings and launch are as in the file: a check-list holds slips, this does not"
 
 
@@ -115,7 +110,13 @@ def _ground(mission: Mission, site: Site) -> tuple[bool, str]:
         kept = f"{_m(mean_of(site.clearance))} kept under the hull"
         return True, f"depths below {datum}, {tide}, {kept}; rocks between cells are not in"
     if site.depth is None:
-        return False, f"no depth is known: it runs {_m(deepest)} deep over whatever there is (site.bathymetry)"
+        runs = f"it runs {_m(deepest)} deep over" if mission.transits else "below is"
+        return False, f"no depth is known: {runs} whatever there is (site.bathymetry)"
+    if not mission.transits:
+        return (
+            False,
+            f"{_m(mean_of(site.depth))} wherever the anchor comes down: steps and holes are not in (site.bathymetry)",
+        )
     everywhere = f"{_m(mean_of(site.depth))} everywhere, running {_m(deepest)} deep"
     return False, f"{everywhere}: a shoal on the way is not in (site.bathymetry)"
 
@@ -125,19 +126,32 @@ def _coast(site: Site, length: float) -> tuple[bool, str]:
         return True, "polygons of land; what they leave out, such as piers and rocks, is not in"
     if site.bathymetry is not None:
         return True, "where the grid of depths rises above the water; what its cells smooth away is not in"
+    if length == 0.0:
+        return False, "no way is sailed; land where it drifts afloat is not in (site.land)"
     return False, f"{length / 1000.0:.3g} km of straight ways cross whatever lies between (site.land)"
 
 
 def _wind(site: Site, afloat: float) -> tuple[bool, str]:
     if site.wind is not None:
         return True, "the vehicle's leeway while it is afloat"
+    if afloat == 0.0:
+        return False, "no time afloat is given (navigation.surfacing_time), in which wind would carry it (site.wind)"
     carried = f"10 m/s of wind at a leeway of 3 % carry it {_m(0.3 * afloat)}"
     return False, f"afloat {afloat:.0f} s at each fix: {carried} (site.wind)"
+
+
+def _waves(mission: Mission, afloat: float) -> str:
+    if not mission.transits:
+        return "they lift and push a vehicle near the surface, and a line in shallow water snatches"
+    depth = min(mean_of(phase.depth) for phase in mission.transits)
+    return f"runs {_m(depth)} below the surface and is {afloat:.0f} s afloat at each fix, which waves push and lengthen"
 
 
 def _traffic(site: Site, length: float, leg: float, afloat: float) -> tuple[bool, str]:
     if site.keep_out is not None:
         return True, "zones kept out of; ships, nets and lines in the water between them are not in"
+    if length == 0.0 or afloat == 0.0:
+        return False, "ships where it goes down and comes up, and nets and lines at depth, are not in"
     times = f"{max(1, math.ceil(length / leg))} times or more" if leg > 0.0 else "again and again"
     return False, f"at the surface {times} for {afloat:.0f} s; nets and lines at depth are not in either"
 
@@ -149,9 +163,20 @@ def _equipment(mission: Mission, time: float) -> tuple[bool, str]:
         return True, f"hazards per {named}; what they leave out is not in"
     survival, days = _GLIDERS
     lost = 1.0 - survival ** (time / _DAY / days)
+    if time < _BRIEF:
+        failed = f"{100.0 * (1.0 - survival):.0f} % of deep gliders do in {days:.0f} days (Brito et al. 2014)"
+        return False, f"nothing breaks; {failed} (vehicle.reliability)"
     share = f"{100.0 * lost:.2g} %" if lost >= 5e-4 else "less than 0.1 %"
     rate = f"at the rate of deep gliders (Brito et al. 2014) {share} fail in {_duration(time)}"
     return False, f"nothing breaks; {rate} (vehicle.reliability)"
+
+
+def _growth(time: float) -> str:
+    if time < _BRIEF:
+        return "it grows in weeks"
+    return f"in {_duration(time)} " + (
+        "growth slows the vehicle and weighs on it" if time >= _GROWS else "it grows a little"
+    )
 
 
 def _way(mission: Mission) -> tuple[float, float]:
@@ -174,4 +199,6 @@ def _m(length: float) -> str:
 
 
 def _duration(time: float) -> str:
-    return f"{time / _DAY:.3g} days" if time >= 2.0 * _DAY else f"{time / _HOUR:.2g} h"
+    if time >= 2.0 * _DAY:
+        return f"{time / _DAY:.3g} days"
+    return f"{time / _HOUR:.2g} h" if time >= _HOUR else f"{time / 60.0:.0f} min"

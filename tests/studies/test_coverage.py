@@ -1,9 +1,13 @@
 """The box of what a probability holds: from the mission, on the page and in the summary."""
 
+import re
+from pathlib import Path
+
 import missionplan
 from missionplan.mission import load
 from missionplan.studies.coverage import checked_ranges, coverage_of, probability_holds
 
+MISSIONS = Path(__file__).parents[2] / "missions"
 TOPICS = ["ground", "coast", "wind", "waves", "traffic", "equipment", "biofouling", "operators"]
 
 
@@ -18,6 +22,20 @@ def test_the_box_has_its_topics_and_says_why_each_matters_here(transit_mission):
     assert "8 km" in found["coast"].why
     assert "27 m" in found["wind"].why  # 3 % of 10 m/s for 90 s
     assert "8 times" in found["traffic"].why
+
+
+def test_a_mission_of_moorings_alone_has_words_of_its_own():
+    """Without a transit and a time afloat nothing is said of zero metres, seconds or hours."""
+    found = box(missionplan.load(MISSIONS / "anchor-design.yaml"))
+    assert list(found) == TOPICS
+    for each in found.values():
+        assert not re.search(r"(^|[ (])0(\.0\d*)? ", each.why), each
+        assert "running" not in each.why
+    assert "30.5 m wherever the anchor comes down" in found["ground"].why
+    assert "50 % of deep gliders do in 90 days" in found["equipment"].why
+    held = missionplan.load(MISSIONS / "anchor-design.yaml").with_({"moor.hold": "14 days"})
+    assert "10 % fail in 14 days" in box(held)["equipment"].why
+    assert "in 14 days growth slows" in box(held)["biofouling"].why
 
 
 def test_what_the_mission_gives_is_in(mission, transit_mission):

@@ -21,12 +21,13 @@ _LAYERS = {
     "waypoints": ("waypoint", "mooring"),
     "courses": ("planned track",),
     "circles": ("arrival circle", "mooring circle"),
+    "zones": ("land", "keep-out"),
 }
 """Kinds of features of each layer."""
 
 
 def files(plan: Plan, stem: str) -> dict[str, str | bytes]:
-    """Write one file with the layers `waypoints`, `courses` and `circles`; their metadata hold the header.
+    """Write one file with the layers `waypoints`, `courses`, `circles` and `zones`; their metadata hold the header.
 
     Raises
     ------
@@ -51,7 +52,7 @@ def _plain(feature: Feature) -> Feature:
     kept = properties_of(feature)
     if kept["kind"] == "waypoint":
         kept["kind"] = kept.pop("waypoint")
-    elif kept["kind"] != "mooring":
+    elif kept["kind"] not in ("mooring", *_LAYERS["zones"]):
         del kept["name"]
     if kept["kind"] == "planned track":
         del kept["kind"]

@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from xml.etree import ElementTree
 
-from missionplan.exporters.header import header, one_interval
+from missionplan.exporters.header import header, one_interval, zones_lost
 from missionplan.exporters.table import Cell, course_row, mooring_row, waypoint_row
 from missionplan.exporters.xml import Element, add, document
 from missionplan.results.plan import Plan, PlannedTransit
@@ -22,6 +22,7 @@ def lost(plan: Plan) -> tuple[str, ...]:
     return (
         "speed, time-out, rule for surfacing and mooring but in extensions that other programs ignore",
         *one_interval(plan),
+        *zones_lost(plan, "GPX holds points and lines"),
     )
 
 

@@ -20,6 +20,7 @@ from missionplan.exporters.header import (
     plain,
     token,
     unheld_moorings,
+    zones_lost,
 )
 from missionplan.phases.transit.execution import Execution
 from missionplan.results.plan import Plan, PlannedTransit, Waypoint
@@ -74,6 +75,7 @@ def lost(plan: Plan) -> tuple[str, ...]:
         FIXED_POINTS,
         *no_correction(plan),
         *no_decision(plan),
+        *zones_lost(plan),
         *unheld_moorings(plan),
     )
 

@@ -16,7 +16,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from missionplan.exporters.header import header, no_battery, no_correction, one_interval, plain, token
+from missionplan.exporters.header import header, no_battery, no_correction, one_interval, plain, token, zones_lost
 from missionplan.phases.transit.execution import Execution
 from missionplan.results.plan import CLIMB, SURFACE_DEPTH, Plan, PlannedMooring, PlannedTransit, Waypoint
 from missionplan.results.plan_states import GuardKind
@@ -78,6 +78,9 @@ def lost(plan: Plan) -> tuple[str, ...]:
         *one_interval(plan),
         *("; ".join(words) for words in ((*no_correction(plan), *instead),) if words),
         *no_battery(plan, "kept only where the vehicle posts ENERGY_USED, the W h used since the start"),
+        *zones_lost(
+            plan, "BHV_OpRegion is one convex polygon to stay in, BHV_AvoidObstacleV24 steers round convex ones"
+        ),
         "the release of an anchor but as the variable ANCHOR_RELEASE, which the vehicle's driver has to act on",
     )
 

@@ -26,6 +26,7 @@ from missionplan.exporters.header import (
     no_decision,
     token,
     unheld_moorings,
+    zones_lost,
 )
 from missionplan.exporters.xml import Element, add, document
 from missionplan.phases.transit.execution import Execution
@@ -69,6 +70,7 @@ def lost(plan: Plan) -> tuple[str, ...]:
         *no_decision(plan),
         "time-outs, and the greatest wait for a fix: DUNE looks at none of a manoeuvre's",
         *no_battery(plan, "DUNE's configuration may have one (Monitors.FuelLevel)"),
+        *zones_lost(plan, "DUNE's operational limits, which the mission does not hold, are one rectangle to stay in"),
         *unheld_moorings(plan),
     )
 

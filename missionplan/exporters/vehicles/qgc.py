@@ -6,6 +6,9 @@ negative. ArduSub takes no other frame and no positive altitude, and takes an al
 (`ArduSub/commands_logic.cpp`), so that the surface is a decimetre deep, its own depth of being surfaced. Its legs are
 straight lines in space; a waypoint below the place of the last fix therefore comes before each.
 
+A polygon of `geoFence` that is no inclusion keeps the vehicle out, at all times and depths (MAVLink's
+NAV_FENCE_POLYGON_VERTEX_EXCLUSION); it has neither holes nor a closing corner.
+
 NAV_LOITER_TIME goes to its place and counts from when it is there, so that a fix that comes meanwhile takes the vehicle
 to the leg's end at the surface, under power.
 """
@@ -16,7 +19,7 @@ from collections.abc import Iterator, Mapping, Sequence
 
 import numpy as np
 
-from missionplan.exporters.header import FIXED_POINTS, header, no_battery, token, unheld_moorings
+from missionplan.exporters.header import FIXED_POINTS, header, limits_lost, no_battery, token, unheld_moorings
 from missionplan.phases.transit.execution import Execution
 from missionplan.results.plan import Plan, PlannedTransit, Waypoint
 from missionplan.results.plan_states import GuardKind
@@ -49,6 +52,8 @@ SURFACE = -0.1
 """Altitude at the surface [m]."""
 RETURN_TIME = 60.0
 """For the way back to the leg's end, beside the time for a fix [s]."""
+MOST_CORNERS = 255
+"""Of a polygon that ArduPilot stores, three at least, the first one not repeated (`AC_PolyFence_loader`)."""
 JUMPS = 1
 """Further legs for a fix that came late."""
 
@@ -61,7 +66,6 @@ def executes(transit: PlannedTransit) -> Execution:
 
 def lost(plan: Plan) -> tuple[str, ...]:
     """Say what the files cannot hold."""
-    zones = [fence.name for fence in plan.fences if fence.is_limited]
     return (
         "waiting for a fix: it holds its place at the surface, with power, for a fixed time "
         f"({', '.join(f'{transit.name} {_loiter(transit):.0f} s' for transit in plan.transits)})",
@@ -75,13 +79,18 @@ def lost(plan: Plan) -> tuple[str, ...]:
             "set by hand in ArduSub BATT_CAPACITY (mAh: 1000 times that over its volts), BATT_CRT_MAH (not 0) and "
             "BATT_FS_CRT_ACT 3 (surface); in PX4 COM_LOW_BAT_ACT, which lands or returns",
         ),
-        *(
-            ("times and depths of zones kept out of: fenced at all of them (" + ", ".join(zones) + ")",)
-            if zones
-            else ()
-        ),
+        *_fence_lost(plan),
         *unheld_moorings(plan),
     )
+
+
+def _fence_lost(plan: Plan) -> tuple[str, ...]:
+    if not plan.fences:
+        return ()
+    acts = "what the autopilot does at a fence: FENCE_ENABLE, FENCE_TYPE and FENCE_ACTION in ArduSub, GF_ACTION in PX4"
+    many = [f"{fence.name} {len(fence.outline)}" for fence in plan.fences if len(fence.outline) > MOST_CORNERS]
+    refused = f"polygons of more than {MOST_CORNERS} corners in ArduSub, which refuses all then ({', '.join(many)})"
+    return (acts, *limits_lost(plan), *((refused,) if many else ()))
 
 
 def files(plan: Plan, stem: str) -> dict[str, str | bytes]:

@@ -16,7 +16,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from missionplan.errors import InputError, Problem
-from missionplan.exporters.header import header, no_battery, one_interval, plain, unheld_moorings
+from missionplan.exporters.header import header, no_battery, one_interval, plain, unheld_moorings, zones_lost
 from missionplan.phases.transit.execution import Execution
 from missionplan.results.plan import Plan, PlannedTransit
 from missionplan.results.plan_states import GuardKind
@@ -151,6 +151,7 @@ def lost(plan: Plan) -> tuple[str, ...]:
         "all other limits of abend (overdepth, samedepth_for, undervolts, …), which are masterdata's defaults",
         "legs by distance: the glider surfaces after the time that such a leg takes at that speed in still water",
         *one_interval(plan),
+        *zones_lost(plan),
         *unheld_moorings(plan),
     )
 

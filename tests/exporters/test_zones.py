@@ -1,0 +1,151 @@
+"""Land and zones kept out of, in every form of the plan, read back by other programs' readers."""
+
+import json
+import math
+from dataclasses import replace
+from xml.etree import ElementTree
+
+import jsonschema
+import numpy as np
+import pytest
+from made_plans import PLANS, on_earth
+
+from missionplan.exporters.formats import FORMATS, format_named
+from missionplan.exporters.plan_json import plan_schema
+from missionplan.results.plan import Fence
+
+shapely = pytest.importorskip("shapely")
+
+SHORE = (0.0, 0.0), (900.0, 40.0), (400.0, 300.0), (850.0, 900.0), (-30.0, 700.0)  # bent inward
+LAKE = (100.0, 200.0), (200.0, 210.0), (150.0, 400.0)
+LANE = (1000.0, 0.0), (1000.0, 800.0), (1200.0, 800.0), (1200.0, 0.0)  # clockwise
+KML = "{http://www.opengis.net/kml/2.2}"
+
+
+@pytest.fixture(params=PLANS)
+def plan(request):
+    made = PLANS[request.param]
+    if made.origin is None:
+        pytest.skip("no origin")
+
+    def ring(places):
+        return tuple(on_earth(made.origin, east, north) for east, north in places)
+
+    shore = Fence("shore", ring(SHORE), "land", holes=(ring(LAKE),))
+    lane = Fence("lane", ring(LANE), limits={"from_s": 60.0, "to_s": 3600.0, "above_m": 8.0})
+    return replace(made, fences=(shore, lane))
+
+
+def content(plan, name):
+    return next(iter(format_named(name).files(plan, "trip").values()))
+
+
+def degrees(ring):
+    return [(math.degrees(longitude), math.degrees(latitude)) for latitude, longitude in ring]
+
+
+def polygons(plan):
+    return {
+        each.name: shapely.Polygon(degrees(each.outline), [degrees(hole) for hole in each.holes])
+        for each in plan.fences
+    }
+
+
+def same(found, wanted):
+    """Whether two areas are one to half a centimetre, the date line between them or not."""
+    found, wanted = (
+        shapely.transform(each, lambda places: np.stack((places[:, 0] % 360.0, places[:, 1]), axis=1))
+        for each in (found, wanted)
+    )
+    assert found.is_valid
+    return found.symmetric_difference(wanted).area < 5e-5 * wanted.area
+
+
+def test_geojson_holds_them_with_outlines_counter_clockwise_and_their_limits(plan):
+    found = {each["properties"]["name"]: each for each in json.loads(content(plan, "geojson"))["features"]}
+    for name, wanted in polygons(plan).items():
+        read = shapely.geometry.shape(found[name]["geometry"])
+        assert same(read, wanted)
+        for part in getattr(read, "geoms", [read]):
+            assert part.exterior.is_ccw
+            assert not any(hole.is_ccw for hole in part.interiors)
+    assert found["shore"]["properties"]["kind"] == "land"
+    assert (
+        found["lane"]["properties"].items()
+        >= {"kind": "keep-out", "from_s": 60.0, "to_s": 3600.0, "above_m": 8.0}.items()
+    )
+
+
+def test_kml_holds_them(plan):
+    root = ElementTree.fromstring(content(plan, "kml"))
+    found = {
+        each.findtext(f"{KML}name"): each for each in root.iter(f"{KML}Placemark") if each.find(f".//{KML}Polygon")
+    }
+    for name, wanted in polygons(plan).items():
+        parts = []
+        for part in found[name].iter(f"{KML}Polygon"):
+            rings = [
+                [tuple(map(float, corner.split(",")[:2])) for corner in ring.findtext(f".//{KML}coordinates").split()]
+                for kind in ("outerBoundaryIs", "innerBoundaryIs")
+                for ring in part.iter(f"{KML}{kind}")
+            ]
+            assert all(ring[0] == ring[-1] for ring in rings)
+            parts.append(shapely.Polygon(rings[0], rings[1:]))
+        assert same(shapely.MultiPolygon(parts), wanted)
+
+
+def test_a_geopackage_holds_them_in_a_layer_of_their_own(plan, tmp_path):
+    pyogrio = pytest.importorskip("pyogrio")
+    path = tmp_path / "trip.gpkg"
+    path.write_bytes(content(plan, "gpkg"))
+    meta, _, geometry, columns = pyogrio.raw.read(path, layer="zones")
+    read = dict(zip(meta["fields"], columns, strict=True))
+    for name, kind, above, found in zip(read["name"], read["kind"], read["above_m"], geometry, strict=True):
+        assert same(shapely.from_wkb(found), polygons(plan)[name])
+        assert kind == {"shore": "land", "lane": "keep-out"}[name]
+        assert above == 8.0 if name == "lane" else math.isnan(above)
+
+
+def test_json_holds_all_of_them(plan):
+    data = json.loads(content(plan, "json"))
+    jsonschema.validate(data, plan_schema())
+    for each in data["fences"]:
+        outline, *holes = ([corner[::-1] for corner in ring] for ring in (each["outline_deg"], *each["holes_deg"]))
+        assert same(shapely.Polygon(outline, holes), polygons(plan)[each["name"]])
+    shore, lane = data["fences"]
+    assert (shore["kind"], shore["from_s"], shore["above_m"]) == ("land", None, None)
+    assert (lane["kind"], lane["from_s"], lane["to_s"], lane["above_m"], lane["below_m"]) == (
+        "keep-out",
+        60,
+        3600,
+        8,
+        None,
+    )
+
+
+def test_a_fence_of_an_autopilot_is_an_outline_to_keep_out_of_and_the_rest_is_said(plan):
+    for name, text in format_named("qgc").files(plan, "trip").items():
+        fence = json.loads(text)["geoFence"]
+        assert (fence["version"], fence["circles"]) == (2, [])
+        for written, wanted in zip(fence["polygons"], polygons(plan).values(), strict=True):
+            assert (written["version"], written["inclusion"]) == (1, False)
+            corners = written["polygon"]
+            assert 3 <= len(corners) <= 255
+            assert corners[0] != corners[-1]  # an autopilot counts vertices, and closes the polygon itself
+            assert same(shapely.Polygon([corner[::-1] for corner in corners]), shapely.Polygon(wanted.exterior)), name
+    said = " ".join(format_named("qgc").lost(plan))
+    assert "times and depths of zones kept out of: fenced at all of them (lane)" in said
+    assert "water inside land and zones: fenced with them (shore)" in said
+    assert "corners" not in said
+    many = replace(plan, fences=(replace(plan.fences[1], outline=tuple((1e-5 * k, 1e-9 * k * k) for k in range(256))),))
+    assert "(lane 256)" in " ".join(format_named("qgc").lost(many))
+
+
+@pytest.mark.parametrize("name", sorted(set(FORMATS) - {"svg"}))
+def test_a_format_holds_them_or_says_that_it_does_not(plan, name):
+    said = " ".join(format_named(name).lost(plan))
+    holds = name in ("json", "geojson", "kml", "gpkg", "qgc")
+    assert ("land and zones kept out of (shore, lane)" in said) != holds
+    bare = " ".join(format_named(name).lost(replace(plan, fences=())))
+    assert "zones" not in bare
+    assert "FENCE" not in bare
