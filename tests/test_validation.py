@@ -46,10 +46,13 @@ def test_a_row_that_breaks_fails_and_the_others_go_on(tmp_path):
     assert "ValueError" in found.why
 
 
-def test_the_page_is_what_was_measured():
-    text = pages.PAGE.read_text(encoding="utf-8")
-    assert pages.table(record.load()) in text
-    assert "**fails**" not in text
+def test_the_pages_are_what_was_measured():
+    found = record.load()
+    written = {page.name: page.read_text(encoding="utf-8") for page in record.FOLDER.glob("*.md")}
+    assert pages.summary(found) in written["index.md"]
+    for level in LEVELS:
+        assert any(pages.table(level, found) in text for text in written.values()), level
+    assert not any("**fails**" in text for text in written.values())
 
 
 def test_reports_name_rows_and_commands_that_there_are():

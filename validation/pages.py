@@ -2,53 +2,66 @@
 
 import math
 import re
+from pathlib import Path
 
 from validation.record import DIFFERS, FAILS, FOLDER, HOLDS, NOT_MEASURED, Found
-from validation.rows import CHEAP, LEVELS, Accepted, Row, all_rows
+from validation.rows import CHEAP, LEVELS, Accepted, Row, all_rows, rows_of
 
-PAGE = FOLDER / "index.md"
-_BEGIN, _END = "<!-- begin rows -->", "<!-- end rows -->"
+_INDEX = FOLDER / "index.md"
+_PAGES = {
+    "closed": FOLDER / "closed-forms.md",
+    "paper": FOLDER / "papers.md",
+    "peer": FOLDER / "peers.md",
+    "calibration": FOLDER / "calibration.md",
+    "sea": FOLDER / "logs.md",
+    "fault": FOLDER / "faults.md",
+}
+"""The page of each level of rows."""
+_MARKED = re.compile(r"(<!-- begin rows -->\n).*?(<!-- end rows -->)", re.DOTALL)
 _VERDICTS = {HOLDS: "holds", DIFFERS: "differs", FAILS: "**fails**", NOT_MEASURED: "not measured"}
 
 
 def write(found: dict[str, Found]) -> None:
-    """Write the table between its markers; what stands before and after stays."""
-    page = PAGE.read_text(encoding="utf-8")
-    marked = re.compile(rf"{_BEGIN}\n.*?{_END}", re.DOTALL)
-    if not marked.search(page):
-        raise ValueError(f"{PAGE.name} has no markers for the rows")
-    text = table(found)
-    PAGE.write_text(marked.sub(lambda _: f"{_BEGIN}\n{text}\n{_END}", page), encoding="utf-8")
+    """Write each level's rows and the summary between the markers of their pages; what stands around them stays."""
+    _put(_INDEX, summary(found))
+    for level, page in _PAGES.items():
+        _put(page, table(level, found))
 
 
-def table(found: dict[str, Found]) -> str:
-    """Return the table, level by level, with figures, and when and with what each row was measured."""
-    rows = all_rows()
-    parts = [_counts(rows, found), ""]
+def _put(page: Path, text: str) -> None:
+    before = page.read_text(encoding="utf-8")
+    if not _MARKED.search(before):
+        raise ValueError(f"{page.name} has no markers for the rows")
+    page.write_text(_MARKED.sub(lambda marks: f"{marks[1]}{text}\n{marks[2]}", before), encoding="utf-8")
+
+
+def summary(found: dict[str, Found]) -> str:
+    """Return how many rows of each level hold, differ, fail and are not measured, with links to the pages."""
+    lines = ["| compared with | rows | hold | differ | fail | not measured |", "|" + "---|" * 6]
     for level, title in LEVELS.items():
-        own = [each for each in rows.values() if each.level == level]
-        parts += [f"## {title}", ""]
-        parts += ["| ID | claim | case | reference | measured | accepted | verdict | command |", "|" + "---|" * 8]
-        parts += [_line(each, found.get(each.name)) for each in own]
-        parts.append("")
-        notes = [f"`{each.name}`: {each.differs}" for each in own if each.differs]
-        parts += ["Where the reference is not met:", "", *(f"- {note}" for note in notes), ""] if notes else []
-        for each in own:
-            seen = found.get(each.name)
-            if seen is not None and seen.has_figure:
-                parts += [f"![{each.claim}: {each.case}](figures/{each.name}.svg)", ""]
-    parts += ["## When and with what", "", "| ID | date | commit | seed | CPU time | versions |", "|" + "---|" * 6]
-    parts += [_circumstances(each, found[name]) for name, each in rows.items() if name in found]
-    return "\n".join(parts)
+        lines.append(_counts(f"[{title}]({_PAGES[level].name})", list(rows_of(level)), found))
+    return "\n".join([*lines, _counts("all", list(all_rows().values()), found)])
 
 
-def _counts(rows: dict[str, Row], found: dict[str, Found]) -> str:
-    counts = {verdict: sum(each.verdict == verdict for each in found.values()) for verdict in _VERDICTS}
-    never = len(rows) - len(found)
-    return (
-        f"{len(rows)} rows: {counts[HOLDS]} hold, {counts[DIFFERS]} differ for a reason that is given, "
-        f"{counts[FAILS]} fail, {counts[NOT_MEASURED] + never} not measured."
-    )
+def table(level: str, found: dict[str, Found]) -> str:
+    """Return the rows of a level, with figures, and when and with what each was measured."""
+    own = list(rows_of(level))
+    parts = ["| ID | claim | case | reference | measured | accepted | verdict | command |", "|" + "---|" * 8]
+    parts += [_line(each, found.get(each.name)) for each in own]
+    notes = [f"`{each.name}`: {each.differs}" for each in own if each.differs]
+    parts += ["", "Where the reference is not met:", "", *(f"- {note}" for note in notes)] if notes else []
+    for each in own:
+        seen = found.get(each.name)
+        if seen is not None and seen.has_figure:
+            parts += ["", f"![{each.claim}: {each.case}](figures/{each.name}.svg)"]
+    parts += ["", "When and with what:", "", "| ID | date | commit | seed | CPU time | versions |", "|" + "---|" * 6]
+    return "\n".join(parts + [_circumstances(each, found[each.name]) for each in own if each.name in found])
+
+
+def _counts(name: str, rows: list[Row], found: dict[str, Found]) -> str:
+    verdicts = [found[each.name].verdict if each.name in found else NOT_MEASURED for each in rows]
+    counts = [str(verdicts.count(verdict)) for verdict in (HOLDS, DIFFERS, FAILS, NOT_MEASURED)]
+    return "| " + " | ".join((name, str(len(rows)), *counts)) + " |"
 
 
 def _line(row: Row, found: Found | None) -> str:
@@ -68,7 +81,7 @@ def _line(row: Row, found: Found | None) -> str:
 
 
 def anchor_of(name: str) -> str:
-    """Return the anchor of a row on the page."""
+    """Return the anchor of a row on its page."""
     return name.replace(".", "-")
 
 

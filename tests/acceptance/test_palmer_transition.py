@@ -1,7 +1,7 @@
 """Palmer, Hearn & Stevenson, transition phase: printed numbers, and each trend of sections 3, 6 and 7.
 
 Autosub's derivatives and gains are not published (the vehicle file marks what is assumed or calibrated), so trends
-are tested and not curves. What does not come out is in docs/validation/index.md.
+are tested and not curves. What does not come out is in docs/validation/papers.md.
 """
 
 from pathlib import Path
@@ -95,7 +95,7 @@ def test_steepest_interchange_costs_most(sweep):
 
 
 def test_by_option_b_the_smoothest_interchange_costs_most(sweep):
-    """Unlike the paper's statement for the steepest: not reproduced, see docs/validation/index.md."""
+    """Unlike the paper's statement for the steepest: not reproduced, see docs/validation/papers.md."""
     to_hover = sweep.energy(FORCE, "b")
     assert to_hover.mean().idxmax() == 0.30
     assert (to_hover.loc[:0.875].idxmax(axis=1) == 0.30).all()

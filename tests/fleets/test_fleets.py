@@ -8,7 +8,7 @@ from . import __main__ as fleets
 
 @pytest.mark.slow
 def test_what_is_learned_is_kept_and_a_change_is_named():
-    """A few of the fleets of ``python -m tests.fleets``, whose figures docs/validation/index.md gives."""
+    """A few of the fleets of ``python -m tests.fleets``, whose figures docs/validation/calibration.md gives."""
     found = [fleets.run(seed, changes=changes) for seed in range(3) for changes in (False, True)]
     assert all(fleet.named for fleet in found if fleet.named is not None)
     held = np.concatenate([fleet.held for fleet in found])
