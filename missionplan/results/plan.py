@@ -4,7 +4,6 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from datetime import datetime
-from itertools import pairwise
 
 TIME_OUT_MARGIN = 1.1
 """Time-out over the 99 % duration."""
@@ -250,11 +249,6 @@ class PlannedMooring:
         return 3.0 * self.galvanic_release + FIX_WAIT
 
 
-def _area(ring: list[list[float]]) -> float:
-    """Twice the area inside a closed ring, positive where it runs counter-clockwise."""
-    return sum(a[0] * b[1] - b[0] * a[1] for a, b in pairwise(ring))
-
-
 @dataclass(frozen=True)
 class Fence:
     """A zone that the vehicle keeps out of.
@@ -278,13 +272,6 @@ class Fence:
     def is_limited(self) -> bool:
         """Whether the mission forbids it at some times or depths alone."""
         return bool(self.limits)
-
-    @property
-    def rings(self) -> tuple[list[list[float]], ...]:
-        """Outline and holes, closed, as longitudes and latitudes; the outline counter-clockwise [deg]."""
-        closed = [[*ring, ring[0]] for ring in (self.outline, *self.holes)]
-        made = [[[math.degrees(east), math.degrees(north)] for north, east in ring] for ring in closed]
-        return tuple(ring if (_area(ring) > 0.0) == (not number) else ring[::-1] for number, ring in enumerate(made))
 
 
 @dataclass(frozen=True)

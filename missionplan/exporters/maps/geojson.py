@@ -8,6 +8,7 @@ from missionplan.exporters.header import header, one_interval
 from missionplan.exporters.maps.colours import simplestyle
 from missionplan.exporters.maps.geometry import (
     Origin,
+    areas,
     circle,
     course_line,
     longitude_latitude,
@@ -49,7 +50,7 @@ def features(plan: Plan, *, circles: bool = True) -> Iterator[Feature]:
         if circles:
             yield _circle(phase.name, kind, centre, radius, origin)
     for fence in plan.fences:
-        yield feature("Polygon", list(fence.rings), fence.kind, name=fence.name, **fence.limits)
+        yield _areas_feature(areas(fence), fence.kind, name=fence.name, **fence.limits)
 
 
 def _transit(transit: PlannedTransit, origin: Origin) -> Iterator[Feature]:
@@ -91,7 +92,10 @@ def line_feature(line: list[list[float]], kind: str, **properties: object) -> Fe
 
 def area_feature(ring: list[list[float]], kind: str, **properties: object) -> Feature:
     """Return the feature of an area by its closed boundary, in two where it crosses the antimeridian."""
-    cut = [[part] for part in parts(ring, closed=True)]
+    return _areas_feature([[part] for part in parts(ring, closed=True)], kind, **properties)
+
+
+def _areas_feature(cut: list[list[list[list[float]]]], kind: str, **properties: object) -> Feature:
     return feature("Polygon", cut[0], kind, **properties) if len(cut) == 1 else _multi("Polygon", cut, kind, properties)
 
 

@@ -9,7 +9,7 @@ import numpy as np
 from missionplan.arrays import Array
 from missionplan.mission.geodesy import to_geographic
 from missionplan.mission.schema.site import Geographic
-from missionplan.results.plan import PlannedMooring, Waypoint
+from missionplan.results.plan import Fence, PlannedMooring, Waypoint
 
 Origin = tuple[float, float]
 """Latitude and longitude [rad]."""
@@ -55,6 +55,36 @@ def parts(places: Sequence[list[float]], *, closed: bool = False) -> list[list[l
         return found
     found[0] = found.pop()[:-1] + found[0]  # the last part runs on into the first, on the same side
     return [[*part, part[0]] for part in found]
+
+
+def areas(fence: Fence) -> list[list[list[list[float]]]]:
+    """Return a zone as areas, in several where it crosses the antimeridian, each its boundary and then its holes.
+
+    Boundaries are closed and counter-clockwise, holes clockwise (RFC 7946, section 3.1.6), as longitudes and latitudes
+    [deg].
+    """
+    import shapely  # whoever has a zone has it
+    from shapely.geometry.polygon import orient
+
+    first = math.degrees(fence.outline[0][1])
+    rings = [
+        [(first + math.remainder(math.degrees(each[1]) - first, 360.0), math.degrees(each[0])) for each in ring]
+        for ring in (fence.outline, *fence.holes)
+    ]
+    whole = shapely.Polygon(rings[0], rings[1:])
+    west, _, east, _ = whole.bounds
+    sides = [(0.0, whole)] if west >= -180.0 and east <= 180.0 else [
+        (turn, shapely.intersection(whole, shapely.box(turn - 180.0, -90.0, turn + 180.0, 90.0)))
+        for turn in (-360.0, 0.0, 360.0)
+    ]  # fmt: skip
+    return [
+        [
+            [[longitude - turn, latitude] for longitude, latitude in ring.coords]
+            for ring in (part.exterior, *part.interiors)
+        ]
+        for turn, side in sides
+        for part in map(orient, (each for each in shapely.get_parts(side) if each.area > 0.0))
+    ]
 
 
 def longitude_latitude(point: Waypoint | PlannedMooring, origin: Origin) -> list[float]:
