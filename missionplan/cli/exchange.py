@@ -176,13 +176,18 @@ def why(
     set in `dataset`, and what was made of the logs in dataset/report.html. Example: missionplan why logs/
     """
     from missionplan.diagnosis.why import DATASET, MISSION
+    from missionplan.importers.page import answer
+    from missionplan.report.wording import typeset
 
     paths = reading.logs(sources)
     with report_folder(output, paths[0].resolve().stem, "why", [path for path in paths if is_file(path)]) as folder:
         dataset = folder / DATASET
         with progress_bar("import", shown=not output.quiet) as progress:
             logs = reading.imported(sources, progress)
-        deliver(logs, dataset, replace(output, as_json=False, quiet=output.quiet or output.as_json, force=True))
+        quiet = output.quiet or output.as_json
+        if not quiet:
+            remark(typeset(answer(logs)))
+        deliver(logs, dataset, replace(output, as_json=False, quiet=quiet or not logs.pictures, force=True))
         found = diagnosed(
             mission or dataset / MISSION,
             [dataset],

@@ -7,6 +7,7 @@ from functools import partial
 from missionplan.errors import MissionplanError
 from missionplan.mission import Mission
 from missionplan.mission.schema.phases import MoorPhase
+from missionplan.montecarlo.distributions import mean_of
 from missionplan.montecarlo.parallel.mapping import parallel_map
 from missionplan.results.learned.diagnosis import Plan, PlanGain
 from missionplan.studies.leg_length.sweep_result import SweepCurve, SweepPoint
@@ -42,16 +43,27 @@ def plan_gain(choice: Choice, base: Mission, extended: Mapping[str, object], *, 
 
 def leg_length_choice(base: Mission, extended: Mission, seed: int, jobs: int) -> PlanGain:
     """Choose the maximum leg length that `sweep_dmax` recommends."""
-    before, after = parallel_map(partial(_sweeps, seed), (base, extended), jobs=jobs, separately=True)
+    written = _written_d_max(base)
+    asked = [(base, None), (extended, None), *([(extended, written)] if written is not None else [])]
+    before, after, *others = parallel_map(partial(_sweeps, seed), asked, jobs=jobs, separately=True)
     kept = after.points[before.recommended_index]
-    return PlanGain(_leg_plan(before.recommended), _leg_plan(after.recommended), _leg_plan(kept))
+    own = next((_leg_plan(curve.recommended) for curve in others), None)
+    best, anew = _leg_plan(before.recommended), _leg_plan(after.recommended)
+    return PlanGain(best, anew, _leg_plan(kept), as_written_under_extended=own)
 
 
-def _sweeps(seed: int, missions: Sequence[Mission]) -> list[SweepCurve]:
-    """Cost over maximum leg length of each mission."""
+def _written_d_max(mission: Mission) -> float | None:
+    """Longest leg that the mission has on the transit that is swept, at its mean [m]; None for a table of legs."""
+    swept = next((phase for phase in mission.transits if mission.sweep.phase in (None, phase.name)), None)
+    return None if swept is None or hasattr(swept.d_max, "table") else mean_of(swept.d_max)
+
+
+def _sweeps(seed: int, asked: Sequence[tuple[Mission, float | None]]) -> list[SweepCurve]:
+    """Cost over maximum leg length of each mission, or of one leg length."""
     from missionplan.studies.leg_length.sweep_dmax import sweep_dmax  # each kind of data needs one of the studies
 
-    plain = [m.model_copy(update={"sweep": type(m.sweep).model_validate({"d_max": GRID})}) for m in missions]
+    tried = [(mission, GRID if d_max is None else (f"{d_max!r} m",)) for mission, d_max in asked]
+    plain = [m.model_copy(update={"sweep": type(m.sweep).model_validate({"d_max": d_max})}) for m, d_max in tried]
     return [sweep_dmax(m, trials=TRIALS, seed=seed, method="monte-carlo").curves[0] for m in plain]
 
 
@@ -69,8 +81,11 @@ def anchor_choice(base: Mission, extended: Mission, seed: int, jobs: int) -> Pla
     cases = [(missions[0], chosen[0]), (missions[1], chosen[1])]
     if chosen[0] != chosen[1]:
         cases.append((missions[1], chosen[0]))
-    results = parallel_map(partial(_anchor_plans, seed), cases, jobs=jobs, separately=True)
-    return PlanGain(results[0], results[1], results[-1])
+    written = missions[1].moors[0].anchor_wet_weight
+    own = [] if isinstance(written, str) else [(missions[1], mean_of(written))]
+    results = parallel_map(partial(_anchor_plans, seed), [*cases, *own], jobs=jobs, separately=True)
+    as_written = results[-1] if own else None
+    return PlanGain(results[0], results[1], results[len(cases) - 1], as_written_under_extended=as_written)
 
 
 def _carrying_net_buoyancy(mission: Mission) -> Mission:

@@ -42,7 +42,7 @@ def _turning_in_words(assumed: Sequence[Assumption]) -> str:
         return ""
     first, others = turning[0], len(turning) - 1
     words = (
-        f" But this assumes that {first.what}: with {first.otherwise} it works {100.0 * first.success:.0f} % of the "
+        f" But this assumes that {first.what}: with {first.otherwise} it succeeds {100.0 * first.success:.0f} % of the "
         "time"
     )
     if first.missed:

@@ -14,8 +14,6 @@ from typing import TYPE_CHECKING, Protocol
 
 import matplotlib as mpl
 import numpy as np
-from loky import ProcessPoolExecutor
-from loky.backend.reduction import dumps
 from matplotlib.backends.backend_svg import FigureCanvasSVG
 from matplotlib.text import Text
 
@@ -26,6 +24,7 @@ from missionplan.report.quantities import reader_system, reading_in
 from missionplan.report.wording import typeset
 
 if TYPE_CHECKING:
+    from loky import ProcessPoolExecutor
     from matplotlib.figure import Figure
 
 
@@ -122,13 +121,15 @@ def drawing_in_parallel() -> Iterator[None]:
 class _Parallel:
     """Draws with the processes of a pool, and here while they are busy."""
 
-    executor: ProcessPoolExecutor
+    executor: "ProcessPoolExecutor"
     pending: "list[Future[Drawn]]" = field(default_factory=list)
 
     def drawing_of(self, figure: "Figure", shown: Shown) -> DrawnFigure:
         self.pending[:] = [future for future in self.pending if not future.done()]
         if len(self.pending) >= AT_ONCE:
             return draw(figure, shown)
+        from loky.backend.reduction import dumps
+
         content = bytes(dumps((figure, shown)))
         try:
             with interrupts_deferred():

@@ -135,10 +135,12 @@ def judged_in_words(judged: Outcome | None) -> str:
         return ""
     missed = [item for item in judged.requirements if not item.met]
     if not missed:
-        return f" The mission with it meets all {len(judged.requirements)} requirements on fresh draws."
+        count = len(judged.requirements)
+        met = {1: "its requirement", 2: "both requirements"}.get(count, f"all {count} requirements")
+        return f" The mission with it meets {met} on fresh draws."
     words = "; ".join(
         f"{requirement_in_words(judged, item)} in {percent(item.probability)}, "
         f"{100.0 * item.required:g}\u00a0% required"
         for item in missed
     )
-    return f" The mission with it misses a requirement on fresh draws: {words}."
+    return f" But the mission with it misses a requirement on fresh draws: {words}."

@@ -126,6 +126,11 @@ def test_a_mission_without_a_transit_has_no_course(monkeypatch, tmp_path, capsys
     assert "no transit" in capsys.readouterr().err
 
 
+def test_a_misspelt_choice_of_an_option_points_to_the_nearest(monkeypatch, capsys) -> None:
+    assert run(monkeypatch, CHESAPEAKE, "--to", "mooos") == 2
+    assert "Did you mean moos?" in " ".join(capsys.readouterr().err.split())
+
+
 def test_an_unknown_format_is_an_input_error() -> None:
     with pytest.raises(InputError, match="csv"):
         missionplan.export(missionplan.load(CHESAPEAKE), "dos")

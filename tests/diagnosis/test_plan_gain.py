@@ -54,6 +54,14 @@ def test_what_changes_no_descent_changes_no_plan(mission: Mission) -> None:
     assert plan.after == plan.base_choice_under_extended == plan.before
 
 
+def test_what_the_mission_has_is_tried_with_the_extended_model(mission: Mission) -> None:
+    written = {**mission.raw, "phases": [{"moor": {**mission.raw["phases"][0]["moor"], "anchor_wet_weight": "9 N"}}]}
+    plan = planned(Mission.from_data(written), {"stratification": LIFT})
+    own = plan.as_written_under_extended
+    assert own["anchor_wet_weight_n"] == pytest.approx(9.0)
+    assert own["within_radius"] < plan.after["within_radius"]
+
+
 def test_a_mission_without_a_mooring_says_why_there_is_no_plan() -> None:
     fig8 = load(MISSIONS / "fig8.yaml")
     plan = plan_gain(anchor_choice, fig8, fig8.raw, seed=1, jobs=1)

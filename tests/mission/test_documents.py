@@ -92,6 +92,13 @@ def test_files_that_cannot_be_read(tmp_path: Path) -> None:
         load_document(tmp_path / "mission.yaml")
 
 
+def test_a_file_that_a_mission_names_in_a_folder_that_is_not_there_points_to_the_nearest(tmp_path: Path) -> None:
+    write(tmp_path, "name: m\nvehicle: vehicels/fish.yaml\n")
+    (tmp_path / "vehicles").mkdir()
+    with pytest.raises(InputError, match=r"there is no folder vehicels; did you mean vehicles\?"):
+        load(tmp_path / "mission.yaml")
+
+
 def test_key_paths_read_as_users_write_them() -> None:
     assert key_path(("phases", 0, "transit", "speed")) == "phases[0].transit.speed"
 

@@ -9,8 +9,10 @@ from missionplan.report.diagnosis.plan import plan_section, plan_words
 from missionplan.results.learned.diagnosis import PlanGain
 
 
-def diagnosed(before: dict[str, Any], after: dict[str, Any], kept: dict[str, Any], verdict: str = "explained") -> Any:
-    return SimpleNamespace(decision=PlanGain(before, after, kept), verdict=verdict)
+def diagnosed(
+    before: dict[str, Any], after: dict[str, Any], kept: dict[str, Any], verdict: str = "explained", own: Any = None
+) -> Any:
+    return SimpleNamespace(decision=PlanGain(before, after, kept, as_written_under_extended=own), verdict=verdict)
 
 
 def anchor(weight: float, within: float) -> dict[str, Any]:
@@ -24,14 +26,14 @@ def legs(d_max: float, cost: float | None) -> dict[str, Any]:
 def test_a_heavier_anchor_is_asked_for_with_what_the_old_one_would_do() -> None:
     (words,) = plan_words(diagnosed(anchor(2.14, 0.96), anchor(2.84, 0.97), anchor(2.14, 0.075)))
     assert words == (
-        "Plan with an anchor of 2.84\u00a0N wet, 97 % within the radius; the anchor that the mission's model asks for, "
+        "Plan with an anchor of 2.84\u00a0N wet, 97 % within the radius; the anchor of the mission's model, "
         "2.14\u00a0N wet, stays within the radius in 8 % of the dives, not in 96 %."
     )
 
 
 def test_an_anchor_that_serves_is_left() -> None:
     (words,) = plan_words(diagnosed(anchor(2.0, 0.95), anchor(2.0, 0.945), anchor(2.0, 0.945)))
-    assert words == "The anchor that the mission's model asks for, 2\u00a0N wet, still serves: 94 % within the radius."
+    assert words == "The anchor of the mission's model, 2\u00a0N wet, still serves: 94 % within the radius."
 
 
 def test_where_the_worst_case_asks_for_the_same_anchor_the_odds_are_pointed_to() -> None:
@@ -57,7 +59,7 @@ def test_a_vehicle_that_strikes_the_seafloor_is_said() -> None:
 def test_no_plan_is_asserted_on_a_cause_that_is_not() -> None:
     (words,) = plan_words(diagnosed(legs(16e3, 0.01), legs(5e3, 0.04), legs(16e3, 0.05), "ambiguous"))
     assert words.startswith("If that is what it was: plan with a d_max of 5\u00a0km, for 4 % beyond")
-    assert "16\u00a0km, which the mission's model asks for, would take 5 % and not the expected 1 %" in words
+    assert "the d_max of the mission's model, 16\u00a0km, would take 5 % (expected: 1 %)" in words
 
 
 @pytest.mark.parametrize(
@@ -65,14 +67,28 @@ def test_no_plan_is_asserted_on_a_cause_that_is_not() -> None:
 )
 def test_a_leg_length_that_serves_is_left(after: dict[str, Any], kept: dict[str, Any]) -> None:
     (words,) = plan_words(diagnosed(legs(16e3, 0.0), after, kept))
-    assert words.startswith("The d_max that the mission's model asks for, 16\u00a0km, still serves: it takes")
+    assert words.startswith("The d_max of the mission's model, 16\u00a0km, still serves: it takes")
     assert "(expected: 0 %)" in words
+
+
+def test_what_stands_in_the_mission_is_held_against_the_new_plan_and_no_third_length_is_named() -> None:
+    found = diagnosed(legs(564.0, 0.0), legs(484.0, 0.02), legs(564.0, 0.078), own=legs(300.0, 0.05))
+    (words,) = plan_words(found)
+    assert words == (
+        "Plan with a d_max of 484\u00a0m, for 2 % beyond the straight way's time; the mission's d_max, 300\u00a0m, "
+        "would take 5 %."
+    )
+    (section,) = plan_section(found)
+    (table,) = section.blocks
+    assert [row[0] for row in table.rows] == ["The mission as it is", "Planned anew"]
+    (words,) = plan_words(diagnosed(anchor(2.1, 0.9), anchor(2.8, 0.97), anchor(2.1, 0.5), own=anchor(3.0, 0.98)))
+    assert words == "The mission's anchor, 3\u00a0N wet, still serves: 98 % within the radius."
 
 
 def test_legs_that_never_arrive_take_no_end() -> None:
     (words,) = plan_words(diagnosed(legs(16e3, 0.01), legs(484.2, 0.04), legs(16e3, None)))
     assert words.startswith("Plan with a d_max of 484\u00a0m, for 4 %")
-    assert "would take no end and not the expected 1 %" in words
+    assert "would take no end (expected: 1 %)" in words
 
 
 def test_without_plans_nothing_is_said_but_why() -> None:

@@ -85,7 +85,7 @@ def test_the_pointer_reads_bars_bins_and_places_on_earth(browser, mission):
     assert told == f"mission succeeds: {success:.4g}\u00a0%"
     drawn = outcome.total.histograms["duration_s"]
     shares = {f"{100.0 * count / drawn.counts.sum():.4g}\u00a0%" for count in drawn.counts}
-    told = point_at(browser, figure_named(browser, "total-duration-s"), 0.5, 0.05)
+    told = point_at(browser, figure_named(browser, "histograms"), 0.5, 0.05)
     assert told.partition(": ")[2] in shares
     words = point_at(browser, figure_named(browser, "mission"), 0.5, 0.9).splitlines()
     latitude, longitude = (float(word.rstrip("°")) for word in words[-1].split())

@@ -55,7 +55,7 @@ def test_page_and_summary_have_it_and_the_headline_says_of_what_it_is(transit_mi
     assert [each["what"] for each in summary["probability_holds"]] == TOPICS
     assert summary["decision"]["not_in_this_probability"] == TOPICS
     page = (outcome.save(tmp_path / "out") / "report.html").read_text()
-    assert "What this probability does not hold" in page
+    assert "What this answer does not hold" in page
     assert "of navigation and physics" in page
 
 

@@ -1,14 +1,16 @@
 """YAML with line marks, loaded safely: limits on size, depth and nodes, no duplicate keys."""
 
+import os
 from collections.abc import Iterator
 from contextlib import suppress
 from dataclasses import dataclass, field
+from difflib import get_close_matches
 from pathlib import Path
 from typing import Any
 
 import yaml
 
-from missionplan.errors import UNPRINTABLE, InputError, KeyPath, LocalProblem, Problem, did_you_mean, key_path, shown
+from missionplan.errors import UNPRINTABLE, InputError, KeyPath, LocalProblem, Problem, key_path, shown
 from missionplan.store.folder import check_name
 
 MAX_BYTES = 1_000_000
@@ -88,7 +90,7 @@ def read_text(path: Path, shown: str, *, max_bytes: int = MAX_BYTES) -> str:
             raise InputError([Problem(f"is larger than {max_bytes / 1e6:g} MB", shown)])
         return path.read_text(encoding="utf-8")
     except FileNotFoundError:
-        raise InputError([Problem("no such file", shown, hint=_nearest_file(path))]) from None
+        raise InputError([Problem("no such file", shown, hint=nearest_file(path))]) from None
     except UnicodeDecodeError as error:
         raise InputError([Problem(f"is not UTF-8 text (byte {error.start})", shown)]) from None
     except OSError as error:
@@ -110,16 +112,25 @@ def unprintable_texts(data: object, path: KeyPath = ()) -> Iterator[LocalProblem
             yield from unprintable_texts(value, (*path, index))
 
 
-def _nearest_file(path: Path) -> str:
-    """Hint at the file that was meant, or at the outermost folder that is missing."""
+def nearest_file(path: Path, beside: Path | None = None) -> str:
+    """Hint at the file that was meant, or at the outermost folder that is missing.
+
+    Parameters
+    ----------
+    path : Path
+    beside : Path, optional
+        Folder from which the names are told.
+    """
     if path.is_symlink():
         return "it is a link to what is not there"
     missing = path
     while missing.parent != missing and not missing.parent.is_dir():
         missing = missing.parent
-    hint = did_you_mean(missing.name, [entry.name for entry in missing.parent.iterdir()])
-    parts = [] if missing == path else [f"there is no folder {missing}"]
-    return "; ".join([*parts, hint] if hint else parts)
+    told = missing if beside is None else Path(os.path.relpath(missing, beside))
+    folder = Path() if beside is None else told.parent
+    near = get_close_matches(missing.name, [entry.name for entry in missing.parent.glob("*")], n=1)
+    parts = [] if missing == path else [f"there is no folder {told}"]
+    return "; ".join([*parts, *(f"did you mean {folder / name}?" for name in near)])
 
 
 def load_document(path: Path, name: str | None = None) -> Document:

@@ -1,12 +1,11 @@
 """Files that a mission file names: vehicle, rates, tide and posterior, put in their places, and other paths."""
 
 from dataclasses import dataclass, field
-from difflib import get_close_matches
 from pathlib import Path
 from typing import Any
 
 from missionplan.errors import InputError, KeyPath, Problem, did_you_mean, shown
-from missionplan.mission.reading.documents import Document, load_document
+from missionplan.mission.reading.documents import Document, load_document, nearest_file
 from missionplan.mission.reading.posterior import WITHOUT, problem_of_section, read_posterior
 from missionplan.montecarlo.posterior import DamagedPosteriorError, PosteriorFile
 from missionplan.store.folder import is_file, matching, real_path
@@ -162,9 +161,7 @@ class _Files:
             self.refuse(path, message, "allow_outside=True permits it")
             return None
         if not is_file(target):
-            near = get_close_matches(target.name, [entry.name for entry in target.parent.glob("*")], n=1)
-            hint = f"did you mean {Path(name).parent / near[0]}?" if near else ""
-            self.refuse(path, f"{given}; there is no such file", hint)
+            self.refuse(path, f"{given}; there is no such file", nearest_file(target, real_path(self.folder)))
             return None
         return target
 

@@ -9,8 +9,6 @@ from contextlib import closing
 from dataclasses import dataclass, replace
 from typing import Generic, Literal, TypeVar, cast
 
-from loky import cpu_count
-
 from missionplan.errors import InputError, Problem
 from missionplan.montecarlo.parallel.dask_cluster import run_on_cluster
 from missionplan.montecarlo.parallel.pool import PATIENCE, ShippedTask, borrowed_pool, interrupts_deferred
@@ -98,9 +96,12 @@ def _results(
     task: Callable[[Item], Result], items: Sequence[Item], jobs: int, backend: Backend, scheduler: str | None
 ) -> Generator[Result, None, None]:
     """Results in the order of the items, by the backend; in this process where nothing is gained by others."""
-    jobs = cpu_count() if jobs == -1 else jobs
     if not items or (backend != "dask" and (jobs == 1 or len(items) == 1)):
         return (task(item) for item in items)
+    if jobs == -1:
+        from loky import cpu_count
+
+        return _results(task, items, cpu_count(), backend, scheduler)
     if backend == "loky":
         return _by_pool(task, items, min(jobs, len(items)) - 1)
     if backend == "dask":

@@ -6,8 +6,6 @@ from dataclasses import dataclass
 from functools import partial
 from typing import Generic, TypeVar
 
-from loky.backend.reduction import dumps
-
 from missionplan.montecarlo.parallel.blocks import run_blocks
 from missionplan.montecarlo.parallel.pool import borrowed_pool, interrupts_deferred, result_of
 
@@ -73,6 +71,8 @@ class _PickledPart(Generic[Item, Result]):
     @classmethod
     def of(cls, task: "Part[Item, Result]", items: Sequence[Item]) -> "_PickledPart[Item, Result]":
         """Pickle a task and its items."""
+        from loky.backend.reduction import dumps
+
         return cls(bytes(dumps((task, items))))
 
     def run(self) -> list[Result]:

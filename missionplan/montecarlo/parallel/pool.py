@@ -13,18 +13,16 @@ import time
 import uuid
 from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import Future, wait
+from concurrent.futures import BrokenExecutor, Future, wait
 from contextlib import contextmanager
 from dataclasses import dataclass
 from importlib import import_module
-from typing import Generic, TypeVar, cast
-
-from loky import ProcessPoolExecutor
-from loky.backend import resource_tracker
-from loky.backend.reduction import dumps
-from loky.process_executor import BrokenProcessPool
+from typing import TYPE_CHECKING, Generic, TypeVar, cast
 
 from missionplan.errors import OUT_OF_FILES, RunError, out_of_files
+
+if TYPE_CHECKING:
+    from loky import ProcessPoolExecutor
 
 Result = TypeVar("Result")
 
@@ -36,12 +34,12 @@ PATIENCE = 0.1
 _WATCH_INTERVAL = 0.5
 """Time between a worker's looks at its parent [s]."""
 
-_kept: dict[int, ProcessPoolExecutor] = {}  # one at most, by its number of processes
+_kept: "dict[int, ProcessPoolExecutor]" = {}  # one at most, by its number of processes
 _users: Counter[int] = Counter()  # runs that use a pool, by its identity
 _lock = threading.RLock()  # runs in threads of one process share the pool
 
 
-def process_pool(count: int) -> ProcessPoolExecutor:
+def process_pool(count: int) -> "ProcessPoolExecutor":
     """Return a pool of at least `count` processes beside this one, that of the last call where it is large enough.
 
     The BLAS of each process uses one thread.
@@ -57,13 +55,15 @@ def process_pool(count: int) -> ProcessPoolExecutor:
         return next(iter(_kept.values()))
 
 
-def running_pool() -> ProcessPoolExecutor | None:
+def running_pool() -> "ProcessPoolExecutor | None":
     """Return the pool that is running, if one is."""
     with _lock:
         return next(iter(_kept.values()), None)
 
 
-def _started(count: int) -> ProcessPoolExecutor:
+def _started(count: int) -> "ProcessPoolExecutor":
+    from loky import ProcessPoolExecutor  # which many a run needs none of
+
     executor = ProcessPoolExecutor(max_workers=count, env=_ONE_THREAD, initializer=_end_with, initargs=(os.getpid(),))
     try:
         executor.submit(int)  # starts them
@@ -90,6 +90,8 @@ def _end_with(parent: int) -> None:
 
 def _start_trackers() -> None:
     """Start the resource trackers of the workers' locks, without warnings about workers killed while they start."""
+    from loky.backend import resource_tracker
+
     sys.warnoptions.append(silent := f"ignore::UserWarning:{resource_tracker.__name__}")
     try:
         for tracker in (multiprocessing.resource_tracker, resource_tracker):
@@ -190,7 +192,7 @@ def preloaded_pool(count: int, *modules: str) -> Iterator[None]:
 
 
 @contextmanager
-def borrowed_pool(count: int) -> Iterator[ProcessPoolExecutor]:
+def borrowed_pool(count: int) -> "Iterator[ProcessPoolExecutor]":
     """Use a pool of at least `count` processes; shut it down on Ctrl-C, or when one of its processes has died.
 
     Raises
@@ -206,7 +208,7 @@ def borrowed_pool(count: int) -> Iterator[ProcessPoolExecutor]:
     except KeyboardInterrupt:
         shut_down_pool()
         raise
-    except BrokenProcessPool as error:
+    except BrokenExecutor as error:
         shut_down_pool()
         raise RunError(WORKER_DIED) from error
     finally:
@@ -234,6 +236,8 @@ class ShippedTask(Generic[Item, Result]):
     @classmethod
     def of(cls, task: Callable[[Item], Result]) -> "ShippedTask[Item, Result]":
         """Pickle a task."""
+        from loky.backend.reduction import dumps
+
         return cls(bytes(dumps(task)), uuid.uuid4().hex)
 
     def __call__(self, item: Item) -> Result:

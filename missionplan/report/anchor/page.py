@@ -37,9 +37,8 @@ def explanation_in_words(sizing: AnchorSizing) -> str:
             return f" Whichever explanation holds, the same anchor is best, to {100.0 * SAME_WEIGHT:.0f}\u00a0%."
         light, heavy = (pick(found, key=lambda each: each.needed or 0.0) for pick in (min, max))
         return (
-            f" The doubt changes the choice: with {label(light.causes)} {quantity(light.needed, 'N', '.2f')} "
-            "would do, with "
-            f"{label(heavy.causes)} it takes {quantity(heavy.needed, 'N', '.2f')}."
+            f" The doubt changes the choice: with {label(light.causes)} {quantity(light.needed, 'N', '.2f')} would do, "
+            f"with {label(heavy.causes)} it takes {quantity(heavy.needed, 'N', '.2f')}. First find out which holds."
         )
     worst, best = found[0], found[-1]
     if worst.good.high < best.good.low:

@@ -135,7 +135,7 @@ def ranking_section(diagnosis: Diagnosis) -> PageSection:
     """Show the sets of causes, best first, with the parameters of the first."""
     if not diagnosis.ranking:
         return PageSection("No cause of the catalogue could be fitted", ["See the failures below."])
-    columns, rows = ranking_rows(diagnosis.ranking)
+    columns, rows = ranking_rows(diagnosis.ranking[:_LISTED])
     best = diagnosis.ranking[0]
     heading = "What else was tried: no set of causes stands out"
     if diagnosis.causes:
@@ -148,7 +148,8 @@ def ranking_section(diagnosis: Diagnosis) -> PageSection:
         "probabilities are conditional on the catalogue: that something is "
         f"left which none of these explains has a probability of {percent(diagnosis.none_of_these)}."
     )
-    table = Table(columns, rows, "Sets of causes, best first.")
+    more = len(diagnosis.ranking) - len(rows)
+    table = Table(columns, rows, f"Sets of causes, best first{f'; {more} more in ranking.csv' if more > 0 else ''}.")
     return PageSection(heading, [ranking_figure(diagnosis), table, meaning, _parameters(best)])
 
 

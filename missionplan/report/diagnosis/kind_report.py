@@ -107,10 +107,6 @@ def _no_figures(diagnosis: Diagnosis) -> list[Figure]:
     return []
 
 
-def _no_numbers(diagnosis: Diagnosis) -> list[tuple[str, str]]:
-    return []
-
-
 def _no_gain(diagnosis: Diagnosis, before: float, after: float) -> str:
     return ""
 
@@ -126,8 +122,6 @@ class KindReport:
     """
     residual_figures: Callable[[Diagnosis], list[Figure]] = _no_figures
     """Draws what is left before and after."""
-    numbers: Callable[[Diagnosis], list[tuple[str, str]]] = _no_numbers
-    """Further main numbers, as label and value."""
     gained: Callable[[Diagnosis, float, float], str] = _no_gain
     """Writes what the causes gain on data held out, from the rms errors before and after [`unit`]: the end of a
     sentence, or nothing."""

@@ -13,7 +13,7 @@ from missionplan.report.axes import name_axis
 from missionplan.report.diagnosis.kind_report import KindReport, ResidualSeries, against_axes, autocorrelation
 from missionplan.report.numbers import number
 from missionplan.report.page import BLUE, GREY, ORANGE, Figure, to_figure
-from missionplan.report.quantities import quantity, reader_unit, split_key, time_in_words
+from missionplan.report.quantities import reader_unit, split_key, time_in_words
 from missionplan.report.wording import in_words
 from missionplan.results.learned.diagnosis import Diagnosis
 
@@ -227,20 +227,6 @@ def _not_too_narrow(axes: Axes) -> None:
     axes.set(xlim=(across - 0.5 * wide, across + 0.5 * wide), ylim=(up - 0.5 * high, up + 0.5 * high))
 
 
-def _numbers(diagnosis: Diagnosis) -> list[tuple[str, str]]:
-    """Write how well the next leg's position error is predicted, with and without the causes."""
-    model = diagnosis.calibration.get("next_leg_model_rms_m")
-    if model is None or not diagnosis.causes:
-        return []
-    mean = diagnosis.calibration["next_leg_mean_so_far_rms_m"]
-    return [
-        (
-            "Next leg's position error: mean so far, and model",
-            f"{quantity(mean, 'm', '.0f')} → {quantity(model, 'm', '.0f')}",
-        )
-    ]
-
-
 def _gained_of_legs(diagnosis: Diagnosis, before: float, after: float) -> str:
     """Write how far a usual leg ends from where it is expected, before and after; both errors are of one axis [m/s]."""
     duration = float(diagnosis.residuals["duration_s"].median())
@@ -257,7 +243,6 @@ _LEG_REPORT = KindReport(
     gained=_gained_of_legs,
     data_figure=_leg_figure,
     residual_figures=_leg_residuals,
-    numbers=_numbers,
     not_constant="not constant over the record: the halves of the record disagree",
     calibration={
         "sigma_v_m_s": "Velocity error of a leg, σ_v (m/s)",

@@ -1,4 +1,4 @@
-"""The extended mission's score on the part of a record that was kept away from its diagnosis."""
+"""Report of a diagnosis: what the mission gets wrong, how sure that is, and what to do next."""
 
 import math
 import shlex
@@ -222,15 +222,16 @@ def _sentence(words: str) -> str:
 
 
 def _numbers(diagnosis: Diagnosis) -> list[tuple[str, str]]:
-    best, kind = diagnosis.best, REPORTS[diagnosis.kind]
-    numbers: list[tuple[str, str]] = [("Verdict", diagnosis.verdict)]
-    if diagnosis.causes and best is not None and best.held_out is not None:
-        gain = best.held_out
-        errors = f"{gain.rmse_base:#.2g} → {gain.rmse_extended:#.2g} {kind.unit}"
+    """The probability of what is named, and what it gains; nothing where nothing is named."""
+    best = diagnosis.best
+    if not diagnosis.causes or best is None:
+        return []
+    numbers = [(f"Probability of {names(best.causes)}", percent(best.posterior))] if best.posterior is not None else []
+    if best.held_out is not None:
+        gain, unit = best.held_out, REPORTS[diagnosis.kind].unit
+        errors = f"{gain.rmse_base:#.2g} → {gain.rmse_extended:#.2g} {unit}"
         numbers.append(("Error on data held out, before and after", errors))
-        better = f"{gain.groups_improved} of {gain.groups}"
-        numbers.append(("Parts of the data that the rest then predicts better", better))
-    return numbers + kind.numbers(diagnosis)
+    return numbers
 
 
 def _mission_words(diagnosis: Diagnosis) -> Iterator[str]:

@@ -39,11 +39,14 @@ def plan_section(diagnosis: Diagnosis) -> list[PageSection]:
     gain = diagnosis.decision
     if not gain.after:
         return [PageSection("No plans to compare", [gain.reason])] if gain.reason else []
-    plans = {
-        "Plan with the mission's model, as it expects": gain.before,
-        "Plan with the extended model": gain.after,
-        "The mission's plan, if the extended model is true": gain.base_choice_under_extended,
-    }
+    if gain.as_written_under_extended is not None:
+        plans = {"The mission as it is": gain.as_written_under_extended, "Planned anew": gain.after}
+    else:
+        plans = {
+            "Plan with the mission's model, as it expects": gain.before,
+            "Plan with the extended model": gain.after,
+            "The former plan, if the extended model is true": gain.base_choice_under_extended or {},
+        }
     keys = [key for key in _COLUMNS if key in gain.after]
     rows = [[name, *(_cell(key, plan.get(key)) for key in keys)] for name, plan in plans.items() if plan]
     table = Table(["", *(f"{_COLUMNS[key]}{_unit(key).axis}" for key in keys)], rows, _NOTES[keys[0]])
@@ -69,39 +72,43 @@ def plan_words(diagnosis: Diagnosis) -> list[str]:
     before, after, kept = gain.before, gain.after, gain.base_choice_under_extended
     if not (before and after and kept):
         return []
-    words = (_anchor if "anchor_wet_weight_n" in after else _legs)(before, after, kept)
+    tell = _anchor if "anchor_wet_weight_n" in after else _legs
+    own = gain.as_written_under_extended
+    words = tell(None, after, own) if own is not None else tell(before, after, kept)
     struck = after.get("struck_seafloor") or 0.0
     if struck > _SAME_SHARE:
         words += f" With that anchor the vehicle strikes the seafloor in {part(struck)}: lengthen the line."
     return [capitalised(words) if diagnosis.verdict == "explained" else f"If that is what it was: {words}"]
 
 
-def _anchor(before: Plan, after: Plan, kept: Plan) -> str:
-    own, other = (quantity(_number(plan, "anchor_wet_weight_n"), "N", ".3g") for plan in (before, after))
-    shares = [_number(plan, "within_radius") for plan in (before, kept, after)]
-    expected, found, best = map(part, shares)
-    if abs(shares[1] - shares[0]) < _SAME_SHARE:
-        return f"the anchor that the mission's model asks for, {own} wet, still serves: {found} within the radius."
-    fares = f"the anchor that the mission's model asks for, {own} wet, stays within the radius in {found} of the dives"
+def _anchor(before: Plan | None, after: Plan, kept: Plan) -> str:
+    """Tell of an anchor, with what the mission's model expected of the former one, where that is its own choice."""
+    own, other = (quantity(_number(plan, "anchor_wet_weight_n"), "N", ".3g") for plan in (kept, after))
+    found, best = (_number(plan, "within_radius") for plan in (kept, after))
+    expected = None if before is None else _number(before, "within_radius")
+    former = f"the mission's anchor, {own} wet," if before is None else f"the anchor of the mission's model, {own} wet,"
+    if abs(found - (best if expected is None else expected)) < _SAME_SHARE:
+        return f"{former} still serves: {part(found)} within the radius."
+    fares = f"{former} stays within the radius in {part(found)} of the dives"
+    fares += "" if expected is None else f", not in {part(expected)}"
     more = "size-anchor with --probability finds the weight for more"
     if own == other:
-        return f"{fares}, not in {expected}; {more}."
-    if shares[2] < _SERVES:
-        return f"{fares}, not in {expected}, and one sized with the extended model, {other} wet, in {best}; {more}."
-    return f"plan with an anchor of {other} wet, {best} within the radius; {fares}, not in {expected}."
+        return f"{fares}; {more}."
+    if best < _SERVES:
+        return f"{fares}, and one sized with the extended model, {other} wet, in {part(best)}; {more}."
+    return f"plan with an anchor of {other} wet, {part(best)} within the radius; {fares}."
 
 
-def _legs(before: Plan, after: Plan, kept: Plan) -> str:
-    own, other = (_length(_number(plan, "d_max_m")) for plan in (before, after))
-    expected, found, best = (_delay(_number(plan, "cost")) for plan in (before, kept, after))
+def _legs(before: Plan | None, after: Plan, kept: Plan) -> str:
+    own, other = (_length(_number(plan, "d_max_m")) for plan in (kept, after))
+    found, best = (_delay(_number(plan, "cost")) for plan in (kept, after))
+    expected = "" if before is None else f" (expected: {_delay(_number(before, 'cost'))})"
+    former = "the mission's d_max" if before is None else "the d_max of the mission's model"
     if own == other or _number(kept, "cost") < _number(after, "cost") + _SAME_COST:
-        return (
-            f"the d_max that the mission's model asks for, {own}, still serves: it takes {found} beyond the straight "
-            f"way's time (expected: {expected})."
-        )
+        return f"{former}, {own}, still serves: it takes {found} beyond the straight way's time{expected}."
     return (
-        f"plan with a d_max of {other}, for {best} beyond the straight way's time; {own}, which the mission's model "
-        f"asks for, would take {found} and not the expected {expected}."
+        f"plan with a d_max of {other}, for {best} beyond the straight way's time; {former}, {own}, would take "
+        f"{found}{expected}."
     )
 
 

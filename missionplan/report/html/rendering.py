@@ -27,8 +27,8 @@ _WIDE = 500.0
 """Width from which a figure is not made for a telephone [pt]."""
 _LONG_NAME = 18
 """Characters of a first cell for which a wide screen keeps more room."""
-_LEAST_COLUMNS, _MOST_CARDS, _NARROW = 4, 14, 42
-"""A narrow screen shows rows as cards if they have so many columns or more characters than fit, unless too many."""
+_MOST_CARDS, _NARROW = 14, 44
+"""A narrow screen shows rows as cards if they have more characters than fit, unless there are too many."""
 
 
 def render_page(page: Page, planned: Sequence[PageSection], provenance: Provenance, notices: Sequence[str]) -> Rendered:
@@ -120,7 +120,7 @@ def grouped(blocks: Sequence[Block]) -> list[Block | list[Figure]]:
 def shape(table: Table) -> str:
     """Choose how a table is shown on a narrow screen and on paper: the classes of its element."""
     few = len(table.rows) <= _MOST_CARDS
-    wide = len(table.columns) >= _LEAST_COLUMNS or (len(table.columns) > 2 and _characters(table) > _NARROW)
+    wide = len(table.columns) > 2 and _characters(table) > _NARROW
     named = any(len(row[0]) > _LONG_NAME for row in table.rows)
     names = (("short", few), ("cards", few and wide), ("long", not few), ("named", named))
     return " ".join(name for name, holds in names if holds)
@@ -129,8 +129,9 @@ def shape(table: Table) -> str:
 def _characters(table: Table) -> int:
     """Count the characters that a row needs, its first cell wrapped and those of words too."""
     wrapped = max(table.text_columns, 1)
-    columns = list(zip(*table.rows, strict=True))[wrapped:] if table.rows else []
-    return 10 * wrapped + sum(2 + max(map(len, cells)) for cells in columns)
+    columns = list(zip(table.columns, *table.rows, strict=True))[wrapped:]
+    longest = (max(map(len, (*head.split(), *cells)), default=0) for head, *cells in columns)
+    return 10 * wrapped + sum(2 + each for each in longest)
 
 
 def filled(table: Table) -> Table:

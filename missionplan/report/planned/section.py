@@ -133,12 +133,14 @@ def planned_sections(provenance: Provenance) -> list[PageSection]:
 
 
 def not_held(provenance: Provenance) -> list[PageSection]:
-    """Show what a probability of success holds of the world, and what not."""
+    """Show what an answer holds of the world, and what not."""
     if not provenance.holds:
         return []
-    rows = [(each.what, "in" if each.held else "not in", each.why) for each in provenance.holds]
-    table = Table(("", "", "what of it, or why it matters here"), rows, text_columns=3)
-    return [PageSection("What this probability does not hold", [table], is_summary=True)]
+    rows = [(each.what, each.why) for each in provenance.holds if not each.held]
+    held = [f"{each.what} ({each.why})" for each in provenance.holds if each.held]
+    blocks: list[Block] = [Table(("", ""), rows, text_columns=2)] if rows else []
+    blocks += [f"It holds {'; '.join(held)}."] if held else []
+    return [PageSection("What this answer does not hold", blocks, is_summary=True)]
 
 
 def changed(data: Mapping[str, object], values: Mapping[str, object]) -> list[PageSection]:
@@ -166,7 +168,6 @@ def where_checked(provenance: Provenance) -> list[PageSection]:
             _from_to(each.least, each.greatest, each.unit),
             _from_to(each.low, each.high, each.unit),
             "inside" if each.is_inside else "outside",
-            ", ".join(each.rows),
         )
         for each in provenance.checked
     ]
@@ -174,15 +175,14 @@ def where_checked(provenance: Provenance) -> list[PageSection]:
     if provenance.checked:
         heading += f": outside for {', '.join(outside)}" if outside else ", with this mission inside"
     caption = "At the means. Outside a range nothing is known to be wrong; nothing was compared there."
-    table = Table(("", "this mission", "checked", "", "by"), rows, caption, text_columns=5)
-    listed = f"The answer rests on these rows of docs/validation: {', '.join(provenance.rests_on)}."
-    again = "What each measured, against what, stands there; python -m validation ID measures it again."
-    return [PageSection(heading, [f"{listed} {again}", *([table] if rows else [])])]
+    table = Table(("", "this mission", "checked", ""), rows, caption, text_columns=4)
+    listed = f"It rests on these rows of docs/validation: {', '.join(provenance.rests_on)}."
+    return [PageSection(heading, [*([table] if rows else []), listed])]
 
 
 def _from_to(low: float, high: float, unit: str) -> str:
-    ends = [value_in_words(f"{value:.3g} {unit}".strip()) for value in dict.fromkeys((low, high))]
-    return " to ".join(ends)
+    rounded = dict.fromkeys(float(f"{value:.3g}") for value in (low, high))
+    return " to ".join(value_in_words(f"{value:g} {unit}".strip()) for value in rounded)
 
 
 def _named(key: str) -> str:

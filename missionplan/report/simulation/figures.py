@@ -2,6 +2,7 @@
 
 import math
 import textwrap
+from collections.abc import Sequence
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -133,18 +134,21 @@ def _time_unit(outcome: Outcome) -> Unit:
     return unit_for("total", "duration_s", outcome.provenance.data, typical=max([*ended, *begun, 1.0]))
 
 
-def histogram_figure(outcome: Outcome, phase: PhaseOutcome, key: str) -> Figure:
-    """Draw the distribution of a quantity, with the requirement on it where there is one."""
-    statistic, title, unit = phase.quantities[key], in_words(f"{phase.name}.{key}"), unit_of(outcome, phase, key)
-    figure = MatplotlibFigure(figsize=(WIDTH, 2.1))
-    draw_histogram(figure.add_subplot(), outcome, phase, key)
-    low, middle, high = span(statistic, unit)
+def histograms(outcome: Outcome, shown: Sequence[tuple[PhaseOutcome, str]]) -> Figure:
+    """Draw the distributions of quantities, one under the other, with the requirements on them."""
+    figure = MatplotlibFigure(figsize=(WIDTH, 1.8 * len(shown) + 0.1))
+    words = []
+    for axes, (phase, key) in zip(figure.subplots(len(shown), 1, squeeze=False).ravel(), shown, strict=True):
+        draw_histogram(axes, outcome, phase, key)
+        unit = unit_of(outcome, phase, key)
+        low, middle, high = span(phase.quantities[key], unit)
+        words.append(f"{in_words(f'{phase.name}.{key}')}: median {middle}{unit.suffix}, 90 % from {low} to {high}")
     return to_figure(
         figure,
-        f"{phase.name}-{key}".replace("_", "-"),
-        f"Histogram of {title}: median {middle}{unit.suffix}, 90 % of trials from {low} to {high}{unit.suffix}.",
-        f"Median {middle}{unit.suffix}; 90 % of the trials that reached it lie between {low} and {high}{unit.suffix} "
-        "(dark band). The outermost bars also hold what lies beyond them.",
+        "histograms",
+        f"Histograms: {'; '.join(words)}.",
+        "Dark: the median, and the band that holds 90 % of the trials that reached it. The outermost bars also hold "
+        "what lies beyond them.",
     )
 
 

@@ -12,10 +12,10 @@ from missionplan.exporters.drawing import drawing
 from missionplan.montecarlo.statistics import wilson
 from missionplan.report.drawn import Drawn
 from missionplan.report.geography.plan_view import Ring, rings
-from missionplan.report.numbers import has_spread, number, percent, share
-from missionplan.report.page import BLUE, GREY, INK, ORANGE, Block, Figure, PageSection, Table, to_figure
-from missionplan.report.quantities import Unit, quantity, reader_unit, span, with_error
-from missionplan.report.simulation.figures import WIDTH, histogram_figure, waterfall
+from missionplan.report.numbers import number, percent, share
+from missionplan.report.page import BLUE, GREY, INK, ORANGE, Figure, PageSection, Table, to_figure
+from missionplan.report.quantities import quantity, reader_unit, span, with_error
+from missionplan.report.simulation.figures import WIDTH, histograms, waterfall
 from missionplan.report.simulation.maps import close_ups, moves_over_ground
 from missionplan.report.simulation.quantities import (
     LEAST_SPREAD,
@@ -46,14 +46,12 @@ def sensitivity_sections(outcome: Outcome) -> Iterator[PageSection]:
     if not influential:
         return
     drawn = _most_relevant(outcome, influential)
-    rows = [_row(influence) for _, found in influential for influence in found]
     yield PageSection(
         _heading(outcome, drawn),
         [
             "What to measure better: the share of a key figure's variance that would go if an input were known. "
-            "Inputs without a detectable influence are not listed, nor quantities that do not vary.",
+            "summary.json has those of every quantity.",
             sensitivity_figure(drawn),
-            Table(("key figure", "input", "share of variance (%)", "rank correlation"), rows, text_columns=2),
         ],
     )
 
@@ -115,17 +113,6 @@ def _has_order(influence: Sensitivity) -> bool:
     return not influence.source.endswith((".member", ".one-of", "posterior"))
 
 
-def _row(influence: Sensitivity) -> tuple[str, str, str, str]:
-    share, error = 100.0 * influence.first_order, 100.0 * influence.standard_error
-    correlation = f"{influence.rank_correlation:+.2f}".replace("-", "−") if _has_order(influence) else "–"
-    return (
-        in_words(influence.output),
-        in_words(influence.source),
-        with_error(share, error, Unit("", 1.0)),
-        correlation,
-    )
-
-
 def sensitivity_figure(groups: Sequence[InputsOf]) -> Figure:
     """Draw the share of each key figure's variance that each input explains."""
     sizes = [len(found) + 0.9 for _, found in groups]
@@ -174,8 +161,8 @@ def _label(influence: Sensitivity) -> str:
     return f"{in_words(influence.source)}  {share} %"
 
 
-_ALWAYS_DRAWN = {"moor": ("offset_m", "lowest_altitude_m", "nose_altitude_m"), "total": ("duration_s", "energy_wh")}
-"""Quantities whose distribution is drawn even without a requirement on them, by kind of phase."""
+_ALWAYS_DRAWN = ("total.duration_s", "total.energy_wh")
+"""Quantities whose distribution is drawn even without a requirement on them."""
 
 
 def failed_blocks(outcome: Outcome) -> Iterator[PageSection]:
@@ -193,15 +180,19 @@ def tracks(outcome: Outcome) -> Iterator[PageSection]:
         return
     drawn = list(rings(outcome))
     unit = reader_unit("m", max(ring.radius for ring in drawn))
-    rows = [(phase_in_words(ring.phase), ring.kind, _share(ring), unit.cell(ring.radius, ".3g")) for ring in drawn]
-    caption = "Circles are about the goal; for an ellipse, the radius of the circle of equal area."
-    table = Table(("phase", "line", "holds", f"radius{unit.axis}"), rows, caption, text_columns=2)
+    kinds = list(dict.fromkeys(map(_ring_kind, drawn)))
+    rows = []
+    for phase in dict.fromkeys(ring.phase for ring in drawn):
+        radii = {_ring_kind(ring): unit.cell(ring.radius, ".3g") for ring in drawn if ring.phase == phase}
+        rows.append((phase_in_words(phase), *(radii.get(kind, "") for kind in kinds)))
+    caption = f"Radii{unit.axis}, about the goal; for an ellipse, of the circle of equal area."
     close = close_ups(outcome)
-    yield PageSection("Where the trials end", [*([close] if close else []), table])
+    yield PageSection("Where the trials end", [*([close] if close else []), Table(("phase", *kinds), rows, caption)])
 
 
-def _share(ring: Ring) -> str:
-    return "" if math.isnan(ring.share) else f"{100.0 * ring.share:.0f}\u00a0%"
+def _ring_kind(ring: Ring) -> str:
+    """Name a line, and the share of the trials that it holds."""
+    return ring.kind if math.isnan(ring.share) else f"{ring.kind}, {100.0 * ring.share:.0f}\u00a0%"
 
 
 def plan_states(outcome: Outcome) -> Iterator[PageSection]:
@@ -221,27 +212,26 @@ def _amount(value: float, unit: str) -> str:
 
 def distributions(outcome: Outcome) -> PageSection:
     """Draw the distributions that matter, or name the value of a quantity that does not vary."""
-    blocks = [
-        _distribution(outcome, phase, key)
+    shown = [
+        (phase, key)
         for phase in (outcome.total, *outcome.phases)
         for key in phase.quantities
         if _is_drawn(outcome, phase, key)
     ]
-    blocks.sort(key=lambda block: isinstance(block, str))  # figures side by side on paper, sentences below
+    varying = [(phase, key) for phase, key in shown if relative_spread(phase.quantities[key]) > LEAST_SPREAD]
+    fixed = [_fixed(outcome, phase, key) for phase, key in shown if (phase, key) not in varying]
     which = of_those_that_end(outcome, "duration_s", "") or "the missions"
-    return PageSection(f"Half of {which} need no more than {_medians(outcome)}", blocks)
+    heading = f"Half of {which} need no more than {_medians(outcome)}"
+    return PageSection(heading, [*([histograms(outcome, varying)] if varying else []), *fixed])
 
 
 def _is_drawn(outcome: Outcome, phase: PhaseOutcome, key: str) -> bool:
-    matters = requirement_on(outcome, phase, key) is not None or key in _ALWAYS_DRAWN.get(phase.kind, ())
+    matters = requirement_on(outcome, phase, key) is not None or f"{phase.name}.{key}" in _ALWAYS_DRAWN
     return matters and math.isfinite(phase.quantities[key].p50)
 
 
-def _distribution(outcome: Outcome, phase: PhaseOutcome, key: str) -> Block:
-    statistic = phase.quantities[key]
-    if relative_spread(statistic) > LEAST_SPREAD:
-        return histogram_figure(outcome, phase, key)
-    value = with_error(statistic.mean, 0.0, unit_of(outcome, phase, key))
+def _fixed(outcome: Outcome, phase: PhaseOutcome, key: str) -> str:
+    value = with_error(phase.quantities[key].mean, 0.0, unit_of(outcome, phase, key))
     return f"The {in_words(f'{phase.name}.{key}')} is {value} in every trial that reached it."
 
 
@@ -278,18 +268,12 @@ def _listed(words: Sequence[str]) -> str:
 def quantities(outcome: Outcome) -> PageSection:
     """Tabulate every quantity of every phase."""
     trials = outcome.provenance.trials
-    rows = [
-        (in_words(f"{phase.name}.{key}"), share(wilson(statistic.count, trials)), *_statistic(outcome, phase, key))
-        for phase in (*outcome.phases, outcome.total)
-        for key, statistic in phase.quantities.items()
-    ]
-    columns = ("quantity", "trials that reached it", "their mean ± standard error", "sd", "5 %", "50 %", "95 %")
-    return PageSection("Every quantity, phase by phase", [Table(columns, rows)])
-
-
-def _statistic(outcome: Outcome, phase: PhaseOutcome, key: str) -> tuple[str, ...]:
-    statistic = phase.quantities[key]
-    unit = unit_of(outcome, phase, key)
-    mean = with_error(statistic.mean, statistic.standard_error, unit)
-    sd = statistic.sd if has_spread(statistic.mean, statistic.sd) else 0.0
-    return mean, number(unit(sd), unit(0.1 * sd)), *span(statistic, unit)
+    rows = []
+    for phase in (*outcome.phases, outcome.total):
+        for key, statistic in phase.quantities.items():
+            reached = "" if statistic.count == trials else share(wilson(statistic.count, trials))
+            unit = unit_of(outcome, phase, key)
+            rows.append((in_words(f"{phase.name}.{key}"), *span(statistic, unit), unit.name, reached))
+    columns = ("quantity", "5 %", "50 %", "95 %", "", "trials that reached it")
+    caption = "Of the trials that reached it; means, their errors and standard deviations are in quantities.csv."
+    return PageSection("Every quantity, phase by phase", [Table(columns, rows, caption)])

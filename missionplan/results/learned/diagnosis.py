@@ -42,12 +42,16 @@ class PlanGain:
     """How the base mission's choice fares when the extended mission is true."""
     reason: str | None = None
     """Why there is no plan to compare."""
+    as_written_under_extended: Plan | None = None
+    """How what stands in the mission file fares when the extended mission is true; None where that is no one value."""
 
     def summary(self) -> dict[str, object]:
         """Return the entry of ``decision``."""
         found: dict[str, object] = {"before": dict(self.before), "after": dict(self.after)}
         if self.base_choice_under_extended is not None:
             found["base_choice_under_extended"] = dict(self.base_choice_under_extended)
+        if self.as_written_under_extended is not None:
+            found["as_written_under_extended"] = dict(self.as_written_under_extended)
         if self.reason is not None:
             found["reason"] = self.reason
         return found

@@ -47,7 +47,7 @@ def page(plan: LegPlan) -> Page:
             *_approximation_section(plan),
             *_candidates_section(plan),
             *members_section(plan.arrivals, "plan", "arrive (95 % interval)", _SAILED),
-            _mission_file_section(plan),
+            *_mission_file_section(plan),
             PageSection(_surfacings_heading(plan), [tracks_figure(plan)]),
             _cases_section(plan),
             *_agreement_section(plan),
@@ -84,6 +84,13 @@ def answer(plan: LegPlan) -> str:
     return f"{_choice(plan)}{judged_in_words(plan.judged)}{_doubt_in_words(plan)}{sailed and f' {sailed}'}"
 
 
+def _is_firm(plan: LegPlan) -> bool:
+    """Whether the answer may be an order: a table serves under each explanation; a fixed d_max was tried over all."""
+    explained = [case for case in plan.cases if case.probability is not None]
+    gains = [case.saving_for(plan.aim)[0] > 0.0 for case in explained]
+    return plan.is_firm and (all(gains) if plan.recommended else not explained)
+
+
 def _doubt_in_words(plan: LegPlan) -> str:
     """Say whether the choice between table and fixed d_max is the same under each explanation; nothing without any."""
     explained = [case for case in plan.cases if case.probability is not None]
@@ -107,15 +114,22 @@ def _choice(plan: LegPlan) -> str:
             f"so in {arriving} of the trials.{speed}"
         )
     if not plan.recommended:
-        return f"Keep a fixed d_max of {length_in_words(plan.fixed_d_max)}: {_why_fixed(plan)}.{speed}"
+        what = f"a fixed d_max of {length_in_words(plan.fixed_d_max)}"
+        lead = f"Take {what}" if _is_firm(plan) else f"Nothing to choose yet: as the mission stands, {what} is best"
+        return f"{lead}: {_why_fixed(plan)}.{speed}"
+    lead = (
+        "Let the legs adapt"
+        if _is_firm(plan)
+        else "Nothing to choose yet: as the mission stands, legs that adapt are best"
+    )
     if plan.aim == "p95":
-        return f"Let the legs adapt: {_slow_transits_in_words(plan, fixed)}"
+        return f"{lead}: {_slow_transits_in_words(plan, fixed)}"
     own = plan.cases[0]
     if plan.aim == "energy":
         saved = with_error(own.energy_saving, own.energy_saving_error, _WATT_HOURS)
-        return f"Let the legs adapt: they need {saved} less energy than {fixed}.{speed}"
+        return f"{lead}: they need {saved} less energy than {fixed}.{speed}"
     saved = with_error(own.saving, own.saving_error, _SECONDS if own.saving < 120.0 else _MINUTES)
-    return f"Let the legs adapt: the transit then takes {saved} less on average than with {fixed}."
+    return f"{lead}: the transit then takes {saved} less on average than with {fixed}."
 
 
 def _why_fixed(plan: LegPlan) -> str:
@@ -148,8 +162,9 @@ def _slow_transits_in_words(plan: LegPlan, fixed: str) -> str:
 def _speed_in_words(plan: LegPlan) -> str:
     chosen, own = (plan.candidates[index].energy for index in (0, 1))
     needs, needed = (with_error(energy.mean, energy.standard_error, _WATT_HOURS) for energy in (chosen, own))
+    lead = "Go at" if _is_firm(plan) else "The best speed is"
     return (
-        f" Go at {quantity(plan.speed, 'm/s', '.3g')}: with a fixed d_max that needs {needs}; at the mission's "
+        f" {lead} {quantity(plan.speed, 'm/s', '.3g')}: with a fixed d_max that needs {needs}; at the mission's "
         f"{quantity(plan.mission_speed, 'm/s', '.3g')} it needs {needed}."
     )
 
@@ -187,9 +202,12 @@ def _candidates_section(plan: LegPlan) -> list[PageSection]:
     return [PageSection(f"{what}: {found}", [plan.how_found, candidates_table(plan)])]
 
 
-def _mission_file_section(plan: LegPlan) -> PageSection:
-    explained = [_table_in_words(plan)] if plan.recommended else []
-    return PageSection("What to write in the mission file", [*explained, Listing(_yaml_of_changes(plan))])
+def _mission_file_section(plan: LegPlan) -> list[PageSection]:
+    """Show the table of legs as the mission file takes it; a fixed d_max stands among what changes."""
+    if not plan.recommended:
+        return []
+    listing = Listing(_yaml_of_changes(plan))
+    return [PageSection("What to write in the mission file", [_table_in_words(plan), listing])]
 
 
 def _table_in_words(plan: LegPlan) -> str:

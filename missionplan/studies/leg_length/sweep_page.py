@@ -84,7 +84,11 @@ def _choice(sweep: Sweep) -> str:
         took += f"arrive is {time}"
     else:
         took = f"the transit then takes {time} on average"
-    words = f"Choose d_max = {d_max} for {sigma}: {took}{_against_one_leg(sweep, curve)}.{_doubt_in_words(sweep)}"
+    firm = sweep.is_firm and all(each.keeps_choice for each in sweep.explanations)
+    lead = (
+        f"Choose d_max = {d_max}" if firm else f"Nothing to choose yet: as the mission stands, d_max = {d_max} is best"
+    )
+    words = f"{lead} for {sigma}: {took}{_against_one_leg(sweep, curve)}.{_doubt_in_words(sweep)}"
     return f"{words}{_members_in_words(sweep)}"
 
 
@@ -101,11 +105,11 @@ def _doubt_in_words(sweep: Sweep) -> str:
     if not others:
         return " Whichever explanation holds, this d_max is as good as the best for it, to 1\u00a0% of the time."
     worst = max(others, key=lambda each: (not each.curve.reaches(each.chosen), each.excess))
-    own = f"with {label(worst.causes)} the best would be {length_in_words(worst.curve.recommended.d_max)}"
+    own = f"with {label(worst.causes)} it is {length_in_words(worst.curve.recommended.d_max)}"
+    loses = f"takes {100.0 * worst.excess:.0f}\u00a0% longer"
     if not worst.curve.reaches(worst.chosen):
-        arrive = share(worst.chosen.arrived)
-        return f" The doubt changes the choice: {own}; this one arrives in {arrive} of the trials then."
-    return f" The doubt changes the choice: {own}, and this one takes {100.0 * worst.excess:.0f}\u00a0% longer then."
+        loses = f"arrives in {share(worst.chosen.arrived)} of the trials"
+    return f" But {own}, and the other {loses} then: first find out which explanation holds."
 
 
 def _explanation_section(sweep: Sweep) -> list[PageSection]:

@@ -8,7 +8,7 @@ from typing import Literal
 import numpy as np
 
 from missionplan.errors import InputError, Problem
-from missionplan.mission import MissionOrPath
+from missionplan.mission import Mission, MissionOrPath
 from missionplan.montecarlo.paired import paired_difference, pareto_front
 from missionplan.montecarlo.statistics import Probability
 from missionplan.results.optimisation import Obstacle, Optimised, Relaxation, Tried
@@ -85,13 +85,18 @@ def optimise(
     lattice, demands = read_lattice(mission, choose), demands_of(mission)
     if not demands:
         raise InputError([Problem("missing; what every choice must meet", mission.file, key="requirements")])
-    least = mission.optimise.aim if aim is None else aim
+    least = aim or _own_aim(mission)
     current = SharedCurrent.of(mission, first_start(lattice.axes))
     task = ChoiceTask(mission.raw, lattice, current, seed, columns_needed(mission), mission.file)
     folder = as_path(checkpoint, "checkpoint") if checkpoint is not None else None
     store = Checkpoints(folder, task.identity(mission, lattice.axes), resume=resume) if folder else None
     problem = _Problem(Evaluations(mission, lattice, task, run.workers.quiet, store), demands, least, run)
     return problem.solved({"aim": least, "choose": list(choose), "jobs": jobs})
+
+
+def _own_aim(mission: Mission) -> Literal["energy", "duration"]:
+    """What the mission asks to be least; without a vehicle there is no energy, and it is the time."""
+    return mission.optimise.aim if mission.vehicle is not None else "duration"
 
 
 @dataclass

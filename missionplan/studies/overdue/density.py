@@ -7,7 +7,6 @@ from itertools import pairwise
 
 import contourpy
 import numpy as np
-import scipy
 
 from missionplan.arrays import Array
 
@@ -89,15 +88,11 @@ class _Density:
         x, y = (np.arange(a, b + step, step) for a, b in zip(low, high, strict=True))
         edges = [np.append(axis, axis[-1] + step) - 0.5 * step for axis in (y, x)]
         counts, *_ = np.histogram2d(scaled[1], scaled[0], bins=edges, weights=cloud.weights)
-        own = np.zeros((1, 1))
-        own[0, 0] = 1.0
-        cells = width / step
-        smooth = scipy.ndimage.gaussian_filter(counts, cells, mode="constant", truncate=_REACH)
-        padded = np.pad(own, int(_REACH * cells) + 1)
-        kernel = float(scipy.ndimage.gaussian_filter(padded, cells, mode="constant", truncate=_REACH).max())
-        places = np.stack(((scaled[1] - y[0]) / step, (scaled[0] - x[0]) / step))
-        at = scipy.ndimage.map_coordinates(smooth, np.rint(places), order=0)
-        return cls(cloud, x, y, smooth, np.asarray(at - cloud.weights * kernel))
+        along, across = _kernels(counts.shape[0], width / step), _kernels(counts.shape[1], width / step)
+        smooth = along @ counts @ across
+        row, column = (np.rint((at - axis[0]) / step).astype(int) for at, axis in ((scaled[1], y), (scaled[0], x)))
+        own = cloud.weights * along[row, row] * across[column, column]
+        return cls(cloud, x, y, smooth, smooth[row, column] - own)
 
     def area(self, share: float) -> tuple[Polygon, ...]:
         order = np.argsort(-self.of_points)
@@ -117,3 +112,11 @@ class _Density:
     def _placed(self, scaled: Array) -> Array:
         sds, vectors = self.cloud.axes
         return np.asarray(self.cloud.centre[:, None] + vectors @ (sds[:, None] * scaled))
+
+
+def _kernels(count: int, sd: float) -> Array:
+    """Normal kernels about each of so many cells, each of sum one where it is whole; shape (count, count)."""
+    reach = np.arange(-int(_REACH * sd + 0.5), int(_REACH * sd + 0.5) + 1)
+    total = np.exp(-0.5 * np.square(reach / sd)).sum()
+    apart = np.abs(np.subtract.outer(np.arange(count), np.arange(count)))
+    return np.where(apart <= reach[-1], np.exp(-0.5 * np.square(apart / sd)) / total, 0.0)

@@ -5,7 +5,6 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-import scipy
 
 from missionplan.arrays import Array
 from missionplan.mission import Mission
@@ -19,6 +18,7 @@ from missionplan.phases.place.place import Cause, Place, Way
 from missionplan.phases.recorded_currents import RecordedCurrent
 from missionplan.scenario.currents.building import with_error
 from missionplan.scenario.scenario import STILL_WATER, Scenario
+from missionplan.studies.overdue.integration import dormand_prince
 
 UNSTATED_ERROR = 0.1
 """Standard deviation on each axis of a current whose error the mission does not state [m/s].
@@ -127,26 +127,15 @@ class Drift:
             yield place
 
     def _carried(self, place: Array, clock: Array, lasting: Array) -> Array:
-        """Integrate by the Runge–Kutta method of Dormand and Prince (1980), each trial over its own time."""
+        """Integrate by `dormand_prince`, each trial over its own time."""
         longest = float(lasting.max(initial=0.0))
         if longest == 0.0:
             return place.copy()
 
-        def rate(share: float, flat: Array) -> Array:
-            velocity = self.velocity(clock + share * lasting, flat.reshape(2, -1))
-            return np.asarray((velocity * lasting).reshape(-1))
+        def rate(share: float, at: Array) -> Array:
+            return self.velocity(clock + share * lasting, at) * lasting
 
-        solved = scipy.integrate.solve_ivp(
-            rate,
-            (0.0, 1.0),
-            place.reshape(-1),
-            first_step=min(_FIRST_STEP / longest, 1.0),
-            max_step=min(_LONGEST_STEP / longest, 1.0),
-            atol=_PLACE_ERROR,
-            rtol=1e-9,
-            t_eval=(1.0,),
-        )
-        return np.array(solved.y[:, -1].reshape(2, -1))
+        return dormand_prince(rate, place, _FIRST_STEP / longest, _LONGEST_STEP / longest, _PLACE_ERROR)
 
 
 def _tide(effects: Sequence[TransitEffect], t: Array) -> Array | float:

@@ -1,0 +1,84 @@
+"""No headline gives an order while the truth is in doubt, assumed or two-fold: every command, over such missions."""
+
+import re
+from pathlib import Path
+
+import pytest
+
+import missionplan
+from missionplan.mission import Mission
+from missionplan.report.render import terminal_view
+from missionplan.results.base import Result
+
+MISSIONS = Path(__file__).parents[2] / "missions"
+VERBS = (
+    "accept|add|build|calibrate|choose|correct|drop|enter|go|keep|lengthen|let|plan|put|replace|sail|set|shorten|size|"
+    "start|swing|take|trim|use|write"
+)
+ORDER = re.compile(rf"(?:^|[.:;,] (?:and |or )?)(?:{VERBS})\b(?! (?:nothing|no)\b)", re.IGNORECASE)
+"""A sentence or clause that begins with the plain form of a verb; ``first …`` asks for what would end the doubt."""
+
+TRANSIT = {
+    "name": "Across a bay",
+    "site": {"origin": {"latitude": "37 deg", "longitude": "-76 deg"}, "depth": "30 m"},
+    "navigation": {"velocity_error": {"sigma": "0.02 m/s"}, "surfacing_time": "90 s", "fix_error": "3 m"},
+    "phases": [
+        {"transit": {"name": "out", "from": ["0 m", "0 m"], "to": ["0 m", "3 km"], "speed": "1.2 m/s",
+                     "d_max": "1 km", "arrival_radius": "150 m"}}
+    ],
+    "requirements": [{"quantity": "total.duration", "at_most": "70 min", "probability": 0.9}],
+    "optimise": {"choose": [{"key": "out.d_max", "from": "800 m", "to": "1600 m", "step": "800 m"}]},
+    "sweep": {"d_max": {"from": 0.25, "to": 1.0, "points": 4, "of": "distance"}},
+    "monte_carlo": {"trials": 200, "seed": 1},
+}  # fmt: skip
+BIASED, CARRIED = {"compass-bias": {"angle": "0.2 deg"}}, {"mean-current": {"east": "0.35 m/s"}}
+EXACT = [{"down_to": "30 m", "speed": "0 m/s", "toward": "0 deg"}]
+WAYS = {
+    "two-fold": {"effects": [{"one-of": [{"probability": 0.5, "effects": [each]} for each in (BIASED, CARRIED)]}]},
+    "in doubt": {"effects": [{"one-of": [{"probability": 0.5, "effects": [CARRIED]}]}]},
+    "assumed": {
+        "site": {**TRANSIT["site"], "current": EXACT},
+        "requirements": [{**TRANSIT["requirements"][0], "at_most": "44.5 min"}],
+    },
+}
+
+
+def headline(result: Result) -> str:
+    """What the terminal, the page, the summary and Python give as the answer."""
+    words = terminal_view(result).sentence.replace("\u00a0", " ")
+    assert result.decision_for_crew().do.replace("\u00a0", " ").split() == words.split()
+    return words
+
+
+COMMANDS = {
+    "simulate": lambda mission: missionplan.simulate(mission, assumptions=True),
+    "sweep-dmax": missionplan.sweep_dmax,
+    "plan-legs": missionplan.plan_legs,
+    "optimise": missionplan.optimise,
+    "explore": lambda mission: missionplan.explore(mission, ["out.speed=1.0:1.4:0.4m/s"]),
+    "compare": lambda mission: missionplan.compare(mission, mission.with_(speed="1.4 m/s")),
+}
+
+
+@pytest.mark.parametrize("way", WAYS)
+@pytest.mark.parametrize("command", COMMANDS)
+def test_no_headline_orders_while_the_truth_is_not_known(command, way):
+    words = headline(COMMANDS[command](Mission.from_data({**TRANSIT, **WAYS[way]})))
+    assert not ORDER.search(words), words
+
+
+def test_the_same_command_orders_where_nothing_is_in_doubt():
+    """So that the test above can fail: the words that it looks for are those of a mission that is known."""
+    site = {**TRANSIT["site"], "wind": {"speed": "0 m/s", "from": "0 deg"}}
+    known = Mission.from_data({**TRANSIT, "site": site})
+    assert ORDER.search(headline(missionplan.sweep_dmax(known)))
+    assert ORDER.search(headline(missionplan.plan_legs(known)))
+
+
+def test_an_anchor_whose_holding_is_assumed_or_whose_dive_is_in_doubt_is_no_order():
+    mission = missionplan.load(MISSIONS / "anchor-design.yaml").with_(trials=200)
+    doubt = [{"probability": 0.5, "effects": [{"stratification": {"lift": "2 N", "depth": "8 m", "thickness": "2 m"}}]}]
+    for each in (mission, mission.with_({"effects": [{"one-of": doubt}]})):
+        words = headline(missionplan.size_anchor(each))
+        assert not ORDER.search(words), words
+        assert terminal_view(missionplan.size_anchor(each)).verdict != "good"
