@@ -129,6 +129,23 @@ def _percent(part: float) -> str:
     return "less than 1 %" if part < 0.01 else f"{100.0 * part:.0f} %"
 
 
+def may_order(judged: Outcome | None, phase: str) -> bool:
+    """Whether a choice for a phase may be an order: what is required of it is met, come what may.
+
+    What fails of the whole because another phase fails is told, and hangs on no choice for this one.
+    """
+    if judged is None:
+        return True
+    groups = [tuple(item.quantity for item in judged.requirements if not item.met)]
+    groups += [each.missed or ("total.success",) for each in judged.assumed if each.turns]
+    return not any(_concern(missed, phase) for missed in groups if missed)
+
+
+def _concern(missed: Sequence[str], phase: str) -> bool:
+    """Whether requirements that are missed are a phase's own, or of the whole alone."""
+    return any(each.startswith(f"{phase}.") for each in missed) or all(each.startswith("total.") for each in missed)
+
+
 def judged_in_words(judged: Outcome | None) -> str:
     """Write which of the mission's requirements are met on fresh draws; nothing for a mission that requires nothing."""
     if judged is None:

@@ -184,17 +184,6 @@ class Result(Record, ABC):
         return () if self.judged is None else self.judged.assumed
 
     @property
-    def requirements_met(self) -> bool:
-        """Whether the mission does all that is required of it; so where nothing is judged by requirements."""
-        return True
-
-    @property
-    def is_firm(self) -> bool:
-        """Whether the answer may be an order: the mission with it meets its requirements, come what may be assumed."""
-        meets = self.judged is None or self.judged.requirements_met
-        return meets and not any(each.turns for each in self.assumed)
-
-    @property
     def recommended_values(self) -> Mapping[str, object]:
         """Values by key path that the mission is to have."""
         return {}

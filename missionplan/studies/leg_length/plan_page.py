@@ -5,7 +5,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from missionplan.physics.energy import JOULES_PER_WATT_HOUR
-from missionplan.report.explained import judged_in_words, members_in_words, members_section
+from missionplan.report.explained import judged_in_words, may_order, members_in_words, members_section
 from missionplan.report.numbers import percent, share
 from missionplan.report.page import Drawing, Listing, Page, PageSection, Terminal
 from missionplan.report.quantities import Unit, length_in_words, quantity, reader_unit, time_in_words, with_error
@@ -88,7 +88,7 @@ def _is_firm(plan: LegPlan) -> bool:
     """Whether the answer may be an order: a table serves under each explanation; a fixed d_max was tried over all."""
     explained = [case for case in plan.cases if case.probability is not None]
     gains = [case.saving_for(plan.aim)[0] > 0.0 for case in explained]
-    return plan.is_firm and (all(gains) if plan.recommended else not explained)
+    return may_order(plan.judged, plan.phase) and (all(gains) if plan.recommended else not explained)
 
 
 def _doubt_in_words(plan: LegPlan) -> str:

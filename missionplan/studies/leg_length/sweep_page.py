@@ -4,7 +4,7 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from missionplan.report.explained import judged_in_words, members_in_words, members_section
+from missionplan.report.explained import judged_in_words, may_order, members_in_words, members_section
 from missionplan.report.numbers import number, percent, share
 from missionplan.report.page import Drawing, Page, PageSection, Table, Terminal
 from missionplan.report.quantities import Unit, length_in_words, quantity, reader_unit, time_in_words, with_error
@@ -84,7 +84,7 @@ def _choice(sweep: Sweep) -> str:
         took += f"arrive is {time}"
     else:
         took = f"the transit then takes {time} on average"
-    firm = sweep.is_firm and all(each.keeps_choice for each in sweep.explanations)
+    firm = may_order(sweep.judged, sweep.phase) and all(each.keeps_choice for each in sweep.explanations)
     lead = (
         f"Choose d_max = {d_max}" if firm else f"Nothing to choose yet: as the mission stands, d_max = {d_max} is best"
     )
