@@ -250,6 +250,10 @@ class DescentEffect:
         """Factor on both bodies' drag once the line is taut; speed through the water [m/s]."""
         return 1.0
 
+    def local_drag_factor(self, depth: Scalars, line_length: Scalars) -> Scalars:
+        """Factor on both bodies' drag once the line is taut, at a depth and on a line of a length [m]."""
+        return 1.0
+
     def wet_weight_factor(self, since_separation: Scalars) -> Scalars:
         """Factor on the anchor's wet weight."""
         return 1.0

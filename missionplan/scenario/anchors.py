@@ -181,7 +181,9 @@ def _weight_at(means: DrawnMission, phase: MoorPhase[Scalars]) -> float:
     needed = means.mooring
     speeds, thicknesses = design_current(means, phase)
     over_ground = float(required_terminal_velocity(speeds, thicknesses, phase.radius))
-    steady = SteadyDescent.at(over_ground, DescentHooks(means.descent_effects), float(needed.depth))
+    steady = SteadyDescent.at(
+        over_ground, DescentHooks(means.descent_effects), float(needed.depth), float(phase.line_length)
+    )
     law = anchor_drag(needed.anchor.diameter, needed.anchor.drag_coefficient, means.water.density)
     weight = float(steady.wet_weight(means.vehicle_drag(steady.through_water) + law(steady.through_water)))
     weight += float(needed.vehicle.net_buoyancy) if phase.carry_net_buoyancy else 0.0

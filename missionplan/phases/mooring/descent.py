@@ -284,4 +284,5 @@ def _balance_speed(dive: Dive, hooks: DescentHooks, stages: DescentStages) -> Ar
     ended = stages.pull_down
     forces = PullDown(dive, hooks, stages.lone.time)
     pull = forces.pull(ended.time, ended.depth)
-    return np.broadcast_to(terminal_velocity(lambda v: forces.drag(ended.time, np.asarray(v)), pull), ended.time.shape)
+    speed = terminal_velocity(lambda v: forces.drag(ended.time, ended.depth, np.asarray(v)), pull)
+    return np.broadcast_to(speed, ended.time.shape)

@@ -92,6 +92,7 @@ class DescentHooks:
             return [getattr(effect, name) for effect in effects if effect.refines(name)]
 
         self._lone_drag, self._drag = refined("lone_drag_factor"), refined("drag_factor")
+        self._local_drag = refined("local_drag_factor")
         self._weight, self._lift, self._mass = refined("wet_weight_factor"), refined("lift"), refined("mass_factor")
         self._water, self._delay = refined("water_velocity"), refined("delay")
         self._reading = [effect.reading for effect in effects if effect.refines("reading")]
@@ -110,7 +111,7 @@ class DescentHooks:
     @property
     def changes_drag(self) -> bool:
         """Whether an effect changes both bodies' drag."""
-        return bool(self._drag)
+        return bool(self._drag or self._local_drag)
 
     @property
     def mass_factor(self) -> Scalars:
@@ -125,6 +126,10 @@ class DescentHooks:
     def drag_factor(self, since_taut: Scalars, speed: Scalars) -> Scalars:
         """Factor on both bodies' drag, at a time since the line went taut [s] and a speed [m/s]."""
         return _product(hook(since_taut + self._later, speed) for hook in self._drag)
+
+    def local_drag_factor(self, depth: Scalars, line_length: Scalars) -> Scalars:
+        """Factor on both bodies' drag, at the vehicle's depth and on a line of a length [m]."""
+        return _product(hook(depth, line_length) for hook in self._local_drag)
 
     def wet_weight_factor(self, since_separation: Scalars) -> Scalars:
         """Factor on the anchor's wet weight, at a time since its separation [s]."""
@@ -183,10 +188,12 @@ class PullDown:
         self._mass = dive.joint_mass * hooks.mass_factor
         self.water_velocity = hooks.water_velocity
 
-    def drag(self, t: Scalars, speed: Array) -> Array:
-        """Of both bodies [N], at a time since the line went taut [s] and a speed through the water [m/s]."""
-        force = self._dive.vehicle_drag(speed) + self._dive.anchor_drag(speed)
-        return np.asarray(force * self._hooks.drag_factor(t, np.abs(speed)))
+    def drag(self, t: Scalars, depth: Array, speed: Array) -> Array:
+        """Of both bodies [N], at a time since the line went taut [s], a depth [m] and a speed in the water [m/s]."""
+        dive, hooks = self._dive, self._hooks
+        force = dive.vehicle_drag(speed) + dive.anchor_drag(speed)
+        factor = hooks.drag_factor(t, np.abs(speed)) * hooks.local_drag_factor(depth, dive.line_length)
+        return np.asarray(force * factor)
 
     def pull(self, t: Scalars, depth: Array) -> Array:
         """Net downward force without drag [N], at a time since the line went taut [s] and the vehicle's depth [m]."""
@@ -197,7 +204,7 @@ class PullDown:
 
     def acceleration(self, t: float, depth: Array, speed: Array) -> Array:
         """Of both bodies [m/s²]."""
-        return np.asarray((self.pull(t, depth) - self.drag(t, speed)) / self._mass)
+        return np.asarray((self.pull(t, depth) - self.drag(t, depth, speed)) / self._mass)
 
 
 class FreeVehicle:
@@ -211,6 +218,7 @@ class FreeVehicle:
         """Of the vehicle [m/s²]."""
         dive, hooks = self._dive, self._hooks
         drag = dive.vehicle_drag(speed) * hooks.drag_factor(self._since_taut + t, np.abs(speed))
+        drag = drag * hooks.local_drag_factor(depth, dive.line_length)
         return np.asarray(-(dive.net_buoyancy + hooks.lift(depth) + drag) / dive.free_mass)
 
 
@@ -225,21 +233,21 @@ class SteadyDescent:
     through_water: Scalars
     """Speed through the water, shape (n,) [m/s]."""
     drag_factor: Scalars
-    """Of the effects, on both bodies' drag, shape (n,)."""
+    """Of the effects, on both bodies' drag, mean over the depth, shape (n,)."""
     lift: Scalars
     """Of the effects, on the vehicle, mean over the depth, shape (n,) [N]."""
     weight_factor: Scalars
     """Of the effects, on the anchor's wet weight, shape (n,)."""
 
     @classmethod
-    def at(cls, speed: float, hooks: DescentHooks, site_depth: float) -> "SteadyDescent":
-        """Descent at a speed over the ground [m/s] to a depth [m]."""
+    def at(cls, speed: float, hooks: DescentHooks, site_depth: float, line_length: float) -> "SteadyDescent":
+        """Descent at a speed over the ground [m/s] to a depth on a line of a length [m]."""
         through_water = speed - hooks.water_velocity
         depths = np.linspace(0.01, 0.99, 50, dtype=np.float64) * site_depth
         lift = float(np.mean(np.broadcast_to(hooks.lift(depths), depths.shape)))
-        return cls(
-            through_water, hooks.drag_factor(_STEADY_TIME, through_water), lift, hooks.wet_weight_factor(_STEADY_TIME)
-        )
+        local = float(np.mean(np.broadcast_to(hooks.local_drag_factor(depths, line_length), depths.shape)))
+        drag_factor = local * hooks.drag_factor(_STEADY_TIME, through_water)
+        return cls(through_water, drag_factor, lift, hooks.wet_weight_factor(_STEADY_TIME))
 
     def wet_weight(self, drag: Scalars) -> Scalars:
         """Wet weight of the anchor that balances the drag of both bodies without effects [N] (Eq. 15) [N]."""

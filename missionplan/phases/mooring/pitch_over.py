@@ -66,7 +66,7 @@ class _Motion:
         arm, water = body.centre, hooks.water_velocity
         along, across = u - water * sine, w - water * cosine
         sinking = u * sine + (w + arm * q) * cosine
-        factor = hooks.drag_factor(t, np.abs(sinking))
+        factor = hooks.drag_factor(t, np.abs(sinking)) * hooks.local_drag_factor(depth, dive.line_length)
         normal, moment = self._cross_flow(across, q)
         up = dive.net_buoyancy + hooks.lift(depth)
         force_along = -up * sine - factor * dive.vehicle_drag(along)

@@ -33,6 +33,10 @@ class SubsetEffect(DescentEffect):
         """Factor on both bodies' drag."""
         return self._factors(self.effect.drag_factor(self._subset(since_taut), self._subset(speed)))
 
+    def local_drag_factor(self, depth: Scalars, line_length: Scalars) -> Scalars:
+        """Factor on both bodies' drag."""
+        return self._factors(self.effect.local_drag_factor(self._subset(depth), self._subset(line_length)))
+
     def wet_weight_factor(self, since_separation: Scalars) -> Scalars:
         """Factor on the anchor's wet weight."""
         return self._factors(self.effect.wet_weight_factor(self._subset(since_separation)))

@@ -105,11 +105,11 @@ class TiedForces:
         line, turning = place[3:], rate[3:]
         vehicle = rate[2] - self.water_velocity
         anchor = vehicle + turning[2]
-        lifted = dive.net_buoyancy + hooks.lift(place[2]) + self._drag(t, dive.vehicle_drag, vehicle)
+        lifted = dive.net_buoyancy + hooks.lift(place[2]) + self._drag(t, place[2], dive.vehicle_drag, vehicle)
         since = self._taut_at + t
         weight = dive.weight_at(since) * hooks.wet_weight_factor(since)
         sinking = -lifted * self._per_vehicle[2]
-        apart = (weight - self._drag(t, dive.anchor_drag, anchor)) * self._per_anchor[2] - sinking
+        apart = (weight - self._drag(t, place[2], dive.anchor_drag, anchor)) * self._per_anchor[2] - sinking
         tension = (line[2] * apart + _dot(turning, turning)) / self._mobility(line)
         pull = line * tension
         result = np.empty_like(place)
@@ -119,10 +119,12 @@ class TiedForces:
         result[5] += apart
         return result
 
-    def _drag(self, t: float, law: DragLaw, speed: Array) -> Scalars:
-        """Drag of a body along its axis, with the effects' factor [N]."""
-        drag = law(speed)
-        return drag * self._hooks.drag_factor(t, np.abs(speed)) if self._hooks.changes_drag else drag
+    def _drag(self, t: float, depth: Array, law: DragLaw, speed: Array) -> Scalars:
+        """Drag of a body along its axis, with the effects' factor at the vehicle's depth [N]."""
+        drag, hooks = law(speed), self._hooks
+        if not hooks.changes_drag:
+            return drag
+        return drag * hooks.drag_factor(t, np.abs(speed)) * hooks.local_drag_factor(depth, self._dive.line_length)
 
     def _mobility(self, line: Array) -> Array:
         """Motion apart that an impulse d along the line ends: Σ d² (1/M_a + 1/M_v) [m²/kg]."""

@@ -201,16 +201,21 @@ class AnchorSizer:
             return None
         return solve_anchor(anchor_problem(self.means), weight)
 
+    def _steady(self, speed: float) -> SteadyDescent:
+        return SteadyDescent.at(speed, self._hooks, float(self.means.mooring.depth), self.line_length)
+
     def _drag(self, speed: float) -> DragBuildUp:
         """Drag by its sources at a speed through the water, with the effects' factor."""
-        descent = SteadyDescent.at(speed, self._hooks, float(self.means.mooring.depth))
+        descent = self._steady(speed)
         parts = self.means.vehicle_drag.build_up(speed, self._anchor_drag)
         factor = float(descent.drag_factor)
         return replace(parts, **{name: float(value) * factor for name, value in vars(parts).items()})
 
     def _balanced_speed(self, weight: float) -> float:
         """Speed through the water at which the drag balances the wet weight (Eq. 15, or with the buoyancy) [m/s]."""
-        descent = SteadyDescent.at(self.required_velocity, self._hooks, float(self.means.mooring.depth))
+        descent = SteadyDescent.at(
+            self.required_velocity, self._hooks, float(self.means.mooring.depth), self.line_length
+        )
         pull = weight * float(descent.weight_factor) - float(descent.lift)
         pull -= float(self.means.mooring.vehicle.net_buoyancy) if self.moor.carry_net_buoyancy else 0.0
         factor = float(descent.drag_factor)
