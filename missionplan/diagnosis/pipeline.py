@@ -37,10 +37,16 @@ class Reading:
 
     @property
     def claimed(self) -> Causes:
-        """The likeliest set, where something is there; of a family its likeliest member."""
+        """The likeliest set, where something is there; of a family its likeliest member.
+
+        Where something without a name is likely, a set of named causes that may as well not be there is none.
+        """
         if 1.0 - self.nothing < SURE or not self.posterior:
             return ()
-        return max(self.posterior, key=lambda causes: self.posterior[causes])
+        likeliest = max(self.posterior, key=lambda causes: self.posterior[causes])
+        is_named = all(CATALOGUE[name].tier != "neutral" for name in likeliest)
+        doubtful = is_named and self.none_of_these >= LIKELY and self.probability(likeliest) < SURE
+        return () if doubtful else likeliest
 
     def probability(self, causes: Causes) -> float:
         """Probability of a set, its supersets and those of the sets told as one with it counted."""
@@ -57,7 +63,8 @@ class Reading:
             return "unexplained"
         if self.none_of_these >= LIKELY or not is_constant:
             return "partly-explained"
-        return "ambiguous" if self.probability(claimed) < SURE else "explained"
+        is_all = self.probability(claimed) >= SURE and self.none_of_these <= 1.0 - SURE
+        return "explained" if is_all else "ambiguous"
 
 
 def is_physical(causes: Causes) -> bool:
@@ -153,7 +160,7 @@ def run_pipeline(
     nothing = selection.nothing if search or not left.significant else 0.0
     reading = Reading(selection.posterior, nothing, selection.none_of_these, selection.families)
     best = fits.get(reading.claimed, selection.base)
-    if best is selection.base:
+    if best is selection.base and reading.none_of_these < LIKELY:  # else it is what the likeliest set leaves
         left, outlying = base_discrepancy, base_outlying
     return PipelineResult(reading, best, selection, held_out, left, base_discrepancy, outlying)
 

@@ -16,6 +16,7 @@ from missionplan.effects import (
     axial_flow,
     broadside_start,
     clock_offset,
+    clock_rate,
     compass_bias,
     compass_deviation,
     compass_jump,
@@ -38,6 +39,7 @@ from missionplan.effects import (
     response,
     reynolds_drag,
     sensor_lag,
+    sensor_position,
     sideslip,
     slow_flooding,
     speed_loss,
@@ -49,6 +51,7 @@ from missionplan.effects import (
     trapped_gas,
     vertical_current,
 )
+from missionplan.effects.dive_responses import RESPONSES
 from missionplan.effects.info import Effect, EffectInfo, Instrument, Phase, Scatter, TankEffect
 from missionplan.effects.oscillation import MODULATION_PARAMETERS, Oscillation
 from missionplan.errors import shown
@@ -233,6 +236,8 @@ _FILES = (
     added_mass,
     sensor_lag,
     clock_offset,
+    clock_rate,
+    sensor_position,
     depth_scale,
     vertical_current,
     drag_crisis,
@@ -319,7 +324,7 @@ def _plugin_problems(accepted: Sequence[EffectInfo], added: Sequence[object]) ->
     return problems or catalogue_problems([*accepted, *entries])
 
 
-_ALL = with_plugins([file.INFO for file in _FILES], entry_points(group=_GROUP))
+_ALL = with_plugins([*(file.INFO for file in _FILES), *RESPONSES], entry_points(group=_GROUP))
 
 CATALOGUE: Mapping[str, EffectInfo] = MappingProxyType(dict(_ALL.entries))
 """Effects of the descent, then of the transit, then of the tank alone, then those of plug-ins, by name."""

@@ -35,7 +35,7 @@ INFO = EffectInfo(
         remedy="set the clocks together before the next dive; the plan stays as it is",
     ),
     sizes="Solenoids and pin pullers take 0.1 to 1 s; the clocks of loggers differ by as much. Either sign.",
-    confused_with=("line-payout", "sensor-lag"),
+    confused_with=("line-payout", "sensor-lag", "sensor-position"),
     distinguished_by="Dives with a much longer line (a payout delay grows with it, a clock does not).",
     changes_plan=False,
     follows_law=True,

@@ -38,7 +38,7 @@ INFO = EffectInfo(
         in_percent=True,
     ),
     sizes="Fresh water taken for sea water gives 2.6 %; sensors without calibration are wrong by 1 to 10 %.",
-    confused_with=("drag-bias", "vertical-current"),
+    confused_with=("drag-bias", "vertical-current", "clock-rate"),
     distinguished_by="Readings at a known depth (a lead line, the seafloor at touchdown).",
     changes_plan=False,
     instrument=Instrument("readings at two known depths (a lead line)", "fraction", 0.005, 20.0),

@@ -223,6 +223,8 @@ class EffectInfo:
     `fix_variance`, `position_variance_rate` or `tail_dof`, or is a `MarkovProcess`, and its parameters are shapes."""
     linear: bool = True
     """Whether the mean is linear in its coordinates."""
+    follows: Literal["", "depth", "speed", "time", "line"] = ""
+    """Of an effect on a descent without a name: what differs within dives, or between them, that it follows."""
     exclusive_group: str = ""
     """Of the effects of one group a set of causes holds at most one."""
     is_modulated: bool = False

@@ -51,10 +51,20 @@ BOTH = ("compass-bias", "speed-scale")
         ({A: 0.7, BOTH: 0.27, B: 0.03}, 0.0, 0.0, "explained"),
         ({A: 0.7, B: 0.3}, 0.0, 0.0, "ambiguous"),
         ({A: 0.97, B: 0.03}, 0.0, 0.6, "partly-explained"),
+        ({A: 0.97, B: 0.03}, 0.0, 0.1, "ambiguous"),
+        ({A: 0.6, B: 0.4}, 0.0, 0.6, "unexplained"),
+        ({("response",): 0.97, A: 0.03}, 0.0, 0.97, "unexplained"),
+        ({("compass-bias", "response"): 0.6, A: 0.4}, 0.0, 0.6, "partly-explained"),
     ],
 )
 def test_verdict_is_the_first_that_fits(posterior, nothing, none_of_these, expected):
     assert Reading(posterior, nothing, none_of_these).verdict() == expected
+
+
+def test_a_cause_in_the_place_of_which_something_without_a_name_may_be_is_not_claimed():
+    assert Reading({A: 0.6, B: 0.4}, 0.0, 0.6).claimed == ()
+    assert Reading({A: 0.96, B: 0.04}, 0.0, 0.6).claimed == A
+    assert Reading({("response",): 0.6, A: 0.4}, 0.0, 0.6).claimed == ("response",)
 
 
 def test_a_cause_that_changes_explains_a_part():

@@ -5,7 +5,7 @@ import dataclasses
 import numpy as np
 import pytest
 
-from missionplan.effects import CATALOGUE, effects_of
+from missionplan.effects import CATALOGUE, effects_of, named_effects
 from missionplan.phases.hooks import DescentEffect, Leg, TransitEffect, velocity_error
 
 CONTRACT = {
@@ -18,6 +18,8 @@ CONTRACT = {
     "added-mass": ["fraction"],
     "sensor-lag": ["time", "averaging"],
     "clock-offset": ["time"],
+    "clock-rate": ["fraction"],
+    "sensor-position": ["aft"],
     "depth-scale": ["fraction"],
     "vertical-current": ["speed"],
     "drag-crisis": ["fraction", "speed", "width"],
@@ -59,8 +61,9 @@ def legs(n=7, latitude=0.5):
 
 
 def test_names_are_the_contract():
-    assert len(CATALOGUE) == 36
-    assert (len(effects_of("descent")), len(effects_of("transit"))) == (12, 19)
+    assert len(CATALOGUE) == 46
+    assert (len(effects_of("descent")), len(effects_of("transit"))) == (22, 19)
+    assert len(named_effects("descent")) == 14
     for name, parameters in CONTRACT.items():
         assert list(CATALOGUE[name].parameters) == parameters
 

@@ -20,13 +20,20 @@ def told(
     verdict: str = "explained",
     rivals: tuple[tuple[str, ...], ...] = (),
     measurements: tuple[str, ...] = (),
+    none_of_these: float = 0.0,
 ) -> str:
     causes = tuple(dict.fromkeys(each.effect for each in found))
     best = SimpleNamespace(parameters=found, held_out=None)
     entries = [SimpleNamespace(measurement=words) for words in measurements]
     return finding_in_words(
         SimpleNamespace(
-            causes=causes, best=best, verdict=verdict, kind="transit", rivals=rivals, next_measurements=entries
+            causes=causes,
+            best=best,
+            verdict=verdict,
+            kind="transit",
+            rivals=rivals,
+            next_measurements=entries,
+            none_of_these=none_of_these,
         )
     )
 
@@ -58,6 +65,16 @@ def test_a_cause_that_a_rival_does_without_is_no_order():
     )
     shared = told(found, verdict="ambiguous", rivals=(("speed-scale", "heavy-tails"),))
     assert "correct nothing" not in shared, "every explanation has it"
+
+
+@pytest.mark.parametrize("verdict", ["ambiguous", "partly-explained"])
+def test_a_cause_in_the_place_of_which_something_without_a_name_may_be_is_no_order(verdict):
+    words = told(estimate("speed-scale", "fraction", -0.13, 0.01, ""), verdict=verdict, none_of_these=0.3)
+    assert "calibrate" not in words
+    assert words.endswith(
+        "But it may as well be something that no effect of the catalogue explains: correct nothing yet, first take data "
+        "that tell them apart."
+    )
 
 
 def test_a_current_has_a_size_and_a_direction():

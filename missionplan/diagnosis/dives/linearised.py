@@ -58,7 +58,7 @@ class DiveLinearisation:
     `release_delays`, shape (N,) [m]."""
     columns: Array
     """Shape (N, k). Sensitivities to all coordinates; zero for shape parameters of effects that are neither causes nor
-    the mission's own."""
+    the mission's own, and for all of such effects without a name."""
     sensitivities: Array
     """To what differs from dive to dive, in the order of `DIVE_SD`, shape (N, 4)."""
     readings: Array
@@ -103,9 +103,11 @@ class LinearisedDescent(DescentPriors):
         ]
 
     def _varied(self, causes: Causes) -> NDArray[np.int_]:
-        """Coordinates with a column: all strengths, and the shapes of the causes and of the mission's own effects."""
+        """Coordinates with a column: the strengths of effects with a name, and all of causes and the mission's own."""
         present = {*causes, *(each.effect for each in held(self.given, causes))}
-        return np.flatnonzero([c.kind != "shape" or c.effect in present for c in self.coordinates])
+        return np.flatnonzero(
+            [c.effect in present or (c.kind != "shape" and c.effect not in self.unnamed) for c in self.coordinates]
+        )
 
     def _settings(self, at: Array, varied: NDArray[np.int_]) -> Array:
         """Settings of one linearisation.

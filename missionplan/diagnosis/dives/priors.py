@@ -12,7 +12,7 @@ from missionplan.diagnosis.coordinates import Coordinate, coordinates_of
 from missionplan.diagnosis.dives.forward import DescentForward
 from missionplan.diagnosis.given.effects import GivenEffect, held, tied
 from missionplan.diagnosis.inference.prior import Prior
-from missionplan.effects import effects_of
+from missionplan.effects import effects_of, named_effects
 from missionplan.results.learned.evidence import Causes
 
 
@@ -27,8 +27,16 @@ class DescentPriors:
 
     @cached_property
     def candidates(self) -> Causes:
-        """Effects of the catalogue on a descent."""
-        return tuple(info.id for info in effects_of("descent"))
+        """Effects of the catalogue on a descent, those without a name where these dives differ in what they follow."""
+        return (*(info.id for info in named_effects("descent")), *self.unnamed)
+
+    @cached_property
+    def unnamed(self) -> Mapping[str, tuple[str, str]]:
+        """Effects without a name: what each follows, and in words."""
+        differs = {"depth", "speed", "time"}
+        if len({log.line_length for log in self.forward.logs}) > 1:
+            differs.add("line")
+        return {info.id: (info.follows, info.what) for info in effects_of("descent") if info.follows in differs}
 
     @property
     def untestable(self) -> Mapping[str, str]:

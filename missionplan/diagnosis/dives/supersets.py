@@ -74,7 +74,7 @@ class _FurtherShapes:
         for name in model.candidates:
             own = [(i, c) for i, c in enumerate(model.coordinates) if c.effect == name]
             shapes = [i for i, c in own if c.kind == "shape"]
-            if name in known or not shapes:
+            if name in known or name in model.unnamed or not shapes:
                 continue
             (strength,) = (i for i, c in own if c.kind != "shape")
             for node in (NODES[0], NODES[-1]):

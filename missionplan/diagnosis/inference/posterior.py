@@ -33,8 +33,8 @@ def over_responses(found: Mapping[tuple[Causes, int], float]) -> dict[Causes, fl
 def told_together(posterior: Mapping[Causes, float]) -> dict[Causes, float]:
     """Return the probabilities of sets as they are listed, greatest first.
 
-    A set that is more than 3 nats less likely than one of its parts, because of causes that the data say nothing of, is
-    told with that part.
+    A set is told with one of its parts where the data do not speak for the causes that it has beyond that: it is then
+    less likely by more than the 3 nats that the prior charges for them.
     """
     found: dict[Causes, float] = {}
     for causes, probability in posterior.items():

@@ -20,7 +20,7 @@ def no_progress(what: str, done: int, of: int) -> None:
 
 
 def log_prior(count: int, catalogue: int) -> float:
-    """Log prior odds of a set of so many causes over none.
+    """Log prior odds of a set of so many causes over none, of a catalogue of so many effects with a name.
 
     Each single cause has 1/(size of the catalogue), so that the chance of a false claim does not grow with the
     catalogue (Scott & Berger 2010, *Ann. Stat.* 38, on multiplicity), and each further one e⁻³ more.

@@ -1,13 +1,16 @@
 """The posterior of a model over all its sets of causes, each of which is linearised about its own best parameters.
 
 Single causes are fitted. What a set of more causes adds is then known from the linearisations of its parts; sets that
-may be among the likeliest by that are fitted themselves, and the others count as they are estimated. A neutral response
-(Kennedy & O'Hagan 2001, *J. R. Stat. Soc. B* 63) may be beside any set.
+may be among the likeliest by that are fitted themselves, and the others count as they are estimated.
+
+What has no name may be beside any set: an effect of the catalogue that only says what the data follow, which is fitted
+as the named ones are, or something smooth (Kennedy & O'Hagan 2001, *J. R. Stat. Soc. B* 63). All that has no name has
+together the prior of one effect with a name, half of it the effects and half of it what is smooth.
 """
 
 import itertools
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 from typing import Protocol
@@ -33,6 +36,8 @@ ROUNDS = 3
 """Times that sets of the credible set are fitted which were only estimated: others may take their places."""
 EFFECTIVE = 10.0
 """Effective draws from which it replaces that of the linearised model: its logarithm is known to a third of a nat."""
+MOST_BESIDE = 1
+"""Named causes beside an effect without a name, at most."""
 BESIDE_RESPONSES = 8
 """Likeliest sets beside which neutral responses are tried, beside nothing and single causes."""
 
@@ -49,6 +54,11 @@ class NeutralResponses:
 
 class LinearisedModel(Model, Protocol):
     """A model whose sets are fitted one by one, and linearised there."""
+
+    @property
+    def unnamed(self) -> Mapping[str, tuple[str, str]]:
+        """Candidates without a name: what each follows, and in words."""
+        ...
 
     def log_gains(self, fits: Sequence[CauseFit], supersets: Sequence[Sequence[Causes]]) -> list[Array]:
         """Return what further causes add to the log evidence of fits, for the supersets of each."""
@@ -104,7 +114,8 @@ class _Sets:
         self._gained: dict[Causes, float] = {}
         self._responses: NeutralResponses | None = None
         self._beside: list[Causes] = []
-        self._log_prior = partial(log_prior, catalogue=len(model.candidates))
+        self._unnamed = model.unnamed
+        self._named = len(model.candidates) - len(self._unnamed)
         self.fit([()])
         if () not in self.fits:
             raise RunError(f"the base model cannot be fitted: {self._failed[0].reason}")
@@ -120,18 +131,37 @@ class _Sets:
         return sorted(likely, key=lambda causes: -self._score(causes))[:MOST_FITTED]
 
     def _is_possible(self, causes: Causes) -> bool:
+        unnamed = sum(name in self._unnamed for name in causes)
+        if unnamed > 1 or (unnamed and len(causes) > 1 + MOST_BESIDE):
+            return False
         return not any(len(group & set(causes)) > 1 for group in self._model.alternatives)
 
+    def _has_a_name(self, causes: Causes) -> bool:
+        return not any(name in self._unnamed for name in causes)
+
     def _score(self, causes: Causes) -> float:
-        return self._evidence[causes] - self._error(causes) + self._log_prior(len(causes))
+        return self._corrected(causes) + self._log_prior(causes)
+
+    def _corrected(self, causes: Causes) -> float:
+        """Log evidence."""
+        return self._evidence[causes] - self._error(causes)
+
+    def _log_prior(self, causes: Causes) -> float:
+        prior = log_prior(len(causes), self._named)
+        return prior if self._has_a_name(causes) else prior - math.log(2.0 * len(self._unnamed))
 
     def _estimate(self, sets: Iterable[Causes]) -> None:
-        """Estimate sets from the likeliest of their parts that were fitted."""
+        """Estimate sets from the likeliest of their parts that were fitted.
+
+        Those with an effect without a name from a part that has it: it is in the linearisation of no other.
+        """
         by_part: dict[Causes, list[Causes]] = {}
         for causes in sets:
-            parts = [part for part in self.fits if part and set(part) < set(causes)]
-            best = max(parts, key=lambda part: self._evidence[part], default=())
-            by_part.setdefault(best, []).append(causes)
+            has_a_name = self._has_a_name(causes)
+            parts = [p for p in self.fits if p and set(p) < set(causes) and self._has_a_name(p) == has_a_name]
+            if parts or has_a_name:
+                best = max(parts, key=lambda part: self._evidence[part], default=())
+                by_part.setdefault(best, []).append(causes)
         asked = [(self.fits[part], wanted) for part, wanted in by_part.items()]
         found = parallel_map(partial(_log_gains, self._model), asked, jobs=self._jobs)
         for (part, wanted), gains in zip(by_part.items(), found, strict=True):
@@ -180,7 +210,7 @@ class _Sets:
 
     def _add_responses(self) -> None:
         """Compute what neutral responses add to nothing, to single causes and to the likeliest sets."""
-        ranked = sorted(self.fits, key=lambda causes: -self._score(causes))
+        ranked = sorted(filter(self._has_a_name, self.fits), key=lambda causes: -self._score(causes))
         self._beside = [c for i, c in enumerate(ranked) if i < BESIDE_RESPONSES or len(c) < 2]
         self._responses = self._model.responses_beside([self.fits[causes] for causes in self._beside])
 
@@ -189,11 +219,11 @@ class _Sets:
         found = {(causes, 0): self._score(causes) for causes in self._evidence}
         if self._responses is None or not self._responses.described:
             return found
-        count = len(self._responses.described)
+        share = math.log(len(self._responses.described) * (2.0 if self._unnamed else 1.0))
         for causes, gains in zip(self._beside, self._responses.log_gains, strict=True):
             if len(causes) < MOST_CAUSES:
-                known = self._evidence[causes] - self._error(causes) + self._log_prior(len(causes) + 1)
-                found |= {(causes, r): known + g - math.log(count) for r, g in enumerate(gains.tolist(), start=1)}
+                known = self._corrected(causes) + log_prior(len(causes) + 1, self._named) - share
+                found |= {(causes, r): known + g for r, g in enumerate(gains.tolist(), start=1)}
         return found
 
     def probabilities(self) -> dict[Causes, float]:
@@ -210,22 +240,28 @@ class _Sets:
         posterior = over_responses(joint)
         ranked = [self.fits[causes] for causes in posterior if causes and causes in self.fits]
         base = self._score(())
-        described = self._responses.described if self._responses is not None else ()
         return Selection(
             self.fits[()],
-            tuple(Candidate(fit, self._score(fit.causes) - self._log_prior(len(fit.causes)) - base) for fit in ranked),
+            tuple(Candidate(fit, self._corrected(fit.causes) - base) for fit in ranked),
             tuple(Candidate(fit, fit.log_evidence - base) for fit in self._impossible),
             tuple(self._failed),
-            len(self._model.candidates),
+            self._named,
             posterior,
-            tuple(
-                (*words, sum(p for (_, own), p in joint.items() if own == number))
-                for number, words in enumerate(described, start=1)
-            ),
+            self._without_a_name(joint),
             nothing=joint[(), 0],
             not_computed=sum(p for causes, p in posterior.items() if causes not in self.fits),
             credible=tuple(credible_set(told_together({c: p for c, p in posterior.items() if c in self.fits}))),
         )
+
+    def _without_a_name(self, joint: Mapping[tuple[Causes, int], float]) -> tuple[tuple[str, str, float], ...]:
+        """What has no name with its probability: effects and what is smooth, those in the same words together."""
+        smooth = self._responses.described if self._responses is not None else ()
+        found = dict.fromkeys([*self._unnamed.values(), *smooth], 0.0)
+        for (causes, number), probability in joint.items():
+            words = [self._unnamed[name] for name in causes if name in self._unnamed]
+            for each in [*words, *([smooth[number - 1]] if number else [])]:
+                found[each] += probability
+        return tuple((*words, probability) for words, probability in found.items())
 
 
 def _log_gains(model: LinearisedModel, asked: Sequence[tuple[CauseFit, Sequence[Causes]]]) -> list[Array]:

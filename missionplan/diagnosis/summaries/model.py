@@ -1,6 +1,6 @@
 """Model of summaries of dives: the descent phase as for dive logs, with terminal speeds and times instead of depths."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -123,6 +123,11 @@ class SummaryModel(DescentModel):
     """Base model and catalogue bound to summaries."""
 
     forward: SummaryForward
+
+    @cached_property
+    def unnamed(self) -> Mapping[str, tuple[str, str]]:
+        """None: a handful of numbers does not say what an effect follows."""
+        return {}
 
     def most_likely_release_delays(self, histories: Histories) -> Array:
         """Return zeros: the quantities are linear in the delay of a release."""

@@ -36,6 +36,11 @@ class TankModel(TankFitting):
     """Groups of effects of which a set holds at most one."""
 
     @property
+    def unnamed(self) -> Mapping[str, tuple[str, str]]:
+        """None: what has no name is smooth along the record."""
+        return {}
+
+    @property
     def untestable(self) -> Mapping[str, str]:
         """Effects that these data could not show, and why."""
         return self.forward.untestable

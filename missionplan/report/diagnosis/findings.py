@@ -14,6 +14,8 @@ from missionplan.results.learned.diagnosis import Diagnosis
 from missionplan.results.learned.evidence import Coverage, ParameterEstimate
 
 _PERCENT, _HOUR = 100.0, 3600.0
+UNLIKELY = 0.05
+"""Probability of what has no name from which nothing is ordered."""
 _RIVALS = 2
 """Other explanations that the headline names."""
 
@@ -22,7 +24,8 @@ def finding_in_words(diagnosis: Diagnosis) -> str:
     """Write what was found and what to do: ``The compass reads 2.9° ± 0.3° low: swing it, …``; empty without causes.
 
     What the catalogue says nothing of, or too large to be its cause, is left to the verdict. A cause that a rival
-    explanation does without is no order: what the crew is to do is then to find out.
+    explanation does without, or beside which something without a name is likely, is no order: what the crew is to do
+    is then to find out.
     """
     found, disputed = claimed_parameters(diagnosis), disputed_causes(diagnosis)
     told = [_clause(cause, found, is_order=cause not in disputed) for cause in diagnosis.causes]
@@ -34,19 +37,30 @@ def finding_in_words(diagnosis: Diagnosis) -> str:
 
 
 def disputed_causes(diagnosis: Diagnosis) -> frozenset[str]:
-    """Physical causes of the likeliest set that are not in every rival: to act on them is to toss a coin."""
-    if diagnosis.verdict != "ambiguous":
+    """Physical causes of the likeliest set to act on which is to toss a coin.
+
+    They are not in every rival, or what has no name may be there in their place.
+    """
+    if diagnosis.verdict not in ("ambiguous", "partly-explained"):
         return frozenset()
     physical = {cause for cause in diagnosis.causes if CATALOGUE[cause].tier == "physical"}
+    if _may_have_no_name(diagnosis):
+        return frozenset(physical)
     return frozenset(cause for cause in physical if any(cause not in rival for rival in diagnosis.rivals))
+
+
+def _may_have_no_name(diagnosis: Diagnosis) -> bool:
+    return diagnosis.none_of_these > UNLIKELY
 
 
 def _find_out(diagnosis: Diagnosis, disputed: frozenset[str]) -> str:
     """Write what else it may be, and what would tell."""
-    rivals = [names(rival) if rival else "chance" for rival in diagnosis.rivals if not disputed <= set(rival)]
+    rivals = [names(rival) if rival else "chance" for rival in diagnosis.rivals if not disputed <= set(rival)][:_RIVALS]
+    if _may_have_no_name(diagnosis):
+        rivals.append("something that no effect of the catalogue explains")
     until = next((entry.measurement for entry in diagnosis.next_measurements), "")
     tells = f"first {until}" if until else "first take data that tell them apart"
-    return f"But it may as well be {' or '.join(rivals[:_RIVALS])}: correct nothing yet, {tells}."
+    return f"But it may as well be {' or '.join(rivals)}: correct nothing yet, {tells}."
 
 
 def _clause(cause: str, found: tuple[ParameterEstimate, ...], *, is_order: bool) -> str:

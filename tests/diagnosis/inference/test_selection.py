@@ -31,10 +31,12 @@ class Written:
         error: float = 0.0,
         responses: Mapping[Causes, float] | None = None,
         sampled: Mapping[Causes, float] | None = None,
+        unnamed: Sequence[str] = (),
     ) -> None:
         self.evidence = {frozenset(causes): value for causes, value in evidence.items()}
         self.alternatives, self.failing = alternatives, [frozenset(causes) for causes in failing]
-        self.candidates, self.error = NAMES, error
+        self.unnamed = {name: ("time", f"something like {name}") for name in unnamed}
+        self.candidates, self.error = (*NAMES, *unnamed), error
         self.responses = {frozenset(causes): value for causes, value in (responses or {}).items()}
         self.sampled = {frozenset(causes): value for causes, value in (sampled or {}).items()}
         self.asked: list[frozenset[str]] = []
@@ -133,6 +135,31 @@ def test_a_response_is_what_no_cause_explains() -> None:
     assert found.none_of_these > 0.99
     assert max(found.posterior, key=lambda causes: found.posterior[causes]) == (DRAG,)
     assert found.nothing < 1e-6
+
+
+OTHER, ANOTHER = "lift-by-depth", "drag-by-depth"
+
+
+def test_what_has_no_name_has_together_the_prior_of_one_effect_with_a_name() -> None:
+    """By hand: half of it two effects, half of it something smooth."""
+    found = selected({(DRAG,): 20.0, (OTHER,): 20.0, (ANOTHER,): -50.0}, responses={(): 20.0}, unnamed=(OTHER, ANOTHER))
+    assert found.posterior[OTHER,] / found.posterior[DRAG,] == pytest.approx(0.25, rel=0.05)
+    of_smooth = {what: p for _, what, p in found.responses}["drag that changes with time"]
+    assert of_smooth / found.posterior[DRAG,] == pytest.approx(0.5, rel=0.05)
+    assert found.catalogue == len(NAMES)
+
+
+def test_an_effect_without_a_name_is_fitted_beside_named_ones_and_is_none_of_these() -> None:
+    found = selected({(DRAG,): 20.0, (OTHER,): 25.0, (DRAG, OTHER): 60.0}, unnamed=(OTHER, ANOTHER))
+    assert found.ranking[0].causes == (DRAG, OTHER)
+    assert found.none_of_these > 0.99
+    assert {what: p for _, what, p in found.responses}[f"something like {OTHER}"] > 0.99
+
+
+def test_there_is_at_most_one_effect_without_a_name() -> None:
+    found = selected({(OTHER, ANOTHER): 90.0, (OTHER, DRAG, CLOCK): 90.0, (DRAG,): 20.0}, unnamed=(OTHER, ANOTHER))
+    assert all(sum(name in (OTHER, ANOTHER) for name in causes) < 2 for causes in found.posterior)
+    assert all(len(causes) < 3 for causes in found.posterior if OTHER in causes)
 
 
 def test_alternatives_are_never_together() -> None:

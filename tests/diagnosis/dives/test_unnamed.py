@@ -1,0 +1,69 @@
+"""Dives with something that has no name: described beside the named causes, carried, and never an order."""
+
+from dataclasses import replace
+
+import pytest
+
+from missionplan import diagnose
+from missionplan.report.diagnosis.page import answer
+from tests.hidden_effects.cases import draw_case
+
+
+def diagnosed(case, folder):
+    """Diagnosis of a case of the generators of dives, which share nothing with the phase."""
+    return diagnose(*case.write(folder / "case", folder / "truth"))
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("seed", "effect", "found_as"),
+    [
+        (6001, "foam-compression", "lift-by-depth"),
+        (6003, "spooling-line", "drag-by-depth"),
+        (6006, "line-drag", "drag-by-line"),
+        (6007, "shear-layer", "lift-in-layer"),
+    ],
+)
+def test_what_has_no_name_is_described(seed, effect, found_as, tmp_path):
+    found = diagnosed(draw_case(seed, "descent", "outside", effect), tmp_path)
+    assert found.verdict == "unexplained"
+    assert found.causes == (found_as,)
+
+
+def test_a_part_of_the_anchor_that_falls_off_is_told_carried_and_no_order(tmp_path):
+    case = draw_case(6004, "descent", "outside", "weight-loss")
+    found = diagnosed(case, tmp_path)
+    assert found.verdict == "unexplained"
+    assert found.causes == ("weight-from-moment",)
+    estimates = {each.name: each for each in found.best.parameters}
+    lost = -case.notes["sizes"]["weight-loss"]
+    assert abs(estimates["fraction"].value - lost) < 5.0 * estimates["fraction"].sd
+    words = answer(found)
+    assert "From some moment of the dive on the anchor pulls" in words
+    assert "no effect that I know does that" in words
+    found.save(tmp_path / "out")
+    assert "weight-from-moment:\n      probability: 1.0" in (tmp_path / "out" / "mission.yaml").read_text()
+
+
+def moved(case, *, rate=1.0, aft=0.0):
+    """A case whose log has other times, or readings of a sensor behind the nose."""
+    time, depth = case.header.index("t_s"), case.header.index("depth_m")
+    rows = [list(row) for row in case.rows]
+    for row in rows:
+        read = float(row[depth])
+        row[time], row[depth] = f"{rate * float(row[time]):.4f}", f"{max(read - aft, min(read, 0.0)):.4f}"
+    return replace(case, rows=rows)
+
+
+@pytest.mark.parametrize("seed", [6201, 6202])
+def test_a_fast_clock_is_an_alias_and_in_doubt(seed, tmp_path):
+    found = diagnosed(moved(draw_case(seed, "descent", "control"), rate=1.05), tmp_path)
+    assert found.verdict == "ambiguous"
+    assert ("clock-rate",) in found.credible_set
+
+
+def test_a_sensor_behind_the_nose_is_named(tmp_path):
+    found = diagnosed(moved(draw_case(6203, "descent", "control"), aft=0.9), tmp_path)
+    assert found.causes == ("sensor-position",)
+    (aft,) = found.best.parameters
+    assert abs(aft.value - 0.9) < 4.0 * aft.sd
