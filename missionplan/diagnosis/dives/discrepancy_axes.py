@@ -24,6 +24,8 @@ NODES = 17
 """Nodes of the hat basis of a force along an axis."""
 READING, DRAG, LIFT, DELAY = 0.3, 0.3, 1.5, 0.5
 """Usual sizes of errors of a reading [m], of shares of the drag, of lifts [N] and delays [s]: those of the effects."""
+WEIGHT = 0.15
+"""Usual error of an anchor's wet weight in the log book, of itself."""
 DRAG_PER_DIVE, DRAG_PER_METRE = 0.1, 0.02
 """Usual sizes of trends of the drag, from dive to dive and with the line's length [1/m]."""
 FORCE_STEP = 0.002
@@ -78,11 +80,32 @@ def _dive_by_dive(logs: Sequence[DiveLog], t: Array, linear: DiveLinearisation) 
         delays = own * linear.sensitivity("release")[:, None]
         axes.append(replace(differing("a delay that differs from dive to dive", delays), size=DELAY))
     if len(logs) > 2:
+        axes.append(_wrong_anchor(logs, own, linear.sensitivity("weight")))
         axes.append(_trend("drag that grows or falls from dive to dive", drag, dive.astype(float), DRAG_PER_DIVE))
     lines = np.array([log.line_length for log in logs])[dive]
     if np.ptp(lines) > 0.0:
         axes.append(_trend("drag that changes with the line's length", drag, lines, DRAG_PER_METRE))
     return axes
+
+
+def _wrong_anchor(logs: Sequence[DiveLog], own: Array, weight: Array) -> Axis:
+    """An anchor that weighs otherwise than the log book has it, in one dive or in all dives with its label.
+
+    Parameters
+    ----------
+    logs : sequence of DiveLog
+        The d dives.
+    own : array, shape (N, d)
+        1 where a reading is of a dive.
+    weight : array, shape (N,)
+        Sensitivity of the readings to the anchor's weight, of itself [m].
+    """
+    written = np.array([log.wet_weight for log in logs])
+    labels = [np.flatnonzero(written == each) for each in np.unique(written)]
+    several = [own[:, dives].sum(axis=1) for dives in labels if 1 < len(dives) < len(logs)]
+    columns = np.column_stack([own, *several]) * weight[:, None]
+    words = "an anchor that weighs otherwise than the log book says, in a dive or in all with its label"
+    return replace(differing(words, columns), size=WEIGHT, are_alternatives=True)
 
 
 def _trend(words: str, drag: Array, values: Array, size: float) -> Axis:

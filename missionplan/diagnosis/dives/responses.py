@@ -42,7 +42,11 @@ def responses_beside(model: "DescentModel", fits: Sequence[CauseFit]) -> Neutral
     columns = _columns(model, fits[0], axes)
     joined = np.concatenate(columns, axis=1)
     ends = np.cumsum([own.shape[1] for own in columns])
-    parts = [np.arange(end - own.shape[1], end) for own, end in zip(columns, ends, strict=True)]
+    places = [np.arange(end - own.shape[1], end) for own, end in zip(columns, ends, strict=True)]
+    parts = [
+        [place[[i]] for i in range(len(place))] if axis.are_alternatives else [place]
+        for axis, place in zip(axes, places, strict=True)
+    ]
     gains = [
         _log_gains(
             model.products(fit.state.linear, fit.state.prior_sd, joined, _likely_noises(fit)), parts, len(model.y)
@@ -76,6 +80,9 @@ def _columns(model: "DescentModel", fit: CauseFit, axes: Sequence[Axis]) -> list
         smooth = axis.smooth(LENGTH)
         functions = axis.response.shape[1] // len(smooth)
         values = axis.size * axis.response @ np.kron(np.eye(functions), smooth)
+        if axis.are_alternatives:
+            found.append(values)
+            continue
         white = solve_triangular(factor, values, lower=True, check_finite=False)
         directions, sizes, _ = np.linalg.svd(white - span @ (span.T @ white), full_matrices=False)
         kept = np.flatnonzero(sizes**2 > LEAST_SHARE * sizes[0] ** 2)[: max(MOST_COLUMNS, functions)]
@@ -83,17 +90,18 @@ def _columns(model: "DescentModel", fit: CauseFit, axes: Sequence[Axis]) -> list
     return found
 
 
-def _log_gains(products: Sequence[InnerProducts], parts: Sequence[Array], count: int) -> Array:
-    """What each response adds to the log evidence of a fit, averaged over noises and sizes."""
+def _log_gains(products: Sequence[InnerProducts], parts: Sequence[Sequence[Array]], count: int) -> Array:
+    """What each response adds to the log evidence of a fit, averaged over noises, sizes and its alternatives."""
     plain = [each.log_weight - 0.5 * (each.log_determinant + float(each.gram[-1, -1])) for each in products]
     base = float(logsumexp(plain)) - 0.5 * count * float(np.log(2.0 * np.pi))
     found = []
-    for part in parts:
-        own = np.append(part, len(products[0].gram) - 1)
+    for alternatives in parts:
         logs = [
             each.log_weight
-            + np.log(share)
+            + np.log(share / len(alternatives))
             + gaussian_log_density(each.gram[np.ix_(own, own)], np.full(len(part), scale), each.log_determinant, count)
+            for part in alternatives
+            for own in [np.append(part, len(products[0].gram) - 1)]
             for each in products
             for scale, share in zip(SCALES, SCALE_PRIOR, strict=True)
         ]

@@ -45,6 +45,19 @@ def test_a_part_of_the_anchor_that_falls_off_is_told_carried_and_no_order(tmp_pa
     assert "weight-from-moment:\n      probability: 1.0" in (tmp_path / "out" / "mission.yaml").read_text()
 
 
+@pytest.mark.parametrize("seed", [6301, 6302])
+def test_an_anchor_that_weighs_otherwise_than_the_log_book_says_is_described(seed, tmp_path):
+    case = draw_case(seed, "descent", "control")
+    entry = case.dataset["runs"]["dive-3"]
+    wrong = {**entry, "anchor_wet_weight": f"{1.2 * float(entry['anchor_wet_weight'].split()[0]):.3f} N"}
+    dataset = {**case.dataset, "runs": {**case.dataset["runs"], "dive-3": wrong}}
+    found = diagnosed(replace(case, dataset=dataset), tmp_path)
+    assert found.verdict == "unexplained"
+    likeliest = max(found.readings.responses, key=lambda response: response[2])
+    assert likeliest[1].startswith("an anchor that weighs otherwise than the log book says")
+    assert likeliest[2] > 0.9
+
+
 def moved(case, *, rate=1.0, aft=0.0):
     """A case whose log has other times, or readings of a sensor behind the nose."""
     time, depth = case.header.index("t_s"), case.header.index("depth_m")

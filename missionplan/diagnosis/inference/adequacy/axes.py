@@ -50,6 +50,8 @@ class Axis:
     """For a single function, which can be drawn."""
     size: float = 1.0
     """Usual size of the functions, in their unit."""
+    are_alternatives: bool = False
+    """Whether one of the functions acts, and none knows which."""
 
     def smooth(self, length: float) -> Array:
         """Return columns B, shape (m, r), with B Bᵀ ≈ exp(−½(d/length)²) between places (m, m).
