@@ -207,5 +207,5 @@ def moments(variable: "DataArray") -> NDArray[np.datetime64]:
     known = np.isfinite(seconds)
     whole = np.rint(1e3 * np.where(known, seconds, 0.0)) + np.rint(1e3 * (zero - away))
     found = whole.astype(np.int64).astype("datetime64[ms]").astype("datetime64[ns]")
-    found[~known] = np.datetime64("NaT")
+    found[~known] = np.datetime64("NaT", "ns")
     return np.asarray(found)
