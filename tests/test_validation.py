@@ -6,8 +6,10 @@ import typer
 
 from missionplan.cli import app
 from missionplan.results.checked_range import RANGES, ROWS_OF_COMMAND
+from missionplan.results.decision import Assumption
 from validation import pages, record
-from validation.rows import LEVELS, Accepted, Measured, Options, Row, all_rows, at_most, near
+from validation.__main__ import main
+from validation.rows import LEVELS, ROOT, Accepted, Measured, Options, Row, all_rows, at_most, near
 
 
 def made(accepted, values, **more):
@@ -61,3 +63,13 @@ def test_reports_name_rows_and_commands_that_there_are():
     assert {name.split()[0] for name in ROWS_OF_COMMAND} <= set(commands)
     named = {each for several in ROWS_OF_COMMAND.values() for each in several}
     assert named | {each for checked in RANGES.values() for each in checked.rows} <= set(rows)
+
+
+def test_the_ledger_of_every_shipped_mission_is_printed(monkeypatch, capsys):
+    turned = Assumption("there is no wind", "winds", -0.6, 0.4, ("out.arrived",))
+    monkeypatch.setattr("validation.__main__.ledger", lambda mission, seed: (turned,))
+    assert main(["--assumptions"]) == 0
+    rows = [line.split(" | ") for line in capsys.readouterr().out.splitlines()[2:]]
+    assert [row[0] for row in rows] == [f"| {path.stem}" for path in sorted((ROOT / "missions").glob("*.yaml"))]
+    assert rows[0][3:5] == ["40.0 %", "-60.0 %"]
+    assert rows[0][5] == "out.arrived |"

@@ -15,6 +15,7 @@ from pathlib import Path
 os.environ.setdefault("OMP_NUM_THREADS", "1")
 
 from missionplan.mission import load
+from missionplan.studies.simulation.assumptions import ledger
 from validation import pages, record, sea_records
 from validation.rows import CHEAP, ROOT, Options, Row, all_rows
 
@@ -37,6 +38,9 @@ def _parse(words: Sequence[str] | None) -> argparse.Namespace:
     parser.add_argument(
         "--records", type=Path, metavar="FOLDER", help="print the numbers of every log of legs below it"
     )
+    parser.add_argument(
+        "--assumptions", action="store_true", help="print what each shipped mission takes for granted, and its worth"
+    )
     parser.add_argument("--page", action="store_true", help="write the page from what was measured, and measure none")
     parser.add_argument("--no-write", action="store_true", help="leave docs/validation as it is")
     return parser.parse_args(words)
@@ -55,6 +59,8 @@ def main(words: Sequence[str] | None = None) -> int:
         return 0
     if asked.records:
         return _records(asked.records)
+    if asked.assumptions:
+        return _assumptions()
     if asked.list:
         for each in chosen if asked.ids else rows.values():
             print(f"{each.name:<32} {each.cost:>6g} s  {each.claim}: {each.case}")
@@ -79,6 +85,18 @@ def _records(folder: Path) -> int:
     if not found:
         print(f"no data set of legs with a mission beside it below {folder}", file=sys.stderr)
     return 0 if found else 2
+
+
+def _assumptions() -> int:
+    """Print the ledger of every mission in `missions`: P(success) and its change with each assumption put off."""
+    columns = ("mission", "taken for granted", "instead", "success then", "change", "could turn the answer")
+    print(f"| {' | '.join(columns)} |\n{'|---' * len(columns)}|")
+    for path in sorted((ROOT / "missions").glob("*.yaml")):
+        for each in ledger(load(path), seed=1):
+            shares = f"{100.0 * each.success:.1f} % | {100.0 * each.worth:+.1f} %"
+            turned = ", ".join(each.missed) or "success" if each.turns else ""
+            print(f"| {path.stem} | {each.what} | {each.otherwise} | {shares} | {turned} |", flush=True)
+    return 0
 
 
 def _is_asked(row: Row, asked: argparse.Namespace) -> bool:

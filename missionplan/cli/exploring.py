@@ -64,7 +64,7 @@ def explore(
 ) -> None:
     """Vary one or two keys of a mission: when to go, how fast, with which line, and what is as good as the best.
 
-    Example: missionplan explore missions/estuary.yaml --vary "start=04:00:14:00:10 min" --trials 2000
+    Example: missionplan explore missions/chesapeake.yaml --vary "ingress.speed=1:2:0.25m/s" --trials 2000
     """
     from missionplan.montecarlo.parallel.pool import preloaded_pool
 
@@ -124,7 +124,7 @@ def optimise(
 ) -> None:
     """Choose anchor, line, legs, speed and start together, so that all requirements hold at the least energy or time.
 
-    Example: missionplan optimise missions/estuary.yaml
+    Example: missionplan optimise missions/chesapeake.yaml --choose "ingress.d_max=200:1000:200m"
     """
     from missionplan.montecarlo.parallel.pool import preloaded_pool
 

@@ -64,7 +64,7 @@ class UnitSystem(StrEnum):
 
 _Units = Annotated[
     UnitSystem | None,
-    typer.Option("--units", help="Units of the report; default: the mission's. Files are in SI.", show_default=False),
+    typer.Option("--units", help="Units of the report; default: as in the file. Files are in SI.", show_default=False),
 ]
 _Force = Annotated[bool, typer.Option("--force", help="Overwrite files in a folder that is not empty.")]
 Json = Annotated[
