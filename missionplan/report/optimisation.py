@@ -264,7 +264,9 @@ def _required(probability: float) -> str:
 
 
 def _relaxed(found: Optimised) -> Iterator[PageSection]:
-    if not found.relaxations:
+    """Tabulate what relaxing a requirement would save; the headline says where none would."""
+    binding = [each for each in found.relaxations if each.saved > 0.0]
+    if not binding:
         return
     rows = [
         (
@@ -277,9 +279,7 @@ def _relaxed(found: Optimised) -> Iterator[PageSection]:
     ]
     columns = ("requirement", "relaxed", "saves", "with the choice")
     caption = "Found from what was tried, and a few choices more, on the same random numbers, not by a new wide search."
-    binding = [each for each in found.relaxations if each.saved > 0.0]
     heading = f"{len(binding)} requirement{'' if len(binding) == 1 else 's'} bind{'s' if len(binding) == 1 else ''}"
-    heading = heading if binding else "Relaxing any requirement by 1 % saves nothing"
     yield PageSection(heading, [Table(columns, rows, caption, text_columns=2)])
 
 

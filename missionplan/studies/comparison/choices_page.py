@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator, Sequence
 from datetime import datetime
+from pathlib import Path
 
 import numpy as np
 from matplotlib.dates import AutoDateLocator, ConciseDateFormatter, DateFormatter
@@ -17,7 +18,9 @@ from missionplan.results.simulation import RequirementOutcome
 from missionplan.studies.comparison.changes_page import limit_in_words, requirements_of
 from missionplan.studies.comparison.result import Alternative, Alternatives, TriedCell
 
-_MOST_DIFFERING = 60
+_MOST_DIFFERING = 30
+_OF_OTHER_COMMANDS = ("optimise.", "sweep.")
+"""Sections of a mission on which a comparison does not depend."""
 
 
 def requirements_section(found: Alternatives) -> Iterator[PageSection]:
@@ -46,15 +49,21 @@ def _asked(item: RequirementOutcome, mission: object) -> tuple[str, str]:
 
 
 def differing_section(found: Alternatives) -> Iterator[PageSection]:
-    """List the values in which the missions differ."""
-    if not found.differing:
+    """List the values in which the missions differ, but for what they let other commands try."""
+    differing = [each for each in found.differing if not each.path.startswith(_OF_OTHER_COMMANDS)]
+    if not differing:
         return
-    rows = [[each.path, *(value or "–" for value in each.values)] for each in found.differing[:_MOST_DIFFERING]]
-    count = len(found.differing)
+    rows = [[each.path, *map(_shown_value, each.values)] for each in differing[:_MOST_DIFFERING]]
+    count = len(differing)
     more = f"The first {_MOST_DIFFERING} of {count}." if count > _MOST_DIFFERING else ""
     heading = "1 value of the missions differs" if count == 1 else f"{count} values of the missions differ"
     names = [each.name for each in found.alternatives]
     yield PageSection(heading, [Table(["key", *names], rows, more, text_columns=len(names) + 1)])
+
+
+def _shown_value(value: str) -> str:
+    """Write a value; of a file, its name."""
+    return "–" if not value else Path(value).name if Path(value).is_absolute() else value
 
 
 _MOST_ROWS = 40
