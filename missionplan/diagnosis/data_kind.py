@@ -1,5 +1,6 @@
 """What the diagnosis asks of a kind of data; `kinds` lists them all."""
 
+import math
 from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -85,6 +86,11 @@ class DataKind(ABC):
     def place(self) -> Place:
         """Where and when the data were taken; else what the mission has learned so far."""
         return NOWHERE if self.mission.posterior is None else self.mission.posterior.place
+
+    @property
+    def date(self) -> float:
+        """When the data were taken [s since 1970]; nan where they do not tell."""
+        return math.nan
 
     @property
     def known(self) -> tuple[ParameterEstimate, ...]:

@@ -20,6 +20,7 @@ from missionplan.diagnosis.inference.model import CauseFit
 from missionplan.diagnosis.inference.selection import Candidate
 from missionplan.diagnosis.judgement import Judgement, judge, read
 from missionplan.diagnosis.pipeline import PipelineResult, run_pipeline
+from missionplan.diagnosis.plan_gain import with_urgency
 from missionplan.mission import Mission, MissionOrPath
 from missionplan.montecarlo.parallel.mapping import parallel_map
 from missionplan.results.base import Provenance
@@ -28,6 +29,7 @@ from missionplan.results.learned.evidence import GroupScore, RankedSet
 from missionplan.results.learned.next_trial import NextTrial
 from missionplan.results.score import DatasetScore
 from missionplan.store.folder import as_path
+from missionplan.studies.history.levels import parameter_levels
 from missionplan.studies.run import Run, check_arguments
 
 Progress = Callable[[int, int], None]
@@ -129,7 +131,11 @@ def _diagnose(mission: Mission, dataset: Path, seed: int, jobs: int, wanted: _Wa
     )
     result = _result(provenance, bound, found, judgement, separated, decision, extended)
     last = None if share is None else _score_of_rest(dataset, share, mission, extended, seed)
-    return replace(result, next_trial=trial, explanations=odds(explanations, believed), last_part=last)
+    learned = Mission.from_data(extended, file=mission.file)
+    levels = parameter_levels(learned.posterior.seen) if learned.posterior is not None else ()
+    levels = with_urgency(levels, learned, seed) if wanted.plan and is_new else levels
+    in_doubt = odds(explanations, believed)
+    return replace(result, next_trial=trial, explanations=in_doubt, last_part=last, levels=levels)
 
 
 def _beside_the_draws(found: NextTrial | None, extended: Mapping[str, object]) -> NextTrial | None:

@@ -15,7 +15,7 @@ import numpy as np
 
 from missionplan.arrays import Array
 from missionplan.diagnosis.data_kind import DataKind
-from missionplan.diagnosis.extended_mission import Hypothesis
+from missionplan.diagnosis.hypotheses import Hypothesis
 from missionplan.diagnosis.inference.fitting import fitted
 from missionplan.diagnosis.inference.model import CauseFit, FailedFit
 from missionplan.diagnosis.inference.posterior import CREDIBLE
@@ -214,6 +214,7 @@ def hypotheses(explanations: Sequence[Weighed], found: PipelineResult, scale: fl
             one.bound.carried(fit, scale),
             one.bound.extended_mission(one.bound.carried(fit, scale)),
             one.bound.place,
+            one.bound.date,
         )
         for one, fit, weight in listed
     )

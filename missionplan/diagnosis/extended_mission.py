@@ -3,7 +3,6 @@
 import copy
 import math
 from collections.abc import Collection, Mapping, Sequence
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -11,14 +10,14 @@ from numpy.typing import NDArray
 
 from missionplan.arrays import Array
 from missionplan.diagnosis.given.draws import is_learned, stated_draws
-from missionplan.diagnosis.inference.model import CauseFit
+from missionplan.diagnosis.hypotheses import Hypothesis, seen_after
 from missionplan.effects import CATALOGUE
-from missionplan.mission import Mission
 from missionplan.mission.mission import MOST_LEARNED
 from missionplan.mission.reading.posterior import SIGMA, hash_of
 from missionplan.mission.schema.effect_list import ONE_OF, POSTERIOR
 from missionplan.moments import moment_of
-from missionplan.montecarlo.posterior import NOWHERE, Column, Place, PosteriorFile, WeightedDraws
+from missionplan.montecarlo.posterior import Column, WeightedDraws
+from missionplan.montecarlo.posterior_file import PosteriorFile
 from missionplan.montecarlo.streams import stream
 from missionplan.results.learned.evidence import Causes
 
@@ -28,30 +27,6 @@ LEAST = 2e-3
 """Probability below which a set is left out."""
 LEAST_FACTOR = 1.02
 """Factor below which σ_v is written as a number."""
-
-
-@dataclass(frozen=True)
-class Hypothesis:
-    """What may hold after a diagnosis.
-
-    Attributes
-    ----------
-    probability : float
-    """
-
-    causes: Causes
-    """Effects of the mission's explanation, and those found beyond it."""
-    probability: float
-    before: Mission
-    """Under the explanation."""
-    shown: Causes
-    """The mission's own effects that the data concern."""
-    fit: CauseFit
-    """With what is known of these now, and of the causes."""
-    data: Mapping[str, object]
-    """The mission's data with all that belongs to no effect, and the effects that it had."""
-    place: Place = NOWHERE
-    """Of the data; see `DataKind.place`."""
 
 
 def with_noise(raw: Mapping[str, object], calibration: Mapping[str, float]) -> dict[str, object]:
@@ -107,7 +82,12 @@ def extended_mission(found: Sequence[Hypothesis], identities: Sequence[str] = ()
         epoch = math.nan if start is None else moment_of(start).timestamp()
         summary = _summary(draws, "" if start is None else moment_of(start).isoformat())
         mission[POSTERIOR] = PosteriorFile.of(
-            draws, hash_of(mission.get("learned_from")), summary, epoch, found[0].place
+            draws,
+            hash_of(mission.get("learned_from")),
+            summary,
+            epoch,
+            found[0].place,
+            seen_after(found, hash_of(identities)),
         )
     return mission
 
@@ -176,8 +156,9 @@ def _drawn(each: Hypothesis, count: int, generator: np.random.Generator) -> dict
     learned = each.before.effect_list.learned
     if learned is not None:
         kept = {entry.effect for entry in others if is_learned(entry)} | ({""} if SIGMA not in found else set())
-        picked = _resampled(learned.held.weights, count, generator)
-        found |= {c: learned.held.values[picked, i] for i, c in enumerate(learned.held.columns) if c[0] in kept}
+        held = learned.held_as_seen
+        picked = _resampled(held.weights, count, generator)
+        found |= {c: held.values[picked, i] for i, c in enumerate(held.columns) if c[0] in kept}
     return found
 
 

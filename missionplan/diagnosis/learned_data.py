@@ -1,5 +1,6 @@
 """What a mission has learned from already is not counted again: such legs, dives and runs are left out of data."""
 
+import math
 from collections.abc import Sequence
 from dataclasses import replace
 from typing import TypeVar
@@ -14,6 +15,7 @@ from missionplan.datasets.tank import TankData
 from missionplan.diagnosis.dives.preparation import MIN_DIVES, PreparedDives
 from missionplan.errors import InputError, counted
 from missionplan.mission import Mission
+from missionplan.montecarlo.posterior import NOWHERE
 
 Data = TypeVar("Data", TransitData, PreparedDives, SummaryData, TankData)
 NEW = "that the mission has not learned from"
@@ -53,6 +55,19 @@ def unlearned(data: Data, mission: Mission) -> Data:
     part = data.subset(~known)
     _check_enough(part)
     return replace(part, notices=(*data.notices, words))
+
+
+def as_then(data: Data, mission: Mission, date: float = math.nan) -> Mission:
+    """Return a mission with what it has learned of the vehicle as it was when data were taken.
+
+    Parameters
+    ----------
+    data : TransitData, PreparedDives, SummaryData or TankData
+    mission : Mission
+    date : float
+        Of the data [s since 1970]; nan where it is not known: they are those of the next mission.
+    """
+    return mission.at_place(NOWHERE, None if learned(data, mission).all() else date)
 
 
 def learned(data: TransitData | PreparedDives | SummaryData | TankData, mission: Mission) -> NDArray[np.bool_]:

@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
 from functools import partial
 
 from missionplan.errors import MissionplanError
@@ -9,13 +10,19 @@ from missionplan.mission import Mission
 from missionplan.mission.schema.phases import MoorPhase
 from missionplan.montecarlo.distributions import mean_of
 from missionplan.montecarlo.parallel.mapping import parallel_map
+from missionplan.montecarlo.posterior import NOWHERE
 from missionplan.results.learned.diagnosis import Plan, PlanGain
+from missionplan.results.learned.levels import ParameterLevels
 from missionplan.studies.leg_length.sweep_result import SweepCurve, SweepPoint
 
 Choice = Callable[[Mission, Mission, int, int], PlanGain]
 """Of base and extended mission, seed and processes."""
 
 TRIALS = 1000
+AHEAD = (1, 2, 4, 8, 16)
+"""Missions from now that are simulated to see when a trend matters."""
+TRIALS_AHEAD, MATTERS = 2000, 0.01
+"""Trials of each, and fall of the probability of success from which it does."""
 GRID = {"from": 0.1, "to": 1.0, "points": 10, "of": "distance"}
 """Maximum leg lengths that are tried."""
 
@@ -119,3 +126,17 @@ def _anchor_plan(mission: Mission, weight: float, seed: int) -> Plan:
         "struck_seafloor": found[f"{phase}.struck_seafloor"].value,
         "success": found["total.success"].value,
     }
+
+
+def with_urgency(levels: Sequence[ParameterLevels], mission: Mission, seed: int) -> tuple[ParameterLevels, ...]:
+    """Say of trends in how many missions they cost success, by simulating the mission as the vehicle then is."""
+    from missionplan.studies.simulation.simulate import event_probabilities
+
+    first: float | None = None
+    for ahead in AHEAD if any(each.has_trend for each in levels) else ():
+        then = mission.at_place(NOWHERE, missions=float(ahead))
+        success = event_probabilities(then, trials=TRIALS_AHEAD, seed=seed)["total.success"].value
+        first = success if first is None else first
+        if success < first - MATTERS:
+            return tuple(replace(each, matters_in=ahead) if each.has_trend else each for each in levels)
+    return tuple(levels)

@@ -40,6 +40,8 @@ INFO = EffectInfo(
         remedy="swing it, or enter the correction",
     ),
     sizes="1 to 10°, either sign.",
+    ageing="jumps",
+    upkeep="find what turns the compass further from mission to mission",
     confused_with=("compass-deviation", "mean-current"),
     distinguished_by="Legs on at least three headings.",
     linear=False,

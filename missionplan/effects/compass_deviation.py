@@ -43,6 +43,7 @@ INFO = EffectInfo(
         remedy="swing it all round and enter the table of deviations",
     ),
     sizes="2 to 15° for a compass that was not calibrated (swung).",
+    ageing="jumps",
     confused_with=("compass-bias", "mean-current", "speed-scale"),
     distinguished_by="Legs on headings all round the compass.",
     polar=(("amplitude", "phase"),),

@@ -13,6 +13,7 @@ from missionplan.effects.finding import Finding
 from missionplan.phases.hooks import DescentEffect, TransitEffect
 
 Phase = Literal["transit", "descent", "tank"]
+Ageing = Literal["keeps", "drifts", "jumps"]
 Tier = Literal["physical", "statistical", "neutral"]
 Part = Literal["mean", "covariance"]
 Scatter = Literal["", "release", "drag"]
@@ -218,6 +219,11 @@ class EffectInfo:
     the phases are of time."""
     belongs_to: Literal["vehicle", "place", "day"] = "vehicle"
     """What has it: the vehicle wherever it is, a place in a season, or the weather of some days."""
+    ageing: Ageing = "keeps"
+    """How what the vehicle has goes from mission to mission where its own missions do not tell: it keeps what it has,
+    ``drifts`` as a hull fouls, or ``jumps`` as a compass does that is swung or refitted."""
+    upkeep: str = ""
+    """What to do about a trend."""
     part: Part = "mean"
     """Whether it is diagnosed in the mean of a log's errors or in their covariance. In the covariance it refines
     `fix_variance`, `position_variance_rate` or `tail_dof`, or is a `MarkovProcess`, and its parameters are shapes."""

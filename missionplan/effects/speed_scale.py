@@ -38,6 +38,8 @@ INFO = EffectInfo(
         in_percent=True,
     ),
     sizes="2 to 20 %; either sign.",
+    ageing="drifts",
+    upkeep="clean the hull and the propeller",
     confused_with=("mean-current", "compass-deviation"),
     distinguished_by="Legs in both directions along one line.",
 )

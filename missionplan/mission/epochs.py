@@ -57,7 +57,7 @@ def left_behind(effects: EffectList, learned: Place, here: Place) -> tuple[Effec
     gone = not_handed_on(posterior.draws.effects, learned, here) if posterior is not None else {}
     if posterior is None or not gone:
         return effects, ()
-    draws = posterior.held.without(gone)
+    draws = posterior.held_as_seen.without(gone)
     own = {entry.effect for entry in posterior.entries}
     entries = tuple(entry for entry in effects_of_draws(draws) if entry.effect in own)
     kept = Learned(draws, entries, None if posterior.known is None else 0)

@@ -19,6 +19,7 @@ from missionplan.mission.checks.sections import check_correlations, check_phases
 from missionplan.mission.editing.changes import changed_data
 from missionplan.mission.editing.yaml_text import MissionText, dumped
 from missionplan.mission.epochs import left_behind, turned_draws, turned_effects
+from missionplan.mission.levels import at_date
 from missionplan.mission.quantity_paths import changed, phase_keys
 from missionplan.mission.reading.documents import Document, unprintable_texts
 from missionplan.mission.reading.includes import REMOTE, include_files
@@ -35,7 +36,8 @@ from missionplan.mission.schema.transition import TransitionPhase
 from missionplan.mission.schema.vehicle import EnergyBudget, Vehicle
 from missionplan.montecarlo.distributions import Distribution, mean_of
 from missionplan.montecarlo.draws import Correlation
-from missionplan.montecarlo.posterior import FILE, Place, PosteriorFile
+from missionplan.montecarlo.posterior import Place
+from missionplan.montecarlo.posterior_file import FILE, PosteriorFile
 from missionplan.store.folder import as_path, exists, matching, write_atomically
 
 _New = TypeVar("_New")
@@ -260,13 +262,30 @@ class Mission(FileSection, Generic[V]):
         if posterior is not None:
             effects = effects.having_learned(turned_draws(posterior.draws, start - posterior.epoch, latitude))
         longitude = self.site.origin.longitude if self.site and self.site.origin else math.nan
-        return self.model_copy(update={"effect_list": effects}).at_place((latitude, longitude, start))
+        here = (latitude, longitude, start)
+        return self.model_copy(update={"effect_list": effects}).at_place(here, self.dated(start))
 
-    def at_place(self: "Mission", here: Place) -> "Mission":
-        """Return the mission at a place [rad] and a date: without what was learned too far from there."""
+    def dated(self: "Mission", date: float) -> float:
+        """Return a date that counts from the mission's start; nan where that start was not moved since it learned."""
+        moved = self.posterior is None or self.start is None or self.start.timestamp() != self.posterior.epoch
+        return date if moved else math.nan
+
+    def at_place(self: "Mission", here: Place, ahead: float | None = math.nan, missions: float = 1.0) -> "Mission":
+        """Return the mission at a place [rad] and a date: without what was learned too far from there.
+
+        Parameters
+        ----------
+        here : tuple of float
+            Latitude, longitude [rad] and date [s since 1970].
+        ahead : float, optional
+            Date to which the vehicle has aged; nan: as it is in its next mission; None: as in the last record.
+        missions : float
+            Instead of the next one, of such a date.
+        """
         if self.posterior is None:
             return self
         effects, words = left_behind(self.effect_list, self.posterior.place, here)
+        effects = at_date(effects, self.posterior.seen, ahead, missions)
         moved = self.model_copy(update={"effect_list": effects})
         moved._unusual = (*self._unusual, *words)
         return moved

@@ -20,7 +20,7 @@ import yaml
 
 from missionplan.errors import InputError, Problem, did_you_mean, shown
 from missionplan.identity import Identity
-from missionplan.montecarlo.posterior import FILE, PosteriorFile
+from missionplan.montecarlo.posterior_file import FILE, PosteriorFile
 from missionplan.packages import how_to_install
 from missionplan.rendering import Plot, presenter, render
 from missionplan.results.checked_range import ROWS_OF_COMMAND, CheckedRange

@@ -45,7 +45,7 @@ def test_an_ambiguous_verdict_is_carried_as_draws(ambiguous, tmp_path):
     found, _ = ambiguous
     assert found.verdict == "ambiguous"
     folder = found.save(tmp_path / "report")
-    draws = load(folder / "mission.yaml").effect_list.learned.draws
+    draws = load(folder / "mission.yaml").effect_list.learned.as_seen
     assert {("speed-scale",), ("mean-current",)} <= set(draws.sets)
     named = {each.causes: each.probability for each in found.explanations if each.causes}
     told = shares(found.extended)

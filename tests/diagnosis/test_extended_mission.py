@@ -8,7 +8,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from missionplan.diagnosis.coordinates import SIGMA_V, JointPosterior, coordinates_of
-from missionplan.diagnosis.extended_mission import Hypothesis, extended_mission
+from missionplan.diagnosis.extended_mission import extended_mission
+from missionplan.diagnosis.hypotheses import Hypothesis
 from missionplan.diagnosis.inference.model import CauseFit
 from missionplan.effects import CATALOGUE
 from missionplan.mission import Mission, load

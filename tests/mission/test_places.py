@@ -9,7 +9,8 @@ from conftest import TRANSIT
 from missionplan.mission import Mission
 from missionplan.mission.epochs import not_handed_on
 from missionplan.mission.reading.posterior import hash_of
-from missionplan.montecarlo.posterior import PosteriorFile, WeightedDraws
+from missionplan.montecarlo.posterior import WeightedDraws
+from missionplan.montecarlo.posterior_file import PosteriorFile
 
 HERE = (np.radians(37.0), np.radians(-76.0), 1.78e9)
 ALL = ("compass-bias", "mean-current", "tidal-current", "inertial-current", "persistent-error")

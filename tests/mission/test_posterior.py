@@ -11,7 +11,8 @@ import missionplan
 from missionplan.errors import InputError
 from missionplan.mission import Mission
 from missionplan.mission.reading.posterior import SIGMA, hash_of
-from missionplan.montecarlo.posterior import DamagedPosteriorError, PosteriorFile, WeightedDraws
+from missionplan.montecarlo.posterior import WeightedDraws
+from missionplan.montecarlo.posterior_file import DamagedPosteriorError, PosteriorFile
 from missionplan.montecarlo.streams import stream
 from missionplan.scenario.scenario import Scenario
 

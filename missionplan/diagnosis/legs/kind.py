@@ -16,7 +16,7 @@ from missionplan.diagnosis.data_kind import DataKind
 from missionplan.diagnosis.forecast_error import forecast_effect, has_forecast_error, with_forecast_error
 from missionplan.diagnosis.given.effects import GivenEffect
 from missionplan.diagnosis.inference.model import CauseFit
-from missionplan.diagnosis.learned_data import unlearned
+from missionplan.diagnosis.learned_data import as_then, unlearned
 from missionplan.diagnosis.legs.aliases import aliases
 from missionplan.diagnosis.legs.constancy import not_constant
 from missionplan.diagnosis.legs.extended_mission import extended_transit_mission, widened
@@ -44,6 +44,12 @@ def place_of(data: TransitData, mission: Mission) -> Place:
     return float(latitude), float(longitude), date
 
 
+def date_of(data: TransitData, mission: Mission) -> float:
+    """Date of the middle of a log [s since 1970]; nan where neither it nor a start of its own tells."""
+    date = place_of(data, mission)[2]
+    return date if data.epoch is not None else mission.dated(date)
+
+
 @dataclass(frozen=True)
 class TransitKind(DataKind):
     """Legs between fixes."""
@@ -59,7 +65,7 @@ class TransitKind(DataKind):
     def bind(cls, kind: str, folder: Path, mission: Mission, seed: int) -> Self:
         """Read the legs and bind the mission's first transit to them."""
         data = unlearned(read_transit(folder, mission), mission)
-        here = mission.at_place(place_of(data, mission))
+        here = as_then(data, mission.at_place(place_of(data, mission)), date_of(data, mission))
         left = [notice for notice in here.notices() if notice not in mission.notices()]
         model = transit_model(replace(data, notices=(*data.notices, *left)), here, seed)
         return cls(kind, here, model.data, model)
@@ -68,6 +74,11 @@ class TransitKind(DataKind):
     def place(self) -> Place:
         """Middle of the legs, and its date."""
         return place_of(self.data, self.mission)
+
+    @property
+    def date(self) -> float:
+        """Of the middle of the legs."""
+        return date_of(self.data, self.mission)
 
     @property
     def model_coordinates(self) -> Sequence[Coordinate]:

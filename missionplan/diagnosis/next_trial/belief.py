@@ -10,7 +10,8 @@ from missionplan.arrays import Array
 from missionplan.diagnosis.coordinates import Coordinate
 from missionplan.diagnosis.data_kind import DataKind
 from missionplan.diagnosis.explanations import Weighed, possible_fits
-from missionplan.diagnosis.extended_mission import Hypothesis, extended_mission
+from missionplan.diagnosis.extended_mission import extended_mission
+from missionplan.diagnosis.hypotheses import Hypothesis
 from missionplan.diagnosis.inference.model import CauseFit
 from missionplan.diagnosis.inference.trials.prediction import Explanation
 from missionplan.diagnosis.pipeline import PipelineResult

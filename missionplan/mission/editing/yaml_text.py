@@ -11,7 +11,7 @@ from pathlib import Path
 import yaml
 
 from missionplan.mission.reading.documents import Document
-from missionplan.montecarlo.posterior import PosteriorFile
+from missionplan.montecarlo.posterior_file import PosteriorFile
 
 _WIDTH = 110
 """Longest line of a value that is written in braces."""

@@ -7,7 +7,7 @@ from typing import Any
 from missionplan.errors import InputError, KeyPath, Problem, did_you_mean, shown
 from missionplan.mission.reading.documents import Document, load_document, nearest_file
 from missionplan.mission.reading.posterior import WITHOUT, problem_of_section, read_posterior
-from missionplan.montecarlo.posterior import DamagedPosteriorError, PosteriorFile
+from missionplan.montecarlo.posterior_file import DamagedPosteriorError, PosteriorFile
 from missionplan.store.folder import is_file, matching, real_path
 
 CLASSES = Path(__file__).parents[2] / "starter" / "reliability"

@@ -6,7 +6,7 @@ from pathlib import Path
 from missionplan.effects import CATALOGUE
 from missionplan.errors import KeyPath, did_you_mean, shown
 from missionplan.mission.schema.section import invalid
-from missionplan.montecarlo.posterior import MOST_BYTES, DamagedPosteriorError, PosteriorFile, sha256
+from missionplan.montecarlo.posterior_file import MOST_BYTES, DamagedPosteriorError, PosteriorFile, sha256
 
 KEYS = ("file", "sha256", "summary")
 SIGMA = ("", "sigma_v")
@@ -52,11 +52,7 @@ def read_posterior(path: Path, section: Mapping[str, object], learned_from: obje
     DamagedPosteriorError
         When it is damaged, beyond bounds, or not the one that the mission names.
     """
-    try:
-        with path.open("rb") as stream:
-            content = stream.read(MOST_BYTES + 1)
-    except OSError as error:
-        raise DamagedPosteriorError(f"cannot be read: {error.strerror or error}") from error
+    content = _content(path)
     own = sha256(content)
     if own != section["sha256"]:
         raise DamagedPosteriorError(
@@ -71,6 +67,31 @@ def read_posterior(path: Path, section: Mapping[str, object], learned_from: obje
             "has another summary, which is for reading alone: an effect stated in `effects` goes before the draws"
         )
     return found
+
+
+def read_draws(path: Path) -> PosteriorFile:
+    """Read a file of draws by itself.
+
+    Raises
+    ------
+    DamagedPosteriorError
+        When it cannot be read or is none.
+    """
+    return PosteriorFile(_content(path))
+
+
+def _content(path: Path) -> bytes:
+    """Read no more of a file than a posterior may have.
+
+    Raises
+    ------
+    DamagedPosteriorError
+    """
+    try:
+        with path.open("rb") as stream:
+            return stream.read(MOST_BYTES + 1)
+    except OSError as error:
+        raise DamagedPosteriorError(f"cannot be read: {error.strerror or error}") from error
 
 
 def hash_of(learned_from: object) -> str:

@@ -159,8 +159,15 @@ class Learned(Generic[V]):
     """Number of the set that is taken to hold; None: it is drawn."""
     drawn: V | None = None
     """Number of the set that holds, once it is drawn, shape (n,)."""
+    unaged: WeightedDraws | None = None
+    """The draws as of the last record, where `draws` are of another date."""
 
     place = POSTERIOR
+
+    @property
+    def as_seen(self) -> WeightedDraws:
+        """Draws as of the last record, of all sets."""
+        return self.draws if self.unaged is None else self.unaged
 
     @property
     def which(self) -> V:
@@ -204,6 +211,11 @@ class Learned(Generic[V]):
     def held(self) -> WeightedDraws:
         """Its draws: those of the set that is known to hold, else all."""
         return self.draws if self.known is None else self.draws.of_set(self.known)
+
+    @property
+    def held_as_seen(self) -> WeightedDraws:
+        """Likewise, as of the last record."""
+        return self.as_seen if self.known is None else self.as_seen.of_set(self.known)
 
     def correlations(self) -> Iterator[Correlation]:
         """Yield none: draws are joint as they are."""

@@ -72,13 +72,14 @@ def _clause(cause: str, found: tuple[ParameterEstimate, ...], *, is_order: bool)
     limit = info.likeness
     if limit is not None and limit.parameter in mine and abs(mine[limit.parameter].value) > limit.size:
         return ""
-    words = _sized_clause(finding, mine)
+    words = sized_clause(finding, mine)
     if info.tier == "neutral":
         return f"{words}: no effect that I know does that"
     return f"{words}: {finding.remedy}" if words and finding.remedy and is_order else words
 
 
-def _sized_clause(finding: Finding, mine: Mapping[str, ParameterEstimate]) -> str:
+def sized_clause(finding: Finding, mine: Mapping[str, ParameterEstimate]) -> str:
+    """Write the clause of a finding with its size, by the parameters of its effect; empty where they lack it."""
     if not finding.parameter:
         return finding.positive
     estimate = mine.get(finding.parameter)

@@ -28,6 +28,7 @@ from missionplan.report.diagnosis.plan import (
     plan_section,
     plan_words,
 )
+from missionplan.report.levels import trends_in_words
 from missionplan.report.page import Block, Drawing, Page, PageSection, Table, Terminal
 from missionplan.report.scoring import dataset_sections, told
 from missionplan.results.learned.diagnosis import Diagnosis
@@ -120,7 +121,8 @@ def answer(diagnosis: Diagnosis) -> str:
     verdict = " ".join(
         filter(None, (_verdict_words(diagnosis), intervals_that_miss(diagnosis.coverage), diagnosis.misfit))
     )
-    return f"{found} {verdict}{last_part_words(diagnosis)}".strip()
+    aged = "".join(f" {words}" for words in trends_in_words(diagnosis.levels))
+    return f"{found} {verdict}{aged}{last_part_words(diagnosis)}".strip()
 
 
 def _verdict_words(diagnosis: Diagnosis) -> str:

@@ -19,6 +19,7 @@ from missionplan.results.learned.evidence import (
     Readings,
     Verdict,
 )
+from missionplan.results.learned.levels import ParameterLevels
 from missionplan.results.learned.next_trial import NextTrial
 from missionplan.results.score import DatasetScore
 
@@ -130,6 +131,9 @@ class Diagnosis(Result):
     readings: Readings = field(default_factory=Readings)
     """What else the posterior says."""
 
+    levels: tuple[ParameterLevels, ...] = ()
+    """How what the vehicle has went from mission to mission, as the extended mission has learned it."""
+
     @property
     def best(self) -> RankedSet | None:
         """The claimed set's entry; the first of the ranking where nothing is claimed; None without any."""
@@ -172,6 +176,7 @@ class Diagnosis(Result):
             "failures": dict(self.failures),
             "extended_mission": "mission.yaml",
             "confirmed": self._confirmed_summary(),
+            "levels": [each.summary() for each in self.levels],
             "explanations": [each.summary() for each in self.explanations],
             "changed": bool(self.changed),
             "changed_effects": list(self.changed),

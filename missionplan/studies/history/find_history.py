@@ -12,11 +12,16 @@ from missionplan.errors import InputError, Problem
 from missionplan.identity import differences, digest_of, program_part
 from missionplan.mission import Mission, MissionOrPath, as_mission
 from missionplan.mission.reading.documents import load_document, read_text
+from missionplan.mission.reading.posterior import hash_of, read_draws
 from missionplan.moments import moment_of
+from missionplan.montecarlo.levels import Seen
+from missionplan.montecarlo.posterior_file import FILE, DamagedPosteriorError
 from missionplan.results.base import Provenance
 from missionplan.results.entries import mapping, mappings, real
+from missionplan.results.learned.levels import ParameterLevels
 from missionplan.store.folder import as_path
 from missionplan.studies.history.failure_rates import Row, rates_file, read_counts, updated_rates
+from missionplan.studies.history.levels import parameter_levels
 from missionplan.studies.history.result import History, Learned, State
 
 MAX_BYTES = 20_000_000
@@ -31,6 +36,8 @@ class _Report:
     place: str
     summary: Mapping[str, object]
     start: str
+    seen: tuple[Seen, ...] = ()
+    """What its mission has seen of levels."""
 
     @property
     def learned_from(self) -> frozenset[str] | None:
@@ -77,7 +84,14 @@ def history(folder: str | Path, *, mission: MissionOrPath | None = None) -> Hist
     provenance = replace(_provenance(root, reports, rows, planned), notices=told, elapsed_s=time.perf_counter() - began)
     known = {report.place: report.learned_from or frozenset() for report in reports}
     written = rates_file(rates, planned) if rates else ""
-    return History(provenance, tuple(known), tuple(_with_jumps(entries, known)), by_start, rates, written)
+    levels = _levels(reports)
+    return History(provenance, tuple(known), tuple(_with_jumps(entries, known)), by_start, levels, rates, written)
+
+
+def _levels(reports: Sequence[_Report]) -> tuple[ParameterLevels, ...]:
+    """Levels by all that the draws of reports have seen, each record once."""
+    names = {hash_of(report.summary.get("learned_from")): report.place for report in reports}
+    return parameter_levels([each for report in reports for each in report.seen], names)
 
 
 def _provenance(root: Path, reports: Sequence[_Report], rows: Sequence[Row], planned: Mission | None) -> Provenance:
@@ -173,7 +187,24 @@ def _read(place: Path, root: Path) -> _Report | None:
     if not isinstance(summary, dict) or not isinstance(summary.get("ranking"), list) or not _can_be_told(summary):
         raise InputError([Problem("is not the summary of a diagnosis", str(file))])
     mission = load_document(place / "mission.yaml").data if (place / "mission.yaml").is_file() else {}
-    return _Report(place.relative_to(root).as_posix(), summary, str(mapping(mission).get("start") or ""))
+    start = str(mapping(mission).get("start") or "")
+    return _Report(place.relative_to(root).as_posix(), summary, start, _seen(place / FILE))
+
+
+def _seen(file: Path) -> tuple[Seen, ...]:
+    """Read what a report's draws have seen of levels; nothing where there are none.
+
+    Raises
+    ------
+    InputError
+        When they are damaged.
+    """
+    if not file.is_file():
+        return ()
+    try:
+        return read_draws(file).seen
+    except DamagedPosteriorError as error:
+        raise InputError([Problem(str(error), str(file))]) from error
 
 
 def _can_be_told(summary: Mapping[str, object]) -> bool:

@@ -8,6 +8,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure as MatplotlibFigure
 
 from missionplan.errors import InputError, Problem, did_you_mean, shown
+from missionplan.report.levels import jumps_in_words, trends_in_words
 from missionplan.report.page import BLUE, GREY, ORANGE, Drawing, Figure, Page, PageSection, Table, Terminal, to_figure
 from missionplan.report.quantities import Unit, reader_unit
 from missionplan.report.wording import capitalised, parameter_in_words
@@ -55,7 +56,8 @@ def terminal(history: History) -> Terminal:
 
 def answer(history: History) -> str:
     """Say how many diagnoses there are, what changed last, and what held still; and what fails how often."""
-    told = [_rate_in_words(rate) for rate in history.rates]
+    told = [*trends_in_words(history.levels), *jumps_in_words(history.levels)]
+    told += [_rate_in_words(rate) for rate in history.rates]
     return " ".join([*([_learned_in_words(history)] if history.reports else []), *told]) or "Nothing new was counted."
 
 

@@ -7,6 +7,7 @@ import pandas as pd
 
 from missionplan.results.base import Provenance, Result, to_csv, to_json
 from missionplan.results.entries import Entry, Record, stated
+from missionplan.results.learned.levels import ParameterLevels
 
 State = Literal["found", "confirmed", "changed"]
 """Whether a parameter is new to the mission, as the mission knew it, or not so."""
@@ -107,6 +108,7 @@ class History(Result):
     """In the order of time."""
     by_start: bool
     """Whether times are those of the missions' starts, not those at which the reports were made."""
+    levels: Annotated[tuple[ParameterLevels, ...], Entry("how parameters of the vehicle go", optional=True)] = ()
     rates: Annotated[tuple[FailureRate, ...], Entry("failure rates, where the folder has counts", optional=True)] = ()
     rates_file: str = ""
     """`reliability.yaml`; empty without counts."""

@@ -1,0 +1,161 @@
+"""Levels of what a vehicle has at a mission's date: draws that a posterior holds, drifted since its last record."""
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from missionplan.arrays import Array
+from missionplan.effects import CATALOGUE
+from missionplan.mission.schema.effect_list import EffectEntry, EffectList, Learned, effects_of_draws
+from missionplan.montecarlo.levels import MOST, Ageing, LevelKey, Levels, Measured, Seen, in_missions, levels
+from missionplan.montecarlo.posterior import WeightedDraws
+
+IS_JUMP: Mapping[str, float] = {"keeps": 0.04, "drifts": 0.04, "jumps": 0.07}
+IS_TREND: Mapping[str, float] = {"keeps": 0.15, "drifts": 0.4, "jumps": 0.15}
+"""Probabilities that a mission jumps, and that there is a trend, by how an effect ages."""
+TREND, WALK = 0.15, 0.1
+"""Standard deviations of the change a mission by a trend and by a walk, over those of the usual sizes of the effect."""
+LEAST_SPREAD = 0.5
+"""Standard deviation of draws at another date, over that of the draws, at least."""
+
+
+def has_level(key: LevelKey) -> bool:
+    """Whether a coordinate is a level of the vehicle's: a strength of a physical effect that lasts beyond a record."""
+    info = CATALOGUE.get(key[0])
+    if info is None or key[2] == "shape" or info.belongs_to != "vehicle" or info.tier != "physical":
+        return False
+    within = any(parameter.searched == "time" for parameter in info.parameters.values())
+    return not within and info.parameters[key[1]].spike > 0.0
+
+
+def ageing_of(key: LevelKey) -> Ageing:
+    """How a level goes from mission to mission, by the kind of its effect and its usual sizes."""
+    info = CATALOGUE[key[0]]
+    parameter = info.parameters[key[1]]
+    size = parameter.scale
+    chances = IS_TREND[info.ageing], IS_JUMP[info.ageing]
+    return Ageing(TREND * size, WALK * size, parameter.spike, size, *chances)
+
+
+@dataclass(frozen=True)
+class Series:
+    """What records have told of one level, in the order of time."""
+
+    of: LevelKey
+    records: tuple[Seen, ...]
+    first: float
+    """Mean of the level before the first record."""
+    first_sd: float
+
+    def levels(self, ahead: float = math.nan, missions: float = 1.0) -> tuple[Levels, float]:
+        """Return the level at any time in missions, and the time of a mission ahead; parameters as of `at_date`."""
+        last = self.records[-MOST:]
+        times, then = in_missions([each.date for each in last], ahead, missions)
+        measured = Measured(
+            times,
+            np.array([each.value for each in last]),
+            np.array([each.sd for each in last]),
+            self.first,
+            self.first_sd,
+        )
+        return levels(measured, ageing_of(self.of)), then
+
+
+def series_of(seen: Sequence[Seen]) -> dict[LevelKey, Series]:
+    """Return what records have told of each level: each once, by their dates where all have one, else as they came."""
+    found = {}
+    for key in dict.fromkeys(each.of for each in seen):
+        own = [each for each in seen if each.of == key]
+        records = list({each.record: each for each in own if each.record}.values())
+        if all(math.isfinite(each.date) for each in records):
+            records.sort(key=lambda each: each.date)
+        if records and has_level(key):
+            before = next((each for each in own if not each.record), None)
+            usual = CATALOGUE[key[0]].parameters[key[1]].scale
+            first, sd = (0.0, usual) if before is None else (before.value, before.sd)
+            found[key] = Series(key, tuple(records), first, sd)
+    return found
+
+
+def at_date(effects: EffectList, seen: Sequence[Seen], ahead: float | None, missions: float = 1.0) -> EffectList:
+    """Return effects with what was learned of the vehicle as it will be at a date.
+
+    Parameters
+    ----------
+    effects : EffectList
+    seen : sequence of Seen
+        What the draws come from.
+    ahead : float, optional
+        Date [s since 1970]; nan: of the next mission; None: of the last record.
+    missions : float
+        From the last record to a date that is not known.
+    """
+    learned = effects.learned
+    if learned is None:
+        return effects
+    own = learned.as_seen
+    draws = own if ahead is None else drifted(own, seen, ahead, missions)
+    stated = {entry.effect for entry in learned.entries}
+    entries: tuple[EffectEntry, ...] = tuple(each for each in effects_of_draws(draws) if each.effect in stated)
+    moved: Learned = Learned(draws, entries, unaged=own)
+    moved = moved if learned.known is None else moved.knowing(learned.known)
+    return EffectList(tuple(moved if item is learned else item for item in effects.items))
+
+
+def drifted(draws: WeightedDraws, seen: Sequence[Seen], ahead: float, missions: float = 1.0) -> WeightedDraws:
+    """Return draws at a date: moved and widened as the levels since the last record.
+
+    Within each set of effects a level keeps the form of its draws, and what ties it to others.
+
+    Parameters as of `at_date`.
+    """
+    columns = {column: draws.values[:, index].copy() for index, column in enumerate(draws.columns)}
+    for key, series in series_of(seen).items():
+        if (key[0], key[1]) not in columns:
+            continue
+        found, then = series.levels(ahead, missions)
+        mean, sd = found.at(np.array([found.measured.times[-1], then]))
+        shift, added = float(mean[1] - mean[0]), float(sd[1] ** 2 - sd[0] ** 2)
+        for number in range(len(draws.sets)):
+            rows = np.flatnonzero((draws.which == number) & np.isfinite(columns[key[0], key[1]]))
+            if len(rows):
+                _move(columns, key, rows, draws.weights[rows], shift, added)
+    values = np.stack([_inside(column, columns[column]) for column in draws.columns], axis=1)
+    return replace(draws, values=values)
+
+
+def _move(
+    columns: dict[tuple[str, str], Array],
+    key: LevelKey,
+    rows: NDArray[np.int_],
+    weights: Array,
+    shift: float,
+    added: float,
+) -> None:
+    """Move and widen one coordinate of some draws, by the shift of its mean and the variance that is added."""
+    effect, name, kind = key
+    size, shares = columns[effect, name][rows], weights / weights.sum()
+    phase = dict(CATALOGUE[effect].polar).get(name)
+    turn = columns[effect, phase][rows] if phase is not None else np.zeros(len(rows))
+    pair = np.stack([size * np.cos(turn), size * np.sin(turn)])
+    own = pair[int(kind == "sine")] if phase is not None else size
+    mean = float(shares @ own)
+    variance = float(shares @ np.square(own - mean))
+    factor = math.sqrt(max(1.0 + added / variance, LEAST_SPREAD**2)) if variance > 0.0 else 1.0
+    moved = mean + shift + factor * (own - mean)
+    if phase is None:
+        columns[effect, name][rows] = moved
+        return
+    pair[int(kind == "sine")] = moved
+    columns[effect, name][rows], columns[effect, phase][rows] = np.hypot(*pair), np.arctan2(pair[1], pair[0])
+
+
+def _inside(column: tuple[str, str], values: Array) -> Array:
+    """Values cut to the range of their parameter."""
+    if not column[0]:
+        return values
+    parameter = CATALOGUE[column[0]].parameters[column[1]]
+    return np.asarray(np.clip(values, parameter.low, parameter.high))

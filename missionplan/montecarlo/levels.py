@@ -1,0 +1,296 @@
+"""Levels of a vehicle's parameter from mission to mission, which drift, jump and are drawn anew, from measurements.
+
+The value in mission i, at the time tᵢ counted in missions, is
+
+> vᵢ = first level + trend·(tᵢ − t₀) + walk(tᵢ) + jumps up to i + what mission i has of its own,
+
+all of it normal, and a measurement is vᵢ with an error. Which missions jump, whether there is a trend, and the sizes of
+the walk and of what is drawn anew are weighed by their evidence, and all that is told is a mean over them: a mixture
+of linear Gaussian models (Harrison & Stevens 1976, *J. R. Stat. Soc. B* 38, 205–247).
+"""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from itertools import product
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.special import ndtr
+
+from missionplan.arrays import Array
+
+MOST = 24
+"""Measurements that tell of a level, the last."""
+MOST_JUMPS, KEPT, APART = 3, 8, 9.0
+"""Jumps of a history, sets of jumps to which a further one is added, and nats below the best beyond which none is."""
+REDRAWN = ((0.0, 0.7), (3.5, 0.15), (12.0, 0.15))
+"""Sizes of what a mission has of its own beyond the usual, over the usual one, and their prior probabilities."""
+WALKS = ((0.0, 0.9), (1.0, 0.1))
+"""Likewise of the walk."""
+LevelKey = tuple[str, str, str]
+"""Effect, parameter (of a polar pair the amplitude) and kind of coordinate."""
+
+
+@dataclass(frozen=True)
+class Ageing:
+    """How the levels of a kind of parameter go from mission to mission, before its own missions tell.
+
+    Attributes
+    ----------
+    trend, walk : float
+        Standard deviation of the change a mission where there is a trend, and of that of a walk.
+    """
+
+    trend: float
+    walk: float
+    redrawn: float
+    """Usual standard deviation of what each mission has of its own, which the errors of measurements hold."""
+    jump: float
+    """Standard deviation of a jump."""
+    is_trend: float
+    """Probability that there is a trend."""
+    is_jump: float
+    """Probability that a mission jumps."""
+
+
+@dataclass(frozen=True)
+class Seen:
+    """What one record tells of a level by itself, or what was known of it before the first.
+
+    Attributes
+    ----------
+    value, sd : float
+    """
+
+    of: LevelKey
+    record: str
+    """Hash of its legs, dives or runs; empty for what was known before the first."""
+    date: float
+    """Of the record [s since 1970]; nan where it is not known."""
+    value: float
+    sd: float
+
+
+@dataclass(frozen=True)
+class Measured:
+    """Measurements of a level, n of them.
+
+    Attributes
+    ----------
+    times : array, shape (n,)
+        Counted in missions, ascending.
+    values, sds : array, shape (n,)
+    first, first_sd : float
+        Mean and standard deviation of the level of the first, before its measurement.
+    """
+
+    times: Array
+    values: Array
+    sds: Array
+    first: float
+    first_sd: float
+
+
+@dataclass(frozen=True)
+class _Models:
+    """Linear Gaussian models that were weighed, m of them.
+
+    Attributes
+    ----------
+    log_weights : array, shape (m,)
+    """
+
+    log_weights: Array
+    variances: Array
+    """Of what is drawn anew, of a walk and of a trend, shape (3, m)."""
+    jumps: NDArray[np.bool_]
+    """At which measurement each jumps, shape (m, n)."""
+
+    @property
+    def redrawn(self) -> Array:
+        """Variance of what is drawn anew, shape (m,)."""
+        return np.asarray(self.variances[0])
+
+    @property
+    def walk(self) -> Array:
+        """Variance of a walk in one mission, shape (m,)."""
+        return np.asarray(self.variances[1])
+
+    @property
+    def trend(self) -> Array:
+        """Variance of a trend, shape (m,)."""
+        return np.asarray(self.variances[2])
+
+    @property
+    def likely(self) -> "_Models":
+        """Those that are not far below the best."""
+        own = self.log_weights > self.log_weights.max() - APART
+        return _Models(self.log_weights[own], self.variances[:, own], self.jumps[own])
+
+
+@dataclass(frozen=True)
+class Levels:
+    """What is known of a level at any time, after its measurements."""
+
+    measured: Measured
+    ageing: Ageing
+    models: _Models
+
+    @property
+    def weights(self) -> Array:
+        """Probabilities of the models, shape (m,)."""
+        shares = np.exp(self.models.log_weights - self.models.log_weights.max())
+        return np.asarray(shares / shares.sum())
+
+    @cached_property
+    def _inverse(self) -> Array:
+        own, variance = self.measured, np.square(self.measured.sds)
+        together = _covariance(own.times, own.times, own, self.ageing, self.models)
+        return np.asarray(np.linalg.inv(together + _diagonal(self.models.redrawn, variance)))
+
+    def under_each(self, times: Array) -> tuple[Array, Array]:
+        """Mean and variance of the value at times under each model, (m, q) each.
+
+        At the time of a measurement it is the value that was measured, else that of a mission yet unseen.
+        """
+        own = self.measured
+        across = _covariance(times, own.times, own, self.ageing, self.models)
+        across = across + self.models.redrawn[:, None, None] * (times[:, None] == own.times)
+        gain = across @ self._inverse
+        mean = own.first + gain @ (own.values - own.first)
+        before = _covariance(times, times, own, self.ageing, self.models)
+        alone = np.diagonal(before, axis1=1, axis2=2) + self.models.redrawn[:, None]
+        return np.asarray(mean), np.asarray(np.maximum(alone - np.sum(gain * across, axis=2), 1e-300))
+
+    def at(self, times: Array) -> tuple[Array, Array]:
+        """Mean and standard deviation of the value at times, shape (q,) each."""
+        mean, variance = self.under_each(times)
+        return _mixed(self.weights, mean, variance)
+
+    def log_density(self, time: float, value: float, sd: float = 0.0) -> float:
+        """Log density of a measurement to come, with its error."""
+        mean, variance = (each[:, 0] for each in self.under_each(np.array([time])))
+        spread = variance + sd * sd
+        logs = np.log(self.weights) - 0.5 * (np.square(value - mean) / spread + np.log(2.0 * np.pi * spread))
+        return float(np.logaddexp.reduce(logs))
+
+    @property
+    def jumps(self) -> Array:
+        """Probability that the level jumped between each measurement and the one before, shape (n,)."""
+        return np.asarray(self.weights @ self.models.jumps)
+
+    @property
+    def trend(self) -> tuple[float, float, float]:
+        """Trend a mission, its standard deviation, and the probability that there is one of this sign."""
+        own, models = self.measured, self.models
+        since = own.times - own.times[0]
+        gain = np.einsum("m,j,mjk->mk", models.trend, since, self._inverse)
+        means = gain @ (own.values - own.first)
+        variances = np.maximum(models.trend * (1.0 - gain @ since), 0.0)
+        held = models.trend > 0.0
+        share = self.weights * held
+        if not share.sum() > 0.0:
+            return 0.0, 0.0, 0.0
+        mean, sd = _mixed(share / share.sum(), means[:, None], variances[:, None])
+        side = math.copysign(1.0, mean[0])
+        towards = ndtr(side * means[held] / np.sqrt(np.maximum(variances[held], 1e-300)))
+        return float(mean[0]), float(sd[0]), float(share[held] @ towards)
+
+
+def levels(measured: Measured, ageing: Ageing) -> Levels:
+    """Weigh all ways in which a level may have gone, given its measurements."""
+    n = len(measured.times)
+    sets, found = np.zeros((1, n), dtype=bool), [_weighed(measured, ageing, np.zeros((1, n), dtype=bool))]
+    for _ in range(min(MOST_JUMPS, n - 1) if ageing.is_jump > 0.0 else 0):
+        sets = _with_one_more(_likeliest(found[-1], sets))
+        if not len(sets):
+            break
+        found.append(_weighed(measured, ageing, sets))
+        if found[-1].log_weights.max() < max(each.log_weights.max() for each in found) - APART:
+            break
+    models = _Models(
+        np.concatenate([each.log_weights for each in found]),
+        np.concatenate([each.variances for each in found], axis=1),
+        np.concatenate([each.jumps for each in found]),
+    )
+    return Levels(measured, ageing, models.likely)
+
+
+def _weighed(measured: Measured, ageing: Ageing, sets: NDArray[np.bool_]) -> _Models:
+    """Weigh each set of jumps, (c, n), under each law of trend, walk and what is drawn anew."""
+    trends = ((0.0, 1.0 - ageing.is_trend), (1.0, ageing.is_trend))
+    laws = [law for law in product(REDRAWN, WALKS, trends) if all(share > 0.0 for _, share in law)]
+    sizes = np.array([[size for size, _ in law] for law in laws])
+    priors = np.log([math.prod(share for _, share in law) for law in laws])
+    variances = np.square(sizes * [ageing.redrawn, ageing.walk, ageing.trend]).T
+    count, n = len(laws), sets.shape[1]
+    jumped = sets.sum(axis=1)
+    if ageing.is_jump > 0.0:
+        chances = jumped * math.log(ageing.is_jump) + (n - 1 - jumped) * math.log1p(-ageing.is_jump)
+    else:
+        chances = np.zeros(len(sets))
+    log_priors = np.repeat(chances, count) + np.tile(priors, len(sets))
+    each = _Models(log_priors, np.tile(variances, len(sets)), np.repeat(sets, count, axis=0))
+    together = _covariance(measured.times, measured.times, measured, ageing, each)
+    factor = np.linalg.cholesky(together + _diagonal(each.redrawn, np.square(measured.sds)))
+    white = np.linalg.solve(factor, np.broadcast_to((measured.values - measured.first)[:, None], (len(factor), n, 1)))
+    logs = np.log(np.diagonal(factor, axis1=1, axis2=2)).sum(axis=1)
+    evidence = -0.5 * np.square(white).sum(axis=(1, 2)) - logs
+    return _Models(log_priors + evidence, each.variances, each.jumps)
+
+
+def _covariance(first: Array, second: Array, measured: Measured, ageing: Ageing, models: _Models) -> Array:
+    """Covariance of the levels at times, without what each mission has of its own, shape (m, p, q)."""
+    since = [each - measured.times[0] for each in (first, second)]
+    product_of, least = np.multiply.outer(*since), np.maximum(np.minimum.outer(*since), 0.0)
+    # a level before the first measurement walks backwards from it
+    both = np.minimum.outer(*(-each for each in since))
+    least = least + np.maximum(both, 0.0)
+    after = [(each[:, None] >= measured.times).astype(float) for each in (first, second)]
+    steps = np.einsum("pn,mn,qn->mpq", after[0], models.jumps.astype(float), after[1])
+    walked = models.walk[:, None, None] * least + models.trend[:, None, None] * product_of
+    return np.asarray(measured.first_sd**2 + walked + ageing.jump**2 * steps)
+
+
+def _diagonal(redrawn: Array, variance: Array) -> Array:
+    """Variances of what is drawn anew and of the errors as matrices, shape (m, n, n)."""
+    return np.asarray((redrawn[:, None] + variance)[:, :, None] * np.eye(len(variance)))
+
+
+def _likeliest(models: _Models, sets: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    """The likeliest of the sets of jumps that were weighed last."""
+    logs = np.logaddexp.reduce(models.log_weights.reshape(len(sets), -1), axis=1)
+    return np.asarray(sets[np.argsort(-logs)[:KEPT]])
+
+
+def _with_one_more(sets: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    """Every set with one further jump, each once; the first measurement has none before it."""
+    n = sets.shape[1]
+    more = [own | (np.arange(n) == place) for own in sets for place in range(1, n) if not own[place]]
+    return np.unique(np.array(more, dtype=bool).reshape(-1, n), axis=0)
+
+
+def _mixed(weights: Array, means: Array, variances: Array) -> tuple[Array, Array]:
+    """Mean and standard deviation of a mixture, from (m,), (m, q) and (m, q)."""
+    mean = weights @ means
+    return mean, np.sqrt(weights @ (variances + np.square(means - mean)))
+
+
+def in_missions(dates: Sequence[float], ahead: float = math.nan, missions: float = 1.0) -> tuple[Array, float]:
+    """Count dates [s] in missions, and a date ahead: one for each as they follow each other on average.
+
+    Where one is not known (nan) they are counted as they come; a date ahead not known is so many missions later.
+    """
+    known = np.array(dates, dtype=float)
+    if not np.isfinite(known).all():
+        return np.arange(len(known), dtype=float), len(known) - 1.0 + missions
+    every = np.append(known, ahead) if math.isfinite(ahead) else known
+    spacing = max(float(np.ptp(every)) / max(len(every) - 1, 1), DAY)
+    times = (known - known[0]) / spacing
+    return times, (ahead - known[0]) / spacing if math.isfinite(ahead) else float(times[-1]) + missions
+
+
+DAY = 86400.0
+"""Least time between missions of which each is counted as one [s]: of one day all are nearly the same."""
