@@ -120,6 +120,11 @@ def make_legs(n=48, seed=1, sigma=0.03, error=None, lasting=1.0, about=(np.pi, n
     return pd.DataFrame(columns)
 
 
+def dated(table, hours=0.0):
+    """Legs with times of one day, so many hours after its first: a vehicle is the same all day."""
+    return table.assign(**{name: table[name] + 1.78e9 + 3600.0 * hours for name in ("t_start_s", "t_end_s")})
+
+
 WEIGHTS, LINES = np.array([9.0, 12.0, 16.0, 20.0]), np.array([3.0, 5.0, 7.0, 4.0])
 
 

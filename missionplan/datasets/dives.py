@@ -3,8 +3,10 @@
 Runs of dives: anchor, line and site of each, from `runs:` in `dataset.yaml`, else from the mission.
 """
 
+import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from datetime import datetime
 from functools import partial
 from pathlib import Path
 from typing import Annotated
@@ -39,13 +41,27 @@ class RunSection(FileSection):
     anchor_wet_weight: Annotated[Weight | None, Doc("weight of this dive's anchor in water")] = None
     line_length: Annotated[q.FixedLength | None, Doc("length of this dive's line")] = None
     depth: Annotated[q.FixedLength | None, Doc("depth of the water there")] = None
+    start: Annotated[Moment | None, Doc("date of this dive, where it is another than the data set's")] = None
     separation: Annotated[Moment | None, Doc("time at which the anchor separated")] = None
+
+    @property
+    def date(self) -> datetime | None:
+        """When it was made, as far as the run says it."""
+        return self.start or self.separation
 
 
 class DivesSettings(DatasetSettings):
     """Keys of a data set of dives."""
 
+    start: Annotated[Moment | None, Doc("date of the dives")] = None
     runs: Annotated[Mapping[str, RunSection], Doc("what differed from the mission, dive by dive")] = {}
+
+
+def date_of_runs(names: Iterable[str], settings: DivesSettings) -> float:
+    """Mean date of runs [s since 1970]; nan where one has none."""
+    dates = [settings.runs.get(name, RunSection()).date or settings.start for name in names]
+    known = [date.timestamp() for date in dates if date is not None]
+    return math.fsum(known) / len(known) if known and len(known) == len(dates) else math.nan
 
 
 @dataclass(frozen=True)
@@ -159,7 +175,9 @@ def read_descent(folder: Path, mission: Mission) -> DescentData:
     settings = raw.checked([*undated, *problems, *incomplete, *over])
     unused = [f"{column} is not used by the diagnosis of depths" for column in IGNORED if column in raw.table]
     kept, again = _counted_once(known)
-    return DescentData(raw.name, raw.source, raw.file, kept, settings.noise.depth, (*raw.notices, *unused, *again))
+    notices = (*raw.notices, *unused, *again)
+    date = date_of_runs([dive.name for dive in kept], settings)
+    return DescentData(raw.name, raw.source, raw.file, kept, settings.noise.depth, notices, date)
 
 
 def _counted_once(dives: Sequence[MeasuredDive]) -> tuple[tuple[MeasuredDive, ...], tuple[str, ...]]:

@@ -184,6 +184,11 @@ class TransitData:
         return self.t_start + 0.5 * self.under_way
 
     @property
+    def date(self) -> float:
+        """Middle of the log [s since 1970]; nan where its times have no date."""
+        return math.nan if self.epoch is None else self.epoch + float(np.mean(self.middle))
+
+    @property
     def latitude(self) -> float:
         """Latitude of the origin [rad]; nan where unknown."""
         return self.origin[0] if self.origin else float("nan")
@@ -274,3 +279,5 @@ class DescentData:
     """Stated standard deviation of a reading [m]."""
     notices: tuple[str, ...]
     """Treatments the reader should know of."""
+    date: float = math.nan
+    """Of the dives [s since 1970]; nan where it is not known."""

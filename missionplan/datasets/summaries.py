@@ -1,5 +1,6 @@
 """Summaries of dives: a few numbers a test, as papers print them."""
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -9,7 +10,7 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from missionplan.arrays import Array
-from missionplan.datasets.dives import DEEPEST, DiveConditions, DivesSettings, conditions_of_runs
+from missionplan.datasets.dives import DEEPEST, DiveConditions, DivesSettings, conditions_of_runs, date_of_runs
 from missionplan.datasets.reading import DatasetFormat, RawDataset, read_dataset
 from missionplan.datasets.records import row_identities, row_texts, written_once
 from missionplan.datasets.table import Columns, problems_at
@@ -63,6 +64,8 @@ class SummaryData:
     source: str
     tests: tuple[TestSummary, ...]
     notices: tuple[str, ...]
+    date: float = math.nan
+    """Of the tests [s since 1970]; nan where it is not known."""
 
     @property
     def identities(self) -> tuple[str, ...]:
@@ -92,14 +95,15 @@ def read_summary(folder: Path, mission: Mission) -> SummaryData:
     raw = read_dataset(folder, SUMMARY)
     runs = {str(name): run for name, run in raw.table.groupby("run", sort=False)}
     conditions, incomplete = conditions_of_runs(runs, raw, mission)
-    raw.checked([*_check_quantities(raw), *incomplete, *_check_speeds(raw, conditions)])
+    settings = raw.checked([*_check_quantities(raw), *incomplete, *_check_speeds(raw, conditions)])
     notices = list(raw.notices)
     tests = [_test(name, _numbers(run), conditions[name], notices) for name, run in runs.items()]
     tests = [test for test in tests if test.quantities]
     once = written_once(_numbers_of(tests))
     if not once.all():
         notices.append(f"the tests stand {len(once) // once.sum()} times over, and count once")
-    return SummaryData(raw.name, raw.source, tuple(tests), tuple(notices)).subset(once)
+    date = date_of_runs([test.name for test in tests], settings)
+    return SummaryData(raw.name, raw.source, tuple(tests), tuple(notices), date).subset(once)
 
 
 def _numbers_of(tests: Sequence[TestSummary]) -> list[str]:

@@ -27,7 +27,7 @@ from missionplan.datasets.table import Columns, CsvTable, problems_at
 from missionplan.errors import Problem
 from missionplan.mission.schema import quantity_parser as q
 from missionplan.mission.schema.quantity_parser import QuantityParser
-from missionplan.mission.schema.section import FileSection, ReadBy, invalid
+from missionplan.mission.schema.section import FileSection, Moment, ReadBy, invalid
 from missionplan.mission.schema.site import WaterSection
 from missionplan.moments import EPOCH_SCALE
 from missionplan.montecarlo.distributions import Quantity, mean_of
@@ -59,6 +59,7 @@ class NoiseLevels(FileSection):
 class TankSettings(DatasetSettings):
     """Keys of a data set from a tank."""
 
+    start: Annotated[Moment | None, Doc("date of the measurements")] = None
     noise: Annotated[NoiseLevels, Doc("errors of what was measured")] = NoiseLevels()
     water: Annotated[WaterSection | None, Doc("water in the tank")] = None
 
@@ -224,6 +225,11 @@ class TankData:
             labels={name: np.array(words)[keep].tolist() for name, words in self.labels.items()},
             identities=tuple(np.array(self.identities)[keep].tolist()),
         )
+
+    @property
+    def date(self) -> float:
+        """Of the measurements [s since 1970]; nan where it is not known."""
+        return math.nan if self.settings.start is None else self.settings.start.timestamp()
 
     @property
     def density(self) -> float:

@@ -1,6 +1,5 @@
 """What the diagnosis asks of a kind of data; `kinds` lists them all."""
 
-import math
 from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -36,6 +35,11 @@ class Dataset(Protocol):
     @property
     def notices(self) -> tuple[str, ...]:
         """Treatments the reader should know of."""
+        ...
+
+    @property
+    def date(self) -> float:
+        """When they were taken [s since 1970]; nan where they do not tell."""
         ...
 
     @property
@@ -90,7 +94,7 @@ class DataKind(ABC):
     @property
     def date(self) -> float:
         """When the data were taken [s since 1970]; nan where they do not tell."""
-        return math.nan
+        return self.data.date
 
     @property
     def known(self) -> tuple[ParameterEstimate, ...]:

@@ -12,6 +12,7 @@ from missionplan.effects import CATALOGUE
 from missionplan.mission.schema.effect_list import EffectEntry, EffectList, Learned, effects_of_draws
 from missionplan.montecarlo.levels import MOST, Ageing, LevelKey, Levels, Measured, Seen, in_missions, levels
 from missionplan.montecarlo.posterior import WeightedDraws
+from missionplan.montecarlo.streams import stream
 
 IS_JUMP: Mapping[str, float] = {"keeps": 0.04, "drifts": 0.04, "jumps": 0.07}
 IS_TREND: Mapping[str, float] = {"keeps": 0.15, "drifts": 0.4, "jumps": 0.15}
@@ -19,7 +20,7 @@ IS_TREND: Mapping[str, float] = {"keeps": 0.15, "drifts": 0.4, "jumps": 0.15}
 TREND, WALK = 0.15, 0.1
 """Standard deviations of the change a mission by a trend and by a walk, over those of the usual sizes of the effect."""
 LEAST_SPREAD = 0.5
-"""Standard deviation of draws at another date, over that of the draws, at least."""
+"""Standard deviation of draws at an earlier date, over that of the draws, at least."""
 
 
 def has_level(key: LevelKey) -> bool:
@@ -108,7 +109,7 @@ def at_date(effects: EffectList, seen: Sequence[Seen], ahead: float | None, miss
 def drifted(draws: WeightedDraws, seen: Sequence[Seen], ahead: float, missions: float = 1.0) -> WeightedDraws:
     """Return draws at a date: moved and widened as the levels since the last record.
 
-    Within each set of effects a level keeps the form of its draws, and what ties it to others.
+    In each set of effects, what is added to a level is independent of the others.
 
     Parameters as of `at_date`.
     """
@@ -142,15 +143,30 @@ def _move(
     turn = columns[effect, phase][rows] if phase is not None else np.zeros(len(rows))
     pair = np.stack([size * np.cos(turn), size * np.sin(turn)])
     own = pair[int(kind == "sine")] if phase is not None else size
-    mean = float(shares @ own)
-    variance = float(shares @ np.square(own - mean))
-    factor = math.sqrt(max(1.0 + added / variance, LEAST_SPREAD**2)) if variance > 0.0 else 1.0
-    moved = mean + shift + factor * (own - mean)
+    moved = own + shift + _spread(own, shares, added, stream(0, f"level.{'.'.join(key)}", 0))
     if phase is None:
         columns[effect, name][rows] = moved
         return
     pair[int(kind == "sine")] = moved
     columns[effect, name][rows], columns[effect, phase][rows] = np.hypot(*pair), np.arctan2(pair[1], pair[0])
+
+
+def _spread(own: Array, shares: Array, added: float, generator: np.random.Generator) -> Array:
+    """What widens draws by a variance that is independent of all else, or narrows them by one.
+
+    Parameters
+    ----------
+    own, shares : array, shape (n,)
+        Draws, and their weights, whose sum is 1.
+    """
+    apart = own - shares @ own
+    variance = float(shares @ np.square(apart))
+    if added <= 0.0 or not variance > 0.0:
+        share = max(1.0 + added / variance, LEAST_SPREAD**2) if variance > 0.0 else 1.0
+        return np.asarray((math.sqrt(share) - 1.0) * apart)
+    normals = generator.standard_normal(len(own))
+    normals -= shares @ normals + apart * (shares @ (apart * normals)) / variance
+    return np.asarray(normals * math.sqrt(added / float(shares @ np.square(normals))))
 
 
 def _inside(column: tuple[str, str], values: Array) -> Array:

@@ -80,7 +80,7 @@ class Measured:
     Attributes
     ----------
     times : array, shape (n,)
-        Counted in missions, ascending.
+        Counted in missions, ascending; those of one mission have the same.
     values, sds : array, shape (n,)
     first, first_sd : float
         Mean and standard deviation of the level of the first, before its measurement.
@@ -91,6 +91,11 @@ class Measured:
     sds: Array
     first: float
     first_sd: float
+
+    @property
+    def begins(self) -> NDArray[np.bool_]:
+        """Whether each is the first of a mission that follows another, shape (n,)."""
+        return np.diff(self.times, prepend=self.times[0]) > 0.0
 
 
 @dataclass(frozen=True)
@@ -146,9 +151,7 @@ class Levels:
 
     @cached_property
     def _inverse(self) -> Array:
-        own, variance = self.measured, np.square(self.measured.sds)
-        together = _covariance(own.times, own.times, own, self.ageing, self.models)
-        return np.asarray(np.linalg.inv(together + _diagonal(self.models.redrawn, variance)))
+        return np.asarray(np.linalg.inv(_of_measurements(self.measured, self.ageing, self.models)))
 
     def under_each(self, times: Array) -> tuple[Array, Array]:
         """Mean and variance of the value at times under each model, (m, q) each.
@@ -204,7 +207,7 @@ def levels(measured: Measured, ageing: Ageing) -> Levels:
     n = len(measured.times)
     sets, found = np.zeros((1, n), dtype=bool), [_weighed(measured, ageing, np.zeros((1, n), dtype=bool))]
     for _ in range(min(MOST_JUMPS, n - 1) if ageing.is_jump > 0.0 else 0):
-        sets = _with_one_more(_likeliest(found[-1], sets))
+        sets = _with_one_more(_likeliest(found[-1], sets), measured.begins)
         if not len(sets):
             break
         found.append(_weighed(measured, ageing, sets))
@@ -228,13 +231,13 @@ def _weighed(measured: Measured, ageing: Ageing, sets: NDArray[np.bool_]) -> _Mo
     count, n = len(laws), sets.shape[1]
     jumped = sets.sum(axis=1)
     if ageing.is_jump > 0.0:
-        chances = jumped * math.log(ageing.is_jump) + (n - 1 - jumped) * math.log1p(-ageing.is_jump)
+        could = np.count_nonzero(measured.begins) - jumped
+        chances = jumped * math.log(ageing.is_jump) + could * math.log1p(-ageing.is_jump)
     else:
         chances = np.zeros(len(sets))
     log_priors = np.repeat(chances, count) + np.tile(priors, len(sets))
     each = _Models(log_priors, np.tile(variances, len(sets)), np.repeat(sets, count, axis=0))
-    together = _covariance(measured.times, measured.times, measured, ageing, each)
-    factor = np.linalg.cholesky(together + _diagonal(each.redrawn, np.square(measured.sds)))
+    factor = np.linalg.cholesky(_of_measurements(measured, ageing, each))
     white = np.linalg.solve(factor, np.broadcast_to((measured.values - measured.first)[:, None], (len(factor), n, 1)))
     logs = np.log(np.diagonal(factor, axis1=1, axis2=2)).sum(axis=1)
     evidence = -0.5 * np.square(white).sum(axis=(1, 2)) - logs
@@ -254,9 +257,11 @@ def _covariance(first: Array, second: Array, measured: Measured, ageing: Ageing,
     return np.asarray(measured.first_sd**2 + walked + ageing.jump**2 * steps)
 
 
-def _diagonal(redrawn: Array, variance: Array) -> Array:
-    """Variances of what is drawn anew and of the errors as matrices, shape (m, n, n)."""
-    return np.asarray((redrawn[:, None] + variance)[:, :, None] * np.eye(len(variance)))
+def _of_measurements(measured: Measured, ageing: Ageing, models: _Models) -> Array:
+    """Covariance of the measurements, shape (m, n, n)."""
+    times = measured.times
+    of_mission = models.redrawn[:, None, None] * (times[:, None] == times)
+    return np.asarray(_covariance(times, times, measured, ageing, models) + of_mission + np.diag(measured.sds**2))
 
 
 def _likeliest(models: _Models, sets: NDArray[np.bool_]) -> NDArray[np.bool_]:
@@ -265,10 +270,10 @@ def _likeliest(models: _Models, sets: NDArray[np.bool_]) -> NDArray[np.bool_]:
     return np.asarray(sets[np.argsort(-logs)[:KEPT]])
 
 
-def _with_one_more(sets: NDArray[np.bool_]) -> NDArray[np.bool_]:
-    """Every set with one further jump, each once; the first measurement has none before it."""
+def _with_one_more(sets: NDArray[np.bool_], begins: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    """Every set with one further jump, each once: at the first measurement of a mission, but for the first of all."""
     n = sets.shape[1]
-    more = [own | (np.arange(n) == place) for own in sets for place in range(1, n) if not own[place]]
+    more = [own | (np.arange(n) == place) for own in sets for place in np.flatnonzero(begins & ~own)]
     return np.unique(np.array(more, dtype=bool).reshape(-1, n), axis=0)
 
 
@@ -279,18 +284,23 @@ def _mixed(weights: Array, means: Array, variances: Array) -> tuple[Array, Array
 
 
 def in_missions(dates: Sequence[float], ahead: float = math.nan, missions: float = 1.0) -> tuple[Array, float]:
-    """Count dates [s] in missions, and a date ahead: one for each as they follow each other on average.
+    """Count dates [s], ascending, in missions: one for each as they follow each other on average.
 
-    Where one is not known (nan) they are counted as they come; a date ahead not known is so many missions later.
+    What is of one day is of one mission. Where a date is not known (nan) they are counted as they come; a date ahead
+    that is not known is so many missions later.
     """
-    known = np.array(dates, dtype=float)
-    if not np.isfinite(known).all():
-        return np.arange(len(known), dtype=float), len(known) - 1.0 + missions
-    every = np.append(known, ahead) if math.isfinite(ahead) else known
-    spacing = max(float(np.ptp(every)) / max(len(every) - 1, 1), DAY)
+    if not np.isfinite(dates).all():
+        return np.arange(len(dates), dtype=float), len(dates) - 1.0 + missions
+    begun = [dates[0]]
+    for date in dates[1:]:
+        begun.append(begun[-1] if date - begun[-1] < DAY else date)
+    known = np.array(begun)
+    then = next((own for own in begun[::-1] if abs(ahead - own) < DAY), ahead)
+    every = np.unique(np.append(known, then) if math.isfinite(then) else known)
+    spacing = float(np.ptp(every)) / max(len(every) - 1, 1) or 1.0
     times = (known - known[0]) / spacing
-    return times, (ahead - known[0]) / spacing if math.isfinite(ahead) else float(times[-1]) + missions
+    return times, (then - known[0]) / spacing if math.isfinite(then) else float(times[-1]) + missions
 
 
 DAY = 86400.0
-"""Least time between missions of which each is counted as one [s]: of one day all are nearly the same."""
+"""Time within which records are of one mission [s]."""

@@ -10,6 +10,7 @@ from missionplan.effects import CATALOGUE
 from missionplan.mission import Mission, load
 from missionplan.report.diagnosis.kind_report import explanations_in_words
 from missionplan.report.render import render_report
+from tests.conftest import dated
 
 KIND = {"kind": "transit", "name": "legs", "noise": {"fix": "3 m"}}
 EASTWARD = (0.5 * np.pi, np.radians(10.0))
@@ -27,7 +28,7 @@ def slow_and_aside(t, heading):
 @pytest.fixture
 def ambiguous(folder, transit_mission, legs):
     """Diagnose legs within a narrow range of headings of a vehicle that is slow, or meets a current."""
-    place = folder(KIND, legs(30, seed=3, about=EASTWARD, error=slow_and_aside))
+    place = folder(KIND, dated(legs(30, seed=3, about=EASTWARD, error=slow_and_aside)))
     return diagnose(transit_mission, place, plan=False), place
 
 
@@ -80,7 +81,8 @@ def test_nothing_grows_on_the_same_data(ambiguous):
 
 def test_data_that_can_tell_end_the_doubt(ambiguous, folder, legs):
     found, _ = ambiguous
-    resolved = diagnose(Mission.from_data(found.extended), folder(KIND, legs(30, seed=5, error=slow)), plan=False)
+    later = dated(legs(30, seed=5, error=slow), hours=12.0)
+    resolved = diagnose(Mission.from_data(found.extended), folder(KIND, later), plan=False)
     assert resolved.verdict == "adequate"
     assert resolved.explanations[0].causes == ("speed-scale",)
     assert resolved.explanations[0].probability > 0.995

@@ -74,9 +74,19 @@ def test_dates_are_counted_in_missions():
     assert times == pytest.approx([0.0, 0.75, 2.25])
     assert then == pytest.approx(3.0)
     assert in_missions([0.0, np.nan, 5.0])[0] == pytest.approx([0.0, 1.0, 2.0])
-    times, then = in_missions([0.0, 3600.0])
-    assert times == pytest.approx([0.0, 1.0 / 24.0])
-    assert then == pytest.approx(1.0 + 1.0 / 24.0)
+    times, then = in_missions([0.0, 3600.0, 10 * DAY], 10.5 * DAY)  # two records of the first day, and the last one's
+    assert times == pytest.approx([0.0, 0.0, 1.0])
+    assert then == pytest.approx(1.0)
+
+
+def test_records_of_one_mission_tell_together_what_one_of_all_does():
+    own, other = measured([1.0, 1.6, 9.0], [0.4, 0.8, 0.5], [0.0, 1.0, 2.0]), [0.0, 1.0, 1.0, 2.0]
+    parted = measured([1.0, 1.6 + 0.4, 1.6 - 0.4, 9.0], [0.4, 0.8 * 2**0.5, 0.8 * 2**0.5, 0.5], other)
+    one, two = levels(own, USUAL), levels(parted, USUAL)
+    at = np.array([0.0, 1.0, 2.0, 3.0])
+    assert two.at(at)[0] == pytest.approx(one.at(at)[0], rel=1e-6)
+    assert two.at(at)[1] == pytest.approx(one.at(at)[1], rel=1e-6)
+    assert two.jumps[[0, 1, 3]] == pytest.approx(one.jumps, rel=1e-6)
 
 
 MISSIONS = 6

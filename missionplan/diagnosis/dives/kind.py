@@ -18,7 +18,7 @@ from missionplan.diagnosis.dives.preparation import PreparedDives, prepare_dives
 from missionplan.diagnosis.dives.tables import descent_misfit, descent_residuals, descent_shares
 from missionplan.diagnosis.given.effects import GivenEffect
 from missionplan.diagnosis.inference.model import CauseFit
-from missionplan.diagnosis.learned_data import unlearned
+from missionplan.diagnosis.learned_data import as_then, unlearned
 from missionplan.diagnosis.plan_gain import anchor_choice, plan_gain
 from missionplan.mission import Mission
 from missionplan.results.learned.diagnosis import PlanGain
@@ -42,7 +42,8 @@ class DescentKind(DataKind):
         measured = read_descent(folder, mission)
         check_leaves_surface(measured, mission)
         data = unlearned(prepare_dives(measured), mission)
-        return cls(kind, mission, data, descent_model(data, mission))
+        then = as_then(data, mission, data.date)
+        return cls(kind, then, data, descent_model(data, then))
 
     @property
     def model_coordinates(self) -> Sequence[Coordinate]:

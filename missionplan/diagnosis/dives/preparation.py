@@ -1,5 +1,6 @@
 """Dive logs as they are fitted: without bottom contact, with the noise estimated, averaged in bins."""
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
@@ -89,6 +90,8 @@ class PreparedDives:
     """In the order of the file."""
     notices: tuple[str, ...]
     """Treatments the reader should know of."""
+    date: float = math.nan
+    """Of the dives [s since 1970]; nan where it is not known."""
 
     @property
     def identities(self) -> tuple[str, ...]:
@@ -114,7 +117,8 @@ def prepare_dives(data: DescentData) -> PreparedDives:
     if len(dives) < MIN_DIVES:
         why = "; ".join([f"too few: {NEEDED}", *notices[len(data.notices) :]])
         raise InputError([Problem(f"has {counted(len(dives), 'usable dive')}, {why}", data.file)])
-    return PreparedDives(data.name, data.source, dives, (*notices, *_doubts_of_metres(data.dives, dives)))
+    notices += _doubts_of_metres(data.dives, dives)
+    return PreparedDives(data.name, data.source, dives, tuple(notices), data.date)
 
 
 def _prepare(dive: MeasuredDive, stated: float | None, notices: list[str]) -> DiveLog | None:

@@ -17,7 +17,7 @@ from missionplan.diagnosis.dives.model_factory import descent_builder, given_on_
 from missionplan.diagnosis.dives.tables import descent_shares
 from missionplan.diagnosis.given.effects import GivenEffect
 from missionplan.diagnosis.inference.model import CauseFit
-from missionplan.diagnosis.learned_data import unlearned
+from missionplan.diagnosis.learned_data import as_then, unlearned
 from missionplan.diagnosis.plan_gain import anchor_choice, plan_gain
 from missionplan.diagnosis.summaries.model import SummaryForward, SummaryModel, as_log
 from missionplan.mission import Mission
@@ -52,7 +52,8 @@ class SummaryKind(DataKind):
     def bind(cls, kind: str, folder: Path, mission: Mission, seed: int) -> Self:
         """Read the tests and bind the mission's first mooring to them."""
         data = unlearned(read_summary(folder, mission), mission)
-        return cls(kind, mission, data, summary_model(data, mission))
+        then = as_then(data, mission, data.date)
+        return cls(kind, then, data, summary_model(data, then))
 
     @property
     def given(self) -> tuple[GivenEffect, ...]:

@@ -22,7 +22,7 @@ from missionplan.diagnosis.data_kind import DataKind
 from missionplan.diagnosis.given.effects import GivenEffect
 from missionplan.diagnosis.given.priors import check_together, given_priors
 from missionplan.diagnosis.inference.model import CauseFit
-from missionplan.diagnosis.learned_data import unlearned
+from missionplan.diagnosis.learned_data import as_then, unlearned
 from missionplan.diagnosis.plan_gain import anchor_choice, plan_gain
 from missionplan.diagnosis.tank.data import read_tank, row_blocks
 from missionplan.diagnosis.tank.extended_mission import extended_tank_mission, vehicle_keys
@@ -109,9 +109,10 @@ class TankKind(DataKind):
     def bind(cls, kind: str, folder: Path, mission: Mission, seed: int) -> Self:
         """Read the data and bind the base model of their kind to them."""
         data = unlearned(read_tank(folder), mission)
-        forward = tank_forward(data, mission)
-        given = given_in_tank(data, mission, forward.candidates)
-        return cls(kind, mission, data, TankModel(forward, given=given, alternatives=exclusive_groups("tank")))
+        then = as_then(data, mission, data.date)
+        forward = tank_forward(data, then)
+        given = given_in_tank(data, then, forward.candidates)
+        return cls(kind, then, data, TankModel(forward, given=given, alternatives=exclusive_groups("tank")))
 
     @property
     def given(self) -> tuple[GivenEffect, ...]:
