@@ -57,7 +57,9 @@ def unlearned(data: Data, mission: Mission) -> Data:
     return replace(part, notices=(*data.notices, words))
 
 
-def as_then(data: Data, mission: Mission, date: float = math.nan) -> Mission:
+def as_then(
+    data: TransitData | PreparedDives | SummaryData | TankData, mission: Mission, date: float = math.nan
+) -> Mission:
     """Return a mission with what it has learned of the vehicle as it was when data were taken.
 
     Parameters

@@ -18,6 +18,7 @@ from missionplan.diagnosis.legs.model_factory import transit_model
 from missionplan.diagnosis.scoring.score import read_record, scored_record
 from missionplan.errors import InputError
 from missionplan.mission import Mission
+from missionplan.montecarlo.posterior import NOWHERE
 from missionplan.results.score import DatasetScore
 
 
@@ -73,7 +74,8 @@ def score_last_part(
         _, last = _split_legs(unlearned(record, base), share)
     else:
         _, last = _split_dives(unlearned(record, base), share)
-    return scored_record(replace(last, notices=()), Mission.from_data(extended, file=base.file), seed)
+    same = Mission.from_data(extended, file=base.file).at_place(NOWHERE, None)  # the vehicle of the same record
+    return scored_record(replace(last, notices=()), same, seed)
 
 
 def _split_legs(data: TransitData, share: float) -> tuple[TransitData, TransitData]:

@@ -17,7 +17,7 @@ from missionplan.diagnosis.dives.forward import NO_BOTTOM, STEP, DiveHistories
 from missionplan.diagnosis.dives.model_factory import check_leaves_surface, descent_model
 from missionplan.diagnosis.dives.noise import noise_grid
 from missionplan.diagnosis.dives.preparation import DiveLog, PreparedDives, prepare_dives
-from missionplan.diagnosis.learned_data import learned
+from missionplan.diagnosis.learned_data import as_then, learned
 from missionplan.diagnosis.scoring.chance import Chance, one_step_chance, whole_chance
 from missionplan.diagnosis.scoring.ensemble import Ensemble, Noise, Part
 from missionplan.diagnosis.scoring.explanations import bare_mission, explained
@@ -161,9 +161,8 @@ def score(
     with threadpool_limits(limits=1), files_outside(allowed=allow_outside):
         for done, folder in enumerate(folders):
             record = read_record(folder, mission)
-            found.append(
-                replace(scored_record(record, mission, seed, level), learned=int(learned(record, mission).sum()))
-            )
+            then = as_then(record, mission, record.date)
+            found.append(replace(scored_record(record, then, seed, level), learned=int(learned(record, mission).sum())))
             if progress is not None:
                 progress(done + 1, len(folders))
     provenance = Run("score", mission, 0, seed, started=started).provenance(
