@@ -16,8 +16,8 @@ from functools import cached_property
 from itertools import product
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.special import ndtr
 
 from missionplan.arrays import Array
 
@@ -198,7 +198,7 @@ class Levels:
             return 0.0, 0.0, 0.0
         mean, sd = _mixed(share / share.sum(), means[:, None], variances[:, None])
         side = math.copysign(1.0, mean[0])
-        towards = ndtr(side * means[held] / np.sqrt(np.maximum(variances[held], 1e-300)))
+        towards = scipy.special.ndtr(side * means[held] / np.sqrt(np.maximum(variances[held], 1e-300)))
         return float(mean[0]), float(sd[0]), float(share[held] @ towards)
 
 
