@@ -85,6 +85,14 @@ def test_what_stands_in_the_mission_is_held_against_the_new_plan_and_no_third_le
     assert words == "The mission's anchor, 3\u00a0N wet, still serves: 98 % within the radius."
 
 
+def test_legs_of_which_many_never_arrive_do_not_serve() -> None:
+    own, anew = {**legs(1385.0, 3.6), "arrived": 0.783}, {**legs(4759.0, 8.3), "arrived": 0.824}
+    (words,) = plan_words(diagnosed(legs(800.0, 0.1), anew, own, own=own))
+    assert words == (
+        "No d_max serves: with 4.76\u00a0km 82 % of the transits arrive, with the mission's d_max, 1.39\u00a0km, 78 %."
+    )
+
+
 def test_legs_that_never_arrive_take_no_end() -> None:
     (words,) = plan_words(diagnosed(legs(16e3, 0.01), legs(484.2, 0.04), legs(16e3, None)))
     assert words.startswith("Plan with a d_max of 484\u00a0m, for 4 %")

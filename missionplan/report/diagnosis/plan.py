@@ -104,6 +104,10 @@ def _legs(before: Plan | None, after: Plan, kept: Plan) -> str:
     found, best = (_delay(_number(plan, "cost")) for plan in (kept, after))
     expected = "" if before is None else f" (expected: {_delay(_number(before, 'cost'))})"
     former = "the mission's d_max" if before is None else "the d_max of the mission's model"
+    arrive, arrives = (_number(plan, "arrived") for plan in (kept, after))
+    if arrives < _SERVES:
+        fares = f"with {other} {part(arrives)} of the transits arrive, with {former}, {own}, {part(arrive)}"
+        return f"no d_max serves: {fares}."
     if own == other or _number(kept, "cost") < _number(after, "cost") + _SAME_COST:
         return f"{former}, {own}, still serves: it takes {found} beyond the straight way's time{expected}."
     return (
