@@ -55,7 +55,11 @@ def transit_model(data: TransitData, mission: Mission, seed: int) -> TransitMode
     given = given_priors(mission, effects_of("transit"))
     check_together(given, mission, "transit")
     current_sd = (float(spread[0]), float(spread[1]))
-    model = TransitModel(data, base, error.covariance, fix_error, current_sd, given, site_current=current)
+    phase = means.transit()
+    planned = float(np.mean(phase.speed)), float(np.mean(phase.depth))
+    model = TransitModel(
+        data, base, error.covariance, fix_error, current_sd, given, site_current=current, planned=planned
+    )
     return with_fix_share(replace(model, base=_with_given_effects(model, mission)))
 
 

@@ -10,7 +10,7 @@ from missionplan.report.diagnosis.kind_report import names, part, percent
 from missionplan.report.diagnosis.kinds import REPORTS
 from missionplan.report.numbers import number
 from missionplan.report.page import BLUE, GREY, ORANGE, Block, Figure, PageSection, Table, to_figure
-from missionplan.report.quantities import Unit, reader_unit
+from missionplan.report.quantities import Unit, length_in_words, reader_unit
 from missionplan.report.wording import parameter_in_words
 from missionplan.results.learned.diagnosis import Diagnosis
 from missionplan.results.learned.evidence import (
@@ -268,6 +268,13 @@ def distinction_section(diagnosis: Diagnosis) -> PageSection:
     blocks: list[Block] = [f"95 % of the probability lies with: {held}."]
     for first, second in diagnosis.indistinguishable:
         blocks.append(f"{names(first).capitalize()} and {names(second)} predict the same of data like these.")
+    if diagnosis.readings.aliases:
+        rows = [
+            [names((each.claimed,)), names((each.other,)), length_in_words(each.matters_from), each.trial]
+            for each in diagnosis.readings.aliases
+        ]
+        heads = ["Claimed", "Does the same on these legs", "Matters to a way from", "Told apart by"]
+        blocks.append(Table(heads, rows, "Effects that would do something else on the mission's way.", text_columns=4))
     if diagnosis.untestable:
         rows = [[name.replace("-", " "), why] for name, why in diagnosis.untestable.items()]
         blocks.append(Table(["Effect that these data cannot show", "Why"], rows, text_columns=2))

@@ -69,6 +69,8 @@ class TransitMean:
     """κ of `fix_gaps`: part of the gap between two fixes that is an error of either."""
     site_current: Array | float = 0.0
     """The site's current on each leg, as the mission has it, shape (2, n) [m/s]."""
+    planned: tuple[float, float] | None = None
+    """Speed [m/s] and depth [m] of the mission's first transit; None: as on the log's legs."""
     acting: ActingTerm | None = None
     """A term whose strengths are coordinates beside those of the effects that the record can resolve."""
 
