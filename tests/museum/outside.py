@@ -1,4 +1,4 @@
-"""Effects that the catalogue does not name, each a recipe of a size; half of them were not looked at while tuning."""
+"""Effects that the catalogue does not name, each a recipe of a size; those unseen were not looked at while tuning."""
 
 from collections.abc import Callable
 
@@ -57,6 +57,50 @@ def _eddy(size: float, rng: np.random.Generator, span: float) -> Recipe:
     return Recipe(water=water)
 
 
+def _wreck(size: float, rng: np.random.Generator, span: float) -> Recipe:
+    """Iron on the ground turns the compass of whoever passes near."""
+    centre, radius = rng.normal(0.0, 1500.0, 2), rng.uniform(600.0, 1500.0)
+
+    def turn(m: Moment) -> float:
+        d = (m.place - centre) / radius
+        return 0.3 * size * float(np.exp(-0.5 * float(d @ d)))
+
+    return Recipe(turn=turn)
+
+
+def _plume(size: float, rng: np.random.Generator, span: float) -> Recipe:
+    """On one side of a line in the sea the water moves otherwise."""
+    across, along = rng.uniform(0.0, 2.0 * np.pi, 2)
+    normal, offset = np.array([np.sin(across), np.cos(across)]), rng.normal(0.0, 800.0)
+    flow = 0.1 * size * np.array([np.sin(along), np.cos(along)])
+    return Recipe(water=lambda m: flow * float(m.place @ normal > offset))
+
+
+def _packet(size: float, rng: np.random.Generator, span: float) -> Recipe:
+    """Internal waves pass: the water goes to and fro along one direction for an hour or two."""
+    when, toward = rng.uniform(0.3, 0.7) * span, rng.uniform(0.0, 2.0 * np.pi)
+    period, lasts = rng.uniform(1200.0, 3600.0), rng.uniform(2400.0, 6000.0)
+    flow = 0.15 * size * np.array([np.sin(toward), np.cos(toward)])
+    return Recipe(
+        water=lambda m: flow * np.cos(2.0 * np.pi * (m.t - when) / period) * np.exp(-0.5 * ((m.t - when) / lasts) ** 2)
+    )
+
+
+def _ekman(size: float, rng: np.random.Generator, span: float) -> Recipe:
+    """A current by the wind, which turns and fades with depth."""
+    toward, deep = rng.uniform(0.0, 2.0 * np.pi), rng.uniform(20.0, 60.0)
+
+    def water(m: Moment) -> Array:
+        angle = toward + m.depth / deep
+        return 0.15 * size * np.exp(-m.depth / deep) * np.array([np.sin(angle), np.cos(angle)])
+
+    return Recipe(water=water)
+
+
+def _sawtooth(turns: float) -> float:
+    return (turns % 1.0) - 0.5
+
+
 SEEN: dict[str, Build] = {
     "soft iron": _turn(lambda m, phase, when: np.sin(2.0 * m.heading + phase)),
     "third harmonic of the compass": _turn(lambda m, phase, when: np.sin(3.0 * m.heading + phase)),
@@ -68,8 +112,6 @@ SEEN: dict[str, Build] = {
     "slow start": _pace(lambda m, phase, when: 10.0 * float(m.since < 60.0)),
     "speed by course": _pace(lambda m, phase, when: np.sin(m.heading + phase)),
     "speed changed": _pace(lambda m, phase, when: float(m.t > when)),
-}
-UNSEEN: dict[str, Build] = {
     "compass drift that grows": _turn(lambda m, phase, when: (m.t / 20000.0) ** 2),
     "compass off for a while": _turn(lambda m, phase, when: float(when * 0.7 < m.t < when * 1.3)),
     "fourth harmonic of the compass": _turn(lambda m, phase, when: np.sin(4.0 * m.heading + phase)),
@@ -80,6 +122,19 @@ UNSEEN: dict[str, Build] = {
     "current by depth": _water(lambda m, when: np.array(m.depth / 100.0)),
     "weathervane": _weathervane,
     "eddy": _eddy,
+}
+UNSEEN: dict[str, Build] = {
+    "wreck that turns the compass": _wreck,
+    "compass that sticks in steps": _turn(lambda m, phase, when: 3.0 * float(_sawtooth(m.heading / np.radians(50.0)))),
+    "edge of a plume": _plume,
+    "Ekman spiral": _ekman,
+    "torque of the propeller": _turn(lambda m, phase, when: 2.0 * (m.speed / 1.3) ** 2 * np.cos(m.heading + phase)),
+    "packet of internal waves": _packet,
+    "deviation that fades with depth": _turn(
+        lambda m, phase, when: 2.0 * np.exp(-m.depth / 30.0) * np.sin(m.heading + phase)
+    ),
+    "cell that cuts out": _pace(lambda m, phase, when: 2.0 * float((m.t / 5400.0 + phase) % 1.0 < 0.4)),
+    "speed by the square of time under way": _pace(lambda m, phase, when: 4.0 * (m.since / 900.0) ** 2),
 }
 
 

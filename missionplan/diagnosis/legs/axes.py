@@ -4,14 +4,17 @@ import numpy as np
 
 from missionplan.arrays import Array
 from missionplan.datasets.records import TransitData
-from missionplan.diagnosis.inference.adequacy.axes import Axis, pointwise, scaled
+from missionplan.diagnosis.inference.adequacy.axes import Axis, around, pointwise, scaled
 from missionplan.phases.hooks import Leg
+
+VARIES = 0.1
+"""Range over the median from which a quantity is an axis."""
 
 
 def transit_axes(data: TransitData, leg: Leg, principal: Array) -> list[Axis]:
-    """Time, place, heading, and where they vary a leg's duration and its time at the surface.
+    """Time, place, heading, and where they vary a leg's duration, depth, speed and its time at the surface.
 
-    A velocity is fixed to the Earth or to the hull (ahead or abeam). Values are ordered leg by leg, first principal
+    Along each a velocity fixed to the Earth, one ahead and one abeam. Values are ordered leg by leg, first principal
     axis then second.
 
     Parameters
@@ -23,39 +26,37 @@ def transit_axes(data: TransitData, leg: Leg, principal: Array) -> list[Axis]:
     principal : array, shape (2, 2)
         Principal axes as columns.
     """
-    time = scaled(data.middle)
-    place = data.start + 0.5 * (data.dead_reckoned - data.start)
-    extent = max(float(np.ptp(place, axis=1).max()), 1.0)
     surge = (principal.T @ leg.along).T
     sway = np.stack([-surge[:, 1], surge[:, 0]], axis=1)
-    hull = np.stack([surge, sway], axis=2).reshape(-1, 2)
-    fixed = np.tile(np.eye(2), (data.n, 1))
-    axes = [
-        pointwise("time", "a velocity that changes with time", _for_both_axes(time), fixed),
-        pointwise("place", "a velocity that changes with place", _for_both_axes((place / extent).T), fixed),
-        pointwise(
-            "heading", "a velocity ahead or abeam that changes with heading", _for_both_axes(0.5 * leg.along.T), hull
-        ),
-        pointwise("heading", "a velocity ahead or abeam that changes with time", _for_both_axes(time), hull),
-    ]
-    if np.ptp(data.under_way) > 0.1 * np.median(data.under_way):
-        duration = _for_both_axes(scaled(data.under_way))
-        axes += [
-            pointwise("duration", "a velocity that changes with a leg's duration", duration, fixed),
-            pointwise("duration", "a velocity ahead or abeam that changes with a leg's duration", duration, hull),
-        ]
-    if np.ptp(data.surface) > 0.1 * max(float(np.median(data.surface)), 1.0):
-        axes.append(
-            pointwise(
-                "duration",
-                "a velocity that changes with time at the surface",
-                _for_both_axes(scaled(data.surface)),
-                fixed,
-            )
+    frames = {"": np.tile(np.eye(2), (data.n, 1)), " ahead": surge.reshape(-1, 1), " abeam": sway.reshape(-1, 1)}
+    return [
+        (around if name == "heading" else pointwise)(
+            name, f"a velocity{frame} that changes with {what}", np.repeat(inputs, 2, axis=0), directions
         )
-    return axes
+        for name, what, inputs in _inputs(data, leg)
+        for frame, directions in frames.items()
+    ]
 
 
-def _for_both_axes(inputs: Array) -> Array:
-    """Repeat each leg's row for its two components."""
-    return np.repeat(inputs, 2, axis=0)
+def _inputs(data: TransitData, leg: Leg) -> list[tuple[str, str, Array]]:
+    """Name, words and values of what the legs differ in, each scaled so that it spans about one, shape (n, d).
+
+    Headings are angles [rad].
+    """
+    place = data.start + 0.5 * (data.dead_reckoned - data.start)
+    extent = max(float(np.ptp(place, axis=1).max()), 1.0)
+    found = [
+        ("time", "time", scaled(data.middle)),
+        ("place", "place", (place / extent).T),
+        ("heading", "heading", np.arctan2(*leg.along)[:, None]),
+    ]
+    quantities = [
+        ("duration", "a leg's duration", data.under_way),
+        ("depth", "depth", np.broadcast_to(leg.depth, data.n)),
+        ("speed", "speed", np.broadcast_to(leg.speed, data.n)),
+        ("duration", "time at the surface", data.surface),
+    ]
+    for name, what, values in quantities:
+        if np.ptp(values) > VARIES * max(float(np.median(values)), 1.0):
+            found.append((name, what, scaled(values)))
+    return found

@@ -30,6 +30,10 @@ WIDEST = 1.5
 """Largest standard deviation of that law along any direction [logarithms]."""
 BETWEEN = (0.0, 0.5, 1.0)
 """Places between the noise without causes and with all of them where sets are compared first."""
+QUIETER = (-0.35, -0.7)
+"""What is added to ln σ_v of the last of these: a term may explain what else is left to the noise."""
+BESIDE = 5.0
+"""Nats below the best within which the likeliest noise of the best set with a term, or without one, is found too."""
 
 
 @dataclass(frozen=True)
@@ -108,15 +112,28 @@ class NoiseSearch:
         """The noise at a mode, by name."""
         return {h.key: float(value) for h, value in zip(self.hyperparameters, found.mode, strict=True)}
 
-    def compared(self, plain: Laplace, rich: Laplace) -> "ComparedSets":
-        """Compare all sets without a term and with each, each at its likeliest of a few noises."""
+    def levels(self, plain: Laplace, rich: Laplace) -> list[Array]:
+        """Noises at which sets are compared: between two likeliest ones, and of σ_v alone quieter ones.
+
+        Random effects are compared after that, from the noise of the likeliest set with its term.
+        """
+        sigma = np.array([h.key == ("", "sigma_v") for h in self.hyperparameters])
+        between = [plain.mode + share * (rich.mode - plain.mode) for share in BETWEEN]
+        return between + [rich.mode + less * sigma for less in QUIETER if not self.effects]
+
+    def scores(self, levels: Sequence[Array]) -> Array:
+        """Log density and prior of all sets at some noises, without a term and with each, shape (j, s, 1 + t)."""
         inference = self.inference
         terms = range(1, len(inference.terms) + 1)
         found = [
             self.prior.log_density(logs) + inference.log_densities(self.errors, logs, inference.sets, terms)
-            for logs in (plain.mode + share * (rich.mode - plain.mode) for share in BETWEEN)
+            for logs in levels
         ]
-        return ComparedSets(self, plain, rich, np.max(found, axis=0) + inference.log_priors(self.effects))
+        return np.stack(found) + inference.log_priors(self.effects)
+
+    def compared(self, plain: Laplace, rich: Laplace) -> "ComparedSets":
+        """Compare all sets without a term and with each, each at its likeliest of a few noises."""
+        return ComparedSets(self, plain, rich, self.scores(self.levels(plain, rich)).max(axis=0))
 
     def integrated(self, anchors: Sequence[Laplace], chosen: NDArray[np.bool_], count: int) -> Law:
         """Integrate sets over the noise, with a number of points about each anchor.
@@ -202,14 +219,23 @@ class ComparedSets:
     @property
     def top(self) -> MeanSet:
         """The likeliest set."""
-        row, term = np.unravel_index(np.argmax(self.scores), self.scores.shape)
-        return MeanSet(self.search.inference.sets[row].causes, int(term))
+        return self._best_of(self.scores)[0]
+
+    def _best_of(self, scores: Array, first: int = 0) -> tuple[MeanSet, float]:
+        """The likeliest set of those whose terms begin with the first, and its score."""
+        row, term = np.unravel_index(np.argmax(scores), scores.shape)
+        return MeanSet(self.search.inference.sets[row].causes, first + int(term)), float(scores[row, term])
 
     def integrated(self, chosen: NDArray[np.bool_]) -> Law:
         """Integrate some of the sets over the noise, from the likeliest noises of the best and without causes."""
         nothing, search = MeanSet(()), self.search
-        anchors = [search.likeliest(self.top, search.at(self.rich), integrate=True)]
-        if chosen[search.inference.sets.index(nothing), 0] and self.top != nothing:
+        parts = [
+            self._best_of(self.scores[:, :1]),
+            *([self._best_of(self.scores[:, 1:], 1)] if chosen[:, 1:].any() else []),
+        ]
+        tops = [one for one, score in parts if score > self.best - BESIDE]
+        anchors = [search.likeliest(one, search.at(self.rich), integrate=True) for one in tops]
+        if chosen[search.inference.sets.index(nothing), 0] and nothing not in tops:
             anchors.append(search.likeliest(nothing, search.at(self.plain), integrate=True))
         law, count = search.integrated(anchors, chosen, DRAWN), DRAWN
         while law.effective < EFFECTIVE and count < MOST_DRAWN:

@@ -59,7 +59,8 @@ def infer(inference: LegInference) -> "LegPosterior":
     first = plain.likeliest(nothing)
     full = plain.likeliest(rich, plain.at(first))
     inference.relinearise(plain.errors, full.mode)
-    best = plain.likeliest(inference.refine(plain.errors, full.mode), plain.at(full))
+    levels = plain.levels(first, full)
+    best = plain.likeliest(inference.refine(plain.errors, levels, plain.scores(levels)), plain.at(full))
     searches: dict[Causes, ComparedSets] = {(): plain.compared(first, best)}
     top = searches[()].top
     known = plain.at(plain.likeliest(top, plain.at(best)))

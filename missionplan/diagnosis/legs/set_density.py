@@ -105,25 +105,32 @@ class LegInference:
         self._groups: dict[Causes, _Linear] = {}
         self._first = self._places()
 
-    def refine(self, law: RandomErrors, logs: Array) -> MeanSet:
+    def refine(self, law: RandomErrors, levels: Sequence[Array], scores: Array) -> MeanSet:
         """Try more moments about the likeliest of those at which something may change, and take the term at its size.
 
         Turns of the course are linear in small angles alone: the columns of the likeliest term are then those between
         nil and its size, beside the likeliest set. Returns the likeliest set of all, with its term.
+
+        Parameters
+        ----------
+        law : RandomErrors
+        levels : sequence of array
+            Logarithms of noises.
+        scores : array, shape (j, s, 1 + t)
+            Of the sets at these.
         """
-        numbers = range(1, len(self.terms) + 1)
-        scores = self.log_densities(law, logs, self.sets, numbers) + self.log_priors(law.effects)
-        row, column = np.unravel_index(np.argmax(scores[:, 1:]), scores[:, 1:].shape)
+        level, row, column = np.unravel_index(np.argmax(scores[:, :, 1:]), scores[:, :, 1:].shape)
         best, likeliest = MeanSet(self.sets[row].causes, int(column) + 1), self.terms[column]
-        mean = self._posterior_mean(law, logs, best)
+        mean = self._posterior_mean(law, levels[int(level)], best)
         own = [each for each in (*self.terms, *refined(self.model, likeliest)) if each.is_alike(likeliest)]
         own = [at_size(self.model, each, best.causes, mean[: self._k], mean[self.core :]) for each in own]
         self.terms = (*(each for each in self.terms if not each.is_alike(likeliest)), *own)
         self._known.clear()
         self._first = self._places()
         self._groups = {group: self._linearised(group, one.about) for group, one in self._groups.items()}
-        if scores[:, 0].max() > scores[row, column + 1]:
-            return self.sets[int(np.argmax(scores[:, 0]))]
+        plain = scores[:, :, 0].max(axis=0)
+        if plain.max() > scores[level, row, column + 1]:
+            return self.sets[int(np.argmax(plain))]
         return MeanSet(best.causes, 1 + next(i for i, each in enumerate(self.terms) if each.key == likeliest.key))
 
     # priors
@@ -267,13 +274,19 @@ class LegInference:
     def with_terms(
         self, grams: Sequence[GramMatrix], sets: Sequence[MeanSet], terms: Sequence[int], scale: int
     ) -> Array:
-        """Log densities of sets of one group at each noise, without a term and with each, shape (j, s, 1 + t)."""
+        """Log densities of sets of one group at each noise, without a term and with each, shape (j, s, 1 + t).
+
+        A set that is full has no term.
+        """
         priors = self.priors(sets, scale)
         core = [gram.part(np.arange(self.core)) for gram in grams]
         plain = priors.log_densities(core)[:, :, None]
         if not terms:
             return plain
-        gains = priors.gains(grams, self.blocks(terms), SCALES[scale])
+        gains = np.full((*plain.shape[:2], len(terms)), -np.inf)
+        free = np.flatnonzero([len(one.causes) < MOST_IN_MEAN for one in sets])
+        if len(free):
+            gains[:, free] = priors.of(free).gains(grams, self.blocks(terms), SCALES[scale])
         return np.concatenate([plain, plain + gains], axis=2)
 
     def blocks(self, terms: Sequence[int]) -> list[Block]:

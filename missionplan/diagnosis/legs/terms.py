@@ -3,9 +3,9 @@
 An effect that acts by its terms (`effects.info.Term`) is linear in a few strengths at each value of a shape: the moment
 of a change, a threshold. Every value tried is a column or two under a prior of its own. Named effects have the
 catalogue's; the neutral response, and smooth random functions along an axis (Kennedy & O'Hagan 2001, *J. R. Stat. Soc.
-B* 63; Brynjarsdóttir & O'Hagan 2014, *Inverse Problems* 30) by their leading principal components, share e⁻³ of that of
-one named effect: that something without a name is there costs as much as one cause more. A velocity fixed to the Earth
-that changes with time is not among the smooth ones: random effects of the catalogue describe it.
+B* 63; Brynjarsdóttir & O'Hagan 2014, *Inverse Problems* 30) by their leading principal components, share that of
+`UNNAMED`. A velocity fixed to the Earth that changes with time is not among the smooth ones: random effects of the
+catalogue describe it.
 """
 
 import math
@@ -26,17 +26,16 @@ from missionplan.effects.info import Term
 from missionplan.phases.hooks import TransitEffect, velocity_error
 from missionplan.results.learned.evidence import Causes
 
-UNNAMED = 3.0
-"""Nats of prior that all neutral terms together have less than one named effect."""
+UNNAMED = 2.0
+"""Nats of prior that all neutral terms together have less than one named effect: that something without a name is there
+costs some five nats against nothing, which keeps false alarms below 1 %."""
 SIZE = 0.04
 """Usual size of a neutral response [m/s]: as of the catalogue's effects in the middle of their sizes."""
-LENGTH = 0.4
-"""Correlation length of a smooth one, of the record's extent along the axis."""
-MOST_COLUMNS = 8
+LENGTHS = (0.4, 0.15)
+"""Correlation lengths of a smooth one, of the record's extent along the axis."""
+MOST_COLUMNS = 12
 LEAST_SHARE = 0.01
 """Principal components kept at most, and least share of the first one's variance that one has."""
-SAME = 1e-3
-"""Size of a combination of the catalogue's effects, over the greatest, below which it is none."""
 IS_DESCRIBED = ("time", "a velocity that changes with time")
 """What random effects of the catalogue describe."""
 MOMENTS, THRESHOLDS = 16, 6
@@ -69,6 +68,8 @@ class LegTerm:
     """As a model fits it; None for a smooth error."""
     answers: bool = False
     """Whether it depends on the current."""
+    length: float = 0.0
+    """Correlation length of a smooth error, of the record's extent."""
 
     @property
     def is_neutral(self) -> bool:
@@ -78,7 +79,7 @@ class LegTerm:
     @property
     def key(self) -> tuple[str, str, str, tuple[Scalars, ...]]:
         """What distinguishes it from all others."""
-        shapes = () if self.acting is None else tuple(self.acting.shapes.values())
+        shapes = (self.length,) if self.acting is None else tuple(self.acting.shapes.values())
         return self.effect, self.axis, self.description, shapes
 
     def is_alike(self, other: "LegTerm") -> bool:
@@ -98,7 +99,7 @@ def terms_of(model: TransitFitting) -> tuple[LegTerm, ...]:
         families += len(terms) if info.tier == "neutral" else 0
         found += [each for term in terms for each in _members(model, info, term)]
     smooth = _smooth(model)
-    share = UNNAMED + math.log(max(families + len(smooth), 1))
+    share = UNNAMED + math.log(max(families + len(smooth) // len(LENGTHS), 1))
     return tuple(
         replace(each, log_share=each.log_share - share) if each.is_neutral else each for each in [*found, *smooth]
     )
@@ -228,21 +229,17 @@ def answers(model: TransitFitting, term: LegTerm, water: Array) -> Array:
 
 
 def _smooth(model: TransitFitting) -> list[LegTerm]:
-    """Smooth errors along the axes of a log, less what effects of the catalogue do to the legs."""
-    named = model.columns_as_expected * [coordinate.slab for coordinate in model.coordinates]
-    flat = np.moveaxis(named, 0, 1).reshape(2 * named.shape[1], -1)
-    left, sizes, _ = np.linalg.svd(flat, full_matrices=False)
-    span = left[:, sizes > SAME * sizes[0]]
+    """Smooth errors along the axes of a log."""
     axes = transit_axes(model.data, model.leg, model.axes)
     wanted = [axis for axis in axes if (axis.name, axis.description) != IS_DESCRIBED]
-    return [_along(axis, span) for axis in wanted]
+    return [_along(axis, length) for axis in wanted for length in LENGTHS]
 
 
-def _along(axis: Axis, span: Array) -> LegTerm:
-    smooth = axis.smooth(LENGTH)
+def _along(axis: Axis, length: float) -> LegTerm:
+    smooth = axis.smooth(length)
     functions = axis.response.shape[1] // len(smooth)
-    values = axis.response @ np.kron(np.eye(functions), smooth)
-    left, sizes, _ = np.linalg.svd(values - span @ (span.T @ values), full_matrices=False)
+    left, sizes, _ = np.linalg.svd(axis.response @ np.kron(np.eye(functions), smooth), full_matrices=False)
     kept = np.flatnonzero(sizes**2 > LEAST_SHARE * sizes[0] ** 2)[:MOST_COLUMNS]
     columns = SIZE * left[:, kept] * sizes[kept]
-    return LegTerm("", axis.name, axis.description, np.moveaxis(columns.reshape(len(span) // 2, 2, -1), 1, 0), 0.0)
+    by_leg = np.moveaxis(columns.reshape(len(left) // 2, 2, -1), 1, 0)
+    return LegTerm("", axis.name, axis.description, by_leg, -math.log(len(LENGTHS)), length=length)

@@ -6,7 +6,7 @@ from scipy.signal import lfilter
 from scipy.special import logsumexp
 from scipy.stats import multivariate_normal
 
-from missionplan.diagnosis.inference.adequacy.axes import Axis, AxisScale, pointwise
+from missionplan.diagnosis.inference.adequacy.axes import Axis, AxisScale, around, pointwise
 from missionplan.diagnosis.inference.adequacy.discrepancy import LENGTHS, SCALE_SPREAD, SCALES, SIZES, discrepancy
 from missionplan.diagnosis.inference.adequacy.residual_tests import outlying_groups
 from missionplan.diagnosis.inference.adequacy.residuals import InnerProducts, Residuals
@@ -176,3 +176,15 @@ def test_functions_in_two_dimensions_are_given_at_every_place():
         np.exp(-2.0 * ((inputs[:, None] - inputs) ** 2).sum(2))[np.ix_(*2 * [np.lexsort(inputs.T[::-1])])],
         atol=2e-4,
     )
+
+
+def test_functions_of_an_angle_go_on_where_the_circle_closes():
+    """Squared-exponential in the chord of a circle of diameter one, whether at the angles themselves or between nodes."""
+    angles = np.radians([-179.0, 179.0, 0.0, 40.0])
+    chords = np.abs(np.sin(0.5 * (angles[:, None] - angles)))
+    few = around("heading", "", angles[:, None], np.ones((4, 1)))
+    many = np.concatenate([angles, np.linspace(-3.0, 3.0, 60)])
+    between = around("heading", "", many[:, None], np.ones((len(many), 1)))
+    for axis, allowed in ((few, 1e-3), (between, 0.03)):
+        smooth = (axis.response @ axis.smooth(0.4))[:4]
+        np.testing.assert_allclose(smooth @ smooth.T, np.exp(-0.5 * (chords / 0.4) ** 2), atol=allowed)

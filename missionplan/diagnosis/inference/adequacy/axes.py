@@ -86,9 +86,22 @@ def pointwise(name: str, description: str, inputs: Array, directions: Array | No
         Response of each value to each of p functions; default one function, to which all respond alike.
     """
     places, weights = _between_nodes(inputs[:, 0]) if inputs.shape[1] == 1 else _unique(inputs)
-    if directions is None:
-        return Axis(name, description, places, weights)
-    return Axis(name, description, places, np.concatenate([weights * one[:, None] for one in directions.T], axis=1))
+    return Axis(name, description, places, weights if directions is None else _directed(weights, directions))
+
+
+def around(name: str, description: str, angles: Array, directions: Array) -> Axis:
+    """Return the axis of functions of angles, (N, 1) [rad], on a circle of diameter one; else as `pointwise`."""
+    nodes = np.unique(angles)
+    if len(nodes) > NODES:
+        nodes = np.linspace(-np.pi, np.pi, NODES, endpoint=False)
+    weights = np.stack([np.interp(angles[:, 0], nodes, one, period=2.0 * np.pi) for one in np.eye(len(nodes))], axis=1)
+    places = 0.5 * np.stack([np.sin(nodes), np.cos(nodes)], axis=1)
+    return Axis(name, description, places, _directed(weights, directions))
+
+
+def _directed(weights: Array, directions: Array) -> Array:
+    """Responses to functions of which each value has a share, function by function."""
+    return np.concatenate([weights * one[:, None] for one in directions.T], axis=1)
 
 
 def differing(description: str, directions: Array) -> Axis:
