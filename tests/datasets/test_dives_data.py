@@ -88,3 +88,16 @@ def test_times_of_the_day_count_from_the_separation(folder, descent_mission):
     del runs["dive-2"]["separation"]
     with pytest.raises(InputError, match="dive-2: its times are of the day; say in runs: when its anchor separated"):
         read_descent(folder({**KIND, "runs": runs}, dated), descent_mission)
+
+
+def test_dives_are_of_the_data_sets_date_or_of_their_own(folder, descent_mission):
+    """Two dives on 1 May and one on 4 May, by `start` and by its separation; without a date of one there is none."""
+    assert np.isnan(read_descent(folder(KIND, dives()), descent_mission).date)
+    first, last = (pd.Timestamp(f"2026-05-{day:02}T12:00:00Z") for day in (1, 4))
+    wanted = (2 * first.timestamp() + last.timestamp()) / 3
+    for key in ("start", "separation"):
+        runs = {**RUNS, "dive-3": {**RUNS["dive-3"], key: last.isoformat()}}
+        dated = {**KIND, "start": first.isoformat(), "runs": runs}
+        assert read_descent(folder(dated, dives()), descent_mission).date == pytest.approx(wanted)
+        del dated["start"]
+        assert np.isnan(read_descent(folder(dated, dives()), descent_mission).date)
