@@ -12,9 +12,9 @@ from missionplan.errors import InputError, MissionplanError, RunError
 from missionplan.rendering import Presenter, register_presenter
 
 if TYPE_CHECKING:
+    from missionplan.diagnosis.campaign import diagnose_campaign
     from missionplan.diagnosis.diagnose import diagnose
     from missionplan.diagnosis.scoring.score import score
-    from missionplan.diagnosis.together.campaign import diagnose_campaign
     from missionplan.diagnosis.why import why
     from missionplan.importers.importing import import_logs
     from missionplan.importers.importing import import_logs as import_log
@@ -79,7 +79,7 @@ _MODULES = {
     "compare": "missionplan.studies.comparison.compare_missions",
     "compare_missions": "missionplan.studies.comparison.compare_missions",
     "diagnose": "missionplan.diagnosis.diagnose",
-    "diagnose_campaign": "missionplan.diagnosis.together.campaign",
+    "diagnose_campaign": "missionplan.diagnosis.campaign",
     "explore": "missionplan.studies.exploration.explore",
     "export": "missionplan.studies.mission_plan.export",
     "find_rare_failure": "missionplan.studies.rare_failure.find_rare_failure",

@@ -4,6 +4,7 @@ import json
 import tempfile
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
+from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -245,23 +246,21 @@ def _simulate(made: _Made, **extra: Any) -> "Result":
     return simulate(made.mission(), **chosen, **made.drawn, **extra)
 
 
-def _sweep_dmax(made: _Made) -> "Result":
-    from missionplan.studies.leg_length.sweep_dmax import sweep_dmax
-
-    return sweep_dmax(made.mission(), method=made.options.get("method"), **made.drawn)
-
-
-def _plan_legs(made: _Made) -> "Result":
-    from missionplan.studies.leg_length.plan_legs import plan_legs
-
-    return plan_legs(made.mission(), aim=made.options.get("aim", "mean"), **made.drawn)
+_DRAWN: Mapping[str, tuple[str, tuple[str, ...]]] = {
+    "sweep-dmax": ("leg_length.sweep_dmax", ("method",)),
+    "plan-legs": ("leg_length.plan_legs", ("aim",)),
+    "size-anchor": ("anchor.size_anchor", ("probability", "phase")),
+    "optimise": ("optimisation.optimise", ("choose", "aim")),
+}
+"""Studies of a mission with draws, by command: the module, which has the function's name, and options of its own."""
 
 
-def _size_anchor(made: _Made) -> "Result":
-    from missionplan.studies.anchor.size_anchor import size_anchor
-
-    chosen: dict[str, Any] = {name: made.options.get(name) for name in ("probability", "phase")}
-    return size_anchor(made.mission(), **chosen, **made.drawn)
+def _drawn(made: _Made) -> "Result":
+    place, options = _DRAWN[made.command]
+    study = getattr(import_module(f"missionplan.studies.{place}"), place.rpartition(".")[2])
+    chosen = {name: made.options[name] for name in options if name in made.options}
+    found: Result = study(made.mission(), **chosen, **made.drawn)
+    return found
 
 
 def _sweep_transition(made: _Made) -> "Result":
@@ -278,16 +277,9 @@ def _explore(made: _Made) -> "Result":
     return explore(made.mission(), quantities=made.options.get("quantity", ()), **chosen, **made.drawn)
 
 
-def _optimise(made: _Made) -> "Result":
-    from missionplan.studies.optimisation.optimise import optimise
-
-    chosen = {name: made.options[name] for name in ("choose", "aim") if name in made.options}
-    return optimise(made.mission(), **chosen, **made.drawn)
-
-
 def _diagnose(made: _Made) -> "Result":
+    from missionplan.diagnosis.campaign import diagnose_campaign
     from missionplan.diagnosis.diagnose import diagnose
-    from missionplan.diagnosis.together.campaign import diagnose_campaign
 
     options = made.options
     chosen = {"plan": bool(options.get("plan", True)), "allow_outside": made.allow_outside, **made.seeded}
@@ -319,12 +311,9 @@ def _tide(made: _Made) -> "Result":
 
 _STUDIES: dict[str, Study] = {
     "simulate": _simulate,
-    "sweep-dmax": _sweep_dmax,
-    "plan-legs": _plan_legs,
-    "size-anchor": _size_anchor,
+    **dict.fromkeys(_DRAWN, _drawn),
     "sweep-transition": _sweep_transition,
     "explore": _explore,
-    "optimise": _optimise,
     "diagnose": _diagnose,
     "score": _score,
     "identify": _identify,

@@ -97,8 +97,8 @@ def diagnosed(
     with preloaded_pool(min(processes, MAX_PROCESSES) - 1, *_WORKERS_NEED):
         mission_loaded = loaded(mission, datasets, folder, allow_outside=allow_outside)
         with progress_bar("diagnose", shown=not quiet) as progress:
+            from missionplan.diagnosis.campaign import diagnose_campaign
             from missionplan.diagnosis.diagnose import diagnose
-            from missionplan.diagnosis.together.campaign import diagnose_campaign
 
             if len(datasets) > 1:
                 return diagnose_campaign(

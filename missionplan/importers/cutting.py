@@ -5,6 +5,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 import pandas as pd
+from numpy.typing import NDArray
 from scipy.integrate import trapezoid
 
 from missionplan.arrays import Array
@@ -28,11 +29,13 @@ from missionplan.importers.reckoning import (
     made_reckoning,
     true_from_logged,
 )
-from missionplan.importers.track import Positions, Series, Track
-from missionplan.results.imported import Basis
+from missionplan.importers.track import Fixes, Positions, Series, Track
+from missionplan.results.imported import Basis, LegPicture
 
 _STANDS_STILL = 1.0
 """Way that a position which stands still makes at most [m]."""
+_ABOUT = 900.0
+"""Time before and after a leg of which its picture shows fixes and depths [s]."""
 _MOST = 0.5
 """Share of dives whose position stands still from which on dead reckoning is made for all."""
 _LATEST_START = 120.0
@@ -260,3 +263,31 @@ def _of_old_ends(dives: pd.DataFrame) -> Iterator[str]:
             f"the last dead-reckoned position is {old.median():.0f} s older than the surfacing (median): the way made "
             f"in that time, about {100.0 * share.median():.1f} % of a leg, counts as error"
         )
+
+
+def leg_picture(parts: CutTrack, row: int) -> LegPicture:
+    """Gather what was logged about a leg."""
+    dive = parts.dives.iloc[row]
+    start, end, begin = float(dive["t_start_s"]), float(dive["t_end_s"]), (dive["lat_start"], dive["lon_start"])
+
+    def near(t: Array) -> NDArray[np.bool_]:
+        return np.asarray((t >= start - _ABOUT) & (t <= end + _ABOUT))
+
+    def places(of: Fixes | Positions) -> Array:
+        return np.stack(displacement(*begin, of.latitude, of.longitude)) if len(of) else np.empty((2, 0))
+
+    is_near = near(parts.fixes.rejected.t)
+    good, rejected = parts.fixes.good[near(parts.fixes.good.t)], parts.fixes.rejected[is_near]
+    line, depth = parts.reckoned[row], parts.depth.within(start - _ABOUT, end + _ABOUT)
+    return LegPicture(
+        row,
+        good.t - start,
+        places(good),
+        rejected.t - start,
+        places(rejected),
+        tuple(reason for reason, kept in zip(parts.fixes.reasons, is_near, strict=True) if kept),
+        line.t - start,
+        places(line),
+        depth.t - start,
+        depth.values,
+    )

@@ -7,7 +7,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from missionplan.arrays import Array
-from missionplan.importers.track import Fixes, Series, Track
+from missionplan.importers.geodesy import displacement
+from missionplan.importers.track import Fixes, Positions, Series, Track
 
 _DEEPEST_SURFACE = 3.0
 _SHALLOWEST_DIVE = 5.0
@@ -195,3 +196,37 @@ def _surfaced(during: Series, depths: Depths, fix: float) -> float:
     upper, lower = during.values[last + 1], during.values[last]
     share = (lower - depths.surface) / max(lower - upper, 1e-9)
     return float(during.t[last] + share * (during.t[last + 1] - during.t[last]))
+
+
+def split_at_surface(track: Track, own: Positions) -> Track:
+    """Split the vehicle's own positions into dead-reckoned ones, under water, and fixes, at the surface.
+
+    At the surface the position is dead-reckoned until it jumps to the fix: fixes count from the greatest step on that
+    the position makes while the vehicle comes up and stays there. Where positions are blank under water, or no depth
+    tells it apart, all are fixes.
+    """
+    if not len(track.depth) or not len(own):
+        return track
+    depths = depths_of(track.depth, LegRules())
+    under = track.depth.at(own.t) > depths.surface
+    if not under.any():
+        return track
+    is_fix = ~under
+    starts = np.flatnonzero(under[:-1] & ~under[1:]) + 1
+    for start in starts:
+        after = np.flatnonzero(under[start:])
+        end = start + int(after[0]) if len(after) else len(own)
+        rows = slice(start - 1, end)
+        steps = np.hypot(*displacement(own.latitude[rows][:-1], own.longitude[rows][:-1], own.latitude[rows][1:],
+                                       own.longitude[rows][1:]))  # fmt: skip
+        is_fix[start : start + int(np.argmax(steps))] = False
+    notice = (
+        "one position alone: it is taken for a fix at the surface, from its greatest step on, and as dead-reckoned else"
+    )
+    return replace(
+        track,
+        fixes=track.fixes[np.isin(track.fixes.t, own.t[is_fix])],
+        reckoned=Positions(own.t[~is_fix], own.latitude[~is_fix], own.longitude[~is_fix]),
+        reckoning="the vehicle's one position, under water",
+        notices=(*track.notices, notice),
+    )

@@ -9,15 +9,14 @@ from typing import Literal
 
 import numpy as np
 import pandas as pd
-from numpy.typing import NDArray
 
 from missionplan.arrays import Array
 from missionplan.errors import InputError, Problem, did_you_mean, shown
-from missionplan.importers.cutting import LEG_COLUMNS, CutTrack, cut
+from missionplan.importers.cutting import LEG_COLUMNS, CutTrack, cut, leg_picture
 from missionplan.importers.descents import descent_data, read_marks
 from missionplan.importers.dives import LegRules
 from missionplan.importers.fixes import JUMPED
-from missionplan.importers.geodesy import displacement, shifted, with_declination
+from missionplan.importers.geodesy import shifted, with_declination
 from missionplan.importers.importer import Identity, ReadOptions, SourceLog, known_importers
 from missionplan.importers.mapping import read_mapping
 from missionplan.importers.sources import Reading, Sources, find_sources, of_one
@@ -25,7 +24,7 @@ from missionplan.importers.starter import LegNumbers, mission_text, numbers_of, 
 from missionplan.importers.track import Fixes, Positions, Track
 from missionplan.mission.geodesy import to_plane
 from missionplan.mission.schema.site import Geographic
-from missionplan.results.imported import ImportedData, LegPicture, SourceEntry, TrackLines
+from missionplan.results.imported import ImportedData, SourceEntry, TrackLines
 from missionplan.store.folder import as_path
 
 KINDS = ("transit", "descent")
@@ -33,8 +32,6 @@ _JUMPS = 0.2
 """Share of fixes that jump from which on they are of no one track."""
 _RETURNS = 5
 """Times that they do at least."""
-_ABOUT = 900.0
-"""Time before and after a leg of which its picture shows fixes and depths [s]."""
 
 
 def import_logs(
@@ -206,7 +203,7 @@ def transit_data(reading: Reading, rules: LegRules, explain: Sequence[int] = ())
         figures=_figures(parts, found),
         lines=_lines(parts, found),
         basis=parts.basis,
-        pictures=tuple(_picture(parts, number - 1) for number in dict.fromkeys(explain)),
+        pictures=tuple(leg_picture(parts, number - 1) for number in dict.fromkeys(explain)),
     )
 
 
@@ -330,31 +327,3 @@ def _check_numbers(explain: Sequence[int], dives: int) -> None:
     ]
     if problems:
         raise InputError(problems)
-
-
-def _picture(parts: CutTrack, row: int) -> LegPicture:
-    """Gather what was logged about a leg."""
-    dive = parts.dives.iloc[row]
-    start, end, begin = float(dive["t_start_s"]), float(dive["t_end_s"]), (dive["lat_start"], dive["lon_start"])
-
-    def near(t: Array) -> NDArray[np.bool_]:
-        return np.asarray((t >= start - _ABOUT) & (t <= end + _ABOUT))
-
-    def places(of: Fixes | Positions) -> Array:
-        return np.stack(displacement(*begin, of.latitude, of.longitude)) if len(of) else np.empty((2, 0))
-
-    is_near = near(parts.fixes.rejected.t)
-    good, rejected = parts.fixes.good[near(parts.fixes.good.t)], parts.fixes.rejected[is_near]
-    line, depth = parts.reckoned[row], parts.depth.within(start - _ABOUT, end + _ABOUT)
-    return LegPicture(
-        row,
-        good.t - start,
-        places(good),
-        rejected.t - start,
-        places(rejected),
-        tuple(reason for reason, kept in zip(parts.fixes.reasons, is_near, strict=True) if kept),
-        line.t - start,
-        places(line),
-        depth.t - start,
-        depth.values,
-    )

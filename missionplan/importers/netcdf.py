@@ -1,7 +1,7 @@
 """NetCDF files: variables by name, alias or standard name, each along its own dimension with that dimension's clock."""
 
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from functools import lru_cache
 from itertools import takewhile
@@ -9,11 +9,12 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
+import pandas as pd
 
 from missionplan.arrays import Array
 from missionplan.errors import InputError
 from missionplan.importers.importer import needed_module
-from missionplan.importers.mapping import unit_factor
+from missionplan.importers.mapping import QUANTITIES, MappedName, times, unit_factor
 from missionplan.importers.track import Series, series
 from missionplan.moments import since
 
@@ -189,3 +190,33 @@ def _factor(unit: str, wanted: str) -> float:
         return unit_factor(_SUFFIX.sub("^-1", unit), wanted)
     except InputError:
         return 1.0
+
+
+def mapped_parts(file: Variables, columns: Mapping[str, MappedName]) -> list[dict[str, Array]]:
+    """Variables as named, a part for each dimension that they lie along, with that dimension's clock."""
+    found = {quantity: file.find(each.name) for quantity, each in columns.items()}
+    missing = [columns[quantity].name for quantity, name in found.items() if name is None]
+    if missing:
+        raise ValueError(f"no variable {', '.join(missing)}; it has {', '.join(sorted(file)[:20])}")
+    names = {quantity: name for quantity, name in found.items() if name is not None}
+    parts: dict[str, dict[str, Array]] = {}
+    for quantity, name in names.items():
+        if quantity == "time":
+            continue
+        part = parts.setdefault(file.dimension(name), {})
+        if "t" not in part:
+            is_same = file.dimension(names["time"]) == file.dimension(name)
+            part["t"] = _mapped_times(file, names["time"], columns["time"].unit) if is_same else file.clock(name)
+        part[quantity] = file.numbers(name) * _mapped_factor(quantity, columns[quantity].unit)
+    return list(parts.values())
+
+
+def _mapped_times(file: Variables, name: str, unit: str) -> Array:
+    if " since " in file.unit(name):
+        return file.epoch(name)
+    return times(pd.Series(file.numbers(name).astype(str)), "epoch" if unit == "iso" else unit)
+
+
+def _mapped_factor(quantity: str, unit: str) -> float:
+    wanted = QUANTITIES[quantity]
+    return 1.0 if unit == wanted or not wanted else unit_factor(unit, wanted)

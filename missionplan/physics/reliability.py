@@ -5,6 +5,8 @@ With E = −ln(1 − Φ(z)), exponential of mean 1, a part of constant rate λ f
 Reliability Theory*, 2004, ch. 2). Ages are in the unit of the exposure: seconds, metres or events.
 """
 
+from dataclasses import dataclass, fields
+
 import numpy as np
 import scipy
 
@@ -63,3 +65,32 @@ def chance_of_counts(failures: float, exposure: float, prior_failures: float, pr
     at_least = 1.0 if failures <= 0.0 else float(scipy.special.betainc(failures, shape, x))
     at_most = float(scipy.special.betainc(shape, failures + 1.0, 1.0 - x))
     return min(at_least, at_most)
+
+
+@dataclass(frozen=True)
+class Exposure:
+    """What the vehicle's equipment has been through; floats or arrays of shape (n,).
+
+    Attributes
+    ----------
+    time, distance : float or array
+        [s], and through the water [m].
+    surfacings, dives, releases, wake_ups : float or array
+    """
+
+    time: Scalars = 0.0
+    distance: Scalars = 0.0
+    surfacings: Scalars = 0.0
+    dives: Scalars = 0.0
+    releases: Scalars = 0.0
+    wake_ups: Scalars = 0.0
+
+    def plus(self, other: "Exposure") -> "Exposure":
+        """Add what comes next."""
+        return Exposure(*(getattr(self, each.name) + getattr(other, each.name) for each in fields(self)))
+
+    def of(self, per: str) -> Array:
+        """Return what a hazard counts by."""
+        names = {"hour": "time", "km": "distance", "surfacing": "surfacings", "dive": "dives"}
+        names |= {"release": "releases", "wake-up": "wake_ups"}
+        return np.asarray(getattr(self, names[per]), dtype=float)

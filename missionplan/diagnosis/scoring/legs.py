@@ -13,8 +13,7 @@ from scipy.special import ndtri
 from missionplan.arrays import Array, Scalars
 from missionplan.datasets.records import TransitData
 from missionplan.diagnosis.legs.model_factory import check_cover
-from missionplan.diagnosis.scoring.ensemble import Ensemble, Noise, Part
-from missionplan.diagnosis.scoring.explanations import explained
+from missionplan.diagnosis.scoring.ensemble import Ensemble, Noise, Part, explained
 from missionplan.mission import Mission
 from missionplan.phases.hooks import TransitEffect
 from missionplan.phases.transit.ground_velocity import GroundVelocity

@@ -19,8 +19,7 @@ from missionplan.diagnosis.dives.noise import noise_grid
 from missionplan.diagnosis.dives.preparation import DiveLog, PreparedDives, prepare_dives
 from missionplan.diagnosis.learned_data import as_then, learned
 from missionplan.diagnosis.scoring.chance import Chance, one_step_chance, whole_chance
-from missionplan.diagnosis.scoring.ensemble import Ensemble, Noise, Part
-from missionplan.diagnosis.scoring.explanations import bare_mission, explained
+from missionplan.diagnosis.scoring.ensemble import Ensemble, Noise, Part, bare_mission, explained
 from missionplan.diagnosis.scoring.legs import leg_ensemble
 from missionplan.diagnosis.scoring.predictive import Mixture, one_step_ahead, without_past
 from missionplan.diagnosis.scoring.yardsticks import Point, with_spread, yardsticks

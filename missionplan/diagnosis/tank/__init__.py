@@ -2,5 +2,5 @@
 
 Read `data`, `forward` (what all kinds have in common) and one kind (`towed_drag`, `free_oscillation`,
 `thruster`), then `fitting`, `linearised` and `model`. `kind` is what `diagnose` calls: it binds a mission
-with what that knows already, has a propeller's transient, and lists residuals; `extended_mission` writes the causes.
+with what that knows already, has a propeller's transient, lists residuals and writes the causes.
 """

@@ -19,11 +19,11 @@ import pandas as pd
 
 from missionplan.arrays import Array
 from missionplan.errors import InputError, Problem
-from missionplan.importers.dives import LegRules, depths_of
-from missionplan.importers.geodesy import displacement, origin_of, plane_positions
+from missionplan.importers.dives import split_at_surface
+from missionplan.importers.geodesy import origin_of, plane_positions
 from missionplan.importers.importer import Importer, ReadOptions, SourceLog, needed_module, unpacked
-from missionplan.importers.mapping import QUANTITIES, MappedName, angles, quantities, times, unit_factor
-from missionplan.importers.netcdf import MAGIC, Variables, opened
+from missionplan.importers.mapping import QUANTITIES, MappedName, angles, quantities, times
+from missionplan.importers.netcdf import MAGIC, Variables, mapped_parts, opened
 from missionplan.importers.stores import ColumnStore, Samples
 from missionplan.importers.track import Fixes, Positions, Series, Track, fixes, positions, series
 from missionplan.moments import utc
@@ -76,7 +76,7 @@ def _parts(path: Path, head: bytes, names: Mapping[str, MappedName]) -> Iterator
     columns = {quantity: each for quantity, each in names.items() if quantity not in _NO_COLUMNS}
     if head.startswith(MAGIC):
         with opened(path, "track") as data:
-            yield from _of_netcdf(Variables(data), columns)
+            yield from mapped_parts(Variables(data), columns)
         return
     wanted = [each.name for each in columns.values()]
     for chunk in text_chunks(path, wanted):
@@ -94,36 +94,6 @@ def _of_text(chunk: pd.DataFrame, columns: Mapping[str, MappedName]) -> dict[str
         else:
             found[quantity] = quantities(words, each.unit, QUANTITIES[quantity])
     return found
-
-
-def _of_netcdf(file: Variables, columns: Mapping[str, MappedName]) -> list[dict[str, Array]]:
-    """Variables as named, a part for each dimension that they lie along, with that dimension's clock."""
-    found = {quantity: file.find(each.name) for quantity, each in columns.items()}
-    missing = [columns[quantity].name for quantity, name in found.items() if name is None]
-    if missing:
-        raise ValueError(f"no variable {', '.join(missing)}; it has {', '.join(sorted(file)[:20])}")
-    names = {quantity: name for quantity, name in found.items() if name is not None}
-    parts: dict[str, dict[str, Array]] = {}
-    for quantity, name in names.items():
-        if quantity == "time":
-            continue
-        part = parts.setdefault(file.dimension(name), {})
-        if "t" not in part:
-            is_same = file.dimension(names["time"]) == file.dimension(name)
-            part["t"] = _netcdf_times(file, names["time"], columns["time"].unit) if is_same else file.clock(name)
-        part[quantity] = file.numbers(name) * _netcdf_factor(quantity, columns[quantity].unit)
-    return list(parts.values())
-
-
-def _netcdf_times(file: Variables, name: str, unit: str) -> Array:
-    if " since " in file.unit(name):
-        return file.epoch(name)
-    return times(pd.Series(file.numbers(name).astype(str)), "epoch" if unit == "iso" else unit)
-
-
-def _netcdf_factor(quantity: str, unit: str) -> float:
-    wanted = QUANTITIES[quantity]
-    return 1.0 if unit == wanted or not wanted else unit_factor(unit, wanted)
 
 
 def _track(files: Sequence[Path], store: ColumnStore, given: Fixes, options: ReadOptions) -> Track:
@@ -190,40 +160,6 @@ def _marks(t: Array, values: Array) -> tuple[float, ...]:
     """Times at which a mark rises from nothing or 0."""
     up = np.nan_to_num(values) > 0.0
     return tuple(float(each) for each in t[up & ~np.append(False, up[:-1])])
-
-
-def split_at_surface(track: Track, own: Positions) -> Track:
-    """Split the vehicle's own positions into dead-reckoned ones, under water, and fixes, at the surface.
-
-    At the surface the position is dead-reckoned until it jumps to the fix: fixes count from the greatest step on that
-    the position makes while the vehicle comes up and stays there. Where positions are blank under water, or no depth
-    tells it apart, all are fixes.
-    """
-    if not len(track.depth) or not len(own):
-        return track
-    depths = depths_of(track.depth, LegRules())
-    under = track.depth.at(own.t) > depths.surface
-    if not under.any():
-        return track
-    is_fix = ~under
-    starts = np.flatnonzero(under[:-1] & ~under[1:]) + 1
-    for start in starts:
-        after = np.flatnonzero(under[start:])
-        end = start + int(after[0]) if len(after) else len(own)
-        rows = slice(start - 1, end)
-        steps = np.hypot(*displacement(own.latitude[rows][:-1], own.longitude[rows][:-1], own.latitude[rows][1:],
-                                       own.longitude[rows][1:]))  # fmt: skip
-        is_fix[start : start + int(np.argmax(steps))] = False
-    notice = (
-        "one position alone: it is taken for a fix at the surface, from its greatest step on, and as dead-reckoned else"
-    )
-    return replace(
-        track,
-        fixes=track.fixes[np.isin(track.fixes.t, own.t[is_fix])],
-        reckoned=Positions(own.t[~is_fix], own.latitude[~is_fix], own.longitude[~is_fix]),
-        reckoning="the vehicle's one position, under water",
-        notices=(*track.notices, notice),
-    )
 
 
 _ROWS = 50_000

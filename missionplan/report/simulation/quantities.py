@@ -1,7 +1,7 @@
 """Quantities, requirements and failures of a simulated mission: in words, in the headline, and in their section."""
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 
 from missionplan.montecarlo.statistics import Statistic, wilson
@@ -9,28 +9,29 @@ from missionplan.report.numbers import number, percent, share
 from missionplan.report.page import PageSection, Table
 from missionplan.report.quantities import Unit, si_per_unit, span, unit_for
 from missionplan.report.wording import in_words, phase_in_words
+from missionplan.results.failures import Failure
 from missionplan.results.simulation import Attrition, Outcome, PhaseOutcome, RequirementOutcome
 
-_FAILURES = {
-    "not arrived": "missed arrivals",
-    "anchor did not reach the seafloor": "anchors that do not reach the seafloor",
-    "anchor outside the radius": "anchors outside the radius",
-    "struck the seafloor": "strikes on the seafloor",
-    "anchor dragged": "anchors that drag",
-    "grounded in the hold": "vehicles that touch the seafloor in the hold",
-    "anchor flooded before its release": "anchors that flood before their release, which sink the vehicle nose first",
-    "line parted": "lines that part",
-    "did not surface": "vehicles that do not surface",
-    "out of energy": "empty batteries",
-    "left the record of the current": "missions that leave the record of the current",
-    "current faster than the vehicle": "currents faster than the vehicle",
-    "aground": "vehicles that run aground",
-    "on-land": "vehicles that end on land",
-    "keep-out": "vehicles in zones to keep out of",
-    "equipment": "equipment that fails",
-    "left the grid of depths": "missions that leave the grid of depths",
-    "line and vehicle longer than the water is deep": "lines too long for the depth of the water",
-    "anchor too light to sink the vehicle": "anchors too light to sink the vehicle",
+_FAILURES: Mapping[str, str] = {
+    Failure.NOT_ARRIVED: "missed arrivals",
+    Failure.NOT_DOWN: "anchors that do not reach the seafloor",
+    Failure.OUTSIDE: "anchors outside the radius",
+    Failure.STRUCK: "strikes on the seafloor",
+    Failure.DRAGGED: "anchors that drag",
+    Failure.GROUNDED: "vehicles that touch the seafloor in the hold",
+    Failure.FLOODED_EARLY: "anchors that flood before their release, which sink the vehicle nose first",
+    Failure.LINE_PARTED: "lines that part",
+    Failure.NOT_SURFACED: "vehicles that do not surface",
+    Failure.OUT_OF_ENERGY: "empty batteries",
+    Failure.LEFT_RECORD: "missions that leave the record of the current",
+    Failure.OUTRUN: "currents faster than the vehicle",
+    Failure.AGROUND: "vehicles that run aground",
+    Failure.ON_LAND: "vehicles that end on land",
+    Failure.KEEP_OUT: "vehicles in zones to keep out of",
+    Failure.EQUIPMENT: "equipment that fails",
+    Failure.UNCHARTED: "missions that leave the grid of depths",
+    Failure.TOO_SHALLOW: "lines too long for the depth of the water",
+    Failure.TOO_LIGHT: "anchors too light to sink the vehicle",
 }
 
 

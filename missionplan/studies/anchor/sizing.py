@@ -2,7 +2,6 @@
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
-from functools import partial
 
 import numpy as np
 
@@ -141,9 +140,8 @@ class AnchorSizer:
         if not demands:
             return None
         start = worst_case + max(float(self.means.mooring.vehicle.net_buoyancy), 0.0)
-        rough = replace(self.trials, trials=min(self.trials.trials, FEW))
-        search = partial(lightest_anchor, self.trials.probabilities, demands, start, self.line_length)
-        found = search(rough.probabilities)
+        rough = replace(self.trials, trials=FEW).probabilities if self.trials.trials > FEW else None
+        found = lightest_anchor(self.trials.probabilities, demands, start, self.line_length, rough)
         anchor = self.sized(found.weight) if found.weight is not None else None
         heavier = self._buildable(anchor, demands) if anchor is not None else None
         chosen = heavier or anchor

@@ -8,13 +8,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from missionplan.arrays import Array
+from missionplan.results.failures import Failure
 from missionplan.results.overdue import Way
-from missionplan.studies.simulation.phase_trials import AGROUND, EQUIPMENT, FLOODED_EARLY, Flags, PhaseTrials
+from missionplan.studies.simulation.phase_trials import Flags, PhaseTrials
 
 FEWEST_FAILED = 20
 """Trials that failed in a way, from which its search area is taken; with fewer, others are assumed to fail so."""
-_SINKING = (AGROUND, FLOODED_EARLY, f"{EQUIPMENT}, sunk", f"{EQUIPMENT}, lost")
-_HELD = ("did not surface", f"{EQUIPMENT}, moored")
+_SINKING = (Failure.AGROUND, Failure.FLOODED_EARLY, f"{Failure.EQUIPMENT}, sunk", f"{Failure.EQUIPMENT}, lost")
+_HELD = (Failure.NOT_SURFACED, f"{Failure.EQUIPMENT}, moored")
 
 
 @dataclass(frozen=True)

@@ -9,13 +9,14 @@ from missionplan.arrays import Array
 from missionplan.montecarlo.streams import stream
 from missionplan.phases.recorded_currents import RecordedCurrent
 from missionplan.physics.energy import JOULES_PER_WATT_HOUR
+from missionplan.results.failures import Failure
 from missionplan.results.overdue import DriftAssumption, ExpectedTime, Overdue
 from missionplan.scenario.scenario import Scenario
 from missionplan.studies.overdue.drift import Drift
 from missionplan.studies.overdue.losses import losses
 from missionplan.studies.overdue.search_areas import HOURS, search_areas
 from missionplan.studies.overdue.searches import Search
-from missionplan.studies.simulation.phase_trials import EQUIPMENT, Flags, PhaseTrials
+from missionplan.studies.simulation.phase_trials import Flags, PhaseTrials
 from missionplan.studies.simulation.trial_block import MissionTrials
 
 FEWEST_BACK = 50
@@ -80,7 +81,8 @@ def _first_failures(trials: MissionTrials, missing: Flags) -> Iterator[tuple[tup
     good = np.ones(missing.size, dtype=bool)
     for phase in trials.phases:
         for reason, flags in phase.failures.items():
-            kinds = {f"{reason}, {leaves}": own for leaves, own in phase.left.items()} if reason == EQUIPMENT else {}
+            left = phase.left if reason == Failure.EQUIPMENT else {}
+            kinds = {f"{reason}, {leaves}": own for leaves, own in left.items()}
             for name, own in (kinds or {reason: flags}).items():
                 if np.any(good & own & missing):
                     yield (phase.name, name), good & own & missing

@@ -16,33 +16,26 @@ from missionplan.montecarlo.rare_events.subset_simulation import Key
 from missionplan.montecarlo.rare_events.ways import TrialMargins
 from missionplan.phases.fields.ensemble import Ensemble
 from missionplan.physics.energy import JOULES_PER_WATT_HOUR
+from missionplan.results.failures import MET, Failure
 from missionplan.scenario.currents.building import MEMBER
 from missionplan.scenario.phases import line_strength
 from missionplan.scenario.scenario import Scenario
 from missionplan.studies.rare_failure.event import RareEvent
 from missionplan.studies.simulation.block_statistics import failures_by_step
-from missionplan.studies.simulation.phase_trials import (
-    EQUIPMENT,
-    LINE_PARTED,
-    MET,
-    OUT_OF_ENERGY,
-    TOO_LIGHT,
-    TOO_SHALLOW,
-    PhaseTrials,
-)
+from missionplan.studies.simulation.phase_trials import PhaseTrials
 from missionplan.studies.simulation.trial_block import MissionTrials, run_trials
 
-_NOT_ARRIVED, _OUTSIDE, _STRUCK = "not arrived", "anchor outside the radius", "struck the seafloor"
-_DRAGGED, _GROUNDED = "anchor dragged", "grounded in the hold"
-_WORLD = (*MET.values(), EQUIPMENT)
+_NOT_ARRIVED, _OUTSIDE, _STRUCK = Failure.NOT_ARRIVED, Failure.OUTSIDE, Failure.STRUCK
+_DRAGGED, _GROUNDED = Failure.DRAGGED, Failure.GROUNDED
+_WORLD = (*MET.values(), Failure.EQUIPMENT)
 _REASONS = {
-    "arrived": (_NOT_ARRIVED, OUT_OF_ENERGY, *_WORLD),
-    "within_radius": (_OUTSIDE, TOO_SHALLOW, TOO_LIGHT, LINE_PARTED, *_WORLD),
+    "arrived": (_NOT_ARRIVED, Failure.OUT_OF_ENERGY, *_WORLD),
+    "within_radius": (_OUTSIDE, Failure.TOO_SHALLOW, Failure.TOO_LIGHT, Failure.LINE_PARTED, *_WORLD),
     "struck_seafloor": (_STRUCK,),
-    "anchor_holds": (_DRAGGED, TOO_SHALLOW, TOO_LIGHT, LINE_PARTED, *_WORLD),
+    "anchor_holds": (_DRAGGED, Failure.TOO_SHALLOW, Failure.TOO_LIGHT, Failure.LINE_PARTED, *_WORLD),
     "grounded": (_GROUNDED,),
-    "line_parts": (LINE_PARTED,),
-    "hovering": (OUT_OF_ENERGY, EQUIPMENT),
+    "line_parts": (Failure.LINE_PARTED,),
+    "hovering": (Failure.OUT_OF_ENERGY, Failure.EQUIPMENT),
 }
 """Ways in which a phase's event fails, by the event."""
 
@@ -85,7 +78,7 @@ def _of_phase(
         yield from _of_mooring(phase, done)
     left = scenario.capacity / JOULES_PER_WATT_HOUR - spent
     if np.all(np.isfinite(scenario.capacity)):
-        yield OUT_OF_ENERGY, _each(left, done)
+        yield Failure.OUT_OF_ENERGY, _each(left, done)
 
 
 def _of_transit(done: PhaseTrials, scenario: Scenario) -> Iterator[tuple[str, Array]]:
@@ -96,7 +89,7 @@ def _of_transit(done: PhaseTrials, scenario: Scenario) -> Iterator[tuple[str, Ar
 
 def _of_mooring(phase: MoorPhase[Scalars], done: PhaseTrials) -> Iterator[tuple[str, Array]]:
     found = done.quantities
-    yield TOO_LIGHT, found["terminal_velocity_m_s"]
+    yield Failure.TOO_LIGHT, found["terminal_velocity_m_s"]
     yield _OUTSIDE, done.radius - found["offset_m"]
     yield _STRUCK, found["lowest_altitude_m"]
     yield _DRAGGED, found["holding_margin"]
@@ -104,7 +97,7 @@ def _of_mooring(phase: MoorPhase[Scalars], done: PhaseTrials) -> Iterator[tuple[
     strength = line_strength(phase)
     if strength is not None:
         tension = np.fmax(found["line_tension_n"], found.get("snatch_tension_n", found["line_tension_n"]))
-        yield LINE_PARTED, strength - tension
+        yield Failure.LINE_PARTED, strength - tension
 
 
 def _each(values: Scalars, done: PhaseTrials) -> Array:

@@ -18,6 +18,7 @@ from missionplan.montecarlo.rare_events.ways import ReliabilityIndices
 from missionplan.montecarlo.statistics import Probability, wilson
 from missionplan.montecarlo.streams import stream
 from missionplan.results.base import Provenance
+from missionplan.results.failures import MET, Failure
 from missionplan.scenario.scenario import Scenario
 from missionplan.scenario.site_current import recorded_current
 from missionplan.studies.held_vehicle import check_dives
@@ -33,7 +34,6 @@ from missionplan.studies.rare_failure.result import RareFailure, WayDriven
 from missionplan.studies.run import Run
 from missionplan.studies.simulation.block_statistics import failures_by_step
 from missionplan.studies.simulation.checks import check_complete, check_cover, input_notices
-from missionplan.studies.simulation.phase_trials import EQUIPMENT, MET, OUT_OF_ENERGY
 from missionplan.studies.simulation.trial_block import MissionTrials
 
 MAX_TRIALS = 1_000_000
@@ -42,7 +42,7 @@ VARIATION = 0.1
 """Coefficient of variation at which it ends, unless one is given."""
 PLAIN_TRIALS = 2048
 """Plain trials, from which the ranks of the margins and the usual values of the inputs are taken."""
-_MARGIN_WHERE_POSSIBLE = (OUT_OF_ENERGY, EQUIPMENT, *MET.values())
+_MARGIN_WHERE_POSSIBLE = (Failure.OUT_OF_ENERGY, Failure.EQUIPMENT, *MET.values())
 _KEPT = 2000
 """Failing trials in the table, drawn by their weights."""
 

@@ -14,8 +14,9 @@ from missionplan.mission.schema.sweep import Requirement
 from missionplan.montecarlo.quantile_sketch import QuantileSketch
 from missionplan.montecarlo.statistics import Count, Moments, RunningStatistics
 from missionplan.physics.energy import JOULES_PER_WATT_HOUR
+from missionplan.results.failures import MET
 from missionplan.scenario.currents.building import MEMBER
-from missionplan.studies.simulation.phase_trials import MET, Flags
+from missionplan.studies.simulation.phase_trials import Flags
 from missionplan.studies.simulation.trial_block import MissionTrials
 
 Value = TypeVar("Value")

@@ -19,17 +19,12 @@ from missionplan.phases.hooks import TrialState
 from missionplan.phases.mooring.mooring import MoorPlan, MoorRecord, moor
 from missionplan.phases.place.place import Contact, Place, Way
 from missionplan.physics.energy import JOULES_PER_WATT_HOUR
+from missionplan.physics.reliability import Exposure
+from missionplan.results.failures import Failure
 from missionplan.scenario.phases import dive_of, fix_normals, line_strength, moor_plan, room_in_depth
 from missionplan.scenario.scenario import STILL_WATER, Scenario
 from missionplan.studies.held_vehicle import sinking_speed
 from missionplan.studies.simulation.phase_trials import (
-    FLOODED_EARLY,
-    LEFT_RECORD,
-    LINE_PARTED,
-    OUT_OF_ENERGY,
-    TOO_LIGHT,
-    TOO_SHALLOW,
-    Exposure,
     Flags,
     PhaseTrials,
     TrialBlock,
@@ -53,7 +48,7 @@ class Moored(NamedTuple):
     """A mooring of a block of trials, with what prevents it."""
 
     plan: MoorPlan
-    prevented: dict[str, Flags]
+    prevented: dict[Failure, Flags]
     after: TrialState
     record: MoorRecord
 
@@ -166,9 +161,9 @@ def mooring_trials(
     failures = {
         **({} if contact is None else {name: begun & met for name, met in failures_met(contact).items()}),
         **prevented,
-        LEFT_RECORD: lost,
+        Failure.LEFT_RECORD: lost,
         **_failures(block, record, begun, taut, moored),
-        OUT_OF_ENERGY: exhausted,
+        Failure.OUT_OF_ENERGY: exhausted,
     }
     room = room_in_depth(plan.dive, plan.held.body.length)
     found = PhaseTrials(
@@ -189,7 +184,7 @@ def mooring_trials(
         contact=contact,
         exposure=_exposure(plan, begun, record),
         profile=_profile(plan, state, moored, after, record)[:, :, : block.tracked],
-        margins={TOO_SHALLOW: over_trials(room, state.trials), **margins_met(contact)},
+        margins={Failure.TOO_SHALLOW: over_trials(room, state.trials), **margins_met(contact)},
     )
     return continuing, found
 
@@ -207,16 +202,16 @@ def _moored_in(
     return Moored(plan, prevented, *moor(plan, alive, normals, current, effects=effects, surface_effects=surface))
 
 
-def _failures(block: TrialBlock, record: MoorRecord, begun: Flags, taut: Flags, moored: Flags) -> dict[str, Flags]:
+def _failures(block: TrialBlock, record: MoorRecord, begun: Flags, taut: Flags, moored: Flags) -> dict[Failure, Flags]:
     """Return the trials that fail by each way of the dive and the hold, in the order in which they come about."""
     return {
-        LINE_PARTED: taut & record.line_parted,
-        TOO_LIGHT: begun & ~moored & (record.descent.terminal_velocity <= 0.0),
-        "anchor did not reach the seafloor": begun & ~moored,
-        "anchor outside the radius": moored & ~record.within_radius,
-        "struck the seafloor": moored & record.struck,
+        Failure.LINE_PARTED: taut & record.line_parted,
+        Failure.TOO_LIGHT: begun & ~moored & (record.descent.terminal_velocity <= 0.0),
+        Failure.NOT_DOWN: begun & ~moored,
+        Failure.OUTSIDE: moored & ~record.within_radius,
+        Failure.STRUCK: moored & record.struck,
         **_hold_failures(block, record, moored),
-        "did not surface": moored & ~record.surfaced,
+        Failure.NOT_SURFACED: moored & ~record.surfaced,
     }
 
 
@@ -230,13 +225,13 @@ def _exposure(plan: MoorPlan, begun: Flags, record: MoorRecord) -> Exposure:
     return Exposure(one * time, 0.0, up, one, one, down.astype(float))
 
 
-def _prevented(block: TrialBlock, phase: MoorPhase[Scalars], plan: MoorPlan, begun: Flags) -> dict[str, Flags]:
+def _prevented(block: TrialBlock, phase: MoorPhase[Scalars], plan: MoorPlan, begun: Flags) -> dict[Failure, Flags]:
     """Trials in which the dive cannot be, by what prevents it."""
-    prevented = {TOO_SHALLOW: begun & (room_in_depth(plan.dive, plan.held.body.length) <= 0.0)}
+    prevented = {Failure.TOO_SHALLOW: begun & (room_in_depth(plan.dive, plan.held.body.length) <= 0.0)}
     anchor = block.scenario.mooring.anchor
     if anchor.premature_flooding > 0.0:
         normals = block.source.once(f"{phase.name}.premature_flooding")[: begun.size]
-        prevented[FLOODED_EARLY] = begun & (scipy.special.ndtr(normals) < anchor.premature_flooding)
+        prevented[Failure.FLOODED_EARLY] = begun & (scipy.special.ndtr(normals) < anchor.premature_flooding)
     return prevented
 
 
@@ -262,12 +257,12 @@ def _events(
     return events
 
 
-def _hold_failures(block: TrialBlock, record: MoorRecord, moored: Flags) -> dict[str, Flags]:
+def _hold_failures(block: TrialBlock, record: MoorRecord, moored: Flags) -> dict[Failure, Flags]:
     """Failures of the hold, where the vehicle file gives what they depend on."""
     given, hold = block.scenario.mooring, record.hold
     is_known = given.anchor.holding_factor is not None
-    failures = {"anchor dragged": moored & ~hold.anchor_holds} if is_known else {}
-    return failures | ({"grounded in the hold": moored & hold.grounded} if given.vehicle.centres is not None else {})
+    failures = {Failure.DRAGGED: moored & ~hold.anchor_holds} if is_known else {}
+    return failures | ({Failure.GROUNDED: moored & hold.grounded} if given.vehicle.centres is not None else {})
 
 
 class _Track(TypedDict):

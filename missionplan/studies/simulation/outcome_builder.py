@@ -15,6 +15,7 @@ from missionplan.montecarlo.statistics import Count, Integers, RunningStatistic,
 from missionplan.phases.place.place import Cause
 from missionplan.results.base import Provenance
 from missionplan.results.decision import Causes, ExplainedOutcome, PlaceContact
+from missionplan.results.failures import LIMITS, MET
 from missionplan.results.held_vehicle import HeldVehicle
 from missionplan.results.simulation import (
     Attrition,
@@ -37,7 +38,6 @@ from missionplan.studies.simulation.block_statistics import (
     requirement_key,
     with_prefix,
 )
-from missionplan.studies.simulation.phase_trials import LIMIT_FAILURES, MET
 from missionplan.studies.simulation.trial_block import MapTracks
 
 INTEGER_QUANTITIES = ("surfacings",)
@@ -163,7 +163,7 @@ class OutcomeBuilder:
         steps, left, trials = [], self.totals.trials, self.totals.trials
         for step, count in self.totals.counts.items():
             reason = step.rpartition(": ")[2]
-            if ": " in step and (count.successes or reason not in LIMIT_FAILURES):
+            if ": " in step and (count.successes or reason not in LIMITS):
                 left -= count.successes
                 steps.append(Attrition(step, count.probability(), Count(left, trials).probability()))
         return tuple(steps)

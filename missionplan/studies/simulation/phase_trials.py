@@ -1,7 +1,7 @@
 """Trials of a phase: what every kind of phase tells of them, and transits and transitions."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field, fields, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,70 +12,18 @@ from missionplan.mission.schema.transition import TransitionPhase
 from missionplan.montecarlo.streams import NormalSource
 from missionplan.phases.currents import Current
 from missionplan.phases.hooks import TrialState
-from missionplan.phases.place.place import Cause, Contact
+from missionplan.phases.place.place import Contact
 from missionplan.phases.transit.ground_velocity import random_part
 from missionplan.phases.transit.plan import Environment, Normals, TransitNormals, TransitPlan, TransitRecord, column
 from missionplan.phases.transit.transit import transit
 from missionplan.phases.transition.simulation import simulate_transition
 from missionplan.physics.energy import JOULES_PER_WATT_HOUR
+from missionplan.physics.reliability import Exposure
+from missionplan.results.failures import MET, Failure
 from missionplan.scenario.phases import manoeuvre, transit_normals, transition_vehicle
 from missionplan.scenario.scenario import Scenario
 
 Flags = NDArray[np.bool_]
-
-OUT_OF_ENERGY = "out of energy"
-"""Failure of every kind of phase."""
-LEFT_RECORD = "left the record of the current"
-OUTRUN = "current faster than the vehicle"
-AGROUND = "aground"
-ON_LAND = "on-land"
-KEEP_OUT = "keep-out"
-UNCHARTED = "left the grid of depths"
-EQUIPMENT = "equipment"
-TOO_SHALLOW = "line and vehicle longer than the water is deep"
-TOO_LIGHT = "anchor too light to sink the vehicle"
-FLOODED_EARLY = "anchor flooded before its release"
-LINE_PARTED = "line parted"
-LIMIT_FAILURES = (EQUIPMENT, LEFT_RECORD, OUTRUN, AGROUND, ON_LAND, KEEP_OUT, UNCHARTED, TOO_SHALLOW, TOO_LIGHT)
-"""Failures where the world sets a limit: reported where some trial met it."""
-
-
-MET = {
-    Cause.AGROUND: AGROUND,
-    Cause.ON_LAND: ON_LAND,
-    Cause.KEEP_OUT: KEEP_OUT,
-    Cause.UNCHARTED: UNCHARTED,
-}
-"""Failures by what a trial has met."""
-
-
-@dataclass(frozen=True)
-class Exposure:
-    """What the vehicle's equipment has been through; floats or arrays of shape (n,).
-
-    Attributes
-    ----------
-    time, distance : float or array
-        [s], and through the water [m].
-    surfacings, dives, releases, wake_ups : float or array
-    """
-
-    time: Scalars = 0.0
-    distance: Scalars = 0.0
-    surfacings: Scalars = 0.0
-    dives: Scalars = 0.0
-    releases: Scalars = 0.0
-    wake_ups: Scalars = 0.0
-
-    def plus(self, other: "Exposure") -> "Exposure":
-        """Add what comes next."""
-        return Exposure(*(getattr(self, each.name) + getattr(other, each.name) for each in fields(self)))
-
-    def of(self, per: str) -> Array:
-        """Return what a hazard counts by."""
-        names = {"hour": "time", "km": "distance", "surfacing": "surfacings", "dive": "dives"}
-        names |= {"release": "releases", "wake-up": "wake_ups"}
-        return np.asarray(getattr(self, names[per]), dtype=float)
 
 
 @dataclass(frozen=True)
@@ -114,7 +62,7 @@ class PhaseTrials:
     (``left_record``), whether or not they failed; empty where neither can be; shape (n,)."""
     start: Array
     end: Array
-    failures: Mapping[str, Flags]
+    failures: Mapping[Failure, Flags]
     """Trials of which the mission fails here, by the reason, in the order in which they happen, shape (n,)."""
     miss: Array
     """From the phase's goal to where it ended, of the vehicle or its anchor, shape (2, n) [m]."""
@@ -132,24 +80,24 @@ class PhaseTrials:
     """Draws of each leg or fix, summed up in one number a trial; empty where not requested; shape (n,)."""
     contact: Contact | None = None
     """What of ground, coast and zones each trial met here, on which leg and where; None where the phase meets none."""
-    exposure: Exposure = Exposure()
+    exposure: Exposure = field(default_factory=Exposure)
     """Of the equipment, in this phase."""
     left: Mapping[str, Flags] = field(default_factory=dict)
     """Trials whose equipment failed here, by what that leaves of the vehicle: ``adrift``, ``sunk``, …; shape (n,)."""
     profile: Array = field(default_factory=lambda: np.empty((2, 0, 0)))
     """When, since the mission's start, and how deep, of the same trials; straight between; shape (2, corners, k) [s,
     m]."""
-    margins: Mapping[str, Array] = field(default_factory=dict)
+    margins: Mapping[Failure, Array] = field(default_factory=dict)
     """By the reason, how near each trial came to failing here of what no quantity tells: 0 or less where it does; shape
     (n,)."""
 
 
-def failures_met(contact: Contact) -> dict[str, Flags]:
+def failures_met(contact: Contact) -> dict[Failure, Flags]:
     """Failures by what was met."""
     return {reason: contact.of(cause) for cause, reason in MET.items()}
 
 
-def margins_met(contact: Contact | None) -> dict[str, Array]:
+def margins_met(contact: Contact | None) -> dict[Failure, Array]:
     """How near trials came to what was met or not; none where the place does not measure it."""
     if contact is None or not len(contact.nearest):
         return {}
@@ -221,7 +169,7 @@ def transit_trials(
     continuing, exhausted = end_exhausted(after, scenario.capacity * (1.0 - reserve))
     goal, arrived = column(plan.goal), record.arrived & ~exhausted
     contact = record.contact if environment.place is not None else None
-    below = {AGROUND: _each(depth - plan.depth, state)} if np.all(np.isfinite(depth)) else {}
+    below = {Failure.AGROUND: _each(depth - plan.depth, state)} if np.all(np.isfinite(depth)) else {}
     found = PhaseTrials(
         name=phase.name,
         kind=phase.kind,
@@ -230,7 +178,7 @@ def transit_trials(
         limits=_limits(state, record, environment),
         start=where_reached(state.alive, state.clock),
         end=where_reached(arrived, after.clock),
-        failures=_failures(state, record, environment, aground) | {OUT_OF_ENERGY: exhausted},
+        failures=_failures(state, record, environment, aground) | {Failure.OUT_OF_ENERGY: exhausted},
         miss=where_reached(arrived, after.position - goal),
         track=np.empty((0, 2, 0)) if record.track is None else record.track.transpose(1, 0, 2),
         track_time=np.empty((0, 0)) if record.track_time is None else record.track_time,
@@ -268,18 +216,20 @@ def _limits(state: TrialState, record: TransitRecord, environment: Environment) 
     return limit_events(environment.current, current_faster=outrun, left_record=left)
 
 
-def _failures(state: TrialState, record: TransitRecord, environment: Environment, aground: Flags) -> dict[str, Flags]:
+def _failures(
+    state: TrialState, record: TransitRecord, environment: Environment, aground: Flags
+) -> dict[Failure, Flags]:
     """Which trials fail, by the reason; the last holds all that did not arrive."""
     missed, current = state.alive & ~record.arrived, environment.current
-    failures = {AGROUND: aground}
+    failures = {Failure.AGROUND: aground}
     if environment.place is not None:
         failures = failures_met(record.contact)
-        failures[AGROUND] = failures[AGROUND] | aground
+        failures[Failure.AGROUND] = failures[Failure.AGROUND] | aground
     if current is not None and current.is_binding:
-        failures[LEFT_RECORD] = missed & record.left_record
+        failures[Failure.LEFT_RECORD] = missed & record.left_record
     if not environment.is_still:
-        failures[OUTRUN] = missed & record.outrun
-    return failures | {"not arrived": missed}
+        failures[Failure.OUTRUN] = missed & record.outrun
+    return failures | {Failure.NOT_ARRIVED: missed}
 
 
 def _quantities(record: TransitRecord, arrived: Flags) -> dict[str, Array]:
@@ -380,7 +330,7 @@ def transition_trials(
         events={"hovering": hovering},
         start=where_reached(state.alive, state.clock),
         end=where_reached(hovering, after.clock),
-        failures={"did not come to hover": state.alive & ~hovering, OUT_OF_ENERGY: exhausted},
+        failures={Failure.NOT_HOVERING: state.alive & ~hovering, Failure.OUT_OF_ENERGY: exhausted},
         miss=np.full((2, state.trials), np.nan),
         track=where_reached(hovering, state.position)[None, :, : block.tracked],
         track_time=where_reached(hovering, after.clock)[None, : block.tracked],

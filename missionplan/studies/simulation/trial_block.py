@@ -15,13 +15,12 @@ from missionplan.mission.schema.vehicle import DistanceHazard, Hazard, HourlyHaz
 from missionplan.montecarlo.streams import BlockStreams, NormalSource
 from missionplan.phases.hooks import TrialState
 from missionplan.physics.energy import JOULES_PER_WATT_HOUR
-from missionplan.physics.reliability import age_at_chance, age_at_rate, age_weibull, rate_of_counts
+from missionplan.physics.reliability import Exposure, age_at_chance, age_at_rate, age_weibull, rate_of_counts
+from missionplan.results.failures import Failure
 from missionplan.scenario.phases import deployed
 from missionplan.scenario.scenario import Scenario
 from missionplan.studies.simulation.mooring_trials import mooring_trials
 from missionplan.studies.simulation.phase_trials import (
-    EQUIPMENT,
-    Exposure,
     Flags,
     PhaseTrials,
     TrialBlock,
@@ -121,7 +120,7 @@ def failing(
             end=np.where(failed, np.nan, found.end),
             miss=np.where(failed, np.nan, found.miss),
         )
-    failures, margins = {EQUIPMENT: failed, **found.failures}, {EQUIPMENT: margin, **found.margins}
+    failures, margins = {Failure.EQUIPMENT: failed, **found.failures}, {Failure.EQUIPMENT: margin, **found.margins}
     return after, replace(found, failures=failures, left=lost, margins=margins), exposure
 
 

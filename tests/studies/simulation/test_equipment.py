@@ -11,8 +11,8 @@ from test_over_ground import MISSION, failing
 from missionplan.errors import InputError
 from missionplan.mission import load
 from missionplan.physics.reliability import age_at_chance, age_weibull, rate_of_counts
+from missionplan.results.failures import Failure
 from missionplan.studies.overdue.overdue import _first_failures
-from missionplan.studies.simulation.phase_trials import EQUIPMENT
 from missionplan.studies.simulation.simulate import simulate_block
 
 Z = np.random.default_rng(1).standard_normal(200_000)
@@ -81,7 +81,7 @@ def test_each_hazard_strikes_where_it_is_met(with_hazards, hazard, phase, share)
     arrived = block.phases[0].events["arrived"].mean() if phase == "moor" else 1.0
     found = failing(block)[f"{phase}: equipment"] / 2000.0
     assert found == pytest.approx(share * arrived, abs=0.04)
-    assert not block.success[block.phases[phase == "moor"].failures[EQUIPMENT]].any()
+    assert not block.success[block.phases[phase == "moor"].failures[Failure.EQUIPMENT]].any()
 
 
 def test_without_reliability_nothing_changes_and_with_none_that_strikes_neither(with_hazards):

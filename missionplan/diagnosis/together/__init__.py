@@ -1,1 +1,0 @@
-"""Several data sets of one campaign, diagnosed into one extended mission."""
