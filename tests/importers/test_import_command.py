@@ -12,6 +12,7 @@ import pandas as pd
 import pytest
 from made_tracks import made
 
+from missionplan.diagnosis.diagnose import diagnose
 from missionplan.errors import InputError
 from missionplan.importers import importer
 from missionplan.importers.descents import separations_by_sinking
@@ -54,14 +55,13 @@ def raw_folder(tmp_path_factory):
     return folder
 
 
-def test_from_raw_files_to_a_verdict_in_two_commands(raw_folder, tmp_path):
+def test_from_raw_files_to_a_verdict(raw_folder, tmp_path):
     files = [raw_folder / "one.csv", raw_folder / "two.csv"]
     imported = run("import", *files, "--out", "data", "--map", *NAMES.split(), cwd=tmp_path)
     assert imported.returncode == 0, imported.stderr
     assert "24 of 24 dives between fixes count as legs" in re.sub(r"\s+", " ", imported.stdout)
-    diagnosed = run("diagnose", "data/mission.yaml", "data", "--out", "verdict", "--json", "--jobs", 1, cwd=tmp_path)
-    assert diagnosed.returncode == 0, diagnosed.stderr
-    found = json.loads((tmp_path / "verdict" / "diagnosis.json").read_text())
+    diagnosed = diagnose(tmp_path / "data" / "mission.yaml", tmp_path / "data", plan=False)
+    found = json.loads(diagnosed.files()["diagnosis.json"])
     assert "mean-current" in found["causes"]
     values = {each["name"]: each["value"] for each in found["ranking"][0]["parameters"]}
     assert values["east"] == pytest.approx(0.08, abs=0.015)

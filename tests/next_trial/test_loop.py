@@ -48,7 +48,7 @@ def test_the_doubt_is_carried_into_the_plan(first: Diagnosis) -> None:
     carried = Mission.from_data(first.extended)
     (doubt,) = carried.doubts
     assert {("speed-scale",), ("mean-current",)} <= set(doubt.causes)
-    outcome = simulate(carried, trials=400)
+    outcome = simulate(carried, trials=400, sheet=False)
     back = next(phase for phase in outcome.phases if phase.name == "back").quantities["duration_s"]
     assert (back.p95 - back.p05) / 60.0 > 15.0  # a current would carry it home, a log that is wrong would not
 

@@ -85,7 +85,7 @@ def test_speed_follows_from_the_shaft_rate(tmp_path):
     turning = mission(tmp_path, speed=None, shaft_rate=f"{RATE} rad/s")
     assert float(Scenario.at_means(turning).transit("run").speed) == pytest.approx(1.0, rel=1e-9)
     same = mission(tmp_path)
-    assert duration(simulate(turning)) == pytest.approx(duration(simulate(same)), rel=1e-9)
+    assert duration(simulate(turning, sheet=False)) == pytest.approx(duration(simulate(same, sheet=False)), rel=1e-9)
     assert math.isnan(turning.transits[0].speed)
 
 
@@ -104,7 +104,10 @@ def test_turns_a_minute_are_turns(tmp_path):
 
 def test_each_leg_gathers_way(tmp_path):
     assert Scenario.at_means(mission(tmp_path)).propelled.moving_mass == 63.0
-    with_it, without = simulate(mission(tmp_path)), simulate(mission(tmp_path, propulsion=None))
+    with_it, without = (
+        simulate(mission(tmp_path), sheet=False),
+        simulate(mission(tmp_path, propulsion=None), sheet=False),
+    )
     assert duration(without) == pytest.approx(1000.0 + 4 * 60.0)
     assert duration(with_it) - duration(without) == pytest.approx(4 * LOST / 1.0, rel=1e-9)
     assert LOST > 0.5
@@ -114,7 +117,7 @@ def test_error_grows_with_the_time_that_gathering_way_takes(tmp_path):
     """One leg's error is σ times its time: 250 m and what is lost, at 1 m/s."""
     one = {"to": ["250 m", "0 m"], "sigma": "0.01 m/s", "arrival_radius": "60 m"}
     for propulsion, length in ((PROPULSION, 250.0 + LOST), (None, 250.0)):
-        found = simulate(mission(tmp_path, propulsion, **one), trials=4000)
+        found = simulate(mission(tmp_path, propulsion, **one), trials=4000, sheet=False)
         mean = found.phases[0].quantities["arrival_error_m"].mean
         assert mean == pytest.approx(0.01 * length * math.sqrt(math.pi / 2.0), rel=0.03)
 
@@ -125,7 +128,7 @@ def test_a_speed_inferred_wrongly_moves_the_vehicle(tmp_path):
     (effect,) = at_weak.effects_under_way(at_weak.transit())
     expected = speed_error(UNIT, HULL, RATE, 1e9, thrust_factor=0.9, drag_factor=1.2)
     assert effect.fraction == pytest.approx(float(expected), rel=1e-6)
-    error = simulate(weak).phases[0].quantities["arrival_error_m"].mean
+    error = simulate(weak, sheet=False).phases[0].quantities["arrival_error_m"].mean
     # four legs of d_max, each short by the same share of its time
     assert error == pytest.approx(-float(expected) * 4.0 * (250.0 + LOST), rel=1e-6)
     assert at_right.effects_under_way(at_right.transit()) == ()

@@ -173,13 +173,17 @@ def test_a_glider_gives_up_with_a_tenth_of_its_battery_left():
     data, *_ = voyage_of(4, gliding=True)
     data["phases"] = data["phases"][:1]
     mission = Mission.from_data(data, file="voyage.yaml")
-    used = missionplan.simulate(mission, trials=200, seed=1, as_exported="slocum", keep_trials=True).trials
+    used = missionplan.simulate(mission, trials=200, seed=1, as_exported="slocum", keep_trials=True, sheet=False).trials
     most, least = used["out.energy_wh"].max(), used["out.energy_wh"].min()
     for capacity, share in ((1.12 * most, used["out.arrived"].mean()), (1.05 * least, 0.0)):
         emptied = mission.with_({"energy.capacity": f"{capacity} W*h"})
-        found = missionplan.simulate(emptied, trials=200, seed=1, as_exported="slocum").total.events["success"].value
+        found = (
+            missionplan.simulate(emptied, trials=200, seed=1, as_exported="slocum", sheet=False)
+            .total.events["success"]
+            .value
+        )
         assert found == share
-    assert missionplan.simulate(emptied, trials=200, seed=1).total.events["success"].value > 0.0
+    assert missionplan.simulate(emptied, trials=200, seed=1, sheet=False).total.events["success"].value > 0.0
 
 
 def test_simulate_runs_the_states_of_the_plan(tmp_path):
@@ -191,7 +195,7 @@ def test_simulate_runs_the_states_of_the_plan(tmp_path):
     (path,) = missionplan.export(mission, "json", out=tmp_path / "plan.json").files
     plan = json.loads(path.read_text())
     sailed = [states.sail(plan, Voyage(sea, np.random.default_rng((5, k)))) for k in range(80)]
-    trials = missionplan.simulate(mission, trials=TRIALS, seed=9, keep_trials=True).trials
+    trials = missionplan.simulate(mission, trials=TRIALS, seed=9, keep_trials=True, sheet=False).trials
     radius = float(data["phases"][0]["transit"]["arrival_radius"].split()[0])
     fixes = [np.hypot(*np.subtract(each.ends[0][1], facts["goal"])) for each in sailed]
     assert max(fixes) < radius

@@ -90,7 +90,9 @@ def test_doubling_the_trials_halves_the_variance_of_the_mean(tmp_path):
     values = np.stack([simulate_block(mission, seed=1, block=b).total["duration_s"] for b in range(8)]).reshape(2, -1)
     small, large = values[0].reshape(-1, 64).mean(axis=1), values[1].reshape(-1, 128).mean(axis=1)
     assert 1.4 < small.var() / large.var() < 2.8
-    few, many = (simulate(mission, trials=n).total.quantities["duration_s"].standard_error for n in (2048, 4096))
+    few, many = (
+        simulate(mission, trials=n, sheet=False).total.quantities["duration_s"].standard_error for n in (2048, 4096)
+    )
     assert (few / many) ** 2 == pytest.approx(2.0, rel=0.1)
 
 
@@ -103,7 +105,7 @@ def test_phases_follow_each_other(outcome):
 
 
 def test_each_phase_starts_where_the_last_one_left_each_trial(tmp_path):
-    tracks = simulate(chesapeake(tmp_path), trials=100).tracks
+    tracks = simulate(chesapeake(tmp_path), trials=100, sheet=False).tracks
     last = np.array([np.flatnonzero(tracks.phase == index).max() for index in range(3)])
     egress = tracks.position[last[1] + 1]
     assert np.array_equal(egress, tracks.position[last[1]])  # from wherever it surfaced
@@ -164,7 +166,7 @@ def test_the_offset_counts_from_the_fix_and_its_error(tmp_path):
 
 
 def test_a_trial_that_does_not_arrive_is_counted_where_it_failed(tmp_path):
-    found = simulate(chesapeake(tmp_path, {"navigation.max_legs": 5}), trials=2000)
+    found = simulate(chesapeake(tmp_path, {"navigation.max_legs": 5}), trials=2000, sheet=False)
     ingress, moor, _ = found.phases
     arrived = ingress.events["arrived"].value
     assert 0.5 < arrived < 1.0
@@ -179,7 +181,7 @@ def test_a_trial_that_does_not_arrive_is_counted_where_it_failed(tmp_path):
 
 
 def test_a_moor_outside_its_radius_goes_on(tmp_path):
-    found = simulate(chesapeake(tmp_path, {"phases.1.moor.radius": "4 m"}), trials=2000)
+    found = simulate(chesapeake(tmp_path, {"phases.1.moor.radius": "4 m"}), trials=2000, sheet=False)
     _, moor, egress = found.phases
     within = moor.events["within_radius"].value
     assert 0.2 < within < 0.8
@@ -191,7 +193,7 @@ def test_a_moor_outside_its_radius_goes_on(tmp_path):
 
 def test_a_vehicle_that_strikes_the_seafloor_is_counted(tmp_path):
     mission = chesapeake(tmp_path, {"phases.1.moor.line_length": {"low": "2.5 m", "high": "5 m"}})
-    found = simulate(mission, trials=1000)
+    found = simulate(mission, trials=1000, sheet=False)
     struck = found.phases[1].events["struck_seafloor"].value
     altitude = simulate_block(mission, seed=1, block=0, trials=1000).columns()["moor.lowest_altitude_m"]
     assert 0.1 < struck < 0.9
@@ -232,7 +234,7 @@ def test_requirements_may_be_undecided(tmp_path):
         {"quantity": "total.success", "probability": 0.999},
         {"quantity": "total.energy", "at_most": "20 W*h", "probability": 0.1},
     ]
-    found = simulate(chesapeake(tmp_path, {"requirements": requirements}), trials=1000)
+    found = simulate(chesapeake(tmp_path, {"requirements": requirements}), trials=1000, sheet=False)
     assert [requirement.undecided for requirement in found.requirements] == [True, False, True, False]
     assert [requirement.met for requirement in found.requirements][1:] == [True, True, False]
     assert not found.requirements_met
@@ -343,7 +345,7 @@ def test_every_number_may_be_uncertain(tmp_path):
         "phases.1.moor.radius": {"mean": "75 ft", "sd": "1 ft"},
         "phases.1.moor.hold": {"choices": ["20 min", "30 min"]},
     }
-    found = simulate(chesapeake(tmp_path, spread), trials=500)
+    found = simulate(chesapeake(tmp_path, spread), trials=500, sheet=False)
     assert found.total.events["success"].value > 0.95
     moor = found.phases[1].quantities
     assert moor["descent_time_s"].sd > 0.1

@@ -55,7 +55,7 @@ def test_bits_do_not_depend_on_jobs_or_backend(mission, reference, jobs, backend
 
 
 def test_raising_the_trials_keeps_the_first_ones(mission):
-    few, many = (simulate(mission, trials=n) for n in (300, 600))
+    few, many = (simulate(mission, trials=n, sheet=False) for n in (300, 600))
     assert np.array_equal(few.tracks.position, many.tracks.position, equal_nan=True)
     for name, values in few.arrivals.items():
         assert np.array_equal(values, many.arrivals[name][:, :300])
@@ -63,16 +63,16 @@ def test_raising_the_trials_keeps_the_first_ones(mission):
 
 def test_progress_counts_trials(mission):
     calls = []
-    simulate(mission, trials=BLOCK + 10, progress=lambda *call: calls.append(call))
+    simulate(mission, trials=BLOCK + 10, progress=lambda *call: calls.append(call), sheet=False)
     assert calls == [(0, BLOCK + 10), (BLOCK, BLOCK + 10), (BLOCK + 10, BLOCK + 10)]
 
 
 def test_a_precise_run_equals_the_run_of_that_many_trials(mission):
-    stopped = simulate(mission, precision="total.duration=0.025%")
+    stopped = simulate(mission, precision="total.duration=0.025%", sheet=False)
     error = stopped.total.quantities["duration_s"]
     assert error.standard_error < 0.00025 * error.mean
     assert stopped.provenance.trials in range(BLOCK, 9 * BLOCK, BLOCK)
-    assert bits(stopped) == bits(simulate(mission, trials=stopped.provenance.trials))
+    assert bits(stopped) == bits(simulate(mission, trials=stopped.provenance.trials, sheet=False))
 
 
 @pytest.mark.parametrize(("share", "reached"), [(0.98, False), (1.02, True)])
@@ -127,7 +127,7 @@ def test_precisions_that_cannot_be_read(whole_mission, text, words):
 
 def test_finished_blocks_are_not_run_again(mission, reference, tmp_path, monkeypatch):
     folder = tmp_path / "run"
-    simulate(mission, trials=BLOCK, checkpoint=folder)
+    simulate(mission, trials=BLOCK, checkpoint=folder, sheet=False)
     ran = []
     original = task.run_block
 
@@ -145,18 +145,18 @@ def test_finished_blocks_are_not_run_again(mission, reference, tmp_path, monkeyp
 
 
 def test_rows_of_trials_are_resumed_too(mission, tmp_path):
-    simulate(mission, trials=BLOCK, checkpoint=tmp_path, keep_trials=True)
-    again = simulate(mission, trials=BLOCK + 100, checkpoint=tmp_path, keep_trials=True, resume=True)
-    assert again.trials_table == simulate(mission, trials=BLOCK + 100, keep_trials=True).trials_table
+    simulate(mission, trials=BLOCK, checkpoint=tmp_path, keep_trials=True, sheet=False)
+    again = simulate(mission, trials=BLOCK + 100, checkpoint=tmp_path, keep_trials=True, resume=True, sheet=False)
+    assert again.trials_table == simulate(mission, trials=BLOCK + 100, keep_trials=True, sheet=False).trials_table
 
 
 def test_a_damaged_block_is_run_again(mission, tmp_path):
-    first = simulate(mission, trials=BLOCK + 10, checkpoint=tmp_path)
+    first = simulate(mission, trials=BLOCK + 10, checkpoint=tmp_path, sheet=False)
     for path in tmp_path.glob("block-*"):
         content = bytearray(path.read_bytes())
         content[len(content) // 3] ^= 255
         path.write_bytes(bytes(content))
-    assert bits(simulate(mission, trials=BLOCK + 10, checkpoint=tmp_path, resume=True)) == bits(first)
+    assert bits(simulate(mission, trials=BLOCK + 10, checkpoint=tmp_path, resume=True, sheet=False)) == bits(first)
 
 
 def failing_at(failed):
@@ -182,7 +182,7 @@ def test_a_failed_block_is_tried_again_on_resume(mission, tmp_path, monkeypatch)
 
 def test_the_tracks_are_those_of_the_first_block_that_did_not_fail(mission, monkeypatch):
     monkeypatch.setattr(task, "run_block", failing_at(0))
-    found = simulate(mission, trials=BLOCK + 200)
+    found = simulate(mission, trials=BLOCK + 200, sheet=False)
     shown = task.BlockTask(Scenario.at_means(mission), mission.monte_carlo.seed).tracks(1, 200)
     assert found.tracks.position.shape[2] == 200
     assert np.array_equal(found.tracks.position, shown.position, equal_nan=True)
