@@ -136,7 +136,7 @@ def _time_unit(outcome: Outcome) -> Unit:
 
 def histograms(outcome: Outcome, shown: Sequence[tuple[PhaseOutcome, str]]) -> Figure:
     """Draw the distributions of quantities, one under the other, with the requirements on them."""
-    figure = MatplotlibFigure(figsize=(WIDTH, 1.8 * len(shown) + 0.1))
+    figure = MatplotlibFigure(figsize=(WIDTH, 1.5 * len(shown) + 0.1))
     words = []
     for axes, (phase, key) in zip(figure.subplots(len(shown), 1, squeeze=False).ravel(), shown, strict=True):
         draw_histogram(axes, outcome, phase, key)
