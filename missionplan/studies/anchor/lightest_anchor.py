@@ -132,10 +132,14 @@ class _Tried:
     def lightest(self, start: float) -> float | None:
         """Lightest weight [N] that meets all demands, up to ten times a weight; None where none does."""
         grid = np.geomspace(start / MAX_WEIGHT_RATIO, start * MAX_WEIGHT_RATIO, _STEPS + 1).tolist()
-        while min(self.slacks(grid[0])) >= 0.0 and grid[0] > start / _LIGHTEST_RATIO:
+        while grid[0] > start / _LIGHTEST_RATIO and not self._is_too_light(*grid[:2]):
             grid.insert(0, 0.5 * grid[0])
         found = (self._within(light, heavy) for light, heavy in itertools.pairwise(grid))
         return next((weight for weight in found if weight is not None), None)
+
+    def _is_too_light(self, weight: float, heavier: float) -> bool:
+        """Whether a weight misses a demand of which a heavier one misses less; else it may be too heavy for others."""
+        return any(one < min(0.0, other) for one, other in zip(self.slacks(weight), self.slacks(heavier), strict=True))
 
     def lightest_about(self, weight: float) -> float | None:
         """Lightest weight [N] that meets all demands, near one that fewer dives found; None where it is not near."""

@@ -1,0 +1,19 @@
+"""The search for the lightest anchor against shares in closed form, wherever the worst case's weight lies."""
+
+from types import SimpleNamespace
+
+import pytest
+
+from missionplan.studies.anchor.lightest_anchor import Demand, lightest_anchor
+
+
+@pytest.mark.parametrize("start", [0.8, 3.0, 12.0, 60.0, 104.0, 500.0])
+@pytest.mark.parametrize("has_height", [True, False])
+def test_the_lightest_is_found_where_a_tenth_of_the_worst_case_is_too_heavy(start, has_height):
+    """An anchor holds from 1 N on, and its dive is high enough up to 5.5 N, each in all dives or in none."""
+    holds = Demand("holds", 0.8, lambda found: float(found.weight >= 1.0))
+    high = Demand("high enough", 0.7, lambda found: float(1.0 <= found.weight <= 5.5), needs_height=True)
+    demands = (holds, high) if has_height else (holds,)
+    found = lightest_anchor(lambda weight, _line: SimpleNamespace(weight=weight), demands, start, 5.0)
+    assert found.weight is not None
+    assert 1.0 <= found.weight < 1.01
