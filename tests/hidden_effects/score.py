@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from scipy.stats import binom
+from scipy.stats import binom, t
 
 from .dives import outside as dive_outside
 from .legs import outside as leg_outside
@@ -23,7 +23,7 @@ UNITS = {
 KIND_WEIGHTS = {"descent": 492, "transit": 300}
 """Weights of the kinds for the held-out error: their cases in the trial of the method that its target comes from."""
 SIGNIFICANCE = 0.01
-"""Level at which a share refutes its target (one-sided binomial test)."""
+"""Level at which a share or a mean refutes its target (one-sided: binomial, Student's t)."""
 
 
 @dataclass(frozen=True)
@@ -36,6 +36,8 @@ class Figure:
     low: float | None = None
     high: float | None = None
     is_share: bool = True
+    error: float = 0.0
+    """Standard error of a mean; 0 where the value is judged as it stands."""
 
     @property
     def target(self) -> str:
@@ -56,7 +58,11 @@ class Figure:
         if self.cases == 0 or self.met:
             return False
         if not self.is_share:
-            return True
+            away = max(
+                (-np.inf if self.low is None else self.low) - self.value,
+                self.value - (np.inf if self.high is None else self.high),
+            )
+            return self.error == 0.0 or bool(t.sf(away / self.error, self.cases - 1) < SIGNIFICANCE)
         hits = round(self.value * self.cases)
         below = self.low is not None and binom.cdf(hits, self.cases, self.low) < SIGNIFICANCE
         above = self.high is not None and binom.sf(hits - 1, self.cases, self.high) < SIGNIFICANCE
@@ -159,7 +165,14 @@ def _single_figures(single: Sequence[Outcome], kinds: set[str]) -> list[Figure]:
         _share("right cause claimed, modulo exact ties", [o.case.accepts(claimed(o)) for o in single], low=right),
         _share("right cause first in the ranking", first),
         _share("true cause in the 95 % set", [in_credible_set(o) for o in single], low=0.95),
-        Figure("mean size of the 95 % set", _mean(sizes), len(sizes), high=2.0, is_share=False),
+        Figure(
+            "mean size of the 95 % set",
+            _mean(sizes),
+            len(sizes),
+            high=2.0,
+            is_share=False,
+            error=_standard_error(sizes),
+        ),
     ]
 
 
@@ -198,6 +211,10 @@ def _median_ratio(outcomes: Sequence[Outcome]) -> tuple[float, int]:
 
 def _sets(outcome: Outcome) -> list[list[str]]:
     return [sorted(causes) for causes in outcome.diagnosis.get("credible_set", [])]
+
+
+def _standard_error(values: Sequence[float]) -> float:
+    return float(np.std(values, ddof=1) / np.sqrt(len(values))) if len(values) > 1 else 0.0
 
 
 def _mean(values: Sequence[float]) -> float:

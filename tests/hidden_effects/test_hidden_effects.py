@@ -159,6 +159,9 @@ def test_intervals_are_compared_in_their_units():
 
 def test_few_cases_do_not_refute_by_chance():
     assert not score.Figure("x", 0.9, 10, low=0.93).refuted
+    assert not score.Figure("mean", 2.5, 2, high=2.0, is_share=False, error=0.5).refuted
+    assert score.Figure("mean", 2.5, 20, high=2.0, is_share=False, error=0.1).refuted
+    assert score.Figure("median", 2.5, 20, high=2.0, is_share=False).refuted
     assert score.Figure("x", 0.5, 10, low=0.93).refuted
     assert not score.Figure("x", 0.1, 10, high=0.03).refuted
     assert score.Figure("x", 0.5, 10, high=0.03).refuted
