@@ -29,6 +29,8 @@ REDRAWN = ((0.0, 0.7), (3.5, 0.15), (12.0, 0.15))
 """Sizes of what a mission has of its own beyond the usual, over the usual one, and their prior probabilities."""
 WALKS = ((0.0, 0.9), (1.0, 0.1))
 """Likewise of the walk."""
+DAY = 86400.0
+"""Time within which records are of one mission [s]."""
 LevelKey = tuple[str, str, str]
 """Effect, parameter (of a polar pair the amplitude) and kind of coordinate."""
 
@@ -300,7 +302,3 @@ def in_missions(dates: Sequence[float], ahead: float = math.nan, missions: float
     spacing = float(np.ptp(every)) / max(len(every) - 1, 1) or 1.0
     times = (known - known[0]) / spacing
     return times, (then - known[0]) / spacing if math.isfinite(then) else float(times[-1]) + missions
-
-
-DAY = 86400.0
-"""Time within which records are of one mission [s]."""
