@@ -4,33 +4,19 @@ Thresholds apply to the aggregate: a figure fails if these few cases are enough 
 """
 
 import dataclasses
-import json
 import multiprocessing
 import os
-import time
 from concurrent.futures import ProcessPoolExecutor
 from functools import partial
-from pathlib import Path
 
 import pytest
-
-import missionplan
 
 from . import score
 from .case import Case
 from .cases import KINDS, cases
-from .tool import Outcome, diagnose, unavailable_reason
+from .tool import Outcome, diagnose, diagnose_without_plans, unavailable_reason
 
 FAST_SEED = 20_000
-
-
-def without_plans(case: Case, folder: Path, truth_folder: Path) -> Outcome:
-    """Diagnose without the plans, pages and drawings that no figure is made of; the many cases take the command line."""
-    mission, data = case.write(folder / case.name, truth_folder)
-    begin = time.perf_counter()
-    found = missionplan.diagnose(mission, data, plan=False)
-    seconds = time.perf_counter() - begin
-    return Outcome(case, json.loads(found.files()["diagnosis.json"]), seconds)
 
 
 @pytest.fixture(
@@ -47,7 +33,7 @@ def outcomes(request, tmp_path_factory):
     kind, count = request.param
     folder = tmp_path_factory.mktemp(kind)
     drawn = cases(count, FAST_SEED, kind)
-    one = partial(diagnose, in_process=True) if count > 3 else without_plans
+    one = partial(diagnose, in_process=True) if count > 3 else diagnose_without_plans
     diagnose_one = partial(one, folder=folder / "seen", truth_folder=folder / "truth")
     # fresh interpreters, one per core, each imports the tool once
     with ProcessPoolExecutor(os.cpu_count(), multiprocessing.get_context("spawn")) as pool:

@@ -74,3 +74,12 @@ def diagnose(case: Case, folder: Path, truth_folder: Path, in_process: bool = Fa
     if status not in (0, 3) or not found.exists():
         return Outcome(case, {}, seconds, f"exit status {status}: {text.strip()[-400:]}")
     return Outcome(case, json.loads(found.read_text(encoding="utf-8")), seconds)
+
+
+def diagnose_without_plans(case: Case, folder: Path, truth_folder: Path) -> Outcome:
+    """Write the case and diagnose it in Python, without the plans, pages and drawings that no figure is made of."""
+    mission, data = case.write(folder / case.name, truth_folder)
+    begin = time.perf_counter()
+    found = importlib.import_module(PROGRAM).diagnose(mission, data, plan=False)
+    seconds = time.perf_counter() - begin
+    return Outcome(case, json.loads(found.files()["diagnosis.json"]), seconds)

@@ -70,6 +70,7 @@ def diagnosed(**given: Any) -> Any:
         "verdict": "ambiguous",
         "untestable": {},
         "readings": Readings(),
+        "levels": (),
     }
     return SimpleNamespace(**{**usual, **given})
 

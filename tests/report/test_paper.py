@@ -93,7 +93,7 @@ def test_the_summary_is_two_pages(browser, reports, tmp_path, name):
     pages = paper(browser, tmp_path)
     assert len(pages) <= 2
     words = " ".join(word[4] for page in pages for word in page.words)
-    assert "What was planned" in words
+    assert "identity" in words
     assert "Made 20" in words
 
 

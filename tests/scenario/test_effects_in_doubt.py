@@ -35,7 +35,8 @@ def parameters(info: EffectInfo):
     found = {}
     for name, parameter in info.parameters.items():
         size = 0.3 * parameter.scale if parameter.scale > 0.0 else parameter.median
-        size = 60.0 if name == "moment" else size  # in the mission's first leg
+        if name == "moment":  # in the mission's first leg, or under way to the seafloor
+            size = 60.0 if info.phase == "transit" else 3.0
         if size > 0.0:
             value = {"mean": size, "sd": 0.1 * size} if name in info.neutral else size
             found[name] = _written(value, parameter.unit)

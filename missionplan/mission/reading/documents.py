@@ -121,8 +121,9 @@ def nearest_file(path: Path, beside: Path | None = None) -> str:
     beside : Path, optional
         Folder from which the names are told.
     """
-    if path.is_symlink():
-        return "it is a link to what is not there"
+    with suppress(OSError):  # of a name that is too long for a file
+        if path.is_symlink():
+            return "it is a link to what is not there"
     missing = path
     while missing.parent != missing and not missing.parent.is_dir():
         missing = missing.parent
