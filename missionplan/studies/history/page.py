@@ -100,10 +100,13 @@ def _learned_in_words(history: History) -> str:
     words = f"{count} {'diagnosis' if count == 1 else 'diagnoses'} {'tells' if count == 1 else 'tell'} of {known}."
     if not history.parameters:
         return f"{count} {'diagnosis has' if count == 1 else 'diagnoses have'} learned no parameter."
-    changes = history.changes
+    levels = {(each.effect, each.name) for each in history.levels if each.jumps or each.has_trend}  # which say it
+    changes = [each for each in history.changes if (each.effect, each.name) not in levels]
     if changes:
         told = "; ".join(f"{_named(each)} in {each.report}, to {_valued(each)}" for each in changes[-3:])
         return f"{words} Not as before: {told}."
+    if history.changes:
+        return words
     followed = [entries for entries in history.parameters.values() if len(entries) > 1]
     if not followed:
         return f"{words} None was seen twice yet."
