@@ -26,6 +26,7 @@ from missionplan.montecarlo.parallel.mapping import parallel_map
 from missionplan.results.base import Provenance
 from missionplan.results.learned.diagnosis import Diagnosis, PlanGain
 from missionplan.results.learned.evidence import GroupScore, RankedSet
+from missionplan.results.learned.levels import ParameterLevels
 from missionplan.results.learned.next_trial import NextTrial
 from missionplan.results.score import DatasetScore
 from missionplan.store.folder import as_path
@@ -131,11 +132,17 @@ def _diagnose(mission: Mission, dataset: Path, seed: int, jobs: int, wanted: _Wa
     )
     result = _result(provenance, bound, found, judgement, separated, decision, extended)
     last = None if share is None else _score_of_rest(dataset, share, mission, extended, seed)
-    learned = Mission.from_data(extended, file=mission.file)
-    levels = parameter_levels(learned.posterior.seen) if learned.posterior is not None else ()
-    levels = with_urgency(levels, learned, seed) if wanted.plan and is_new else levels
+    levels = _levels(Mission.from_data(extended, file=mission.file), seed, urgency=wanted.plan and is_new)
     in_doubt = odds(explanations, believed)
     return replace(result, next_trial=trial, explanations=in_doubt, last_part=last, levels=levels)
+
+
+def _levels(learned: Mission, seed: int, *, urgency: bool) -> tuple[ParameterLevels, ...]:
+    """How the vehicle's parameters go from mission to mission, and when that will matter, if it is asked for."""
+    if learned.posterior is None:
+        return ()
+    levels = parameter_levels(learned.posterior.seen)
+    return with_urgency(levels, learned, seed) if urgency else levels
 
 
 def _beside_the_draws(found: NextTrial | None, extended: Mapping[str, object]) -> NextTrial | None:
