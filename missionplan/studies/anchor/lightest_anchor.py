@@ -132,7 +132,7 @@ class _Tried:
     def lightest(self, start: float) -> float | None:
         """Lightest weight [N] that meets all demands, up to ten times a weight; None where none does."""
         grid = np.geomspace(start / MAX_WEIGHT_RATIO, start * MAX_WEIGHT_RATIO, _STEPS + 1).tolist()
-        while grid[0] > start / _LIGHTEST_RATIO and not self._is_too_light(*grid[:2]):
+        while grid[0] > start / _LIGHTEST_RATIO and not any(self._is_too_light(grid[0], each) for each in grid[1:]):
             grid.insert(0, 0.5 * grid[0])
         found = (self._within(light, heavy) for light, heavy in itertools.pairwise(grid))
         return next((weight for weight in found if weight is not None), None)
