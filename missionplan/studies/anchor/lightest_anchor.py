@@ -132,14 +132,21 @@ class _Tried:
     def lightest(self, start: float) -> float | None:
         """Lightest weight [N] that meets all demands, up to ten times a weight; None where none does."""
         grid = np.geomspace(start / MAX_WEIGHT_RATIO, start * MAX_WEIGHT_RATIO, _STEPS + 1).tolist()
-        while grid[0] > start / _LIGHTEST_RATIO and not any(self._is_too_light(grid[0], each) for each in grid[1:]):
+        while grid[0] > start / _LIGHTEST_RATIO and self._lighter_may_do(grid):
             grid.insert(0, 0.5 * grid[0])
         found = (self._within(light, heavy) for light, heavy in itertools.pairwise(grid))
         return next((weight for weight in found if weight is not None), None)
 
-    def _is_too_light(self, weight: float, heavier: float) -> bool:
-        """Whether a weight misses a demand of which a heavier one misses less; else it may be too heavy for others."""
-        return any(one < min(0.0, other) for one, other in zip(self.slacks(weight), self.slacks(heavier), strict=True))
+    def _lighter_may_do(self, grid: Sequence[float]) -> bool:
+        """Whether one below the lightest may be wanted: it meets all, or no heavier one misses less of what it misses.
+
+        Another line than the mission's is for heavier anchors: there the first alone counts.
+        """
+        lightest = self.slacks(grid[0])
+        if self.line is not None or min(lightest) >= 0.0:
+            return min(lightest) >= 0.0
+        heavier = (self.slacks(weight) for weight in grid[1:])
+        return not any(one < min(0.0, other) for others in heavier for one, other in zip(lightest, others, strict=True))
 
     def lightest_about(self, weight: float) -> float | None:
         """Lightest weight [N] that meets all demands, near one that fewer dives found; None where it is not near."""
