@@ -8,7 +8,7 @@ from functools import cache
 import numpy as np
 from scipy.optimize import brentq, minimize_scalar
 
-from missionplan.effects.drag_bias import DragBias
+from missionplan.effects.dive_drag import DragBias
 from missionplan.mission import load
 from missionplan.phases.mooring.forces import Dive
 from missionplan.phases.transit.analytic.expectation import expected_cost

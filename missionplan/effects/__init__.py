@@ -1,4 +1,4 @@
-"""The catalogue of effects: one module per effect, each with its data class and its `INFO`.
+"""The catalogue of effects: each with its data class and its entry, by what they act on.
 
 Read first `info` (what an entry holds) and any effect, then `catalogue`. `oscillation` is shared by the currents.
 """

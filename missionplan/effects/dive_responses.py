@@ -12,8 +12,7 @@ import numpy as np
 import scipy
 
 from missionplan.arrays import Array, Scalars
-from missionplan.effects.finding import Finding
-from missionplan.effects.info import EffectInfo, Parameter
+from missionplan.effects.info import EffectInfo, Finding, Parameter
 from missionplan.phases.hooks import DescentEffect
 
 LEAST_DRAG = 0.05

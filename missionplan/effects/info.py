@@ -9,7 +9,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from missionplan.arrays import Array, Scalars
-from missionplan.effects.finding import Finding
 from missionplan.phases.hooks import DescentEffect, TransitEffect
 
 Phase = Literal["transit", "descent", "tank"]
@@ -19,6 +18,35 @@ Part = Literal["mean", "covariance"]
 Scatter = Literal["", "release", "drag"]
 TankKind = Literal["drag", "free-oscillation", "thruster", "propeller-transient"]
 VehicleKey = Literal["", "drag.coefficient", "drag.exponent", "added_mass.surge"]
+
+
+@dataclass(frozen=True)
+class Finding:
+    """How the operator is told that an effect was found, and what to do about it.
+
+    Attributes
+    ----------
+    positive, negative : str
+        Clauses for either sign, with ``{size}``, and ``{at}`` for the moment or threshold from which it acts; a
+        parameter that has one sign needs the first alone.
+    """
+
+    parameter: str
+    """Whose size is told; empty where none is."""
+    positive: str
+    negative: str = ""
+    remedy: str = ""
+    """What to do about it."""
+    in_percent: bool = False
+    """Whether the size is a share, told in per cent."""
+    toward: tuple[str, str] | None = None
+    """Components east and north, where the size is that of a vector; the clause has ``{direction}`` too."""
+    each: float = 1.0
+    """Change of what it responds to for which the size is told [its unit]."""
+    unit: str = ""
+    """Unit of the size that is then told; empty: the parameter's."""
+    beyond: float = 0.0
+    """What is added to the size before it is told: 1 where nothing is meant by a share of all."""
 
 
 @dataclass(frozen=True)

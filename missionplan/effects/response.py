@@ -10,8 +10,7 @@ from dataclasses import dataclass, fields
 import numpy as np
 
 from missionplan.arrays import Array, Scalars
-from missionplan.effects.finding import Finding
-from missionplan.effects.info import EffectInfo, LegRecord, Parameter, Term, lacks_nothing
+from missionplan.effects.info import EffectInfo, Finding, LegRecord, Parameter, Term, lacks_nothing
 from missionplan.phases.hooks import Leg, TransitEffect
 
 DAY = 86400.0
@@ -327,7 +326,7 @@ TERMS = (
         _needs_depths,
     ),
 )
-INFO = EffectInfo(
+RESPONSE = EffectInfo(
     id="response",
     phase="transit",
     tier="neutral",

@@ -6,8 +6,7 @@ from typing import Self
 import numpy as np
 
 from missionplan.arrays import Array, Scalars
-from missionplan.effects.finding import Finding
-from missionplan.effects.info import EffectInfo, Parameter
+from missionplan.effects.info import EffectInfo, Finding, Parameter
 from missionplan.effects.oscillation import MODULATION_PARAMETERS, USUAL_TIME, Oscillation, mean_phasor, polar, wave
 from missionplan.phases.hooks import DriftParts, Leg
 
@@ -170,7 +169,7 @@ def _resolvable(duration: float) -> tuple[str, ...]:
     return tuple(name for name in _parameters() if name.split("_")[0] in tides)
 
 
-INFO = EffectInfo(
+TIDAL_CURRENT = EffectInfo(
     id="tidal-current",
     phase="transit",
     tier="physical",

@@ -3,15 +3,9 @@
 import numpy as np
 import pytest
 
-from missionplan.effects.broadside_start import BroadsideStart
-from missionplan.effects.clock_offset import ClockOffset
-from missionplan.effects.drag_bias import DragBias
-from missionplan.effects.drag_crisis import DragCrisis
-from missionplan.effects.line_payout import LinePayout
-from missionplan.effects.sensor_lag import SensorLag
-from missionplan.effects.slow_flooding import SlowFlooding
-from missionplan.effects.stratification import Stratification
-from missionplan.effects.trapped_gas import ATMOSPHERE, TrappedGas
+from missionplan.effects.dive_drag import BroadsideStart, DragBias, DragCrisis
+from missionplan.effects.dive_lift import ATMOSPHERE, LinePayout, SlowFlooding, Stratification, TrappedGas
+from missionplan.effects.dive_log import ClockOffset, SensorLag
 
 
 def test_drag_bias_acts_on_both_phases_of_the_fall():

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from missionplan.effects import CATALOGUE, effects_of
-from missionplan.effects.clock_rate import ClockRate
+from missionplan.effects.dive_log import ClockRate, SensorPosition
 from missionplan.effects.dive_responses import (
     DragByDepth,
     DragByLine,
@@ -15,7 +15,6 @@ from missionplan.effects.dive_responses import (
     WeightFromMoment,
     WeightUntilMoment,
 )
-from missionplan.effects.sensor_position import SensorPosition
 from missionplan.phases.mooring.forces import DescentHooks, SteadyDescent
 
 T = np.linspace(0.0, 20.0, 201)

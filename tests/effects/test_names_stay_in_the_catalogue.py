@@ -32,8 +32,8 @@ def names_known(source: str) -> list[str]:
     "source",
     [
         "if name == 'compass-bias':\n    pass",
-        "from missionplan.effects.compass_bias import CompassBias",
-        "from missionplan.effects import compass_bias",
+        "from missionplan.effects.course import CompassBias",
+        "from missionplan.effects import course",
         "import missionplan.effects.tidal_current as tides",
     ],
 )

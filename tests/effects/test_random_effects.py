@@ -7,11 +7,7 @@ import pytest
 from scipy import stats
 
 from missionplan.diagnosis.legs.likelihood.markov_covariance import MarkovCovariance
-from missionplan.effects.fix_error import FixError
-from missionplan.effects.heavy_tails import HeavyTails
-from missionplan.effects.persistent_error import PersistentError
-from missionplan.effects.position_random_walk import PositionRandomWalk
-from missionplan.effects.random_walk import RandomWalk
+from missionplan.effects.random_errors import FixError, HeavyTails, PersistentError, PositionRandomWalk, RandomWalk
 from missionplan.phases.hooks import Leg
 
 LEG = Leg(np.zeros(1), np.ones(1), np.zeros((2, 1)), np.array([[0.0], [1.0]]), 1.0)

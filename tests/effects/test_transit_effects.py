@@ -6,18 +6,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.integrate import quad, solve_ivp
 
-from missionplan.effects.compass_bias import CompassBias
-from missionplan.effects.compass_deviation import CompassDeviation
-from missionplan.effects.compass_jump import CompassJump
-from missionplan.effects.current_response import CurrentResponse
-from missionplan.effects.current_shear import CurrentShear
-from missionplan.effects.inertial_current import InertialCurrent
-from missionplan.effects.mean_current import MeanCurrent
+from missionplan.effects.course import CompassBias, CompassDeviation, CompassJump, Sideslip
+from missionplan.effects.currents import CurrentShear, InertialCurrent, MeanCurrent, SurfaceDrift
 from missionplan.effects.response import Response
-from missionplan.effects.sideslip import Sideslip
-from missionplan.effects.speed_loss import SpeedLoss
-from missionplan.effects.speed_scale import SpeedScale
-from missionplan.effects.surface_drift import SurfaceDrift
+from missionplan.effects.speed import CurrentResponse, SpeedLoss, SpeedScale
 from missionplan.effects.tidal_current import PERIODS, TidalCurrent, resolvable_constituents
 from missionplan.phases.hooks import Leg, velocity_error
 from missionplan.physics.tides import angular_frequencies

@@ -5,12 +5,9 @@ from dataclasses import dataclass
 import numpy as np
 import pytest
 
-from missionplan.effects.inertial_current import InertialCurrent
-from missionplan.effects.mean_current import MeanCurrent
+from missionplan.effects.currents import InertialCurrent, MeanCurrent, SurfaceDrift
 from missionplan.effects.oscillation import EARTH_ROTATION
-from missionplan.effects.persistent_error import PersistentError
-from missionplan.effects.random_walk import RandomWalk
-from missionplan.effects.surface_drift import SurfaceDrift
+from missionplan.effects.random_errors import PersistentError, RandomWalk
 from missionplan.effects.tidal_current import PERIODS, TidalCurrent
 from missionplan.phases.hooks import DriftParts, TransitEffect
 from missionplan.phases.transit.compensation import Forecast, PlannedLeg

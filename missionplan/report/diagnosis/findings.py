@@ -5,7 +5,7 @@ from collections.abc import Mapping
 from dataclasses import replace
 
 from missionplan.effects import CATALOGUE
-from missionplan.effects.finding import Finding
+from missionplan.effects.info import Finding
 from missionplan.report.diagnosis.evidence import claimed_parameters, sized
 from missionplan.report.diagnosis.kind_report import names, part, percent
 from missionplan.report.diagnosis.kinds import REPORTS

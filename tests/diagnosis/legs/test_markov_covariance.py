@@ -4,8 +4,7 @@ import numpy as np
 import pytest
 
 from missionplan.diagnosis.legs.likelihood.markov_covariance import MarkovCovariance
-from missionplan.effects.persistent_error import PersistentError
-from missionplan.effects.random_walk import RandomWalk
+from missionplan.effects.random_errors import PersistentError, RandomWalk
 
 RNG = np.random.default_rng(8)
 LEGS = 9

@@ -3,9 +3,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from missionplan.effects.broadside_start import BroadsideStart
-from missionplan.effects.drag_bias import DragBias
-from missionplan.effects.vertical_current import VerticalCurrent
+from missionplan.effects.dive_drag import BroadsideStart, DragBias
+from missionplan.effects.dive_lift import VerticalCurrent
 from missionplan.phases.currents import layers
 from missionplan.phases.mooring.forces import Dive
 from missionplan.phases.mooring.mooring import ascend

@@ -6,10 +6,8 @@ import numpy as np
 import pytest
 
 from missionplan.arrays import Scalars
-from missionplan.effects.clock_offset import ClockOffset
-from missionplan.effects.depth_scale import DepthScale
-from missionplan.effects.sensor_lag import SensorLag
-from missionplan.effects.vertical_current import VerticalCurrent
+from missionplan.effects.dive_lift import VerticalCurrent
+from missionplan.effects.dive_log import ClockOffset, DepthScale, SensorLag
 from missionplan.phases.hooks import DescentEffect
 from missionplan.phases.mooring.depth_sensor import simulate_readings
 from missionplan.phases.mooring.forces import Dive

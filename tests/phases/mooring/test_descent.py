@@ -8,11 +8,8 @@ from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 
 from missionplan.arrays import Scalars
-from missionplan.effects.broadside_start import BroadsideStart
-from missionplan.effects.line_payout import LinePayout
-from missionplan.effects.slow_flooding import SlowFlooding
-from missionplan.effects.trapped_gas import TrappedGas
-from missionplan.effects.vertical_current import VerticalCurrent
+from missionplan.effects.dive_drag import BroadsideStart
+from missionplan.effects.dive_lift import LinePayout, SlowFlooding, TrappedGas, VerticalCurrent
 from missionplan.phases.currents import layers
 from missionplan.phases.hooks import DescentEffect
 from missionplan.phases.mooring.depth_sensor import simulate_readings

@@ -8,7 +8,7 @@ from hypothesis.extra.numpy import arrays
 from scipy import stats
 from transit_examples import run, start
 
-from missionplan.effects.inertial_current import InertialCurrent
+from missionplan.effects.currents import InertialCurrent
 from missionplan.effects.oscillation import EARTH_ROTATION
 from missionplan.effects.tidal_current import PERIODS, TidalCurrent
 from missionplan.phases.hooks import Leg

@@ -6,7 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from transit_examples import GOAL, FixedNormals, normals, plan, run, start
 
-from missionplan.effects.current_shear import CurrentShear
+from missionplan.effects.currents import CurrentShear
 from missionplan.montecarlo.streams import LegNormals
 from missionplan.phases.currents import LayeredCurrent
 from missionplan.phases.hooks import TransitEffect, TrialState

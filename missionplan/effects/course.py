@@ -1,0 +1,221 @@
+"""Effects that turn the course made good: the compass, and sideslip."""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from missionplan.arrays import Scalars
+from missionplan.effects.info import EffectInfo, Finding, Instrument, LegRecord, Likeness, Parameter, Term
+from missionplan.phases.hooks import Leg, TransitEffect
+
+
+@dataclass(frozen=True)
+class CompassBias(TransitEffect):
+    """The course made through the water is turned clockwise by `angle` [rad] from the assumed one."""
+
+    angle: Scalars = 0.0
+
+    def course_factor(self, leg: Leg) -> NDArray[np.complex128]:
+        """Return the turn of each leg's course, shape (n,)."""
+        return np.exp(-1j * np.asarray(self.angle))
+
+
+COMPASS_BIAS = EffectInfo(
+    id="compass-bias",
+    phase="transit",
+    tier="physical",
+    effect=CompassBias,
+    parameters={
+        "angle": Parameter(
+            "rad", "angle of the true course from the assumed one, clockwise", -0.8, 0.8, scale=0.08, spike=0.0026
+        )
+    },
+    what="A misaligned compass, a wrong declination, or magnetisation that turns with the hull.",
+    finding=Finding(
+        "angle",
+        "the compass reads {size} low",
+        "the compass reads {size} high",
+        remedy="swing it, or enter the correction",
+    ),
+    sizes="1 to 10°, either sign.",
+    ageing="jumps",
+    upkeep="find what turns the compass further from mission to mission",
+    confused_with=("compass-deviation", "mean-current"),
+    distinguished_by="Legs on at least three headings.",
+    linear=False,
+    instrument=Instrument("a swing of the compass on land, all round", "angle", 0.009),
+)
+
+
+@dataclass(frozen=True)
+class CompassDeviation(TransitEffect):
+    """The course is turned clockwise by ``amplitude·cos(heading − phase)`` [rad], heading clockwise from north."""
+
+    amplitude: Scalars = 0.0
+    phase: Scalars = 0.0
+
+    def course_factor(self, leg: Leg) -> NDArray[np.complex128]:
+        """Return the turn of each leg's course, shape (n,)."""
+        east, north = leg.along
+        angle = self.amplitude * (np.cos(self.phase) * north + np.sin(self.phase) * east)
+        return np.exp(-1j * np.asarray(angle))
+
+
+COMPASS_DEVIATION = EffectInfo(
+    id="compass-deviation",
+    phase="transit",
+    tier="physical",
+    effect=CompassDeviation,
+    parameters={
+        "amplitude": Parameter("rad", "greatest deviation", 0.0, 0.8, scale=0.08, spike=0.0026),
+        "phase": Parameter("rad", "heading at which the deviation is greatest, clockwise from north"),
+    },
+    what="Hard iron near the compass: the error is a sine of the heading (semicircular deviation).",
+    finding=Finding(
+        "amplitude",
+        "the compass errs by up to {size}, by its heading",
+        "the compass errs by up to {size}, by its heading",
+        remedy="swing it all round and enter the table of deviations",
+    ),
+    sizes="2 to 15° for a compass that was not calibrated (swung).",
+    ageing="jumps",
+    confused_with=("compass-bias", "mean-current", "speed-scale"),
+    distinguished_by="Legs on headings all round the compass.",
+    polar=(("amplitude", "phase"),),
+    linear=False,
+    likeness=Likeness(
+        "amplitude", math.radians(10.0), "an error that depends on heading, as a compass deviation would"
+    ),
+    instrument=Instrument("a swing of the compass on land, all round", "amplitude", 0.009),
+)
+
+
+@dataclass(frozen=True)
+class CompassJump(TransitEffect):
+    """From `moment` [s] on the course is turned clockwise by `angle` [rad]; for a part of its leg, by that part."""
+
+    angle: Scalars = 0.0
+    moment: Scalars = 0.0
+
+    def course_factor(self, leg: Leg) -> NDArray[np.complex128]:
+        """Return the turn of each leg's course, shape (n,)."""
+        return np.asarray(np.exp(-1j * np.asarray(self.angle * leg.share_after(self.moment))))
+
+
+COMPASS_JUMP = EffectInfo(
+    id="compass-jump",
+    phase="transit",
+    tier="physical",
+    effect=CompassJump,
+    parameters={
+        "angle": Parameter(
+            "rad", "jump of the true course from the assumed one, clockwise", -1.0, 1.0, scale=0.1, spike=1e-4
+        ),
+        "moment": Parameter("s", "when", 0.0, median=21600.0, factor=4.0, searched="time"),
+    },
+    what="Something magnetic shifts in the hull, the vehicle is knocked, or a filter of the compass loses its place.",
+    finding=Finding(
+        "angle",
+        "the compass jumped at {at} and reads {size} lower since",
+        "the compass jumped at {at} and reads {size} higher since",
+        remedy="find what moved, and swing the compass",
+    ),
+    sizes="2 to 20°, either sign.",
+    confused_with=("compass-bias", "compass-deviation", "persistent-error"),
+    distinguished_by="Legs on several headings before and after it.",
+    linear=False,
+    terms=(Term(("angle",), "moment"),),
+)
+
+
+@dataclass(frozen=True)
+class HeadingByDepth(TransitEffect):
+    """The course is turned clockwise by `rate` [rad/m] times the mean depth of the leg."""
+
+    rate: Scalars = 0.0
+
+    def course_factor(self, leg: Leg) -> NDArray[np.complex128]:
+        """Return the turn of each leg's course, shape (n,)."""
+        return np.asarray(np.exp(-1j * np.asarray(self.rate * np.where(np.isfinite(leg.depth), leg.depth, 0.0))))
+
+
+def _needs_depths(record: LegRecord) -> str:
+    return "" if record.depths > 2.0 else "needs the depth of the legs (column depth_m), and different ones"
+
+
+HEADING_BY_DEPTH = EffectInfo(
+    id="heading-by-depth",
+    phase="transit",
+    tier="physical",
+    effect=HeadingByDepth,
+    parameters={
+        "rate": Parameter(
+            "rad/m",
+            "angle of the true course from the assumed one, clockwise, for each metre of depth",
+            -0.02,
+            0.02,
+            scale=1e-3,
+            spike=2e-6,
+            extent_scale=0.08,
+        )
+    },
+    what="Pressure bends what holds the compass, or a hull that is squeezed moves iron beside it.",
+    finding=Finding(
+        "rate",
+        "the compass reads {size} lower for each 100 m of depth",
+        "the compass reads {size} higher for each 100 m of depth",
+        remedy="swing it at depth, or enter the correction by depth",
+        each=100.0,
+        unit="rad",
+    ),
+    sizes="1 to 10° over 100 to 1000 m.",
+    confused_with=("compass-bias",),
+    distinguished_by="Legs on the same headings at several depths.",
+    lacking=_needs_depths,
+    linear=False,
+    terms=(Term(("rate",)),),
+)
+
+
+@dataclass(frozen=True)
+class Sideslip(TransitEffect):
+    """The course is turned clockwise by ``angle/U²``, U the speed in m/s: lift of the hull balances the force.
+
+    Lift of a slender body at small angles grows as ½ρU² times the angle (Hoerner & Borst 1975, *Fluid-Dynamic Lift*).
+    """
+
+    angle: Scalars = 0.0
+
+    def course_factor(self, leg: Leg) -> NDArray[np.complex128]:
+        """Return the turn of each leg's course, shape (n,)."""
+        return np.exp(-1j * np.asarray(self.angle / np.maximum(leg.speed, 0.1) ** 2))
+
+
+def _needs_speeds(record: LegRecord) -> str:
+    return "" if record.speeds > 0.1 else "needs legs at different speeds: at one speed it is a compass bias"
+
+
+SIDESLIP = EffectInfo(
+    id="sideslip",
+    phase="transit",
+    tier="physical",
+    effect=Sideslip,
+    parameters={
+        "angle": Parameter("rad", "angle to starboard of the heading at 1 m/s", -0.8, 0.8, scale=0.06, spike=0.001)
+    },
+    what="Bent fins, an antenna or trim to one side push the vehicle sideways; slowly it slips more.",
+    finding=Finding(
+        "angle",
+        "the vehicle slips {size} to starboard at 1 m/s, less when it is faster",
+        "the vehicle slips {size} to port at 1 m/s, less when it is faster",
+        remedy="trim the fins",
+    ),
+    sizes="1 to 5° at 1 m/s.",
+    confused_with=("compass-bias",),
+    distinguished_by="Legs at two speeds on several headings: a compass errs as much at any speed.",
+    lacking=_needs_speeds,
+    linear=False,
+    terms=(Term(("angle",)),),
+)
