@@ -18,7 +18,7 @@ from missionplan.phases.currents import layers
 from missionplan.phases.mooring.descent import DescentRecord, descend
 from missionplan.phases.mooring.forces import Dive
 from missionplan.phases.mooring.horizontal_drift import CrossFlowBody, TiedBodies
-from missionplan.physics.vehicle_drag import Hull, Sail, VehicleDrag, anchor_drag
+from missionplan.physics.drag import Hull, Sail, VehicleDrag, anchor_drag
 from missionplan.physics.water import Water
 
 INCH, FOOT = 0.0254, 0.3048

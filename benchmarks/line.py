@@ -11,10 +11,10 @@ from pathlib import Path
 
 import numpy as np
 
-from missionplan.physics.current_above import ProfileAbove
+from missionplan.physics.drag import Hull, Sail, VehicleDrag
 from missionplan.physics.held_line import Float, HeldBody, HeldLine, line_drag_factor
 from missionplan.physics.line_statics import held_pose, laid
-from missionplan.physics.vehicle_drag import Hull, Sail, VehicleDrag
+from missionplan.physics.seafloor import ProfileAbove
 from missionplan.physics.water import sea_water
 
 CURRENTS = ((0.05, 0.0), (0.1, 0.03), (0.2, 0.0), (0.25, -0.02), (0.5, 0.0))

@@ -12,7 +12,7 @@ from missionplan.effects.dive_drag import DragBias
 from missionplan.mission import load
 from missionplan.phases.mooring.forces import Dive
 from missionplan.phases.transit.analytic.expectation import expected_cost
-from missionplan.physics import propeller_example, tank, tunnel_thruster
+from missionplan.physics import tank, tunnel_thruster
 from missionplan.physics.propulsion import PropulsionRun, simulate_propulsion
 from missionplan.scenario.anchors import worst_case_weight
 from missionplan.scenario.phases import dive_of
@@ -23,6 +23,7 @@ from missionplan.studies.transition.sweep_transition import FORCE, PAIR, SUCTION
 from tests.acceptance import test_avila as avila
 from tests.acceptance import test_briggs_table1 as table_1
 from tests.phases.transit.test_expectation import FIG8, HIGH_PRECISION
+from tests.physics import propeller_example
 from validation.rows import MISSIONS, Measured, Options, at_least, at_most, between, near, reported, row
 
 

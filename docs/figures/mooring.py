@@ -7,9 +7,9 @@ import numpy as np
 from matplotlib.figure import Figure as MatplotlibFigure
 
 import missionplan
-from missionplan.physics.current_above import LayersAbove
 from missionplan.physics.held_line import LINE_MATERIALS, HeldLine, line_drag_factor
 from missionplan.physics.line_statics import held_pose
+from missionplan.physics.seafloor import LayersAbove
 from missionplan.report.drawn import style
 from missionplan.report.held_vehicle import hold_figure
 from missionplan.report.page import Figure, to_figure

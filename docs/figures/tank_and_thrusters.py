@@ -10,7 +10,6 @@ import numpy as np
 from matplotlib.figure import Figure as MatplotlibFigure
 
 import missionplan
-from missionplan.physics import propeller_example as example
 from missionplan.physics import propulsion, tank
 from missionplan.physics import tunnel_thruster as tunnel
 from missionplan.report.drawn import style
@@ -19,6 +18,7 @@ from missionplan.studies.identification import page as pictures
 from missionplan.studies.identification.identify import identify
 from missionplan.studies.transition.page import all_figures
 from missionplan.studies.transition.sweep_transition import sweep_transition
+from tests.physics import propeller_example as example
 
 HERE = Path(__file__).parent
 MISSIONS = HERE.parents[1] / "missions"

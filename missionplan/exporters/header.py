@@ -1,9 +1,10 @@
-"""What every file says of itself: which mission it is the plan of, and what it cannot hold."""
+"""What every file says of itself: which mission it is the plan of, what it cannot hold; text as XML."""
 
 import math
 import re
 import unicodedata
 from collections.abc import Sequence
+from xml.etree import ElementTree
 
 from missionplan.results.plan import Fence, Plan, PlannedTransit
 
@@ -115,3 +116,28 @@ def plain(text: str) -> str:
 def token(number: int | str, name: str) -> str:
     """Return a name that holds letters, digits and underscores alone, unlike that of any other number."""
     return f"{number}_{re.sub('[^A-Za-z0-9]+', '_', plain(name))[:_LONGEST].strip('_') or 'phase'}"
+
+
+Element = ElementTree.Element
+
+_NOT_IN_XML = re.compile("[^\t\n\r\u0020-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
+
+
+def add(parent: Element, tag: str, text: str | None = None, **attributes: str) -> Element:
+    """Add an element; characters that XML cannot hold are replaced."""
+    child = ElementTree.SubElement(parent, tag, {name: mended(value) for name, value in attributes.items()})
+    if text is not None:
+        child.text = mended(text)
+    return child
+
+
+def mended(text: str) -> str:
+    """Replace what XML cannot hold."""
+    return _NOT_IN_XML.sub("\ufffd", text)
+
+
+def document(root: Element, *comments: str) -> str:
+    """Write a document, indented, with comments before its root."""
+    ElementTree.indent(root, " ")
+    before = "".join(f"<!-- {mended(comment).replace('--', '- -')} -->\n" for comment in comments)
+    return f'<?xml version="1.0" encoding="UTF-8"?>\n{before}{ElementTree.tostring(root, encoding="unicode")}\n'

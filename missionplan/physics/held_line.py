@@ -22,8 +22,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from missionplan.arrays import Array, Scalars
-from missionplan.physics.current_above import LayersAbove
-from missionplan.physics.vehicle_drag import DragLaw
+from missionplan.physics.drag import DragLaw
+from missionplan.physics.seafloor import LayersAbove
 from missionplan.physics.water import STANDARD_GRAVITY
 
 LINE_COEFFICIENT = 1.2

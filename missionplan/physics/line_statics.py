@@ -14,8 +14,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from missionplan.arrays import Array, Scalars, over_trials, take_trials
-from missionplan.physics.current_above import LayersAbove
 from missionplan.physics.held_line import Float, HeldBody, HeldLine, HungLine, LowPoint, direction, hang, size
+from missionplan.physics.seafloor import LayersAbove
 
 _MOST = 90
 """Evaluations after which the search ends: thirty of them halve the bracket."""

@@ -1,4 +1,4 @@
-"""Dynamics of shaft, axial flow and surge together (Blanke et al. 2000, Eqs. 24 to 31), stepped in time."""
+"""Dynamics of shaft, axial flow and surge together (Blanke et al. 2000, Eqs. 24 to 31), stepped in time, and power."""
 
 from dataclasses import dataclass
 
@@ -193,3 +193,27 @@ def _implicit_flow_step(propeller: Propeller, rate: float, flow: float, speed: f
     first = factor * float(flow_acceleration(propeller, rate, flow, speed))
     second = factor * (float(flow_acceleration(propeller, rate, flow + h * first, speed)) - 2.0 * first)
     return flow + h * (1.5 * first + 0.5 * second)
+
+
+JOULES_PER_WATT_HOUR = 3600.0
+"""J in 1 Wh: batteries are rated, and energies reported, in watt-hours."""
+
+
+def propulsive_power(drag: Scalars, speed: Scalars, efficiency: Scalars) -> Scalars:
+    """Electrical power of propulsion, F u/η = ½ρAC_d u³/η.
+
+    Parameters
+    ----------
+    drag : float or array, shape (n,)
+        F at that speed [N].
+    speed : float or array, shape (n,)
+        u through the water [m/s].
+    efficiency : float or array, shape (n,)
+        η, from the battery to the work against drag.
+
+    Returns
+    -------
+    float or array, shape (n,)
+        [W]
+    """
+    return drag * speed / efficiency

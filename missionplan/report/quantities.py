@@ -14,7 +14,7 @@ from dataclasses import dataclass
 from missionplan.mission.quantity_paths import written_phases
 from missionplan.mission.units import FACTORS, QuantityError, parse_number_with_unit
 from missionplan.montecarlo.statistics import Statistic
-from missionplan.physics.energy import JOULES_PER_WATT_HOUR
+from missionplan.physics.propulsion import JOULES_PER_WATT_HOUR
 from missionplan.report.numbers import has_spread, number, set_number
 from missionplan.results.decision import Axis
 from missionplan.results.entries import mapping, mappings

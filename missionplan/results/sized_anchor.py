@@ -10,7 +10,7 @@ from missionplan.phases.mooring.forces import Dive
 from missionplan.phases.mooring.profile import DescentProfile
 from missionplan.physics.anchor import AnchorDesign
 from missionplan.physics.anchor_remedies import MAX_WET_WEIGHT, Remedy
-from missionplan.physics.vehicle_drag import DragBuildUp
+from missionplan.physics.drag import DragBuildUp
 from missionplan.results.entries import Entry, Record
 from missionplan.results.simulation import RequirementOutcome
 

@@ -27,7 +27,7 @@ from missionplan.physics.anchor import (
     layer_thicknesses,
     required_terminal_velocity,
 )
-from missionplan.physics.vehicle_drag import MeasuredVehicleDrag, VehicleDrag, anchor_drag
+from missionplan.physics.drag import MeasuredVehicleDrag, VehicleDrag, anchor_drag
 from missionplan.physics.water import STANDARD_GRAVITY, flooded_mass, lead_mass
 from missionplan.scenario.drawn_mission import DrawnMission
 

@@ -19,7 +19,7 @@ from missionplan.mission.schema.vehicle import EnergyBudget
 from missionplan.mission.views import MooringMission, TransitMission, required, required_origin
 from missionplan.phases.hooks import DescentEffect, TransitEffect
 from missionplan.phases.transit.plan import VelocityError
-from missionplan.physics.vehicle_drag import VehicleDrag
+from missionplan.physics.drag import VehicleDrag
 from missionplan.physics.water import Water, sea_water
 from missionplan.scenario.propulsion import PropelledVehicle, propeller, vehicle_drag
 

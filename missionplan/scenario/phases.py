@@ -15,6 +15,7 @@ from missionplan.phases.mooring.horizontal_drift import CrossFlowBody, TiedBodie
 from missionplan.phases.mooring.mooring import MoorPlan
 from missionplan.phases.transit.plan import TransitNormals
 from missionplan.phases.transition.plan import Manoeuvre, SternplaneControl, ThrusterControl, TransitionVehicle
+from missionplan.physics.drag import anchor_drag
 from missionplan.physics.held_line import (
     CROSSFLOW_COEFFICIENT,
     LINE_MATERIALS,
@@ -26,7 +27,6 @@ from missionplan.physics.held_line import (
 from missionplan.physics.seafloor import FRICTION, ROUGHNESS, LyingAnchor, Slope, lateral_coefficient
 from missionplan.physics.snatch import LineSpring, PitchingBody, mass_at_nose
 from missionplan.physics.tunnel_thruster import TunnelThruster
-from missionplan.physics.vehicle_drag import anchor_drag
 from missionplan.physics.vehicle_dynamics import Body, Derivatives
 from missionplan.physics.water import STANDARD_GRAVITY, anchor_added_mass, lamb_lateral_coefficient
 from missionplan.scenario.anchors import anchor_flooded_mass, anchor_length, laden, wet_weight_of

@@ -23,7 +23,7 @@ from missionplan.phases.transit.compensation import Compensation, Forecast, Last
 from missionplan.phases.transit.execution import Execution
 from missionplan.phases.transit.kalman_filter import DriftFilter
 from missionplan.phases.transit.plan import Environment, LegTable, TransitPlan
-from missionplan.physics.energy import propulsive_power
+from missionplan.physics.propulsion import propulsive_power
 from missionplan.scenario.anchors import carried_anchors
 from missionplan.scenario.currents.building import MEMBER, error_statistics, with_error, with_member
 from missionplan.scenario.drawn_mission import DrawnMission

@@ -18,10 +18,10 @@ from missionplan.phases.currents import Current, LayeredCurrent
 from missionplan.phases.mooring.descent import descend
 from missionplan.phases.mooring.forces import Dive
 from missionplan.phases.mooring.hold import Hold, HoldRecord, extreme_moments, layers_above, lifted, record_at_once
-from missionplan.physics.current_above import LayersAbove
+from missionplan.physics.drag import terminal_velocity
 from missionplan.physics.held_line import LINE_MATERIALS
 from missionplan.physics.line_statics import held_pose, line_shape
-from missionplan.physics.vehicle_drag import terminal_velocity
+from missionplan.physics.seafloor import LayersAbove
 from missionplan.results.held_vehicle import HeldState, HeldVehicle
 from missionplan.scenario.anchors import anchor_length, design_current
 from missionplan.scenario.phases import dive_of, hold_of, start_of

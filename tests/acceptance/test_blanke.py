@@ -5,8 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from missionplan.physics import propeller_example as example
 from missionplan.physics import propulsion as pr
+from tests.physics import propeller_example as example
 
 STEP = 0.02
 ENDS = (1500, 3000, 5000)

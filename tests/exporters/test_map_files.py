@@ -11,8 +11,7 @@ import pytest
 from made_plans import GEOD, PLANS, metres_apart
 
 from missionplan.exporters.formats import FORMATS, format_named
-from missionplan.exporters.maps.colours import COLOURS, kml_colour, simplestyle
-from missionplan.exporters.maps.geometry import parts
+from missionplan.exporters.maps.geometry import COLOURS, kml_colour, parts, simplestyle
 
 
 @pytest.fixture(params=PLANS)

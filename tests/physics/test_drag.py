@@ -4,7 +4,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from missionplan.physics import drag
-from missionplan.physics.vehicle_drag import (
+from missionplan.physics.drag import (
     Hull,
     QuadraticDrag,
     Sail,

@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 from scipy.integrate import quad, solve_ivp
 from scipy.optimize import brentq, fsolve
 
-from missionplan.physics.current_above import LayersAbove, ProfileAbove
+from missionplan.physics.drag import Hull, QuadraticDrag, Sail, VehicleDrag
 from missionplan.physics.held_line import (
     CROSSFLOW_COEFFICIENT,
     LINE_MATERIALS,
@@ -18,7 +18,7 @@ from missionplan.physics.held_line import (
     line_drag_factor,
 )
 from missionplan.physics.line_statics import held_pose, laid, line_shape, settling_nose
-from missionplan.physics.vehicle_drag import Hull, QuadraticDrag, Sail, VehicleDrag
+from missionplan.physics.seafloor import LayersAbove, ProfileAbove
 from missionplan.physics.water import sea_water
 
 KNOT = 0.514444

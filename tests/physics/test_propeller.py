@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from missionplan.physics import propeller as p
-from missionplan.physics import propeller_example as example
+from tests.physics import propeller_example as example
 
 TURN = 2.0 * math.pi
 PRESETS = [example.table_1("surge"), example.table_1("momentum"), example.as_printed()]

@@ -10,8 +10,8 @@ from scipy.integrate import trapezoid
 
 from missionplan.physics import cruise
 from missionplan.physics import propeller as p
-from missionplan.physics import propeller_example as example
 from missionplan.physics import propulsion as pr
+from tests.physics import propeller_example as example
 
 HULL = example.TABLE_1_RESISTANCE
 

@@ -13,8 +13,7 @@ import pytest
 from outcome_example import example
 from pyproj import Geod
 
-from missionplan.exporters.maps.colours import COLOURS
-from missionplan.exporters.maps.geometry import circle, longitudes_latitudes, parts
+from missionplan.exporters.maps.geometry import COLOURS, circle, longitudes_latitudes, parts
 from missionplan.report.geography.tracks import SAMPLES, sample_trials, track_geojson, track_kml, track_points
 from missionplan.report.page import BLUE, GREEN, ORANGE, PINK, SKY, YELLOW
 

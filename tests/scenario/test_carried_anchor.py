@@ -8,8 +8,8 @@ import pytest
 import missionplan
 from missionplan.errors import InputError
 from missionplan.mission import Mission
-from missionplan.physics.energy import propulsive_power
-from missionplan.physics.vehicle_drag import Hull, Sail, VehicleDrag
+from missionplan.physics.drag import Hull, Sail, VehicleDrag
+from missionplan.physics.propulsion import propulsive_power
 from missionplan.scenario.anchors import carried_anchors, laden
 from missionplan.scenario.phases import dive_of, hold_of
 from missionplan.scenario.scenario import Scenario

@@ -5,7 +5,6 @@ from collections.abc import Iterator
 from typing import Any
 
 from missionplan.exporters.header import header, one_interval
-from missionplan.exporters.maps.colours import simplestyle
 from missionplan.exporters.maps.geometry import (
     Origin,
     areas,
@@ -14,6 +13,7 @@ from missionplan.exporters.maps.geometry import (
     longitude_latitude,
     longitudes_latitudes,
     parts,
+    simplestyle,
 )
 from missionplan.exporters.table import course_row, mooring_row, waypoint_row
 from missionplan.results.plan import Plan, PlannedMooring, PlannedTransit

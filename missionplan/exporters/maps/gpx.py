@@ -3,9 +3,8 @@
 from collections.abc import Mapping
 from xml.etree import ElementTree
 
-from missionplan.exporters.header import header, one_interval, zones_lost
+from missionplan.exporters.header import Element, add, document, header, one_interval, zones_lost
 from missionplan.exporters.table import Cell, course_row, mooring_row, waypoint_row
-from missionplan.exporters.xml import Element, add, document
 from missionplan.results.plan import Plan, PlannedTransit
 
 TITLE = "GPX 1.1"

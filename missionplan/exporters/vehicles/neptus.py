@@ -20,6 +20,9 @@ import numpy as np
 
 from missionplan.exporters.header import (
     FIXED_POINTS,
+    Element,
+    add,
+    document,
     header,
     no_battery,
     no_correction,
@@ -28,7 +31,6 @@ from missionplan.exporters.header import (
     unheld_moorings,
     zones_lost,
 )
-from missionplan.exporters.xml import Element, add, document
 from missionplan.phases.transit.execution import Execution
 from missionplan.results.plan import Plan, PlannedTransit, Waypoint
 from missionplan.results.plan_states import GuardKind

@@ -13,8 +13,8 @@ from missionplan.mission.schema.phases import LegTableSection, MoorPhase, Naviga
 from missionplan.mission.schema.site import Geographic, Position, Site
 from missionplan.mission.schema.vehicle import EnergyBudget, Vehicle
 from missionplan.montecarlo.distributions import mean_of
-from missionplan.physics.energy import JOULES_PER_WATT_HOUR
 from missionplan.physics.held_line import LINE_MATERIALS
+from missionplan.physics.propulsion import JOULES_PER_WATT_HOUR
 from missionplan.physics.water import LEAD_DENSITY, STANDARD_GRAVITY, wet_weight
 
 FARTHEST = 500_000.0

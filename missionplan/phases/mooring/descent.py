@@ -19,7 +19,7 @@ from missionplan.phases.mooring.horizontal_drift import CrossFlowFall, Horizonta
 from missionplan.phases.mooring.pitch_over import PitchOver, depth_lost, pitch_over, snatch_tension
 from missionplan.phases.mooring.tied_pull_down import TiedPullDown, pull_down_tied
 from missionplan.phases.mooring.vertical_motion import STEP, Followed, Integration, Stage, Stop, integrate_stage
-from missionplan.physics.vehicle_drag import terminal_velocity
+from missionplan.physics.drag import terminal_velocity
 
 MIN_MEAN_SPEED = 0.1
 """Mean speed below which a stage is cut off as never ending [m/s]."""

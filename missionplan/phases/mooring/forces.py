@@ -9,8 +9,8 @@ import numpy as np
 from missionplan.arrays import Array, Scalars
 from missionplan.phases.hooks import DescentEffect
 from missionplan.phases.mooring.horizontal_drift import TiedBodies
+from missionplan.physics.drag import DragLaw
 from missionplan.physics.snatch import LineSpring, PitchingBody
-from missionplan.physics.vehicle_drag import DragLaw
 
 
 @dataclass(frozen=True)

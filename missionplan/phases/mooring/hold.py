@@ -13,12 +13,13 @@ from missionplan.arrays import Array, Scalars, over_trials, take_trials
 from missionplan.phases.currents import Current, LayeredCurrent
 from missionplan.phases.hooks import DescentEffect
 from missionplan.phases.mooring.forces import DescentHooks
-from missionplan.physics.current_above import LayersAbove, ProfileAbove
 from missionplan.physics.held_line import HeldBody, HeldLine
 from missionplan.physics.line_statics import HeldPose, held_pose, settling_nose
 from missionplan.physics.seafloor import (
     ROUGHNESS,
+    LayersAbove,
     LyingAnchor,
+    ProfileAbove,
     Slope,
     anchor_drag_on_bed,
     holding_margin,

@@ -15,7 +15,7 @@ import numpy as np
 from missionplan.arrays import Array, Scalars, over_trials
 from missionplan.phases.mooring.forces import DescentHooks, Dive
 from missionplan.phases.mooring.horizontal_drift import TiedBodies
-from missionplan.physics.vehicle_drag import DragLaw
+from missionplan.physics.drag import DragLaw
 
 
 @dataclass(frozen=True)

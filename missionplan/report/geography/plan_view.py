@@ -11,8 +11,7 @@ from matplotlib.patches import PathPatch
 from matplotlib.path import Path
 
 from missionplan.arrays import Array
-from missionplan.exporters.maps.colours import COLOURS
-from missionplan.exporters.maps.geometry import circle
+from missionplan.exporters.maps.geometry import COLOURS, circle
 from missionplan.report.axes import round_length
 from missionplan.report.page import INK, SKY
 from missionplan.report.quantities import quantity

@@ -11,7 +11,7 @@ from matplotlib.lines import Line2D
 from matplotlib.ticker import MaxNLocator
 
 from missionplan.arrays import Array
-from missionplan.exporters.maps.colours import COLOURS
+from missionplan.exporters.maps.geometry import COLOURS
 from missionplan.report.axes import name_axis
 from missionplan.report.geography.plan_view import (
     Frame,

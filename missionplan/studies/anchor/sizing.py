@@ -17,7 +17,7 @@ from missionplan.physics.anchor import (
     solve_anchor,
 )
 from missionplan.physics.anchor_remedies import buildable_weights, find_remedies
-from missionplan.physics.vehicle_drag import DragBuildUp, QuadraticDrag, anchor_drag, range_notes, terminal_velocity
+from missionplan.physics.drag import DragBuildUp, QuadraticDrag, anchor_drag, range_notes, terminal_velocity
 from missionplan.results.anchor_sizing import DesignLayer, Deviation, ProbableAnchor
 from missionplan.results.sized_anchor import DiveProbabilities, SizedAnchor
 from missionplan.scenario.anchors import anchor_problem, design_current

@@ -8,7 +8,7 @@ from matplotlib.figure import Figure as MatplotlibFigure
 
 from missionplan.arrays import Array
 from missionplan.phases.transit.plan import LegTable
-from missionplan.physics.energy import JOULES_PER_WATT_HOUR
+from missionplan.physics.propulsion import JOULES_PER_WATT_HOUR
 from missionplan.report.axes import name_axis
 from missionplan.report.numbers import number, percent
 from missionplan.report.page import BLUE, GREY, ORANGE, Figure, Table, to_figure

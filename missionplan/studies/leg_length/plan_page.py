@@ -4,7 +4,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from missionplan.physics.energy import JOULES_PER_WATT_HOUR
+from missionplan.physics.propulsion import JOULES_PER_WATT_HOUR
 from missionplan.report.explained import judged_in_words, may_order, members_in_words, members_section
 from missionplan.report.numbers import percent, share
 from missionplan.report.page import Drawing, Listing, Page, PageSection, Terminal

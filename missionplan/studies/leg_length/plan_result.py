@@ -9,7 +9,7 @@ import pandas as pd
 
 from missionplan.arrays import Array
 from missionplan.montecarlo.statistics import Probability, Statistic
-from missionplan.physics.energy import JOULES_PER_WATT_HOUR
+from missionplan.physics.propulsion import JOULES_PER_WATT_HOUR
 from missionplan.results.base import Provenance, Result, to_csv, to_yaml
 from missionplan.results.decision import MemberOutcome
 from missionplan.results.entries import Entry, Record

@@ -20,7 +20,7 @@ from missionplan.montecarlo.streams import BlockStreams
 from missionplan.phases.hooks import TrialState
 from missionplan.phases.transit.plan import Environment, LegTable, TransitNormals, TransitPlan, VelocityError, column
 from missionplan.phases.transit.transit import transit
-from missionplan.physics.energy import JOULES_PER_WATT_HOUR
+from missionplan.physics.propulsion import JOULES_PER_WATT_HOUR
 from missionplan.scenario.phases import deployed, transit_normals
 from missionplan.scenario.scenario import Scenario, leg_table
 from missionplan.scenario.site_current import recorded_current

@@ -17,7 +17,7 @@ from missionplan.mission.schema.phases import LegTableSection, MoorPhase, Transi
 from missionplan.mission.views import TransitMission
 from missionplan.montecarlo.distributions import Distribution, Quantity, mean_of
 from missionplan.phases.transit.execution import Execution
-from missionplan.physics.energy import JOULES_PER_WATT_HOUR
+from missionplan.physics.propulsion import JOULES_PER_WATT_HOUR
 from missionplan.results.base import to_yaml
 from missionplan.results.plan import Fence, Plan, PlannedMooring, PlannedTransit, SurfacingRule, Waypoint
 from missionplan.scenario.scenario import Scenario, leg_table

@@ -8,7 +8,7 @@ import numpy as np
 from missionplan.arrays import Array
 from missionplan.montecarlo.streams import stream
 from missionplan.phases.recorded_currents import RecordedCurrent
-from missionplan.physics.energy import JOULES_PER_WATT_HOUR
+from missionplan.physics.propulsion import JOULES_PER_WATT_HOUR
 from missionplan.results.failures import Failure
 from missionplan.results.overdue import DriftAssumption, ExpectedTime, Overdue
 from missionplan.scenario.scenario import Scenario

@@ -15,7 +15,7 @@ from missionplan.montecarlo.rare_events.strata import DiscreteValue, StrataView
 from missionplan.montecarlo.rare_events.subset_simulation import Key
 from missionplan.montecarlo.rare_events.ways import TrialMargins
 from missionplan.phases.fields.ensemble import Ensemble
-from missionplan.physics.energy import JOULES_PER_WATT_HOUR
+from missionplan.physics.propulsion import JOULES_PER_WATT_HOUR
 from missionplan.results.failures import MET, Failure
 from missionplan.scenario.currents.building import MEMBER
 from missionplan.scenario.phases import line_strength

@@ -13,7 +13,7 @@ from missionplan.mission.checks.requirements import EVENTS, QUANTITIES
 from missionplan.mission.schema.sweep import Requirement
 from missionplan.montecarlo.quantile_sketch import QuantileSketch
 from missionplan.montecarlo.statistics import Count, Moments, RunningStatistics
-from missionplan.physics.energy import JOULES_PER_WATT_HOUR
+from missionplan.physics.propulsion import JOULES_PER_WATT_HOUR
 from missionplan.results.failures import MET
 from missionplan.scenario.currents.building import MEMBER
 from missionplan.studies.simulation.phase_trials import Flags

@@ -18,7 +18,7 @@ from missionplan.phases.fields.ensemble import Ensemble
 from missionplan.phases.fields.gridded_current import GriddedCurrent
 from missionplan.phases.recorded_currents import RecordedCurrent
 from missionplan.physics.anchor import solve_anchor
-from missionplan.physics.vehicle_drag import range_notes
+from missionplan.physics.drag import range_notes
 from missionplan.results.held_vehicle import HeldVehicle
 from missionplan.results.simulation import MooringAnchor
 from missionplan.scenario.anchors import anchor_problem, wet_weight_of

@@ -17,7 +17,7 @@ from missionplan.phases.transit.ground_velocity import random_part
 from missionplan.phases.transit.plan import Environment, Normals, TransitNormals, TransitPlan, TransitRecord, column
 from missionplan.phases.transit.transit import transit
 from missionplan.phases.transition.simulation import simulate_transition
-from missionplan.physics.energy import JOULES_PER_WATT_HOUR
+from missionplan.physics.propulsion import JOULES_PER_WATT_HOUR
 from missionplan.physics.reliability import Exposure
 from missionplan.results.failures import MET, Failure
 from missionplan.scenario.phases import manoeuvre, transit_normals, transition_vehicle

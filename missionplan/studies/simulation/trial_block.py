@@ -14,7 +14,7 @@ from missionplan.mission.schema.phases import MoorPhase, TransitPhase
 from missionplan.mission.schema.vehicle import DistanceHazard, Hazard, HourlyHazard, Leaves, Per
 from missionplan.montecarlo.streams import BlockStreams, NormalSource
 from missionplan.phases.hooks import TrialState
-from missionplan.physics.energy import JOULES_PER_WATT_HOUR
+from missionplan.physics.propulsion import JOULES_PER_WATT_HOUR
 from missionplan.physics.reliability import Exposure, age_at_chance, age_at_rate, age_weibull, rate_of_counts
 from missionplan.results.failures import Failure
 from missionplan.scenario.phases import deployed

@@ -16,7 +16,7 @@ from missionplan.mission.views import TransitionMission
 from missionplan.montecarlo.parallel.blocks import Progress
 from missionplan.phases.transition.plan import Manoeuvre, TransitionRecord, TransitionVehicle, energy_until
 from missionplan.phases.transition.simulation import simulate_transition
-from missionplan.physics.energy import JOULES_PER_WATT_HOUR
+from missionplan.physics.propulsion import JOULES_PER_WATT_HOUR
 from missionplan.physics.tunnel_thruster import hover_power, revolutions_for
 from missionplan.physics.vehicle_dynamics import level_trim
 from missionplan.results.base import Provenance, Result, to_csv, to_grid

@@ -8,7 +8,7 @@ from missionplan.effects.dive_lift import VerticalCurrent
 from missionplan.phases.currents import layers
 from missionplan.phases.mooring.forces import Dive
 from missionplan.phases.mooring.mooring import ascend
-from missionplan.physics.vehicle_drag import QuadraticDrag
+from missionplan.physics.drag import QuadraticDrag
 
 DIVE = Dive(
     wet_weight=11.7,

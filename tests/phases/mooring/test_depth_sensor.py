@@ -11,7 +11,7 @@ from missionplan.effects.dive_log import ClockOffset, DepthScale, SensorLag
 from missionplan.phases.hooks import DescentEffect
 from missionplan.phases.mooring.depth_sensor import simulate_readings
 from missionplan.phases.mooring.forces import Dive
-from missionplan.physics.vehicle_drag import Hull, QuadraticDrag, VehicleDrag
+from missionplan.physics.drag import Hull, QuadraticDrag, VehicleDrag
 from missionplan.physics.water import Water
 
 DIVE = Dive(

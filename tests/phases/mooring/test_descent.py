@@ -17,7 +17,7 @@ from missionplan.phases.mooring.descent import DescentRecord, descend
 from missionplan.phases.mooring.forces import Dive
 from missionplan.phases.mooring.profile import simulate_profile
 from missionplan.phases.recorded_currents import SeriesCurrent
-from missionplan.physics.vehicle_drag import Hull, QuadraticDrag, Sail, VehicleDrag, anchor_drag
+from missionplan.physics.drag import Hull, QuadraticDrag, Sail, VehicleDrag, anchor_drag
 from missionplan.physics.water import Water
 
 INCH, FOOT = 0.0254, 0.3048

@@ -12,7 +12,7 @@ from missionplan.phases.currents import layers
 from missionplan.phases.mooring.descent import descend
 from missionplan.phases.mooring.forces import Dive, LineSpring
 from missionplan.phases.mooring.horizontal_drift import CrossFlowBody, TiedBodies
-from missionplan.physics.vehicle_drag import QuadraticDrag
+from missionplan.physics.drag import QuadraticDrag
 
 DIVE = Dive(
     wet_weight=11.7,

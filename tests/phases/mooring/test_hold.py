@@ -9,10 +9,10 @@ from missionplan.effects import CATALOGUE
 from missionplan.phases.currents import layers
 from missionplan.phases.mooring.hold import Hold, hold_vehicle, layers_above, lifted
 from missionplan.phases.recorded_currents import SeriesCurrent
+from missionplan.physics.drag import QuadraticDrag
 from missionplan.physics.held_line import HeldBody, HeldLine
 from missionplan.physics.line_statics import held_pose
 from missionplan.physics.seafloor import LyingAnchor, Slope
-from missionplan.physics.vehicle_drag import QuadraticDrag
 
 BODY = HeldBody(1.12, 0.12, 0.9, 0.5 * 1.12 * 0.9, 0.0, 1.1, QuadraticDrag(3.3), 1025.0)
 HOLD = Hold(BODY, HeldLine(5.0), LyingAnchor(11.8, 0.12, 0.18, 0.5), 20.0)

@@ -14,8 +14,8 @@ from missionplan.phases.mooring.forces import DescentHooks, Dive, LoneFall
 from missionplan.phases.mooring.horizontal_drift import CrossFlowBody, TiedBodies
 from missionplan.phases.mooring.pitch_over import NOSE_DOWN, pitch_over
 from missionplan.phases.mooring.vertical_motion import Integration, Stop, integrate_stage
+from missionplan.physics.drag import QuadraticDrag
 from missionplan.physics.snatch import PitchingBody
-from missionplan.physics.vehicle_drag import QuadraticDrag
 
 BODY = PitchingBody(
     lateral_mass=20.0,

@@ -7,10 +7,10 @@ import pytest
 import yaml
 
 from missionplan.errors import InputError, RunError
-from missionplan.physics import propeller_example as example
 from missionplan.physics import propulsion as pr
 from missionplan.report.render import render_report, terminal_view
 from missionplan.studies.identification.identify import identify
+from tests.physics import propeller_example as example
 
 
 def write(folder, settings, columns, name="data.csv"):

@@ -5,7 +5,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from missionplan.physics.energy import JOULES_PER_WATT_HOUR
+from missionplan.physics.propulsion import JOULES_PER_WATT_HOUR
 from missionplan.studies.overdue.losses import _last_fix, losses
 from missionplan.studies.overdue.overdue import _reach, _spent, _surfacings, _time
 from missionplan.studies.simulation.phase_trials import PhaseTrials
