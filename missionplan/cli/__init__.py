@@ -7,19 +7,18 @@
 import atexit
 import gc
 import json
-import re
 import signal
 import sys
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from importlib.metadata import version
-from typing import Annotated, Any
+from typing import Annotated
 
 import typer
 
 from missionplan.cli import exchange, exploring, files, measurements, options, planning
 from missionplan.cli.options import answering, note, prepare_streams
-from missionplan.errors import OUT_OF_FILES, MissionplanError, Problem, did_you_mean, out_of_files
+from missionplan.errors import OUT_OF_FILES, MissionplanError, Problem, out_of_files
 
 INTERRUPTED = 130
 GARBAGE = 50_000
@@ -168,20 +167,11 @@ def _usage_error(error: Exception) -> int:
         note(f"Error:\n{OUT_OF_FILES}")
         return 1
     if hasattr(error, "show") and hasattr(error, "exit_code"):
-        _point_to_the_nearest(error)
         if "--json" in sys.argv and hasattr(error, "format_message"):
             _print_errors([Problem(error.format_message())])
         error.show()
         return int(error.exit_code)
     raise error
-
-
-def _point_to_the_nearest(error: Any) -> None:
-    """Add the choice that was probably meant to typer's message about one that there is not."""
-    told = str(getattr(error, "message", ""))
-    given, *choices = re.findall("'([^']*)'", told) or [""]
-    if "is not one of" in told and (hint := did_you_mean(given, choices)):
-        error.message = f"{told} D{hint[1:]}"
 
 
 def _end_workers() -> None:

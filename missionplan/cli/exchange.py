@@ -248,7 +248,10 @@ class PlanFormat(StrEnum):
     QGC = "qgc"
 
 
-_To = Annotated[PlanFormat, typer.Option(metavar="FORMAT", help=f"One of {', '.join(PlanFormat)}.", show_default=False)]
+_To = Annotated[
+    PlanFormat,
+    o.choice(PlanFormat, "--to", metavar="FORMAT", help=f"One of {', '.join(PlanFormat)}.", show_default=False),
+]
 _PlanFile = Annotated[
     Path | None,
     typer.Option(

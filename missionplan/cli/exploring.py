@@ -38,7 +38,11 @@ _Vary = Annotated[
 ]
 _Aim = Annotated[
     ExplorationAim,
-    typer.Option(help="Best of those that meet all requirements: most often successful, least energy, least time."),
+    o.choice(
+        ExplorationAim,
+        "--aim",
+        help="Best of those that meet all requirements: most often successful, least energy, least time.",
+    ),
 ]
 _Quantities = Annotated[
     list[str] | None,
@@ -106,7 +110,7 @@ _Choose = Annotated[
 ]
 _Least = Annotated[
     Least | None,
-    typer.Option("--aim", help="What is to be least; default: the mission's, or energy.", show_default=False),
+    o.choice(Least, "--aim", help="What is to be least; default: the mission's, or energy.", show_default=False),
 ]
 
 

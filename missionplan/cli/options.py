@@ -16,11 +16,36 @@ from enum import StrEnum
 from functools import wraps
 from io import TextIOWrapper
 from pathlib import Path
-from typing import Annotated, Literal, TypedDict, get_type_hints
+from typing import Annotated, Any, Literal, TypedDict, get_type_hints
 
 import typer
 
-from missionplan.errors import RunError
+from missionplan.errors import InputError, Problem, RunError, did_you_mean, shown
+
+
+def choice(kind: type[StrEnum], flag: str, **settings: Any) -> Any:
+    """Make an option that takes one of some words: it refuses another one with the nearest, whatever typer's version.
+
+    Parameters
+    ----------
+    kind : type
+        The words.
+    flag : str
+        As ``--units``.
+    **settings
+        As of ``typer.Option``.
+    """
+
+    def chosen(word: str) -> StrEnum:
+        if word not in list(kind):
+            message = f"given {shown(word)}, expected one of {', '.join(kind)}"
+            raise InputError([Problem(message, key=flag.removeprefix("--"), hint=did_you_mean(word, kind))])
+        return kind(word)
+
+    metavar = f"<{'|'.join(kind)}>"
+    return typer.Option(
+        flag, **{"metavar": metavar, "parser": chosen, "autocompletion": lambda: list(kind), **settings}
+    )
 
 
 class ParallelBackend(StrEnum):
@@ -44,7 +69,9 @@ Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="Show no progress and
 Trials = Annotated[
     int | None, typer.Option(min=1, help="Number of trials; default: the mission's.", show_default=False)
 ]
-_Backend = Annotated[ParallelBackend, typer.Option(help="How blocks of trials are run in parallel.")]
+_Backend = Annotated[
+    ParallelBackend, choice(ParallelBackend, "--backend", help="How blocks of trials are run in parallel.")
+]
 _Scheduler = Annotated[
     str | None, typer.Option(metavar="ADDRESS", help="Dask scheduler, tcp://host:port.", show_default=False)
 ]
@@ -64,7 +91,9 @@ class UnitSystem(StrEnum):
 
 _Units = Annotated[
     UnitSystem | None,
-    typer.Option("--units", help="Units of the report; default: as in the file. Files are in SI.", show_default=False),
+    choice(
+        UnitSystem, "--units", help="Units of the report; default: as in the file. Files are in SI.", show_default=False
+    ),
 ]
 _Force = Annotated[bool, typer.Option("--force", help="Overwrite files in a folder that is not empty.")]
 Json = Annotated[

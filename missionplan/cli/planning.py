@@ -35,7 +35,8 @@ class LegObjective(StrEnum):
 
 
 _Method = Annotated[
-    CostMethod | None, typer.Option(help="Default: both where the analytic form applies.", show_default=False)
+    CostMethod | None,
+    o.choice(CostMethod, "--method", help="Default: both where the analytic form applies.", show_default=False),
 ]
 
 
@@ -59,9 +60,11 @@ def sweep_dmax(
 
 _Aim = Annotated[
     LegObjective,
-    typer.Option(
+    o.choice(
+        LegObjective,
+        "--aim",
         help="Least mean time; least time that 95 % of transits keep (or fewest late for the mission's deadline); "
-        "least energy, with the speed chosen too."
+        "least energy, with the speed chosen too.",
     ),
 ]
 
@@ -160,7 +163,8 @@ class VehicleFormat(StrEnum):
 
 _AsExported = Annotated[
     VehicleFormat | None,
-    typer.Option(
+    o.choice(
+        VehicleFormat,
         "--as-exported",
         metavar="FORMAT",
         help=f"Run what the vehicle does with the files of `export`, one of {', '.join(VehicleFormat)}.",

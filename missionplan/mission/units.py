@@ -3,10 +3,11 @@
 import math
 import re
 from collections.abc import Iterable, Mapping
+from difflib import get_close_matches
 from functools import lru_cache
 from typing import TYPE_CHECKING
 
-from missionplan.errors import KeyPath, LocalProblem, did_you_mean, shown
+from missionplan.errors import KeyPath, LocalProblem, shown
 
 if TYPE_CHECKING:
     import pint
@@ -102,9 +103,8 @@ _ENDLESS = re.compile(r"\d\s*(\*\*|\^)|(\*\*|\^)[\s(+-]*\d{3}")
 _MAX_LENGTH = 80
 LEAST, GREATEST = 1e-30, 1e31
 _SENSIBLE = f"0, or from {LEAST:g} to {GREATEST:g} in size"
-_UNITS_OF_PINT = ("degF", "K", "1/s", "s/m", "rpm")
-_COMMON_UNITS = (*(name for names in FACTORS.values() for name in names), *_UNITS_OF_PINT)
-"""Units that a hint may name; pint does not know all of the table's."""
+_UNITS_OF_PINT = {"degC": ("degF", "K"), "1/s": ("rpm",)}
+"""Units that a hint may name beside the table's."""
 
 
 class QuantityError(ValueError):
@@ -184,7 +184,7 @@ def _as_float(value: float) -> float:
 def _convert(number: float, name: str, unit: str, difference: bool) -> float:
     known = factor(name, unit)
     if known is None and dimension_of(name) not in (None, dimension_of(unit)):
-        raise QuantityError(f"given {number:g} {name}, expected a quantity in {unit} or a unit like it")
+        raise _other_kind(number, name, unit)
     result = number * known if known is not None else _convert_by_pint(number, name, unit, difference)
     if not _is_sensible(result):
         raise QuantityError(f"given {number:g} {name}, expected {_SENSIBLE} {unit}")
@@ -196,6 +196,30 @@ def _is_sensible(number: float) -> bool:
     return number == 0.0 or LEAST <= abs(number) <= GREATEST
 
 
+def _known(unit: str) -> dict[str, str]:
+    """Units that a hint may name for a quantity, by their names in small letters: capitals are mistyped too."""
+    names = [unit, *FACTORS.get(unit, ()), *_UNITS_OF_PINT.get(unit, ())]
+    return {name.casefold(): name for name in reversed(names)}
+
+
+def _nearest(name: str, unit: str) -> str:
+    """Return a hint at the unit that was probably meant, else at some of the usual ones."""
+    known = _known(unit)
+    close = get_close_matches(name.casefold(), known, n=1)
+    if close:
+        return f"did you mean {known[close[0]]}?"
+    one_name_each: dict[float, str] = {}
+    for other, size in FACTORS.get(unit, {unit: 1.0}).items():
+        one_name_each.setdefault(size, other)
+    return f"expected one such as {', '.join([*one_name_each.values()][:3])}"
+
+
+def _other_kind(number: float, name: str, unit: str) -> QuantityError:
+    meant = _known(unit).get(name.casefold(), "")
+    hint = f"; did you mean {meant}?" if meant else ""
+    return QuantityError(f"given {number:g} {name}, expected a quantity in {unit} or a unit like it{hint}")
+
+
 def _convert_by_pint(number: float, name: str, unit: str, difference: bool) -> float:
     import pint
 
@@ -205,16 +229,11 @@ def _convert_by_pint(number: float, name: str, unit: str, difference: bool) -> f
     try:
         given = registry.parse_units(name)
     except pint.UndefinedUnitError as error:
-        wanted = registry.parse_units(unit).dimensionality
-        alike = [*FACTORS.get(unit, ())]
-        alike += [each for each in _UNITS_OF_PINT if registry.parse_units(each).dimensionality == wanted]
-        hint = did_you_mean(name, alike, before="; ")
-        raise QuantityError(f"given the unit {shown(name)}, which is not known{hint}") from error
+        raise QuantityError(f"given the unit {shown(name)}, which is not known; {_nearest(name, unit)}") from error
     except Exception as error:  # pint and its tokenizer raise many kinds for what is no expression of units
-        hint = did_you_mean(name, _COMMON_UNITS, before="; ")
-        raise QuantityError(f"given {shown(name)}, which is not a unit{hint}") from error
+        raise QuantityError(f"given {shown(name)}, which is not a unit; {_nearest(name, unit)}") from error
     if given.dimensionality != registry.parse_units(unit).dimensionality:
-        raise QuantityError(f"given {number:g} {name}, expected a quantity in {unit} or a unit like it")
+        raise _other_kind(number, name, unit)
     if difference and unit == "degC":
         given, unit = registry.parse_units(name.replace("deg", "delta_deg")), "delta_degC"
     return float(registry.Quantity(number, given).to(unit).magnitude)

@@ -126,9 +126,31 @@ def test_a_mission_without_a_transit_has_no_course(monkeypatch, tmp_path, capsys
     assert "no transit" in capsys.readouterr().err
 
 
-def test_a_misspelt_choice_of_an_option_points_to_the_nearest(monkeypatch, capsys) -> None:
-    assert run(monkeypatch, CHESAPEAKE, "--to", "mooos") == 2
-    assert "Did you mean moos?" in " ".join(capsys.readouterr().err.split())
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        ("export --to mooos", "--to: given 'mooos', expected one of csv, json"),
+        (
+            "simulate --backend dusk",
+            "--backend: given 'dusk', expected one of loky, threading, dask (did you mean dask?)",
+        ),
+        ("simulate --units nauticl", "--units: given 'nauticl'"),
+        ("simulate --as-exported quc", "--as-exported: given 'quc'"),
+        ("sweep-dmax --method monte_carlo", "(did you mean monte-carlo?)"),
+        ("plan-legs --aim men", "(did you mean mean?)"),
+        ("explore --vary start=1:2:3 --aim energi", "(did you mean energy?)"),
+        ("optimise --aim duratoin", "(did you mean duration?)"),
+    ],
+)
+def test_a_misspelt_choice_of_an_option_points_to_the_nearest(words, said, monkeypatch, capsys) -> None:
+    monkeypatch.setattr(sys, "argv", ["missionplan", *words.split(), CHESAPEAKE])
+    with pytest.raises(SystemExit) as ended:
+        main()
+    errors = " ".join(capsys.readouterr().err.split())
+    assert ended.value.code == 2
+    assert said in errors
+    assert "did you mean" in errors
+    assert "Value error" not in errors
 
 
 def test_an_unknown_format_is_an_input_error() -> None:
