@@ -23,7 +23,10 @@ def numbers(folder):
     return {key: value for key, value in summary.items() if key not in ("provenance", "elapsed_s", "created_utc")}
 
 
-@pytest.mark.parametrize("study", [missionplan.simulate, missionplan.size_anchor, missionplan.sweep_dmax])
+@pytest.mark.parametrize(
+    "study",
+    [missionplan.simulate, pytest.param(missionplan.size_anchor, marks=pytest.mark.slow), missionplan.sweep_dmax],
+)
 def test_it_makes_the_same_numbers(tmp_path, monkeypatch, study):
     result = study(MISSION, trials=TRIALS, seed=3)
     folder = result.save(tmp_path / "report")

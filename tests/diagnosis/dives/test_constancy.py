@@ -51,6 +51,7 @@ def _jammed(measured, shares):
     return replace(model, forward=replace(model.forward, logs=logs))
 
 
+@pytest.mark.slow
 def test_a_line_that_jams_in_some_dives_is_no_late_clock(measured, folder, descent_mission):
     logs = _jammed(measured, [0.2, 0.35, 0.3, 0.0, 0.5]).forward.logs
     runs = {

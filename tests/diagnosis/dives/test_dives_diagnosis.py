@@ -146,6 +146,7 @@ def test_a_strength_is_as_certain_as_its_form(measured, name, parameters, share)
     assert found.low < truth < found.high
 
 
+@pytest.mark.slow
 def test_a_moving_average_is_a_lag_and_no_late_clock(measured):
     found = run_pipeline(measured(averaged=1.6))
     assert found.best.causes == ("sensor-lag",)
@@ -163,6 +164,7 @@ def test_a_great_moving_average_is_measured_as_it_is(measured, averaged):
     assert time.low < 0.5 * averaged < time.high
 
 
+@pytest.mark.slow
 def test_drag_that_grows_from_dive_to_dive_is_a_discrepancy(measured):
     fouled = np.array([0.0, 0.16, 0.32, 0.48])
     found = run_pipeline(measured("drag-bias", weights=np.array([16.0, 9.0, 20.0, 12.0]), fraction=fouled))
@@ -177,6 +179,7 @@ def test_a_depth_scale_is_hardly_distinguishable_from_drag(measured):
     assert {("depth-scale",), ("drag-bias",)} <= set(found.credible_set)
 
 
+@pytest.mark.slow
 def test_payout_and_clock_are_tied_when_the_line_never_varies(measured):
     found = run_pipeline(measured("clock-offset", lines=np.full(4, 5.0), time=0.5))
     assert found.verdict == "ambiguous"

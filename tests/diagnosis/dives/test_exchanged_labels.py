@@ -50,6 +50,7 @@ def test_dives_of_one_weight_have_nothing_to_exchange(measured):
     assert _found(measured(weights=np.full(4, 20.0))) is None
 
 
+@pytest.mark.slow
 def test_the_diagnosis_says_so_first(five_dives, folder, descent_mission):
     logs = _relabelled(five_dives, (1, 0, 3, 2, 4)).forward.logs
     runs = {

@@ -45,6 +45,7 @@ def test_a_part_of_the_anchor_that_falls_off_is_told_carried_and_no_order(tmp_pa
     assert "weight-from-moment:\n      probability: 1.0" in (tmp_path / "out" / "mission.yaml").read_text()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", [6301, 6302])
 def test_an_anchor_that_weighs_otherwise_than_the_log_book_says_is_described(seed, tmp_path):
     case = draw_case(seed, "descent", "control")
@@ -68,6 +69,7 @@ def moved(case, *, rate=1.0, aft=0.0):
     return replace(case, rows=rows)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", [6201, 6202])
 def test_a_fast_clock_is_an_alias_and_in_doubt(seed, tmp_path):
     found = diagnosed(moved(draw_case(seed, "descent", "control"), rate=1.05), tmp_path)
@@ -75,6 +77,7 @@ def test_a_fast_clock_is_an_alias_and_in_doubt(seed, tmp_path):
     assert ("clock-rate",) in found.credible_set
 
 
+@pytest.mark.slow
 def test_a_sensor_behind_the_nose_is_named(tmp_path):
     found = diagnosed(moved(draw_case(6203, "descent", "control"), aft=0.9), tmp_path)
     assert found.causes == ("sensor-position",)

@@ -24,7 +24,7 @@ def test_the_normal_that_touches_it_has_its_slope():
     np.testing.assert_allclose((at - BOTH.centre) / BOTH.variance(at), slope, rtol=1e-6)
 
 
-@pytest.mark.parametrize("noise", [0.05, 1.0, 5.0])
+@pytest.mark.parametrize("noise", [pytest.param(0.05, marks=pytest.mark.slow), 1.0, 5.0])
 @pytest.mark.parametrize("value", [0.0, 0.7, 8.0])
 def test_evidence_over_the_scales_is_the_integral_over_the_slab(value, noise):
     """One coordinate, measured as `value` slabs with an error of `noise` slabs."""

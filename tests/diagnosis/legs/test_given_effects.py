@@ -100,6 +100,7 @@ def test_the_base_model_is_the_density_of_the_mission_as_it_stands(carrying, fol
     assert found.log_density == pytest.approx(density, abs=1e-6)
 
 
+@pytest.mark.slow
 def test_an_effect_that_is_as_the_mission_knows_is_confirmed(carrying, folder, legs):
     mission = carrying({"compass-bias": {"angle": {"mean": "3 deg", "sd": "0.5 deg"}}})
     data = folder(KIND, legs(error=turned(3.3)))
@@ -143,6 +144,7 @@ def test_an_effect_that_changed_is_a_cause_of_its_own(carrying, folder, legs):
     assert abs(mean - np.radians(6.0)) < 2.0 * sd
 
 
+@pytest.mark.slow
 def test_a_bare_number_is_known_to_within_the_spike(carrying, folder, legs):
     """0.025 rad in the mission and 0.0505 rad in the data: the whole of it is written, not the increment."""
     mission = carrying({"compass-bias": {"angle": "0.025 rad"}})
@@ -162,6 +164,7 @@ def drifting(sigma, time, seed=3):
     return lambda t, heading: error(t, heading).T
 
 
+@pytest.mark.slow
 def test_random_effects_of_the_mission_are_in_the_covariance(carrying, folder, legs):
     data = folder(KIND, legs(120, error=drifting(0.08, 7200.0)))
     fresh = diagnose(carrying(), data, plan=False)
@@ -173,6 +176,7 @@ def test_random_effects_of_the_mission_are_in_the_covariance(carrying, folder, l
     assert sizes[1] == pytest.approx(sizes[0], rel=0.1)
 
 
+@pytest.mark.slow
 def test_an_alternative_replaces_the_missions_own(carrying, folder, legs):
     """A mission that believes in heavy tails, data whose errors persist."""
     mission = carrying({"heavy-tails": {"dof": 4.0}})

@@ -5,14 +5,17 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+import yaml
 
 from missionplan import diagnose
 from missionplan.datasets.legs import read_transit
 from missionplan.diagnosis.legs.extended_mission import widened
 from missionplan.diagnosis.legs.model_factory import transit_model
+from missionplan.mission import Mission
 from missionplan.report.diagnosis.page import answer
 from missionplan.report.render import render_report
 from missionplan.results.learned.evidence import Coverage
+from tests.conftest import TRANSIT, make_legs
 
 
 def words_of(found):
@@ -44,7 +47,7 @@ def turned(angle):
     return error
 
 
-@pytest.mark.parametrize("count", [8, 14, 19])
+@pytest.mark.parametrize("count", [8, *(pytest.param(n, marks=pytest.mark.slow) for n in (14, 19))])
 def test_few_legs_leave_it_possible_that_errors_merely_persist(count, folder, transit_mission, legs):
     found = diagnose(transit_mission, folder(KIND, legs(count, error=drifting(0.2, 9000.0))), plan=False)
     assert "persistent-error" not in found.untestable
@@ -59,7 +62,7 @@ def test_eight_legs_of_a_compass_swing_are_enough(folder, transit_mission, legs)
     assert found.causes == ("compass-bias",)
 
 
-@pytest.mark.parametrize("seed", [1, 2, 3])
+@pytest.mark.parametrize("seed", [1, *(pytest.param(n, marks=pytest.mark.slow) for n in (2, 3))])
 def test_headings_that_separate_nothing_leave_a_current_its_chance(seed, folder, transit_mission, legs):
     """A vehicle that is 6 % slow with headings within ±10°, or a current that happens to run along its course.
 
@@ -74,8 +77,17 @@ def test_headings_that_separate_nothing_leave_a_current_its_chance(seed, folder,
     assert "100.0 %" not in words_of(found)
 
 
-def test_headings_all_round_separate_them(folder, transit_mission, legs):
-    found = diagnose(transit_mission, folder(KIND, legs(48, error=slow(-0.06))), plan=False)
+@pytest.fixture(scope="module")
+def all_round(tmp_path_factory):
+    """The diagnosis of a vehicle that is 6 % slow with headings all round."""
+    place = tmp_path_factory.mktemp("legs")
+    (place / "dataset.yaml").write_text(yaml.safe_dump({"file": "rows.csv", **KIND}))
+    make_legs(48, error=slow(-0.06)).to_csv(place / "rows.csv", index=False)
+    return diagnose(Mission.from_data(TRANSIT), place, plan=False)
+
+
+def test_headings_all_round_separate_them(all_round):
+    found = all_round
     assert (found.verdict, found.causes) == ("explained", ("speed-scale",))
     assert found.credible_set == (("speed-scale",),)
     assert "100.0 %" not in words_of(found)
@@ -91,6 +103,7 @@ def test_a_cause_that_changes_within_the_record_is_not_constant(folder, transit_
     assert "is not constant over the record" in words_of(found)
 
 
+@pytest.mark.slow
 def test_a_compass_that_jumps_is_told_so(folder, transit_mission, legs):
     """Three degrees off in the first half and eight in the second: an offset, and a jump when it happened."""
     table = legs(80, error=turned(lambda t: np.radians(np.where(t < 32000.0, 3.0, 8.0))))
@@ -103,7 +116,7 @@ def test_a_compass_that_jumps_is_told_so(folder, transit_mission, legs):
     assert "the compass jumped" in words_of(found).lower()
 
 
-@pytest.mark.parametrize("seed", range(4))
+@pytest.mark.parametrize("seed", [0, *(pytest.param(n, marks=pytest.mark.slow) for n in (1, 2, 3))])
 def test_a_constant_cause_is_constant(seed, folder, transit_mission, legs):
     table = legs(60, seed=seed, error=turned(lambda t: np.radians(4.0)))
     found = diagnose(transit_mission, folder(KIND, table), plan=False)
@@ -111,8 +124,8 @@ def test_a_constant_cause_is_constant(seed, folder, transit_mission, legs):
     assert found.not_constant == ()
 
 
-def test_intervals_that_are_too_narrow_are_said(folder, transit_mission, legs):
-    found = diagnose(transit_mission, folder(KIND, legs(60, error=slow(-0.06))), plan=False)
+def test_intervals_that_are_too_narrow_are_said(all_round):
+    found = all_round
     assert not found.coverage.is_off
     assert found.diagnosis()["coverage_scale"] == 1.0
     assert "intervals are too" not in words_of(found)

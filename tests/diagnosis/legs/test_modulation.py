@@ -111,7 +111,7 @@ def tide(amplitude, change=None):
     return error
 
 
-@pytest.mark.parametrize("amplitude", [0.04, 0.2, 1.0])
+@pytest.mark.parametrize("amplitude", [0.2, *(pytest.param(each, marks=pytest.mark.slow) for each in (0.04, 1.0))])
 def test_a_steady_tide_comes_out_steady(amplitude, folder, transit_mission, legs):
     """From a third of the usual size to eight times: to within its interval and 5 %, and without modulation."""
     table = legs(240, error=tide(amplitude), lasting=3.0)

@@ -105,6 +105,7 @@ def test_the_layers_own_directions_need_less(mission):
     assert vector == pytest.approx(aligned * across / (1.3 + 1.13))
 
 
+@pytest.mark.slow
 def test_a_probable_anchor_reaches_its_probability_and_a_lighter_one_does_not(mission):
     sizing = size_anchor(mission, trials=2000, probability=0.95)
     found = sizing.probable.anchor
@@ -134,6 +135,7 @@ def test_progress_counts_the_blocks_of_dives_also_where_processes_run_them(missi
     assert calls[:3] == [(0, 2), (1, 2), (2, 2)]
 
 
+@pytest.mark.slow
 def test_a_short_line_needs_a_longer_one(tmp_path):
     mission = altered(tmp_path, ("line_length: 5 m", "line_length: 3.35 m"))
     sizing = size_anchor(mission, trials=200, probability=0.99)
@@ -145,6 +147,7 @@ def test_a_short_line_needs_a_longer_one(tmp_path):
     assert trials.probabilities(probable.line_anchor_weight, probable.line_length).good.value >= 0.99
 
 
+@pytest.mark.slow
 def test_a_release_that_drifts_too_far_is_beyond_any_anchor(tmp_path):
     mission = altered(tmp_path, ("{mean: 2 s, sd: 0.5 s, low: 0 s}", "40 s"))
     probable = size_anchor(mission, trials=200, probability=0.9).probable
@@ -161,6 +164,7 @@ def test_an_impossible_anchor_is_reported_with_reasons_and_remedies(tmp_path):
     assert any("front" in problem for problem in summary["anchor"]["problems"][1:])
 
 
+@pytest.mark.slow
 def test_where_the_parts_cannot_make_the_lightest_anchor_the_lightest_that_they_make_is_built():
     sizing = size_anchor(load(MISSIONS / "chesapeake.yaml"), trials=500)
     found = sizing.probable
@@ -304,8 +308,8 @@ SOFT = {"quantity": "moor.touchdown_speed", "at_most": "1.75 m/s", "probability"
 @pytest.mark.parametrize(
     ("requirements", "factor"),
     [
-        ((INSIDE, HIGH), "0.4"),
         ((HOLDS, HIGH, SOFT), "1.5"),
+        pytest.param((INSIDE, HIGH), "0.4", marks=pytest.mark.slow),
         pytest.param((INSIDE,), "0.4", marks=pytest.mark.slow),
         pytest.param((INSIDE, HOLDS), "1.5", marks=pytest.mark.slow),
         pytest.param((HOLDS,), "0.9", marks=pytest.mark.slow),
@@ -325,6 +329,7 @@ def test_the_lightest_anchor_meets_all_requirements_on_its_dive_as_brute_force_h
     assert all(item.met for item in found.anchor.probabilities.requirements)
 
 
+@pytest.mark.slow
 def test_requirements_that_exclude_each_other_are_told_and_fail(tmp_path):
     sizing = size_anchor(demanding(tmp_path, HOLDS, {**HIGH, "at_least": "1.6 m"}), trials=60)
     assert sizing.probable.anchor is None
@@ -361,6 +366,7 @@ def test_the_worst_case_by_itself_reports_what_is_missing():
         worst_case_anchor(load(MISSIONS / "fig8.yaml"))
 
 
+@pytest.mark.slow
 def test_an_anchor_must_hold_where_its_holding_factor_is_given(tmp_path, mission):
     spoken = altered(tmp_path, vehicle=[("  drag_coefficient: 0.2", "  holding_factor: 0.5\n  drag_coefficient: 0.2")])
     silent, counted = (size_anchor(each, trials=300, probability=0.6) for each in (mission, spoken))
@@ -374,6 +380,7 @@ def test_an_anchor_must_hold_where_its_holding_factor_is_given(tmp_path, mission
     assert "anchor_holds" in counted.summary()["odds"]
 
 
+@pytest.mark.slow
 def test_an_anchor_that_cannot_hold_is_told(tmp_path):
     slippery = altered(
         tmp_path, vehicle=[("  drag_coefficient: 0.2", "  holding_factor: 0.02\n  drag_coefficient: 0.2")]

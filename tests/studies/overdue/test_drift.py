@@ -139,8 +139,8 @@ def test_a_current_without_error_has_the_stated_one_on_the_sheet(windy):
     x = DAY / UNSTATED_TIME
     variance = 2.0 * UNSTATED_ERROR**2 * UNSTATED_TIME**2 * (x - 1.0 + np.exp(-x))  # Taylor 1921
     assert end.std(axis=1) == pytest.approx(np.sqrt(variance), rel=0.06)
-    assert DriftAssumption.ERROR_OF_CURRENT in missionplan.simulate(exact).overdue.assumptions
-    assert DriftAssumption.ERROR_OF_CURRENT not in missionplan.simulate(uncertain).overdue.assumptions
+    assert DriftAssumption.ERROR_OF_CURRENT in missionplan.simulate(exact, trials=200).overdue.assumptions
+    assert DriftAssumption.ERROR_OF_CURRENT not in missionplan.simulate(uncertain, trials=200).overdue.assumptions
 
 
 SQUARE = ((np.array([[0.0, 100.0, 100.0, 0.0, 0.0], [-100.0, -100.0, 100.0, 100.0, -100.0]]),),)

@@ -119,6 +119,7 @@ def test_one_in_a_million_agrees_with_a_hundred_million_plain_trials(tmp_path: P
     assert mean * 1e8 / missed == pytest.approx(1.0, abs=0.2 + 1.0 / math.sqrt(missed))
 
 
+@pytest.mark.slow
 def test_a_failure_that_is_not_rare_is_the_plain_simulation_s() -> None:
     data = yaml.safe_load(STARTER.read_text(encoding="utf-8"))
     data["vehicle"] = yaml.safe_load((STARTER.parent / "vehicle.yaml").read_text(encoding="utf-8"))
