@@ -15,7 +15,7 @@ from missionplan.montecarlo.posterior import WeightedDraws
 from missionplan.montecarlo.streams import stream
 
 IS_JUMP: Mapping[str, float] = {"keeps": 0.04, "drifts": 0.04, "jumps": 0.07}
-IS_TREND: Mapping[str, float] = {"keeps": 0.15, "drifts": 0.4, "jumps": 0.15}
+IS_TREND: Mapping[str, float] = {"keeps": 0.1, "drifts": 0.3, "jumps": 0.1}
 """Probabilities that a mission jumps, and that there is a trend, by how an effect ages."""
 TREND, WALK = 0.15, 0.1
 """Standard deviations of the change a mission by a trend and by a walk, over those of the usual sizes of the effect."""

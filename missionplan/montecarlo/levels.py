@@ -25,9 +25,9 @@ MOST = 24
 """Measurements that tell of a level, the last."""
 MOST_JUMPS, KEPT, APART = 3, 8, 9.0
 """Jumps of a history, sets of jumps to which a further one is added, and nats below the best beyond which none is."""
-REDRAWN = ((0.0, 0.7), (3.5, 0.15), (12.0, 0.15))
+REDRAWN = ((0.0, 0.75), (3.5, 0.1), (12.0, 0.15))
 """Sizes of what a mission has of its own beyond the usual, over the usual one, and their prior probabilities."""
-WALKS = ((0.0, 0.9), (1.0, 0.1))
+WALKS = ((0.0, 0.97), (1.0, 0.03))
 """Likewise of the walk."""
 DAY = 86400.0
 """Time within which records are of one mission [s]."""

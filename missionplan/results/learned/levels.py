@@ -5,7 +5,7 @@ from typing import Annotated
 
 from missionplan.results.entries import Entry, Record
 
-LIKELY, SDS, FEWEST = 0.8, 3.0, 3
+LIKELY, SDS, FEWEST = 0.9, 3.0, 3
 """Probability of a trend from which it is told, standard deviations that it has at least, and missions."""
 LIKELY_JUMP = 0.5
 """Probability of a jump from which it is told."""
