@@ -41,18 +41,13 @@ class Problem:
 
 @dataclass(frozen=True)
 class LocalProblem:
-    """One thing wrong with a value, where the place of that value in a file is not known yet.
-
-    Attributes
-    ----------
-    message, hint : str
-        See `Problem`.
-    """
+    """One thing wrong with a value, where the place of that value in a file is not known yet."""
 
     path: KeyPath
     """Key path below the value; empty for the value itself."""
     message: str
     hint: str = ""
+    """See `Problem`."""
 
     def within(self, outer: KeyPath) -> "LocalProblem":
         """Return the same problem, its path starting further out."""

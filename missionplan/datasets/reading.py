@@ -53,17 +53,12 @@ class DatasetFormat(Generic[S_co]):
 
 @dataclass(frozen=True)
 class RawDataset(Generic[S_co]):
-    """A data set as read, before it is turned into legs, dives or curves.
-
-    Attributes
-    ----------
-    name, source, file : str
-        As in ``dataset.yaml`` (the name by default the folder's); the CSV as messages name it.
-    """
+    """A data set as read, before it is turned into legs, dives or curves."""
 
     name: str
     source: str
     file: str
+    """As in ``dataset.yaml`` (the name by default the folder's); the CSV as messages name it."""
     document: Document
     """``dataset.yaml`` with its line marks."""
     table: pd.DataFrame

@@ -128,20 +128,11 @@ TOUCHDOWN_MARGIN = 0.12
 
 @dataclass(frozen=True)
 class TransitData:
-    """Legs of a navigation log in the order of time.
-
-    Attributes
-    ----------
-    name, source : str
-        Of the data set.
-    under_way, surface : array, shape (n,)
-        Time under way, and at the surface until the fix [s].
-    start, dead_reckoned, end : array, shape (2, n)
-        Fix on diving, dead-reckoned position on surfacing, fix on surfacing: east, north of the origin [m].
-    """
+    """Legs of a navigation log in the order of time."""
 
     name: str
     source: str
+    """Of the data set."""
     labels: NDArray[np.str_]
     """Legs' names, shape (n,)."""
     run: NDArray[np.int_]
@@ -150,9 +141,12 @@ class TransitData:
     """Since the mission's start, or since the first fix, shape (n,) [s]."""
     under_way: Array
     surface: Array
+    """Shape (n,). Time under way, and at the surface until the fix [s]."""
     start: Array
     dead_reckoned: Array
     end: Array
+    """Shape (2, n). Fix on diving, dead-reckoned position on surfacing, fix on surfacing: east, north of the origin
+    [m]."""
     origin: tuple[float, float] | None
     """Latitude and longitude of the origin, where known [rad]."""
     fix_sd: float | None
@@ -229,15 +223,7 @@ class TransitData:
 
 @dataclass(frozen=True)
 class MeasuredDive:
-    """One dive as it was logged.
-
-    Attributes
-    ----------
-    t, depth : array, shape (m,)
-        Time since the separation by the log's clock [s], and reading [m].
-    wet_weight, line_length, site_depth : float
-        Of this dive [N, m, m].
-    """
+    """One dive as it was logged."""
 
     name: str
     """Of the run."""
@@ -245,9 +231,11 @@ class MeasuredDive:
     """Of its first reading in the file."""
     t: Array
     depth: Array
+    """Shape (m,). Time since the separation by the log's clock [s], and reading [m]."""
     wet_weight: float
     line_length: float
     site_depth: float
+    """Of this dive [N, m, m]."""
 
     @property
     def identity(self) -> str:
@@ -262,17 +250,12 @@ class MeasuredDive:
 
 @dataclass(frozen=True)
 class DescentData:
-    """Dives of a data set.
-
-    Attributes
-    ----------
-    name, source, file : str
-        Of the data set; its CSV as messages name it.
-    """
+    """Dives of a data set."""
 
     name: str
     source: str
     file: str
+    """Of the data set; its CSV as messages name it."""
     dives: tuple[MeasuredDive, ...]
     """In the order of the file."""
     depth_noise: float | None

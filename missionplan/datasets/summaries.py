@@ -33,15 +33,7 @@ RELATIVE_SD = 0.05
 
 @dataclass(frozen=True)
 class TestSummary:
-    """Numbers of one test.
-
-    Attributes
-    ----------
-    values, sd : array, shape (m,)
-        Measured, or measured less simulated where the table prints both [SI].
-    wet_weight, line_length, site_depth : float
-        [N, m, m]
-    """
+    """Numbers of one test."""
 
     name: str
     """Of the run."""
@@ -49,11 +41,13 @@ class TestSummary:
     """Of `MEASURED`."""
     values: Array
     sd: Array
+    """Shape (m,). Measured, or measured less simulated where the table prints both [SI]."""
     relative: tuple[bool, ...]
     """Whether a value is such a difference."""
     wet_weight: float
     line_length: float
     site_depth: float
+    """[N, m, m]."""
 
 
 @dataclass(frozen=True)

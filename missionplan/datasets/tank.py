@@ -192,16 +192,11 @@ FRESH_WATER = (1000.0, 1.01e-6)
 
 @dataclass(frozen=True)
 class TankData:
-    """A data set from a tank.
-
-    Attributes
-    ----------
-    name, source : str
-        Of the data set.
-    """
+    """A data set from a tank."""
 
     name: str
     source: str
+    """Of the data set."""
     settings: Settings
     """Keys of ``dataset.yaml``, in SI."""
     columns: dict[str, Array]

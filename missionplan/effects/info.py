@@ -22,19 +22,14 @@ VehicleKey = Literal["", "drag.coefficient", "drag.exponent", "added_mass.surge"
 
 @dataclass(frozen=True)
 class Finding:
-    """How the operator is told that an effect was found, and what to do about it.
-
-    Attributes
-    ----------
-    positive, negative : str
-        Clauses for either sign, with ``{size}``, and ``{at}`` for the moment or threshold from which it acts; a
-        parameter that has one sign needs the first alone.
-    """
+    """How the operator is told that an effect was found, and what to do about it."""
 
     parameter: str
     """Whose size is told; empty where none is."""
     positive: str
     negative: str = ""
+    """Clauses for either sign, with ``{size}``, and ``{at}`` for the moment or threshold from which it acts; a
+    parameter that has one sign needs the first alone."""
     remedy: str = ""
     """What to do about it."""
     in_percent: bool = False
@@ -51,13 +46,7 @@ class Finding:
 
 @dataclass(frozen=True)
 class LegRecord:
-    """What a navigation log holds, as far as it decides which effects the log could show.
-
-    Attributes
-    ----------
-    speeds, durations : float
-        Range of the legs' speeds, and of their times under way, over the median.
-    """
+    """What a navigation log holds, as far as it decides which effects the log could show."""
 
     latitude: float
     """Of the coordinates' origin [rad]; nan where unknown."""
@@ -67,6 +56,7 @@ class LegRecord:
     """Between the middles of the first and the last leg [s]."""
     speeds: float = 0.0
     durations: float = 0.0
+    """Range of the legs' speeds, and of their times under way, over the median."""
     depths: float = float("nan")
     """Range of the legs' mean depths [m]; nan where they are not logged."""
 
@@ -106,12 +96,7 @@ class Instrument:
 
 @dataclass(frozen=True)
 class Likeness:
-    """What is said of an effect that is found larger than it can be: the errors are like it, their cause is another.
-
-    Attributes
-    ----------
-    parameter : str
-    """
+    """What is said of an effect that is found larger than it can be: the errors are like it, their cause is another."""
 
     parameter: str
     size: float
@@ -169,15 +154,6 @@ class Parameter:
     standard deviation `scale`. A *shape* (a time constant, a depth) is positive and has no neutral value; its
     plausible sizes are log-normal about `median`, 68 % within × or ÷ `factor`, unless `reciprocal_is_uniform`. A
     *phase* goes with an amplitude.
-
-    Attributes
-    ----------
-    low, high : float
-        Physical range: a fitted value outside it is not this effect [unit].
-    median, factor : float
-        Plausible sizes of a shape [unit, 1].
-    extent_scale, extent_spike : float
-        For a gradient: `scale` and `spike` are at most these over the extent of the record [unit·m].
     """
 
     unit: str
@@ -186,12 +162,14 @@ class Parameter:
     """Description with sign convention."""
     low: float = -inf
     high: float = inf
+    """Physical range: a fitted value outside it is not this effect [unit]."""
     scale: float = 0.0
     """Standard deviation of the plausible sizes of a strength; 0 for a shape or a phase [unit]."""
     spike: float = 0.0
     """Standard deviation of a strength in the base model, its uncertainty before any misfit [unit]."""
     median: float = 0.0
     factor: float = 1.0
+    """Plausible sizes of a shape [unit, 1]."""
     reciprocal_is_uniform: bool = False
     """Whether a shape's reciprocal is as likely anywhere from nil, where the effect vanishes, to 2/`median`; `factor`
     is then a scale of its logarithm for searches alone."""
@@ -203,6 +181,7 @@ class Parameter:
     """Whether it is the size of a velocity error that is random from leg to leg."""
     extent_scale: float = inf
     extent_spike: float = inf
+    """For a gradient: `scale` and `spike` are at most these over the extent of the record [unit·m]."""
     tank_spike: float = 0.0
     """`spike` for tank data, where it differs; 0: the same [unit]."""
     searched: Literal["", "time", "speed", "depth"] = ""

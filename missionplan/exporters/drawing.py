@@ -71,7 +71,6 @@ def drawing(plan: Plan, amount: Amount = amount_in_si) -> Element:
 
     Parameters
     ----------
-    plan : Plan
     amount : callable
         Writes the values of guards with their units.
     """

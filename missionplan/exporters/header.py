@@ -24,7 +24,6 @@ def header(plan: Plan, title: str, lost: Sequence[str]) -> tuple[str, ...]:
 
     Parameters
     ----------
-    plan : Plan
     title : str
         Of the format.
     lost : sequence of str

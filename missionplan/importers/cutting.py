@@ -56,13 +56,7 @@ BASIS_COLUMNS = (
 
 @dataclass(frozen=True)
 class CutTrack:
-    """Legs of a track.
-
-    Attributes
-    ----------
-    fixes : JudgedFixes
-    notices : tuple of str
-    """
+    """Legs of a track."""
 
     dives: pd.DataFrame
     """Every dive between two fixes, with `LEG_COLUMNS`."""

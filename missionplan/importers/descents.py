@@ -31,7 +31,6 @@ def descent_data(reading: Reading, marks: Sequence[float] = ()) -> ImportedData:
 
     Parameters
     ----------
-    reading : Reading
     marks : sequence of float
         Times at which the anchor separated, since 1970 [s]; else those of the log's marks, else the first steady
         sinking of each dive.

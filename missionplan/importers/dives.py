@@ -67,16 +67,11 @@ def longest_gap(depth: Series, rules: LegRules) -> float:
 
 @dataclass(frozen=True)
 class Candidate:
-    """A dive between the last fix before and the first after it.
-
-    Attributes
-    ----------
-    before, after : int
-        Of the good fixes.
-    """
+    """A dive between the last fix before and the first after it."""
 
     before: int
     after: int
+    """Of the good fixes."""
     max_depth: float
     """Greatest depth [m]; nan where none was logged."""
     depth_at_fix: float

@@ -39,13 +39,7 @@ _FLAGGED, _UNSEEN = "not valid by its flag", "no satellites"
 
 @dataclass(frozen=True)
 class JudgedFixes:
-    """Fixes that count, with standard deviations of each axis, and those that do not, with the reason.
-
-    Attributes
-    ----------
-    good : Fixes
-    rejected : Fixes
-    """
+    """Fixes that count, with standard deviations of each axis, and those that do not, with the reason."""
 
     good: Fixes
     sd: Array

@@ -38,16 +38,11 @@ class ReadOptions:
 
 @dataclass(frozen=True)
 class Identity:
-    """Whose log a file is, as far as it or its name says.
-
-    Attributes
-    ----------
-    vehicle, deployment : str
-        Nothing where it is not told.
-    """
+    """Whose log a file is, as far as it or its name says."""
 
     vehicle: str = ""
     deployment: str = ""
+    """Nothing where it is not told."""
 
 
 @dataclass
@@ -78,7 +73,6 @@ class SourceLog:
 
         Parameters
         ----------
-        path : Path
         damaged : type
             By which the reader's library says that a file is damaged, besides the usual ones.
         """

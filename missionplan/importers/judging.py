@@ -27,16 +27,11 @@ IMPOSSIBLE = 3.0
 
 @dataclass(frozen=True)
 class Limits:
-    """What a leg has to keep to count.
-
-    Attributes
-    ----------
-    shortest, longest_gap : float
-        Time from fix to fix, and without a reading under water [s].
-    """
+    """What a leg has to keep to count."""
 
     shortest: float
     longest_gap: float
+    """Time from fix to fix, and without a reading under water [s]."""
     surface: float
     """Depth of the surface [m]."""
 
@@ -48,10 +43,8 @@ def judge(dives: pd.DataFrame, track: Track, reckoned: Sequence[Positions], limi
     ----------
     dives : DataFrame
         With the columns of a leg but `ok` and `reason`; dead-reckoned ends that are none become blank.
-    track : Track
     reckoned : sequence of Positions
         Of each dive.
-    limits : Limits
 
     Returns
     -------

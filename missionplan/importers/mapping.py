@@ -207,7 +207,6 @@ def times(words: Words, unit: str) -> Array:
 
     Parameters
     ----------
-    words : Series of str
     unit : str
         ``iso``; ``epoch`` or ``s``, ``ms``, ``us``, ``ns`` since 1970; ``days`` since 1970; ``doy:2026`` (day of that
         year, 1.0 at its first midnight); ``matlab`` (days since year 0); or a pattern such as ``%d.%m.%Y %H:%M:%S``.

@@ -46,7 +46,6 @@ def made_reckoning(
 
     Parameters
     ----------
-    track : Track
     start, end : float
         Times of the two fixes [s].
     latitude, longitude : float
@@ -70,7 +69,6 @@ def made_doubt(track: Track, line: Positions, end: float) -> float:
 
     Parameters
     ----------
-    track : Track
     line : Positions
         As made.
     end : float
@@ -139,21 +137,15 @@ _OLDEST = 86400.0
 
 @dataclass(frozen=True)
 class VehicleCurrent:
-    """Share of the vehicle's estimate of the current in its dead reckoning.
-
-    Attributes
-    ----------
-    share, sd : float
-        Measured on the legs; nan where the log does not suffice.
-    times, east, north : array
-        Start of each leg [s], and the estimate it dived with [m/s].
-    """
+    """Share of the vehicle's estimate of the current in its dead reckoning."""
 
     share: float
     sd: float
+    """Measured on the legs; nan where the log does not suffice."""
     times: Array
     east: Array
     north: Array
+    """Start of each leg [s], and the estimate it dived with [m/s]."""
 
     @property
     def is_in(self) -> bool:

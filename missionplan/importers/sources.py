@@ -46,13 +46,7 @@ class Sources:
 
 @dataclass(frozen=True)
 class Reading:
-    """A track as read, and where it comes from.
-
-    Attributes
-    ----------
-    track : Track
-    sources : tuple of SourceEntry
-    """
+    """A track as read, and where it comes from."""
 
     track: Track
     name: str
@@ -133,7 +127,6 @@ def of_one(found: Sources, vehicle: str | None, deployment: str | None) -> tuple
 
     Parameters
     ----------
-    found : Sources
     vehicle, deployment : str or None
         As chosen; a deployment that no file names may be a date, which the caller looks for.
 

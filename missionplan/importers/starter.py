@@ -18,18 +18,11 @@ _LEAST_SIGMA = 0.001
 
 @dataclass(frozen=True)
 class LegNumbers:
-    """What the legs that count say of a mission.
-
-    Attributes
-    ----------
-    latitude, longitude : float
-        Of the first fix [deg].
-    speed, length, duration : float
-        Medians of the legs [m/s, m, s].
-    """
+    """What the legs that count say of a mission."""
 
     latitude: float
     longitude: float
+    """Of the first fix [deg]."""
     start: str
     """Of the first leg, ISO 8601."""
     sigma: float
@@ -43,6 +36,7 @@ class LegNumbers:
     speed: float
     length: float
     duration: float
+    """Medians of the legs [m/s, m, s]."""
     course: float
     """Mean course of the way through the water [deg]."""
     spread: float
@@ -102,7 +96,6 @@ def mission_text(name: str, found: LegNumbers) -> str:
     ----------
     name : str
         Of the data set.
-    found : LegNumbers
     """
     speed, length = max(found.speed, 0.01), max(found.length, 1.0)
     distance = max(found.way, 4.0 * length)

@@ -91,17 +91,12 @@ def is_place(latitude: Array, longitude: Array) -> NDArray[np.bool_]:
 
 @dataclass(frozen=True)
 class Fixes:
-    """Fixes of a satellite receiver as logged, shape (n,) each; nan where a quality was not logged.
-
-    Attributes
-    ----------
-    t, latitude, longitude : array
-        Time since 1970 [s] and position [deg].
-    """
+    """Fixes of a satellite receiver as logged, shape (n,) each; nan where a quality was not logged."""
 
     t: Array
     latitude: Array
     longitude: Array
+    """Time since 1970 [s] and position [deg]."""
     accuracy: Array
     """Horizontal accuracy that the receiver states [m]."""
     hdop: Array
@@ -157,21 +152,11 @@ class Break:
 
 @dataclass(frozen=True)
 class Track:
-    """What one vehicle logged.
-
-    Attributes
-    ----------
-    name, format : str
-        Of the vehicle or source, and of the reader.
-    depth, pitch, heading, speed : Series
-        Depth [m], pitch (either sign) [deg], heading clockwise [deg], horizontal speed through the water [m/s].
-    current_east, current_north : Series
-        Current that the vehicle estimates and may carry its dead reckoning with [m/s].
-    breaks : tuple of Break
-    """
+    """What one vehicle logged."""
 
     name: str
     format: str
+    """Of the vehicle or source, and of the reader."""
     fixes: Fixes
     """As logged, good and bad."""
     reckoned: Positions = field(default_factory=Positions)
@@ -182,6 +167,7 @@ class Track:
     pitch: Series = field(default_factory=Series)
     heading: Series = field(default_factory=Series)
     speed: Series = field(default_factory=Series)
+    """Depth [m], pitch (either sign) [deg], heading clockwise [deg], horizontal speed through the water [m/s]."""
     heading_from: Literal["magnetic", "true", "unknown"] = "unknown"
     """North that headings are counted from: ``magnetic``, ``true`` or ``unknown``."""
     declination: Series = field(default_factory=Series)
@@ -190,6 +176,7 @@ class Track:
     """Of the propeller [1/min]."""
     current_east: Series = field(default_factory=Series)
     current_north: Series = field(default_factory=Series)
+    """Current that the vehicle estimates and may carry its dead reckoning with [m/s]."""
     breaks: tuple[Break, ...] = ()
     marks: tuple[float, ...] = ()
     """Moments that the log marks as the separation of an anchor, since 1970 [s]."""

@@ -26,7 +26,6 @@ def not_handed_on(effects: Collection[str], learned: Place, here: Place) -> dict
 
     Parameters
     ----------
-    effects : collection of str
     learned, here : tuple of float
         Latitude, longitude [rad] and date [s since 1970].
     """
@@ -72,7 +71,6 @@ def phase_shifts(effect: str, seconds: float, latitude: float) -> dict[str, floa
 
     Parameters
     ----------
-    effect : str
     seconds : float
         From the date of the phases to the mission's start [s].
     latitude : float

@@ -86,7 +86,6 @@ def at_date(effects: EffectList, seen: Sequence[Seen], ahead: float | None, miss
 
     Parameters
     ----------
-    effects : EffectList
     seen : sequence of Seen
         What the draws come from.
     ahead : float, optional

@@ -154,7 +154,6 @@ class Mission(FileSection, Generic[V]):
 
         Parameters
         ----------
-        document : Document
         folder : Path
             To which paths in the document are relative.
         allow_outside : bool
@@ -229,7 +228,6 @@ class Mission(FileSection, Generic[V]):
 
         Parameters
         ----------
-        path : str or Path
         force : bool
             Overwrite a file that is there.
 

@@ -133,7 +133,6 @@ def changed(section: _Section, name: str, change: Change) -> _Section:
 
     Parameters
     ----------
-    section : section, tuple or quantity
     name : str
         Of the section in the names of its quantities, which are its key paths with phases by name.
     change : callable

@@ -87,7 +87,6 @@ class MooringMission(Generic[V]):
 
         Parameters
         ----------
-        mission : Mission
         depth : bool
             Whether the site's depth is needed; data of dives bring their own.
 

@@ -46,20 +46,14 @@ class Normal(NormalTransform):
 
 @dataclass(frozen=True)
 class TruncatedNormal(NormalTransform):
-    """Normal distribution restricted to an interval, as a mission writes it.
-
-    Attributes
-    ----------
-    parent_mean, parent_sd : float
-        Mean and standard deviation before truncation; `mean` and `sd` are those after it.
-    low, high : float
-        Interval; infinite where it has no bound.
-    """
+    """Normal distribution restricted to an interval, as a mission writes it."""
 
     parent_mean: float
     parent_sd: float
+    """Mean and standard deviation before truncation; `mean` and `sd` are those after it."""
     low: float = -math.inf
     high: float = math.inf
+    """Interval; infinite where it has no bound."""
 
     @property
     def _bounds(self) -> tuple[float, float]:
@@ -148,12 +142,7 @@ class LogNormal(NormalTransform):
 
 @dataclass(frozen=True)
 class Choices(NormalTransform):
-    """One of several values, all equally likely (a value given twice is twice as likely).
-
-    Attributes
-    ----------
-    values : tuple of float
-    """
+    """One of several values, all equally likely (a value given twice is twice as likely)."""
 
     values: tuple[float, ...]
     cut: float = 0.0

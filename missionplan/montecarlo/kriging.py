@@ -23,13 +23,7 @@ _SWEEPS = 8
 
 @dataclass(frozen=True)
 class Kriging:
-    """A surface through values at some places.
-
-    Attributes
-    ----------
-    centre, scale : float
-        Mean and standard deviation of the values.
-    """
+    """A surface through values at some places."""
 
     places: Array
     """Places, shape (n, k)."""
@@ -40,6 +34,7 @@ class Kriging:
     nugget: float
     centre: float
     scale: float
+    """Mean and standard deviation of the values."""
     factor: Array
     """Lower Cholesky factor of the covariance of the standardised values, shape (n, n)."""
     weights: Array

@@ -37,16 +37,11 @@ LevelKey = tuple[str, str, str]
 
 @dataclass(frozen=True)
 class Ageing:
-    """How the levels of a kind of parameter go from mission to mission, before its own missions tell.
-
-    Attributes
-    ----------
-    trend, walk : float
-        Standard deviation of the change a mission where there is a trend, and of that of a walk.
-    """
+    """How the levels of a kind of parameter go from mission to mission, before its own missions tell."""
 
     trend: float
     walk: float
+    """Standard deviation of the change a mission where there is a trend, and of that of a walk."""
     redrawn: float
     """Usual standard deviation of what each mission has of its own, which the errors of measurements hold."""
     jump: float
@@ -59,12 +54,7 @@ class Ageing:
 
 @dataclass(frozen=True)
 class Seen:
-    """What one record tells of a level by itself, or what was known of it before the first.
-
-    Attributes
-    ----------
-    value, sd : float
-    """
+    """What one record tells of a level by itself, or what was known of it before the first."""
 
     of: LevelKey
     record: str
@@ -77,22 +67,16 @@ class Seen:
 
 @dataclass(frozen=True)
 class Measured:
-    """Measurements of a level, n of them.
-
-    Attributes
-    ----------
-    times : array, shape (n,)
-        Counted in missions, ascending; those of one mission have the same.
-    values, sds : array, shape (n,)
-    first, first_sd : float
-        Mean and standard deviation of the level of the first, before its measurement.
-    """
+    """Measurements of a level, n of them."""
 
     times: Array
+    """Shape (n,). Counted in missions, ascending; those of one mission have the same."""
     values: Array
     sds: Array
+    """Shape (n,)."""
     first: float
     first_sd: float
+    """Mean and standard deviation of the level of the first, before its measurement."""
 
     @property
     def begins(self) -> NDArray[np.bool_]:
@@ -102,14 +86,10 @@ class Measured:
 
 @dataclass(frozen=True)
 class _Models:
-    """Linear Gaussian models that were weighed, m of them.
-
-    Attributes
-    ----------
-    log_weights : array, shape (m,)
-    """
+    """Linear Gaussian models that were weighed, m of them."""
 
     log_weights: Array
+    """Shape (m,)."""
     variances: Array
     """Of what is drawn anew, of a walk and of a trend, shape (3, m)."""
     jumps: NDArray[np.bool_]

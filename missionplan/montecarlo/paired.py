@@ -13,17 +13,13 @@ LEVEL = 0.05
 
 @dataclass(frozen=True)
 class PairedDifferences:
-    """Alternatives against the one that looks best.
-
-    Attributes
-    ----------
-    worse, error : array, shape (k,)
-        Mean of the differences trial by trial, positive where an alternative is worse, and its standard error.
-    """
+    """Alternatives against the one that looks best."""
 
     best: int
     worse: NDArray[np.float64]
     error: NDArray[np.float64]
+    """Shape (k,). Mean of the differences trial by trial, positive where an alternative is worse, and its standard
+    error."""
     as_good: NDArray[np.bool_]
     """Whether the trials leave open that an alternative is the best, shape (k,)."""
 

@@ -27,14 +27,10 @@ NOWHERE: Place = (math.nan, math.nan, math.nan)
 
 @dataclass(frozen=True, eq=False)
 class DrawnColumn(NormalTransform):
-    """One parameter of a posterior, as a distribution: a draw is picked by one normal, the same for all columns.
-
-    Attributes
-    ----------
-    values : array, shape (n,)
-    """
+    """One parameter of a posterior, as a distribution: a draw is picked by one normal, the same for all columns."""
 
     values: Array
+    """Shape (n,)."""
     ends: Array
     """Shape (n,). Cumulative weights; the last is 1."""
     typical: float
@@ -92,18 +88,14 @@ class Tied(NormalTransform):
 
 @dataclass(frozen=True, eq=False)
 class WeightedDraws:
-    """Draws of a posterior over sets of effects and their parameters, n of them.
-
-    Attributes
-    ----------
-    columns : tuple of (str, str), length k
-    """
+    """Draws of a posterior over sets of effects and their parameters, n of them."""
 
     sets: tuple[Causes, ...]
     """The effects that hold together, by the number of the set."""
     which: NDArray[np.int_]
     """Set of each draw, in ascending order, shape (n,)."""
     columns: tuple[Column, ...]
+    """Length k."""
     values: Array
     """Shape (n, k). In SI; nan where the effect of the column does not hold."""
     weights: Array

@@ -74,7 +74,6 @@ class PosteriorFile(Mapping[str, object]):
 
         Parameters
         ----------
-        draws : WeightedDraws
         learned_from : str
             Hash of what they were learned from.
         summary : mapping

@@ -22,16 +22,11 @@ _GROUPS = 20
 
 @dataclass(frozen=True)
 class Influence:
-    """Influence of one uncertain input on one result.
-
-    Attributes
-    ----------
-    output, source : str
-        Names of the result and of the input.
-    """
+    """Influence of one uncertain input on one result."""
 
     output: str
     source: str
+    """Names of the result and of the input."""
     rank_correlation: float
     """Spearman's coefficient."""
     first_order: float

@@ -23,25 +23,19 @@ _Z95 = 1.959963984540054
 
 @dataclass(frozen=True)
 class Statistic:
-    """Reported statistics of a quantity; nan where no trial, or for the sd fewer than two, reached it.
-
-    Attributes
-    ----------
-    mean, sd, p05, p50, p95 : float
-        In the quantity's unit.
-    count, missing : int
-        Trials that reached the quantity, and that did not.
-    """
+    """Reported statistics of a quantity; nan where no trial, or for the sd fewer than two, reached it."""
 
     mean: float
     sd: float
     p05: float
     p50: float
     p95: float
+    """In the quantity's unit."""
     standard_error: float
     """Of the mean."""
     count: int
     missing: int = 0
+    """Trials that reached the quantity, and that did not."""
 
     @classmethod
     def of_constant(cls, value: float, trials: int) -> "Statistic":
@@ -126,13 +120,7 @@ class Count:
 
 @dataclass(frozen=True)
 class Moments:
-    """Count, mean, variance and range along the last axis, of one quantity or of an array of them.
-
-    Attributes
-    ----------
-    low, high : array, shape (...)
-        Smallest and largest value; +∞ and −∞ where there is none.
-    """
+    """Count, mean, variance and range along the last axis, of one quantity or of an array of them."""
 
     count: Integers
     """Values that are not nan, shape (...)."""
@@ -144,6 +132,7 @@ class Moments:
     """Sum of squared deviations from the mean, shape (...)."""
     low: Array
     high: Array
+    """Shape (...). Smallest and largest value; +∞ and −∞ where there is none."""
 
     @classmethod
     def of(cls, values: Array) -> "Moments":

@@ -22,16 +22,11 @@ _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(5)
 
 @dataclass(frozen=True)
 class Span:
-    """What part of a current a leg, a surfacing or a dive needs; arrays over trials.
-
-    Attributes
-    ----------
-    start, end : float or array, shape (n,)
-        Times since the mission's start [s].
-    """
+    """What part of a current a leg, a surfacing or a dive needs; arrays over trials."""
 
     start: Scalars
     end: Scalars
+    """Shape (n,). Times since the mission's start [s]."""
     depth: Scalars
     """Deepest, float or shape (n,) [m]."""
     places: tuple[Array, ...]
@@ -116,18 +111,13 @@ class Current(ABC):
 
 @dataclass(frozen=True)
 class LayeredCurrent(Current):
-    """Layers of constant velocity from the surface down (Briggs et al., Eq. 1); the deepest has no lower end.
-
-    Attributes
-    ----------
-    east, north : array, shape (k,) or (k, n)
-        One velocity per layer, or one per layer and trial [m/s].
-    """
+    """Layers of constant velocity from the surface down (Briggs et al., Eq. 1); the deepest has no lower end."""
 
     down_to: Array
     """Lower ends of the layers, increasing: one per layer, or one per layer and trial; shape (k,) or (k, n) [m]."""
     east: Array
     north: Array
+    """Shape (k,) or (k, n). One velocity per layer, or one per layer and trial [m/s]."""
 
     @override
     def velocity(self, t: Scalars, depth: Scalars, position: Array) -> Array:
@@ -199,13 +189,7 @@ def leeway_velocity(wind: Array, downwind: Scalars, crosswind: Scalars, along: S
 
 @dataclass(frozen=True)
 class Leeway(TransitEffect):
-    """Drift with the wind while at the surface.
-
-    Attributes
-    ----------
-    downwind, crosswind, along, across : float or array, shape (n,)
-        See `leeway_velocity`.
-    """
+    """Drift with the wind while at the surface."""
 
     wind: Current
     """Velocity of the air, 10 m above the sea."""
@@ -213,6 +197,7 @@ class Leeway(TransitEffect):
     crosswind: Scalars
     along: Scalars
     across: Scalars
+    """Shape (n,). See `leeway_velocity`."""
 
     @override
     def surface_velocity(self, t: Array, duration: Array, position: Array) -> Array:

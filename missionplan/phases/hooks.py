@@ -21,16 +21,11 @@ from missionplan.arrays import Array, Scalars
 
 @dataclass(frozen=True)
 class Leg:
-    """The legs under way, one per trial, as an effect on a transit sees them.
-
-    Attributes
-    ----------
-    t_start, duration : array, shape (n,)
-        Start of the leg since the mission's start, and its planned length [s].
-    """
+    """The legs under way, one per trial, as an effect on a transit sees them."""
 
     t_start: Array
     duration: Array
+    """Shape (n,). Start of the leg since the mission's start, and its planned length [s]."""
     start: Array
     """True position at the start, east and north of the coordinates' origin, shape (2, n) [m]."""
     along: Array
@@ -183,7 +178,6 @@ def velocity_error(effects: Iterable[TransitEffect], leg: Leg, current: Array | 
 
     Parameters
     ----------
-    effects : iterable of TransitEffect
     leg : Leg
         n legs.
     current : array, shape (2, n), or float
@@ -215,7 +209,6 @@ def surface_velocity(effects: Iterable[TransitEffect], t: Array, duration: Array
 
     Parameters
     ----------
-    effects : iterable of TransitEffect
     t, duration : array, shape (n,)
         Start of the time at the surface since the mission's start, and its length [s].
     position : array, shape (2, n)
@@ -313,7 +306,6 @@ class TrialState:
         ----------
         position : array, shape (2,) or (2, n)
             Of the deployment [m].
-        trials : int
         fix_noise : array, shape (2, n)
             Error of the fix before the first dive [m].
         """

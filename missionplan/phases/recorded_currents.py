@@ -29,16 +29,11 @@ the lowest 6 to 15 % to side lobes, and the top few metres."""
 
 @dataclass(frozen=True)
 class RecordedCurrent(Current):
-    """A current that is known at some times and depths.
-
-    Attributes
-    ----------
-    time, depth : array, shapes (k,) and (m,)
-        Increasing [s since the mission's start, m].
-    """
+    """A current that is known at some times and depths."""
 
     time: Array
     depth: Array
+    """Shapes (k,) and (m,). Increasing [s since the mission's start, m]."""
     outside: Outside = field(default="hold", kw_only=True)
     """What is beyond the record."""
 
@@ -77,16 +72,11 @@ class RecordedCurrent(Current):
 
 @dataclass(frozen=True)
 class SeriesCurrent(RecordedCurrent):
-    """A current against time and depth, linear in both between the samples.
-
-    Attributes
-    ----------
-    east, north : array, shape (k, m)
-        [m/s]
-    """
+    """A current against time and depth, linear in both between the samples."""
 
     east: Array
     north: Array
+    """Shape (k, m). [m/s]."""
 
     @cached_property
     def _values(self) -> NDArray[np.complex128]:
@@ -171,7 +161,6 @@ def _interpolated(axes: tuple[Array, ...], values: NDArray[np.complex128], point
 
     Parameters
     ----------
-    axes : tuple of array
     values : array, shape (axis, ...)
         East, and north as the imaginary part, so that a node is looked up once.
     point : tuple of float or array, shape (n,)
@@ -199,13 +188,7 @@ EVER = np.array([-np.inf, np.inf])
 
 @dataclass(frozen=True)
 class TidalStream(RecordedCurrent):
-    """A mean current and waves ``C·cos(ωt) + S·sin(ωt)``, the same at every place; `time` is `EVER`.
-
-    Attributes
-    ----------
-    cosine, sine : array, shape (2, k, m)
-        C and S, east and north at each depth [m/s].
-    """
+    """A mean current and waves ``C·cos(ωt) + S·sin(ωt)``, the same at every place; `time` is `EVER`."""
 
     mean: Array
     """East and north at each depth, shape (2, m) [m/s]."""
@@ -213,6 +196,7 @@ class TidalStream(RecordedCurrent):
     """ω, shape (k,) [rad/s]."""
     cosine: Array
     sine: Array
+    """Shape (2, k, m). C and S, east and north at each depth [m/s]."""
 
     @override
     def velocity(self, t: Scalars, depth: Scalars, position: Array) -> Array:

@@ -26,13 +26,7 @@ class Part:
 
 @dataclass(frozen=True)
 class Construction:
-    """Parts of the anchor, before its length and trim ring are known.
-
-    Attributes
-    ----------
-    tube_mass_per_length, tube_density : float
-        λ [kg/m] and material [kg/m³] of the tube.
-    """
+    """Parts of the anchor, before its length and trim ring are known."""
 
     front: Part
     """Its centre from the tip."""
@@ -40,6 +34,7 @@ class Construction:
     """Its centre forward of the tube's end."""
     tube_mass_per_length: float
     tube_density: float
+    """λ [kg/m] and material [kg/m³] of the tube."""
     trim_density: float
     """Of the ring's material [kg/m³]."""
 
@@ -70,17 +65,7 @@ class UnmetCondition:
 
 @dataclass(frozen=True)
 class AnchorDesign:
-    """The anchor that satisfies the two mass equations and the trim, feasible or not.
-
-    Attributes
-    ----------
-    trim_mass, trim_position : float
-        Of the ring [kg], and its centre from the tip [m] (nan when the ring's mass is 0).
-    dry_mass, displaced_mass : float
-        Both sides of Eq. 17 [kg].
-    centre_of_gravity, centre_of_buoyancy : float
-        Of the unflooded anchor and of the added displacement, from the tip [m].
-    """
+    """The anchor that satisfies the two mass equations and the trim, feasible or not."""
 
     problem: AnchorProblem
     wet_weight: float
@@ -89,10 +74,13 @@ class AnchorDesign:
     """C [m]."""
     trim_mass: float
     trim_position: float
+    """Of the ring [kg], and its centre from the tip [m] (nan when the ring's mass is 0)."""
     dry_mass: float
     displaced_mass: float
+    """Both sides of Eq. 17 [kg]."""
     centre_of_gravity: float
     centre_of_buoyancy: float
+    """Of the unflooded anchor and of the added displacement, from the tip [m]."""
     failures: tuple[UnmetCondition, ...] = ()
     """Conditions not met; empty when the anchor can be built."""
 
@@ -157,7 +145,6 @@ def cylinder_and_trim(problem: AnchorProblem, weight: Scalars) -> tuple[Scalars,
 
     Parameters
     ----------
-    problem : AnchorProblem
     weight : float or array, shape (n,)
         Wet weight W [N].
 
@@ -196,7 +183,6 @@ def solve_anchor(problem: AnchorProblem, weight: float) -> AnchorDesign:
 
     Parameters
     ----------
-    problem : AnchorProblem
     weight : float
         Wet weight W [N].
 

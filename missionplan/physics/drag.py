@@ -122,16 +122,11 @@ class QuadraticDrag:
 
 @dataclass(frozen=True)
 class Hull:
-    """A cylinder with hemispherical ends.
-
-    Attributes
-    ----------
-    length, diameter : float or array, shape (n,)
-        [m].
-    """
+    """A cylinder with hemispherical ends."""
 
     length: Scalars
     diameter: Scalars
+    """Shape (n,). [m]."""
     form_constant: Scalars = drag.FORM_CONSTANTS["briggs"]
     """First term of Eq. 5; float or shape (n,)."""
 
@@ -147,22 +142,16 @@ class Sail:
 
 @dataclass(frozen=True)
 class DragBuildUp:
-    """Contributions to the drag at one speed [N].
-
-    Attributes
-    ----------
-    body, sail : float or array
-        Eqs. 8 and 12, before the appendage factor.
-    anchor, total : float or array
-        Eqs. 2 and 14.
-    """
+    """Contributions to the drag at one speed [N]."""
 
     body: Scalars
     sail: Scalars
+    """Eqs. 8 and 12, before the appendage factor."""
     vehicle: Scalars
     """Eq. 13: the sum of both times the appendage factor."""
     anchor: Scalars
     total: Scalars
+    """Eqs. 2 and 14."""
 
 
 @dataclass(frozen=True)
@@ -308,13 +297,7 @@ def _rounded(value: float) -> str:
 
 @dataclass(frozen=True)
 class MeasuredVehicleDrag(VehicleDrag):
-    """Drag of the whole vehicle, sail and appendages included, from one coefficient.
-
-    Attributes
-    ----------
-    at_reynolds, reference_length : float
-        Reynolds number of the coefficient, and its reference length [m].
-    """
+    """Drag of the whole vehicle, sail and appendages included, from one coefficient."""
 
     coefficient: Scalars = 0.0
     """C_D on `area`, at `at_reynolds` where it varies, float or shape (n,)."""
@@ -324,6 +307,7 @@ class MeasuredVehicleDrag(VehicleDrag):
     """p of C_D ∝ Re^p; 0 for a constant coefficient; float or shape (n,)."""
     at_reynolds: float = 1e5
     reference_length: float = 1.0
+    """Reynolds number of the coefficient, and its reference length [m]."""
 
     def body(self, speed: Scalars) -> Scalars:
         """Drag of the whole vehicle [N]; the coefficient is constant below `REYNOLDS_HELD`."""

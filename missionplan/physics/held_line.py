@@ -72,13 +72,7 @@ def line_drag_factor(diameter: Scalars, density: Scalars) -> Scalars:
 
 @dataclass(frozen=True)
 class LowPoint:
-    """The deepest place before a float at which a line is level.
-
-    Attributes
-    ----------
-    fallen, tension : array, shape (3, n)
-        From there to the body [m], and the tension there [N]. Without such a place it is infinitely high.
-    """
+    """The deepest place before a float at which a line is level."""
 
     number: NDArray[np.intp]
     """Of the points of the line that come before it, shape (n,)."""
@@ -86,6 +80,8 @@ class LowPoint:
     """From the body along the line, shape (n,) [m]."""
     fallen: Array
     tension: Array
+    """Shape (3, n). From there to the body [m], and the tension there [N]. Without such a place it is infinitely high.
+    """
 
     @classmethod
     def none(cls, trials: int) -> "LowPoint":
@@ -127,8 +123,6 @@ def hang(line: HeldLine, current: LayersAbove, altitude: Array, pull: Array) -> 
 
     Parameters
     ----------
-    line : HeldLine
-    current : LayersAbove
     altitude : array, shape (n,)
         Of the body, for the current along the line [m].
     pull : array, shape (3, n)
@@ -171,22 +165,16 @@ def _segments(line: HeldLine) -> Iterator[tuple[Scalars, Scalars, bool]]:
 
 @dataclass(frozen=True)
 class _Piece:
-    """A piece of the line.
-
-    Attributes
-    ----------
-    moved, end : array, shape (3, n)
-        From its end to its beginning [m], and the tension there [N].
-    to_level, level : array, shape (3, n)
-        The same of the place where it does, else of its end.
-    """
+    """A piece of the line."""
 
     moved: Array
     end: Array
+    """Shape (3, n). From its end to its beginning [m], and the tension there [N]."""
     levels: NDArray[np.bool_]
     """Whether it becomes level, shape (n,)."""
     to_level: Array
     level: Array
+    """Shape (3, n). The same of the place where it does, else of its end."""
     share: Scalars
     """Of the piece, until there, float or shape (n,)."""
 
@@ -282,16 +270,11 @@ _SECTIONS = 10
 
 @dataclass(frozen=True)
 class HeldBody:
-    """A slender body held by its nose; each number is a float or an array over trials, shape (n,).
-
-    Attributes
-    ----------
-    length, diameter : float or array
-        [m].
-    """
+    """A slender body held by its nose; each number is a float or an array over trials, shape (n,)."""
 
     length: Scalars
     diameter: Scalars
+    """[m]."""
     net_buoyancy: Scalars
     """Buoyancy minus weight [N]."""
     raising_moment: Scalars

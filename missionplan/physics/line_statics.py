@@ -42,7 +42,6 @@ def bracketed_roots(functions: FallingFunctions, low: Array, high: Array, start:
 
     Parameters
     ----------
-    functions : FallingFunctions
     low, high : array, shape (n,)
         Brackets. A function that is negative throughout gives `low`, one that is positive throughout `high`.
     start : array, shape (n,)
@@ -151,13 +150,7 @@ class _Lifted:
 
 @dataclass(frozen=True)
 class HeldPose:
-    """How the body stands on its line; arrays over trials.
-
-    Attributes
-    ----------
-    tension_at_nose, tension_at_anchor : array, shape (3, n)
-        With which the body pulls the line, and the line the anchor [N].
-    """
+    """How the body stands on its line; arrays over trials."""
 
     nose: Array
     """East, north and up from the anchor, shape (3, n) [m]."""
@@ -165,6 +158,7 @@ class HeldPose:
     """Unit vector from nose to tail, shape (3, n)."""
     tension_at_nose: Array
     tension_at_anchor: Array
+    """Shape (3, n). With which the body pulls the line, and the line the anchor [N]."""
 
     @property
     def pitch(self) -> Array:
@@ -197,16 +191,10 @@ def held_pose(body: HeldBody, line: HeldLine, current: LayersAbove, near: HeldPo
 
     Parameters
     ----------
-    body : HeldBody
-    line : HeldLine
     current : LayersAbove
         Horizontal, constant within each layer.
     near : HeldPose, optional
         Where the search begins.
-
-    Returns
-    -------
-    HeldPose
     """
     trials = current.velocity.shape[-1]
     length = over_trials(_highest(body, line, current), trials)
@@ -334,7 +322,6 @@ def settling_nose(pose: HeldPose, length: Scalars, speed: Array, time: Scalars) 
 
     Parameters
     ----------
-    pose : HeldPose
     length : float or array, shape (n,)
         Of the line [m].
     speed : array, shape (n,)

@@ -15,36 +15,28 @@ from missionplan.physics.drag import disc_area
 
 @dataclass(frozen=True)
 class Propeller:
-    """A propeller and the water that it sets in motion.
-
-    Attributes
-    ----------
-    thrust_nn, thrust_nu : float or array
-        T_n|n| [N s²/rad²] and T°_|n|u of the flow in the disc (negative) [N s²/(rad m)], Eq. 28.
-    torque_nn, torque_nu : float or array
-        Q_n|n| [N m s²/rad²] and Q°_|n|u of the flow in the disc (negative) [N s²/rad], Eq. 22.
-    wake_fraction, thrust_deduction : float
-        w of Eq. 27 and t of Eq. 26.
-    flow_damping_linear, flow_damping_quadratic : float
-        d_f0 [kg/s] and d_f [kg/m] of Eq. 30.
-    """
+    """A propeller and the water that it sets in motion."""
 
     diameter: float
     """Of the disc [m]."""
     thrust_nn: Scalars
     thrust_nu: Scalars
+    """T_n|n| [N s²/rad²] and T°_|n|u of the flow in the disc (negative) [N s²/(rad m)], Eq. 28."""
     torque_nn: Scalars
     torque_nu: Scalars
+    """Q_n|n| [N m s²/rad²] and Q°_|n|u of the flow in the disc (negative) [N s²/rad], Eq. 22."""
     axial_flow_factor: float
     """a: in steady state the flow in the disc is (1 + a) times the advance speed."""
     wake_fraction: float
     thrust_deduction: float
+    """W of Eq. 27 and t of Eq. 26."""
     shaft_inertia: float
     """Of motor, shaft and propeller [kg m²]."""
     flow_mass: float
     """Of the water in the control volume, m_f [kg]."""
     flow_damping_linear: float
     flow_damping_quadratic: float
+    """D_f0 [kg/s] and d_f [kg/m] of Eq. 30."""
 
     @property
     def flow_ratio(self) -> float:
@@ -237,18 +229,13 @@ def steady_axial_flow(propeller: Propeller, shaft_rate: Scalars, speed: Scalars)
 
 @dataclass(frozen=True)
 class Resistance:
-    """Resistance of the vehicle, R(u) = R₁u + R₂u|u| (Eq. 29 with the sign of a resistance), and its mass.
-
-    Attributes
-    ----------
-    linear, quadratic : float or array
-        -X_u [kg/s] and -X_u|u| [kg/m].
-    """
+    """Resistance of the vehicle, R(u) = R₁u + R₂u|u| (Eq. 29 with the sign of a resistance), and its mass."""
 
     mass: Scalars
     """Of the vehicle, axial added mass included [kg]."""
     linear: Scalars
     quadratic: Scalars
+    """-X_u [kg/s] and -X_u|u| [kg/m]."""
 
     def force(self, speed: Scalars) -> Scalars:
         """Resistance at a speed through the water [N]."""

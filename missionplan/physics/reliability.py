@@ -69,17 +69,11 @@ def chance_of_counts(failures: float, exposure: float, prior_failures: float, pr
 
 @dataclass(frozen=True)
 class Exposure:
-    """What the vehicle's equipment has been through; floats or arrays of shape (n,).
-
-    Attributes
-    ----------
-    time, distance : float or array
-        [s], and through the water [m].
-    surfacings, dives, releases, wake_ups : float or array
-    """
+    """What the vehicle's equipment has been through; floats or arrays of shape (n,)."""
 
     time: Scalars = 0.0
     distance: Scalars = 0.0
+    """[s], and through the water [m]."""
     surfacings: Scalars = 0.0
     dives: Scalars = 0.0
     releases: Scalars = 0.0

@@ -44,18 +44,13 @@ class Slope:
 
 @dataclass(frozen=True)
 class LyingAnchor:
-    """An anchor that lies on the seafloor; each number is a float or an array of shape (n,).
-
-    Attributes
-    ----------
-    diameter, length : float or array
-        [m].
-    """
+    """An anchor that lies on the seafloor; each number is a float or an array of shape (n,)."""
 
     wet_weight: Scalars
     """Wet weight [N]."""
     diameter: Scalars
     length: Scalars
+    """[m]."""
     friction: Scalars = FRICTION
     """Holding force over the force with which it presses on the seafloor."""
 
@@ -118,12 +113,10 @@ def holding_margin(anchor: LyingAnchor, pull: Array, drag: Array, slope: Slope) 
 
     Parameters
     ----------
-    anchor : LyingAnchor
     pull : array, shape (3, n)
         Of the line [N].
     drag : array, shape (2, n)
         Of the anchor [N].
-    slope : Slope
 
     Returns
     -------

@@ -21,24 +21,17 @@ class LineSpring:
 
 @dataclass(frozen=True)
 class PitchingBody:
-    """The vehicle as a rigid body that pitches; each number is a float or an array over trials, shape (n,).
-
-    Attributes
-    ----------
-    lateral_mass, inertia : float or array
-        Across its axis [kg], and about its centre of mass [kg m²], added masses included.
-    length, centre : float or array
-        Of the body, and from its nose to the centre of mass [m].
-    ahead, below : float or array
-        Of the centre of buoyancy, ahead of the centre of mass along the axis and below it [m].
-    """
+    """The vehicle as a rigid body that pitches; each number is a float or an array over trials, shape (n,)."""
 
     lateral_mass: Scalars
     inertia: Scalars
+    """Across its axis [kg], and about its centre of mass [kg m²], added masses included."""
     length: Scalars
     centre: Scalars
+    """Of the body, and from its nose to the centre of mass [m]."""
     ahead: Scalars
     below: Scalars
+    """Of the centre of buoyancy, ahead of the centre of mass along the axis and below it [m]."""
     buoyancy: Scalars
     """Of the whole body [N]."""
     drag_per_length: Scalars

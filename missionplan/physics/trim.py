@@ -68,8 +68,6 @@ def trim(
 
     Parameters
     ----------
-    configuration : str
-    weights : tuple of Weight
     buoyancy : Weight
         Size and centre of the buoyancy.
     centres_known : bool

@@ -49,24 +49,18 @@ class Derivatives:
 
 @dataclass(frozen=True)
 class Body:
-    """A vehicle in the vertical plane; floats or arrays over trials.
-
-    Attributes
-    ----------
-    length, mass : float
-        [m], [kg], flooded.
-    x_g, z_g : float or array
-        Centre of gravity, ahead of and below the origin, which is the centre of buoyancy [m].
-    """
+    """A vehicle in the vertical plane; floats or arrays over trials."""
 
     length: float
     mass: float
+    """[m], [kg], flooded."""
     inertia: float
     """About the y axis through the origin [kg m²]."""
     excess_buoyancy: Scalars
     """Buoyancy less weight [N]."""
     x_g: Scalars
     z_g: Scalars
+    """Centre of gravity, ahead of and below the origin, which is the centre of buoyancy [m]."""
     density: float
     """Of the water [kg/m³]."""
     derivatives: Derivatives

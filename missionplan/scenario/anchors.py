@@ -123,7 +123,6 @@ def design_current(means: DrawnMission, phase: MoorPhase[Scalars]) -> tuple[Arra
     ----------
     means : DrawnMission
         At the means.
-    phase : MoorPhase
 
     Returns
     -------
@@ -161,7 +160,6 @@ def worst_case_weight(means: DrawnMission, phase: MoorPhase[Scalars]) -> float:
     ----------
     means : DrawnMission
         At the means.
-    phase : MoorPhase
 
     Returns
     -------

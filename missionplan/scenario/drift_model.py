@@ -15,13 +15,7 @@ from missionplan.phases.transit.kalman_filter import PERSISTENT, STEADY, SURFACE
 
 @dataclass(frozen=True)
 class DriftSample:
-    """A block of draws of all that moves the vehicle over ground on one transit.
-
-    Attributes
-    ----------
-    depth, surfacing_time : float or array, shape (n,)
-        Of the transit [m, s].
-    """
+    """A block of draws of all that moves the vehicle over ground on one transit."""
 
     trials: int
     """n; 1 where nothing is uncertain."""
@@ -33,6 +27,7 @@ class DriftSample:
     """Whether the current is read from a file, so that the forecast knows it exactly."""
     depth: Scalars
     surfacing_time: Scalars
+    """Shape (n,). Of the transit [m, s]."""
     effects: tuple[TransitEffect, ...]
     """As drawn."""
     forecast_error: tuple[Scalars, Scalars] | None = None

@@ -302,12 +302,6 @@ def transit_normals(scenario: Scenario, phase: TransitPhase[Scalars], source: No
     """Open the streams of a transit's legs.
 
     They depend on the phase alone, so that every σ_v and every d_max has the same ones (common random numbers).
-
-    Parameters
-    ----------
-    scenario : Scenario
-    phase : TransitPhase
-    source : NormalSource
     """
 
     def legs(quantity: str) -> LegSource:

@@ -46,7 +46,6 @@ def surge_added_mass(hull: Hull, vehicle: Vehicle[Scalars], mass: Scalars) -> Sc
     ----------
     hull : Hull
         With the anchor where the vehicle carries it.
-    vehicle : Vehicle
     mass : float or array, shape (n,)
         Of the vehicle in air [kg].
     """

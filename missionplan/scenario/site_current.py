@@ -40,7 +40,6 @@ def tidal_stream(mission: Mission, written: TidalCurrent) -> TidalStream:
     ----------
     mission : Mission
         With a start, which ties the phases to the moon, and an origin, on whose latitude nodal corrections depend.
-    written : TidalCurrent
 
     Raises
     ------
@@ -87,7 +86,6 @@ def recorded_current(mission: Mission, also: Array | None = None) -> Current | N
 
     Parameters
     ----------
-    mission : Mission
     also : array, shape (2, k), optional
         Places besides the mission's about which a field is needed [m].
 

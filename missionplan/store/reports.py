@@ -20,12 +20,7 @@ _ANSWER = re.compile(r"<h1[^>]*>(.*?)</h1>", re.DOTALL)
 
 @dataclass(frozen=True)
 class ReportEntry:
-    """A report.
-
-    Attributes
-    ----------
-    command, mission : str
-    """
+    """A report."""
 
     folder: Path
     command: str

@@ -37,7 +37,6 @@ def kml(name: str, description: str, folders: Mapping[str, Sequence[Feature]]) -
 
     Parameters
     ----------
-    name, description : str
     folders : mapping of str to sequence of Feature
         As GeoJSON has them; a feature's kind gives its style, its properties are what viewers show of it.
     """

@@ -31,12 +31,7 @@ _DEPTH = ("depth", "sea_water_pressure")
 
 @dataclass(frozen=True)
 class _Part:
-    """What one file holds.
-
-    Attributes
-    ----------
-    fixes : Fixes
-    """
+    """What one file holds."""
 
     fixes: Fixes
     ways: tuple[Array, Array, Array]

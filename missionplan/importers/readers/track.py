@@ -176,7 +176,6 @@ def text_chunks(path: Path, wanted: Sequence[str]) -> Iterator[pd.DataFrame]:
 
     Parameters
     ----------
-    path : Path
     wanted : sequence of str
         Names of columns; one of the form `Date+Time` is several, joined by a space.
 

@@ -46,7 +46,6 @@ def check_ranges(sections: Sequence[tuple[str, object]], phases: Sequence[Phase]
     ----------
     sections : sequence of (str, section)
         The mission's sections by name, but for the phases.
-    phases : sequence of Phase
 
     Returns
     -------

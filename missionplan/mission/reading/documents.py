@@ -72,10 +72,8 @@ def read_text(path: Path, shown: str, *, max_bytes: int = MAX_BYTES) -> str:
 
     Parameters
     ----------
-    path : Path
     shown : str
         How messages name the file.
-    max_bytes : int
 
     Raises
     ------
@@ -117,7 +115,6 @@ def nearest_file(path: Path, beside: Path | None = None) -> str:
 
     Parameters
     ----------
-    path : Path
     beside : Path, optional
         Folder from which the names are told.
     """

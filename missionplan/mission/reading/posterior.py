@@ -41,7 +41,6 @@ def read_posterior(path: Path, section: Mapping[str, object], learned_from: obje
 
     Parameters
     ----------
-    path : Path
     section : mapping
         As the mission file has it.
     learned_from : object

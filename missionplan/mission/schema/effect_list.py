@@ -59,13 +59,7 @@ class EffectEntry(Generic[V]):
 
 @dataclass(frozen=True)
 class Explanation(Generic[V]):
-    """Effects that hold together, with a probability.
-
-    Attributes
-    ----------
-    probability : float
-    effects : tuple of EffectEntry
-    """
+    """Effects that hold together, with a probability."""
 
     probability: float
     effects: tuple[EffectEntry[V], ...]
@@ -80,12 +74,7 @@ class Explanation(Generic[V]):
 
 @dataclass(frozen=True)
 class OneOf(Generic[V]):
-    """Explanations of which one holds, or none with what their probabilities leave to 1.
-
-    Attributes
-    ----------
-    explanations : tuple of Explanation
-    """
+    """Explanations of which one holds, or none with what their probabilities leave to 1."""
 
     place: str
     """Its key path."""
@@ -145,12 +134,7 @@ class OneOf(Generic[V]):
 
 @dataclass(frozen=True)
 class Learned(Generic[V]):
-    """A posterior: sets of effects of which one holds, whose parameters are picked together from its draws.
-
-    Attributes
-    ----------
-    draws : WeightedDraws
-    """
+    """A posterior: sets of effects of which one holds, whose parameters are picked together from its draws."""
 
     draws: WeightedDraws
     entries: tuple[EffectEntry[V], ...]

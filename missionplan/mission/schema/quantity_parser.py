@@ -49,18 +49,13 @@ _AS_ON_CHARTS = re.compile(
 
 @dataclass(frozen=True)
 class QuantityParser:
-    """Reads one quantity, or a distribution of it, and checks it against its physical range.
-
-    Attributes
-    ----------
-    low, high : float
-        Physical range in that unit.
-    """
+    """Reads one quantity, or a distribution of it, and checks it against its physical range."""
 
     unit: str
     """SI unit of the result (temperatures in degC); empty for bare numbers."""
     low: float = -math.inf
     high: float = math.inf
+    """Physical range in that unit."""
     open_low: bool = False
     """Whether `low` itself is excluded."""
     fixed: bool = False

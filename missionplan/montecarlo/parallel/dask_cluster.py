@@ -39,7 +39,6 @@ def run_on_cluster(
     ----------
     task : callable
         Picklable.
-    items : sequence
     jobs : int
         Workers of the local cluster that is started where no `scheduler` is given.
     scheduler : str or None

@@ -27,7 +27,6 @@ def parallel_map(
     ----------
     task : callable
         Of a sequence of items; picklable, as items and results are.
-    items : sequence
     jobs : int
         Processes, this one included; 1 runs everything here.
     separately : bool

@@ -80,17 +80,12 @@ class Screened:
 
 @dataclass(frozen=True)
 class BatchResult(Generic[Description]):
-    """What a batch of runs found.
-
-    Attributes
-    ----------
-    probabilities, counted : array, shape (runs,)
-        Of the failure in this way and stratum; and what it adds to the whole.
-    """
+    """What a batch of runs found."""
 
     batch: Batch
     probabilities: Array
     counted: Array
+    """Shape (runs,). Of the failure in this way and stratum; and what it adds to the whole."""
     described: Description
     """Of the trials that fail."""
     trials: int
@@ -250,8 +245,6 @@ def find(
 
     Parameters
     ----------
-    search : FailureSearch
-    run : Runner
     variation : float
         Coefficient of variation that is asked for.
     most_trials : int

@@ -120,16 +120,11 @@ over all runs would be low, as stages that find little also scatter little, and 
 
 @dataclass(frozen=True)
 class TwoStages:
-    """Runs of one part of the sum.
-
-    Attributes
-    ----------
-    first, second : array, shape (runs,)
-        Unbiased estimates; at least two in all, the second stage may be empty.
-    """
+    """Runs of one part of the sum."""
 
     first: Array
     second: Array
+    """Shape (runs,). Unbiased estimates; at least two in all, the second stage may be empty."""
 
     @property
     def value(self) -> float:
@@ -158,20 +153,15 @@ class TwoStages:
 
 @dataclass(frozen=True)
 class Estimate:
-    """A probability.
-
-    Attributes
-    ----------
-    low, high : float
-        95 % interval: Student's t on the logarithm of the value, as a product of many random factors is skewed, with
-        the degrees of freedom of a sum of variances (Satterthwaite 1946, *Biometrics Bulletin* 2, 110–114).
-    """
+    """A probability."""
 
     value: float
     variation: float
     """Coefficient of variation of `value`, from the scatter of the runs; infinite where none found a failure."""
     low: float
     high: float
+    """95 % interval: Student's t on the logarithm of the value, as a product of many random factors is skewed, with the
+    degrees of freedom of a sum of variances (Satterthwaite 1946, *Biometrics Bulletin* 2, 110–114)."""
 
     @classmethod
     def of(cls, parts: Sequence[TwoStages], left: float = 0.0) -> "Estimate":

@@ -183,9 +183,6 @@ def run_pilots(
 
     Parameters
     ----------
-    drive : Drive
-    groups : int
-    generator : Generator
     chains : int
         In each group.
     negligible : float
@@ -222,10 +219,8 @@ def run_levels(drive: Drive, levels: Sequence[Levels], generator: np.random.Gene
 
     Parameters
     ----------
-    drive : Drive
     levels : sequence of Levels
         Of each group.
-    generator : Generator
     chains : int
         In each group.
     """

@@ -49,17 +49,12 @@ Model = Callable[[StrataView], TrialMargins]
 
 @dataclass(frozen=True)
 class ReliabilityIndices:
-    """Margins as standard deviations of a normal, by their ranks among plain trials.
-
-    Attributes
-    ----------
-    margins, scores : sequence of array
-        Of each way: margins of plain trials in ascending order, without ties, and the normal scores of their ranks;
-        empty where fewer than two differ.
-    """
+    """Margins as standard deviations of a normal, by their ranks among plain trials."""
 
     margins: Sequence[Array]
     scores: Sequence[Array]
+    """Of each way: margins of plain trials in ascending order, without ties, and the normal scores of their ranks;
+    empty where fewer than two differ."""
 
     @classmethod
     def of(cls, plain: TrialMargins) -> "ReliabilityIndices":

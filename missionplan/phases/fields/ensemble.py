@@ -148,13 +148,7 @@ class Statistics(NamedTuple):
 
 @dataclass(frozen=True)
 class ErrorWaves:
-    """The error of each trial as plane waves.
-
-    Attributes
-    ----------
-    cosine, sine : array, shape (2, m, n)
-        Amplitudes toward east and north [m/s].
-    """
+    """The error of each trial as plane waves."""
 
     rate: Array
     """Angular frequency, shape (m, n) [rad/s]."""
@@ -162,6 +156,7 @@ class ErrorWaves:
     """Wavenumber toward east and north [rad/m]; None where the error is the same everywhere; shape (2, m, n)."""
     cosine: Array
     sine: Array
+    """Shape (2, m, n). Amplitudes toward east and north [m/s]."""
 
     @classmethod
     def drawn(cls, statistics: Statistics, normals: Array) -> "ErrorWaves":

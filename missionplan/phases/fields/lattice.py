@@ -24,17 +24,12 @@ _SHORT = 1.0 - 1e-12
 
 @dataclass(frozen=True)
 class EvenAxes:
-    """Evenly spaced axes, at least two nodes each.
-
-    Attributes
-    ----------
-    first, per_unit, end : array, shape (k, 1)
-        First node, nodes per unit, and just before the last node, counted in nodes.
-    """
+    """Evenly spaced axes, at least two nodes each."""
 
     first: Array
     per_unit: Array
     end: Array
+    """Shape (k, 1). First node, nodes per unit, and just before the last node, counted in nodes."""
     count: tuple[int, ...]
     """Nodes."""
 

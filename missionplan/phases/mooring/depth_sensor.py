@@ -59,7 +59,6 @@ def sensor_history(
         n.
     until : float
         Last time since the separation that is needed, by the log's clock [s].
-    effects : iterable of DescentEffect
     step : float
         Of the integration, and of the grid on which the sensor reads [s].
 
@@ -86,7 +85,6 @@ def simulate_readings(dive: Dive, times: Array, *, effects: Iterable[DescentEffe
         Each trial may have its own weights, line length, depth and effects' parameters.
     times : array, shape (k, n)
         Since the separation, by the log's clock; nan where a trial has fewer than k [s].
-    effects : iterable of DescentEffect
     step : float
         Of the integration, and of the grid on which the sensor reads [s].
 
@@ -104,8 +102,6 @@ def true_depth(dive: Dive, hooks: DescentHooks, stages: DescentStages, since: Ar
 
     Parameters
     ----------
-    dive : Dive
-    hooks : DescentHooks
     stages : DescentStages
         With their histories kept.
     since : array, shape (k, n)

@@ -29,17 +29,12 @@ STAGE_TIME_MARGIN = 60.0
 
 @dataclass(frozen=True)
 class DescentStages:
-    """The stages of a descent.
-
-    Attributes
-    ----------
-    lone, pull_down, coast : Stage
-        The anchor alone (its depth), both bodies, and the vehicle after touchdown (the vehicle's depth).
-    """
+    """The stages of a descent."""
 
     lone: Stage
     pull_down: Stage
     coast: Stage
+    """The anchor alone (its depth), both bodies, and the vehicle after touchdown (the vehicle's depth)."""
     delay: Array
     """From the separation to the start of the anchor's free fall, shape (n,) [s]."""
     fall: CrossFlowFall | None = None
@@ -62,16 +57,7 @@ class DescentStages:
 
 @dataclass(frozen=True)
 class DescentRecord:
-    """Results of a block of descents; arrays of shape (n,) unless stated otherwise.
-
-    Attributes
-    ----------
-    touched_down, struck : array of bool
-        Whether the anchor reached the seafloor with the vehicle on its line, and whether the vehicle did.
-    nose_down_time, depth_lost : array
-        From the taut line to nose down [s], and the depth that the vehicle would have gained by being so at once [m];
-        nan where the pitch-over is not simulated, or the vehicle does not turn over.
-    """
+    """Results of a block of descents; arrays of shape (n,) unless stated otherwise."""
 
     release_time: Array
     """From the last fix to the anchor's separation [s]."""
@@ -90,12 +76,15 @@ class DescentRecord:
     """
     touched_down: NDArray[np.bool_]
     struck: NDArray[np.bool_]
+    """Whether the anchor reached the seafloor with the vehicle on its line, and whether the vehicle did."""
     snatch_tension: Array
     """Peak tension of the line as it goes taut; nan where its stiffness is not known [N]."""
     parted: NDArray[np.bool_]
     """Whether it parted then."""
     nose_down_time: Array
     depth_lost: Array
+    """From the taut line to nose down [s], and the depth that the vehicle would have gained by being so at once [m];
+    nan where the pitch-over is not simulated, or the vehicle does not turn over."""
 
     @property
     def offset_distance(self) -> Array:
@@ -117,8 +106,6 @@ def descent_stages(
 
     Parameters
     ----------
-    dive : Dive
-    hooks : DescentHooks
     trials : int
         n.
     step : float
@@ -129,10 +116,6 @@ def descent_stages(
         Of the anchor.
     until : float
         Time since the start of the free fall at which stages are cut [s].
-
-    Returns
-    -------
-    DescentStages
     """
     rest = np.zeros(trials)
     line, bottom = (over_trials(value, trials) for value in (dive.line_length, dive.site_depth))
@@ -227,8 +210,6 @@ def descend(
 
     Parameters
     ----------
-    dive : Dive
-    effects : iterable of DescentEffect
     release_time : array, shape (n,)
         From the last fix to the anchor's separation [s].
     current : Current
@@ -241,10 +222,6 @@ def descend(
         Drift at the surface beyond the current, until the anchor separates [m/s].
     step : float
         Of the integration [s].
-
-    Returns
-    -------
-    DescentRecord
     """
     hooks = DescentHooks(effects)
     trials = release_time.size

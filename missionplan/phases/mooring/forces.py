@@ -15,25 +15,17 @@ from missionplan.physics.snatch import LineSpring, PitchingBody
 
 @dataclass(frozen=True)
 class Dive:
-    """Bodies, line and depth of a descent; each number is a float or an array over trials, shape (n,).
-
-    Attributes
-    ----------
-    anchor_mass, anchor_added_mass : float or array
-        Of the anchor with the water inside, and its axial added mass [kg].
-    anchor_drag : DragLaw
-    vehicle_mass, vehicle_added_mass : float or array
-        Of the egress vehicle, and its axial added mass [kg].
-    vehicle_drag : DragLaw
-    """
+    """Bodies, line and depth of a descent; each number is a float or an array over trials, shape (n,)."""
 
     wet_weight: Scalars
     """Of the flooded anchor [N]."""
     anchor_mass: Scalars
     anchor_added_mass: Scalars
+    """Of the anchor with the water inside, and its axial added mass [kg]."""
     anchor_drag: DragLaw
     vehicle_mass: Scalars
     vehicle_added_mass: Scalars
+    """Of the egress vehicle, and its axial added mass [kg]."""
     net_buoyancy: Scalars
     """Buoyancy minus weight of the egress vehicle [N]."""
     vehicle_drag: DragLaw

@@ -35,14 +35,7 @@ _NODES = 13
 
 @dataclass(frozen=True)
 class Hold:
-    """What hangs on the line, and where.
-
-    Attributes
-    ----------
-    body : HeldBody
-    line : HeldLine
-    anchor : LyingAnchor
-    """
+    """What hangs on the line, and where."""
 
     body: HeldBody
     line: HeldLine
@@ -116,8 +109,6 @@ def hold_vehicle(hold: Hold, current: Current, anchor: Array, start: Array, dura
 
     Parameters
     ----------
-    hold : Hold
-    current : Current
     anchor : array, shape (2, n)
         Where it came down, east and north of the coordinates' origin [m].
     start : array, shape (n,)

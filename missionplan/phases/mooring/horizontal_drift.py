@@ -106,12 +106,7 @@ class CrossFlowBody:
 
 @dataclass(frozen=True)
 class TiedBodies:
-    """What ties the drift of two bodies together: their drag and mass across the flow; without it, each goes alone.
-
-    Attributes
-    ----------
-    anchor, vehicle : CrossFlowBody
-    """
+    """What ties the drift of two bodies together: their drag and mass across the flow; without it, each goes alone."""
 
     anchor: CrossFlowBody
     vehicle: CrossFlowBody

@@ -26,18 +26,14 @@ STEP = 0.25
 
 @dataclass(frozen=True)
 class AscentRecord:
-    """Results of a block of ascents.
-
-    Attributes
-    ----------
-    surfaced : array of bool, shape (n,)
-    """
+    """Results of a block of ascents."""
 
     ascent_time: Array
     """Shape (n,). From the release to the surface; nan where the vehicle never surfaced [s]."""
     drift: Array
     """Displacement by the current meanwhile, east and north, shape (2, n) [m]."""
     surfaced: NDArray[np.bool_]
+    """Shape (n,)."""
 
 
 def ascend(
@@ -60,7 +56,6 @@ def ascend(
         Of the descent; the vehicle starts at rest.
     effects : iterable of DescentEffect
         Those of the descent: lifts, vertical water velocity and drag factors still act on the vehicle.
-    current : Current
     position : array, shape (2, n)
         Of the vehicle, east and north of the coordinates' origin [m].
     t_start : array, shape (n,)
@@ -73,10 +68,6 @@ def ascend(
         Depth of the nose when the tail is at the surface [m].
     step : float
         Of the integration [s].
-
-    Returns
-    -------
-    AscentRecord
     """
     hooks, trials = DescentHooks(effects), t_start.size
     start, end = np.maximum(start, 0.0), over_trials(end, trials)
@@ -96,13 +87,7 @@ def ascend(
 
 @dataclass(frozen=True)
 class MoorPlan:
-    """Parameters of one mooring. Each number may be an array over trials, shape (n,).
-
-    Attributes
-    ----------
-    hold, galvanic_release : float
-        From touchdown until the release is triggered, and from then until the line parts [s].
-    """
+    """Parameters of one mooring. Each number may be an array over trials, shape (n,)."""
 
     dive: Dive
     """Bodies, line and depth."""
@@ -114,6 +99,7 @@ class MoorPlan:
     """From the last fix until the anchor separates [s]."""
     hold: Scalars = 0.0
     galvanic_release: Scalars = 0.0
+    """From touchdown until the release is triggered, and from then until the line parts [s]."""
     surfacing_time: Scalars = 0.0
     """At the surface after the ascent, up to the fix [s]."""
     fix_error: Scalars = 0.0
@@ -126,15 +112,7 @@ class MoorPlan:
 
 @dataclass(frozen=True)
 class MoorRecord:
-    """Results of a mooring; arrays of shape (n,) unless stated otherwise.
-
-    Attributes
-    ----------
-    descent : DescentRecord
-    within_radius, struck, surfaced, line_parted : array of bool
-        Whether the anchor came down within the radius about the last fix, the vehicle struck the seafloor on the way
-        down, the vehicle surfaced again, and the line was overloaded by the snatch or in the hold.
-    """
+    """Results of a mooring; arrays of shape (n,) unless stated otherwise."""
 
     descent: DescentRecord
     hold: HoldRecord
@@ -156,6 +134,8 @@ class MoorRecord:
     struck: NDArray[np.bool_]
     surfaced: NDArray[np.bool_]
     line_parted: NDArray[np.bool_]
+    """Whether the anchor came down within the radius about the last fix, the vehicle struck the seafloor on the way
+    down, the vehicle surfaced again, and the line was overloaded by the snatch or in the hold."""
 
     @property
     def offset_distance(self) -> Array:
@@ -179,14 +159,12 @@ def moor(
 
     Parameters
     ----------
-    plan : MoorPlan
     state : TrialState
         At the arrival fix.
     fix_normals : array, shape (2, n)
         Standard normals of the fix after the ascent.
     current : Current
         Anchor and vehicle drift with the layers that they are in.
-    effects : iterable of DescentEffect
     surface_effects : iterable of TransitEffect
         Only their drift at the surface acts here.
 

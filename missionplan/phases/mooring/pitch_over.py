@@ -102,9 +102,6 @@ def pitch_over(
 
     Parameters
     ----------
-    dive : Dive
-    body : PitchingBody
-    hooks : DescentHooks
     lone : Stage
         Of the anchor, which ends when the line is taut.
     deepest : float or array, shape (n,)

@@ -21,15 +21,7 @@ MAX_RISE_TIME = 120.0
 
 @dataclass(frozen=True)
 class DescentProfile:
-    """A single descent against time.
-
-    Attributes
-    ----------
-    vehicle_depth, anchor_depth : array, shape (k,)
-        Of the vehicle's nose and of the anchor [m].
-    vehicle_track, anchor_track : array, shape (2, k)
-        East and north of the last fix, until touchdown, nan after it [m].
-    """
+    """A single descent against time."""
 
     record: DescentRecord
     """Of the one trial."""
@@ -37,8 +29,10 @@ class DescentProfile:
     """Since the last fix, shape (k,) [s]."""
     vehicle_depth: Array
     anchor_depth: Array
+    """Shape (k,). Of the vehicle's nose and of the anchor [m]."""
     vehicle_track: Array
     anchor_track: Array
+    """Shape (2, k). East and north of the last fix, until touchdown, nan after it [m]."""
     stages: dict[str, float]
     """Separation, free fall, pull-down, touchdown and lowest point, each since the last fix [s]."""
 
@@ -64,10 +58,8 @@ def simulate_profile(
     ----------
     dive : Dive
         With floats for parameters.
-    effects : iterable of DescentEffect
     release_time : float
         From the last fix to the separation [s].
-    current : Current
     position : array, shape (2,)
         At the last fix, east and north of the coordinates' origin [m].
     t_start : float

@@ -49,12 +49,7 @@ class TiedPullDown:
 
 @dataclass
 class TiedWater:
-    """Water about both bodies; while it is taken as steady, it goes on changing as it did before.
-
-    Attributes
-    ----------
-    current : Current
-    """
+    """Water about both bodies; while it is taken as steady, it goes on changing as it did before."""
 
     current: Current
     centres: tuple[Scalars, Scalars]
@@ -100,9 +95,6 @@ def pull_down_tied(
 
     Parameters
     ----------
-    dive : Dive
-    bodies : TiedBodies
-    hooks : DescentHooks
     before : tuple of Stage
         The anchor's lone fall, and how the vehicle came nose down, where that is simulated.
     falling, afloat : CrossFlowFall, HorizontalDrift
@@ -147,15 +139,12 @@ def integrate_tied(
 
     Parameters
     ----------
-    forces : TiedForces
-    water : TiedWater
     start : TiedState
         After the snatch.
     bottom : array, shape (n,)
         Depth of the seafloor [m].
     under_way : array of bool, shape (n,)
         Trials in which the line pulls; the others end at once.
-    how : Integration
     """
     step = how.step
     place, rate = start.place, start.rate

@@ -60,25 +60,19 @@ class Integration:
 
 @dataclass(frozen=True)
 class Stage:
-    """A stage of a descent or ascent, integrated.
-
-    Attributes
-    ----------
-    time, depth, speed : array, shape (n,)
-        End of each trial's stage: on the stage's clock [s], depth [m] and speed through the water [m/s].
-    depths, rates : array, shape (m, n)
-        On the grid k·step of the stage's clock: depth [m] and its rate [m/s]; no rows unless kept.
-    """
+    """A stage of a descent or ascent, integrated."""
 
     step: float
     """[s]."""
     time: Array
     depth: Array
     speed: Array
+    """Shape (n,). End of each trial's stage: on the stage's clock [s], depth [m] and speed through the water [m/s]."""
     ended: NDArray[np.bool_]
     """False where the stage was cut at its time limit, shape (n,)."""
     depths: Array
     rates: Array
+    """Shape (m, n). On the grid k·step of the stage's clock: depth [m] and its rate [m/s]; no rows unless kept."""
 
     def depth_at(self, t: Array) -> Array:
         """Depth at times of the stage's clock, shape (k, n) [s], constant beyond its ends [m]; needs a kept history."""
@@ -92,12 +86,7 @@ class Stage:
 
 @dataclass(frozen=True)
 class Followed(Stage):
-    """Two stages, one after the other, as one; the histories are those of the second.
-
-    Attributes
-    ----------
-    first, second : Stage
-    """
+    """Two stages, one after the other, as one; the histories are those of the second."""
 
     first: Stage
     second: Stage
@@ -129,7 +118,6 @@ def integrate_stage(
 
     Parameters
     ----------
-    forces : Forces
     depth, speed : array, shape (n,)
         At the start: depth [m] and downward speed through the water [m/s].
     stop : Stop
@@ -142,10 +130,6 @@ def integrate_stage(
         Whether to keep depths and rates on the grid.
     on_step : callable, optional
         For what happens during the stage, such as horizontal drift.
-
-    Returns
-    -------
-    Stage
     """
     water = forces.water_velocity
     z, u, a = depth, speed, forces.acceleration(0.0, depth, speed)
@@ -171,7 +155,7 @@ def integrate_stage(
     ended = ~ends.under_way
     ends.record(ends.under_way, t + step, (z, u, a), (z, u, a))
     share = np.where(ended, ends.share(stop, water, step), 0.0)
-    z0, z, u = ends.before[0], *ends.at(share, water, step)
+    z0, (z, u) = ends.before[0], ends.at(share, water, step)
     if on_step is not None:
         on_step(ends.start, share * step, 0.5 * (z0 + z))
     depths, rates = (np.stack(values) if keep else np.empty((0, z.size)) for values in zip(*grid, strict=True))

@@ -31,16 +31,11 @@ _LEAST_NEEDED = 0.25
 
 @dataclass(frozen=True)
 class Frame:
-    """From the plane to the grid's columns and rows: a polynomial, fitted to the exact projection.
-
-    Attributes
-    ----------
-    low, high : array, shape (2,)
-        Corners of the part of the plane in which it was fitted [m].
-    """
+    """From the plane to the grid's columns and rows: a polynomial, fitted to the exact projection."""
 
     low: Array
     high: Array
+    """Shape (2,). Corners of the part of the plane in which it was fitted [m]."""
     terms: Array
     """Coefficients of x^i y^j, x and y from -1 to 1 across that part, of column and row, shape (degree + 1, degree + 1,
     2)."""
@@ -96,12 +91,7 @@ class Frame:
 
 @dataclass(frozen=True)
 class Ground:
-    """The seafloor.
-
-    Attributes
-    ----------
-    frame : Frame
-    """
+    """The seafloor."""
 
     depth: Depths = field(repr=False)
     """Below the datum, negative on land, nan where unknown, shape (rows, columns) [m]."""

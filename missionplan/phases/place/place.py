@@ -24,23 +24,17 @@ class Cause(IntEnum):
 
 @dataclass(frozen=True)
 class SeaLevel:
-    """Height of the sea level over the datum of the depths: a level, waves, and a record.
-
-    Attributes
-    ----------
-    frequency, cosine, sine : array, shape (k,)
-        Of waves ``C·cos(ωt) + S·sin(ωt)`` [rad/s, m, m].
-    time, height : array, shape (m,)
-        Of a record, linear between, held at its ends [s, m].
-    """
+    """Height of the sea level over the datum of the depths: a level, waves, and a record."""
 
     level: Scalars = 0.0
     """Shape (n,). [m]"""
     frequency: Array = field(default_factory=lambda: np.zeros(0))
     cosine: Array = field(default_factory=lambda: np.zeros(0))
     sine: Array = field(default_factory=lambda: np.zeros(0))
+    """Shape (k,). Of waves ``C·cos(ωt) + S·sin(ωt)`` [rad/s, m, m]."""
     time: Array = field(default_factory=lambda: np.zeros(0))
     height: Array = field(default_factory=lambda: np.zeros(0))
+    """Shape (m,). Of a record, linear between, held at its ends [s, m]."""
 
     def at(self, t: Array) -> Array:
         """Height at times since the mission's start [s], one a trial, shape (n,) [m]."""
@@ -58,24 +52,17 @@ class SeaLevel:
 
 @dataclass(frozen=True)
 class Way:
-    """Straight ways of a block of trials, each between two moments.
-
-    Attributes
-    ----------
-    start, end : array, shape (2, n)
-        [m]
-    begun, ended : array, shape (n,)
-        Since the mission's start [s].
-    least, greatest : float or array, shape (n,)
-        Depths of the vehicle's axis on the way [m].
-    """
+    """Straight ways of a block of trials, each between two moments."""
 
     start: Array
     end: Array
+    """Shape (2, n). [m]."""
     begun: Array
     ended: Array
+    """Shape (n,). Since the mission's start [s]."""
     least: Scalars = 0.0
     greatest: Scalars = 0.0
+    """Shape (n,). Depths of the vehicle's axis on the way [m]."""
 
     @property
     def times(self) -> Array:
@@ -142,14 +129,7 @@ class Contact:
 
 @dataclass(frozen=True)
 class Place:
-    """Ground, zones and sea level, and how much water the vehicle needs.
-
-    Attributes
-    ----------
-    ground : Ground or None
-    fence : Fence or None
-    sea_level : SeaLevel
-    """
+    """Ground, zones and sea level, and how much water the vehicle needs."""
 
     ground: Ground | None = None
     fence: Fence | None = None
@@ -238,12 +218,7 @@ class Place:
 
 @dataclass
 class Lookout:
-    """Watches the trials of a transit: keeps what each met first.
-
-    Attributes
-    ----------
-    contact : Contact
-    """
+    """Watches the trials of a transit: keeps what each met first."""
 
     place: Place
     """For the trials under watch."""

@@ -22,17 +22,7 @@ _SLACK = 1e-3
 
 @dataclass(frozen=True)
 class Zone:
-    """A polygon with what it forbids.
-
-    Attributes
-    ----------
-    name : str
-    is_land : bool
-    since, until : float
-        When it holds, since the mission's start [s].
-    above, below : float
-        It forbids depths less than `above` and more than `below` [m].
-    """
+    """A polygon with what it forbids."""
 
     geometry: "Geometry" = field(repr=False)
     """In the plane [m]."""
@@ -40,8 +30,10 @@ class Zone:
     is_land: bool
     since: float = -np.inf
     until: float = np.inf
+    """When it holds, since the mission's start [s]."""
     above: float = np.inf
     below: float = -np.inf
+    """It forbids depths less than `above` and more than `below` [m]."""
 
     def contact(self, start: Array, end: Array, times: Array, depths: Array) -> Array:
         """Share of straight ways until they first touch the zone while it holds, shape (n,); infinite where none does.
@@ -126,12 +118,7 @@ def _ways(start: Array, end: Array) -> "NDArray[Any]":
 
 @dataclass(frozen=True)
 class Fence:
-    """All zones of a place.
-
-    Attributes
-    ----------
-    zones : tuple of Zone
-    """
+    """All zones of a place."""
 
     zones: tuple[Zone, ...]
 

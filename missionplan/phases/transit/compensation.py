@@ -37,13 +37,7 @@ class PlannedLeg:
 
 @dataclass(frozen=True)
 class CompletedLeg:
-    """The leg just ended, as its fixes have shown it.
-
-    Attributes
-    ----------
-    start, through : array, shape (2, n)
-        Fix that the leg started from, and its displacement through the water as it was steered, ℓ* [m].
-    """
+    """The leg just ended, as its fixes have shown it."""
 
     velocity_error: Array
     """(fix on surfacing − x*)/(‖ℓ*‖/U), x* the adjusted destination (Eq. 23); shape (2, n) [m/s]."""
@@ -57,6 +51,7 @@ class CompletedLeg:
     """Start of the leg since the mission's start, shape (n,) [s]."""
     start: Array
     through: Array
+    """Shape (2, n). Fix that the leg started from, and its displacement through the water as it was steered, ℓ* [m]."""
 
 
 class Compensation(ABC):

@@ -115,13 +115,7 @@ def column(vector: Array | None) -> Array:
 
 @dataclass(frozen=True)
 class TransitPlan:
-    """Parameters of one transit. Each number may be an array over trials.
-
-    Attributes
-    ----------
-    power_under_way, power_at_surface : float
-        Total electrical power then [W].
-    """
+    """Parameters of one transit. Each number may be an array over trials."""
 
     goal: Array
     """x_f, east and north of the coordinates' origin, shape (2,) or (2, n) [m]."""
@@ -142,6 +136,7 @@ class TransitPlan:
     """Legs after which a trial counts as not arrived."""
     power_under_way: Scalars = 0.0
     power_at_surface: Scalars = 0.0
+    """Total electrical power then [W]."""
     surfacing_energy: Scalars = 0.0
     """For each surfacing [J]."""
     latitude: float = float("nan")
@@ -204,18 +199,13 @@ class TransitPlan:
 
 @dataclass(frozen=True)
 class TransitNormals:
-    """Standard normals of a transit, leg by leg.
-
-    Attributes
-    ----------
-    fix_on_surfacing, fix_on_diving : Normals, optional
-        Required where fixes have errors.
-    """
+    """Standard normals of a transit, leg by leg."""
 
     velocity: Normals
     """Of the velocity error."""
     fix_on_surfacing: Normals | None = None
     fix_on_diving: Normals | None = None
+    """Required where fixes have errors."""
     effects: Sequence[Normals | None] = ()
     """One per effect; required where the effect is random."""
     rows: NDArray[np.intp] | None = None

@@ -36,10 +36,8 @@ def transit(
 
     Parameters
     ----------
-    plan : TransitPlan
     state : TrialState
         At the fix before the first dive.
-    normals : TransitNormals
     environment : Environment, optional
         Default: still water, no compensation, no effects.
     tracked : int

@@ -96,13 +96,7 @@ class TransitionVehicle:
 
 @dataclass(frozen=True)
 class Manoeuvre:
-    """The required manoeuvre: floats or arrays over trials.
-
-    Attributes
-    ----------
-    mid_speed, steepness : float or array
-        u* and Δσ of the interchange [m/s].
-    """
+    """The required manoeuvre: floats or arrays over trials."""
 
     start_speed: float
     """Survey speed [m/s]."""
@@ -110,6 +104,7 @@ class Manoeuvre:
     """Of the required speed, positive [m/s²]."""
     mid_speed: Scalars
     steepness: Scalars
+    """u* and Δσ of the interchange [m/s]."""
     before: float = 20.0
     """Time at survey speed before slowing down [s]."""
     after: float = 200.0

@@ -158,10 +158,6 @@ def simulate_transition(
     sample : float, optional
         Interval of the time histories, a multiple of the step [s]; default: the start alone.
 
-    Returns
-    -------
-    TransitionRecord
-
     Raises
     ------
     ArithmeticError

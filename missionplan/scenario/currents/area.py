@@ -61,7 +61,6 @@ class Area:
 
         Parameters
         ----------
-        files : FieldFiles
         names : tuple of str
             Of the variables that hold x and y.
         x, y : array

@@ -68,8 +68,6 @@ def scale(variable: "DataArray", si: str, expected: str, otherwise: str = "") ->
 
     Parameters
     ----------
-    variable : DataArray
-    si : str
     expected : str
         What a message says was expected.
     otherwise : str

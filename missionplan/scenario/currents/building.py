@@ -35,8 +35,6 @@ def at_columns(
 
     Parameters
     ----------
-    files : FieldFiles
-    moments : array of datetime64
     window : mapping of str to slice
         Part of each horizontal dimension.
     dims : sequence of str
@@ -67,7 +65,6 @@ def layer_depths(files: FieldFiles, along: Sequence[str], at: At, times: int, co
 
     Parameters
     ----------
-    files : FieldFiles
     along : sequence of str
         Dimension of the layers; none where the field holds the surface alone.
     at : callable

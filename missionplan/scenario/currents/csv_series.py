@@ -27,20 +27,14 @@ CSV_COLUMNS = tuple(CURRENT_LIMITS)
 
 @dataclass(frozen=True)
 class CurrentSeries:
-    """A current against time and depth.
-
-    Attributes
-    ----------
-    time, depth : array
-        Increasing [s since the mission's start, m].
-    east, north : array, shape (time, depth)
-        [m/s].
-    """
+    """A current against time and depth."""
 
     time: Array
     depth: Array
+    """Increasing [s since the mission's start, m]."""
     east: Array
     north: Array
+    """Shape (time, depth). [m/s]."""
 
 
 def read_current_csv(path: Path, start: datetime | None = None, epoch: datetime | None = None) -> CurrentSeries:
@@ -55,7 +49,6 @@ def read_series_csv(
 
     Parameters
     ----------
-    path : Path
     limits : mapping of str to float
         Columns, and the size beyond which a number of each is impossible.
     start : datetime, optional

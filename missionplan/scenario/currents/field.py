@@ -29,7 +29,6 @@ def read_field(
     ----------
     names : sequence of str
         Paths, or addresses.
-    area : Area
     shown : str
         How messages name them.
     member : int, optional

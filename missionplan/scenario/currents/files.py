@@ -30,22 +30,16 @@ Window = Mapping[str, slice]
 
 @dataclass(frozen=True)
 class Carried:
-    """What a field moves, by the names that models give its velocity.
-
-    Attributes
-    ----------
-    east, north : tuple of str
-        Variables toward east and north, or along rows and columns.
-    standard_east, standard_north : tuple of str
-        CF's names.
-    """
+    """What a field moves, by the names that models give its velocity."""
 
     name: str
     """How messages name it."""
     east: tuple[str, ...]
     north: tuple[str, ...]
+    """Variables toward east and north, or along rows and columns."""
     standard_east: tuple[str, ...]
     standard_north: tuple[str, ...]
+    """CF's names."""
     fastest: float
     """Faster than this is none [m/s]."""
 
@@ -131,8 +125,6 @@ class FieldFiles:
 
         Parameters
         ----------
-        name : str
-        moments : array of datetime64
         window : mapping of str to slice
             Part of each dimension.
         order : sequence of str

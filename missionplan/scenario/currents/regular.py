@@ -102,14 +102,7 @@ _ANGLE_OFF = 0.2
 
 @dataclass(frozen=True)
 class _Part:
-    """The part of a grid that is read: rows and columns of its nodes, a ring of which only the staggered values need.
-
-    Attributes
-    ----------
-    rows, columns : slice
-    longitude, latitude : array, shape (j, i)
-        [deg]
-    """
+    """The part of a grid that is read: rows and columns of its nodes, a ring of which only staggered values need."""
 
     rows: slice
     columns: slice
@@ -119,6 +112,7 @@ class _Part:
     """Points, shape (2, j, i) [m]."""
     longitude: Array
     latitude: Array
+    """Shape (j, i). [deg]."""
 
     @property
     def window(self) -> Window:

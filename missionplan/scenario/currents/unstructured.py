@@ -23,13 +23,7 @@ from missionplan.scenario.currents.vertical import SKIN, SURFACE, good_down_to
 
 @dataclass(frozen=True)
 class Mesh:
-    """The part of a mesh that is read.
-
-    Attributes
-    ----------
-    nodes, numbers : array of int, shapes (p,) and (m,)
-        Which of the file's nodes and faces these are.
-    """
+    """The part of a mesh that is read."""
 
     points: Array
     """Nodes, shape (2, p) [m]."""
@@ -37,6 +31,7 @@ class Mesh:
     """Nodes of each face, -1 where it has fewer, shape (m, 3 or more)."""
     nodes: Indices
     numbers: Indices
+    """Shapes (p,) and (m,). Which of the file's nodes and faces these are."""
     turning: Turning
     """Factor that turns velocities along the file's axes toward east and north, shape (p,)."""
     whole: int

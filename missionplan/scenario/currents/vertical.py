@@ -81,8 +81,6 @@ def level_depths(files: FieldFiles, along: str, at: At, times: int) -> tuple[Arr
 
     Parameters
     ----------
-    files : FieldFiles
-    along : str
     at : callable
         Values at the field's columns.
     times : int

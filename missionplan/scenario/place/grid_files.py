@@ -39,16 +39,11 @@ _MOST_CELLS = 1_000_000
 
 @dataclass(frozen=True)
 class Grid:
-    """Heights or depths at the centres of cells, as a file has them.
-
-    Attributes
-    ----------
-    x, y : array, shape (columns,) and (rows,)
-        Coordinates, in either direction.
-    """
+    """Heights or depths at the centres of cells, as a file has them."""
 
     x: Array
     y: Array
+    """Shape (columns,) and (rows,). Coordinates, in either direction."""
     values: Array
     """nan where missing, shape (rows, columns) [m]."""
     is_up: bool

@@ -27,13 +27,7 @@ Transform = Callable[[Array, Array], tuple[Array, Array]]
 
 @dataclass(frozen=True)
 class Chart:
-    """A file of a place, and the part of the plane that is wanted of it.
-
-    Attributes
-    ----------
-    low, high : array, shape (2,)
-        South-west and north-east corner of what is wanted [m].
-    """
+    """A file of a place, and the part of the plane that is wanted of it."""
 
     key: str
     """Of the mission file, such as ``site.land``."""
@@ -43,6 +37,7 @@ class Chart:
     """None where all coordinates are local."""
     low: Array
     high: Array
+    """Shape (2,). South-west and north-east corner of what is wanted [m]."""
 
     @property
     def path(self) -> Path:
@@ -197,7 +192,6 @@ def read_zones(chart: Chart, start: datetime | None, *, is_land: bool) -> list[Z
 
     Parameters
     ----------
-    chart : Chart
     start : datetime or None
         Of the mission, from which the times of zones count.
     is_land : bool

@@ -43,18 +43,13 @@ MIN_PANEL_WIDTH = 0.02
 
 @dataclass(frozen=True)
 class TransitExpectation:
-    """Expected distance run and surfacings of a transit.
-
-    Attributes
-    ----------
-    speed, surfacing_time : float
-        Speed through the water [m/s] and time at the surface after each leg [s].
-    """
+    """Expected distance run and surfacings of a transit."""
 
     distance: float
     """To the target at the start [m]."""
     speed: float
     surfacing_time: float
+    """Speed through the water [m/s] and time at the surface after each leg [s]."""
     distance_run: float
     """Expected total length of the legs [m]."""
     surfacings: float
