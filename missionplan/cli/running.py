@@ -5,7 +5,7 @@ Runs that were cut short: their finished blocks of trials are kept in the report
 
 import sys
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import AbstractContextManager, contextmanager, nullcontext, redirect_stdout
+from contextlib import AbstractContextManager, contextmanager, redirect_stdout
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
@@ -90,7 +90,7 @@ def report_folder(output: OutputOptions, stem: str, command: str, inputs: Sequen
 
 def deliver(result: "Result", folder: Path, output: OutputOptions) -> None:
     """Save a result, then print it: as JSON for scripts, else as a sentence and a compact table."""
-    drawing = _drawing_in_parallel()
+    drawing = _drawing_in_parallel(result.provenance.options.get("jobs"))
     from missionplan.report.quantities import using_units
 
     with using_units(output.system):
@@ -111,15 +111,15 @@ def deliver(result: "Result", folder: Path, output: OutputOptions) -> None:
     note(f"Report: {folder / 'report.html'}")
 
 
-def _drawing_in_parallel() -> AbstractContextManager[None]:
-    """Let the processes that took part in the study, if any did, draw some of the report's figures."""
-    pool = sys.modules.get("missionplan.montecarlo.parallel.pool")
-    if pool is None:
-        return nullcontext()
-    pool.preload("missionplan.report.drawn")  # while this process imports it too
+def _drawing_in_parallel(jobs: object) -> AbstractContextManager[None]:
+    """Let this process draw the report with copies of itself, once those that took part in the study have ended."""
+    if "missionplan.montecarlo.parallel.pool" in sys.modules:
+        from missionplan.montecarlo.parallel.pool import shut_down_pool
+
+        shut_down_pool()
     from missionplan.report.drawn import drawing_in_parallel
 
-    return drawing_in_parallel()
+    return drawing_in_parallel(jobs if isinstance(jobs, int) else None)
 
 
 def _print_summary(result: "Result") -> None:

@@ -1,30 +1,31 @@
 """Figures as SVG text."""
 
 import io
+import os
 import pickle
+import select
+import signal
+import sys
+import threading
 from collections.abc import Callable, Iterator
-from concurrent.futures import BrokenExecutor, Future
 from contextlib import contextmanager
 from contextvars import ContextVar
 from dataclasses import dataclass, field
 from functools import cached_property
 from importlib.resources import files
 from pathlib import Path
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING, NoReturn, Protocol, cast
 
 import matplotlib as mpl
 import numpy as np
 from matplotlib.backends.backend_svg import FigureCanvasSVG
 from matplotlib.text import Text
 
-from missionplan.montecarlo.parallel.pool import interrupts_deferred, result_of, running_pool
 from missionplan.report.axes import draw_in_units, set_ticks
 from missionplan.report.html.readings import Shown, name_series, readings
-from missionplan.report.quantities import reader_system, reading_in
 from missionplan.report.wording import typeset
 
 if TYPE_CHECKING:
-    from loky import ProcessPoolExecutor
     from matplotlib.figure import Figure
 
 
@@ -32,6 +33,8 @@ PLAIN = Shown()
 """Of a figure to which the page adds nothing."""
 SVG_DPI = 72
 """Dots per inch at which SVG is drawn."""
+_DEAF = {getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP") if hasattr(signal, name)}
+"""Signals that end a command."""
 
 
 class DrawnFigure(Protocol):
@@ -102,51 +105,82 @@ def drawing_by(draw: Draw) -> Iterator[None]:
         _chosen.reset(token)
 
 
-AT_ONCE = 2
-"""Figures that the pool has at once, at most; this process draws the others."""
-
-
 @contextmanager
-def drawing_in_parallel() -> Iterator[None]:
-    """Let the pool that is running, if one is, draw some of the figures; the drawings are the same."""
-    executor = running_pool()
-    if executor is None:
+def drawing_in_parallel(processes: int | None = None) -> Iterator[None]:
+    """Draw some of the figures in copies of this process, which have all that it has imported; drawings are the same.
+
+    Parameters
+    ----------
+    processes : int, optional
+        That draw at once, this one included; default: one per core. Where a process cannot be copied safely (off
+        Linux, or beside other threads, whose locks a copy would hold for ever) this one draws all.
+    """
+    count = processes or len(os.sched_getaffinity(0)) if sys.platform == "linux" else 1
+    if count == 1 or threading.active_count() > 1:
         yield
         return
-    with drawing_by(_Parallel(executor).drawing_of):
-        yield
+    copies = Copies(count - 1)
+    with drawing_by(copies.drawing_of):
+        try:
+            yield
+        finally:
+            copies.end()
 
 
-@dataclass(frozen=True)
-class _Parallel:
-    """Draws with the processes of a pool, and here while they are busy."""
+@dataclass
+class Copies:
+    """Draws in copies of this process, `most` at once, and here while these are busy."""
 
-    executor: "ProcessPoolExecutor"
-    pending: "list[Future[Drawn]]" = field(default_factory=list)
+    most: int
+    made: "list[_DrawnElsewhere]" = field(default_factory=list)
 
     def drawing_of(self, figure: "Figure", shown: Shown) -> DrawnFigure:
-        self.pending[:] = [future for future in self.pending if not future.done()]
-        if len(self.pending) >= AT_ONCE:
+        """Draw a figure in a copy, where one may be made."""
+        if sum(each.is_busy for each in self.made) >= self.most:
             return draw(figure, shown)
-        from loky.backend.reduction import dumps
-
-        content = bytes(dumps((figure, shown)))
         try:
-            with interrupts_deferred():
-                future = self.executor.submit(_drawn, content, reader_system())
-        except BrokenExecutor:
+            self.made.append(_DrawnElsewhere(figure, shown))
+        except OSError:  # of processes or files there may be no more
             return draw(figure, shown)
-        self.pending.append(future)
-        return _DrawnElsewhere(future, figure, shown)
+        return self.made[-1]
+
+    def end(self) -> None:
+        """Let go of all."""
+        for each in self.made:
+            each.end()
 
 
-@dataclass(frozen=True, eq=False)
 class _DrawnElsewhere:
-    """A drawing that another process makes; should that process die, this one makes it."""
+    """A drawing that a copy of this process makes; should that die, this one makes it."""
 
-    future: "Future[Drawn]"
-    figure: "Figure"
-    shown: Shown
+    def __init__(self, figure: "Figure", shown: Shown) -> None:
+        self._figure, self._shown = figure, shown
+        self._pipe, writer = os.pipe()
+        mask = signal.pthread_sigmask(signal.SIG_BLOCK, _DEAF)  # Ctrl-C is for this process; the copy ends by itself
+        try:
+            self.process = os.fork()
+            if self.process == 0:
+                self._draw_and_end(writer)
+        except OSError:
+            os.close(self._pipe)
+            raise
+        finally:
+            signal.pthread_sigmask(signal.SIG_SETMASK, mask)
+            os.close(writer)
+        self._waits_for = True
+
+    def _draw_and_end(self, writer: int) -> NoReturn:
+        try:
+            os.close(self._pipe)  # or a write to a parent that is gone would never fail
+            with open(writer, "wb") as to_parent:
+                pickle.dump(draw(self._figure, self._shown), to_parent)
+        finally:
+            os._exit(0)  # what this process would clean up is its parent's
+
+    @property
+    def is_busy(self) -> bool:
+        """Whether it still draws: a copy writes once it is done."""
+        return self._waits_for and not select.select([self._pipe], [], [], 0.0)[0]
 
     @property
     def svg(self) -> str:
@@ -161,13 +195,16 @@ class _DrawnElsewhere:
     @cached_property
     def _drawn(self) -> Drawn:
         try:
-            return result_of(self.future)
-        except BrokenExecutor:
-            return draw(self.figure, self.shown)
+            with open(self._pipe, "rb", closefd=False) as from_copy:
+                return cast(Drawn, pickle.load(from_copy))
+        except (EOFError, pickle.UnpicklingError):
+            return draw(self._figure, self._shown)
+        finally:
+            self.end()
 
-
-def _drawn(content: bytes, units: str) -> Drawn:
-    """Draw a pickled figure in the project's style."""
-    figure, shown = pickle.loads(content)
-    with style(), reading_in(units):
-        return draw(figure, shown)
+    def end(self) -> None:
+        """Let go of the copy: one whose drawing nobody took ends when it cannot write it."""
+        if self._waits_for:
+            self._waits_for = False
+            os.close(self._pipe)
+            os.waitpid(self.process, 0)

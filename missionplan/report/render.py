@@ -49,8 +49,11 @@ def render_report(result: Result) -> Rendered:
     """Render a result as one self-contained page, its figures, and files for other programs."""
     made = result.provenance
     with shown_as_asked(result):
-        page, planned = _page(result), [*changed(made.data, result.recommended_values), *planned_sections(made)]
-        page = typeset_page(page)
+        page = typeset_page(_page(result))
+        planned = [
+            *changed(made.data, result.recommended_values),
+            *planned_sections(made, mapped="tracks" in page.plots),
+        ]
         return render_page(page, _sections(planned), made, [typeset(notice) for notice in made.notices])
 
 

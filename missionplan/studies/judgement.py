@@ -5,11 +5,13 @@ exit status follow: what was chosen on one set of random numbers is held to anot
 """
 
 from collections.abc import Mapping
+from dataclasses import replace
 
 from missionplan.errors import InputError
 from missionplan.mission import Mission
 from missionplan.results.simulation import Outcome
 from missionplan.studies.exploration.variation import with_values
+from missionplan.studies.simulation.assumptions import ledger
 from missionplan.studies.simulation.simulate import simulate
 
 FRESH = 1_000_003
@@ -17,7 +19,13 @@ FRESH = 1_000_003
 
 
 def judged(
-    mission: Mission, recommended: Mapping[str, object], *, trials: int, seed: int, jobs: int = 1
+    mission: Mission,
+    recommended: Mapping[str, object],
+    *,
+    trials: int,
+    seed: int,
+    jobs: int = 1,
+    assumptions: bool = True,
 ) -> Outcome | None:
     """Simulate a mission with what is recommended, and without each of its assumptions.
 
@@ -30,6 +38,8 @@ def judged(
     trials, seed : int
         With which the recommendation was chosen; the draws are those of another seed.
     jobs : int
+    assumptions : bool
+        Simulate it without each of its assumptions too; `doubted` does so later.
 
     Returns
     -------
@@ -38,7 +48,12 @@ def judged(
     """
     if not mission.requirements:
         return None
-    return simulated_with(mission, recommended, trials=trials, seed=seed + FRESH, jobs=jobs, assumptions=True)
+    return simulated_with(mission, recommended, trials=trials, seed=seed + FRESH, jobs=jobs, assumptions=assumptions)
+
+
+def doubted(mission: Mission, recommended: Mapping[str, object], outcome: Outcome) -> Outcome:
+    """Simulate a mission that was judged without each of its assumptions too."""
+    return replace(outcome, assumptions=ledger(_with(mission, recommended), outcome.provenance.seed))
 
 
 def simulated_with(
@@ -52,10 +67,14 @@ def simulated_with(
 ) -> Outcome | None:
     """Simulate a mission with other values at some key paths; None where it cannot be."""
     try:
-        whole = Mission.from_data(with_values(mission.raw, values), file=mission.file)
+        whole = _with(mission, values)
         return simulate(whole, trials=trials, seed=seed, jobs=jobs, assumptions=assumptions, sheet=False)
     except InputError:
         return None
+
+
+def _with(mission: Mission, values: Mapping[str, object]) -> Mission:
+    return Mission.from_data(with_values(mission.raw, values), file=mission.file)
 
 
 def is_good(outcome: Outcome | None) -> bool:

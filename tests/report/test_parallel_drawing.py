@@ -1,26 +1,29 @@
-"""Figures drawn by the processes of a pool: the same as those drawn here, whatever becomes of the pool."""
+"""Figures drawn by copies of the process: the same as those drawn here, whatever becomes of the copies."""
 
 import os
 import signal
+import sys
+import threading
 from collections.abc import Iterator
 
 import numpy as np
 import pytest
 from matplotlib.figure import Figure
 
-from missionplan.montecarlo.parallel.pool import process_pool, result_of, running_pool, shut_down_pool
 from missionplan.report.axes import name_axis
-from missionplan.report.drawn import AT_ONCE, Drawn, draw, drawing_in_parallel, style
+from missionplan.report.drawn import Copies, Drawn, draw, drawing_by, drawing_in_parallel, style
 from missionplan.report.page import to_figure
 from missionplan.report.quantities import reading_in
 
+pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="processes are copied on Linux alone")
+
 
 @pytest.fixture
-def pool() -> Iterator[None]:
-    shut_down_pool()
-    process_pool(1)
-    yield
-    shut_down_pool()
+def copies() -> Iterator[Copies]:
+    made = Copies(most=1)
+    with style(), drawing_by(made.drawing_of):
+        yield made
+    made.end()
 
 
 def curve(phase: float = 0.0) -> Figure:
@@ -35,41 +38,49 @@ def curve(phase: float = 0.0) -> Figure:
     return figure
 
 
-@pytest.mark.usefixtures("pool")
 @pytest.mark.parametrize("units", ["", "imperial"])
-def test_the_drawing_is_the_same(units: str) -> None:
-    with style(), reading_in(units):
+def test_the_drawing_is_the_same(copies: Copies, units: str) -> None:
+    with reading_in(units):
         here = draw(curve())
-        with drawing_in_parallel():
-            elsewhere = to_figure(curve(), "curve", "A curve")
+        elsewhere = to_figure(curve(), "curve", "A curve")
     assert not isinstance(elsewhere.drawing, Drawn)
     assert (elsewhere.svg, elsewhere.plot) == (here.svg, here.plot)
     assert ("depth (ft)" in here.svg) == (units == "imperial")
 
 
-@pytest.mark.usefixtures("pool")
-def test_figures_that_the_pool_has_no_time_for_are_drawn_here() -> None:
-    with style(), drawing_in_parallel():
-        figures = [to_figure(curve(0.1 * n), f"curve-{n}", "A curve") for n in range(AT_ONCE + 1)]
-        assert isinstance(figures[-1].drawing, Drawn)
-        expected = [draw(curve(0.1 * n)).svg for n in range(AT_ONCE + 1)]
-    assert [figure.svg for figure in figures] == expected
+def test_figures_that_no_copy_has_time_for_are_drawn_here(copies: Copies) -> None:
+    first = to_figure(curve(), "curve-0", "A curve")
+    os.kill(copies.made[0].process, signal.SIGSTOP)  # it is busy
+    second = to_figure(curve(0.1), "curve-1", "A curve")
+    assert isinstance(second.drawing, Drawn)
+    os.kill(copies.made[0].process, signal.SIGCONT)
+    assert [first.svg, second.svg] == [draw(curve()).svg, draw(curve(0.1)).svg]
 
 
-@pytest.mark.usefixtures("pool")
-def test_a_figure_whose_process_dies_is_drawn_here() -> None:
-    executor = running_pool()
-    assert executor is not None
-    worker = result_of(executor.submit(os.getpid))
-    os.kill(worker, signal.SIGSTOP)  # it cannot finish before it is killed
-    with style(), drawing_in_parallel():
-        figure = to_figure(curve(), "curve", "A curve")
-        os.kill(worker, signal.SIGKILL)
-        assert figure.svg == draw(curve()).svg
-        assert to_figure(curve(), "later", "A curve").svg == figure.svg
+def test_a_figure_whose_copy_dies_is_drawn_here(copies: Copies) -> None:
+    figure = to_figure(curve(), "curve", "A curve")
+    os.kill(copies.made[0].process, signal.SIGKILL)
+    assert figure.svg == draw(curve()).svg
+    assert to_figure(curve(), "later", "A curve").svg == figure.svg
 
 
-def test_without_a_pool_figures_are_drawn_here() -> None:
-    shut_down_pool()
-    with style(), drawing_in_parallel():
-        assert isinstance(to_figure(curve(), "curve", "A curve").drawing, Drawn)
+def test_ctrl_c_does_not_end_a_copy_and_one_that_nobody_asks_ends(copies: Copies) -> None:
+    figure = to_figure(curve(), "curve", "A curve")
+    os.kill(copies.made[0].process, signal.SIGINT)
+    assert figure.svg == draw(curve()).svg
+    to_figure(curve(), "unasked", "A curve")
+    copies.end()
+    with pytest.raises(ChildProcessError):
+        os.waitpid(copies.made[1].process, 0)
+
+
+def test_beside_other_threads_figures_are_drawn_here() -> None:
+    done = threading.Event()
+    thread = threading.Thread(target=done.wait)
+    thread.start()
+    try:
+        with style(), drawing_in_parallel():
+            assert isinstance(to_figure(curve(), "curve", "A curve").drawing, Drawn)
+    finally:
+        done.set()
+        thread.join()

@@ -82,6 +82,7 @@ _MESSAGES = {
     "Input should be a valid string": "expected text",
 }
 """Messages of this project by how pydantic's start."""
+_IN_QUOTES = "on, off, yes and no mean true and false in YAML; in quotes they are text"
 
 
 def validation_problems(error: ValidationError, document: Document, model: type[BaseModel]) -> list[Problem]:
@@ -105,7 +106,9 @@ def validation_problems(error: ValidationError, document: Document, model: type[
             problems.append(problem)
             mistyped.add((*path[:-1], meant))
         else:
-            problems.append(document.problem(path, f"given {_shown(detail['input'])}, {_message(detail['msg'])}"))
+            message = _message(detail["msg"])
+            hint = _IN_QUOTES if message == "expected text" and isinstance(detail["input"], bool) else ""
+            problems.append(document.problem(path, f"given {_shown(detail['input'])}, {message}", hint))
     for path in missing:
         if path not in mistyped:
             problems.append(document.problem(path, f"missing; expected {_expected(path, model)}"))

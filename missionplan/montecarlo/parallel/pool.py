@@ -55,12 +55,6 @@ def process_pool(count: int) -> "ProcessPoolExecutor":
         return next(iter(_kept.values()))
 
 
-def running_pool() -> "ProcessPoolExecutor | None":
-    """Return the pool that is running, if one is."""
-    with _lock:
-        return next(iter(_kept.values()), None)
-
-
 def _started(count: int) -> "ProcessPoolExecutor":
     from loky import ProcessPoolExecutor  # which many a run needs none of
 
@@ -165,14 +159,6 @@ def shut_down_pool() -> None:
     _kept.clear()
 
 
-def preload(*modules: str, times: int = 1) -> None:
-    """Let the pool that is running, if one is, import modules as soon as it has nothing else to do."""
-    if (executor := running_pool()) is not None:
-        with interrupts_deferred():
-            for _ in range(times):
-                executor.submit(_import, modules)
-
-
 def _import(modules: Sequence[str]) -> None:
     for module in modules:
         import_module(module)
@@ -183,8 +169,9 @@ def preloaded_pool(count: int, *modules: str) -> Iterator[None]:
     """Pool of processes that import modules in the background; shut down at the end of the context."""
     if count:
         with interrupts_deferred():
-            process_pool(count)
-        preload(*modules, times=count)
+            executor = process_pool(count)
+            for _ in range(count):
+                executor.submit(_import, modules)
     try:
         yield
     finally:

@@ -95,7 +95,7 @@ def _sections(diagnosis: Diagnosis) -> list[PageSection]:
         *last_part_sections(diagnosis),
         discrepancy_section(diagnosis),
         distinction_section(diagnosis),
-        PageSection("How the data were treated", _treatment(diagnosis)),
+        PageSection("How the data were treated", _treatment(diagnosis), is_reference=True),
     ]
 
 

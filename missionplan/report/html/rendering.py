@@ -27,8 +27,10 @@ _WIDE = 500.0
 """Width from which a figure is not made for a telephone [pt]."""
 _LONG_NAME = 18
 """Characters of a first cell for which a wide screen keeps more room."""
-_MOST_CARDS, _NARROW = 14, 44
+_MOST_CARDS, _NARROW = 8, 44
 """A narrow screen shows rows as cards if they have more characters than fit, unless there are too many."""
+_SHORT = 14
+"""Most rows of a table that is kept on one sheet of paper."""
 
 
 def render_page(page: Page, planned: Sequence[PageSection], provenance: Provenance, notices: Sequence[str]) -> Rendered:
@@ -119,10 +121,10 @@ def grouped(blocks: Sequence[Block]) -> list[Block | list[Figure]]:
 
 def shape(table: Table) -> str:
     """Choose how a table is shown on a narrow screen and on paper: the classes of its element."""
-    few = len(table.rows) <= _MOST_CARDS
+    few = len(table.rows) <= _SHORT
     wide = len(table.columns) > 2 and _characters(table) > _NARROW
     named = any(len(row[0]) > _LONG_NAME for row in table.rows)
-    names = (("short", few), ("cards", few and wide), ("long", not few), ("named", named))
+    names = (("short", few), ("cards", wide and len(table.rows) <= _MOST_CARDS), ("long", not few), ("named", named))
     return " ".join(name for name, holds in names if holds)
 
 

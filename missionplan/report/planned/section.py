@@ -1,20 +1,23 @@
 """Values of a mission file in words: quantities with their units, distributions as ± and ranges."""
 
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from itertools import chain
 from pathlib import Path
 
 from missionplan.mission.schema.shared_sections import values_in_force
+from missionplan.report.numbers import set_number
 from missionplan.report.page import Block, PageSection, Table
 from missionplan.report.planned.site_map import site_map
-from missionplan.report.quantities import DIMENSIONS, as_written, reader_system
+from missionplan.report.quantities import DIMENSIONS, as_written, reader_system, reader_unit
 from missionplan.report.wording import capitalised, in_words
 from missionplan.results.base import Provenance
 from missionplan.results.decision import changes_of
 from missionplan.results.entries import mapping
 
 _QUANTITY = re.compile(r"\s*([+-]?[\d.]+(?:[eE][+-]?\d+)?)\s*(\D.*?)?\s*")
+_SIGN = re.compile(r"(?<=\d)\s*deg\b")
+"""What the sign of a degree stands for."""
 _MOST_CHOICES = 6
 
 
@@ -27,8 +30,19 @@ def value_in_words(value: object) -> str:
             f"{in_words(str(key))} {value_in_words(inner)}" for key, inner in value.items()
         )
     if isinstance(value, list | tuple):
-        return f"({', '.join(map(value_in_words, value))})"
+        return f"({', '.join(_listed(value))})"
     return _degrees(str(value))
+
+
+def _listed(values: Sequence[object]) -> Iterator[str]:
+    """Write the values of a list: quantities in one unit all in one of the reader's, that of the largest."""
+    found = [_QUANTITY.fullmatch(str(value)) for value in values]
+    pairs = [(each[1], each[2]) for each in found if each]
+    unit = pairs[0][1] if len(pairs) == len(values) > 0 and len({unit for _, unit in pairs}) == 1 else None
+    if unit not in DIMENSIONS or not reader_system():
+        return map(value_in_words, values)
+    largest = max(abs(float(number)) for number, _ in pairs)
+    return (as_written(number, unit, largest=largest) for number, _ in pairs)
 
 
 def _degrees(text: str) -> str:
@@ -36,7 +50,7 @@ def _degrees(text: str) -> str:
     found = _QUANTITY.fullmatch(text)
     if found and found[2] in DIMENSIONS and reader_system():
         return as_written(found[1], found[2])
-    return re.sub(r"(?<=\d)\s*deg\b", "°", text)
+    return _SIGN.sub("°", text)
 
 
 def _distribution(value: Mapping[str, object]) -> str:
@@ -105,8 +119,15 @@ _ANCHOR = ("diameter", "drag_coefficient", "holding_factor", "flooding_time", "f
 """Keys of the vehicle and of its anchor that are shown; the file has the others."""
 
 
-def planned_sections(provenance: Provenance) -> list[PageSection]:
-    """Show what was planned, for a result of one mission, and what the answer rests on."""
+def planned_sections(provenance: Provenance, *, mapped: bool = False) -> list[PageSection]:
+    """Show what was planned, for a result of one mission, and what the answer rests on.
+
+    Parameters
+    ----------
+    provenance : Provenance
+    mapped : bool
+        Whether the page has a map of the mission, beside which one of the site only adds its chart.
+    """
     data = provenance.data
     if not isinstance(data.get("phases"), list | tuple):
         return where_checked(provenance)
@@ -125,10 +146,10 @@ def planned_sections(provenance: Provenance) -> list[PageSection]:
         "± is one standard deviation. The mission file, at the end of this page and in mission.yaml, has it all.",
         text_columns=2,
     )
-    drawn = site_map(data)
+    drawn = None if mapped and "chart" not in mapping(data.get("site")) else site_map(data)
     blocks: list[Block] = [*([drawn] if drawn else []), *([table] if rows else [])]
     heading = "The starter mission" if provenance.command == "import" else "What was planned"
-    planned = [PageSection(heading, blocks)] if blocks else []
+    planned = [PageSection(heading, blocks, is_reference=provenance.command != "import")] if blocks else []
     return [*not_held(provenance), *planned, *where_checked(provenance)]
 
 
@@ -177,12 +198,13 @@ def where_checked(provenance: Provenance) -> list[PageSection]:
     caption = "At the means. Outside a range nothing is known to be wrong; nothing was compared there."
     table = Table(("", "this mission", "checked", ""), rows, caption, text_columns=4)
     listed = f"It rests on these rows of docs/validation: {', '.join(provenance.rests_on)}."
-    return [PageSection(heading, [*([table] if rows else []), listed])]
+    return [PageSection(heading, [*([table] if rows else []), listed], is_reference=True)]
 
 
 def _from_to(low: float, high: float, unit: str) -> str:
-    rounded = dict.fromkeys(float(f"{value:.3g}") for value in (low, high))
-    return " to ".join(value_in_words(f"{value:g} {unit}".strip()) for value in rounded)
+    shown = reader_unit(unit, max(abs(low), abs(high)))
+    rounded = dict.fromkeys(f"{float(f'{shown(value):.3g}'):g}" for value in (low, high))
+    return " to ".join(_SIGN.sub("°", f"{set_number(number)}{shown.suffix}") for number in rounded)
 
 
 def _named(key: str) -> str:

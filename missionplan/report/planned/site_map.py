@@ -197,6 +197,13 @@ def _write_names(axes: Axes, named: list[tuple[str, Point]], way: np.ndarray) ->
         )
 
 
+def name_goals(axes: Axes, data: Mapping[str, object]) -> None:
+    """Write the names of a mission's start and goals on a map of it."""
+    goals = list(_goals(data))
+    if goals:
+        _write_names(axes, list(_names(goals)), np.array([goal.place for goal in goals]).T)
+
+
 def _room_for_names(named: list[tuple[str, Point]], way: np.ndarray) -> Iterator[np.ndarray]:
     """Points that must lie on the map too, so that no name below a place runs into the axis."""
     room = _NAME_BELOW * float(np.ptp(way, axis=1).max())

@@ -26,6 +26,7 @@ from missionplan.report.geography.plan_view import (
     track,
 )
 from missionplan.report.page import BLUE, GREEN, GREY, INK, ORANGE, PINK, SKY, YELLOW, Figure, to_figure
+from missionplan.report.planned.site_map import name_goals
 from missionplan.report.quantities import quantity
 from missionplan.report.simulation.figures import WIDTH, draw_profile
 from missionplan.report.wording import phase_in_words
@@ -191,6 +192,7 @@ def draw_tracks(axes: Axes, outcome: Outcome) -> None:
     axes.plot(*middle, color=INK, linewidth=1.2, marker="o", markersize=2.5, label="median trial")
     for ring in rings(outcome):
         draw_ring(axes, ring, ring.line, linewidth=1.0)
+    name_goals(axes, outcome.provenance.data)
     axes.set(xlim=shown.west_east, ylim=shown.south_north, aspect="equal")
     name_axis(axes.xaxis, "east", "m")
     name_axis(axes.yaxis, "north", "m")

@@ -17,7 +17,7 @@ from missionplan.report.axes import name_axis
 from missionplan.report.geography.plan_view import frame
 from missionplan.report.numbers import number
 from missionplan.report.page import BLUE, GREEN, INK, ORANGE, PINK, Block, Figure, PageSection, Table, to_figure
-from missionplan.report.quantities import quantity, reader_system
+from missionplan.report.quantities import quantity, reader_system, reader_unit
 from missionplan.report.simulation.figures import WIDTH
 from missionplan.report.simulation.quantities import failure_in_words
 from missionplan.results.overdue import SHARES, ExpectedTime, Overdue, SearchArea
@@ -63,13 +63,19 @@ def _clock(seconds: float, start: datetime | None) -> str:
     """
     if math.isnan(seconds):
         return ""
-    minutes = math.ceil(seconds / 60.0)
-    words = f"{minutes // 60}:{minutes % 60:02d}\u00a0h"
+    words = f"{_hours_minutes(seconds)}\u00a0h"
     if start is None:
         return words
-    moment = start + timedelta(minutes=minutes)
+    moment = start + timedelta(minutes=math.ceil(seconds / 60.0))
     local = "" if not start.utcoffset() else f", {moment:%d %b %H:%M} {moment.isoformat()[-6:]}"
     return f"{words} ({moment.astimezone(UTC):%d %b %H:%M} UTC{local})"
+
+
+def _hours_minutes(seconds: float) -> str:
+    if math.isnan(seconds):
+        return ""
+    minutes = math.ceil(seconds / 60.0)
+    return f"{minutes // 60}:{minutes % 60:02d}"
 
 
 def _why(found: Overdue, start: datetime | None) -> str:
@@ -103,9 +109,10 @@ def _times(found: Overdue, start: datetime | None) -> Table:
 
 
 def _time_row(time: ExpectedTime, start: datetime | None, *, has_energy: bool) -> Sequence[str]:
-    clocks = [_clock(value, None) for value in (time.p50, time.p95, time.p99)]
+    clocks = [_hours_minutes(value) for value in (time.p50, time.p95, time.p99)]
     energy = [number(time.energy_left, 0.05 * abs(time.energy_left) + 0.1)] if has_energy else []
-    return (time.name, f"{100.0 * time.share:.0f}\u00a0%", *clocks, _clock(time.p999, start), *energy)
+    last = _clock(time.p999, start) if start else _hours_minutes(time.p999)
+    return (time.name, f"{100.0 * time.share:.0f}\u00a0%", *clocks, last, *energy)
 
 
 def _map(outcome: Outcome, found: Overdue) -> Figure:
@@ -199,8 +206,9 @@ def _hours(area: SearchArea) -> str:
 def _size(area: SearchArea) -> str:
     if area.half_length == area.half_width:
         return f"{quantity(area.half_length, 'm', '.0f')} (circle)"
-    sizes = f"{quantity(area.half_length, 'm', '.0f')} × {quantity(area.half_width, 'm', '.0f')}"
-    return f"{sizes}, {math.degrees(area.toward):.0f}°"
+    unit = reader_unit("m", area.half_length)
+    length, width = (number(unit(half), 0.02 * unit(half)) for half in (area.half_length, area.half_width))
+    return f"{length} × {width}{unit.suffix}, {math.degrees(area.toward):.0f}°"
 
 
 def _area(area: SearchArea) -> str:

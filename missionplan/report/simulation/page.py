@@ -48,7 +48,6 @@ def page(outcome: Outcome) -> Page:
             *member_sections(outcome),
             sections.attrition(outcome),
             *sections.tracks(outcome),
-            *sections.plan_states(outcome),
             *overdue_section(outcome),
             *(hold_section(held, alone=len(outcome.held) == 1) for held in outcome.held),
             sections.distributions(outcome),

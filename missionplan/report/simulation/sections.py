@@ -3,18 +3,15 @@
 import math
 from collections.abc import Iterator, Sequence
 from itertools import chain, groupby
-from xml.etree import ElementTree
 
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure as MatplotlibFigure
 
-from missionplan.exporters.drawing import drawing
 from missionplan.montecarlo.statistics import wilson
-from missionplan.report.drawn import Drawn
 from missionplan.report.geography.plan_view import Ring, rings
 from missionplan.report.numbers import number, percent, share
 from missionplan.report.page import BLUE, GREY, INK, ORANGE, Figure, PageSection, Table, to_figure
-from missionplan.report.quantities import quantity, reader_unit, span, with_error
+from missionplan.report.quantities import reader_unit, span, with_error
 from missionplan.report.simulation.figures import WIDTH, histograms, waterfall
 from missionplan.report.simulation.maps import close_ups, moves_over_ground
 from missionplan.report.simulation.quantities import (
@@ -27,7 +24,6 @@ from missionplan.report.simulation.quantities import (
     worst_step,
 )
 from missionplan.report.wording import capitalised, in_words, phase_in_words
-from missionplan.results.plan_states import amount_in_si, states_of
 from missionplan.results.simulation import Outcome, PhaseOutcome, Sensitivity
 
 _MOST_INPUTS = 5
@@ -195,21 +191,6 @@ def _ring_kind(ring: Ring) -> str:
     return ring.kind if math.isnan(ring.share) else f"{ring.kind}, {100.0 * ring.share:.0f}\u00a0%"
 
 
-def plan_states(outcome: Outcome) -> Iterator[PageSection]:
-    """Draw what the vehicle does in which state, and what it waits for; nothing where there is no plan."""
-    if outcome.plan is None:
-        return
-    drawn = Drawn(ElementTree.tostring(drawing(outcome.plan, _amount), encoding="unicode"))
-    count = len(states_of(outcome.plan))
-    alt = f"The {count} states of the plan, one under the other, with the guards that lead from each to the next."
-    caption = "A guard that leaves from the frame of a phase holds in all its states."
-    yield PageSection(f"The vehicle goes through {count} states", [Figure("plan-states", drawn, alt, caption)])
-
-
-def _amount(value: float, unit: str) -> str:
-    return quantity(value, unit, ".4g") if unit == "m" else amount_in_si(value, unit)
-
-
 def distributions(outcome: Outcome) -> PageSection:
     """Draw the distributions that matter, or name the value of a quantity that does not vary."""
     shown = [
@@ -276,4 +257,4 @@ def quantities(outcome: Outcome) -> PageSection:
             rows.append((in_words(f"{phase.name}.{key}"), *span(statistic, unit), unit.name, reached))
     columns = ("quantity", "5 %", "50 %", "95 %", "", "trials that reached it")
     caption = "Of the trials that reached it; means, their errors and standard deviations are in quantities.csv."
-    return PageSection("Every quantity, phase by phase", [Table(columns, rows, caption)])
+    return PageSection("Every quantity, phase by phase", [Table(columns, rows, caption)], is_reference=True)

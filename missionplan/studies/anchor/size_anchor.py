@@ -25,7 +25,7 @@ from missionplan.studies.anchor.dive_trials import AnchorTrials
 from missionplan.studies.anchor.lightest_anchor import Demand, lightest_anchor
 from missionplan.studies.anchor.sizing import AnchorSizer
 from missionplan.studies.held_vehicle import check_dives, held_vehicle
-from missionplan.studies.judgement import judged
+from missionplan.studies.judgement import doubted, judged
 from missionplan.studies.run import Run
 from missionplan.studies.simulation.checks import check_cover
 
@@ -95,17 +95,22 @@ def size_anchor(
     except ValueError as error:
         raise InputError([Problem(str(error), mission.file, key="vehicle.anchor")]) from error
     options = {"probability": probability, "phase": phase, "jobs": jobs, "backend": backend, "scheduler": scheduler}
-    sizing = replace(
-        _anchor_sizing(run.provenance(options, mission.notices()), sizer, anchor, probable), judged=outcome
-    )
+    sizing = _anchor_sizing(run.provenance(options, mission.notices()), sizer, anchor, probable)
+    if outcome is not None:
+        sizing = replace(sizing, judged=doubted(mission, _with_anchor(dives, sizing.to_build.wet_weight), outcome))
     explained = tuple(_explained(sizing, dives, sizer.demands(probability), weight, run))
     return replace(sizing, explanations=explained, members=tuple(_members(sizing, dives, run)))
 
 
 def _judged(dives: AnchorTrials, weight: float) -> Outcome | None:
     """Simulate the whole mission with an anchor of a wet weight [N], on fresh draws."""
-    given = {f"{dives.phase}.anchor_wet_weight": f"{weight!r} N"}
-    return judged(dives.mission, given, trials=dives.trials, seed=dives.seed, jobs=dives.workers.jobs)
+    given = _with_anchor(dives, weight)
+    jobs = dives.workers.jobs
+    return judged(dives.mission, given, trials=dives.trials, seed=dives.seed, jobs=jobs, assumptions=False)
+
+
+def _with_anchor(dives: AnchorTrials, weight: float) -> dict[str, object]:
+    return {f"{dives.phase}.anchor_wet_weight": f"{weight!r} N"}
 
 
 def _confirmed(

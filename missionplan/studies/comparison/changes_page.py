@@ -363,7 +363,7 @@ def _rest(comparison: Comparison) -> Iterator[PageSection]:
     if not comparison.alike:
         rest = [item for item in rest if item.change is not None]
     if rest:
-        yield PageSection("What did not change, or cannot be judged", [_table(comparison, rest)])
+        yield PageSection("What did not change, or cannot be judged", [_table(comparison, rest)], is_reference=True)
 
 
 def _table(comparison: Comparison, items: Sequence[ComparedNumber]) -> Table:

@@ -10,7 +10,7 @@ from scipy.special import ndtr
 
 from missionplan.mission.quantity_paths import written_phases
 from missionplan.mission.units import QuantityError, parse_number_with_unit
-from missionplan.results.entries import real
+from missionplan.results.entries import mapping, real
 from missionplan.studies.comparison.result import ChangedValue, DifferingValue
 
 _TRAILING_UNIT = re.compile(r"\s*[+-]?[\d.]+(?:[eE][+-]?\d+)?\s*(\S.*?)\s*")
@@ -37,7 +37,11 @@ def differing_values(missions: Sequence[object]) -> tuple[DifferingValue, ...]:
 
 
 def _leaves(value: object, path: str) -> Iterator[tuple[str, object]]:
-    if isinstance(value, Mapping):
+    if isinstance(value, Mapping) and path == "posterior":
+        yield path, str(value.get("sha256", ""))[:12]
+        for effect, known in mapping(value.get("summary")).items():
+            yield f"{path}.{effect}", mapping(known).get("probability")
+    elif isinstance(value, Mapping):
         for key, inner in value.items():
             yield from _leaves(inner, f"{path}.{key}" if path else str(key))
     elif isinstance(value, list) and path == "phases":

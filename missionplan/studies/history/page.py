@@ -39,7 +39,11 @@ def page(history: History) -> Page:
         ],
         write=lambda: [
             *_failure_rates(history),
-            PageSection("All values", [Table(COLUMNS, _rows(history), f"In the order of {order}.", 2)]),
+            PageSection(
+                "All values",
+                [Table(COLUMNS, _rows(history), f"In the order of {order}.", 2)],
+                is_reference=True,
+            ),
         ],
         verdict="",
         rerun=f"missionplan history {folder}{f' --mission {shlex.quote(str(given))}' if given else ''}",

@@ -48,7 +48,7 @@ def page(sweep: Sweep) -> Page:
             *_arrival_section(sweep),
             _close_up_section(sweep),
             PageSection(_surfacings_heading(sweep), [surfacings_figure(sweep), "The surfacing on arrival is counted."]),
-            PageSection("The numbers behind the curves", [cost_table(sweep)]),
+            PageSection("The numbers behind the curves", [cost_table(sweep)], is_reference=True),
         ],
         verdict=_verdict(sweep),
         glance=lambda: terminal(sweep),

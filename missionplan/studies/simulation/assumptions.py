@@ -96,9 +96,13 @@ def _anchor(anchor: Anchor | None) -> Iterator[Doubt]:
 
 def _lines(moors: Sequence[MoorPhase]) -> Iterator[Doubt]:
     for phase in moors:
-        if phase.line_diameter is not None and phase.line_material is None and phase.line_wet_weight is None:
-            words = f"the line has no weight ({phase.label})"
-            yield Doubt(words, "polyester", {f"{phase.name}.line_material": "polyester"})
+        if phase.line_material is None and phase.line_wet_weight is None:
+            changes = {f"{phase.name}.line_material": "polyester"}
+            if phase.line_diameter:
+                yield Doubt(f"the line has no weight ({phase.label})", "polyester", changes)
+            else:
+                changes[f"{phase.name}.line_diameter"] = "2 mm"
+                yield Doubt(f"the line has neither weight nor drag ({phase.label})", "2 mm of polyester", changes)
 
 
 def _current(mission: Mission) -> Iterator[Doubt]:
