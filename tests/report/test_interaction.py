@@ -94,6 +94,24 @@ def test_the_pointer_reads_bars_bins_and_places_on_earth(browser, mission):
     assert wgs84.inv(origin[1], origin[0], longitude, latitude)[2] < 3000.0
 
 
+def test_the_pointer_reads_the_trials_and_the_ellipse_about_a_goal(browser, mission):
+    outcome, report = mission
+    show(browser, report, width=1280)
+    close = figure_named(browser, "arrivals")
+    _, radius = outcome.tracks.targets["ingress"]
+    reach = browser.execute_script(
+        "const figure = document.querySelector('figure[data-name=arrivals]');"
+        "return JSON.parse(figure.dataset.plot).axes[0].x.lim[1]"
+    )
+    words = point_at(browser, close, 0.5 + 0.5 * radius / reach, 0.5).splitlines()
+    assert words[0] == f"east {radius:.4g}\u00a0m"
+    assert any(word.startswith("arrival circle: north 0") for word in words)
+    east, north = outcome.arrivals["ingress"][:, 7]
+    told = point_at(browser, close, 0.5 + 0.5 * float(east) / reach, 0.5 + 0.5 * float(north) / reach)
+    place = next(word for word in told.splitlines() if word.startswith("trials: north "))
+    assert float(place.split()[2].split("\u00a0")[0].replace("\u2212", "-")) == pytest.approx(north, abs=0.05 * reach)
+
+
 def test_a_series_is_switched_off_and_on(browser, report):
     show(browser, report, width=1280)
     buttons = browser.find_elements("css selector", "header + figure .switches button")

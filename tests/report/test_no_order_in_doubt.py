@@ -1,9 +1,12 @@
 """No headline gives an order while the truth is in doubt, assumed or two-fold: every command, over such missions."""
 
+import json
 import re
 from pathlib import Path
 
+import numpy as np
 import pytest
+import yaml
 
 import missionplan
 from missionplan.mission import Mission
@@ -57,6 +60,7 @@ COMMANDS = {
     "optimise": missionplan.optimise,
     "explore": lambda mission: missionplan.explore(mission, ["out.speed=1.0:1.4:0.4m/s"]),
     "compare": lambda mission: missionplan.compare(mission, mission.with_(speed="1.4 m/s")),
+    "simulate --rare": lambda mission: missionplan.find_rare_failure(mission, trials=8192),
 }
 
 
@@ -82,3 +86,41 @@ def test_an_anchor_whose_holding_is_assumed_or_whose_dive_is_in_doubt_is_no_orde
         words = headline(missionplan.size_anchor(each))
         assert not ORDER.search(words), words
         assert terminal_view(missionplan.size_anchor(each)).verdict != "good"
+
+
+def found_once(folder):
+    """A report of `diagnose` whose cause is as likely as not."""
+    (folder / "first").mkdir()
+    numbers = {"value": 0.05, "sd": 0.01, "low": 0.03, "high": 0.07, "unit": "rad"}
+    held = [{"causes": [each], "probability": 0.5} for each in ("compass-bias", "mean-current")]
+    parameters = [{"effect": "compass-bias", "name": "angle", **numbers}]
+    known = {"mission": "made", "dataset": "first", "created_utc": "2026-05-01T00:00:00+00:00", "confirmed": []}
+    found = {"causes": ["compass-bias"], "ranking": [{"parameters": parameters}], "explanations": held}
+    (folder / "first" / "summary.json").write_text(json.dumps({**known, **found, "changed": False}))
+    (folder / "first" / "diagnosis.json").write_text("{}")
+    (folder / "first" / "mission.yaml").write_text("name: made\n")
+    return missionplan.history(folder)
+
+
+def tide_of_two_days(folder):
+    """A record that tells no M2 from an S2."""
+    seconds = np.arange(0.0, 2 * 86400.0, 1800.0)
+    east, north = 0.3 * np.cos(2.0 * np.pi * seconds / 44714.0), np.random.default_rng(1).normal(0.0, 0.1, seconds.size)
+    rows = "".join(f"{t},8,{u},{v}\n" for t, u, v in zip(seconds, east, north, strict=True))
+    (folder / "record.csv").write_text("t_s,depth_m,east_m_s,north_m_s\n" + rows)
+    return missionplan.tide(folder / "record.csv", latitude=0.65, start="2026-04-01T00:00Z")
+
+
+def four_tows(folder):
+    """Tows whose scatter is as large as their drag."""
+    data = {"file": "rows.csv", "kind": "drag", "reference_area": "0.1 m^2", "reference_length": "0.3 m"}
+    (folder / "dataset.yaml").write_text(yaml.safe_dump(data))
+    rows = ((0.4, 30.0), (0.7, 12.0), (1.0, 160.0), (1.3, 60.0))
+    (folder / "rows.csv").write_text("speed_m_s,force_n\n" + "".join(f"{u},{force}\n" for u, force in rows))
+    return missionplan.identify(folder)
+
+
+@pytest.mark.parametrize("learn", [found_once, tide_of_two_days, four_tows])
+def test_no_headline_orders_of_data_that_do_not_tell(learn, tmp_path):
+    words = headline(learn(tmp_path))
+    assert not ORDER.search(words), words

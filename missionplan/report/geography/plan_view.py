@@ -39,6 +39,11 @@ class Ring:
     line: Array
     """East and north, counter-clockwise, the last point equal to the first, shape (2, k) [m]."""
 
+    @property
+    def name(self) -> str:
+        """Its kind, and the share of the trials that it holds."""
+        return self.kind if math.isnan(self.share) else f"{self.kind}, {100.0 * self.share:.0f}\u00a0%"
+
 
 def rings(outcome: Outcome) -> Iterator[Ring]:
     """Yield the circle that the mission allows about every goal, and the CEP of the arrivals or ellipses of anchors."""

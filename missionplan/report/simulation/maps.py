@@ -40,7 +40,8 @@ _DASHED = (0, (4, 2))
 
 def draw_ring(axes: Axes, ring: Ring, line: Array, *, linewidth: float) -> None:
     """Draw the line of a circle or ellipse, shape (2, k), in the colour of its kind."""
-    axes.plot(*line, color=_OF_RINGS[ring.kind], linestyle=_DASHED if ring.share > 0.9 else "-", linewidth=linewidth)
+    style = {"linestyle": _DASHED if ring.share > 0.9 else "-", "linewidth": linewidth, "label": ring.name}
+    axes.plot(*line, color=_OF_RINGS[ring.kind], **style)
 
 
 def close_ups(outcome: Outcome) -> Figure | None:
@@ -91,7 +92,7 @@ def _legend(figure: MatplotlibFigure, spare: Sequence[Axes], kinds: set[str]) ->
 def _close_up(axes: Axes, outcome: Outcome, name: str) -> None:
     goal = np.array(outcome.tracks.targets[name][0])[:, None]
     ends = finite(outcome.arrivals[name])
-    axes.plot(*ends[:, :500], ".", color=SKY, markersize=2.0, alpha=0.6)
+    axes.plot(*ends[:, :500], ".", color=SKY, markersize=2.0, alpha=0.6, label="trials")
     axes.plot(0.0, 0.0, "+", color=INK, markersize=8)
     reach = 0.0
     for ring in rings(outcome):

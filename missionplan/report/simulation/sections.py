@@ -8,7 +8,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure as MatplotlibFigure
 
 from missionplan.montecarlo.statistics import wilson
-from missionplan.report.geography.plan_view import Ring, rings
+from missionplan.report.geography.plan_view import rings
 from missionplan.report.numbers import number, percent, share
 from missionplan.report.page import BLUE, GREY, INK, ORANGE, Figure, PageSection, Table, to_figure
 from missionplan.report.quantities import reader_unit, span, with_error
@@ -176,19 +176,14 @@ def tracks(outcome: Outcome) -> Iterator[PageSection]:
         return
     drawn = list(rings(outcome))
     unit = reader_unit("m", max(ring.radius for ring in drawn))
-    kinds = list(dict.fromkeys(map(_ring_kind, drawn)))
+    kinds = list(dict.fromkeys(ring.name for ring in drawn))
     rows = []
     for phase in dict.fromkeys(ring.phase for ring in drawn):
-        radii = {_ring_kind(ring): unit.cell(ring.radius, ".3g") for ring in drawn if ring.phase == phase}
+        radii = {ring.name: unit.cell(ring.radius, ".3g") for ring in drawn if ring.phase == phase}
         rows.append((phase_in_words(phase), *(radii.get(kind, "") for kind in kinds)))
     caption = f"Radii{unit.axis}, about the goal; for an ellipse, of the circle of equal area."
     close = close_ups(outcome)
     yield PageSection("Where the trials end", [*([close] if close else []), Table(("phase", *kinds), rows, caption)])
-
-
-def _ring_kind(ring: Ring) -> str:
-    """Name a line, and the share of the trials that it holds."""
-    return ring.kind if math.isnan(ring.share) else f"{ring.kind}, {100.0 * ring.share:.0f}\u00a0%"
 
 
 def distributions(outcome: Outcome) -> PageSection:
