@@ -72,6 +72,7 @@ def test_one_mission_carries_what_legs_and_dives_show_in_any_order(
     assert {key[0] for key in history.parameters} == {"drag-bias", "compass-bias"}
 
 
+@pytest.mark.slow
 def test_dives_say_nothing_of_the_compass(campaign: tuple[Path, list[Path]]) -> None:
     """Legs and dives have no effect in common: together they give what each gives alone."""
     path, (dives, log, _) = campaign
@@ -87,6 +88,7 @@ def test_a_data_set_given_twice_is_refused(campaign: tuple[Path, list[Path]]) ->
         missionplan.diagnose_campaign(path, [folders[0], folders[0]])
 
 
+@pytest.mark.slow
 def test_a_doubt_that_the_dives_leave_outlasts_the_legs(campaign: tuple[Path, list[Path]], tmp_path: Path) -> None:
     """Dives of one line cannot tell a slow line from a late clock, and legs have no say in it."""
     mission, dives = draw_case(5, "descent", "tie").write(tmp_path / "dives", tmp_path / "truth")

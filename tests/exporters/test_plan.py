@@ -4,6 +4,7 @@ import copy
 import hashlib
 import json
 import re
+from dataclasses import replace
 
 import jsonschema
 import numpy as np
@@ -36,6 +37,8 @@ def test_nominal_legs_are_those_of_d_max(plan):
     ingress, egress = plan.transits
     assert [leg.length for leg in ingress.legs] == pytest.approx([350.0] * 4 + [200.0])
     assert [leg.east for leg in ingress.waypoints] == pytest.approx([0.0, 350.0, 700.0, 1050.0, 1400.0, 1600.0])
+    assert [leg.kind for leg in ingress.waypoints] == ["start", *["surfacing"] * 4, "arrival"]
+    assert not any(leg.is_via for leg in ingress.waypoints)
     assert {np.degrees(leg.course) for leg in ingress.legs} == {90.0}
     assert {round(np.degrees(leg.course), 9) for leg in egress.legs} == {270.0}
     assert [leg.duration for leg in ingress.legs] == pytest.approx([350.0 / 1.5] * 4 + [200.0 / 1.5])
@@ -175,6 +178,17 @@ def test_a_plan_for_a_vehicle_aims_off_by_the_drift_at_the_surface():
     assert off == pytest.approx(-drift, abs=1.0)
 
 
+def test_parts_of_a_transit_aim_off_as_its_goal_does():
+    ingress = mission_plan(chesapeake(), to="moos").transits[0]
+    ways = tuple(replace(each, is_via=number == 2) for number, each in enumerate(ingress.waypoints))
+    first, second = replace(ingress, waypoints=ways).parts
+    assert (first.goal, second.start, second.goal) == (ways[2], ways[2], ways[-1])
+    for axis in ("east", "north", "latitude", "longitude"):
+        off = [getattr(each.aim, axis) - getattr(each.goal, axis) for each in (ingress, first, second)]
+        assert off == pytest.approx([off[0]] * 3, rel=1e-6)
+        assert off[0] != 0.0
+
+
 def test_the_schema_refuses_what_is_no_plan(plan):
     for key in SCHEMA["required"]:
         data = {name: value for name, value in plan_data(plan).items() if name != key}
@@ -213,7 +227,9 @@ def test_the_start_is_in_utc(start):
 
 
 def test_every_format_says_what_it_keeps_of_each_guard():
-    assert conformance_table().count("\n") == 2 + len(GUARDS)
+    rows = conformance_table().splitlines()
+    assert len(rows) == 2 + len(GUARDS)
+    assert {row.count("|") for row in rows} == {len(VEHICLES) + 2}
     for name in VEHICLES:
         assert set(conformance(name)) == set(GUARDS)
         assert all(re.match("kept|weaker: |done otherwise: |refused", words) for words in conformance(name).values())

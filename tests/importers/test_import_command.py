@@ -1,17 +1,21 @@
 """The command `import`, from raw files to a verdict, and what it says when something is wrong."""
 
+import contextlib
+import io
 import json
 import re
-import subprocess
 import sys
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
+from unittest import mock
 
 import numpy as np
 import pandas as pd
 import pytest
 from made_tracks import made
 
+from missionplan.cli import main
 from missionplan.diagnosis.diagnose import diagnose
 from missionplan.errors import InputError
 from missionplan.importers import importer
@@ -28,8 +32,19 @@ NAMES = "time=t[epoch] lat=lat lon=lon dr_lat=a dr_lon=b depth=depth heading_tru
 
 
 def run(*arguments, cwd):
-    command = [sys.executable, "-m", "missionplan", *map(str, arguments)]
-    return subprocess.run(command, cwd=cwd, capture_output=True, text=True, timeout=300)
+    """Run the command line in this process, in a folder: exit status and what it writes."""
+    out, err = io.StringIO(), io.StringIO()
+    words = ["missionplan", *map(str, arguments)]
+    streams = contextlib.redirect_stdout(out), contextlib.redirect_stderr(err)
+    with (
+        contextlib.chdir(cwd),
+        streams[0],
+        streams[1],
+        mock.patch.object(sys, "argv", words),
+        pytest.raises(SystemExit) as ended,
+    ):
+        main()
+    return SimpleNamespace(returncode=int(ended.value.code or 0), stdout=out.getvalue(), stderr=err.getvalue())
 
 
 @pytest.fixture(scope="module")
@@ -255,6 +270,7 @@ def test_explaining_a_leg_draws_it_and_tells_it(raw_folder, tmp_path):
     assert "Leg 3: what it rests on" in (tmp_path / "data" / "report.html").read_text()
 
 
+@pytest.mark.slow
 def test_why_goes_from_logs_to_a_verdict_in_one_command(raw_folder, tmp_path):
     done = run(
         "why",

@@ -62,7 +62,8 @@ def test_eight_legs_of_a_compass_swing_are_enough(folder, transit_mission, legs)
     assert found.causes == ("compass-bias",)
 
 
-@pytest.mark.parametrize("seed", [1, *(pytest.param(n, marks=pytest.mark.slow) for n in (2, 3))])
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", [1, 2, 3])
 def test_headings_that_separate_nothing_leave_a_current_its_chance(seed, folder, transit_mission, legs):
     """A vehicle that is 6 % slow with headings within ±10°, or a current that happens to run along its course.
 

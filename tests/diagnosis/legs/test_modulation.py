@@ -143,6 +143,7 @@ def test_a_month_tells_n2_from_m2(folder, transit_mission, legs):
     assert estimates["n2_north"].low == pytest.approx(0.0, abs=0.002)
 
 
+@pytest.mark.slow
 def test_a_tide_that_changes_over_days_is_modulated(folder, transit_mission, legs):
     """Springs and neaps unresolved: the extended mission carries the modulation, and simulates it."""
 

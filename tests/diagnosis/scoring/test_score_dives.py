@@ -15,6 +15,7 @@ def scored(tmp_path: Path, seed: int, scenario: str, effect: str | None = None) 
     return missionplan.score(mission, dataset)
 
 
+@pytest.mark.slow
 def test_dives_without_an_effect_are_within_chance(tmp_path: Path) -> None:
     found = [scored(tmp_path, 71_000 + k, "control") for k in range(6)]
     assert sum(not each.is_within_chance for each in found) <= 2

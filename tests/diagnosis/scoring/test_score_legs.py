@@ -137,7 +137,7 @@ def scores(tmp_path: Path, truth: Truth, effects: list[object], sigma_v: float, 
 @pytest.mark.parametrize(
     ("truth", "effects"),
     [
-        (Truth(compass_sd=np.radians(2.0)), COMPASS),
+        pytest.param(Truth(compass_sd=np.radians(2.0)), COMPASS, marks=pytest.mark.slow),
         (Truth(persistent=0.05), PERSISTENT),
     ],
     ids=["compass", "persistent"],

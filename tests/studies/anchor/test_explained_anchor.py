@@ -44,6 +44,7 @@ def test_a_doubt_that_changes_the_anchor_is_told():
     assert known.to_build.wet_weight == pytest.approx(heavy.needed, rel=2e-3)  # found from another start
 
 
+@pytest.mark.slow
 def test_readings_alone_change_no_anchor():
     _, found = sized({"clock-offset": {"time": "1 s"}}, {"depth-scale": {"fraction": 0.05}})
     assert "Whichever explanation holds, the same anchor is best" in answer(found)

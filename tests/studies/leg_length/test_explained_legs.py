@@ -2,8 +2,10 @@
 
 from missionplan import Mission, plan_legs
 from missionplan.report.render import render_report
+from missionplan.studies.leg_length import optimise_legs
 from missionplan.studies.leg_length.plan_figures import cases_table
 from missionplan.studies.leg_length.plan_page import answer
+from missionplan.studies.leg_length.policy_search import PolicyFamily
 
 BASE = {
     "name": "in doubt",
@@ -23,7 +25,8 @@ BASE = {
 }
 
 
-def test_the_plans_run_under_each_explanation():
+def test_the_plans_run_under_each_explanation(monkeypatch):
+    monkeypatch.setattr(optimise_legs, "MEAN_FAMILY", PolicyFamily((1.0,), ()))
     causes = [{"compass-bias": {"angle": "1 deg"}}, {"mean-current": {"north": "0.1 m/s"}}]
     explanations = [{"probability": 0.4, "effects": [effect]} for effect in causes]
     found = plan_legs(Mission.from_data({**BASE, "effects": [{"one-of": explanations}]}), trials=300)

@@ -70,6 +70,7 @@ def test_a_leg_that_ends_too_far_to_the_side_meets_the_limit_as_often_as_a_norma
     assert found.variation < 0.4
 
 
+@pytest.mark.slow
 def test_a_tide_that_is_too_low_is_found_over_level_ground(tmp_path):
     site = {"bathymetry": grid(tmp_path, lambda x, y: 9.05 + 0.0 * x), "tide_height": {"mean": "0 m", "sd": "0.9 m"}}
     found = find_rare_failure(mission(tmp_path, site=site), seed=6, precision="30%")
