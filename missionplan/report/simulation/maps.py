@@ -40,8 +40,8 @@ _DASHED = (0, (4, 2))
 
 def draw_ring(axes: Axes, ring: Ring, line: Array, *, linewidth: float) -> None:
     """Draw the line of a circle or ellipse, shape (2, k), in the colour of its kind."""
-    style = {"linestyle": _DASHED if ring.share > 0.9 else "-", "linewidth": linewidth, "label": ring.name}
-    axes.plot(*line, color=_OF_RINGS[ring.kind], **style)
+    dashes = _DASHED if ring.share > 0.9 else "-"
+    axes.plot(*line, color=_OF_RINGS[ring.kind], linestyle=dashes, linewidth=linewidth, label=ring.name)
 
 
 def close_ups(outcome: Outcome) -> Figure | None:
