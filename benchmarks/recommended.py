@@ -25,11 +25,10 @@ from missionplan.results.anchor_sizing import ProbableAnchor
 from missionplan.scenario.anchors import laden, worst_case_weight
 from missionplan.scenario.phases import start_of
 from missionplan.scenario.scenario import Scenario
-from missionplan.studies.anchor.dive_trials import AnchorTrials
-from missionplan.studies.anchor.sizing import AnchorSizer
+from missionplan.studies.anchor.sizing import AnchorSizer, AnchorTrials
 from missionplan.studies.exploration.cells import CellTrials, cell_trials
 from missionplan.studies.exploration.explore import CellPlan
-from missionplan.studies.exploration.findings import cell_of
+from missionplan.studies.exploration.result import cell_of
 from missionplan.studies.exploration.variation import read_axes
 from missionplan.studies.optimisation.evaluations import columns_needed
 from missionplan.studies.simulation.block_statistics import requirement_flags

@@ -4,6 +4,8 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Protocol
 
+from missionplan.errors import InputError, Problem, did_you_mean, shown
+
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
@@ -63,3 +65,51 @@ def presenter() -> Presenter:
 def render(result: object) -> Rendered:
     """Render the report of a result."""
     return presenter().report(result)
+
+
+class Plots:
+    """Plots of a result, by name: ``result.plot.tracks(ax=axes)``; each returns the axes that it drew on."""
+
+    def __init__(self, result: object) -> None:
+        self._result = result
+
+    def __call__(self, name: str | None = None, /, *, ax: "Axes | None" = None, **options: object) -> "Axes":
+        """Draw a plot.
+
+        Parameters
+        ----------
+        name : str, optional
+            Of the plot; default: the main one.
+        ax : matplotlib Axes, optional
+            To draw on; default: new ones.
+        **options
+            Of the plot's own, such as the quantity of a histogram.
+
+        Raises
+        ------
+        InputError
+            When the result has no such plot.
+        """
+        return self._named(name)(ax=ax, **options)
+
+    def __getattr__(self, name: str) -> Plot:
+        if name.startswith("_"):
+            raise AttributeError(name)
+        try:
+            return self._named(name)
+        except InputError as error:
+            raise AttributeError(str(error)) from None
+
+    def __dir__(self) -> list[str]:
+        return list(presenter().plots(self._result))
+
+    def __repr__(self) -> str:
+        return f"<plots of {type(self._result).__name__}: {', '.join(dir(self)) or 'none'}>"
+
+    def _named(self, name: str | None) -> Plot:
+        plots = presenter().plots(self._result)
+        if plots and (name is None or name in plots):
+            return plots[name if name is not None else next(iter(plots))]
+        known = f"expected one of {', '.join(plots)}" if plots else "the result has no plots"
+        hint = did_you_mean(str(name), plots)
+        raise InputError([Problem(f"given {shown(name)}, {known}", key="plot", hint=hint)])

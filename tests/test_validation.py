@@ -5,8 +5,7 @@ import math
 import typer
 
 from missionplan.cli import app
-from missionplan.results.checked_range import RANGES, ROWS_OF_COMMAND
-from missionplan.results.decision import Assumption
+from missionplan.results.decision import RANGES, ROWS_OF_COMMAND, Assumption
 from validation import pages, record
 from validation.__main__ import main
 from validation.rows import LEVELS, ROOT, Accepted, Measured, Options, Row, all_rows, at_most, near

@@ -15,7 +15,7 @@ from pathlib import Path
 os.environ.setdefault("OMP_NUM_THREADS", "1")
 
 from missionplan.mission import load
-from missionplan.studies.simulation.assumptions import ledger
+from missionplan.studies.judgement import ledger
 from validation import pages, record, sea_records
 from validation.rows import CHEAP, ROOT, Options, Row, all_rows
 

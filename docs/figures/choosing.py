@@ -9,7 +9,7 @@ import missionplan
 from missionplan.report.drawn import style
 from missionplan.report.optimisation import answer, front_figure
 from missionplan.report.page import Figure
-from missionplan.studies.exploration import words
+from missionplan.studies.exploration import page as exploration
 from missionplan.studies.exploration.figures import curves_figure
 
 ROOT = Path(__file__).parents[2]
@@ -23,7 +23,7 @@ def estuary() -> missionplan.Mission:
 def start() -> Figure | None:
     """Draw what starts give."""
     found = missionplan.explore(estuary(), "start=04:00:14:00:20 min", quantities=["moor.offset"], trials=500)
-    print(words.answer(found))
+    print(exploration.answer(found))
     with style():
         return curves_figure(found)
 

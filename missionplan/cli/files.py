@@ -16,7 +16,7 @@ from missionplan.errors import InputError, Problem, did_you_mean, shown
 
 if TYPE_CHECKING:
     from missionplan.store.reports import ReportEntry
-    from missionplan.studies.validation.readiness import Validated
+    from missionplan.studies.validation.validate import Validated
 
 
 def init(

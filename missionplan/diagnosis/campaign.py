@@ -9,7 +9,7 @@ from missionplan.diagnosis.diagnose import diagnose
 from missionplan.diagnosis.kinds import KINDS
 from missionplan.errors import InputError
 from missionplan.mission import Mission, MissionOrPath
-from missionplan.results.campaign import Campaign
+from missionplan.results.learned.diagnosis import Campaign
 from missionplan.store.folder import as_path
 from missionplan.studies.run import Run, check_arguments
 

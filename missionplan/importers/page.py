@@ -2,7 +2,6 @@
 
 import math
 import shlex
-from collections.abc import Mapping
 
 import numpy as np
 import pandas as pd
@@ -21,13 +20,12 @@ from missionplan.report.page import (
     PINK,
     SKY,
     Block,
-    Drawing,
+    Cells,
     Figure,
     Listing,
     Page,
     PageSection,
     Table,
-    Terminal,
     to_figure,
 )
 from missionplan.report.quantities import quantity, reader_unit
@@ -190,6 +188,7 @@ _LISTED = 60
 
 def page(result: ImportedData) -> Page:
     """Build the page of an import."""
+    common = f" {common_words(result.basis)}" if result.basis is not None and not result.pictures else ""
     return Page(
         title=f"Import: {result.name}",
         answer=answer(result),
@@ -198,8 +197,9 @@ def page(result: ImportedData) -> Page:
         write=lambda: _sections(result),
         verdict="" if result.counted else "bad",
         rerun=f"missionplan import SOURCE --out DATASET --kind {result.kind} --format {shlex.quote(result.format)}",
-        glance=lambda: terminal(result),
-        plots=PLOTS,
+        sentence=f"{answer(result)} Next, in that folder: {result.next_commands[0]}{common}",
+        table=lambda: _cells(result),
+        plots={"track": draw_track},
     )
 
 
@@ -217,19 +217,18 @@ def _sections(result: ImportedData) -> list[PageSection]:
     return sections
 
 
-def terminal(result: ImportedData) -> Terminal:
-    """Build the terminal's view of an import."""
-    verdict = "" if result.counted else "bad"
-    sentence = f"{answer(result)} Next, in that folder: {result.next_commands[0]}"
+def _cells(result: ImportedData) -> Cells:
+    """Tabulate for a terminal: what legs rest on, or how many dives count and why others do not."""
     if result.pictures:
         told = [row for each in result.pictures for row in (("leg", str(result.dives["leg"].iloc[each.row])),
                                                            *explained_rows(result, each))]  # fmt: skip
-        return Terminal(sentence, ("what a leg rests on", ""), told, verdict)
+        return ("what a leg rests on", ""), told
     if result.basis is not None:
-        rows = basis_rows(result.dives.head(_LISTED), result.basis)
-        return Terminal(f"{sentence} {common_words(result.basis)}", COLUMNS, rows, verdict)
-    counts = [("dives that count", str(result.counted)), *((why, str(n)) for why, n in result.reasons.items())]
-    return Terminal(sentence, ("", "dives"), counts, verdict)
+        return COLUMNS, basis_rows(result.dives.head(_LISTED), result.basis)
+    return ("", "dives"), [
+        ("dives that count", str(result.counted)),
+        *((why, str(n)) for why, n in result.reasons.items()),
+    ]
 
 
 def answer(result: ImportedData) -> str:
@@ -312,7 +311,3 @@ def _sources(result: ImportedData) -> PageSection:
         blocks.append("1 file was passed over:" if passed == 1 else f"{passed} files were passed over:")
         blocks.append(Listing("\n".join(result.passed_over[:_LISTED])))
     return PageSection("What was read", blocks)
-
-
-PLOTS: Mapping[str, Drawing] = {"track": draw_track}
-"""Plots on given axes by name, the main one first."""

@@ -29,14 +29,8 @@ _ROUND = (1.0, 2.0, 5.0)
 class _InUnit(Locator):
     """Places ticks where an axis of another unit has them.
 
-    Parameters
-    ----------
-    inner : Locator
-        Of the axis in the other unit.
-    size : float
-        Of the other unit, in that of the axis.
-    bounds : (float, float)
-        Beyond which there is no tick, in the unit of the axis.
+    `inner`: of the axis in the other unit. `size`: of the other unit, in that of the axis. `bounds`: beyond which there
+    is no tick, in the unit of the axis.
     """
 
     def __init__(self, inner: Locator, size: float, bounds: tuple[float, float]) -> None:
@@ -85,14 +79,7 @@ def has_numbers(axis: "Axis") -> bool:
 
 
 def name_axis(axis: "Axis", words: str, unit: str, *, fontsize: float | None = None) -> None:
-    """Name an axis and the unit of what is drawn along it; it is read in the reader's unit.
-
-    Parameters
-    ----------
-    axis : matplotlib Axis
-    words, unit : str
-    fontsize : float, optional
-    """
+    """Name an axis and the unit of what is drawn along it; it is read in the reader's unit."""
     axis.set_label_text(f"{words} ({unit})")
     if fontsize is not None:
         axis.label.set_fontsize(fontsize)

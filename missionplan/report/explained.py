@@ -1,16 +1,24 @@
-"""What a plan does under each explanation and in each member of an ensemble, and whether to find out which holds.
+"""What an answer hangs on: explanations, members of an ensemble, assumptions; and whether to find out which holds.
 
 Words on a recommendation that was judged: the mission with it, simulated with fresh draws.
 """
 
+import math
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 
-from missionplan.report.numbers import percent, share
-from missionplan.report.page import PageSection, Table
+from missionplan.report.page import Page, PageSection, Table
 from missionplan.report.quantities import span, unit_for
 from missionplan.report.simulation.quantities import requirement_in_words
-from missionplan.report.wording import in_words
-from missionplan.results.decision import ExplainedOutcome, MemberOutcome, label, members_differ, success_differs
+from missionplan.report.wording import in_words, listed, percent, share
+from missionplan.results.decision import (
+    Assumption,
+    ExplainedOutcome,
+    MemberOutcome,
+    label,
+    members_differ,
+    success_differs,
+)
 from missionplan.results.simulation import Outcome, Sensitivity
 
 DIFFER = "Which member of the current's ensemble spoils the {}"
@@ -43,7 +51,6 @@ def members_section(members: Sequence[MemberOutcome], plan: str, good: str, note
 SMALL = 0.05
 """Share of a variance below which it is not worth finding out which explanation holds."""
 _COLUMNS = ("explanation", "probability", "success (95 % interval)", "duration (5–95 %)", "energy (5–95 %)")
-_MEMBERS_DIFFER = "Which member of the current's ensemble spoils the mission"
 _MATTERS = ("total.success", "total.duration_s", "total.energy_wh")
 
 
@@ -63,16 +70,7 @@ def explanation_in_words(outcome: Outcome) -> str:
 
 def member_in_words(outcome: Outcome) -> str:
     """Write in a sentence which member of the current's ensemble spoils the mission; empty without an ensemble."""
-    tried = sorted((each for each in outcome.members if each.trials), key=lambda each: each.success.value)
-    if not tried:
-        return ""
-    worst, best = tried[0], tried[-1]
-    low, high = share(worst.success), share(best.success)
-    if success_differs(tried):
-        ends = f"{low} of the time in {worst.causes[0]} and {high} in {best.causes[0]}"
-        return f"It depends on the forecast: it succeeds {ends}."
-    ends = f"{low} to {high}" if low != high else f"in {low} of the trials"
-    return f"In each member of the current's ensemble it succeeds as often, as far as the trials can tell ({ends})."
+    return members_in_words(outcome.sailed, "succeeds")
 
 
 def member_sections(outcome: Outcome) -> Iterator[PageSection]:
@@ -83,7 +81,7 @@ def member_sections(outcome: Outcome) -> Iterator[PageSection]:
         columns = ("member", *_COLUMNS[1:])
         rows = [(each.causes[0], *row[1:]) for each, row in zip(tried, _rows(outcome, tried), strict=True)]
         words = [_worth(found, "member") for found in _by_place(outcome, outcome.members)]
-        heading = _MEMBERS_DIFFER if success_differs(tried) else "Members of the current's ensemble"
+        heading = DIFFER.format("mission") if success_differs(tried) else "Members of the current's ensemble"
         yield PageSection(heading, [*words, Table(columns, rows, note)])
 
 
@@ -118,8 +116,7 @@ def _by_place(outcome: Outcome, explained: Sequence[ExplainedOutcome]) -> list[l
 def _worth(found: list[Sensitivity], what: str) -> str:
     """Say for which share of the variance it matters which explanation holds, and whether to find out."""
     shares = [f"{_percent(each.first_order)} of the variance of the {in_words(each.output)}" for each in found]
-    listed = ", ".join(shares[:-1]) + f" and {shares[-1]}" if len(shares) > 1 else shares[0]
-    words = f"Which {what} it is accounts for {listed}"
+    words = f"Which {what} it is accounts for {listed(shares)}"
     if all(each.first_order < SMALL for each in found):
         return f"{words}: no need to find out."
     return f"{words}: find out what you can before you rely on the plan."
@@ -161,3 +158,73 @@ def judged_in_words(judged: Outcome | None) -> str:
         for item in missed
     )
     return f" But the mission with it misses a requirement on fresh draws: {words}."
+
+
+_LEAST_CHANGE = 0.02
+"""Change of P(success) below which an assumption is not said to matter."""
+
+
+def with_assumptions(page: Page, assumed: Sequence[Assumption]) -> Page:
+    """Tell of what is taken for granted: a page is marked good only while none of it could turn the answer."""
+    if not assumed:
+        return page
+    words, write = _turning_in_words(assumed), page.write
+    undecided = page.verdict == "good" and any(each.turns for each in assumed)
+
+    def written() -> list[PageSection]:
+        sections = list(write())
+        place = next((at for at, each in enumerate(sections) if not each.is_summary), len(sections))
+        return [*sections[:place], *_section(assumed), *sections[place:]]
+
+    return replace(
+        page,
+        answer=f"{page.answer}{words}",
+        sentence=page.sentence and f"{page.sentence}{words}",
+        verdict="undecided" if undecided else page.verdict,
+        write=written,
+    )
+
+
+def _turning_in_words(assumed: Sequence[Assumption]) -> str:
+    """Write which assumptions could turn the answer; nothing where none could."""
+    turning = [each for each in assumed if each.turns]
+    if not turning:
+        return ""
+    first, others = turning[0], len(turning) - 1
+    words = (
+        f" But this assumes that {first.what}: with {first.otherwise} it succeeds {100.0 * first.success:.0f} % of the "
+        "time"
+    )
+    if first.missed:
+        words += f" and misses what it requires of {', '.join(in_words(each) for each in first.missed)}"
+    if not others:
+        return f"{words}."
+    return f"{words}; {others} more such {'assumption' if others == 1 else 'assumptions'} below."
+
+
+def _section(assumed: Sequence[Assumption]) -> Iterator[PageSection]:
+    """Tabulate them, what matters most first."""
+    rows = [
+        (
+            each.what,
+            each.otherwise,
+            "" if math.isnan(each.success) else f"{100.0 * each.success:.3g}\u00a0%",
+            "could not be run" if math.isnan(each.worth) else f"{100.0 * each.worth:+.2g}\u00a0%",
+            "could turn the answer" if each.turns else "",
+        )
+        for each in assumed
+    ]
+    columns = ("taken for granted", "instead", "success then", "change", "")
+    caption = "Each alone, on 400 trials of the same random numbers. What is not in the mission cannot be put off."
+    yield PageSection(_heading(assumed), [Table(columns, rows, caption, text_columns=2)], is_summary=True)
+
+
+def _heading(assumed: Sequence[Assumption]) -> str:
+    """Name what the assumptions could do: turn the answer, or change P(success) most."""
+    turning = sum(each.turns for each in assumed)
+    if turning:
+        return f"{turning} of its assumptions could turn this"
+    most = max(assumed, key=lambda each: 0.0 if math.isnan(each.worth) else abs(each.worth))
+    if math.isnan(most.worth) or abs(most.worth) < _LEAST_CHANGE:
+        return "None of these assumptions alone could turn this"
+    return f"Of its assumptions, that {most.what} matters most: {100.0 * most.worth:+.2g}\u00a0% otherwise"

@@ -2,7 +2,7 @@
 
 import math
 import shlex
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -10,23 +10,10 @@ from matplotlib.figure import Figure as MatplotlibFigure
 
 from missionplan.montecarlo.statistics import Statistic
 from missionplan.report.explained import members_in_words, members_section
-from missionplan.report.numbers import number, percent, rounded_down, rounded_up, share
-from missionplan.report.page import (
-    BLUE,
-    GREY,
-    ORANGE,
-    Drawing,
-    Figure,
-    Listing,
-    Page,
-    PageSection,
-    Table,
-    Terminal,
-    to_figure,
-)
+from missionplan.report.page import BLUE, GREY, ORANGE, Cells, Figure, Listing, Page, PageSection, Table, to_figure
 from missionplan.report.quantities import Unit, range_on, unit_for, value_on, with_error
 from missionplan.report.simulation.quantities import requirement_in_words
-from missionplan.report.wording import in_words, keys_in_words
+from missionplan.report.wording import in_words, keys_in_words, listed, number, percent, rounded_down, rounded_up, share
 from missionplan.results.optimisation import Obstacle, Optimised, Tried
 
 
@@ -95,22 +82,20 @@ def page(found: Optimised) -> Page:
         write=lambda: [section for part in _PARTS for section in part(found)],
         verdict="good" if found.feasible else "bad",
         rerun=_rerun(found),
-        glance=lambda: terminal(found),
-        plots=PLOTS,
+        table=lambda: _cells(found),
+        plots={"front": draw_front},
     )
 
 
-def terminal(found: Optimised) -> Terminal:
-    """Build the terminal's view: what is chosen."""
+def _cells(found: Optimised) -> Cells:
+    """Tabulate what is chosen, for a terminal."""
     rows = [(_name(name), _shown(found, name, value)) for name, value in found.chosen.items()]
-    verdict, heading = ("good", "chosen") if found.feasible else ("bad", "nearest")
-    return Terminal(answer(found), ("", heading), rows, verdict)
+    return ("", "chosen" if found.feasible else "nearest"), rows
 
 
 def answer(found: Optimised) -> str:
     """Write the choice, what it costs and how it was checked, or which requirement is the obstacle and by how much."""
-    *some, last = [f"{_name(name)} {_shown(found, name, value)}" for name, value in found.chosen.items()]
-    values = f"{', '.join(some)} and {last}" if some else last
+    values = listed([f"{_name(name)} {_shown(found, name, value)}" for name, value in found.chosen.items()])
     if not found.feasible:
         return f"No choice tried meets all requirements. {_obstacle_words(found)} What comes nearest: {values}."
     least = "energy" if found.aim == "energy" else "time"
@@ -344,7 +329,3 @@ def _rerun(found: Optimised) -> str:
 
 
 _PARTS = (_choice, _checks, _sailed, _relaxed, _obstacles, _front, _effort)
-
-
-PLOTS: Mapping[str, Drawing] = {"front": draw_front}
-"""Plots on given axes by name, the main one first."""

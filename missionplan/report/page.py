@@ -27,6 +27,8 @@ BLUE, ORANGE, GREEN, PINK, YELLOW, SKY, GREY = (
 """Okabe–Ito colours, in the order of the figure style's cycle."""
 
 
+Cells = tuple[Sequence[str], Sequence[Sequence[str]]]
+"""Columns and rows of a table."""
 Drawing = Callable[..., None]
 """Draws one plot of a result: called with axes, the result, and options of the plot's own."""
 
@@ -102,12 +104,14 @@ class Page:
     """Two or three main numbers, with intervals and units."""
     write: Callable[[], Sequence[PageSection]]
     """Writes the sections with everything else."""
-    glance: Callable[[], "Terminal"]
-    """Makes the view for a terminal, and for a notebook."""
+    table: Callable[[], "Cells"]
+    """Writes the compact table of a terminal, and of a notebook: its columns and rows."""
     draw: Callable[[], Figure | None] = lambda: None
     """Draws the figure that shows the answer; None where there is none."""
     plots: Mapping[str, Drawing] = field(default_factory=dict)
     """Plots on given axes by name, the main one first."""
+    sentence: str = ""
+    """The answer of a terminal and a notebook, where it says more than the page's."""
     verdict: str = ""
     """How the answer is marked: "good", "bad" or ""."""
     rerun: str = ""

@@ -15,7 +15,7 @@ from missionplan.mission.quantity_paths import written_phases
 from missionplan.mission.units import FACTORS, QuantityError, parse_number_with_unit
 from missionplan.montecarlo.statistics import Statistic
 from missionplan.physics.propulsion import JOULES_PER_WATT_HOUR
-from missionplan.report.numbers import has_spread, number, set_number
+from missionplan.report.wording import has_spread, number, set_number, split_key
 from missionplan.results.decision import Axis
 from missionplan.results.entries import mapping, mappings
 
@@ -40,7 +40,6 @@ _CONVERTED = {
 """Units that are converted, by SI unit; a millimetre of a drawing stays one."""
 DIMENSIONS = {name: si for si, names in _CONVERTED.items() for name in names}
 """SI unit of each unit that is converted."""
-_SUFFIXES = {"_m_s": "m/s", "_wh": "W*h", "_s": "s", "_m": "m", "_n": "N", "_kg": "kg", "_rad": "rad", "_deg": "deg"}
 _SI = {"W*h": "J", "deg": "rad"}
 _DEGREE = math.pi / 180.0
 _TRAILING_UNIT = re.compile(r"\s*[+-]?[\d.]+(?:[eE][+-]?\d+)?\s*(\S.*?)\s*")
@@ -131,17 +130,19 @@ class Unit:
         return set_number(_as_fine(format(value, form), value, self.size))
 
 
+PERCENT, SECONDS, MINUTES, WATT_HOURS = (
+    Unit("%", 0.01),
+    Unit("s", 1.0),
+    Unit("min", 60.0),
+    Unit("W\u202fh", JOULES_PER_WATT_HOUR),
+)
+
+
 def reader_unit(unit: str, largest: float, system: str | None = None) -> Unit:
     """Choose the reader's unit for values up to a size.
 
-    Parameters
-    ----------
-    unit : str
-        Of the values; one that is not converted stays.
-    largest : float
-        Of the values, in `unit`.
-    system : str, optional
-        Instead of the reader's own.
+    `unit`: of the values; one that is not converted stays. `largest`: of the values, in `unit`. `system`: instead of
+    the reader's own.
     """
     system = reader_system() if system is None else system
     si = DIMENSIONS.get(unit)
@@ -156,15 +157,8 @@ def reader_unit(unit: str, largest: float, system: str | None = None) -> Unit:
 def quantity(value: float | None, unit: str, form: str, *, largest: float | None = None) -> str:
     """Write a quantity: ``11.8 N``, or as finely in the reader's unit.
 
-    Parameters
-    ----------
-    value : float
-        In `unit`.
-    unit : str
-    form : str
-        Format of the number in `unit`, such as ``.1f``: tells how fine the last digit is.
-    largest : float, optional
-        Value that chooses the unit, where several are to have one.
+    `value`: in `unit`. `form`: format of the number in `unit`, such as ``.1f``: tells how fine the last digit is.
+    `largest`: value that chooses the unit, where several are to have one.
     """
     if value is None or not math.isfinite(value):
         return "–"
@@ -207,14 +201,6 @@ def _as_fine(text: str, value: float, size: float) -> str:
     return f"{value / size:{'+' if text.startswith('+') else ''}.{max(0, round(decimals + math.log10(size) + 0.3))}f}"
 
 
-def split_key(key: str) -> tuple[str, str]:
-    """Split ``offset_m`` into the quantity and its unit: ``('offset', 'm')``."""
-    for suffix, unit in _SUFFIXES.items():
-        if key.endswith(suffix):
-            return key.removesuffix(suffix), unit
-    return key, ""
-
-
 def si_per_unit(key: str) -> float:
     """Size in SI of the unit that a key of `summary.json` ends with."""
     return JOULES_PER_WATT_HOUR if key.endswith("_wh") else 1.0
@@ -223,14 +209,9 @@ def si_per_unit(key: str) -> float:
 def unit_for(phase: str, key: str, data: Mapping[str, object], *, typical: float = math.nan) -> Unit:
     """Find the unit in which to show a quantity: the reader's, or that of the mission file where it has one.
 
-    Parameters
-    ----------
-    phase, key : str
-        As in `summary.json`: ``moor``, ``offset_m``.
-    data : mapping
-        The mission file's data, `Provenance.data`.
-    typical : float
-        A value of the quantity; chooses between seconds, minutes and hours where the mission has no requirement on it.
+    `phase`, `key`: as in `summary.json`: ``moor``, ``offset_m``. `data`: the mission file's data, `Provenance.data`.
+    `typical`: a value of the quantity; chooses between seconds, minutes and hours where the mission has no requirement
+    on it.
     """
     quantity, unit = split_key(key)
     if not unit:
@@ -255,15 +236,11 @@ def _texts(phase: str, quantity: str, data: Mapping[str, object]) -> list[object
         for requirement in mappings(data.get("requirements"))
         if requirement.get("quantity") == f"{written.get(phase, phase)}.{quantity}"
     ]
-    section = _phase(phase, data)
+    section = next((each.section for each in written_phases(data) if each.key == phase), {})
     below = [_at(section, path) for path in _KEYS.get(quantity, ())]
     site = [_at(data, _SITE_KEYS[quantity])] if quantity in _SITE_KEYS else []
     energy = [_at(data, path) for path in _ENERGY_KEYS] if quantity == "energy" else []
     return [*requirements, *below, *site, *energy]
-
-
-def _phase(name: str, data: Mapping[str, object]) -> Mapping[str, object]:
-    return next((each.section for each in written_phases(data) if each.key == name), {})
 
 
 def _at(data: object, path: tuple[str, ...]) -> object:

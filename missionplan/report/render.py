@@ -17,9 +17,9 @@ from markupsafe import Markup
 from matplotlib.figure import Figure as MatplotlibFigure
 
 from missionplan.rendering import Plot, Rendered
-from missionplan.report.assumptions import with_assumptions
 from missionplan.report.axes import draw_in_units
 from missionplan.report.drawn import style
+from missionplan.report.explained import with_assumptions
 from missionplan.report.html.rendering import render_page
 from missionplan.report.page import Block, Drawing, Figure, Listing, Page, PageSection, Table, Terminal
 from missionplan.report.planned.section import changed, planned_sections
@@ -60,9 +60,10 @@ def render_report(result: Result) -> Rendered:
 def terminal_view(result: Result, *, system: str | None = None) -> Terminal:
     """Present a result for a terminal, in the units of the run or the mission, or of a system that is given."""
     with reading_in(units_of(result.provenance.data) if system is None else system):
-        shown = _page(result).glance()
-    columns, rows = _cells(shown.columns), [_cells(row) for row in shown.rows]
-    return replace(shown, sentence=typeset(shown.sentence), columns=columns, rows=rows)
+        page = _page(result)
+        columns, rows = page.table()
+    cells = [_cells(row) for row in rows]
+    return Terminal(typeset(page.sentence or page.answer), _cells(columns), cells, page.verdict)
 
 
 def drawings_of(result: Result) -> Mapping[str, Drawing]:
@@ -149,18 +150,8 @@ _BREAKS = re.compile(r"(?<=[ _./-])(?=\S)")
 def laid_out(columns: Sequence[str], rows: Sequence[Sequence[str]], width: int = 80) -> list[str]:
     """Lay out a table: its first column to the left, the others to the right.
 
-    Parameters
-    ----------
-    columns : sequence of str
-        Headings.
-    rows : sequence of sequence of str
-    width : int
-        Characters of a line.
-
-    Returns
-    -------
-    list of str
-        Lines. Where the columns do not fit side by side they follow in parts, the first column in each.
+    `columns`: headings. `width`: characters of a line. Returns: lines. Where the columns do not fit side by side they
+    follow in parts, the first column in each.
     """
     cells = [list(columns), *(list(row) for row in rows)]
     lines: list[str] = []

@@ -1,7 +1,6 @@
 """Report of `score`: how well a mission as it stands predicts measured data."""
 
 import shlex
-from collections.abc import Mapping
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -11,7 +10,7 @@ from matplotlib.ticker import MaxNLocator
 from missionplan.errors import InputError, Problem, counted, shown
 from missionplan.montecarlo.statistics import wilson
 from missionplan.report.axes import name_axis
-from missionplan.report.page import BLUE, GREY, ORANGE, Drawing, Figure, Page, PageSection, Table, Terminal, to_figure
+from missionplan.report.page import BLUE, GREY, ORANGE, Cells, Figure, Page, PageSection, Table, to_figure
 from missionplan.report.quantities import quantity
 from missionplan.results.score import PIT_BINS, STATED, DatasetScore, Prediction, Score, pit_counts
 
@@ -148,8 +147,8 @@ def page(score: Score) -> Page:
         write=lambda: _sections(score),
         verdict=_verdict(score),
         rerun=f"missionplan score {shlex.quote(made.file)} {' '.join(named)} --seed {made.seed}",
-        glance=lambda: terminal(score),
-        plots=PLOTS,
+        table=lambda: _cells(score),
+        plots={"predictions": draw_predictions},
     )
 
 
@@ -158,10 +157,10 @@ def _sections(score: Score) -> list[PageSection]:
     return [*all_of_them, *(section for each in score.datasets for section in dataset_sections(each))]
 
 
-def terminal(score: Score) -> Terminal:
-    """Build the terminal's view: one row a data set and prediction, or the yardsticks of a single data set."""
+def _cells(score: Score) -> Cells:
+    """Tabulate for a terminal: one row a data set and prediction, or the yardsticks of a single data set."""
     table = _overview(score) if len(score.datasets) > 1 else _table(score.datasets[0])
-    return Terminal(answer(score), table.columns, table.rows, _verdict(score))
+    return table.columns, table.rows
 
 
 def _verdict(score: Score) -> str:
@@ -336,7 +335,3 @@ def _assumed(kind: str) -> str:
         "are those that the diagnosis assumes. The past is taken in as if the expected depths were normal about "
         "their mean."
     )
-
-
-PLOTS: Mapping[str, Drawing] = {"predictions": draw_predictions}
-"""Plots on given axes by name, the main one first."""

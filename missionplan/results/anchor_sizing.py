@@ -13,9 +13,9 @@ from missionplan.physics.trim import TrimState
 from missionplan.results.base import Provenance, Result, to_csv
 from missionplan.results.decision import MemberOutcome
 from missionplan.results.entries import Entry, Record
-from missionplan.results.held_vehicle import HeldVehicle
 from missionplan.results.simulation import Outcome, judgement_summary
 from missionplan.results.sized_anchor import DiveProbabilities, SizedAnchor
+from missionplan.results.whereabouts import HeldVehicle
 
 
 @dataclass(frozen=True)

@@ -18,20 +18,18 @@ from typing import TYPE_CHECKING, Annotated, ClassVar
 
 import yaml
 
-from missionplan.errors import InputError, Problem, did_you_mean, shown
+from missionplan.errors import InputError, Problem
 from missionplan.identity import Identity
 from missionplan.montecarlo.posterior_file import FILE, PosteriorFile
 from missionplan.packages import how_to_install
-from missionplan.rendering import Plot, presenter, render
-from missionplan.results.checked_range import ROWS_OF_COMMAND, CheckedRange
-from missionplan.results.decision import Assumption, Coverage, Decision, changes_of
+from missionplan.rendering import Plots, presenter, render
+from missionplan.results.decision import ROWS_OF_COMMAND, Assumption, CheckedRange, Coverage, Decision, changes_of
 from missionplan.results.entries import Entry, Record, summary_of
 from missionplan.store.folder import as_path, check_holds_no_input, new_folder, write_atomically
 
 if TYPE_CHECKING:  # workers import this module: pandas takes half a second
     import pandas as pd
     import xarray
-    from matplotlib.axes import Axes
 
 _rendering = threading.Lock()
 """Figures are drawn one at a time: Matplotlib is not made for threads."""
@@ -259,54 +257,6 @@ class Result(Record, ABC):
         return folder
 
 
-class Plots:
-    """Plots of a result, by name: ``result.plot.tracks(ax=axes)``; each returns the axes that it drew on."""
-
-    def __init__(self, result: Result) -> None:
-        self._result = result
-
-    def __call__(self, name: str | None = None, /, *, ax: "Axes | None" = None, **options: object) -> "Axes":
-        """Draw a plot.
-
-        Parameters
-        ----------
-        name : str, optional
-            Of the plot; default: the main one.
-        ax : matplotlib Axes, optional
-            To draw on; default: new ones.
-        **options
-            Of the plot's own, such as the quantity of a histogram.
-
-        Raises
-        ------
-        InputError
-            When the result has no such plot.
-        """
-        return self._named(name)(ax=ax, **options)
-
-    def __getattr__(self, name: str) -> Plot:
-        if name.startswith("_"):
-            raise AttributeError(name)
-        try:
-            return self._named(name)
-        except InputError as error:
-            raise AttributeError(str(error)) from None
-
-    def __dir__(self) -> list[str]:
-        return list(presenter().plots(self._result))
-
-    def __repr__(self) -> str:
-        return f"<plots of {type(self._result).__name__}: {', '.join(dir(self)) or 'none'}>"
-
-    def _named(self, name: str | None) -> Plot:
-        plots = presenter().plots(self._result)
-        if plots and (name is None or name in plots):
-            return plots[name if name is not None else next(iter(plots))]
-        known = f"expected one of {', '.join(plots)}" if plots else "the result has no plots"
-        hint = did_you_mean(str(name), plots)
-        raise InputError([Problem(f"given {shown(name)}, {known}", key="plot", hint=hint)])
-
-
 def to_json(summary: Mapping[str, object], *, ascii_only: bool = False) -> str:
     """Write a summary as JSON; a number that is not finite becomes null."""
     return json.dumps(_plain(summary), indent=2, ensure_ascii=ascii_only, allow_nan=False) + "\n"
@@ -329,7 +279,6 @@ def to_grid(frame: "pd.DataFrame", dimensions: Sequence[str], unit: Mapping[str,
 
     Parameters
     ----------
-    frame : DataFrame
     dimensions : sequence of str
         Columns that tell the cells apart.
     unit : mapping

@@ -1,16 +1,19 @@
 """Entries of results: a field states meaning, quantity and name once; summaries, rows and schemas come from that.
 
-Parts of plain data, as a mission's file or a report's `summary.json` holds them: of the kind expected, or empty.
-
-What these data hold is not checked when they are read back: a report may be of another version, a mission half written.
+Ways to fail, as results name them. Parts of plain data, as a mission's file or a report's `summary.json` holds them: of
+the kind expected, or empty. What these data hold is not checked when they are read back: a report may be of another
+version, a mission half written.
 """
 
 import math
 from collections.abc import Iterator, Mapping, Sized
 from dataclasses import dataclass, fields, is_dataclass, replace
+from enum import StrEnum
 from functools import cache
 from inspect import cleandoc
 from typing import Annotated, Any, get_args, get_origin
+
+from missionplan.phases.place.place import Cause
 
 
 @dataclass(frozen=True)
@@ -170,3 +173,46 @@ def real(value: object) -> float:
         return float(value) if isinstance(value, int | float) else math.nan
     except OverflowError:
         return math.nan
+
+
+class Failure(StrEnum):
+    """Why a phase ends a trial."""
+
+    NOT_ARRIVED = "not arrived"
+    OUTRUN = "current faster than the vehicle"
+    LEFT_RECORD = "left the record of the current"
+    AGROUND = "aground"
+    ON_LAND = "on-land"
+    KEEP_OUT = "keep-out"
+    UNCHARTED = "left the grid of depths"
+    EQUIPMENT = "equipment"
+    OUT_OF_ENERGY = "out of energy"
+    TOO_SHALLOW = "line and vehicle longer than the water is deep"
+    FLOODED_EARLY = "anchor flooded before its release"
+    TOO_LIGHT = "anchor too light to sink the vehicle"
+    LINE_PARTED = "line parted"
+    NOT_DOWN = "anchor did not reach the seafloor"
+    OUTSIDE = "anchor outside the radius"
+    STRUCK = "struck the seafloor"
+    DRAGGED = "anchor dragged"
+    GROUNDED = "grounded in the hold"
+    NOT_SURFACED = "did not surface"
+    NOT_HOVERING = "did not come to hover"
+
+
+MET = {
+    Cause.AGROUND: Failure.AGROUND,
+    Cause.ON_LAND: Failure.ON_LAND,
+    Cause.KEEP_OUT: Failure.KEEP_OUT,
+    Cause.UNCHARTED: Failure.UNCHARTED,
+}
+"""Failures by what a trial has met."""
+LIMITS = (
+    Failure.EQUIPMENT,
+    Failure.LEFT_RECORD,
+    Failure.OUTRUN,
+    *MET.values(),
+    Failure.TOO_SHALLOW,
+    Failure.TOO_LIGHT,
+)
+"""Failures where the world sets a limit: reported where some trial met it."""

@@ -31,18 +31,11 @@ class Ability(Record):
 
 @dataclass(frozen=True)
 class TrackLines:
-    """What the report draws, east and north of the data set's origin [m].
-
-    Attributes
-    ----------
-    fixes, rejected : array, shape (2, n)
-        Fixes that count, and those that do not.
-    depth_t, depth : array, shape (m,)
-        Depth record, thinned [s, m].
-    """
+    """What the report draws, east and north of the data set's origin [m]."""
 
     fixes: Array
     rejected: Array
+    """Fixes that count, and those that do not, shape (2, n)."""
     reckoned: tuple[Array, ...]
     """Dead-reckoned way of each dive; empty where there is none; shape (2, k)."""
     leg_starts: Array
@@ -51,6 +44,7 @@ class TrackLines:
     """Dead-reckoned end of each dive, then the fix after it; nan where there is none; shape (2, 2, dives)."""
     depth_t: Array
     depth: Array
+    """Depth record, thinned, shape (m,) [s, m]."""
 
 
 @dataclass(frozen=True)
@@ -69,32 +63,25 @@ class Basis(Record):
 
 @dataclass(frozen=True)
 class LegPicture:
-    """What was logged about one leg, drawn on request; places east and north of the fix before it [m].
-
-    Attributes
-    ----------
-    fix_t, fixes : array, shape (n,), (2, n)
-        Fixes that count, from a while before the leg to a while after it: times since its start [s], and places.
-    rejected_t, rejected : array, shape (k,), (2, k)
-        Those that do not.
-    reckoned_t, reckoned : array, shape (m,), (2, m)
-        Dead-reckoned positions.
-    depth_t, depth : array, shape (d,)
-        Readings of depth [s, m].
-    """
+    """What was logged about one leg, drawn on request; places east and north of the fix before it [m]."""
 
     row: int
     """Of the dives."""
     fix_t: Array
     fixes: Array
+    """Fixes that count, from a while before the leg to a while after it: times since its start [s], and places, shape
+    (n,), (2, n)."""
     rejected_t: Array
     rejected: Array
+    """Those that do not, shape (k,), (2, k)."""
     reasons: tuple[str, ...]
     """Why not."""
     reckoned_t: Array
     reckoned: Array
+    """Dead-reckoned positions, shape (m,), (2, m)."""
     depth_t: Array
     depth: Array
+    """Readings of depth, shape (d,) [s, m]."""
 
 
 @dataclass(frozen=True)

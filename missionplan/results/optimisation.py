@@ -136,8 +136,7 @@ class Optimised(Result):
     @property
     def members(self) -> Annotated[tuple[MemberOutcome, ...], Entry(optional=True)]:
         """How often the choice succeeds in each member of the current's ensemble; empty without one."""
-        found = self.checked.members if self.checked is not None else ()
-        return tuple(MemberOutcome(each.causes[0], each.probability, each.success) for each in found if each.trials)
+        return self.checked.sailed if self.checked is not None else ()
 
     @property
     def ruled_out(self) -> Annotated[RuledOut | None, Entry()]:

@@ -22,18 +22,7 @@ LONGEST_SINKING = 5.0
 
 @dataclass(frozen=True)
 class Waypoint:
-    """A point of the course, with the leg that leads to it.
-
-    Attributes
-    ----------
-    east, north : float
-        Of the origin [m].
-    latitude, longitude : float
-        [rad]; nan where the mission has no origin.
-    duration, duration_p99 : float
-        Time under way: length over speed, with the acceleration from rest; and what 99 % of the trials take at most
-        for the leg of this number, course corrections included [s].
-    """
+    """A point of the course, with the leg that leads to it."""
 
     name: str
     """Such as ``ingress 2``."""
@@ -41,14 +30,18 @@ class Waypoint:
     """``start``, ``surfacing`` (where a planned leg ends) or ``arrival``."""
     east: float
     north: float
+    """Of the origin [m]."""
     latitude: float
     longitude: float
+    """[rad]; nan where the mission has no origin."""
     course: float
     """Of the leg over ground, clockwise from true north [rad]; nan at a start."""
     length: float
     """Of the leg [m]."""
     duration: float
     duration_p99: float
+    """Time under way: length over speed, with the acceleration from rest; and what 99 % of the trials take at most for
+    the leg of this number, course corrections included [s]."""
     elapsed: float
     """Since the mission's start, nominally [s]."""
     is_via: bool = False
@@ -62,15 +55,7 @@ class Waypoint:
 
 @dataclass(frozen=True)
 class SurfacingRule:
-    """When the vehicle surfaces between a start and an arrival.
-
-    Attributes
-    ----------
-    surface_time, surface_time_p99 : float
-        At the surface, mean and 99 % quantile [s].
-    extra_time, extra_time_error : float
-        Mean time that the one interval costs beyond the table, and its standard error; zero without a table [s].
-    """
+    """When the vehicle surfaces between a start and an arrival."""
 
     interval: float
     """Greatest length of a leg; with a table, the one that costs least in its place [m]."""
@@ -78,10 +63,12 @@ class SurfacingRule:
     """Time under way of such a leg in still water [s]."""
     surface_time: float
     surface_time_p99: float
+    """At the surface, mean and 99 % quantile [s]."""
     table: tuple[tuple[float, float], ...] = ()
     """Distance left and length of the leg, linear between; empty where one length holds throughout [m]."""
     extra_time: float = 0.0
     extra_time_error: float = 0.0
+    """Mean time that the one interval costs beyond the table, and its standard error; zero without a table [s]."""
 
     @property
     def fix_wait(self) -> float:
@@ -91,19 +78,12 @@ class SurfacingRule:
 
 @dataclass(frozen=True)
 class PlannedTransit:
-    """A transit.
-
-    Attributes
-    ----------
-    name : str
-    depth, speed : float
-        Run depth, and speed through the water [m, m/s].
-    surfacing : SurfacingRule
-    """
+    """A transit."""
 
     name: str
     depth: float
     speed: float
+    """Run depth, and speed through the water [m, m/s]."""
     arrival_radius: float
     """[m]"""
     surfacing: SurfacingRule
@@ -193,24 +173,14 @@ class PlannedTransit:
 
 @dataclass(frozen=True)
 class PlannedMooring:
-    """A mooring, about the fix on arrival.
-
-    Attributes
-    ----------
-    name : str
-    east, north, latitude, longitude : float
-        Where the transit before it ends [m, rad].
-    release_time, release_time_p99 : float
-        From the last fix until the anchor separates, mean and 99 % quantile [s].
-    hold, galvanic_release : float
-        Time on the bottom until the release is commanded, and until the link has corroded, means [s].
-    """
+    """A mooring, about the fix on arrival."""
 
     name: str
     east: float
     north: float
     latitude: float
     longitude: float
+    """Where the transit before it ends [m, rad]."""
     radius: float
     """Within which the anchor is to lie [m]."""
     water_depth: float
@@ -221,8 +191,10 @@ class PlannedMooring:
     """[N]; nan where it is to be sized."""
     release_time: float
     release_time_p99: float
+    """From the last fix until the anchor separates, mean and 99 % quantile [s]."""
     hold: float
     galvanic_release: float
+    """Time on the bottom until the release is commanded, and until the link has corroded, means [s]."""
     elapsed: float
     """Mission time of the last fix before it, nominally [s]."""
     surface_time_p99: float = 0.0
@@ -251,12 +223,7 @@ class PlannedMooring:
 
 @dataclass(frozen=True)
 class Fence:
-    """A zone that the vehicle keeps out of.
-
-    Attributes
-    ----------
-    name : str
-    """
+    """A zone that the vehicle keeps out of."""
 
     name: str
     outline: tuple[tuple[float, float], ...]

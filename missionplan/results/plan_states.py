@@ -94,12 +94,7 @@ class Transition:
 
 @dataclass(frozen=True)
 class State:
-    """A state.
-
-    Attributes
-    ----------
-    kind : str
-    """
+    """A state."""
 
     name: str
     """Unlike that of any other state: number of the phase and kind."""

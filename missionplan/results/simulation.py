@@ -11,11 +11,10 @@ from missionplan.arrays import Array
 from missionplan.montecarlo.sensitivity import Influence
 from missionplan.montecarlo.statistics import Probability, Statistic, trials_to_decide
 from missionplan.results.base import Provenance, Result, to_csv
-from missionplan.results.decision import Assumption, ExplainedOutcome, PlaceContact, SeaChart
+from missionplan.results.decision import Assumption, ExplainedOutcome, MemberOutcome, PlaceContact, SeaChart
 from missionplan.results.entries import Entry, Record
-from missionplan.results.held_vehicle import HeldVehicle
-from missionplan.results.overdue import Overdue
 from missionplan.results.plan import Plan
+from missionplan.results.whereabouts import HeldVehicle, Overdue
 from missionplan.store.trials_table import read_trials
 
 if TYPE_CHECKING:  # workers import this module: pandas takes half a second
@@ -34,13 +33,7 @@ class Histogram:
 
 @dataclass(frozen=True)
 class PhaseOutcome(Record):
-    """One phase over all trials, or the whole mission, ``total``.
-
-    Attributes
-    ----------
-    start, end : Statistic
-        Mission time at which the phase began and ended, of the trials that reached it [s].
-    """
+    """One phase over all trials, or the whole mission, ``total``."""
 
     name: str
     """As in key paths."""
@@ -54,6 +47,7 @@ class PhaseOutcome(Record):
     """Of the quantities."""
     start: Statistic
     end: Statistic
+    """Mission time at which the phase began and ended, of the trials that reached it [s]."""
     label: Annotated[str, Entry("as the mission's file has it", key="name")]
 
     @property
@@ -254,6 +248,12 @@ class Outcome(Result):
         return self.assumptions
 
     @property
+    def sailed(self) -> tuple[MemberOutcome, ...]:
+        """How often the mission succeeds in each member of the current's ensemble in which a trial sails."""
+        tried = (each for each in self.members if each.trials)
+        return tuple(MemberOutcome(each.causes[0], each.probability, each.success) for each in tried)
+
+    @property
     def holds_equipment(self) -> bool:
         """Whether failures of equipment are among those of the trials."""
         return any(each.held for each in self.provenance.holds if each.what == "equipment")
@@ -297,7 +297,11 @@ class Outcome(Result):
         return {"quantities.csv": to_csv(self._rows()), **areas, **table}
 
 
-_JUDGED = ("seed", "trials", "total", "requirements")
+JUDGED = Entry(
+    "the mission with what is recommended, simulated with fresh draws; null where it requires nothing",
+    parts=("seed", "trials", "total", "requirements"),
+)
+"""Of a recommendation."""
 
 
 def judgement_summary(judged: Outcome | None) -> dict[str, object] | None:
@@ -305,4 +309,4 @@ def judgement_summary(judged: Outcome | None) -> dict[str, object] | None:
     if judged is None:
         return None
     stated = judged.summary()
-    return {"requirements_met": judged.requirements_met, **{key: stated[key] for key in _JUDGED}}
+    return {"requirements_met": judged.requirements_met, **{key: stated[key] for key in JUDGED.parts}}

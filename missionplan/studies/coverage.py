@@ -9,8 +9,7 @@ import numpy as np
 from missionplan.mission import Mission
 from missionplan.mission.schema.site import Site
 from missionplan.montecarlo.distributions import mean_of
-from missionplan.results.checked_range import RANGES, CheckedRange
-from missionplan.results.decision import Coverage
+from missionplan.results.decision import RANGES, CheckedRange, Coverage
 from missionplan.results.entries import mappings
 from missionplan.scenario.place.building import mission_places
 

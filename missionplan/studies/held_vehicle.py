@@ -22,7 +22,7 @@ from missionplan.physics.drag import terminal_velocity
 from missionplan.physics.held_line import LINE_MATERIALS
 from missionplan.physics.line_statics import held_pose, line_shape
 from missionplan.physics.seafloor import LayersAbove
-from missionplan.results.held_vehicle import HeldState, HeldVehicle
+from missionplan.results.whereabouts import HeldState, HeldVehicle
 from missionplan.scenario.anchors import anchor_length, design_current
 from missionplan.scenario.phases import dive_of, hold_of, start_of
 from missionplan.scenario.scenario import STILL_WATER, Scenario
@@ -34,13 +34,7 @@ _FACTORS: Array = np.geomspace(0.05, 20.0, 401)
 def held_vehicle(means: Scenario, phase: MoorPhase[Scalars], weight: float) -> HeldVehicle:
     """Find how the vehicle of a mooring stands above an anchor of a wet weight.
 
-    Parameters
-    ----------
-    means : Scenario
-        At the means.
-    phase : MoorPhase
-    weight : float
-        Of the anchor in water [N].
+    `weight`: of the anchor in water [N].
     """
     hold, given = lifted(hold_of(means, phase, weight), means.descent_effects), means.mooring
     currents = dict(_currents(means, phase, hold))
@@ -243,15 +237,7 @@ def check_dives(means: Scenario) -> None:
 
     So is an anchor that is `sized`: its weight follows from the radius and the current, and is no slip of a unit.
 
-    Parameters
-    ----------
-    means : Scenario
-        At the means.
-
-    Raises
-    ------
-    InputError
-        With each mooring and its terminal velocity.
+    Raises InputError with each mooring and its terminal velocity.
     """
     mission = means.mission
     if not mission.moors or missing_for_moorings(mission):
@@ -285,13 +271,7 @@ STATED = 5.0
 def flooding_notice(means: Scenario, phase: MoorPhase[Scalars], weight: float | None = None) -> str:
     """Notice that the anchor is taken as flooded when it separates; empty where the vehicle file gives a time.
 
-    Parameters
-    ----------
-    means : Scenario
-        At the means.
-    phase : MoorPhase
-    weight : float, optional
-        Wet weight of the anchor, by default the mission's [N].
+    `weight`: wet weight of the anchor, by default the mission's [N].
     """
     if means.mooring.anchor.flooding_time is not None:
         return ""

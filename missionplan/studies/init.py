@@ -211,19 +211,8 @@ def sea_trial(mission: Mission, *, legs: int = LEGS, compass_bias: float = COMPA
     moved by the mission's mean current at the depth of its first transit, a velocity error drawn once a leg, and the
     compass's bias; every fix has its error. At the surface it drifts with the current for the mission's surfacing time.
 
-    Parameters
-    ----------
-    mission : Mission
-        With a site and navigation; distributions are taken at their means.
-    legs : int
-    compass_bias : float
-        Clockwise from the course steered to the course made [rad].
-    seed : int
-
-    Returns
-    -------
-    DataFrame
-        Columns of a data set of kind ``transit``.
+    `mission`: with a site and navigation; distributions are taken at their means. `compass_bias`: clockwise from the
+    course steered to the course made [rad]. Returns: columns of a data set of kind ``transit``.
     """
     checked = TransitMission.of(mission)
     transit, navigation = checked.transit(), checked.navigation

@@ -1,18 +1,124 @@
-"""Whether a recommendation does what the mission requires: the mission with it in place, simulated with fresh draws.
+"""Whether a recommendation does what the mission requires, and what an answer takes for granted is worth.
 
 Every command that recommends (`size-anchor`, `optimise`, `plan-legs`, `sweep-dmax`) asks here, and its headline and
-exit status follow: what was chosen on one set of random numbers is held to another.
+exit status follow: what was chosen on one set of random numbers is held to another. The ledger puts each assumption off
+by its usual size, and the mission is run again.
 """
 
-from collections.abc import Mapping
-from dataclasses import replace
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
 
-from missionplan.errors import InputError
+from missionplan.errors import InputError, MissionplanError
 from missionplan.mission import Mission
+from missionplan.mission.editing.changes import changed_data
+from missionplan.mission.schema.phases import MoorPhase
+from missionplan.mission.schema.site import CurrentFile, TidalCurrent
+from missionplan.mission.schema.vehicle import Anchor
+from missionplan.montecarlo.distributions import Distribution
+from missionplan.montecarlo.statistics import Probability
+from missionplan.results.decision import Assumption
 from missionplan.results.simulation import Outcome
-from missionplan.studies.exploration.variation import with_values
-from missionplan.studies.simulation.assumptions import ledger
-from missionplan.studies.simulation.simulate import simulate
+from missionplan.studies.simulation.simulate import event_probabilities, simulate
+
+TRIALS = 400
+"""Of each run of the ledger; they share their random numbers, so that small differences show."""
+_SD = {"sd": "0.1 m/s"}
+"""Of a current: drifters differ by about 0.1 m/s from maps of the current that are measured there and then."""
+
+
+@dataclass(frozen=True)
+class Doubt:
+    """An assumption, and the mission without it."""
+
+    what: str
+    otherwise: str
+    """What is taken for granted, and what is put in its place."""
+    changes: Mapping[str, object]
+    """Of the mission's keys (`Mission.with_`)."""
+
+
+def ledger(mission: Mission, seed: int, trials: int = TRIALS) -> tuple[Assumption, ...]:
+    """Run a mission without each of its assumptions; those that matter most come first; nan where it cannot be run.
+
+    `trials`: of each run.
+    """
+    doubts = tuple(doubts_of(mission))
+    if not doubts:
+        return ()
+    base = _judged(mission, trials, seed)
+    found = []
+    for doubt in doubts:
+        try:
+            other = _judged(mission.with_(dict(doubt.changes)), trials, seed)
+        except (MissionplanError, ArithmeticError):  # a plug-in's phase, a key that another forbids
+            found.append(Assumption(doubt.what, doubt.otherwise, math.nan, math.nan))
+            continue
+        missed = tuple(
+            requirement.written or requirement.quantity
+            for index, requirement in enumerate(mission.requirements)
+            if other[f"requirement {index}"].value < requirement.probability <= base[f"requirement {index}"].value
+        )
+        before, after = base["total.success"].value, other["total.success"].value
+        found.append(Assumption(doubt.what, doubt.otherwise, after - before, after, missed))
+    return tuple(sorted(found, key=lambda each: (not each.turns, math.isnan(each.worth), each.worth)))
+
+
+def _judged(mission: Mission, trials: int, seed: int) -> Mapping[str, Probability]:
+    return event_probabilities(mission, trials=trials, seed=seed)
+
+
+def doubts_of(mission: Mission) -> Iterator[Doubt]:
+    """Yield what a mission takes for granted, as far as it can be put off by its usual size."""
+    yield from _current(mission)
+    if mission.site is not None and mission.site.wind is None:
+        blows = {"speed": {"low": "0 m/s", "high": "12 m/s"}, "from": {"low": "0 deg", "high": "360 deg"}}
+        yield Doubt("there is no wind", "winds of 0 to 12 m/s from anywhere", {"site.wind": blows})
+    if mission.transits and mission.navigation is not None and mission.navigation.fix_error == 0.0:
+        yield Doubt("fixes are exact", "an error of 5 m on each axis", {"navigation.fix_error": "5 m"})
+    if mission.moors:
+        yield from _anchor(mission.vehicle.anchor if mission.vehicle else None)
+        yield from _lines(mission.moors)
+
+
+def _anchor(anchor: Anchor | None) -> Iterator[Doubt]:
+    if anchor is not None and isinstance(anchor.holding_factor, float):
+        factor = {"median": anchor.holding_factor, "factor": 1.4}
+        words = "the anchor holds just as its holding factor says"
+        yield Doubt(words, "a factor of 1.4 more or less", {"vehicle.anchor.holding_factor": factor})
+    if anchor is not None and anchor.flooding_time is None:
+        words = "the anchor is full of water at once"
+        yield Doubt(words, "10 s until it is", {"vehicle.anchor.flooding_time": "10 s"})
+
+
+def _lines(moors: Sequence[MoorPhase]) -> Iterator[Doubt]:
+    for phase in moors:
+        if phase.line_material is None and phase.line_wet_weight is None:
+            changes = {f"{phase.name}.line_material": "polyester"}
+            if phase.line_diameter:
+                yield Doubt(f"the line has no weight ({phase.label})", "polyester", changes)
+            else:
+                changes[f"{phase.name}.line_diameter"] = "2 mm"
+                yield Doubt(f"the line has neither weight nor drag ({phase.label})", "2 mm of polyester", changes)
+
+
+def _current(mission: Mission) -> Iterator[Doubt]:
+    """Yield a current that is taken as exact: numbers for layers, a record or a tide without an error."""
+    current = mission.site.current if mission.site else ()
+    if isinstance(current, CurrentFile | TidalCurrent):
+        single = not isinstance(current, CurrentFile) or len(current.members) == 1
+        if current.error is None and single:
+            error = {"sigma": "0.1 m/s", "time": "12 h"}
+            yield Doubt("the current is as recorded", "0.1 m/s off on each axis", {"site.current.error": error})
+        return
+    exact = [number for number, layer in enumerate(current) if not isinstance(layer.speed, Distribution)]
+    if exact:
+        changes = {
+            f"site.current[{number}].speed": {"mean": f"{float(current[number].speed)!r} m/s", **_SD}  # type: ignore[arg-type]
+            for number in exact
+        }
+        yield Doubt("the layers flow just as fast as stated", "0.1 m/s faster or slower", changes)
+
 
 FRESH = 1_000_003
 """Added to the seed on which the recommendation was chosen."""
@@ -29,22 +135,9 @@ def judged(
 ) -> Outcome | None:
     """Simulate a mission with what is recommended, and without each of its assumptions.
 
-    Parameters
-    ----------
-    mission : Mission
-        As its file has it.
-    recommended : mapping of str to object
-        Values by key path, as a mission file has them.
-    trials, seed : int
-        With which the recommendation was chosen; the draws are those of another seed.
-    jobs : int
-    assumptions : bool
-        Simulate it without each of its assumptions too; `doubted` does so later.
-
-    Returns
-    -------
-    Outcome or None
-        None where the mission requires nothing, or cannot be simulated as a whole.
+    `mission`: as its file has it. `recommended`: values by key path, as a mission file has them. `trials`, `seed`: with
+    which the recommendation was chosen; the draws are those of another seed. Returns None where the mission requires
+    nothing, or cannot be simulated as a whole.
     """
     if not mission.requirements:
         return None
@@ -74,7 +167,7 @@ def simulated_with(
 
 
 def _with(mission: Mission, values: Mapping[str, object]) -> Mission:
-    return Mission.from_data(with_values(mission.raw, values), file=mission.file)
+    return Mission.from_data(changed_data(mission.raw, values, Mission, in_si=False), file=mission.file)
 
 
 def is_good(outcome: Outcome | None) -> bool:

@@ -96,19 +96,14 @@ def identified_datasets(folders: Iterable[Path]) -> dict[str, object]:
 
 @dataclass(frozen=True)
 class Run:
-    """A run of a study: the mission, what was asked for, checked and filled in, and when it began.
-
-    Attributes
-    ----------
-    trials, seed : int
-        As asked for, else the mission's.
-    """
+    """A run of a study: the mission, what was asked for, checked and filled in, and when it began."""
 
     command: str
     """Name of the study on the command line."""
     mission: Mission
     trials: int
     seed: int
+    """As asked for, else the mission's."""
     workers: Workers = IN_THIS_PROCESS
     """Where blocks of trials run, and who is told of those done."""
     precision: str | None = None
@@ -130,7 +125,6 @@ class Run:
 
         Parameters
         ----------
-        command : str
         mission, one_of, text
             As `check_arguments` takes them.
         **asked

@@ -20,7 +20,7 @@ from missionplan.mission.geodesy import to_geographic
 from missionplan.mission.mission import MOST_LEARNED
 from missionplan.report.diagnosis.page import answer
 from missionplan.report.scoring import answer as told_of_score
-from missionplan.studies.comparison.summary_numbers import changed_values
+from missionplan.studies.comparison.two_reports import changed_values
 from tests.conftest import TRANSIT, make_legs
 
 DOUBT = {"one-of": [{"probability": 0.4, "effects": [{"mean-current": {"east": {"mean": "2 cm/s", "sd": "1 cm/s"}}}]}]}

@@ -22,7 +22,7 @@ from missionplan.mission import Mission
 from missionplan.report.drawn import Drawn
 from missionplan.report.html.rendering import named_apart
 from missionplan.report.page import Figure as PageFigure
-from missionplan.report.page import Page, PageSection, Terminal
+from missionplan.report.page import Page, PageSection
 
 from . import examples
 from .hostile_names import MARK, NAMES, ODD, named
@@ -149,7 +149,7 @@ def test_a_name_that_moves_the_terminal_or_turns_the_text_is_refused(name):
 def test_figures_of_one_name_are_told_apart():
     figure = PageFigure("a-b", Drawn("<svg/>"), "", "")
     sections = [PageSection("", [figure, "words"]), PageSection("", [figure])]
-    page = Page("", "", [], lambda: sections, lambda: Terminal("", (), ()), lambda: figure)
+    page = Page("", "", [], lambda: sections, lambda: ((), ()), lambda: figure)
     apart = named_apart(page)
     assert [block.name for section in apart.sections for block in section.blocks if block != "words"] == [
         "a-b-2",

@@ -17,7 +17,7 @@ EDGES = (
 
 TABLE = {
     "results/plan.py": ["exporters"],
-    "results/overdue": ["studies/overdue"],
+    "results/whereabouts": ["studies/overdue"],
     "results/choosing": ["studies/optimisation", "studies/comparison"],
     "results/leg_length": ["studies/leg_length"],
     "results/mooring": ["studies/anchor", "studies/simulation"],

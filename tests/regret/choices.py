@@ -10,8 +10,8 @@ import numpy as np
 from missionplan.mission import Mission
 from missionplan.scenario.anchors import worst_case_weight
 from missionplan.scenario.scenario import Scenario
-from missionplan.studies.anchor.dive_trials import AnchorTrials
 from missionplan.studies.anchor.lightest_anchor import lightest_anchor
+from missionplan.studies.anchor.sizing import AnchorTrials
 from missionplan.studies.leg_length.sweep_dmax import sweep_dmax
 
 REQUIRED = 0.95

@@ -4,7 +4,8 @@ from pathlib import Path
 import pytest
 
 from missionplan.mission import load
-from missionplan.report.anchor.page import answer, page, terminal
+from missionplan.report.anchor.page import answer, page
+from missionplan.report.render import terminal_view
 from missionplan.results.anchor_sizing import ProbableAnchor
 from missionplan.studies.anchor.size_anchor import size_anchor
 
@@ -44,7 +45,7 @@ def test_the_sentence_that_a_field_engineer_wants(sizing):
 
 def test_an_anchor_that_misses_the_radius_is_no_good_news(sizing):
     wide = replace(sizing, radius=10.0)
-    assert page(wide).verdict == terminal(wide).verdict == "bad"
+    assert page(wide).verdict == terminal_view(wide).verdict == "bad"
 
 
 def test_a_requirement_that_no_anchor_meets_is_told(sizing):
@@ -65,9 +66,9 @@ def test_the_page_has_its_figures(sizing, tmp_path):
 
 
 def test_both_anchors_stand_in_the_table(sizing):
-    table = terminal(sizing)
-    assert list(table.columns) == ["", "Worst case", "90 %"]
-    assert all(len(row) == 3 for row in table.rows)
+    columns, rows = page(sizing).table()
+    assert list(columns) == ["", "Worst case", "90 %"]
+    assert all(len(row) == 3 for row in rows)
 
 
 def test_an_anchor_that_cannot_be_built_says_so_first(tmp_path):

@@ -6,7 +6,7 @@ import pytest
 
 from missionplan.report.page import Table
 from missionplan.results.base import Provenance
-from missionplan.studies.comparison.changes_page import answer, page, terminal
+from missionplan.studies.comparison.changes_page import answer, page
 from missionplan.studies.comparison.result import ChangedValue, ComparedNumber, ComparedRun, Comparison
 
 
@@ -57,7 +57,7 @@ def test_what_decides_comes_first_then_the_clearest_change(comparison):
     assert answer(shown).startswith(
         "The probability of success was 90.0\u00a0% and is now 80.0\u00a0% (−10.0\u00a0±\u00a00.5\u00a0%)."
     )
-    names = [row[0] for row in terminal(shown).rows]
+    names = [row[0] for row in page(shown).table()[1]]
     assert names == [
         "success of the mission",
         "offset of the anchor (moor) at most 75 ft (requirement)",
@@ -74,7 +74,7 @@ def test_missions_that_are_not_alike_are_said_so_in_one_line(comparison):
     data = {"first": first, "second": second}
     unlike = replace(comparison, provenance=replace(comparison.provenance, data=data), mission_changes=changes)
     assert answer(unlike).startswith("The two missions are not alike: the first has in, moor, the second out; ")
-    assert not any(row[0].startswith("key") for row in terminal(unlike).rows)
+    assert not any(row[0].startswith("key") for row in page(unlike).table()[1])
     assert not any(name.startswith("key") for name in rows(unlike))
     same = replace(comparison, mission_changes=changes)
     assert answer(same).startswith("The two missions are not alike: 90 values of their files differ; ")

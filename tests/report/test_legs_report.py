@@ -8,9 +8,10 @@ import pytest
 from missionplan.mission import load
 from missionplan.montecarlo.statistics import Statistic, wilson
 from missionplan.report.page import Figure, Listing, Table
+from missionplan.report.render import terminal_view
 from missionplan.studies.leg_length.plan_legs import plan_legs
-from missionplan.studies.leg_length.plan_page import answer, page, terminal
-from missionplan.studies.leg_length.plan_result import CandidatePlan
+from missionplan.studies.leg_length.plan_page import answer, page
+from missionplan.studies.leg_length.plan_result import CandidatePlan, MeanAndError
 
 MISSION = """
 name: Legs
@@ -60,18 +61,21 @@ def test_two_plans_are_set_beside_each_other_only_where_there_are_two(adaptive, 
 
 def test_a_table_that_is_not_worth_it_is_not_shown_but_what_it_would_bring_is(adaptive):
     own, *others = adaptive.cases
-    small = replace(adaptive, cases=(replace(own, saving=10.0, saving_error=1.0), *others))
+    small = replace(adaptive, cases=(replace(own, saved=MeanAndError(10.0, 1.0)), *others))
     assert answer(small).startswith("Take a fixed d_max of ")
     assert (
         answer(small)
         .replace("\u00a0", " ")
         .endswith(": a table of legs would save 10.0 ± 1.0 s on average, no more than 1 % of the whole.")
     )
-    losing = replace(adaptive, cases=(own, *others[:-1], replace(others[-1], saving=-5.0)))
+    losing = replace(
+        adaptive,
+        cases=(own, *others[:-1], replace(others[-1], saved=MeanAndError(-5.0, others[-1].saved.standard_error))),
+    )
     assert answer(losing).endswith(f"but save nothing or lose with {others[-1].name}.")
     for plan in (small, losing):
         assert plan.changes == {"d_max": f"{adaptive.fixed_d_max:.1f} m"}
-        assert terminal(plan).columns[0] == "Errors"
+        assert terminal_view(plan).columns[0] == "Errors"
         assert all("knots" not in figure.caption for figure in [page(plan).figure, *blocks(plan, Figure)])
         assert "stops short" not in page(plan).figure.svg  # a fixed d_max aims at the target itself
 
@@ -83,7 +87,7 @@ def test_legs_that_arrive_less_often_than_required_are_said_to_in_red(adaptive):
     plan = replace(adaptive, cases=(own, *others))
     assert answer(plan).startswith("No legs arrive as often as 99\u00a0%: ")
     assert "in 76.0\u00a0% of the trials" in answer(plan)
-    assert page(plan).verdict == terminal(plan).verdict == "bad"
+    assert page(plan).verdict == terminal_view(plan).verdict == "bad"
 
 
 @pytest.mark.parametrize("d_max", [800.0, 3162.3, 1e9])
@@ -95,7 +99,7 @@ def test_figures_are_drawn_where_every_leg_aims_at_the_target(adaptive, d_max):
 
 
 def test_an_aim_of_energy_is_judged_by_energy(adaptive):
-    case = replace(adaptive.cases[0], energy_saving=7200.0, energy_saving_error=360.0)  # J of 36 kJ
+    case = replace(adaptive.cases[0], saved_energy=MeanAndError(7200.0, 360.0))  # J of 36 kJ
     energy = Statistic(36e3, 3600.0, 30e3, 36e3, 42e3, 36.0, 400)
     rival = CandidatePlan("rival", 1.0, Statistic.of_constant(3600.0, 400), energy, wilson(400, 400), 36e3, 36.0)
     plan = replace(adaptive, aim="energy", cases=(case,), candidates=(rival,) * 4)
@@ -103,6 +107,7 @@ def test_an_aim_of_energy_is_judged_by_energy(adaptive):
     (table,) = (table for table in blocks(plan, Table) if table.columns[0] == "Errors")
     assert table.columns[-1] == "Energy saved (W\u202fh)"
     assert table.rows[0][-1] == "2.00\u00a0±\u00a00.10"
-    assert not replace(plan, cases=(replace(case, energy_saving=1000.0),)).recommended  # less than three errors
-    sure = replace(case, energy_saving=350.0, energy_saving_error=10.0)
+    unsure = replace(case, saved_energy=MeanAndError(1000.0, 360.0))  # less than three errors
+    assert not replace(plan, cases=(unsure,)).recommended
+    sure = replace(case, saved_energy=MeanAndError(350.0, 10.0))
     assert not replace(plan, cases=(sure,)).recommended  # less than 1 %

@@ -5,7 +5,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from missionplan.report.geography.plan_view import frame
+from missionplan.report.plan_view import frame
 from missionplan.studies.leg_length.sweep_page import has_teeth
 
 

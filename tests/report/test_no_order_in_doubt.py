@@ -13,7 +13,7 @@ from missionplan.mission import Mission
 from missionplan.report.render import terminal_view
 from missionplan.results.base import Result
 from missionplan.studies.leg_length import optimise_legs
-from missionplan.studies.leg_length.policy_search import PolicyFamily
+from missionplan.studies.leg_length.analytic_transit import PolicyFamily
 
 MISSIONS = Path(__file__).parents[2] / "missions"
 VERBS = (

@@ -5,8 +5,8 @@ import math
 import pytest
 
 from missionplan.montecarlo.statistics import Probability, Statistic, wilson
-from missionplan.report.numbers import number, percent, rounded_down, rounded_up
-from missionplan.report.quantities import Unit, span, split_key, time_in_words, unit_for, with_error
+from missionplan.report.quantities import Unit, span, time_in_words, unit_for, with_error
+from missionplan.report.wording import number, percent, rounded_down, rounded_up, split_key
 
 MISSION = {
     "site": {"depth": "40 ft"},

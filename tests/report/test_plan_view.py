@@ -7,7 +7,7 @@ import pytest
 from outcome_example import example
 
 from missionplan.exporters.maps.geometry import circle
-from missionplan.report.geography.plan_view import area, circular_error, ellipse, median_trial, rings, track
+from missionplan.report.plan_view import area, circular_error, ellipse, median_trial, rings, track
 from missionplan.results.simulation import Tracks
 
 

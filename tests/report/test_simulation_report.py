@@ -13,11 +13,11 @@ from outcome_example import MAPPED, example
 from missionplan.mission import load
 from missionplan.montecarlo.statistics import wilson
 from missionplan.report.drawn import style
-from missionplan.report.numbers import percent
 from missionplan.report.page import Figure
 from missionplan.report.render import render_report, terminal_view
 from missionplan.report.simulation import page as simulation
 from missionplan.report.simulation.quantities import judged
+from missionplan.report.wording import percent
 from missionplan.results.simulation import Attrition, MooringAnchor, Outcome, RequirementOutcome, Sensitivity
 from missionplan.studies.simulation.simulate import simulate
 

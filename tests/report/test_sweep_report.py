@@ -4,9 +4,10 @@ import pytest
 
 from missionplan.mission import load
 from missionplan.montecarlo.statistics import wilson
+from missionplan.report.render import terminal_view
 from missionplan.results.base import Provenance
 from missionplan.studies.leg_length.sweep_dmax import sweep_dmax
-from missionplan.studies.leg_length.sweep_page import page, terminal
+from missionplan.studies.leg_length.sweep_page import page
 from missionplan.studies.leg_length.sweep_result import Sweep, SweepCurve, SweepPoint
 
 AGAINST_THE_CURRENT = """
@@ -50,7 +51,7 @@ def test_the_cheapest_d_max_that_arrives_often_enough_is_recommended():
     assert entry["best"]["d_max_m"] == 400.0
     assert (entry["recommended"]["d_max_m"], entry["recommended"]["reaches_required_arrival"]) == (700.0, True)
     assert page(found).answer.startswith("Choose d_max = 700\u00a0m")
-    assert terminal(found).verdict == page(found).verdict == ""
+    assert terminal_view(found).verdict == page(found).verdict == ""
 
 
 def test_means_of_those_that_arrive_say_of_how_many():
@@ -66,7 +67,7 @@ def test_without_a_d_max_that_arrives_often_enough_the_likeliest_is_named():
     assert "no d_max of this sweep arrives as often as 99\u00a0%" in answer
     assert "of the 76\u00a0% that arrive is 25.0\u00a0min" in answer
     assert "Choose" not in answer
-    assert terminal(found).verdict == page(found).verdict == "bad"
+    assert terminal_view(found).verdict == page(found).verdict == "bad"
 
 
 @pytest.mark.parametrize(

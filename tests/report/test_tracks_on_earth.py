@@ -14,8 +14,8 @@ from outcome_example import example
 from pyproj import Geod
 
 from missionplan.exporters.maps.geometry import COLOURS, circle, longitudes_latitudes, parts
-from missionplan.report.geography.tracks import SAMPLES, sample_trials, track_geojson, track_kml, track_points
 from missionplan.report.page import BLUE, GREEN, ORANGE, PINK, SKY, YELLOW
+from missionplan.report.simulation.tracks import SAMPLES, sample_trials, track_geojson, track_kml, track_points
 
 POSITION = {"type": "array", "minItems": 2, "maxItems": 2, "items": {"type": "number"}}
 LINE = {"type": "array", "minItems": 2, "items": POSITION}

@@ -7,7 +7,7 @@ import pytest
 import yaml
 
 import missionplan
-from missionplan.studies.history.page import terminal
+from missionplan.studies.history.page import page
 
 
 def report(
@@ -111,7 +111,7 @@ def test_what_was_found_in_doubt_is_said_to_be(tmp_path: Path) -> None:
     report(tmp_path, "b", "2026-05-02T00:00:00+00:00", found={"compass-bias": (0.05, 0.01)})
     history = missionplan.history(tmp_path)
     assert history.to_frame()["probability"].tolist() == [0.45, 1.0]
-    states = [row[-1] for row in terminal(history).rows]
+    states = [row[-1] for row in page(history).table()[1]]
     assert states == ["found, if it is that (45 %)", "found"]
 
 

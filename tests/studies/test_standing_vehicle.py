@@ -11,8 +11,8 @@ import pytest
 import missionplan
 from missionplan.mission import Mission
 from missionplan.phases.recorded_currents import SeriesCurrent
+from missionplan.report.anchor.drawing import hold_section
 from missionplan.report.drawn import style
-from missionplan.report.held_vehicle import hold_section
 from missionplan.report.simulation.page import answer
 from missionplan.report.simulation.quantities import requirement_in_words
 from missionplan.scenario.scenario import Scenario

@@ -1,7 +1,7 @@
-"""Drawing of an anchor in section, to scale, in millimetres from its tip."""
+"""To scale: an anchor in section, in millimetres from its tip, and a mooring's vehicle on its line."""
 
 import math
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -9,9 +9,26 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure as MatplotlibFigure
 from matplotlib.patches import Polygon, Rectangle, Wedge
 
+from missionplan.arrays import Array
 from missionplan.physics.anchor import AnchorDesign, cap_height
-from missionplan.report.page import BLUE, GREEN, GREY, INK, ORANGE, SKY, YELLOW, Figure, to_figure
+from missionplan.report.axes import name_axis
+from missionplan.report.page import (
+    BLUE,
+    GREEN,
+    GREY,
+    INK,
+    ORANGE,
+    SKY,
+    YELLOW,
+    Block,
+    Figure,
+    PageSection,
+    Table,
+    to_figure,
+)
 from missionplan.report.quantities import quantity
+from missionplan.report.wording import capitalised, phase_in_words
+from missionplan.results.whereabouts import HeldState, HeldVehicle
 
 _MM = 1e3
 _RING_WIDTH = 0.012
@@ -171,3 +188,162 @@ def _draw_dimensions(axes: Axes, design: AnchorDesign) -> None:
 def _dimension(axes: Axes, start: float, end: float, height: float, label: str) -> None:
     axes.annotate("", (start, height), (end, height), arrowprops={"arrowstyle": "<->", "color": INK, "linewidth": 0.8})
     axes.text(0.5 * (start + end), height + 1.5, label, ha="center", va="bottom", fontsize=8.5)
+
+
+_CAP = np.linspace(-0.5 * math.pi, 0.5 * math.pi, 24)
+
+
+def hold_section(held: HeldVehicle, *, alone: bool = True) -> PageSection:
+    """Present how the vehicle stands on its line; the heading names the mooring where it is not the only one."""
+    worst = held.states[-1]
+    where = "In" if alone else f"{capitalised(phase_in_words(held.phase))}: in"
+    heading = (
+        f"{where} the {worst.current} ({quantity(worst.speed, 'm/s', '.2f')}) the nose stands "
+        f"{quantity(worst.nose_altitude, 'm', '.1f')} above "
+        f"the bottom, {quantity(worst.excursion, 'm', '.1f')} from the anchor, which {_holds_in_words(worst)}"
+    )
+    blocks: list[Block] = [hold_figure(held), _numbers(held), *held.remedies, *_assumptions(held)]
+    return PageSection(heading, blocks)
+
+
+def _holds_in_words(state: HeldState) -> str:
+    return "holds" if state.holding_margin >= 0.0 else "drags"
+
+
+def _assumptions(held: HeldVehicle) -> Iterator[str]:
+    """Write what the mission does not say."""
+    if not held.friction_given:
+        yield (
+            f"The holding factor of {held.friction:g} is assumed (0.2 on clay to 0.6 on sand); with "
+            "“anchor.holding_factor” in the vehicle file an anchor that drags fails the mission."
+        )
+    if held.if_polyester is not None:
+        worst = held.states[-1]
+        yield (
+            f"The line is taken as weightless: “line_material” or “line_wet_weight” says what it weighs. Of polyester, "
+            f"the nose would stand {quantity(held.if_polyester, 'm', '.2f')} instead of "
+            f"{quantity(worst.nose_altitude, 'm', '.2f')} above the bottom in the {worst.current}."
+        )
+    if not held.centres_given:
+        yield (
+            "The net buoyancy is assumed to act at mid-length, on the axis: “centre_of_gravity” and "
+            "“centre_of_buoyancy” in the vehicle file say where it does."
+        )
+
+
+_ROWS: tuple[tuple[str, Callable[[HeldState], str]], ...] = (
+    ("Current at the anchor", lambda state: quantity(state.speed, "m/s", ".3f")),
+    ("Nose above the seafloor", lambda state: quantity(state.nose_altitude, "m", ".2f")),
+    ("Tail above the seafloor", lambda state: quantity(state.tail_altitude, "m", ".2f")),
+    ("Nose from the anchor", lambda state: quantity(state.excursion, "m", ".2f")),
+    ("Pitch, nose down", lambda state: f"{math.degrees(state.pitch):.0f} °"),
+    ("Line from the vertical, at the anchor", lambda state: f"{math.degrees(state.line_angle):.0f} °"),
+    ("Line tension at the nose", lambda state: quantity(state.tension_at_nose, "N", ".2f")),
+    ("Line tension at the anchor", lambda state: quantity(state.tension_at_anchor, "N", ".2f")),
+    ("Anchor's own drag", lambda state: quantity(state.anchor_drag, "N", ".2f")),
+    ("Holding factor that it needs", lambda state: _needed(state.friction_needed)),
+    ("Holding margin", lambda state: f"{state.holding_margin:.2f}"),
+    ("Wet weight of this size that just holds", lambda state: _weight(state.least_weight)),
+)
+
+
+def _numbers(held: HeldVehicle) -> Table:
+    states = _apart(held)
+    rows = [(label, *map(cell, states)) for label, cell in _ROWS]
+    caption = (
+        f"With an anchor of {quantity(held.anchor_weight, 'N', '.3g')} wet and a holding factor of {held.friction:g}."
+    )
+    return Table(("", *(state.current for state in states)), rows, caption)
+
+
+def _apart(held: HeldVehicle) -> tuple[HeldState, ...]:
+    """States in different currents: where the current stays as it is, the last says it all."""
+    *others, worst = held.states
+    return (*(state for state in others if f"{state.speed:.3f}" != f"{worst.speed:.3f}"), worst)
+
+
+def _needed(friction: float) -> str:
+    return f"{friction:.2f}" if math.isfinite(friction) else "none holds"
+
+
+def _weight(weight: float) -> str:
+    return quantity(weight, "N", ".1f") if math.isfinite(weight) else "none holds"
+
+
+def hold_figure(held: HeldVehicle) -> Figure:
+    """Draw body, line and anchor to scale in each current, seen across it."""
+    reach = max(max(state.tail[0], state.excursion) for state in held.states)
+    top = max(0.3 * reach, *(max(state.tail[1], state.line[-1, 1]) for state in held.states))
+    left, right = -0.12 * max(reach, top) - 0.3, 1.08 * reach + 0.5
+    low = min(-0.06 * top - 0.1, *(state.uphill * side for state in held.states for side in (left, right)))
+    figure = MatplotlibFigure(figsize=(6.0, min(5.0, 0.95 + 5.4 * (1.25 * top - low) / (right - left))))
+    axes = figure.subplots()
+    _draw_seafloor(axes, held, left, right)
+    _draw_anchor(axes, held)
+    for state, colour in reversed(list(zip(reversed(_apart(held)), (BLUE, SKY), strict=False))):
+        _draw_state(axes, held, state, colour)
+    axes.annotate(
+        "",
+        (left + 0.25 * (right - left), 1.16 * top),
+        (left + 0.02 * (right - left), 1.16 * top),
+        arrowprops={"arrowstyle": "->", "color": INK, "linewidth": 1.2},
+    )
+    axes.text(left + 0.27 * (right - left), 1.16 * top, "current", va="center", fontsize=9)
+    axes.set(xlim=(left, right), ylim=(low, 1.25 * top), aspect="equal")
+    name_axis(axes.xaxis, "Downstream of the anchor", "m")
+    name_axis(axes.yaxis, "Above the anchor", "m")
+    figure.legend(loc="outside lower center", ncols=2)
+    listed = "; ".join(
+        f"{state.current} of {quantity(state.speed, 'm/s', '.2f')}: nose "
+        f"{quantity(state.nose_altitude, 'm', '.1f')} above the bottom and "
+        f"{quantity(state.excursion, 'm', '.1f')} downstream, tail {quantity(state.tail_altitude, 'm', '.1f')} above it"
+        for state in held.states
+    )
+    return to_figure(
+        figure,
+        f"hold-{held.phase}" if held.phase != "moor" else "hold",
+        alt=f"Vehicle, line and anchor to scale. {listed[:1].upper()}{listed[1:]}",
+        caption="Vehicle, line and anchor to scale, every distribution at its mean, each current in its own direction.",
+    )
+
+
+def _draw_seafloor(axes: Axes, held: HeldVehicle, left: float, right: float) -> None:
+    rise = held.states[-1].uphill
+    axes.fill_between([left, right], [rise * left, rise * right], -1e3, color=GREY, alpha=0.25, linewidth=0.0)
+    axes.plot([left, right], [rise * left, rise * right], color=GREY, linewidth=1.5)
+
+
+def _draw_anchor(axes: Axes, held: HeldVehicle) -> None:
+    """Draw the anchor where it lies, its back towards the line."""
+    length, radius = held.anchor_length, 0.5 * held.anchor_diameter
+    outline = _capsule(length, radius, blunt=True)
+    place = np.array([0.0, radius])
+    axes.add_patch(Polygon(place - outline, closed=True, facecolor=ORANGE, linewidth=0.0, zorder=5))
+    axes.annotate(
+        "anchor",
+        (-0.5 * length, 2.0 * radius),
+        (-4, 8),
+        textcoords="offset points",
+        color=ORANGE,
+        ha="right",
+        fontsize=9,
+    )
+
+
+def _draw_state(axes: Axes, held: HeldVehicle, state: HeldState, colour: str) -> None:
+    nose = np.array([float(state.line[-1, 0]), float(state.line[-1, 1])])
+    axes.plot(state.line[:, 0], state.line[:, 1], color=INK, linewidth=0.9)
+    axis = (np.array(state.tail) - nose) / held.length
+    turn = np.array([axis, [-axis[1], axis[0]]])
+    outline = nose + _capsule(held.length, 0.5 * held.diameter) @ turn
+    label = f"{state.current}, {quantity(state.speed, 'm/s', '.2f')}"
+    axes.add_patch(Polygon(outline, closed=True, facecolor=colour, linewidth=0.0, zorder=4, label=label))
+
+
+def _capsule(length: float, radius: float, *, blunt: bool = False) -> Array:
+    """Outline of a round-ended body from its tip at the origin along the first axis, shape (k, 2) [m]."""
+    front = np.column_stack((radius - radius * np.cos(_CAP), radius * np.sin(_CAP)))
+    if blunt:
+        return np.concatenate((front, [[length, radius], [length, -radius]]))
+    back = np.column_stack((length - radius + radius * np.cos(_CAP), -radius * np.sin(_CAP)))
+    return np.concatenate((front, back))

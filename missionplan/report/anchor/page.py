@@ -1,22 +1,19 @@
 """The anchor to build under each explanation that the mission carries, and whether the doubt changes the choice."""
 
 import math
-from collections.abc import Mapping
 
 import numpy as np
 from matplotlib.axes import Axes
 
 from missionplan.report.anchor import sections
-from missionplan.report.anchor.drawing import drawing
+from missionplan.report.anchor.drawing import drawing, hold_section
 from missionplan.report.anchor.figures import descent_profile, draw_depths, draw_drag, mark_lowest_point
 from missionplan.report.anchor.sections import numbers_table
 from missionplan.report.axes import name_axis
 from missionplan.report.explained import judged_in_words, members_in_words, members_section
-from missionplan.report.held_vehicle import hold_section
-from missionplan.report.numbers import percent, share
-from missionplan.report.page import Drawing, Figure, Page, PageSection, Table, Terminal
+from missionplan.report.page import Figure, Page, PageSection, Table
 from missionplan.report.quantities import quantity, reader_unit
-from missionplan.report.wording import phase_in_words
+from missionplan.report.wording import percent, phase_in_words, share
 from missionplan.results.anchor_sizing import AnchorSizing
 from missionplan.results.decision import label
 from missionplan.results.sized_anchor import SizedAnchor
@@ -99,14 +96,9 @@ def page(sizing: AnchorSizing) -> Page:
             sections.all_numbers(sizing),
         ],
         verdict=_verdict(sizing),
-        glance=lambda: terminal(sizing),
-        plots=PLOTS,
+        table=lambda: numbers_table(sizing),
+        plots={"descent": descent, "drag": drag},
     )
-
-
-def terminal(sizing: AnchorSizing) -> Terminal:
-    """Build the terminal's view of a sizing."""
-    return Terminal(answer(sizing), *numbers_table(sizing), verdict=_verdict(sizing))
 
 
 def _verdict(sizing: AnchorSizing) -> str:
@@ -201,7 +193,3 @@ def descent(axes: Axes, sizing: AnchorSizing) -> None:
 def drag(axes: Axes, sizing: AnchorSizing) -> None:
     """Draw the drag of each part at terminal velocity."""
     draw_drag(axes, sizing.to_build)
-
-
-PLOTS: Mapping[str, Drawing] = {"descent": descent, "drag": drag}
-"""Plots on given axes by name, the main one first."""

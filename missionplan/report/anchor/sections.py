@@ -6,13 +6,11 @@ from dataclasses import dataclass
 
 from missionplan.montecarlo.statistics import wilson
 from missionplan.physics.anchor import AnchorDesign
-from missionplan.physics.trim import TrimState
 from missionplan.report.anchor.drawing import drawing
 from missionplan.report.anchor.figures import descent_profile, drag_bars, drift_figure
-from missionplan.report.numbers import number, percent, share
 from missionplan.report.page import Block, PageSection, Table
 from missionplan.report.quantities import quantity, reader_unit
-from missionplan.report.wording import capitalised
+from missionplan.report.wording import capitalised, number, percent, share
 from missionplan.results.anchor_sizing import AnchorSizing, ProbableAnchor
 from missionplan.results.sized_anchor import SizedAnchor
 
@@ -189,8 +187,8 @@ def trim(sizing: AnchorSizing) -> Iterator[PageSection]:
             state.configuration,
             state.verdict,
             quantity(state.net_force, "N", "+.2f"),
-            _moment(state),
-            _pitch(state.pitch),
+            "–" if state.moment == 0.0 and not state.centres_known else f"{state.moment:+.2f} N m",
+            "–" if state.pitch is None else f"{math.degrees(state.pitch):+.1f} °",
         )
         for state in sizing.trim
     ]
@@ -200,14 +198,6 @@ def trim(sizing: AnchorSizing) -> Iterator[PageSection]:
     if released.pitch is None:
         lies = "How the released vehicle lies depends on its centres of gravity and buoyancy"
     yield PageSection(lies, [Table(columns, rows, text_columns=2)])
-
-
-def _moment(state: TrimState) -> str:
-    return "–" if state.moment == 0.0 and not state.centres_known else f"{state.moment:+.2f} N m"
-
-
-def _pitch(pitch: float | None) -> str:
-    return "–" if pitch is None else f"{math.degrees(pitch):+.1f} °"
 
 
 def drag(sizing: AnchorSizing) -> PageSection:

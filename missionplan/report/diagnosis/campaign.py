@@ -12,9 +12,9 @@ from missionplan.report.diagnosis.findings import finding_in_words
 from missionplan.report.diagnosis.kind_report import names, percent
 from missionplan.report.diagnosis.page import answer as answer_of
 from missionplan.report.diagnosis.page import page as page_of
-from missionplan.report.page import Block, Drawing, Page, PageSection, Table, Terminal
-from missionplan.results.campaign import Campaign
+from missionplan.report.page import Block, Page, PageSection, Table
 from missionplan.results.entries import mapping, real
+from missionplan.results.learned.diagnosis import Campaign
 
 LEFT = 0.05
 """Probability of none of the explanations from which it is told."""
@@ -32,8 +32,8 @@ def page(campaign: Campaign) -> Page:
         numbers=[("Data sets", str(len(campaign.diagnoses))), ("Effects learned of", str(len(campaign.informed_by)))],
         write=lambda: _sections(campaign),
         rerun=f"missionplan diagnose {' '.join(shlex.quote(str(path)) for path in given)} --seed {made.seed}",
-        glance=lambda: terminal(campaign),
-        plots=PLOTS,
+        table=lambda: (COLUMNS, _rows(campaign)),
+        plots={"ranking": ranking},
     )
 
 
@@ -50,11 +50,6 @@ def _sections(campaign: Campaign) -> list[PageSection]:
         blocks.append(f"Everything about it is in the folder {index}-{each.kind}.")
         sections.append(PageSection(name, blocks))
     return sections
-
-
-def terminal(campaign: Campaign) -> Terminal:
-    """Build the terminal's view."""
-    return Terminal(answer(campaign), COLUMNS, _rows(campaign))
 
 
 def answer(campaign: Campaign) -> str:
@@ -112,7 +107,3 @@ def ranking(axes: Axes, campaign: Campaign, dataset: int = 0) -> None:
         raise InputError([Problem(problem, key="dataset")])
     draw_ranking(axes, campaign.diagnoses[dataset])
     axes.set_title(campaign.names[dataset])
-
-
-PLOTS: Mapping[str, Drawing] = {"ranking": ranking}
-"""Plots on given axes by name, the main one first."""

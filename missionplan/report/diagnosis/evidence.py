@@ -8,10 +8,9 @@ from matplotlib.figure import Figure as MatplotlibFigure
 
 from missionplan.report.diagnosis.kind_report import names, part, percent
 from missionplan.report.diagnosis.kinds import REPORTS
-from missionplan.report.numbers import number
 from missionplan.report.page import BLUE, GREY, ORANGE, Block, Figure, PageSection, Table, to_figure
 from missionplan.report.quantities import Unit, length_in_words, reader_unit
-from missionplan.report.wording import parameter_in_words
+from missionplan.report.wording import number, parameter_in_words
 from missionplan.results.learned.diagnosis import Diagnosis
 from missionplan.results.learned.evidence import (
     Discrepancy,

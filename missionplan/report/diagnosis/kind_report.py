@@ -12,6 +12,7 @@ from missionplan.arrays import Array
 from missionplan.effects import CATALOGUE
 from missionplan.report.axes import name_axis
 from missionplan.report.page import BLUE, GREY, ORANGE, Figure, PageSection, to_figure
+from missionplan.report.wording import listed
 from missionplan.results.learned.diagnosis import Diagnosis
 from missionplan.results.learned.evidence import Causes, ParameterEstimate
 
@@ -30,12 +31,8 @@ class ResidualSeries:
 def against_axes(places: Sequence[tuple[str, Array]], left: ResidualSeries) -> Figure:
     """Draw residuals before and after against several axes.
 
-    Parameters
-    ----------
-    places : sequence of (label, array)
-        Axes, and where each residual of a series lies on them.
-    left : ResidualSeries
-        Two series at most: the second is drawn with crosses.
+    `places`: axes, and where each residual of a series lies on them. `left`: two series at most: the second is drawn
+    with crosses.
     """
     figure = MatplotlibFigure(figsize=(6.4, 4.2))
     panels = figure.subplots(2, len(places), sharey=True, sharex="col", squeeze=False)
@@ -66,12 +63,7 @@ def autocorrelation(left: ResidualSeries, what: str) -> Figure:
     The grey band is ±1.96/√n: 95 % of the sample autocorrelations of independent errors (Box, Jenkins and Reinsel
     1994, Sec. 2.1.6).
 
-    Parameters
-    ----------
-    left : ResidualSeries
-        Series whose values follow one another.
-    what : str
-        What lags are counted in, with a capital.
+    `left`: series whose values follow one another. `what`: what lags are counted in, with a capital.
     """
     lags = np.arange(1, max(2, min(_LAGS, min(len(part) for part in left.before) // 3)))
     figure = MatplotlibFigure(figsize=(6.0, 2.6))
@@ -168,7 +160,7 @@ def _found(cause: str, sizes: Mapping[tuple[str, str], float]) -> str:
 
 def enumerated(words: Sequence[str]) -> str:
     """Join words with commas and an "and"."""
-    return words[0] if len(words) == 1 else ", ".join(words[:-1]) + f" and {words[-1]}" if words else "no cause"
+    return listed(words) or "no cause"
 
 
 def explanations_in_words(diagnosis: Diagnosis) -> str:

@@ -11,10 +11,9 @@ from matplotlib.figure import Figure as MatplotlibFigure
 from missionplan.arrays import Array
 from missionplan.report.axes import name_axis
 from missionplan.report.diagnosis.kind_report import KindReport, ResidualSeries, against_axes, autocorrelation
-from missionplan.report.numbers import number
 from missionplan.report.page import BLUE, GREY, ORANGE, Figure, to_figure
-from missionplan.report.quantities import reader_unit, split_key, time_in_words
-from missionplan.report.wording import in_words
+from missionplan.report.quantities import reader_unit, time_in_words
+from missionplan.report.wording import in_words, number, split_key
 from missionplan.results.learned.diagnosis import Diagnosis
 
 _MOST_PANELS = 9
@@ -72,12 +71,8 @@ def _dive_residuals(diagnosis: Diagnosis) -> list[Figure]:
 
 def _innovations(runs: list[pd.DataFrame]) -> ResidualSeries:
     """One-step-ahead errors of each dive, over their standard deviations."""
-    before, after = (_column(runs, f"innovation_{model}") for model in ("base", "extended"))
+    before, after = ([run[f"innovation_{model}"].to_numpy() for run in runs] for model in ("base", "extended"))
     return ResidualSeries(before, after, "")
-
-
-def _column(runs: list[pd.DataFrame], name: str) -> list[Array]:
-    return [run[name].to_numpy() for run in runs]
 
 
 def _gained_of_dives(diagnosis: Diagnosis, before: float, after: float) -> str:

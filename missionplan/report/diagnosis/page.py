@@ -2,7 +2,7 @@
 
 import math
 import shlex
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 
 from missionplan.effects import CATALOGUE
 from missionplan.report.diagnosis.evidence import (
@@ -18,7 +18,13 @@ from missionplan.report.diagnosis.evidence import (
     resemblance,
     sized,
 )
-from missionplan.report.diagnosis.findings import WORTH_TELLING, finding_in_words, how_sure, intervals_that_miss
+from missionplan.report.diagnosis.findings import (
+    WORTH_TELLING,
+    finding_in_words,
+    how_sure,
+    intervals_that_miss,
+    trends_in_words,
+)
 from missionplan.report.diagnosis.kind_report import causes_section, explanations_in_words, found_causes, names, percent
 from missionplan.report.diagnosis.kinds import REPORTS
 from missionplan.report.diagnosis.plan import (
@@ -28,8 +34,7 @@ from missionplan.report.diagnosis.plan import (
     plan_section,
     plan_words,
 )
-from missionplan.report.levels import trends_in_words
-from missionplan.report.page import Block, Drawing, Page, PageSection, Table, Terminal
+from missionplan.report.page import Block, Page, PageSection, Table
 from missionplan.report.scoring import dataset_sections, told
 from missionplan.results.learned.diagnosis import Diagnosis
 from missionplan.results.learned.evidence import NextMeasurement, ParameterEstimate
@@ -76,8 +81,9 @@ def page(diagnosis: Diagnosis) -> Page:
         write=lambda: _sections(diagnosis),
         verdict={"adequate": "good", "explained": "good", "unexplained": "bad"}.get(diagnosis.verdict, ""),
         rerun=_rerun(diagnosis),
-        glance=lambda: terminal(diagnosis),
-        plots=PLOTS,
+        table=lambda: ranking_rows(diagnosis.ranking[:6]),
+        sentence=f"{answer(diagnosis)}{next_trial_told(diagnosis.next_trial)}",
+        plots={"ranking": draw_ranking, "held_out": draw_held_out},
     )
 
 
@@ -107,12 +113,6 @@ def _rerun(diagnosis: Diagnosis) -> str:
     share = made.options.get("holdout")
     held_out = "" if share is None else f" --holdout {share:g}"
     return f"missionplan diagnose {files} --seed {made.seed}{valued}{held_out}"
-
-
-def terminal(diagnosis: Diagnosis) -> Terminal:
-    """Build the terminal's view of a diagnosis."""
-    columns, rows = ranking_rows(diagnosis.ranking[:6])
-    return Terminal(f"{answer(diagnosis)}{next_trial_told(diagnosis.next_trial)}", columns, rows)
 
 
 def answer(diagnosis: Diagnosis) -> str:
@@ -301,7 +301,3 @@ def _treatment(diagnosis: Diagnosis) -> list[Block]:
         failures = [list(item) for item in diagnosis.failures.items()]
         blocks.append(Table(["Set that could not be fitted", "Why"], failures, text_columns=2))
     return blocks
-
-
-PLOTS: Mapping[str, Drawing] = {"ranking": draw_ranking, "held_out": draw_held_out}
-"""Plots on given axes by name, the main one first."""

@@ -5,10 +5,9 @@ import math
 from missionplan.datasets.legs import MIN_LEGS
 from missionplan.effects import CATALOGUE
 from missionplan.report.diagnosis.kind_report import names, part, percent
-from missionplan.report.numbers import number
 from missionplan.report.page import Block, PageSection, Table
 from missionplan.report.quantities import Unit, length_in_words, quantity, reader_unit
-from missionplan.report.wording import capitalised
+from missionplan.report.wording import capitalised, number
 from missionplan.results.learned.diagnosis import Diagnosis, Plan
 from missionplan.results.learned.next_trial import NextTrial, OutcomeRule, ValuedDesign
 

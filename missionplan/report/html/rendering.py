@@ -36,14 +36,8 @@ _SHORT = 14
 def render_page(page: Page, planned: Sequence[PageSection], provenance: Provenance, notices: Sequence[str]) -> Rendered:
     """Render a page.
 
-    Parameters
-    ----------
-    page : Page
-    planned : sequence of PageSection
-        What was planned, and what its probability does not hold; they follow the page's own sections.
-    provenance : Provenance
-    notices : sequence of str
-        Notes on the input.
+    `planned`: what was planned, and what its probability does not hold; they follow the page's own sections. `notices`:
+    notes on the input.
     """
     page = named_apart(page)
     sections = [*page.sections, *planned]

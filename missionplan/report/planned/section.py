@@ -6,11 +6,10 @@ from itertools import chain
 from pathlib import Path
 
 from missionplan.mission.schema.shared_sections import values_in_force
-from missionplan.report.numbers import set_number
 from missionplan.report.page import Block, PageSection, Table
 from missionplan.report.planned.site_map import site_map
 from missionplan.report.quantities import DIMENSIONS, as_written, reader_system, reader_unit
-from missionplan.report.wording import capitalised, in_words
+from missionplan.report.wording import capitalised, in_words, set_number
 from missionplan.results.base import Provenance
 from missionplan.results.decision import changes_of
 from missionplan.results.entries import mapping

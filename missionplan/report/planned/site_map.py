@@ -20,8 +20,8 @@ from missionplan.mission.schema.place import BathymetryFile
 from missionplan.mission.schema.site import Geographic
 from missionplan.mission.units import QuantityError, parse_number_with_unit
 from missionplan.report.axes import name_axis
-from missionplan.report.geography.plan_view import draw_region, emptiest_corner, frame, north_and_scale
 from missionplan.report.page import BLUE, GREEN, GREY, INK, ORANGE, Figure, to_figure
+from missionplan.report.plan_view import draw_region, emptiest_corner, frame, north_and_scale
 from missionplan.report.quantities import quantity
 from missionplan.report.wording import shortened
 from missionplan.results.entries import mapping, mappings

@@ -1,4 +1,4 @@
-"""Figures of a simulated mission: the waterfall of P(success), depth against time, and histograms of quantities."""
+"""Figures of a simulated mission: from above and against time, the waterfall of P(success), and histograms."""
 
 import math
 import textwrap
@@ -8,21 +8,32 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure as MatplotlibFigure
+from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
 
 from missionplan.arrays import Array
+from missionplan.exporters.maps.geometry import COLOURS
 from missionplan.montecarlo.statistics import Probability
 from missionplan.report.axes import name_axis
-from missionplan.report.geography.plan_view import median_trial
-from missionplan.report.numbers import number, percent
-from missionplan.report.page import BLUE, INK, ORANGE, SKY, Figure, to_figure
-from missionplan.report.quantities import Unit, si_per_unit, span, unit_for
+from missionplan.report.page import BLUE, GREY, INK, ORANGE, SKY, Figure, to_figure
+from missionplan.report.plan_view import (
+    WIDTH,
+    Frame,
+    draw_region,
+    draw_ring,
+    emptiest_corner,
+    frame,
+    median_trial,
+    north_and_scale,
+    rings,
+    track,
+)
+from missionplan.report.planned.site_map import name_goals
+from missionplan.report.quantities import Unit, quantity, si_per_unit, span, unit_for
 from missionplan.report.simulation.quantities import requirement_on, unit_of
-from missionplan.report.wording import in_words
+from missionplan.report.wording import in_words, number, percent
+from missionplan.results.decision import SeaChart
 from missionplan.results.simulation import Attrition, Histogram, Outcome, PhaseOutcome
-
-WIDTH = 5.0
-"""Of a figure [in], so that its text can be read on a telephone."""
 
 
 def waterfall(outcome: Outcome) -> Figure:
@@ -202,3 +213,97 @@ def _at_top(axes: Axes, words: str, place: float, *, shift: int, align: str) -> 
         ha=align,
         va="top",
     )
+
+
+_MAPPED = 200
+"""Trials drawn."""
+
+
+def mission_figure(outcome: Outcome) -> Figure:
+    """Draw the mission as simulated: from above where it moves over ground, and its depth against time."""
+    moves = moves_over_ground(outcome)
+    heights = [0.6 + (WIDTH - 0.9) * _frame(outcome).shape, 1.9] if moves else [1.9]
+    figure = MatplotlibFigure(figsize=(WIDTH, sum(heights)))
+    panels = figure.subplots(len(heights), 1, squeeze=False, height_ratios=heights).ravel()
+    if moves:
+        draw_tracks(panels[0], outcome)
+    draw_profile(panels[-1], outcome)
+    seen = "from above, north up, and their depth against time" if moves else "as depth against time"
+    failed = int(np.count_nonzero(~outcome.tracks.success[:_MAPPED]))
+    count = min(outcome.tracks.success.size, _MAPPED)
+    crosses = f" {failed} of them fail (orange, a cross where they end)." if failed else " None of them fails."
+    lines = f" Circles and ellipses are those of the close-ups.{_place_in_words(outcome)}" if moves else ""
+    astray = _frame(outcome).outliers_in_words() if moves else ""
+    return to_figure(
+        figure,
+        "mission",
+        f"{count} trials of the mission {seen}.{crosses}",
+        f"{count} trials (light) {seen}; dark: the median trial.{crosses}{lines}{astray}",
+        origin=outcome.tracks.origin,
+    )
+
+
+def moves_over_ground(outcome: Outcome) -> bool:
+    """Whether any phase has somewhere to go."""
+    return any(radius > 0.0 for _, radius in outcome.tracks.targets.values())
+
+
+def _place_in_words(outcome: Outcome) -> str:
+    if outcome.chart is None:
+        return ""
+    depths = " Grey lines: depth of the water at the start." if outcome.chart.depth is not None else ""
+    kinds = {kind for kind, _ in outcome.chart.shapes}
+    return f"{depths}{' Brown: land.' if 'land' in kinds else ''}{' Hatched: keep out.' if 'keep-out' in kinds else ''}"
+
+
+def _draw_place(axes: Axes, chart: SeaChart, shown: Frame) -> None:
+    """Draw depths, land and zones kept out of behind the tracks; of depths what is shown, so that labels are in it."""
+    if chart.depth is not None:
+        columns, rows = (
+            slice(max(int(np.searchsorted(axis, low)) - 1, 0), int(np.searchsorted(axis, high)) + 1)
+            for axis, (low, high) in ((chart.east, shown.west_east), (chart.north, shown.south_north))
+        )
+        east, north, water = chart.east[columns], chart.north[rows], np.ma.masked_invalid(chart.depth[rows, columns])
+        if min(water.shape) > 1 and water.count():
+            levels = MaxNLocator(6).tick_values(float(water.min()), float(water.max()))
+            axes.contourf(east, north, -water, [0.0, 1e5], colors=[COLOURS["land"]], alpha=0.35, zorder=0.1)
+            drawn = axes.contour(east, north, water, levels, colors=GREY, linewidths=0.5, zorder=0.2)
+            axes.clabel(drawn, fontsize=7, fmt=lambda depth: quantity(depth, "m", "g"))
+    for kind, outlines in chart.shapes:
+        draw_region(axes, outlines, kind, zorder=0.3)
+
+
+def _lines(outcome: Outcome) -> list[Array]:
+    """Tracks that are drawn."""
+    tracks = outcome.tracks
+    return [track(tracks, trial) for trial in range(min(tracks.position.shape[2], _MAPPED))]
+
+
+def _circles(outcome: Outcome) -> list[Array]:
+    return [ring.line for ring in rings(outcome)]
+
+
+def _frame(outcome: Outcome) -> Frame:
+    return frame(_lines(outcome), _circles(outcome))
+
+
+def draw_tracks(axes: Axes, outcome: Outcome) -> None:
+    """Draw tracks, the median trial, circles and ellipses, the north arrow and a scale."""
+    tracks, lines, shown = outcome.tracks, _lines(outcome), _frame(outcome)
+    if outcome.chart is not None:
+        _draw_place(axes, outcome.chart, shown)
+    fails = ~tracks.success[: len(lines)]
+    for failing, colour in ((False, SKY), (True, ORANGE)):
+        drawn = [line.T for line, fail in zip(lines, fails, strict=True) if fail == failing]
+        axes.add_collection(LineCollection(drawn, colors=colour, linewidths=0.5, alpha=0.45))
+    for line in (line for line, fail in zip(lines, fails, strict=True) if fail and line.size):
+        axes.plot(*line[:, -1], "x", color=ORANGE, markersize=4)
+    middle = track(tracks, median_trial(tracks))
+    axes.plot(*middle, color=INK, linewidth=1.2, marker="o", markersize=2.5, label="median trial")
+    for ring in rings(outcome):
+        draw_ring(axes, ring, ring.line, linewidth=1.0)
+    name_goals(axes, outcome.provenance.data)
+    axes.set(xlim=shown.west_east, ylim=shown.south_north, aspect="equal")
+    name_axis(axes.xaxis, "east", "m")
+    name_axis(axes.yaxis, "north", "m")
+    north_and_scale(axes, shown.width, emptiest_corner([*lines, *_circles(outcome)], shown.limits))

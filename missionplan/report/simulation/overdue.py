@@ -14,14 +14,13 @@ from missionplan.exporters.maps.geojson import feature
 from missionplan.exporters.maps.geometry import longitudes_latitudes
 from missionplan.moments import moment_of, zone_written
 from missionplan.report.axes import name_axis
-from missionplan.report.geography.plan_view import frame
-from missionplan.report.numbers import number
 from missionplan.report.page import BLUE, GREEN, INK, ORANGE, PINK, Block, Figure, PageSection, Table, to_figure
+from missionplan.report.plan_view import WIDTH, frame
 from missionplan.report.quantities import quantity, reader_system, reader_unit
-from missionplan.report.simulation.figures import WIDTH
 from missionplan.report.simulation.quantities import failure_in_words
-from missionplan.results.overdue import SHARES, ExpectedTime, Overdue, SearchArea
+from missionplan.report.wording import number
 from missionplan.results.simulation import Outcome
+from missionplan.results.whereabouts import SHARES, ExpectedTime, Overdue, SearchArea
 
 _COLOURS = {
     "not released": GREEN,

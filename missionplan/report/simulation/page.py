@@ -1,7 +1,7 @@
 """Report of a simulated mission: will it work, what makes it fail, and what to measure better."""
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 
 from matplotlib.axes import Axes
 
@@ -9,15 +9,18 @@ from missionplan.errors import InputError, Problem, did_you_mean, shown
 from missionplan.exporters.plan_json import plan_json
 from missionplan.exporters.table import waypoints_csv
 from missionplan.montecarlo.statistics import wilson
+from missionplan.report.anchor.drawing import hold_section
 from missionplan.report.explained import explanation_in_words, explanation_sections, member_in_words, member_sections
-from missionplan.report.geography.tracks import track_geojson, track_kml
-from missionplan.report.held_vehicle import hold_section
-from missionplan.report.numbers import number, percent, share
-from missionplan.report.page import Drawing, Page, Terminal
+from missionplan.report.page import Cells, Page
 from missionplan.report.quantities import quantity
 from missionplan.report.simulation import sections
-from missionplan.report.simulation.figures import draw_histogram, draw_profile, draw_waterfall
-from missionplan.report.simulation.maps import draw_tracks, mission_figure
+from missionplan.report.simulation.figures import (
+    draw_histogram,
+    draw_profile,
+    draw_tracks,
+    draw_waterfall,
+    mission_figure,
+)
 from missionplan.report.simulation.overdue import overdue_section, search_areas_geojson
 from missionplan.report.simulation.quantities import (
     failure_in_words,
@@ -29,7 +32,8 @@ from missionplan.report.simulation.quantities import (
     worst_step,
 )
 from missionplan.report.simulation.sections import sensitivity_sections
-from missionplan.report.wording import in_words, phase_in_words, shortened
+from missionplan.report.simulation.tracks import track_geojson, track_kml
+from missionplan.report.wording import in_words, number, percent, phase_in_words, share, shortened
 from missionplan.results.entries import mapping
 from missionplan.results.simulation import Outcome
 
@@ -56,20 +60,20 @@ def page(outcome: Outcome) -> Page:
         ],
         verdict=verdict(outcome),
         export=lambda: _files(outcome),
-        glance=lambda: terminal(outcome),
-        plots=PLOTS,
+        table=lambda: _cells(outcome),
+        plots={"profile": draw_profile, "tracks": draw_tracks, "waterfall": draw_waterfall, "histogram": histogram},
     )
 
 
-def terminal(outcome: Outcome) -> Terminal:
-    """Build the terminal's view: the answer, and one row per phase that fits 80 columns."""
+def _cells(outcome: Outcome) -> Cells:
+    """Tabulate the phases for a terminal of 80 columns."""
     rows = []
     for phase in (*outcome.phases, outcome.total):
         events = [f"{in_words(name)} {share(probability)}" for name, probability in phase.events.items()]
         ranges = (range_in_words(outcome, phase, key) for key in ("duration_s", "energy_wh"))
         rows.append((shortened(phase.label), events[0] if events else "", *ranges))
     columns = ("phase", "of the trials", "those that end take (5–95 %)", "and use (5–95 %)")
-    return Terminal(answer(outcome), columns, rows, verdict=verdict(outcome))
+    return columns, rows
 
 
 def _files(outcome: Outcome) -> dict[str, str]:
@@ -209,12 +213,3 @@ def histogram(axes: Axes, outcome: Outcome, quantity: str = "total.duration_s") 
         raise InputError([Problem(problem.message, key="quantity", hint=did_you_mean(str(quantity), known))])
     phase, key = known[quantity]
     draw_histogram(axes, outcome, phase, key)
-
-
-PLOTS: Mapping[str, Drawing] = {
-    "profile": draw_profile,
-    "tracks": draw_tracks,
-    "waterfall": draw_waterfall,
-    "histogram": histogram,
-}
-"""Plots on given axes by name, the main one first."""

@@ -5,11 +5,10 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 
 from missionplan.montecarlo.statistics import Statistic, wilson
-from missionplan.report.numbers import number, percent, share
 from missionplan.report.page import PageSection, Table
 from missionplan.report.quantities import Unit, si_per_unit, span, unit_for
-from missionplan.report.wording import in_words, phase_in_words
-from missionplan.results.failures import Failure
+from missionplan.report.wording import in_words, listed, number, percent, phase_in_words, share
+from missionplan.results.entries import Failure
 from missionplan.results.simulation import Attrition, Outcome, PhaseOutcome, RequirementOutcome
 
 _FAILURES: Mapping[str, str] = {
@@ -118,8 +117,7 @@ def requirements_in_words(outcome: Outcome) -> str:
         for count, word in ((met, "met"), (missed, "not met"), (len(undecided), "undecided"))
         if count
     ]
-    listed = ", ".join(parts[:-1]) + f" and {parts[-1]}" if len(parts) > 1 else parts[0]
-    return f"Of its {len(items)} requirements {listed}; {_remedy(undecided)}."
+    return f"Of its {len(items)} requirements {listed(parts)}; {_remedy(undecided)}."
 
 
 def _decided_in_words(met: int, count: int) -> str:

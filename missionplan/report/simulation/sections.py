@@ -8,12 +8,10 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure as MatplotlibFigure
 
 from missionplan.montecarlo.statistics import wilson
-from missionplan.report.geography.plan_view import rings
-from missionplan.report.numbers import number, percent, share
 from missionplan.report.page import BLUE, GREY, INK, ORANGE, Figure, PageSection, Table, to_figure
+from missionplan.report.plan_view import WIDTH, close_ups, rings
 from missionplan.report.quantities import reader_unit, span, with_error
-from missionplan.report.simulation.figures import WIDTH, histograms, waterfall
-from missionplan.report.simulation.maps import close_ups, moves_over_ground
+from missionplan.report.simulation.figures import histograms, moves_over_ground, waterfall
 from missionplan.report.simulation.quantities import (
     LEAST_SPREAD,
     failure_in_words,
@@ -23,7 +21,7 @@ from missionplan.report.simulation.quantities import (
     unit_of,
     worst_step,
 )
-from missionplan.report.wording import capitalised, in_words, phase_in_words
+from missionplan.report.wording import capitalised, in_words, listed, number, percent, phase_in_words, share
 from missionplan.results.simulation import Outcome, PhaseOutcome, Sensitivity
 
 _MOST_INPUTS = 5
@@ -226,7 +224,7 @@ def attrition(outcome: Outcome) -> PageSection:
     worst = worst_step(outcome)
     losing = [step for step in outcome.attrition if step.lost.value > 0.0]
     spared = [failure_in_words(step.step) for step in outcome.attrition if step.lost.value == 0.0]
-    none = f"No trial of {number(outcome.provenance.trials)} fails by {_listed(spared)}" if spared else ""
+    none = f"No trial of {number(outcome.provenance.trials)} fails by {listed(spared, 'or')}" if spared else ""
     most = f": each {percent(outcome.attrition[0].lost).partition('(')[2].rstrip(')')}" if spared and not losing else ""
     if worst is None:
         return PageSection("No trial failed", [f"{none}{most}."] if spared else [])
@@ -234,11 +232,6 @@ def attrition(outcome: Outcome) -> PageSection:
     table = Table(("step", "lost here", "still good"), rows, "Shares of all trials.")
     heading = f"{capitalised(failure_in_words(worst.step))} cost {percent(worst.lost)} of the trials"
     return PageSection(heading, [waterfall(outcome), table, *([f"{none}."] if spared else [])], is_summary=True)
-
-
-def _listed(words: Sequence[str]) -> str:
-    *others, last = words
-    return f"{', '.join(others)} or {last}" if others else last
 
 
 def quantities(outcome: Outcome) -> PageSection:

@@ -31,13 +31,7 @@ ProbabilitiesOf = Callable[[float, float | None], DiveProbabilities]
 
 @dataclass(frozen=True)
 class Demand:
-    """Something that dives have to do so often.
-
-    Attributes
-    ----------
-    words : str
-    required : float
-    """
+    """Something that dives have to do so often."""
 
     words: str
     required: float
@@ -55,13 +49,7 @@ class Demand:
 
 @dataclass(frozen=True)
 class LightestAnchor:
-    """Result of the search.
-
-    Attributes
-    ----------
-    line_length, line_weight : float or None
-        Shortest line with which an anchor does, and the anchor's wet weight [m, N].
-    """
+    """Result of the search."""
 
     weight: float | None
     """Lightest wet weight that does all that is asked [N]."""
@@ -71,6 +59,7 @@ class LightestAnchor:
     """Which demand stands against which where there is none; empty otherwise."""
     line_length: float | None = None
     line_weight: float | None = None
+    """Shortest line with which an anchor does, and the anchor's wet weight [m, N]."""
 
 
 def lightest_anchor(
@@ -86,16 +75,8 @@ def lightest_anchor(
     weight, as that of dives within the radius, or only fall, as that of dives clear of the seafloor: where both ends of
     an interval miss such a demand, so does all between them. Other intervals are halved.
 
-    Parameters
-    ----------
-    probabilities : ProbabilitiesOf
-    demands : sequence of Demand
-    start : float
-        Wet weight about which to search, such as the worst case's [N].
-    line_length : float
-        The mission's [m].
-    rough : callable, optional
-        Of fewer dives, which say where to look, and for the search of a longer line; default: the same.
+    `start`: wet weight about which to search, such as the worst case's [N]. `line_length`: the mission's [m]. `rough`:
+    of fewer dives, which say where to look, and for the search of a longer line; default: the same.
     """
     tried = _Tried(probabilities, demands)
     about = _Tried(rough, demands).lightest(start) if rough is not None else None

@@ -21,9 +21,8 @@ from missionplan.results.sized_anchor import SizedAnchor
 from missionplan.scenario.anchors import anchor_length, laden, overlap_height, worst_case_weight
 from missionplan.scenario.scenario import Scenario
 from missionplan.scenario.site_current import recorded_current
-from missionplan.studies.anchor.dive_trials import AnchorTrials
 from missionplan.studies.anchor.lightest_anchor import Demand, lightest_anchor
-from missionplan.studies.anchor.sizing import AnchorSizer
+from missionplan.studies.anchor.sizing import AnchorSizer, AnchorTrials
 from missionplan.studies.held_vehicle import check_dives, held_vehicle
 from missionplan.studies.judgement import doubted, judged
 from missionplan.studies.run import Run
@@ -195,10 +194,7 @@ def _anchor_sizing(
 def worst_case_anchor(mission: Mission) -> float:
     """Wet weight that `size_anchor` gives the mission's first mooring for the worst current, without any trials [N].
 
-    Raises
-    ------
-    InputError
-        When the mission lacks what a descent needs.
+    Raises InputError when the mission lacks what a descent needs.
     """
     means = Scenario.at_means(mission, recorded_current(mission))
     try:
@@ -212,14 +208,8 @@ def trim_states(means: Scenario, weight: float, design: AnchorDesign | None) -> 
 
     Sealed, the anchor's weight and buoyancy cancel, and so do their moments where its ring is in place (Eqs. 16, 17).
 
-    Parameters
-    ----------
-    means : Scenario
-        At the means.
-    weight : float
-        Of the flooded anchor in water [N].
-    design : AnchorDesign or None
-        Its parts; None where they are not given, and the anchor's wet weight is taken at mid-length.
+    `weight`: of the flooded anchor in water [N]. `design`: its parts; None where they are not given, and the anchor's
+    wet weight is taken at mid-length.
     """
     hull = means.mooring.vehicle
     known, own = hull.centres is not None, float(means.mooring.mass) * STANDARD_GRAVITY

@@ -1,31 +1,28 @@
 """Report of `compare` of missions, several reports, or what was chosen: one table, and which is better."""
 
 import shlex
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from functools import cache
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure as MatplotlibFigure
 
-from missionplan.report.numbers import percent
-from missionplan.report.page import BLUE, ORANGE, Drawing, Figure, Page, PageSection, Table, Terminal, to_figure
-from missionplan.report.quantities import Unit, unit_for, with_error
-from missionplan.report.wording import in_words
-from missionplan.studies.comparison.changes_page import task_in_words
+from missionplan.report.page import BLUE, ORANGE, Figure, Page, PageSection, Table, to_figure
+from missionplan.report.quantities import PERCENT, Unit, unit_for, with_error
+from missionplan.report.wording import in_words, listed, percent
 from missionplan.studies.comparison.choices_page import (
     cells_section,
     choices_in_words,
     chosen_in_words,
     curves_figure,
     differing_section,
-    listed,
     requirements_section,
+    task_in_words,
     windows_in_words,
 )
 from missionplan.studies.comparison.result import DECIDES, Alternative, Alternatives
 
-_PERCENT = Unit("%", 0.01)
 _WORDS = {"success": "P(success)", "energy_wh": "energy", "duration_s": "duration"}
 
 
@@ -50,8 +47,8 @@ def page(found: Alternatives) -> Page:
             *differing_section(found),
         ],
         rerun=_rerun(found),
-        glance=lambda: terminal(found),
-        plots=PLOTS,
+        table=lambda: (_columns(found), _rows(found)),
+        plots={"alternatives": draw_alternatives},
     )
 
 
@@ -61,11 +58,6 @@ def _rerun(found: Alternatives) -> str:
     if not any(source.endswith((".yaml", ".yml")) for source in sources):
         return command
     return f"{command} --trials {found.provenance.trials} --seed {found.provenance.seed}"
-
-
-def terminal(found: Alternatives) -> Terminal:
-    """Build the terminal's view."""
-    return Terminal(answer(found), _columns(found), _rows(found))
 
 
 def answer(found: Alternatives) -> str:
@@ -102,7 +94,7 @@ def _judged(found: Alternatives) -> str:
     if worse:
         nearest = min(worse, key=lambda each: (len(each.missed), -each.success.value))
         verb = "does more surely what it is asked than" if found.task_differs else "is better than"
-        sentences.append(f"{best.name} {verb} {_listed(worse)}: {_why(found, nearest)}.")
+        sentences.append(f"{best.name} {verb} {listed([each.name for each in worse])}: {_why(found, nearest)}.")
     return " ".join([*sentences, *_of_alike(found, alike, is_rest=bool(worse))])
 
 
@@ -110,8 +102,11 @@ def _of_alike(found: Alternatives, alike: list[Alternative], *, is_rest: bool) -
     """Write how those that do as well as the best differ from it in cost."""
     best = found.best_one
     if alike and found.aim == "success":
+        names = [each.name for each in alike]
         who = (
-            f"{_listed(alike)} cannot be told from it" if is_rest else f"{_listed([best, *alike])} cannot be told apart"
+            f"{listed(names)} cannot be told from it"
+            if is_rest
+            else f"{listed([best.name, *names])} cannot be told apart"
         )
         yield f"{who} by P(success) ({_success_words(alike[0])})."
         yield from (words for each in alike if (words := _cheaper(found, each)))
@@ -120,7 +115,7 @@ def _of_alike(found: Alternatives, alike: list[Alternative], *, is_rest: bool) -
         same = [each for each in alike if not _differs(each, key)]
         yield from (_less(found, each, key) for each in alike if each not in same)
         if same:
-            yield f"{_listed([best, *same])} cannot be told apart by their {_WORDS[key]}."
+            yield f"{listed([each.name for each in (best, *same)])} cannot be told apart by their {_WORDS[key]}."
 
 
 def _is_worse(found: Alternatives, each: Alternative) -> bool:
@@ -133,16 +128,12 @@ def _differs(each: Alternative, key: str) -> bool:
     return key in each.contrasts and each.contrasts[key].differs
 
 
-def _listed(items: list[Alternative]) -> str:
-    return listed([each.name for each in items])
-
-
 def _why(found: Alternatives, each: Alternative) -> str:
     best, contrast = found.best_one, each.contrasts.get("success")
     if contrast is None:
         return f"no choice tried for {each.name} meets all requirements"
     if contrast.differs and contrast.difference < 0.0:
-        less = with_error(-contrast.difference, contrast.error, _PERCENT)
+        less = with_error(-contrast.difference, contrast.error, PERCENT)
         return f"it succeeds with {percent(best.success)}, {less} more often than {each.name}"
     names = " and ".join(f"the {in_words(item.quantity)}" for item in each.missed)
     return f"{each.name} misses the requirement on {names}"
@@ -152,7 +143,7 @@ def _success_words(each: Alternative) -> str:
     contrast = each.contrasts["success"]
     if not contrast.difference and not contrast.error:
         return "they succeed in the same trials" if contrast.paired else "they succeed equally often"
-    return f"{each.name} differs by {with_error(contrast.difference, contrast.error, _PERCENT)}"
+    return f"{each.name} differs by {with_error(contrast.difference, contrast.error, PERCENT)}"
 
 
 def _cheaper(found: Alternatives, each: Alternative) -> str:
@@ -216,7 +207,7 @@ def _against(found: Alternatives, each: Alternative) -> str:
         return "–"
     if not contrast.difference and not contrast.error and key == "success":
         return "succeeds in the same trials" if contrast.paired else "succeeds as often"
-    words = with_error(contrast.difference, contrast.error, _PERCENT if key == "success" else _unit(found, key))
+    words = with_error(contrast.difference, contrast.error, PERCENT if key == "success" else _unit(found, key))
     words = words if words.startswith("−") or not contrast.difference else f"+{words}"
     return words if contrast.differs else f"{words}: not told apart"
 
@@ -241,7 +232,7 @@ def _table_section(found: Alternatives, figures: list[Figure]) -> Iterator[PageS
 
 def draw_alternatives(axes: Axes, found: Alternatives, quantity: str = "success") -> None:
     """Draw P(success), ``energy_wh`` or ``duration_s`` of each, with its 95 % interval."""
-    unit = _PERCENT if quantity == "success" else _unit(found, quantity)
+    unit = PERCENT if quantity == "success" else _unit(found, quantity)
     for row, each in enumerate(found.alternatives):
         low, middle, high = (value / unit.size for value in _interval(each, quantity))
         colour = ORANGE if each is found.best_one else BLUE
@@ -272,7 +263,3 @@ def _interval(each: Alternative, key: str) -> tuple[float, float, float]:
         return each.success.low, each.success.value, each.success.high
     mean, error = each.quantities.get(key, (np.nan, np.nan))
     return mean - 1.96 * error, mean, mean + 1.96 * error
-
-
-PLOTS: Mapping[str, Drawing] = {"alternatives": draw_alternatives}
-"""Plots on given axes by name, the main one first."""

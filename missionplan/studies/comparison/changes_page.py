@@ -8,42 +8,13 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure as MatplotlibFigure
 
 from missionplan.mission.checks.requirements import QUANTITIES
-from missionplan.report.numbers import NARROW_SPACE, has_spread, number
-from missionplan.report.page import BLUE, INK, ORANGE, Drawing, Figure, Page, PageSection, Table, Terminal, to_figure
-from missionplan.report.planned.section import value_in_words
-from missionplan.report.quantities import Unit, as_written, reader_unit, unit_for, with_error
-from missionplan.report.wording import in_words
-from missionplan.results.entries import mapping, mappings
+from missionplan.report.page import BLUE, INK, ORANGE, Cells, Figure, Page, PageSection, Table, to_figure
+from missionplan.report.quantities import PERCENT, Unit, as_written, reader_unit, unit_for, with_error
+from missionplan.report.wording import has_spread, in_words, number
+from missionplan.results.entries import mapping
+from missionplan.studies.comparison.choices_page import limit_in_words, requirements_of, task_in_words
 from missionplan.studies.comparison.result import ChangedValue, ComparedNumber, Comparison
 
-_WORDS = {
-    "phases": "in their phases",
-    "place": "in the place",
-    "depth": "in the depth of the water",
-    "requirements": "in what is required",
-}
-_OF_PHASES = {"from": "where {} begins", "to": "where {} leads", "hold": "how long {} holds"}
-
-
-def task_in_words(differs: Mapping[str, Sequence[str]]) -> str:
-    """Write ``in where ingress leads, in the depth of the water and in what is required``."""
-    parts = [_part(part, paths) for part, paths in differs.items()]
-    return ", ".join(parts[:-1]) + f" and {parts[-1]}" if len(parts) > 1 else "".join(parts)
-
-
-def _part(part: str, paths: Sequence[str]) -> str:
-    if part in _WORDS:
-        return _WORDS[part]
-    names = list(dict.fromkeys(path.partition(".")[0] for path in paths))
-    plural = {"begins": "begin", "leads": "lead", "holds": "hold"}
-    words = _OF_PHASES[part]
-    if len(names) > 1:
-        verb = words.rpartition(" ")[2]
-        words = words.removesuffix(verb) + plural[verb]
-    return "in " + words.format(" and ".join(names))
-
-
-_PERCENT = Unit("%", 0.01)
 _GROUPS = {"sweep": "", "anchor": "", "odds": "dives"}
 """How sections of `summary.json` are named, where not by their keys."""
 
@@ -118,27 +89,14 @@ def _in_si(quantity: str, limit: str) -> str:
     return f"{words} {with_error(float(value), 0.0, reader_unit(unit, float(value)))}".strip()
 
 
-def requirements_of(mission: Mapping[str, object]) -> list[Mapping[str, object]]:
-    """Requirements of a mission's document."""
-    return mappings(mission.get("requirements"))
-
-
 def _mission(comparison: Comparison, difference: ComparedNumber) -> Mapping[str, object]:
     """Data of the second run's mission; of the first's where only that has the number."""
     return mapping(comparison.provenance.data["second" if difference.second is not None else "first"])
 
 
-def limit_in_words(requirement: Mapping[str, object]) -> str:
-    """Write the limit of a mission's requirement as its file does: ``at most 75 ft``; empty for an event."""
-    for bound in ("at_most", "at_least"):
-        if bound in requirement:
-            return f"{bound.replace('_', ' ')} {value_in_words(requirement[bound]).replace('*', NARROW_SPACE)}"
-    return ""
-
-
 def _unit(comparison: Comparison, difference: ComparedNumber) -> Unit:
     if difference.kind == "probability" or difference.key == "cost":
-        return _PERCENT
+        return PERCENT
     typical = difference.first if difference.first is not None else difference.second
     return unit_for(difference.group, difference.key, _mission(comparison, difference), typical=abs(typical or 0.0))
 
@@ -178,19 +136,19 @@ def page(comparison: Comparison) -> Page:
         numbers=_numbers(comparison),
         write=lambda: [section for part in _PARTS for section in part(comparison)],
         rerun=f"missionplan compare {' '.join(folders)}",
-        glance=lambda: terminal(comparison),
-        plots=PLOTS,
+        table=lambda: _cells(comparison),
+        plots={"changes": draw_changes},
     )
 
 
-def terminal(comparison: Comparison) -> Terminal:
-    """Build the terminal's view: what decides, what changed by more than noise, then what differs in the missions."""
+def _cells(comparison: Comparison) -> Cells:
+    """Tabulate for a terminal: what decides, what changed by more than noise, then what differs in the missions."""
     numbers = [*comparison.deciding, *_others_changed(comparison)][:_MOST_ROWS]
     rows = [row_of(comparison, difference) for difference in numbers]
     changes = [*(comparison.mission_changes if comparison.alike else ()), *comparison.option_changes]
     values = [(change.path, change.first or "–", change.second or "–", "") for change in changes]
     columns = ("what", "first", "second", "change")
-    return Terminal(answer(comparison), columns, [*((row[0], *row[2:]) for row in rows), *values])
+    return columns, [*((row[0], *row[2:]) for row in rows), *values]
 
 
 def answer(comparison: Comparison) -> str:
@@ -374,7 +332,3 @@ def _table(comparison: Comparison, items: Sequence[ComparedNumber]) -> Table:
 
 _PARTS = (_deciding, _changed, _runs, _changes, _rest)
 """Parts of the page, what decides first."""
-
-
-PLOTS: Mapping[str, Drawing] = {"changes": draw_changes}
-"""Plots on given axes by name, the main one first."""

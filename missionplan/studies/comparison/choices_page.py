@@ -1,6 +1,6 @@
 """What alternatives are, reach and chose, side by side: tasks, requirements, values, windows, cells that all tried."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from datetime import datetime
 from pathlib import Path
 
@@ -10,13 +10,63 @@ from matplotlib.figure import Figure as MatplotlibFigure
 
 from missionplan.mission.units import QuantityError, parse_number_with_unit
 from missionplan.moments import moment_of
-from missionplan.report.numbers import number, percent, share
 from missionplan.report.page import Figure, PageSection, Table, to_figure
-from missionplan.report.wording import capitalised, in_words, keys_in_words
-from missionplan.results.entries import mapping
+from missionplan.report.planned.section import value_in_words
+from missionplan.report.wording import (
+    NARROW_SPACE,
+    capitalised,
+    in_words,
+    keys_in_words,
+    listed,
+    number,
+    percent,
+    share,
+)
+from missionplan.results.entries import mapping, mappings
 from missionplan.results.simulation import RequirementOutcome
-from missionplan.studies.comparison.changes_page import limit_in_words, requirements_of
 from missionplan.studies.comparison.result import Alternative, Alternatives, TriedCell
+
+_WORDS = {
+    "phases": "in their phases",
+    "place": "in the place",
+    "depth": "in the depth of the water",
+    "requirements": "in what is required",
+}
+
+
+_OF_PHASES = {"from": "where {} begins", "to": "where {} leads", "hold": "how long {} holds"}
+
+
+def task_in_words(differs: Mapping[str, Sequence[str]]) -> str:
+    """Write ``in where ingress leads, in the depth of the water and in what is required``."""
+    parts = [_part(part, paths) for part, paths in differs.items()]
+    return listed(parts)
+
+
+def _part(part: str, paths: Sequence[str]) -> str:
+    if part in _WORDS:
+        return _WORDS[part]
+    names = list(dict.fromkeys(path.partition(".")[0] for path in paths))
+    plural = {"begins": "begin", "leads": "lead", "holds": "hold"}
+    words = _OF_PHASES[part]
+    if len(names) > 1:
+        verb = words.rpartition(" ")[2]
+        words = words.removesuffix(verb) + plural[verb]
+    return "in " + words.format(" and ".join(names))
+
+
+def requirements_of(mission: Mapping[str, object]) -> list[Mapping[str, object]]:
+    """Requirements of a mission's document."""
+    return mappings(mission.get("requirements"))
+
+
+def limit_in_words(requirement: Mapping[str, object]) -> str:
+    """Write the limit of a mission's requirement as its file does: ``at most 75 ft``; empty for an event."""
+    for bound in ("at_most", "at_least"):
+        if bound in requirement:
+            return f"{bound.replace('_', ' ')} {value_in_words(requirement[bound]).replace('*', NARROW_SPACE)}"
+    return ""
+
 
 _MOST_DIFFERING = 30
 _OF_OTHER_COMMANDS = ("optimise.", "sweep.")
@@ -82,17 +132,12 @@ def choices_in_words(found: Alternatives) -> str:
     return " ".join(f"{what.format(words, listed(names))}." for words, names in by_words.items())
 
 
-def listed(names: Sequence[str]) -> str:
-    """Write ``one, two and three``."""
-    return f"{', '.join(names[:-1])} and {names[-1]}" if len(names) > 1 else names[0]
-
-
 def chosen_in_words(found: Alternatives, each: Alternative) -> str:
     """Write what was chosen: ``12:00 UTC``; with the names of the keys where there are several."""
     values = each.chosen.values if each.chosen else {}
     alone = len(_keys(found)) == 1
     parts = [_shown(found, value) if alone else f"{_name(key)} {_shown(found, value)}" for key, value in values.items()]
-    return listed(parts) if parts else "–"
+    return listed(parts) or "–"
 
 
 def windows_in_words(found: Alternatives, each: Alternative) -> str:

@@ -21,8 +21,13 @@ from missionplan.scenario.scenario import Scenario
 from missionplan.store.folder import as_path, is_folder
 from missionplan.studies.comparison.reported_choices import CHOOSING, aim_of, check_kinds, reported_alternative
 from missionplan.studies.comparison.result import DECIDES, Alternative, Alternatives, Comparison, Contrast, Estimate
-from missionplan.studies.comparison.summary_numbers import SummaryNumber, differing_values, standard_error_and_p_value
-from missionplan.studies.comparison.two_reports import compare_reports, read_summary
+from missionplan.studies.comparison.two_reports import (
+    SummaryNumber,
+    compare_reports,
+    differing_values,
+    read_summary,
+    standard_error_and_p_value,
+)
 from missionplan.studies.coverage import coverage_of
 from missionplan.studies.exploration.cells import (
     CellBlock,
@@ -34,7 +39,7 @@ from missionplan.studies.exploration.cells import (
     checked_means,
     run_checked,
 )
-from missionplan.studies.exploration.findings import DURATION, ENERGY, cell_of
+from missionplan.studies.exploration.result import DURATION, ENERGY, cell_of
 from missionplan.studies.run import check_arguments, identified
 
 _COLUMNS = {"success": "total.success", "energy_wh": ENERGY, "duration_s": DURATION}

@@ -17,28 +17,38 @@ from missionplan.studies.comparison.result import Alternative, Chosen, Estimate,
 def reported(name: str, folder: Path, summary: Mapping[str, object]) -> Alternative:
     """Read what a report's `summary.json` says of success, duration, energy and requirements.
 
-    Raises
-    ------
-    InputError
-        When it is not a report of `simulate`.
+    Raises InputError when it is not a report of `simulate`.
     """
-    total, trials = mapping(summary.get("total")), whole(summary.get("trials"))
-    events = total.get("events")
-    if summary.get("command") != "simulate" or not isinstance(events, Mapping):
+    if summary.get("command") != "simulate" or not isinstance(mapping(summary.get("total")).get("events"), Mapping):
         message = (
             f"was made by {summary.get('command')}; of more than two, missions and reports of simulate are compared, "
             "or reports of explore, or of optimise"
         )
         raise InputError([Problem(message, str(folder))])
+    return _alternative(name, folder, summary, _whole_mission(summary))
+
+
+def _whole_mission(summary: Mapping[str, object]) -> dict[str, object]:
+    """Return what a summary says of a mission that was simulated, as a cell of an exploration has it."""
+    total = mapping(summary.get("total"))
+    found = {key: summary.get(key) for key in ("requirements", "trials")}
+    return {"success": mapping(total.get("events")).get("success"), "quantities": total.get("quantities"), **found}
+
+
+def _alternative(
+    name: str, folder: Path, summary: Mapping[str, object], cell: Mapping[str, object], chosen: Chosen | None = None
+) -> Alternative:
+    trials = whole(cell.get("trials"))
     return Alternative(
         name=name,
         source=str(folder),
-        success=probability_of(events.get("success")),
-        quantities=estimates_of(total.get("quantities")),
-        requirements=requirements_of(summary.get("requirements"), trials),
+        success=probability_of(cell.get("success")),
+        quantities=estimates_of(cell.get("quantities")),
+        requirements=requirements_of(cell.get("requirements"), trials),
         trials=trials,
         seed=whole(summary.get("seed")),
         contrasts={},
+        chosen=chosen,
     )
 
 
@@ -92,10 +102,7 @@ def reported_alternative(name: str, folder: Path, summary: Summary) -> Alternati
 def check_kinds(sources: Sequence[tuple[Path, Summary]]) -> str:
     """Return the command whose results are compared; raises InputError where they are of unlike kinds.
 
-    Parameters
-    ----------
-    sources : sequence of (path, summary)
-        The summary of a mission is empty.
+    `sources`: the summary of a mission is empty.
     """
     made = [str(summary.get("command", "simulate")) for _, summary in sources]
     kinds = set(made)
@@ -146,23 +153,13 @@ def _of_exploration(name: str, folder: Path, summary: Summary) -> Alternative:
         for key, value in mapping(entry.get("quantities")).items()
         if str(key).startswith("total.")
     }
-    trials = whole(entry.get("trials"))
-    return Alternative(
-        name=name,
-        source=str(folder),
-        success=probability_of(entry.get("success")),
-        quantities=estimates_of(of_total),
-        requirements=requirements_of(entry.get("requirements"), trials),
-        trials=trials,
-        seed=whole(summary.get("seed")),
-        contrasts={},
-        chosen=Chosen(
-            _texts(entry.get("values")),
-            len(cells),
-            tuple((str(each.get("from")), str(each.get("to"))) for each in mappings(summary.get("windows"))),
-            tuple(map(_cell, cells)),
-        ),
+    chosen = Chosen(
+        _texts(entry.get("values")),
+        len(cells),
+        tuple((str(each.get("from")), str(each.get("to"))) for each in mappings(summary.get("windows"))),
+        tuple(map(_cell, cells)),
     )
+    return _alternative(name, folder, summary, {**entry, "quantities": of_total}, chosen)
 
 
 def _cell(entry: Summary) -> TriedCell:
@@ -172,20 +169,10 @@ def _cell(entry: Summary) -> TriedCell:
 
 
 def _of_optimisation(name: str, folder: Path, summary: Summary) -> Alternative:
-    checked = mapping(summary.get("total"))
-    trials = whole(summary.get("trials"))
-    return Alternative(
-        name=name,
-        source=str(folder),
-        success=probability_of(mapping(checked.get("events")).get("success")),
-        quantities=estimates_of(checked.get("quantities")),
-        requirements=requirements_of(summary.get("requirements"), trials)
-        or tuple(_obstacle(each, trials) for each in mappings(summary.get("obstacles"))),
-        trials=trials,
-        seed=whole(summary.get("seed")),
-        contrasts={},
-        chosen=Chosen(_texts(summary.get("chosen")), whole(summary.get("combinations"))),
-    )
+    chosen = Chosen(_texts(summary.get("chosen")), whole(summary.get("combinations")))
+    found = _alternative(name, folder, summary, _whole_mission(summary), chosen)
+    obstacles = tuple(_obstacle(each, found.trials) for each in mappings(summary.get("obstacles")))
+    return replace(found, requirements=found.requirements or obstacles)
 
 
 def _obstacle(entry: Summary, trials: int) -> RequirementOutcome:

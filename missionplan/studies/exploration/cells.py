@@ -47,11 +47,7 @@ class SharedCurrent:
     def of(cls, mission: Mission, first: datetime | None = None) -> "SharedCurrent":
         """Read a mission's record. A field has dates; others show by a second start whether they are tied to the clock.
 
-        Parameters
-        ----------
-        mission : Mission
-        first : datetime, optional
-            Earliest start of all: what is read begins there, and may hold nothing from before.
+        `first`: earliest start of all: what is read begins there, and may hold nothing from before.
         """
         if mission.start is None or first is None:
             return cls(recorded_current(mission), _place(mission), mission.start, moves=False)
@@ -210,17 +206,8 @@ def cell_trials(
 ) -> list[CellTrials]:
     """Run the blocks that are not in the checkpoint, and return the trials of each of some cells.
 
-    Parameters
-    ----------
-    task : callable
-        Runs a block of a cell.
-    items : sequence of CellItem
-        In any order; the blocks of a cell ascend.
-    cells : sequence of int
-    workers : Workers
-        Told the trials done.
-    store : Checkpoints, optional
-        Where finished blocks are kept.
+    `task`: runs a block of a cell. `items`: in any order; the blocks of a cell ascend. `workers`: told the trials done.
+    `store`: where finished blocks are kept.
     """
     gathered: dict[int, list[CellBlock | InvalidCell]] = {cell: [] for cell in cells}
     total, done = sum(size for _, _, size in items), 0

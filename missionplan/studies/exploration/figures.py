@@ -12,17 +12,20 @@ from numpy.typing import NDArray
 from missionplan.arrays import Array
 from missionplan.report.axes import name_axis
 from missionplan.report.page import BLUE, GREEN, GREY, INK, ORANGE, Figure, to_figure
-from missionplan.report.quantities import Unit, unit_for, value_on
-from missionplan.report.wording import capitalised, in_words
+from missionplan.report.quantities import PERCENT, Unit, unit_for, value_on
+from missionplan.report.wording import capitalised, in_words, keys_in_words
 from missionplan.results.decision import Axis
-from missionplan.studies.exploration.result import Cell, Exploration
-from missionplan.studies.exploration.words import DURATION, ENERGY, name_of
+from missionplan.studies.exploration.result import DURATION, ENERGY, Cell, Exploration
 
-_PERCENT = Unit("%", 0.01)
 _LEVELS = (50.0, 90.0, 99.0)
 """Contours of P(success) [%]."""
 _FINE = 8
 """Least number of values of each key for contours: on a coarser map they cross the cells and one another."""
+
+
+def name_of(axis: Axis) -> str:
+    """Write what is varied: ``speed (ingress, egress)``."""
+    return keys_in_words(axis.keys)
 
 
 def quantities_shown(found: Exploration) -> list[str]:
@@ -69,7 +72,7 @@ def _draw_curve(axes: Axes, found: Exploration, key: str, x: "Array | NDArray[np
     if found.best is not None:
         axes.plot(x[found.best], middle[found.best], "o", color=ORANGE, markersize=7)
     axes.set_title(f"{capitalised(_title(key))}{unit.axis}")
-    if unit is _PERCENT:
+    if unit is PERCENT:
         axes.set_ylim(-4.0, 104.0)
 
 
@@ -114,8 +117,8 @@ def _draw_map(axes: Axes, found: Exploration, key: str) -> None:
     unit = _unit(found, key)
     values = np.array([_mean(cell, key) for cell in found.cells]).reshape(shape) / unit.size
     x, y = positions(second), positions(first)
-    colours = "viridis" if unit is _PERCENT else "viridis_r"
-    shown, norm = np.ma.masked_invalid(values), Normalize(0.0, 100.0) if unit is _PERCENT else None
+    colours = "viridis" if unit is PERCENT else "viridis_r"
+    shown, norm = np.ma.masked_invalid(values), Normalize(0.0, 100.0) if unit is PERCENT else None
     drawn = axes.pcolormesh(x, y, shown, cmap=colours, norm=norm, shading="nearest")
     without = np.ma.masked_where(np.isfinite(values), np.zeros(shape))
     axes.pcolormesh(x, y, without, cmap=ListedColormap(["#d5d8dc"]), shading="nearest")
@@ -134,7 +137,7 @@ def _draw_contours(axes: Axes, x: Array, y: Array, values: Array, unit: Unit) ->
     inside = values[np.isfinite(values)]
     if inside.size < 4 or inside.min() == inside.max():
         return
-    levels = [each for each in _LEVELS if inside.min() < each < inside.max()] if unit is _PERCENT else 6
+    levels = [each for each in _LEVELS if inside.min() < each < inside.max()] if unit is PERCENT else 6
     if levels:
         lines = axes.contour(x, y, np.ma.masked_invalid(values), levels=levels, colors=INK, linewidths=0.7)
         axes.clabel(lines, fmt="%g", fontsize=8)
@@ -222,7 +225,7 @@ def _title(key: str) -> str:
 
 def _unit(found: Exploration, key: str) -> Unit:
     if key == "success" or any(key in cell.events for cell in found.valid):
-        return _PERCENT
+        return PERCENT
     phase, _, name = key.rpartition(".")
     typical = np.array([_mean(cell, key) for cell in found.valid])
     known = typical[np.isfinite(typical)]

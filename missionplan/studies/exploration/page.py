@@ -1,31 +1,161 @@
-"""Page of an exploration: the answer, curves or maps, windows, the front, and what cannot be run."""
+"""What an exploration found, in sentences, and its page: curves or maps, windows, the front, and what cannot be run."""
 
+import math
 import shlex
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
+from operator import attrgetter
 
-from missionplan.report.explained import members_section
-from missionplan.report.numbers import percent, share
-from missionplan.report.page import Drawing, Figure, Page, PageSection, Table, Terminal
-from missionplan.report.quantities import range_on, value_on
-from missionplan.report.wording import capitalised, in_words
-from missionplan.results.decision import Aim
+from missionplan.report.explained import members_in_words, members_section
+from missionplan.report.page import Cells, Figure, Page, PageSection, Table
+from missionplan.report.quantities import range_on, unit_for, value_on, with_error
+from missionplan.report.wording import capitalised, in_words, listed, number, percent, share
+from missionplan.results.decision import Aim, Axis
+from missionplan.results.simulation import RequirementOutcome
 from missionplan.studies.exploration.figures import (
     curves_figure,
     draw_exploration,
     front_figure,
     maps_figure,
+    name_of,
     quantities_shown,
 )
-from missionplan.studies.exploration.result import Cell, Exploration, Status
-from missionplan.studies.exploration.words import (
-    answer,
-    name_of,
-    place_in_words,
-    quantity_alone,
-    quantity_with_error,
-    ranges_in_words,
-    tried,
-)
+from missionplan.studies.exploration.result import DURATION, ENERGY, Cell, Exploration, Status, Window
+
+_AS_GOOD: dict[Aim, tuple[str, str, str]] = {
+    "success": ("succeeds as often", "succeed as often", "Succeeding as often"),
+    "energy": ("takes as little energy", "take as little energy", "Taking as little energy"),
+    "duration": ("is as fast", "are as fast", "As fast"),
+}
+"""In what one or several are as good as the best: they may be worse in all else."""
+_WORSE: dict[Aim, str] = {"success": "succeeds less often", "energy": "takes more energy", "duration": "takes longer"}
+_MOST_RANGES = 4
+"""Ranges that a sentence lists."""
+
+
+def answer(found: Exploration) -> str:
+    """Write the best cell, what is as good, and where all requirements are met."""
+    best = found.best_cell
+    if best is None:
+        return f"None of the {tried(found)} can be compared: no trial reaches what is asked for."
+    sentences = [
+        *_unmet(found, best),
+        f"{_best_in_words(found, best)}: {_what_it_gives(found, best)}.",
+        members_in_words(found.members, "succeeds"),
+        _as_good(found),
+        _windows(found),
+        _not_run(found),
+        _dropped(found),
+    ]
+    return " ".join(filter(None, sentences))
+
+
+def tried(found: Exploration) -> str:
+    """Name what was tried: ``starts``; ``choices`` where two keys were varied, or one that has no plural."""
+    if len(found.axes) == 1 and found.axes[0].keys in (("start",), ["start"]):
+        return "starts"
+    return "choices"
+
+
+def place_in_words(found: Exploration, cell: Cell) -> str:
+    """Write a cell's values: ``05:50 UTC and 1.4 m/s``."""
+    return " and ".join(value_on(axis, index) for axis, index in zip(found.axes, cell.place, strict=True))
+
+
+def quantity_in_words(found: Exploration, cell: Cell, key: str, *, alone: bool = False) -> str:
+    """Write the mean of a cell's quantity with its error, or alone with the digits that this supports."""
+    mean, error = cell.quantities[key].mean, cell.quantities[key].standard_error
+    phase, _, name = key.rpartition(".")
+    unit = unit_for(phase, name, found.provenance.data, typical=mean)
+    if not alone:
+        return with_error(mean, error, unit)
+    return number(unit(mean), unit(error)) + unit.suffix if math.isfinite(mean) else "–"
+
+
+def _unmet(found: Exploration, best: Cell) -> list[str]:
+    if found.constrained or not found.has_requirements:
+        return []
+    what = " and ".join(name_of(axis) for axis in found.axes)
+    missed = [item for item in best.requirements if not item.met]
+    return [f"No {what} tried meets all requirements; even the best misses {_requirements(missed)}."]
+
+
+def _requirements(items: Sequence[RequirementOutcome]) -> str:
+    parts = [
+        f"the {in_words(item.quantity)} ({percent(item.probability)}, {100.0 * item.required:g}\u00a0% required)"
+        for item in items
+    ]
+    return " and ".join(parts)
+
+
+def _best_in_words(found: Exploration, best: Cell) -> str:
+    what = " and ".join(name_of(axis) for axis in found.axes)
+    plural = "are" if len(found.axes) > 1 else "is"
+    aim = {"success": "The best", "energy": "For the least energy the best", "duration": "For the least time the best"}
+    return f"{aim[found.aim]} {what} {plural} {place_in_words(found, best)}"
+
+
+def _what_it_gives(found: Exploration, best: Cell) -> str:
+    parts = [f"the mission succeeds in {percent(best.success)} of the trials"]
+    for key, words in ((ENERGY, "takes"), (DURATION, "lasts")):
+        if key in best.quantities and best.quantities[key].count:
+            parts.append(f"{words} {quantity_in_words(found, best, key)}")
+    return listed(parts)
+
+
+def _as_good(found: Exploration) -> str:
+    """Write which cells the trials cannot tell from the best."""
+    count = sum(cell.as_good for cell in found.cells)
+    noise = f"as far as {found.provenance.trials} trials tell"
+    if count < 2:
+        return f"Every other one tried {_WORSE[found.aim]}, {noise}."
+    if len(found.axes) == 1:
+        axis = found.axes[0]
+        if axis.numbers is None:
+            others = [
+                axis.labels[cell.place[0]] for cell in found.cells if cell.as_good and cell is not found.best_cell
+            ]
+            return f"{_AS_GOOD[found.aim][2]}, {noise}: {', '.join(others)}."
+        where = ranges_in_words(axis, found.ranges_as_good)
+        return f"Any {name_of(axis)} {where} {_AS_GOOD[found.aim][0]}, {noise}."
+    return f"{count} of the {len(found.cells)} {tried(found)} {_AS_GOOD[found.aim][1]}, {noise}."
+
+
+def _windows(found: Exploration) -> str:
+    if not found.has_requirements or not found.constrained or any(cell.dropped for cell in found.cells):
+        return ""
+    met = sum(cell.meets_all for cell in found.cells)
+    if len(found.axes) == 1 and found.axes[0].numbers is not None:
+        where = ranges_in_words(found.axes[0], found.windows)
+    else:
+        where = f"with {met} of the {len(found.cells)} {tried(found)}"
+    doubt = "" if any(cell.status == "met" for cell in found.cells) else "; it takes more trials to be sure of it"
+    return f"All requirements are met {where}{doubt}."
+
+
+def ranges_in_words(axis: Axis, windows: Sequence[Window]) -> str:
+    """Write ``from 05:10 to 06:40 UTC and at 11:00 UTC``."""
+    parts = [
+        f"at {value_on(axis, window.first)}"
+        if window.first == window.last
+        else f"from {range_on(axis, window.first, window.last)}"
+        for window in windows[:_MOST_RANGES]
+    ]
+    if len(windows) > _MOST_RANGES:
+        parts.append(f"in {len(windows) - _MOST_RANGES} more ranges")
+    return listed(parts)
+
+
+def _dropped(found: Exploration) -> str:
+    count = sum(cell.dropped for cell in found.cells)
+    return f"{count} {tried(found)} that cannot be the best were run with fewer trials." if count else ""
+
+
+def _not_run(found: Exploration) -> str:
+    count = len(found.cells) - len(found.valid)
+    if not count:
+        return ""
+    return f"{count} of the {len(found.cells)} {tried(found)} cannot be run; the report says why."
+
 
 _MOST_ROWS = 40
 _MOST_REASONS = 12
@@ -56,17 +186,17 @@ def page(found: Exploration) -> Page:
         write=lambda: [section for part in (_maps, _good, _sailed, _front, _all, _invalid) for section in part(found)],
         verdict=_verdict(found),
         rerun=_rerun(found),
-        glance=lambda: terminal(found),
-        plots=PLOTS,
+        table=lambda: _cells(found),
+        plots={"cells": draw_exploration},
     )
 
 
-def terminal(found: Exploration) -> Terminal:
-    """Build the terminal's view: the best cells and those as good, or all of a few."""
+def _cells(found: Exploration) -> Cells:
+    """Tabulate for a terminal: the best cells and those as good, or all of a few."""
     cells = [cell for cell in found.cells if cell.as_good] if len(found.cells) > _MOST_ROWS else list(found.cells)
     columns = ["", "requirements", "P(success)", *(in_words(key) for key in quantities_shown(found)[:_MOST_NARROW])]
     rows = [[place_in_words(found, cell), *_narrow(found, cell)] for cell in cells[:_MOST_ROWS]]
-    return Terminal(answer(found), columns, rows, _verdict(found))
+    return columns, rows
 
 
 def _narrow(found: Exploration, cell: Cell) -> list[str]:
@@ -75,11 +205,7 @@ def _narrow(found: Exploration, cell: Cell) -> list[str]:
     if cell.reason:
         return [_STATUS[cell.status], *["–"] * (len(keys) + 1)]
     marks = "best" if cell is found.best_cell else "as good" if cell.as_good else _STATUS[cell.status]
-    return [marks, share(cell.success), *(_alone(found, cell, key) for key in keys)]
-
-
-def _alone(found: Exploration, cell: Cell, key: str) -> str:
-    return share(cell.events[key]) if key in cell.events else quantity_alone(found, cell, key)
+    return [marks, share(cell.success), *(_shown(found, cell, key, alone=True) for key in keys)]
 
 
 def _verdict(found: Exploration) -> str:
@@ -120,8 +246,9 @@ def _rows(found: Exploration, cells: Sequence[Cell]) -> list[list[str]]:
     return rows
 
 
-def _shown(found: Exploration, cell: Cell, key: str) -> str:
-    return share(cell.events[key]) if key in cell.events else quantity_with_error(found, cell, key)
+def _shown(found: Exploration, cell: Cell, key: str, *, alone: bool = False) -> str:
+    """Write how often an event came about, or the mean of a quantity, with its error or alone."""
+    return share(cell.events[key]) if key in cell.events else quantity_in_words(found, cell, key, alone=alone)
 
 
 def _table(found: Exploration, cells: Sequence[Cell]) -> Table:
@@ -146,7 +273,9 @@ def _good(found: Exploration) -> Iterator[PageSection]:
                 if window.first == window.last
                 else range_on(axis, window.first, window.last),
                 str(window.last - window.first + 1),
-                percent(min((found.cells[i].success for i in range(window.first, window.last + 1)), key=_value)),
+                percent(
+                    min((found.cells[i].success for i in range(window.first, window.last + 1)), key=attrgetter("value"))
+                ),
             )
             for window in found.windows
         ]
@@ -159,10 +288,6 @@ def _good(found: Exploration) -> Iterator[PageSection]:
             f"{_UNLESS[found.aim]} by more than chance, at 5 % for all together (Bonferroni)."
         )
         yield PageSection(f"{capitalised(_good_in_words(found, good))}", [text, _table(found, good)])
-
-
-def _value(probability: object) -> float:
-    return float(getattr(probability, "value", 0.0))
 
 
 def _good_in_words(found: Exploration, good: Sequence[Cell]) -> str:
@@ -216,7 +341,3 @@ def _rerun(found: Exploration) -> str:
     words += [f"--quantity {shlex.quote(str(each))}" for each in (quantities if isinstance(quantities, list) else [])]
     words += [f"--aim {found.aim} --trials {found.provenance.trials} --seed {found.provenance.seed}"]
     return " ".join(words)
-
-
-PLOTS: Mapping[str, Drawing] = {"cells": draw_exploration}
-"""Plots on given axes by name, the main one first."""

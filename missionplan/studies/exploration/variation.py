@@ -33,17 +33,7 @@ _OF_THE_RUN = (
 def known_key(mission: Mission, key: str, option: str) -> str:
     """Return the key path of a key that a person writes, with what stands for its phase.
 
-    Parameters
-    ----------
-    mission : Mission
-    key : str
-    option : str
-        How messages name the place where the key stands.
-
-    Raises
-    ------
-    InputError
-        With the nearest key.
+    `option`: how messages name the place where the key stands. Raises InputError with the nearest key.
     """
     if _STEP.findall(key)[:1] in [[name] for name in _OF_THE_RUN]:
         raise InputError([Problem(f"given the key {shown(key)}, which says how the mission is computed", key=option)])
@@ -88,10 +78,7 @@ def _collect(value: object, path: str, found: set[str]) -> None:
 def with_values(data: Mapping[str, object], values: Mapping[str, object]) -> dict[str, object]:
     """Return a mission's data with other values at some key paths; sections that are missing are added.
 
-    Raises
-    ------
-    InputError
-        When a path leads through something that is no section.
+    Raises InputError when a path leads through something that is no section.
     """
     return changed_data(data, values, Mission, in_si=False)
 
@@ -114,18 +101,9 @@ _EXAMPLE = "such as ingress.speed=0.8:2:0.1 m/s, start=04:00:12:00:10 min or veh
 def read_axes(mission: Mission, texts: Sequence[str]) -> tuple[Axis, ...]:
     """Read one or two variations.
 
-    Parameters
-    ----------
-    mission : Mission
-    texts : sequence of str
-        ``KEY=FROM:TO:STEP`` in the units of the mission file (a bare number takes the unit of the next), or
-        ``KEY=A,B,C``. ``KEY+KEY=…`` gives several keys the same values. Times of `start` are ISO 8601, or a time of
-        the mission's day, or a duration after the mission's own start.
-
-    Raises
-    ------
-    InputError
-        With the first that is wrong in each.
+    `texts`: ``KEY=FROM:TO:STEP`` in the units of the mission file (a bare number takes the unit of the next), or
+    ``KEY=A,B,C``. ``KEY+KEY=…`` gives several keys the same values. Times of `start` are ISO 8601, or a time of the
+    mission's day, or a duration after the mission's own start. Raises InputError with the first that is wrong in each.
     """
     if not 1 <= len(texts) <= 2:
         raise InputError([Problem(f"given {len(texts)} times, expected once or twice", key=OPTION, hint=_EXAMPLE)])

@@ -1,15 +1,15 @@
 """Report of `history`: each learned parameter from mission to mission, with its intervals, and where it changed."""
 
 import shlex
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure as MatplotlibFigure
 
 from missionplan.errors import InputError, Problem, did_you_mean, shown
-from missionplan.report.levels import jumps_in_words, trends_in_words
-from missionplan.report.page import BLUE, GREY, ORANGE, Drawing, Figure, Page, PageSection, Table, Terminal, to_figure
+from missionplan.report.diagnosis.findings import jumps_in_words, trends_in_words
+from missionplan.report.page import BLUE, GREY, ORANGE, Cells, Figure, Page, PageSection, Table, to_figure
 from missionplan.report.quantities import Unit, reader_unit
 from missionplan.report.wording import capitalised, parameter_in_words
 from missionplan.studies.history.result import FailureRate, History, Learned
@@ -47,15 +47,15 @@ def page(history: History) -> Page:
         ],
         verdict="",
         rerun=f"missionplan history {folder}{f' --mission {shlex.quote(str(given))}' if given else ''}",
-        glance=lambda: terminal(history),
-        plots=PLOTS,
+        table=lambda: _cells(history),
+        plots={"parameter": parameter},
     )
 
 
-def terminal(history: History) -> Terminal:
-    """Build the terminal's view: the parameters, or the failure rates where no parameter was learned."""
+def _cells(history: History) -> Cells:
+    """Tabulate for a terminal: the parameters, or the failure rates where no parameter was learned."""
     rows = _rows(history)
-    return Terminal(answer(history), COLUMNS, rows) if rows else Terminal(answer(history), RATES, _rate_rows(history))
+    return (COLUMNS, rows) if rows else (RATES, _rate_rows(history))
 
 
 def answer(history: History) -> str:
@@ -197,7 +197,3 @@ def parameter(axes: Axes, history: History, effect: str = "") -> None:
         problem = f"given {shown(effect)}, expected one of {', '.join(known)}"
         raise InputError([Problem(problem, key="effect", hint=did_you_mean(str(effect), known))])
     draw_parameter(axes, history, known[chosen])
-
-
-PLOTS: Mapping[str, Drawing] = {"parameter": parameter}
-"""Plots on given axes by name, the main one first."""

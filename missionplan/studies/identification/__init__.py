@@ -1,4 +1,4 @@
 """Drag, added mass and thruster constants from tank data: one module a kind of data, one fitting routine.
 
-Read first `identify`, then `least_squares`; `thruster` leads on to `tunnel_thruster` for runs under way.
+Read first `identify`, then `least_squares`.
 """

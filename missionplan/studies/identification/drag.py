@@ -76,19 +76,17 @@ class _Towing:
 
     Attributes
     ----------
-    speed, force : array, shape (points,)
-        [m/s, N]
-    area, density : float
-        Reference area and density of the water [m², kg/m³].
     reynolds, coefficients : array, shape (points,)
     """
 
     speed: Array
     force: Array
+    """[m/s, N], shape (points,)."""
     force_sd: Array | None
     """Stated errors, shape (points,) [N]."""
     area: float
     density: float
+    """Reference area and density of the water [m², kg/m³]."""
     reynolds: Array
     coefficients: Array
     middle: float

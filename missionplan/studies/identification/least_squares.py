@@ -54,7 +54,6 @@ def fit(
         The model in words.
     model : callable
         From parameters, in the given order, to the model at the data, shape (points,).
-    parameters : sequence of FitParameter
     data : array, shape (points,)
         Measured.
     data_sd : array, shape (points,), optional

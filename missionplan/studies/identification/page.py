@@ -2,7 +2,7 @@
 
 import math
 import shlex
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -16,13 +16,12 @@ from missionplan.report.page import (
     ORANGE,
     PINK,
     Block,
-    Drawing,
+    Cells,
     Figure,
     Listing,
     Page,
     PageSection,
     Table,
-    Terminal,
     to_figure,
 )
 from missionplan.report.wording import capitalised
@@ -48,8 +47,8 @@ def page(result: Identification) -> Page:
         numbers=_numbers(result),
         write=lambda: _sections(result),
         rerun=f"missionplan identify {shlex.quote(result.provenance.file)}",
-        glance=lambda: terminal(result),
-        plots=PLOTS,
+        table=lambda: _cells(result),
+        plots={"fit": fit},
     )
 
 
@@ -76,13 +75,13 @@ def _name_in_words(estimate: IdentifiedParameter) -> str:
     return estimate.name.replace("_", " ").replace("reynolds", "Reynolds")
 
 
-def terminal(result: Identification) -> Terminal:
-    """Build the terminal's view of an identification."""
+def _cells(result: Identification) -> Cells:
+    """Tabulate the parameters for a terminal."""
     rows = [
         (_name_in_words(e), significant(e.value, e.sd), _standard_error(e), _interval(e), e.unit)
         for e in result.estimates
     ]
-    return Terminal(result.analysis.answer, ("parameter", "value", "standard error", "90 % interval", "unit"), rows)
+    return ("parameter", "value", "standard error", "90 % interval", "unit"), rows
 
 
 def panel_figure(panel: FitPanel) -> Figure:
@@ -203,7 +202,3 @@ def fit(axes: Axes, result: Identification, panel: int = 0) -> None:
         raise InputError([Problem(f"given {shown(panel)}, expected 0 to {len(panels) - 1}", key="panel")])
     draw_fit(axes, panels[panel])
     axes.set_xlabel(panels[panel].x_label)
-
-
-PLOTS: Mapping[str, Drawing] = {"fit": fit}
-"""Plots on given axes by name, the main one first."""

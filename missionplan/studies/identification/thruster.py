@@ -50,19 +50,14 @@ def identify_tunnel_thruster(
 
 @dataclass(frozen=True)
 class TunnelThrusterRun:
-    """Model of a tunnel thruster's force and moment at the measured shaft rates and speeds.
-
-    Attributes
-    ----------
-    revolutions, speed : array, shape (points,)
-        [rev/s, m/s]
-    """
+    """Model of a tunnel thruster's force and moment at the measured shaft rates and speeds."""
 
     geometry: ThrusterGeometry
     density: float
     """Of the water [kg/m³]."""
     revolutions: Array
     speed: Array
+    """[rev/s, m/s], shape (points,)."""
 
     def parameters(self, force: Array) -> list[FitParameter]:
         """K_3, starting from measured forces [N], and c."""

@@ -19,10 +19,13 @@ from missionplan.errors import InputError, Problem
 from missionplan.montecarlo.parallel.blocks import IN_THIS_PROCESS, Progress, Workers
 from missionplan.phases.transit.plan import LegTable
 from missionplan.studies.leg_length.analytic_transit import (
+    SPREAD_FACTORS,
     AnalyticTransit,
     LegSpread,
+    PolicyFamily,
     analytic_obstacle,
     fit_leg_spread,
+    search_policies,
 )
 from missionplan.studies.leg_length.paired_trials import (
     PILOT_BLOCK,
@@ -33,7 +36,6 @@ from missionplan.studies.leg_length.paired_trials import (
     arrival_shortfall,
     run_plans,
 )
-from missionplan.studies.leg_length.policy_search import SPREAD_FACTORS, PolicyFamily, search_policies
 from missionplan.studies.leg_length.sweep_scenario import SweepScenario
 
 Aim = Literal["mean", "p95", "energy"]
@@ -63,14 +65,7 @@ DEADLINE_FAMILY = PolicyFamily()
 
 @dataclass(frozen=True)
 class OptimisedLegs:
-    """Legs for an aim.
-
-    Attributes
-    ----------
-    fixed_cost, adaptive_cost, one_leg_cost, least_cost : float
-        Expected c (Briggs et al., Eq. 25) at that speed with that spread, from the integral equation; the last of any
-        legs.
-    """
+    """Legs for an aim."""
 
     d_max: float
     """Best fixed d_max [m]."""
@@ -84,6 +79,8 @@ class OptimisedLegs:
     adaptive_cost: float
     one_leg_cost: float
     least_cost: float
+    """Expected c (Briggs et al., Eq. 25) at that speed with that spread, from the integral equation; the last of any
+    legs."""
     surfacings: float
     """Expected number of the table, the arrival's included."""
     how_found: str
@@ -110,24 +107,9 @@ def optimise_legs(
 ) -> OptimisedLegs:
     """Find the best legs for an aim, among those that arrive as often as the mission requires; else the likeliest to.
 
-    Parameters
-    ----------
-    scenario : SweepScenario
-        With one σ_v, the mission's own.
-    aim : LegAim
-    seed : int
-        Of the pilot trials.
-    spread : LegSpread, optional
-        Of legs in the pilot trials, where it is known already.
-    progress : callable, optional
-        Called with (done, total) pilot trials.
-    workers : Workers
-        For the pilot trials and the best legs of several spreads.
-
-    Raises
-    ------
-    InputError
-        When no legs can be planned.
+    `scenario`: with one σ_v, the mission's own. `seed`: of the pilot trials. `spread`: of legs in the pilot trials,
+    where it is known already. `progress`: called with (done, total) pilot trials. `workers`: for the pilot trials and
+    the best legs of several spreads. Raises InputError when no legs can be planned.
     """
     obstacle = analytic_obstacle(scenario)
     pilot = _Pilot(seed, progress, bool(obstacle), workers)

@@ -19,7 +19,7 @@ from missionplan.phases.hooks import TransitEffect, TrialState
 from missionplan.phases.transit.compensation import Compensation
 from missionplan.phases.transit.plan import Environment, LegTable, LegTables, TransitNormals, TransitPlan, VelocityError
 from missionplan.phases.transit.transit import transit
-from missionplan.studies.leg_length.sweep_scenario import SweepScenario
+from missionplan.studies.leg_length.sweep_scenario import SweepScenario, start_of
 
 PILOT_BLOCK = 1 << 40
 """Block of the pilot trials, on which plans are chosen: never one of those on which chosen plans are evaluated."""
@@ -79,21 +79,47 @@ class _AddedDrift(TransitEffect):
 AS_PLANNED = ErrorScenario("")
 
 
+def error_scenarios(scenario: SweepScenario) -> tuple[ErrorScenario, ...]:
+    """The mission itself; σ_v half and double; the mean drift half and double, or one that was not expected."""
+    return (
+        AS_PLANNED,
+        ErrorScenario("σ_v half as large", 0.5),
+        ErrorScenario("σ_v twice as large", 2.0),
+        *_mean_errors(scenario),
+    )
+
+
+def _mean_errors(scenario: SweepScenario) -> tuple[ErrorScenario, ErrorScenario]:
+    """Mean drift that is not as planned; a current that is larger or smaller is so at the surface too."""
+    drift, surface, sigma = scenario.mean_drift, scenario.mean_surface_drift, scenario.sigma(0)
+    if np.any(drift) or np.any(surface):
+        return (
+            ErrorScenario("mean drift half as large", mean=_pair(-0.5 * drift), surface=_pair(-0.5 * surface)),
+            ErrorScenario("mean drift twice as large", mean=_pair(drift), surface=_pair(surface)),
+        )
+    course = scenario.means.position(scenario.phase.to)
+    course = course - scenario.means.position(start_of(scenario.means.drawn, scenario.phase))
+    across = np.array([-course[1], course[0]]) / np.hypot(*course)
+    return (
+        ErrorScenario("unexpected mean error of σ_v/2 across the course", mean=_pair(0.5 * sigma * across)),
+        ErrorScenario("unexpected mean error of σ_v across the course", mean=_pair(sigma * across)),
+    )
+
+
+def _pair(vector: Array) -> tuple[float, float]:
+    return float(vector[0]), float(vector[1])
+
+
 @dataclass(frozen=True)
 class PlanTrials:
-    """Trials of one plan.
-
-    Attributes
-    ----------
-    duration, energy, surfacings : array, shape (n,)
-        [s, J, 1]
-    """
+    """Trials of one plan."""
 
     cost: Array
     """c (Briggs et al., Eq. 25); shape (n,)."""
     duration: Array
     energy: Array
     surfacings: Array
+    """[s, J, 1], shape (n,)."""
     arrived: NDArray[np.bool_]
     """Arrived, shape (n,)."""
     nominal: Array
@@ -142,18 +168,8 @@ def run_plans(
 ) -> Iterator[PlanTrials]:
     """Run every plan on the same trials of a block, a few plans at a time.
 
-    Parameters
-    ----------
-    scenario : SweepScenario
-    plans : sequence of LegsAtSpeed
-    seed, block, size : int
-        Of the trials.
-    case : ErrorScenario
-        How the errors differ from the mission's.
-    tracked : int
-        Trials whose tracks are kept.
-    wrap_compensation : callable, optional
-        Applied to the vehicle's compensation.
+    `seed`, `block`, `size`: of the trials. `case`: how the errors differ from the mission's. `tracked`: trials whose
+    tracks are kept. `wrap_compensation`: applied to the vehicle's compensation.
     """
     drawn = scenario.means.sampled(seed=seed, block=block, size=size)
     state = scenario.state(drawn, seed, block, size)
@@ -245,12 +261,7 @@ def best_plan(
     All plans are screened on the first of the trials, and the best go on to more of them (Jamieson & Talwalkar 2016,
     Non-stochastic best arm identification, AISTATS, with rungs as in `HALVING_RUNGS`): as the trials are common to
     all, differences between plans show long before their costs are known. `advance`, if given, is called with the
-    number of trials whenever a plan has been run.
-
-    Returns
-    -------
-    index, value : int, Score
-        Of the plan, and its objective.
+    number of trials whenever a plan has been run. Returns the index of the plan, and its objective.
     """
     left: list[int] = list(range(len(plans)))
     values: dict[int, Score] = {}

@@ -10,15 +10,20 @@ from missionplan.arrays import Array
 from missionplan.phases.transit.plan import LegTable
 from missionplan.physics.propulsion import JOULES_PER_WATT_HOUR
 from missionplan.report.axes import name_axis
-from missionplan.report.numbers import number, percent
 from missionplan.report.page import BLUE, GREY, ORANGE, Figure, Table, to_figure
-from missionplan.report.quantities import Unit, length_in_words, quantity, reader_unit, with_error
+from missionplan.report.quantities import (
+    MINUTES,
+    PERCENT,
+    SECONDS,
+    WATT_HOURS,
+    Unit,
+    length_in_words,
+    quantity,
+    reader_unit,
+    with_error,
+)
+from missionplan.report.wording import number, percent
 from missionplan.studies.leg_length.plan_result import CandidatePlan, LegCase, LegPlan, SampledCost
-
-_BARE_PERCENT = Unit("", 0.01)
-_BARE_MINUTES = Unit("", 60.0)
-_SECONDS = Unit("s", 1.0)
-_BARE_WATT_HOURS = Unit("", JOULES_PER_WATT_HOUR)
 
 
 def trials_table(plan: LegPlan) -> Table:
@@ -37,7 +42,7 @@ def trials_table(plan: LegPlan) -> Table:
 def _trials_row(plan: LegPlan, name: str, sampled: SampledCost, expected: float) -> list[str]:
     return [
         name,
-        with_error(sampled.cost, sampled.standard_error, _BARE_PERCENT),
+        with_error(sampled.cost, sampled.standard_error, PERCENT.bare),
         *([number(100.0 * expected, 0.01)] if plan.integral_applies else []),
         f"{sampled.surfacings:.2f}",
         percent(sampled.arrived),
@@ -62,10 +67,10 @@ def _candidate_row(candidate: CandidatePlan, has_energy: bool, has_deadline: boo
     row = [
         candidate.name,
         reader_unit("m/s", 0.0).cell(candidate.speed, ".3g"),
-        with_error(duration.mean, duration.standard_error, _BARE_MINUTES),
+        with_error(duration.mean, duration.standard_error, MINUTES.bare),
         number(duration.p95 / 60.0, 2.1 * duration.standard_error / 60.0),
     ]
-    row += [with_error(energy.mean, energy.standard_error, _BARE_WATT_HOURS)] if has_energy else []
+    row += [with_error(energy.mean, energy.standard_error, WATT_HOURS.bare)] if has_energy else []
     return row + ([percent(candidate.on_time)] if has_deadline else [])
 
 
@@ -82,8 +87,8 @@ def cases_table(plan: LegPlan) -> Table:
 def _case_row(plan: LegPlan, case: LegCase) -> list[str]:
     costs = [case.fixed, case.adaptive] if plan.adapts else [case.fixed]
     named = case.name if case.probability is None else f"{case.name} ({100.0 * case.probability:.0f}\u00a0%)"
-    row = [named or "as the mission", *(with_error(it.cost, it.standard_error, _BARE_PERCENT) for it in costs)]
-    unit = Unit("", saving_unit(plan)[1].size)
+    row = [named or "as the mission", *(with_error(it.cost, it.standard_error, PERCENT.bare) for it in costs)]
+    unit = saving_unit(plan)[1].bare
     return [*row, with_error(*case.saving_for(plan.aim), unit)] if plan.adapts else row
 
 
@@ -92,8 +97,8 @@ def saving_unit(plan: LegPlan) -> tuple[str, Unit]:
     if plan.aim == "energy":
         return "Energy saved", Unit("W\u202fh", JOULES_PER_WATT_HOUR)
     if plan.aim == "p95":
-        return ("On time more often", Unit("%", 0.01)) if np.isfinite(plan.deadline) else ("95 % time saved", _SECONDS)
-    return "Time saved", _SECONDS
+        return ("On time more often", Unit("%", 0.01)) if np.isfinite(plan.deadline) else ("95 % time saved", SECONDS)
+    return "Time saved", SECONDS
 
 
 def saving_in_words(plan: LegPlan) -> str:

@@ -1,15 +1,21 @@
 """Report of `plan-legs`: the table of legs, what it saves, and how far that can be relied on."""
 
-from collections.abc import Mapping
-
 import numpy as np
 
-from missionplan.physics.propulsion import JOULES_PER_WATT_HOUR
 from missionplan.report.explained import judged_in_words, may_order, members_in_words, members_section
-from missionplan.report.numbers import percent, share
-from missionplan.report.page import Drawing, Listing, Page, PageSection, Terminal
-from missionplan.report.quantities import Unit, length_in_words, quantity, reader_unit, time_in_words, with_error
-from missionplan.report.wording import phase_in_words
+from missionplan.report.page import Cells, Listing, Page, PageSection
+from missionplan.report.quantities import (
+    MINUTES,
+    PERCENT,
+    SECONDS,
+    WATT_HOURS,
+    length_in_words,
+    quantity,
+    reader_unit,
+    time_in_words,
+    with_error,
+)
+from missionplan.report.wording import percent, phase_in_words, share
 from missionplan.studies.leg_length.plan_figures import (
     candidates_table,
     cases_figure,
@@ -25,10 +31,6 @@ from missionplan.studies.leg_length.plan_figures import (
 )
 from missionplan.studies.leg_length.plan_result import LegPlan
 
-_PERCENT = Unit("%", 0.01)
-_SECONDS = Unit("s", 1.0)
-_MINUTES = Unit("min", 60.0)
-_WATT_HOURS = Unit("W\u202fh", JOULES_PER_WATT_HOUR)
 _SAILED = "The plan that is recommended, with all trials in one member; what it expects is the ensemble's mean."
 _APPROXIMATE = (
     "The legs were planned with an approximation. Their cost is taken from the mission's own trials, other ones than "
@@ -53,23 +55,23 @@ def page(plan: LegPlan) -> Page:
             *_agreement_section(plan),
         ],
         verdict=_verdict(plan),
-        glance=lambda: terminal(plan),
-        plots=PLOTS,
+        table=lambda: _cells(plan),
+        plots={"legs": draw_lengths, "aims": draw_aims, "savings": draw_savings},
     )
 
 
-def terminal(plan: LegPlan) -> Terminal:
-    """Build the terminal's view: the table of legs where it is recommended, else what shows that it is not."""
+def _cells(plan: LegPlan) -> Cells:
+    """Tabulate for a terminal: the table of legs where it is recommended, else what shows that it is not."""
     if not plan.recommended:
         shown = cases_table(plan)
-        return Terminal(answer(plan), list(shown.columns), [list(row) for row in shown.rows], verdict=_verdict(plan))
+        return shown.columns, shown.rows
     unit = reader_unit("m", float(plan.left.max()))
     rows = [
         [unit.cell(each, ".1f") for each in (left, leg, max(left - leg, 0.0))]
         for left, leg in zip(plan.left, plan.leg, strict=True)
     ]
     columns = [f"{what}{unit.axis}" for what in ("Distance left", "Leg", "Short of the target by")]
-    return Terminal(answer(plan), columns, rows, verdict=_verdict(plan))
+    return columns, rows
 
 
 def _verdict(plan: LegPlan) -> str:
@@ -126,9 +128,9 @@ def _choice(plan: LegPlan) -> str:
         return f"{lead}: {_slow_transits_in_words(plan, fixed)}"
     own = plan.cases[0]
     if plan.aim == "energy":
-        saved = with_error(own.energy_saving, own.energy_saving_error, _WATT_HOURS)
+        saved = with_error(*own.saving_for("energy"), WATT_HOURS)
         return f"{lead}: they need {saved} less energy than {fixed}.{speed}"
-    saved = with_error(own.saving, own.saving_error, _SECONDS if own.saving < 120.0 else _MINUTES)
+    saved = with_error(*own.saving_for("mean"), SECONDS if own.saved.mean < 120.0 else MINUTES)
     return f"{lead}: the transit then takes {saved} less on average than with {fixed}."
 
 
@@ -161,7 +163,7 @@ def _slow_transits_in_words(plan: LegPlan, fixed: str) -> str:
 
 def _speed_in_words(plan: LegPlan) -> str:
     chosen, own = (plan.candidates[index].energy for index in (0, 1))
-    needs, needed = (with_error(energy.mean, energy.standard_error, _WATT_HOURS) for energy in (chosen, own))
+    needs, needed = (with_error(energy.mean, energy.standard_error, WATT_HOURS) for energy in (chosen, own))
     lead = "Go at" if _is_firm(plan) else "The best speed is"
     return (
         f" {lead} {quantity(plan.speed, 'm/s', '.3g')}: with a fixed d_max that needs {needs}; at the mission's "
@@ -173,14 +175,14 @@ def _numbers(plan: LegPlan) -> list[tuple[str, str]]:
     own = plan.cases[0]
     fixed = (
         f"Mean cost of the best fixed d_max, {length_in_words(plan.fixed_d_max)}",
-        with_error(own.fixed.cost, own.fixed.standard_error, _PERCENT),
+        with_error(own.fixed.cost, own.fixed.standard_error, PERCENT),
     )
     if not plan.adapts:
         return [fixed]
     head, unit = saving_unit(plan)
     return [
         (f"{head}, against the best fixed d_max", with_error(*own.saving_for(plan.aim), unit)),
-        ("Mean cost of the table", with_error(own.adaptive.cost, own.adaptive.standard_error, _PERCENT)),
+        ("Mean cost of the table", with_error(own.adaptive.cost, own.adaptive.standard_error, PERCENT)),
         fixed,
     ]
 
@@ -258,7 +260,3 @@ def _agreement_section(plan: LegPlan) -> list[PageSection]:
     agree = all(abs(trials.cost - expected) <= 3.0 * trials.standard_error for trials, expected in compared)
     heading = "agree" if agree else "differ by more than chance"
     return [PageSection(f"Trials and integral equation {heading}", [trials_table(plan)])]
-
-
-PLOTS: Mapping[str, Drawing] = {"legs": draw_lengths, "aims": draw_aims, "savings": draw_savings}
-"""Plots on given axes by name, the main one first."""

@@ -1,6 +1,6 @@
 """Result of `plan-legs`: how long a leg should be at each distance left, and what that saves or loses."""
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Annotated, ClassVar
 
@@ -13,7 +13,7 @@ from missionplan.physics.propulsion import JOULES_PER_WATT_HOUR
 from missionplan.results.base import Provenance, Result, to_csv, to_yaml
 from missionplan.results.decision import MemberOutcome
 from missionplan.results.entries import Entry, Record
-from missionplan.results.simulation import Outcome
+from missionplan.results.simulation import JUDGED, Outcome
 
 
 @dataclass(frozen=True)
@@ -33,21 +33,17 @@ class MeanAndError(Record):
     mean: Annotated[float, Entry("mean difference")]
     standard_error: Annotated[float, Entry("of the mean")]
 
+    def __iter__(self) -> Iterator[float]:
+        """Yield both, to be taken apart."""
+        return iter((self.mean, self.standard_error))
+
+
+UNKNOWN = MeanAndError(float("nan"), float("nan"))
+
 
 @dataclass(frozen=True)
 class LegCase(Record):
-    """Both plans on the same trials: in the mission as it is, or with a navigation error that is not as planned.
-
-    Attributes
-    ----------
-    saving, saving_error : float
-        Mean time that the table saves, and its standard error, paired trial by trial [s].
-    energy_saving, energy_saving_error : float
-        Mean energy that the table saves, likewise; nan where the mission has no energy budget [J].
-    late_saving, late_saving_error : float
-        For the aim ``p95`` alone: by how much sooner 95 % of all trials arrive, and its standard error [s]; where the
-        mission has a deadline, by how much its probability is greater.
-    """
+    """Both plans on the same trials: in the mission as it is, or with a navigation error that is not as planned."""
 
     name: str
     """How the case differs from the mission; empty for the mission itself."""
@@ -60,12 +56,11 @@ class LegCase(Record):
     ]
     fixed: Annotated[SampledCost, Entry("with the best fixed d_max")]
     adaptive: Annotated[SampledCost, Entry("with the table of legs")]
-    saving: float
-    saving_error: float
-    energy_saving: float
-    energy_saving_error: float
-    late_saving: float = float("nan")
-    late_saving_error: float = float("nan")
+    saved: Annotated[MeanAndError, Entry("mean time that the table saves, paired trial by trial", "s", "saving")]
+    saved_energy: MeanAndError
+    """The same of energy; nan where the mission has no energy budget [J]."""
+    late: MeanAndError = UNKNOWN
+    """For the aim ``p95`` alone: by how much sooner 95 % of all trials arrive [s], or how much likelier in time."""
     probability: Annotated[
         float | None,
         Entry("of the explanation that the case takes to hold", key="explanation", optional=True),
@@ -77,39 +72,24 @@ class LegCase(Record):
         return self.name or "as the mission"
 
     @property
-    def saved_time(self) -> Annotated[MeanAndError, Entry(unit="s", key="saving")]:
-        """Mean time that the table saves, paired trial by trial."""
-        return MeanAndError(self.saving, self.saving_error)
-
-    @property
-    def saved_energy(self) -> Annotated[MeanAndError, Entry(unit="W h", key="energy_saving")]:
+    def saved_in_wh(self) -> Annotated[MeanAndError, Entry(unit="W h", key="energy_saving")]:
         """Mean energy that the table saves; null where the mission has no energy budget."""
-        return MeanAndError(self.energy_saving / JOULES_PER_WATT_HOUR, self.energy_saving_error / JOULES_PER_WATT_HOUR)
+        return MeanAndError(*(each / JOULES_PER_WATT_HOUR for each in self.saved_energy))
 
     @property
     def gain_p95(self) -> Annotated[MeanAndError | None, Entry(optional=True)]:
         """By how much sooner 95 % of all trials arrive [s], or how much likelier in time, for the aim ``p95``."""
-        late = np.isfinite(self.late_saving_error)
-        return MeanAndError(self.late_saving, self.late_saving_error) if late else None
+        return self.late if np.isfinite(self.late.standard_error) else None
 
     def saving_for(self, aim: str) -> tuple[float, float]:
         """Return what the table saves by an aim, and its standard error [J for energy, s, or a probability]."""
-        if aim == "energy":
-            return self.energy_saving, self.energy_saving_error
-        if aim == "p95":
-            return self.late_saving, self.late_saving_error
-        return self.saving, self.saving_error
+        mean, error = self.saved_energy if aim == "energy" else self.late if aim == "p95" else self.saved
+        return mean, error
 
 
 @dataclass(frozen=True)
 class CandidatePlan(Record):
-    """A plan of legs judged by its aim, on trials other than those on which it was chosen.
-
-    Attributes
-    ----------
-    value, standard_error : float
-        What the aim minimises [s, or J]; for a deadline the probability of meeting it, which is maximised.
-    """
+    """A plan of legs judged by its aim, on trials other than those on which it was chosen."""
 
     name: Annotated[str, Entry("of the plan")]
     speed: Annotated[float, Entry("through the water", "m/s")]
@@ -121,6 +101,7 @@ class CandidatePlan(Record):
     on_time: Annotated[Probability, Entry("of arriving by the deadline; of arriving where there is none")]
     value: float
     standard_error: float
+    """What the aim minimises [s, or J]; for a deadline the probability of meeting it, which is maximised."""
 
     @property
     def energy_in_wh(self) -> Annotated[dict[str, float | None], Entry(unit="W h", key="energy")]:
@@ -151,10 +132,6 @@ class LegPlan(Result):
     ----------
     arrival_radius, surfacing_time : float
         Of the transit, distributions at their means [m, s].
-    left, leg : array, shape (k,)
-        Knots of the table: distance left and leg length [m].
-    fixed_tracks, adaptive_tracks : array, shape (2, m, j)
-        The same few trials by both plans: the start, then where they surfaced and dived; nan after arrival [m].
     """
 
     report: ClassVar[str] = "missionplan.studies.leg_length.plan_page"
@@ -188,6 +165,7 @@ class LegPlan(Result):
     """Of the transit, east and north [m]."""
     left: Array
     leg: Array
+    """Knots of the table: distance left and leg length, shape (k,) [m]."""
     expected_cost: Annotated[float, Entry("of the table, from the integral equation", key="adaptive.cost")]
     least_cost: Annotated[float, Entry("least expected cost of any legs", key="adaptive.least_cost")]
     expected_surfacings: Annotated[float, Entry("of the table, the arrival's included", key="adaptive.surfacings")]
@@ -204,15 +182,11 @@ class LegPlan(Result):
     ]
     fixed_tracks: Array
     adaptive_tracks: Array
+    """The same few trials by both plans: the start, then where they surfaced and dived; nan after arrival, shape (2, m,
+    j) [m]."""
     members: tuple[LegCase, ...] = ()
     """Both plans in each member of the current's ensemble; empty without one."""
-    judged: Annotated[
-        Outcome | None,
-        Entry(
-            "the mission with what is recommended, simulated with fresh draws; null where it requires nothing",
-            parts=("seed", "trials", "total", "requirements"),
-        ),
-    ] = None
+    judged: Annotated[Outcome | None, JUDGED] = None
 
     @property
     def nominal_time(self) -> Annotated[float, Entry(unit="s")]:

@@ -155,13 +155,7 @@ class SweepTask:
 
 @dataclass(frozen=True)
 class _Costs:
-    """Costs of a curve's cells, from trials or else from the integral equation; arrays of shape (k,).
-
-    Attributes
-    ----------
-    cost, standard_error, variance, surfacings : array
-        nan where no trial arrived.
-    """
+    """Costs of a curve's cells, from trials or else from the integral equation; arrays of shape (k,)."""
 
     best: int
     """Index of the best d_max of the grid."""
@@ -169,6 +163,7 @@ class _Costs:
     standard_error: Array
     variance: Array
     surfacings: Array
+    """nan where no trial arrived."""
     arrived: tuple[Probability, ...]
     excess_error: Array
     """Standard error of the cost less the best one."""

@@ -7,14 +7,12 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure as MatplotlibFigure
 
 from missionplan.report.html.readings import Slider
-from missionplan.report.numbers import number, share
 from missionplan.report.page import BLUE, GREEN, GRID, ORANGE, PINK, SKY, YELLOW, Figure, to_figure
-from missionplan.report.quantities import Unit, length_in_words, quantity, time_in_words
-from missionplan.report.wording import typeset
+from missionplan.report.quantities import MINUTES, length_in_words, quantity, time_in_words
+from missionplan.report.wording import number, share, typeset
 from missionplan.studies.leg_length.sweep_result import Sweep, SweepCurve
 
 _COLOURS = (BLUE, ORANGE, GREEN, PINK, YELLOW, SKY)
-_MINUTES = Unit("min", 60.0)
 _X_LABEL = "Maximum leg length d_max / distance"
 
 
@@ -139,8 +137,8 @@ def close_up_figure(sweep: Sweep, curve: SweepCurve) -> Figure:
     colour = _COLOURS[sweep.curves.index(curve) % len(_COLOURS)]
     shown = [point for point in curve.points if point.d_max_over_distance >= 0.3] or list(curve.points)
     ratio = np.array([point.d_max_over_distance for point in shown])
-    cost = np.array([_MINUTES(point.cost * sweep.nominal_time) for point in shown])
-    error = np.array([1.96 * _MINUTES(point.standard_error * sweep.nominal_time) for point in shown])
+    cost = np.array([MINUTES(point.cost * sweep.nominal_time) for point in shown])
+    error = np.array([1.96 * MINUTES(point.standard_error * sweep.nominal_time) for point in shown])
     axes.errorbar(ratio, cost, error, fmt=".-", color=colour, linewidth=0.8, markersize=5, elinewidth=0.8)
     good = np.array([point.as_good for point in shown])
     axes.plot(ratio[good], cost[good], "o", color=colour, markersize=8, fillstyle="none")

@@ -1,14 +1,21 @@
 """Report of `sweep-dmax`: which d_max to choose, what it saves, and the curve of Fig. 8."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 
 import numpy as np
 
 from missionplan.report.explained import judged_in_words, may_order, members_in_words, members_section
-from missionplan.report.numbers import number, percent, share
-from missionplan.report.page import Drawing, Page, PageSection, Table, Terminal
-from missionplan.report.quantities import Unit, length_in_words, quantity, reader_unit, time_in_words, with_error
-from missionplan.report.wording import phase_in_words
+from missionplan.report.page import Page, PageSection, Table
+from missionplan.report.quantities import (
+    MINUTES,
+    PERCENT,
+    length_in_words,
+    quantity,
+    reader_unit,
+    time_in_words,
+    with_error,
+)
+from missionplan.report.wording import number, percent, phase_in_words, share
 from missionplan.results.decision import label
 from missionplan.studies.leg_length.sweep_figures import (
     close_up_figure,
@@ -19,8 +26,6 @@ from missionplan.studies.leg_length.sweep_figures import (
 )
 from missionplan.studies.leg_length.sweep_result import Sweep, SweepCurve
 
-_PERCENT = Unit("%", 0.01)
-_MINUTES = Unit("min", 60.0)
 _WHY_TEETH = (
     "With d_max at 1/a of the distance, the last of a legs aims at the goal itself. More often than not it misses by "
     "more than the arrival radius, so that the vehicle must surface once more and come back from wherever it ended. "
@@ -51,14 +56,9 @@ def page(sweep: Sweep) -> Page:
             PageSection("The numbers behind the curves", [cost_table(sweep)], is_reference=True),
         ],
         verdict=_verdict(sweep),
-        glance=lambda: terminal(sweep),
-        plots=PLOTS,
+        table=lambda: _chosen_rows(sweep),
+        plots={"cost": draw_costs, "surfacings": draw_surfacings},
     )
-
-
-def terminal(sweep: Sweep) -> Terminal:
-    """Build the terminal's view of a sweep."""
-    return Terminal(answer(sweep), *_chosen_rows(sweep), verdict=_verdict(sweep))
 
 
 def answer(sweep: Sweep) -> str:
@@ -153,12 +153,12 @@ def _verdict(sweep: Sweep) -> str:
 def _numbers(sweep: Sweep) -> list[tuple[str, str]]:
     curve = sweep.middle
     chosen = curve.recommended
-    saved = with_error(curve.saving(chosen), _saving_error(sweep, curve), _MINUTES)
+    saved = with_error(curve.saving(chosen), _saving_error(sweep, curve), MINUTES)
     what = "Recommended d_max" if curve.reaches(chosen) else "d_max that is likeliest to arrive"
     return [
         (what, f"{length_in_words(chosen.d_max)} ({number(chosen.d_max_over_distance)} of the distance)"),
         ("Trials that arrive with it", percent(chosen.arrived)),
-        ("Mean cost of those that arrive", with_error(chosen.cost, chosen.standard_error, _PERCENT)),
+        ("Mean cost of those that arrive", with_error(chosen.cost, chosen.standard_error, PERCENT)),
         *([("Time saved against one leg", saved)] if curve.reaches(curve.one_leg) else []),
     ]
 
@@ -196,18 +196,13 @@ def _chosen_rows(sweep: Sweep) -> tuple[list[str], list[list[str]]]:
             length_in_words(curve.recommended.d_max),
             f"{curve.recommended.d_max_over_distance:.3f}",
             share(curve.recommended.arrived),
-            _without_unit(curve.recommended.cost, curve.recommended.standard_error, _PERCENT),
-            _without_unit(curve.one_leg.cost, curve.one_leg.standard_error, _PERCENT),
-            _without_unit(curve.saving(curve.recommended), _saving_error(sweep, curve), _MINUTES),
+            with_error(curve.recommended.cost, curve.recommended.standard_error, PERCENT.bare),
+            with_error(curve.one_leg.cost, curve.one_leg.standard_error, PERCENT.bare),
+            with_error(curve.saving(curve.recommended), _saving_error(sweep, curve), MINUTES.bare),
         ]
         for curve in sweep.curves
     ]
     return columns, rows
-
-
-def _without_unit(value: float, error: float, unit: Unit) -> str:
-    """Write a number with its error; the unit stands in the column's head."""
-    return with_error(value, error, Unit("", unit.size))
 
 
 def _as_good_in_words(sweep: Sweep) -> str:
@@ -230,12 +225,12 @@ def _table_section(sweep: Sweep) -> list[PageSection]:
     rows = [
         [
             speed.cell(curve.sigma, "g"),
-            _without_unit(curve.table.cost, curve.table.standard_error, _PERCENT),
-            _without_unit(curve.best.cost, curve.best.standard_error, _PERCENT),
-            _without_unit(
+            with_error(curve.table.cost, curve.table.standard_error, PERCENT.bare),
+            with_error(curve.best.cost, curve.best.standard_error, PERCENT.bare),
+            with_error(
                 (curve.best.cost - curve.table.cost) * sweep.nominal_time,
                 curve.table.excess_error * sweep.nominal_time,
-                _MINUTES,
+                MINUTES.bare,
             ),
         ]
         for curve in sweep.curves
@@ -311,12 +306,8 @@ def cost_table(sweep: Sweep) -> Table:
         [
             f"{first.points[index].d_max_over_distance:.3f}",
             length_in_words(first.points[index].d_max),
-            *(_without_unit(c.points[index].cost, c.points[index].standard_error, _PERCENT) for c in sweep.curves),
+            *(with_error(c.points[index].cost, c.points[index].standard_error, PERCENT.bare) for c in sweep.curves),
         ]
         for index in chosen
     ]
     return Table(columns, rows, caption=f"{len(rows)} of {count} rows; all of them are in sweep.csv.")
-
-
-PLOTS: Mapping[str, Drawing] = {"cost": draw_costs, "surfacings": draw_surfacings}
-"""Plots on given axes by name, the main one first."""

@@ -12,7 +12,7 @@ from missionplan.montecarlo.statistics import Probability
 from missionplan.results.base import Provenance, Result, to_csv, to_grid
 from missionplan.results.decision import MemberOutcome
 from missionplan.results.entries import Entry, Record
-from missionplan.results.simulation import Outcome
+from missionplan.results.simulation import JUDGED, Outcome
 
 if TYPE_CHECKING:
     import xarray
@@ -167,13 +167,7 @@ class ExplainedSweep(Record):
 
 @dataclass(frozen=True)
 class Sweep(Result):
-    """Cost of each d_max for each velocity error.
-
-    Attributes
-    ----------
-    speed, surfacing_time, arrival_radius : float
-        Of the transit, distributions at their means [m/s, s, m].
-    """
+    """Cost of each d_max for each velocity error."""
 
     report: ClassVar[str] = "missionplan.studies.leg_length.sweep_page"
 
@@ -184,6 +178,7 @@ class Sweep(Result):
     speed: float
     surfacing_time: float
     arrival_radius: float
+    """Of the transit, distributions at their means [m/s, s, m]."""
     curves: Annotated[tuple[SweepCurve, ...], Entry("a curve for each velocity error", key="sweep")]
     explanations: Annotated[
         tuple[ExplainedSweep, ...],
@@ -193,13 +188,7 @@ class Sweep(Result):
         tuple[MemberOutcome, ...],
         Entry("arrival with the recommended d_max in each member of the current's ensemble", optional=True),
     ] = ()
-    judged: Annotated[
-        Outcome | None,
-        Entry(
-            "the mission with what is recommended, simulated with fresh draws; null where it requires nothing",
-            parts=("seed", "trials", "total", "requirements"),
-        ),
-    ] = None
+    judged: Annotated[Outcome | None, JUDGED] = None
 
     @property
     def recommended_values(self) -> Mapping[str, object]:

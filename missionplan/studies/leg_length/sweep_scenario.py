@@ -35,16 +35,11 @@ _FEWEST_GROUPS = 8
 
 @dataclass(frozen=True)
 class CellTotals:
-    """Merged trials of k values of d_max.
-
-    Attributes
-    ----------
-    cost, surfacings : Moments of shape (k,)
-        Of the trials that arrived; `missing` counts the others.
-    """
+    """Merged trials of k values of d_max."""
 
     cost: Moments
     surfacings: Moments
+    """Of the trials that arrived; `missing` counts the others, shape (k,)."""
     groups: int
     """Groups of trials in the two sums below."""
     sums: Array
@@ -112,16 +107,8 @@ def run_cells(
 ) -> CellTotals:
     """Run one block of trials through the transit for every d_max, and for a table of legs after them.
 
-    Parameters
-    ----------
-    plan : TransitPlan
-        Its own `d_max` is not used.
-    state, normals, environment
-        As for `transit`.
-    d_max : array, shape (k,)
-        [m]
-    table : LegTable, optional
-        One cell more, the last.
+    `plan`: its own `d_max` is not used. `state`, `normals`, `environment`: as for `transit`. `d_max`, shape (k,): [m].
+    `table`: one cell more, the last.
     """
     nominal = plan.nominal_time(state.position)
     lengths: list[float | LegTable] = [*(float(length) for length in d_max), *([table] if table is not None else [])]
@@ -182,17 +169,9 @@ class SweepScenario:
     def of(cls, mission: Mission, means: Scenario | None = None) -> "SweepScenario":
         """Read a mission.
 
-        Parameters
-        ----------
-        mission : Mission
-        means : Scenario, optional
-            The mission at its means, where it is made and its record of the current checked already.
-
-        Raises
-        ------
-        InputError
-            When it has no transit or navigation, or the transit no length, or the mean drift is as fast as the
-            vehicle.
+        `means`: the mission at its means, where it is made and its record of the current checked already. Raises
+        InputError when it has no transit or navigation, or the transit no length, or the mean drift is as fast as the
+        vehicle.
         """
         navigation = TransitMission.of(mission).navigation
         if means is None:

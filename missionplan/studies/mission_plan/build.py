@@ -44,22 +44,10 @@ def mission_plan(
 ) -> Plan:
     """Build the plan of a mission with at least one transit.
 
-    Parameters
-    ----------
-    mission : Mission
-    seed : int, optional
-        Of the trials from which the time-outs are taken; default: the mission's.
-    means : Scenario, optional
-        The mission at its means, where it is made already.
-    to : str, optional
-        Format of the vehicle that it is for, whose own rules the time-outs and the point steered for then follow;
-        default: the plan's rules.
-
-    Raises
-    ------
-    InputError
-        When the mission has no transit, or lacks what transits need, or allows fewer legs than its course has, or the
-        vehicle of the format cannot do it.
+    `seed`: of the trials from which the time-outs are taken; default: the mission's. `means`: the mission at its means,
+    where it is made already. `to`: format of the vehicle that it is for, whose own rules the time-outs and the point
+    steered for then follow; default: the plan's rules. Raises InputError when the mission has no transit, or lacks what
+    transits need, or allows fewer legs than its course has, or the vehicle of the format cannot do it.
     """
     TransitMission.of(mission)
     builder = _Builder(

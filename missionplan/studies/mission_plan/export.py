@@ -17,12 +17,7 @@ from missionplan.studies.simulation.checks import check_complete, check_cover
 
 @dataclass(frozen=True)
 class ExportedPlan:
-    """What was written.
-
-    Attributes
-    ----------
-    files : tuple of Path
-    """
+    """What was written."""
 
     files: tuple[Path, ...]
     notes: tuple[str, ...]

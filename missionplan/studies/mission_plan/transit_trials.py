@@ -52,18 +52,8 @@ def transit_durations(
 ) -> TransitDurations:
     """Sail a transit alone, from its nominal start.
 
-    Parameters
-    ----------
-    means : Scenario
-        The mission at its means.
-    phase : TransitPhase
-    start : array, shape (2,)
-        [m]
-    begins : float
-        Mission time of the first dive [s].
-    seed : int
-    execution : Execution, optional
-        Of the vehicle, by other rules than the plan's; its time-out is left out.
+    `means`: the mission at its means. `start`, shape (2,): [m]. `begins`: mission time of the first dive [s].
+    `execution`: of the vehicle, by other rules than the plan's; its time-out is left out.
     """
     trials = min(TRIALS, max(_MOST_POINTS // means.navigation.max_legs, 1))
     drawn = means.sampled(seed=seed, block=0, size=trials)
@@ -103,18 +93,13 @@ def _quantile(durations: Array) -> float:
 
 @dataclass(frozen=True)
 class SingleInterval:
-    """An interval in place of a table.
-
-    Attributes
-    ----------
-    extra_time, standard_error : float
-        Mean time of a transit beyond that by the table, of the trials that arrive by both [s].
-    """
+    """An interval in place of a table."""
 
     length: float
     """[m]"""
     extra_time: float
     standard_error: float
+    """Mean time of a transit beyond that by the table, of the trials that arrive by both [s]."""
 
 
 def single_interval(means: Scenario, phase: TransitPhase[Scalars], legs: LegTable, seed: int) -> SingleInterval:
@@ -123,10 +108,8 @@ def single_interval(means: Scenario, phase: TransitPhase[Scalars], legs: LegTabl
     It is chosen by the rule of `sweep-dmax`: of those that arrive as often as the mission requires the one of least
     time, and where none does, the likeliest to arrive.
 
-    Raises
-    ------
-    InputError
-        When the transit cannot be swept: the drift is as fast as the vehicle, or the energy does not suffice.
+    Raises InputError when the transit cannot be swept: the drift is as fast as the vehicle, or the energy does not
+    suffice.
     """
     mission = means.mission
     swept = mission.model_copy(update={"sweep": mission.sweep.model_copy(update={"phase": phase.name})})

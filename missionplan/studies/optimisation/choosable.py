@@ -95,10 +95,8 @@ _EXAMPLE = "optimise: {choose: [{key: ingress.speed, from: 1 m/s, to: 2 m/s}]} i
 def read_lattice(mission: Mission, texts: Sequence[str]) -> Lattice:
     """Return what may be chosen: by the options, or else by the mission's section `optimise`.
 
-    Raises
-    ------
-    InputError
-        With all that is wrong: nothing to choose, keys that the mission does not have, values that they cannot take.
+    Raises InputError with all that is wrong: nothing to choose, keys that the mission does not have, values that they
+    cannot take.
     """
     found = list(_of_options(mission, texts) if texts else _of_section(mission))
     problems = [problem for each in found if isinstance(each, InputError) for problem in each.problems]
@@ -179,15 +177,11 @@ def _listed(mission: Mission, name: str, section: ChoiceSection) -> Axis:
         return vehicles(mission, texts)
     if all(NUMBER.fullmatch(text) for text in texts):
         return read_axis(mission, f"{name}={','.join(texts)}")
-    return Axis(keys, section.choices, tuple(_label(each) for each in section.choices))
+    return Axis(keys, section.choices, tuple(re.sub(r"[{}'\"]", "", str(each)) for each in section.choices))
 
 
 def _text(value: object) -> str:
     return value.isoformat() if isinstance(value, datetime) else str(value)
-
-
-def _label(value: object) -> str:
-    return re.sub(r"[{}'\"]", "", str(value))
 
 
 def _default_step(name: str, low: str, high: str) -> str:

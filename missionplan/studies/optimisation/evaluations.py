@@ -22,7 +22,7 @@ from missionplan.results.decision import Aim
 from missionplan.scenario.scenario import Scenario
 from missionplan.store.checkpoints import Checkpoints
 from missionplan.studies.exploration.cells import CellTask, cell_trials, checked_means
-from missionplan.studies.exploration.findings import AIM_COLUMNS, DURATION, ENERGY
+from missionplan.studies.exploration.result import AIM_COLUMNS, DURATION, ENERGY
 from missionplan.studies.optimisation.choosable import Lattice, Point
 from missionplan.studies.simulation.block_statistics import SCALES, bound_of, requirement_key
 from missionplan.studies.simulation.checks import mooring_anchors

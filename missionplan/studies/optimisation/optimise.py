@@ -10,13 +10,12 @@ import numpy as np
 from missionplan.errors import InputError, Problem
 from missionplan.mission import Mission, MissionOrPath
 from missionplan.montecarlo.paired import paired_difference, pareto_front
-from missionplan.montecarlo.statistics import Probability
 from missionplan.results.optimisation import Obstacle, Optimised, Relaxation, Tried
 from missionplan.results.simulation import Outcome
 from missionplan.store.checkpoints import Checkpoints
 from missionplan.store.folder import as_path
 from missionplan.studies.exploration.cells import SUCCESS, SharedCurrent
-from missionplan.studies.exploration.findings import AIM_COLUMNS
+from missionplan.studies.exploration.result import AIM_COLUMNS
 from missionplan.studies.exploration.variation import first_start, with_values
 from missionplan.studies.judgement import is_good, judged, simulated_with
 from missionplan.studies.optimisation.choosable import Lattice, Point, read_lattice
@@ -245,7 +244,7 @@ class _Problem:
         return tuple(
             Tried(
                 values=self._values(each.point),
-                success=_success(each),
+                success=Demand("total.success", SUCCESS, None, float("nan"), 0.0).probability(each),
                 energy=each.cost("energy"),
                 duration=each.cost("duration"),
                 slack={f"{of.quantity} {i + 1}": of.slack(each) for i, of in enumerate(self.demands)},
@@ -271,10 +270,6 @@ def _obstacle(demand: Demand, nearest: Evaluation, *, alone: bool) -> Obstacle:
 
 def _share(each: Evaluation) -> float:
     return float(each.columns[SUCCESS].astype(float).mean())
-
-
-def _success(each: Evaluation) -> Probability:
-    return Demand("total.success", SUCCESS, None, float("nan"), 0.0).probability(each)
 
 
 def _change(demand: Demand) -> str:

@@ -15,7 +15,7 @@ from missionplan.arrays import Array
 from missionplan.montecarlo.kriging import Kriging, expected_improvement
 from missionplan.montecarlo.paired import paired_difference
 from missionplan.results.decision import Aim
-from missionplan.studies.exploration.findings import AIM_COLUMNS
+from missionplan.studies.exploration.result import AIM_COLUMNS
 from missionplan.studies.optimisation.choosable import Point
 from missionplan.studies.optimisation.evaluations import Demand, Evaluation, Evaluations, is_feasible, violations
 
@@ -72,10 +72,7 @@ class Search:
     def closely(self, demands: Sequence[Demand] | None = None) -> list[Evaluation]:
         """Run what may be the best with more trials, until nothing is likely to be better.
 
-        Returns
-        -------
-        list of Evaluation
-            Those run with many trials, the best first.
+        Returns those run with many trials, the best first.
         """
         demands = self.demands if demands is None else demands
         rng = np.random.default_rng(self.seed)
@@ -96,16 +93,9 @@ class Search:
         A choice may be better that has had few trials, may meet the demands, and on the same trials does not cost more
         than the winner by two standard errors of the difference.
 
-        Parameters
-        ----------
-        refused : collection of Point
-            That more trials have shown not to meet the demands.
-
-        Returns
-        -------
-        list of Evaluation
-            Those run with many trials that meet the demands or may, and were not refused: by their cost, but of those
-            that only may at most a few before the first that does.
+        `refused`: that more trials have shown not to meet the demands. Returns those run with many trials that meet the
+        demands or may, and were not refused: by their cost, but of those that only may at most a few before the first
+        that does.
         """
         while True:
             fine = {point for point, trials in self.evaluations.kept if trials == FINE}

@@ -1,15 +1,23 @@
-"""Where and when trials are lost, for each way to fail and each part of the mission between two moorings."""
+"""Where and when trials are lost, for each way to fail and part of the mission; and searches that found nothing."""
 
+import json
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from missionplan.arrays import Array
-from missionplan.results.failures import Failure
-from missionplan.results.overdue import Way
+from missionplan.errors import InputError, Problem, shown
+from missionplan.mission import Mission
+from missionplan.mission.geodesy import to_plane
+from missionplan.mission.views import required_origin
+from missionplan.moments import moment_of
+from missionplan.results.entries import Failure
+from missionplan.results.whereabouts import AFLOAT, WAYS, Way
 from missionplan.studies.simulation.phase_trials import Flags, PhaseTrials
 
 FEWEST_FAILED = 20
@@ -20,12 +28,7 @@ _HELD = (Failure.NOT_SURFACED, f"{Failure.EQUIPMENT}, moored")
 
 @dataclass(frozen=True)
 class Losses:
-    """Trials that were lost in one way, in one part of the mission.
-
-    Attributes
-    ----------
-    way : Way
-    """
+    """Trials that were lost in one way, in one part of the mission."""
 
     way: Way
     after: str
@@ -42,12 +45,7 @@ class Losses:
 
 @dataclass(frozen=True)
 class _Part:
-    """Phases from one mooring to the next, or before the first.
-
-    Attributes
-    ----------
-    mooring : PhaseTrials or None
-    """
+    """Phases from one mooring to the next, or before the first."""
 
     mooring: PhaseTrials | None
     phases: tuple[PhaseTrials, ...]
@@ -63,14 +61,8 @@ def losses(
 ) -> list[Losses]:
     """Return the losses of each way, in the order of the mission.
 
-    Parameters
-    ----------
-    phases : sequence of PhaseTrials
-        Transits and moorings, with the tracks of all trials.
-    failed_at : mapping of (str, str) to array of bool, shape (n,)
-        Trials that failed for good, by phase and reason.
-    generator : Generator
-        Of the moments at which trials are assumed to fail.
+    `phases`: transits and moorings, with the tracks of all trials. `failed_at`, shape (n,): trials that failed for
+    good, by phase and reason. `generator`: of the moments at which trials are assumed to fail.
     """
     parts, transits = list(_parts(phases)), [phase for phase in phases if phase.kind == "transit"]
     return [
@@ -195,3 +187,119 @@ def _picked(track: Array, time: Array, row: NDArray[np.intp], share: Array | flo
     if np.any(share):
         moment = moment + share * (time[further, numbers] - moment)
     return place, np.where(row >= 0, moment, np.nan)
+
+
+MAX_BYTES = 20_000_000
+"""Of a file of searches."""
+
+
+@dataclass(frozen=True)
+class Search:
+    """An area that was searched without finding the vehicle."""
+
+    polygons: tuple[tuple[Array, ...], ...]
+    """Rings of each part, the outer one first, shape (2, k) [m]."""
+    detection: float
+    """Probability that a vehicle in it would have been found."""
+    time: float
+    """When, since the mission's start [s]."""
+    way: str = AFLOAT
+    """Of being lost in which it would have been found: a boat sees what floats, a sonar what lies on the seafloor."""
+
+    def missed(self, places: Array) -> Array:
+        """Probability that the search misses a vehicle at places of shape (2, n), shape (n,)."""
+        inside = np.zeros(places.shape[1], dtype=bool)
+        for rings in self.polygons:
+            inside |= np.logical_xor.reduce([encloses(ring, places) for ring in rings])
+        return np.where(inside, 1.0 - self.detection, 1.0)
+
+
+def encloses(ring: Array, places: Array) -> NDArray[np.bool_]:
+    """Whether a closed ring, shape (2, k), encloses places, shape (2, n): a line east of one crosses it oddly often."""
+    odd = np.zeros(places.shape[1], dtype=bool)
+    for (x1, y1), (x2, y2) in zip(ring.T, np.roll(ring, -1, axis=1).T, strict=True):
+        if y1 != y2:
+            between = (y1 > places[1]) != (y2 > places[1])
+            odd ^= between & (places[0] < (x2 - x1) * (places[1] - y1) / (y2 - y1) + x1)
+    return odd
+
+
+def read_searches(path: Path, mission: Mission) -> tuple[Search, ...]:
+    """Read GeoJSON polygons with the properties `probability_of_detection`, `time` and perhaps `way`, by their times.
+
+    Raises InputError with every feature that is wrong, or when the mission lacks `start` or `site.origin`.
+    """
+    name = str(path)
+    if mission.start is None:
+        raise InputError([Problem("searches have dates: the mission needs its `start` (UTC)", name)])
+    required_origin(mission, "searches are placed by it")
+    try:
+        if path.stat().st_size > MAX_BYTES:
+            raise InputError([Problem(f"is larger than {MAX_BYTES // 1_000_000} MB", name)])
+        document = json.loads(path.read_text(encoding="utf-8"))
+    except OSError as error:
+        raise InputError([Problem(f"cannot be read: {error.strerror or error}", name)]) from None
+    except (ValueError, RecursionError) as error:
+        raise InputError([Problem(f"is no GeoJSON: {error}", name)]) from None
+    features = _features(document, name)
+    problems: list[Problem] = []
+    found = []
+    for number, feature in enumerate(features):
+        try:
+            found.append(_search(feature, mission))
+        except (ValueError, TypeError, KeyError, OverflowError) as error:
+            problems.append(Problem(str(error), name, key=f"features[{number}]"))
+    if problems:
+        raise InputError(problems)
+    return tuple(sorted(found, key=lambda search: search.time))
+
+
+def _features(document: object, name: str) -> Sequence[Mapping[str, Any]]:
+    kind = document.get("type") if isinstance(document, dict) else None
+    features = document.get("features") if kind == "FeatureCollection" and isinstance(document, dict) else None
+    if kind == "Feature" and isinstance(document, dict):
+        features = [document]
+    if not isinstance(features, list) or not features or not all(isinstance(each, dict) for each in features):
+        raise InputError([Problem("expected GeoJSON with one or more features", name)])
+    return features
+
+
+def _search(feature: Mapping[str, Any], mission: Mission) -> Search:
+    properties = feature.get("properties") or {}
+    detection, time = properties.get("probability_of_detection"), properties.get("time")
+    if isinstance(detection, bool) or not isinstance(detection, int | float) or not 0.0 <= detection <= 1.0:
+        raise ValueError(f"probability_of_detection: given {shown(detection)}, expected a number from 0 to 1")
+    if time is None:
+        raise ValueError("time: missing; expected a date and time such as 2026-06-01T14:30Z")
+    try:
+        moment = moment_of(time)
+    except (ValueError, OverflowError) as error:
+        raise ValueError(f"time: {error}") from None
+    assert mission.start is not None
+    polygons = tuple(_polygons(feature.get("geometry"), mission))
+    way = properties.get("way", AFLOAT)
+    if way not in WAYS:
+        raise ValueError(f"way: given {shown(way)}, expected one of {', '.join(WAYS)}")
+    return Search(polygons, float(detection), (moment - mission.start).total_seconds(), way)
+
+
+def _polygons(geometry: object, mission: Mission) -> Iterator[tuple[Array, ...]]:
+    kind = geometry.get("type") if isinstance(geometry, dict) else None
+    if kind not in ("Polygon", "MultiPolygon") or not isinstance(geometry, dict):
+        raise ValueError(f"geometry: given {shown(kind)}, expected a Polygon or a MultiPolygon")
+    parts = geometry.get("coordinates")
+    for part in [parts] if kind == "Polygon" else parts or ():
+        yield tuple(_ring(ring, mission) for ring in part or ())
+
+
+def _ring(ring: Any, mission: Mission) -> Array:
+    points = np.array([[float(x) for x in point[:2]] for point in ring])
+    if points.ndim != 2 or points.shape[0] < 3 or points.shape[1] != 2 or not np.isfinite(points).all():
+        raise ValueError("geometry: a ring has three or more points of longitude and latitude")
+    if np.abs(points[:, 1]).max() > 90.0 or np.abs(points[:, 0]).max() > 360.0:
+        raise ValueError("geometry: expected longitudes and latitudes in degrees, in this order")
+    origin = required_origin(mission, "searches are placed by it")
+    longitude, latitude = np.radians(points).T
+    beside = (longitude - origin.longitude + np.pi) % (2.0 * np.pi) - np.pi
+    longitude = origin.longitude + beside
+    return np.stack(to_plane(latitude, longitude, origin))

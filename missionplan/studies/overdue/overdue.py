@@ -1,23 +1,219 @@
-"""Expected times and search areas of a mission, from one block of its trials with all their tracks."""
+"""When to expect a vehicle, when to worry, and the smallest areas that hold it, by way to fail and hours overdue.
+
+From one block of the mission's trials with all their tracks, and from searches that found nothing.
+"""
 
 from collections.abc import Iterator, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
+from functools import cached_property
+from itertools import pairwise
 
+import contourpy
 import numpy as np
 
 from missionplan.arrays import Array
 from missionplan.montecarlo.streams import stream
 from missionplan.phases.recorded_currents import RecordedCurrent
 from missionplan.physics.propulsion import JOULES_PER_WATT_HOUR
-from missionplan.results.failures import Failure
-from missionplan.results.overdue import DriftAssumption, ExpectedTime, Overdue
+from missionplan.results.entries import Failure
+from missionplan.results.whereabouts import AFLOAT, SHARES, DriftAssumption, ExpectedTime, Overdue, SearchArea
 from missionplan.scenario.scenario import Scenario
 from missionplan.studies.overdue.drift import Drift
-from missionplan.studies.overdue.losses import losses
-from missionplan.studies.overdue.search_areas import HOURS, search_areas
-from missionplan.studies.overdue.searches import Search
+from missionplan.studies.overdue.losses import Losses, Search, losses
 from missionplan.studies.simulation.phase_trials import Flags, PhaseTrials
 from missionplan.studies.simulation.trial_block import MissionTrials
+
+Polygon = tuple[Array, ...]
+"""Closed rings of shape (2, k): the outer one, then those of its holes [m]."""
+_CELLS = 160
+"""Of the grid along the longer axis."""
+_REACH = 4.0
+"""Of a kernel, in its standard deviations."""
+_KERNEL = 0.7
+"""Width of the kernels in units of that which is best for a normal cloud: less, as clouds are bent."""
+_LEAST = 1.0
+"""Standard deviation that a cloud has at least, where all points lie alike [m]."""
+
+
+@dataclass(frozen=True)
+class Cloud:
+    """Points with weights."""
+
+    points: Array
+    """Shape (2, n). [m]"""
+    weights: Array
+    """Their sum is one, shape (n,)."""
+
+    @cached_property
+    def centre(self) -> Array:
+        """Mean, shape (2,) [m]."""
+        return np.asarray(self.points @ self.weights)
+
+    @cached_property
+    def axes(self) -> tuple[Array, Array]:
+        """Standard deviations along the short and the long axis [m], and unit vectors of these as columns."""
+        off = self.points - self.centre[:, None]
+        values, vectors = np.linalg.eigh((off * self.weights) @ off.T)
+        return np.sqrt(np.maximum(values, _LEAST**2)), vectors
+
+    @cached_property
+    def _density(self) -> "_Density":
+        return _Density.of(self)
+
+    def areas(self, shares: Sequence[float]) -> list[tuple[Polygon, ...]]:
+        """Return, for each share, the parts of the area of highest density that holds it."""
+        return [self._density.area(share) for share in shares]
+
+    def densest(self) -> Array:
+        """Return the place of highest density, shape (2,) [m]."""
+        return self._density.densest()
+
+
+@dataclass(frozen=True)
+class _Density:
+    """A kernel estimate on a grid along the cloud's axes, in units of its standard deviations."""
+
+    cloud: Cloud
+    x: Array
+    y: Array
+    """Of the grid's nodes."""
+    values: Array
+    """Shape (y, x)."""
+    of_points: Array
+    """At each point, as the others alone give it: what a point adds at its own place is no evidence that the vehicle is
+    there, and areas that counted it would be too small, shape (n,)."""
+
+    @classmethod
+    def of(cls, cloud: Cloud) -> "_Density":
+        sds, vectors = cloud.axes
+        scaled = (vectors.T @ (cloud.points - cloud.centre[:, None])) / sds[:, None]
+        alike = 1.0 / float(np.sum(np.square(cloud.weights)))  # as many points of one weight would tell as much
+        width = _KERNEL * alike ** (-1.0 / 6.0)
+        low, high = scaled.min(axis=1) - _REACH * width, scaled.max(axis=1) + _REACH * width
+        step = float(np.max(high - low)) / _CELLS
+        step = min(step, 0.5 * width)
+        x, y = (np.arange(a, b + step, step) for a, b in zip(low, high, strict=True))
+        edges = [np.append(axis, axis[-1] + step) - 0.5 * step for axis in (y, x)]
+        counts, *_ = np.histogram2d(scaled[1], scaled[0], bins=edges, weights=cloud.weights)
+        along, across = _kernels(counts.shape[0], width / step), _kernels(counts.shape[1], width / step)
+        smooth = along @ counts @ across
+        row, column = (np.rint((at - axis[0]) / step).astype(int) for at, axis in ((scaled[1], y), (scaled[0], x)))
+        own = cloud.weights * along[row, row] * across[column, column]
+        return cls(cloud, x, y, smooth, smooth[row, column] - own)
+
+    def area(self, share: float) -> tuple[Polygon, ...]:
+        order = np.argsort(-self.of_points)
+        reached = np.searchsorted(np.cumsum(self.cloud.weights[order]), share)
+        level = float(self.of_points[order[min(int(reached), order.size - 1)]])
+        level = max(level, 1e-6 * float(self.values.max()))
+        lines = contourpy.contour_generator(self.x, self.y, self.values, fill_type="OuterOffset").filled(level, np.inf)
+        return tuple(
+            tuple(self._placed(points[a:b].T) for a, b in pairwise(offsets))
+            for points, offsets in zip(*lines, strict=True)
+        )
+
+    def densest(self) -> Array:
+        row, column = np.unravel_index(int(np.argmax(self.values)), self.values.shape)
+        return self._placed(np.array([[self.x[column]], [self.y[row]]]))[:, 0]
+
+    def _placed(self, scaled: Array) -> Array:
+        sds, vectors = self.cloud.axes
+        return np.asarray(self.cloud.centre[:, None] + vectors @ (sds[:, None] * scaled))
+
+
+def _kernels(count: int, sd: float) -> Array:
+    """Normal kernels about each of so many cells, each of sum one where it is whole; shape (count, count)."""
+    reach = np.arange(-int(_REACH * sd + 0.5), int(_REACH * sd + 0.5) + 1)
+    total = np.exp(-0.5 * np.square(reach / sd)).sum()
+    apart = np.abs(np.subtract.outer(np.arange(count), np.arange(count)))
+    return np.where(apart <= reach[-1], np.exp(-0.5 * np.square(apart / sd)) / total, 0.0)
+
+
+HOURS = (0.0, 1.0, 3.0, 6.0, 12.0, 24.0)
+"""Hours overdue for which areas are given, as far as the current is known."""
+
+
+def search_areas(
+    lost: Sequence[Losses], drift: Drift, worry: float, reach: dict[str, float], searches: Sequence[Search] = ()
+) -> Iterator[SearchArea]:
+    """Yield the areas of each way to be lost, by hours overdue and by the share that they hold.
+
+    `drift`: of the whole block. `worry`: when the vehicle is overdue [s]. `reach`: how far from its anchor a held
+    vehicle is, by mooring [m]. `searches`: that found nothing, in the order of their times.
+    """
+    for part in lost:
+        looked = [search for search in searches if search.way == part.way]
+        if part.way == AFLOAT:
+            yield from _adrift(part, drift, worry, looked)
+            continue
+        missed = np.ones(part.clock.size)
+        for search in looked:
+            missed = missed * np.where(part.clock <= search.time, search.missed(part.position), 1.0)
+        more = reach.get(part.after, 0.0) if part.way == "not released" else None
+        yield from _areas(part, part.position, missed, 0.0, more)
+
+
+def _adrift(losses: Losses, drift: Drift, worry: float, searches: Sequence[Search]) -> Iterator[SearchArea]:
+    """Areas of those that drift: the search sees them where they are at its time."""
+    stops: list[tuple[float, Search | float]] = [(search.time, search) for search in searches]
+    until = drift.known_until(worry)
+    stops += [(worry + 3600.0 * hours, 3600.0 * hours) for hours in HOURS if worry + 3600.0 * hours <= until]
+    if not stops:
+        return
+    stops.sort(key=lambda stop: stop[0])
+    times = [time for time, _ in stops]
+    whole, clock = np.zeros((2, drift.trials)), np.full(drift.trials, times[-1])
+    whole[:, losses.trials], clock[losses.trials] = losses.position, losses.clock
+    missed = np.ones(losses.clock.size)
+    for (time, stop), places in zip(stops, drift.places(whole, clock, times), strict=True):
+        here = places[:, losses.trials]
+        if isinstance(stop, Search):
+            missed = missed * np.where(losses.clock <= time, stop.missed(here), 1.0)
+        else:
+            yield from _areas(losses, here, missed, stop, None)
+
+
+def _areas(losses: Losses, places: Array, missed: Array, overdue: float, reach: float | None) -> Iterator[SearchArea]:
+    """Areas of one cloud; circles about its centre where the vehicle is held within reach of its anchor."""
+    left = float(np.mean(missed))
+    if left == 0.0:
+        return
+    cloud = Cloud(places, missed / missed.sum())
+    shapes = cloud.areas(SHARES) if reach is None else [_circle(cloud, share, reach) for share in SHARES]
+    sds, vectors = cloud.axes
+    centre, densest = cloud.centre, cloud.densest() if reach is None else cloud.centre
+    for share, polygons in zip(SHARES, shapes, strict=True):
+        length, width = (float(np.sqrt(-2.0 * np.log1p(-share)) * sd) for sd in sds[::-1])
+        if reach is not None:
+            length = width = float(np.max(np.hypot(*(polygons[0][0] - centre[:, None]))))
+        yield SearchArea(
+            way=losses.way,
+            after=losses.after,
+            overdue=overdue,
+            share=share,
+            polygons=polygons,
+            centre_east=float(centre[0]),
+            centre_north=float(centre[1]),
+            densest_east=float(densest[0]),
+            densest_north=float(densest[1]),
+            half_length=length,
+            half_width=width,
+            toward=float(np.arctan2(*vectors[:, 1]) % np.pi),
+            missed=left,
+            trials=losses.trials.size,
+            is_assumed=losses.is_assumed,
+        )
+
+
+def _circle(cloud: Cloud, share: float, reach: float) -> tuple[Polygon, ...]:
+    """The circle about the points' centre that holds a share of them, widened by the reach of the line."""
+    away = np.hypot(*(cloud.points - cloud.centre[:, None]))
+    order = np.argsort(away)
+    number = int(np.searchsorted(np.cumsum(cloud.weights[order]), share))
+    radius = float(away[order[min(number, order.size - 1)]]) + reach
+    angles = np.linspace(0.0, 2.0 * np.pi, 73)
+    return ((cloud.centre[:, None] + radius * np.stack((np.cos(angles), np.sin(angles))),),)
+
 
 FEWEST_BACK = 50
 """Trials that come back without which no sheet is made."""
@@ -32,16 +228,8 @@ _LEAST_SHARE = 0.05
 def overdue(scenario: Scenario, trials: MissionTrials, seed: int, searches: Sequence[Search] = ()) -> Overdue | None:
     """Return times and search areas; None where too few trials come back or no phase has a track.
 
-    Parameters
-    ----------
-    scenario : Scenario
-        With the draws of these trials.
-    trials : MissionTrials
-        With the tracks of all of them.
-    seed : int
-        Of the run.
-    searches : sequence of Search
-        That found nothing.
+    `scenario`: with the draws of these trials. `trials`: with the tracks of all of them. `seed`: of the run.
+    `searches`: that found nothing.
     """
     back = np.isfinite(trials.total["duration_s"])
     moving = [phase for phase in trials.phases if phase.kind in ("transit", "moor")]

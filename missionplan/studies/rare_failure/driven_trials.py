@@ -1,5 +1,7 @@
 """Trials as functions of standard normals, which a search drives towards failure by the margins of the ways to fail."""
 
+import math
+import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 
@@ -7,22 +9,23 @@ import numpy as np
 from numpy.typing import NDArray
 
 from missionplan.arrays import Array, Scalars
-from missionplan.errors import RunError
+from missionplan.errors import InputError, Problem, RunError
 from missionplan.mission import Mission
+from missionplan.mission.checks.requirements import quantity_unit
 from missionplan.mission.schema.phases import MoorPhase, Phase, TransitPhase
+from missionplan.mission.units import QuantityError, parse_number_with_unit
 from missionplan.montecarlo.distributions import Choices, WhichHolds
 from missionplan.montecarlo.rare_events.strata import DiscreteValue, StrataView
 from missionplan.montecarlo.rare_events.subset_simulation import Key
 from missionplan.montecarlo.rare_events.ways import TrialMargins
 from missionplan.phases.fields.ensemble import Ensemble
 from missionplan.physics.propulsion import JOULES_PER_WATT_HOUR
-from missionplan.results.failures import MET, Failure
+from missionplan.results.entries import MET, Failure
 from missionplan.scenario.currents.building import MEMBER
 from missionplan.scenario.phases import line_strength
 from missionplan.scenario.scenario import Scenario
-from missionplan.studies.rare_failure.event import RareEvent
-from missionplan.studies.simulation.block_statistics import failures_by_step
-from missionplan.studies.simulation.phase_trials import PhaseTrials
+from missionplan.studies.simulation.block_statistics import SCALES, failures_by_step, requirement_key
+from missionplan.studies.simulation.phase_trials import Flags, PhaseTrials
 from missionplan.studies.simulation.trial_block import MissionTrials, run_trials
 
 _NOT_ARRIVED, _OUTSIDE, _STRUCK = Failure.NOT_ARRIVED, Failure.OUTSIDE, Failure.STRUCK
@@ -40,15 +43,99 @@ _REASONS = {
 """Ways in which a phase's event fails, by the event."""
 
 
+FAILS = "not total.success"
+"""The default event."""
+
+
+_FAILURES = ("struck_seafloor", "grounded", "line_parts")
+"""Events that are failures themselves; of the others the failure is that they do not happen."""
+
+
+_FORM = re.compile(r"(?P<negated>not\s+)?(?P<quantity>[^<>=]+?)\s*(?:(?P<sign>[<>])=?\s*(?P<limit>[^<>=]+))?")
+
+
+_HINT = "such as 'not total.success', moor.struck_seafloor, 'not ingress.arrived' or 'moor.offset > 30 m'"
+
+
+@dataclass(frozen=True)
+class RareEvent:
+    """A failure."""
+
+    text: str
+    """As written."""
+    key: str
+    """Column of the table of trials: ``total.success``, ``moor.offset_m``."""
+    sign: int = 0
+    """1 where the failure is a value above the limit, -1 where it is one below, 0 for an event."""
+    limit: float = 0.0
+    """In the unit of the column."""
+    negated: bool = False
+    """Whether the failure is that an event does not happen."""
+
+    @classmethod
+    def parse(cls, text: str, mission: Mission) -> "RareEvent":
+        """Read ``not PHASE.EVENT``, ``PHASE.EVENT`` (one that is a failure), or ``PHASE.QUANTITY > LIMIT``.
+
+        Raises InputError when the mission has no such quantity, the limit cannot be read, or the event is no failure.
+        """
+        text = " ".join(text.split())
+        found = _FORM.fullmatch(text)
+        if found is None:
+            raise _wrong(text, "expected an event or a quantity with its limit")
+        quantity, limit, negated = found["quantity"], found["limit"], found["negated"] is not None
+        try:
+            unit = quantity_unit(quantity, mission.phases)
+            if unit is None:
+                return cls._event(text, quantity, negated=negated, limited=limit is not None)
+            if negated or limit is None:
+                raise _wrong(text, f"{quantity} is a quantity: give the limit beyond which it is a failure")
+            size = parse_number_with_unit(float(limit) if unit == "" else limit, unit) * SCALES.get(unit, 1.0)
+        except (QuantityError, ValueError) as error:
+            raise _wrong(text, str(error)) from None
+        return cls(text, requirement_key(mission, quantity)[0], 1 if found["sign"] == ">" else -1, size)
+
+    @classmethod
+    def _event(cls, text: str, quantity: str, *, negated: bool, limited: bool) -> "RareEvent":
+        name = quantity.rpartition(".")[2]
+        if limited:
+            raise _wrong(text, f"{name} is an event: it has no limit")
+        if negated == (name in _FAILURES):
+            other = quantity if negated else f"not {quantity}"
+            raise _wrong(text, f"{text} is no failure, expected {other}")
+        return cls(text, quantity, negated=negated)
+
+    @property
+    def phase(self) -> str:
+        """Phase of the event, or ``total``."""
+        return self.key.rpartition(".")[0]
+
+    @property
+    def name(self) -> str:
+        """Event or quantity of that phase."""
+        return self.key.rpartition(".")[2]
+
+    @property
+    def is_quantity(self) -> bool:
+        """Whether the failure is a value beyond a limit."""
+        return self.sign != 0
+
+    def happens(self, columns: Mapping[str, Array | Flags]) -> Flags:
+        """In which trials the failure happens; a value that was never reached lies beyond no limit."""
+        values = columns[self.key]
+        if self.is_quantity:
+            return np.asarray(self.sign * (values - self.limit) > 0.0)
+        flags = np.asarray(values, dtype=bool)
+        return ~flags if self.negated else flags
+
+
+def _wrong(text: str, message: str) -> InputError:
+    return InputError([Problem(f"given {text!r}: {message}", key="rare", hint=_HINT)])
+
+
 def margins(event: RareEvent, trials: MissionTrials, scenario: Scenario) -> dict[str, Array]:
     """Return the margins that matter for an event, by the way to fail; nan where a trial never came so far.
 
-    Parameters
-    ----------
-    event : RareEvent
-    trials : MissionTrials
-    scenario : Scenario
-        With the draws of these trials.
+    `scenario`: with the draws of these trials.
     """
     if event.is_quantity:
         values = np.asarray(trials.columns()[event.key], dtype=float)
@@ -135,14 +222,10 @@ def _by_leg(quantity: str) -> str:
 
 @dataclass(frozen=True)
 class FailingTrials:
-    """Trials that fail.
-
-    Attributes
-    ----------
-    weights : array, shape (n,)
-    """
+    """Trials that fail."""
 
     weights: Array
+    """Shape (n,)."""
     columns: Mapping[str, NDArray[np.generic]]
     """What was drawn, and what came of it, shape (n,)."""
     inputs: tuple[str, ...]
@@ -154,13 +237,7 @@ class FailingTrials:
 
 @dataclass(frozen=True, eq=False)  # hashed by identity, as a block's task is
 class DrivenMission:
-    """A mission to be run from given normals, with the event that is asked about.
-
-    Attributes
-    ----------
-    means : Scenario
-    event : RareEvent
-    """
+    """A mission to be run from given normals, with the event that is asked about."""
 
     means: Scenario
     event: RareEvent
@@ -170,10 +247,7 @@ class DrivenMission:
     def run(self, population: StrataView, *, inputs: bool = False) -> tuple[Scenario, MissionTrials]:
         """Run one trial for each of a population.
 
-        Raises
-        ------
-        RunError
-            When the model fails numerically.
+        Raises RunError when the model fails numerically.
         """
         source = PopulationSource(population)
         scenario = self.means.sampled_from(source, population.trials)
@@ -247,3 +321,21 @@ def _first_steps(trials: MissionTrials) -> NDArray[np.str_]:
     for step, failed in failures_by_step(trials).items():
         steps[failed] = step
     return steps.astype(str)
+
+
+VARIATION = 0.1
+"""Coefficient of variation at which it ends, unless one is given."""
+
+
+def variation_asked(precision: str | None) -> float:
+    """Read the coefficient of variation: ``5%`` or ``0.05``."""
+    if precision is None:
+        return VARIATION
+    try:
+        value = float(precision.strip().removesuffix("%")) / (100.0 if precision.strip().endswith("%") else 1.0)
+    except ValueError:
+        value = math.nan
+    if not 0.0 < value < 1.0:
+        message = f"given {precision!r}, expected a coefficient of variation of the probability"
+        raise InputError([Problem(message, key="precision", hint="such as 5%")])
+    return value

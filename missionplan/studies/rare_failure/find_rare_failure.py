@@ -3,12 +3,13 @@
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from typing import Annotated, ClassVar
 
 import numpy as np
 import pandas as pd
+from numpy.typing import NDArray
 
 from missionplan.arrays import Array
-from missionplan.errors import InputError, Problem
 from missionplan.mission import MissionOrPath
 from missionplan.montecarlo.parallel.blocks import Backend, Progress
 from missionplan.montecarlo.rare_events.failure_search import FailureSearch, Found, find
@@ -17,29 +18,147 @@ from missionplan.montecarlo.rare_events.subset_simulation import NormalPopulatio
 from missionplan.montecarlo.rare_events.ways import ReliabilityIndices
 from missionplan.montecarlo.statistics import Probability, wilson
 from missionplan.montecarlo.streams import stream
-from missionplan.results.base import Provenance
-from missionplan.results.failures import MET, Failure
+from missionplan.results.base import Provenance, Result, to_csv
+from missionplan.results.entries import MET, Entry, Failure, Record
 from missionplan.scenario.scenario import Scenario
 from missionplan.scenario.site_current import recorded_current
 from missionplan.studies.held_vehicle import check_dives
 from missionplan.studies.rare_failure.driven_trials import (
+    FAILS,
     DrivenMission,
     FailingTrials,
+    RareEvent,
     discrete_values,
     drawn_inputs,
     margins,
+    variation_asked,
 )
-from missionplan.studies.rare_failure.event import FAILS, RareEvent, failure_modes
-from missionplan.studies.rare_failure.result import RareFailure, WayDriven
 from missionplan.studies.run import Run
 from missionplan.studies.simulation.block_statistics import failures_by_step
 from missionplan.studies.simulation.checks import check_complete, check_cover, input_notices
 from missionplan.studies.simulation.trial_block import MissionTrials
 
+
+@dataclass(frozen=True)
+class Cause(Record):
+    """An input that is not as usual where a mission fails; numbers in SI."""
+
+    source: Annotated[str, Entry("such as ``moor.release_time``")]
+    mean: Annotated[float, Entry("of the trials that fail so")]
+    usual: Annotated[float, Entry("mean of all trials")]
+    usual_sd: Annotated[float, Entry("standard deviation of all trials")]
+
+    @property
+    def shift(self) -> Annotated[float, Entry()]:
+        """How far it lies from usual, in standard deviations of all trials."""
+        return (self.mean - self.usual) / self.usual_sd
+
+
+@dataclass(frozen=True)
+class FailureMode(Record):
+    """A way in which the failure comes about."""
+
+    step: Annotated[
+        str,
+        Entry("where such missions fail first, ``moor: anchor outside the radius``; empty where they succeed yet"),
+    ]
+    share: Annotated[float, Entry("of the failures")]
+    causes: Annotated[tuple[Cause, ...], Entry("what is not as usual in them, the most unusual first")]
+
+
+@dataclass(frozen=True)
+class WayDriven(Record):
+    """A way to fail towards which trials were driven by its own margin."""
+
+    way: Annotated[str, Entry("such as ``moor: anchor outside the radius``; empty for failures that no margin tells")]
+    probability: Annotated[float, Entry("of failing so, alone or with others; zero where no failure was found")]
+    nearest: Annotated[float, Entry("probability, roughly, of coming as near to it as the nearest trials")]
+    bound: Annotated[float, Entry("upper end of the 95 % interval by plain trials")]
+
+
+@dataclass(frozen=True)
+class RareFailure(Result):
+    """Result of `simulate --rare`."""
+
+    report: ClassVar[str] = "missionplan.studies.rare_failure.page"
+
+    provenance: Provenance
+    event: Annotated[str, Entry("such as ``not total.success``", key="rare.event")]
+    probability: Annotated[Probability, Entry("with its 95 % interval", key="rare.probability")]
+    variation: Annotated[
+        float,
+        Entry(
+            "of the probability, from the scatter of the repetitions; infinite without failures",
+            key="rare.coefficient_of_variation",
+        ),
+    ]
+    repetitions: Annotated[int, Entry("independent repetitions", key="rare.repetitions")]
+    levels: Annotated[int, Entry("the most levels of one repetition", key="rare.levels")]
+    reached: Annotated[bool, Entry("whether a failure was found", key="rare.found")]
+    nearest: float
+    """Where no failure was found: probability, roughly, of coming as near to one as the nearest trials."""
+    ways: Annotated[tuple[WayDriven, ...], Entry("ways to fail towards which trials were driven", key="rare.ways")]
+    modes: Annotated[tuple[FailureMode, ...], Entry("the commonest first", key="rare.modes")]
+    sample: pd.DataFrame
+    """Trials that fail: their weight, the step at which they fail, what was drawn, and what came of it."""
+
+    @property
+    def plain_trials(self) -> Annotated[float, Entry(key="rare.plain_trials")]:
+        """Trials after which a plain Monte Carlo knows the probability as well; infinite without failures."""
+        value = self.probability.value
+        return (1.0 - value) / (value * self.variation**2) if value > 0.0 and self.variation > 0.0 else math.inf
+
+    def to_frame(self) -> pd.DataFrame:
+        """One row per way to fail and unusual input."""
+        rows = [{"step": mode.step, "share": mode.share, **cause.row()} for mode in self.modes for cause in mode.causes]
+        return pd.DataFrame(rows, columns=["step", "share", "source", "mean", "usual", "usual_sd", "shift"])
+
+    def files(self) -> dict[str, str | bytes]:
+        """Return `rare.csv`, the ways to fail, and `failures.csv`, trials that fail."""
+        return {"rare.csv": to_csv(self.to_frame()), "failures.csv": to_csv(self.sample)}
+
+
+LEAST_SHARE = 0.02
+"""Of the failures, of a way to fail that is described."""
+LEAST_SHIFT = 0.5
+"""Standard deviations from usual from which an input counts as unusual."""
+MOST_CAUSES = 4
+
+
+def failure_modes(
+    weights: Array, steps: NDArray[np.str_], inputs: Mapping[str, Array], usual: Mapping[str, Array]
+) -> tuple[FailureMode, ...]:
+    """Group failing trials by where they fail, and find what was drawn unlike usual.
+
+    `weights` has shape (n,). `steps` has shape (n,). `inputs`, shape (n,): what was drawn in them; nan where it was
+    never needed. `usual`, shape (m,): the same of plain trials.
+    """
+    shares = {str(step): float(weights[steps == step].sum() / weights.sum()) for step in np.unique(steps)}
+    modes = [
+        FailureMode(step, share, _causes(steps == step, weights, inputs, usual))
+        for step, share in shares.items()
+        if share >= LEAST_SHARE
+    ]
+    return tuple(sorted(modes, key=lambda mode: -mode.share))
+
+
+def _causes(
+    chosen: NDArray[np.bool_], weights: Array, inputs: Mapping[str, Array], usual: Mapping[str, Array]
+) -> tuple[Cause, ...]:
+    found = []
+    for source, values in inputs.items():
+        drawn = chosen & np.isfinite(values)
+        before = usual[source][np.isfinite(usual[source])]
+        if before.size < 2 or weights[drawn].sum() < 0.5 * weights[chosen].sum() or not np.std(before) > 0.0:
+            continue
+        mean = float(np.average(values[drawn], weights=weights[drawn]))
+        found.append(Cause(source, mean, float(np.mean(before)), float(np.std(before))))
+    unusual = [cause for cause in found if abs(cause.shift) >= LEAST_SHIFT]
+    return tuple(sorted(unusual, key=lambda cause: -abs(cause.shift))[:MOST_CAUSES])
+
+
 MAX_TRIALS = 1_000_000
 """Trials after which the search ends, unless their number is given."""
-VARIATION = 0.1
-"""Coefficient of variation at which it ends, unless one is given."""
 PLAIN_TRIALS = 2048
 """Plain trials, from which the ranks of the margins and the usual values of the inputs are taken."""
 _MARGIN_WHERE_POSSIBLE = (Failure.OUT_OF_ENERGY, Failure.EQUIPMENT, *MET.values())
@@ -107,7 +226,7 @@ def find_rare_failure(
     )
     mission, seed = run.mission, run.seed
     check_complete(mission)
-    wanted, aim = RareEvent.parse(event, mission), _variation(precision)
+    wanted, aim = RareEvent.parse(event, mission), variation_asked(precision)
     means = Scenario.at_means(mission, recorded_current(mission))
     check_cover(mission, means)
     check_dives(means)
@@ -133,20 +252,6 @@ def find_rare_failure(
     notices = (*input_notices(mission, means), *_notices(found, aim))
     provenance = run.provenance(options, notices, trials=PLAIN_TRIALS + found.trials)
     return _result(provenance, wanted, driven.ways, found, usual)
-
-
-def _variation(precision: str | None) -> float:
-    """Read the coefficient of variation: ``5%`` or ``0.05``."""
-    if precision is None:
-        return VARIATION
-    try:
-        value = float(precision.strip().removesuffix("%")) / (100.0 if precision.strip().endswith("%") else 1.0)
-    except ValueError:
-        value = math.nan
-    if not 0.0 < value < 1.0:
-        message = f"given {precision!r}, expected a coefficient of variation of the probability"
-        raise InputError([Problem(message, key="precision", hint="such as 5%")])
-    return value
 
 
 def _with_ways(means: Scenario, event: RareEvent, seed: int) -> tuple[DrivenMission, ReliabilityIndices, _Usual]:

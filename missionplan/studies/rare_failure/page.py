@@ -2,15 +2,14 @@
 
 import math
 import shlex
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 
 from matplotlib.axes import Axes
 
-from missionplan.report.numbers import number
-from missionplan.report.page import Block, Drawing, Page, PageSection, Table, Terminal
+from missionplan.report.page import Block, Cells, Page, PageSection, Table
 from missionplan.report.simulation.quantities import failure_in_words
-from missionplan.report.wording import capitalised, in_words
-from missionplan.studies.rare_failure.result import Cause, FailureMode, RareFailure, WayDriven
+from missionplan.report.wording import capitalised, in_words, number
+from missionplan.studies.rare_failure.find_rare_failure import Cause, FailureMode, RareFailure, WayDriven
 
 _FAILS = "not total.success"
 _DEGREES = 180.0 / math.pi
@@ -24,16 +23,16 @@ def page(found: RareFailure) -> Page:
         numbers=_numbers(found),
         write=lambda: [*_how(found), *_driven(found), *_precision(found)],
         rerun=_rerun(found),
-        glance=lambda: terminal(found),
-        plots=PLOTS,
+        table=lambda: _cells(found),
+        plots={"failures": failures},
     )
 
 
-def terminal(found: RareFailure) -> Terminal:
-    """Build the terminal's view: the answer, and the ways to fail."""
+def _cells(found: RareFailure) -> Cells:
+    """Tabulate the ways to fail, for a terminal."""
     rows = [(_way(mode), _percent(mode.share)) for mode in found.modes]
     is_failure = any(mode.step for mode in found.modes)
-    return Terminal(answer(found), ("way to fail" if is_failure else "in", "of all of these"), rows)
+    return ("way to fail" if is_failure else "in", "of all of these"), rows
 
 
 def answer(found: RareFailure) -> str:
@@ -229,7 +228,3 @@ def failures(axes: Axes, found: RareFailure) -> None:
     axes.barh(range(len(modes)), [100.0 * mode.share for mode in modes])
     axes.set_yticks(range(len(modes)), [failure_in_words(mode.step) if mode.step else "any" for mode in modes])
     axes.set(xlabel="of the failures (%)", xlim=(0.0, 100.0))
-
-
-PLOTS: Mapping[str, Drawing] = {"failures": failures}
-"""Plots on given axes by name, the main one first."""

@@ -25,11 +25,10 @@ from missionplan.mission.schema.vehicle import Vehicle
 from missionplan.montecarlo.statistics import Probability, Statistic
 from missionplan.results.anchor_sizing import AnchorSizing
 from missionplan.results.base import SCHEMA, Provenance, Result
-from missionplan.results.campaign import Campaign
 from missionplan.results.decision import Decision
 from missionplan.results.entries import Record, StatedField, stated
 from missionplan.results.imported import ImportedData
-from missionplan.results.learned.diagnosis import Diagnosis
+from missionplan.results.learned.diagnosis import Campaign, Diagnosis
 from missionplan.results.learned.identification import Identification
 from missionplan.results.optimisation import Optimised
 from missionplan.results.score import Score
@@ -39,7 +38,7 @@ from missionplan.studies.exploration.result import Exploration
 from missionplan.studies.history.result import History
 from missionplan.studies.leg_length.plan_result import LegPlan
 from missionplan.studies.leg_length.sweep_result import Sweep
-from missionplan.studies.rare_failure.result import RareFailure
+from missionplan.studies.rare_failure.find_rare_failure import RareFailure
 from missionplan.studies.schemas.sections import TEXT_OR_NUMBER, Schema, Sections, effects
 from missionplan.studies.tide.result import TideResult
 from missionplan.studies.transition.sweep_transition import TransitionSweep

@@ -39,13 +39,7 @@ _OPTION = "precision"
 
 @dataclass(frozen=True)
 class Precision:
-    """A standard error to be reached.
-
-    Attributes
-    ----------
-    relative, is_event : bool
-        Whether `error` is a share of the mean; whether it is that of a probability.
-    """
+    """A standard error to be reached."""
 
     key: str
     """Column of the statistics, such as ``moor.offset_m`` or ``total.success``."""
@@ -53,6 +47,7 @@ class Precision:
     """In the results' unit, or a share of the mean."""
     relative: bool
     is_event: bool
+    """Whether `error` is a share of the mean; whether it is that of a probability."""
     text: str = field(default="", compare=False)
     """As written."""
 
@@ -60,10 +55,7 @@ class Precision:
     def parse(cls, text: str, mission: Mission) -> "Precision":
         """Read ``0.5%`` (of P(success)), ``success=0.002``, ``total.duration=0.5%`` or ``moor.offset=0.1 m``.
 
-        Raises
-        ------
-        InputError
-            When the mission has no such quantity, or the number cannot be read.
+        Raises InputError when the mission has no such quantity, or the number cannot be read.
         """
         name, _, wanted = text.rpartition("=")
         name, wanted = name.strip() or SUCCESS, wanted.strip()
@@ -173,10 +165,7 @@ class BlockSequence:
     def run(self, run_blocks: RunBlocks, progress: Progress | None = None) -> MergedBlocks:
         """Run until all blocks are done or the result is precise enough.
 
-        Raises
-        ------
-        RunError
-            When every block failed, or the checkpoint cannot be written.
+        Raises RunError when every block failed, or the checkpoint cannot be written.
         """
         merged: MergedBlocks | None = None
         failures: list[str] = []

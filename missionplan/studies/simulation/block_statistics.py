@@ -14,7 +14,7 @@ from missionplan.mission.schema.sweep import Requirement
 from missionplan.montecarlo.quantile_sketch import QuantileSketch
 from missionplan.montecarlo.statistics import Count, Moments, RunningStatistics
 from missionplan.physics.propulsion import JOULES_PER_WATT_HOUR
-from missionplan.results.failures import MET
+from missionplan.results.entries import MET
 from missionplan.scenario.currents.building import MEMBER
 from missionplan.studies.simulation.phase_trials import Flags
 from missionplan.studies.simulation.trial_block import MissionTrials
@@ -126,19 +126,12 @@ def with_prefix(named: Mapping[str, Value], prefix: str) -> dict[str, Value]:
 def statistics_of_block(mission: Mission, trials: MissionTrials, *, sampled: bool, members: int = 0) -> BlockStatistics:
     """Reduce one block.
 
-    Parameters
-    ----------
-    mission : Mission
-    trials : MissionTrials
-    sampled : bool
-        Whether to keep inputs and key figures trial by trial.
-    members : int
-        Of the current's ensemble.
+    `sampled`: whether to keep inputs and key figures trial by trial. `members`: of the current's ensemble.
     """
     columns = trials.columns()
     happened = {
         "total.success": trials.success,
-        **_events(trials),
+        **{f"{phase.name}.{name}": trial for phase in trials.phases for name, trial in phase.events.items()},
         **_limits(trials),
         **failures_by_step(trials),
         **requirement_flags(mission, columns),
@@ -198,10 +191,6 @@ def _quantities(trials: MissionTrials) -> dict[str, Array]:
     total = {f"total.{name}": values for name, values in trials.total.items()}
     phases = {f"{phase.name}.{name}": values for phase in trials.phases for name, values in phase.quantities.items()}
     return {**total, **phases, **{f"{phase.name}.end": phase.end for phase in trials.phases[:-1]}}
-
-
-def _events(trials: MissionTrials) -> dict[str, Flags]:
-    return {f"{phase.name}.{name}": trial for phase in trials.phases for name, trial in phase.events.items()}
 
 
 def requirement_flags(mission: Mission, columns: Mapping[str, Array | Flags]) -> dict[str, Flags]:

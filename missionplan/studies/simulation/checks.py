@@ -19,8 +19,8 @@ from missionplan.phases.fields.gridded_current import GriddedCurrent
 from missionplan.phases.recorded_currents import RecordedCurrent
 from missionplan.physics.anchor import solve_anchor
 from missionplan.physics.drag import range_notes
-from missionplan.results.held_vehicle import HeldVehicle
 from missionplan.results.simulation import MooringAnchor
+from missionplan.results.whereabouts import HeldVehicle
 from missionplan.scenario.anchors import anchor_problem, wet_weight_of
 from missionplan.scenario.scenario import Scenario
 from missionplan.studies.held_vehicle import flooding_notice, held_vehicle
@@ -41,16 +41,7 @@ REMEDY = "take a longer or wider record, or say site.current.outside: hold (or z
 def check_cover(mission: Mission, means: Scenario) -> None:
     """Refuse a record of the current that does not cover the nominal mission in time, depth and place.
 
-    Parameters
-    ----------
-    mission : Mission
-    means : Scenario
-        At the means, with the record.
-
-    Raises
-    ------
-    InputError
-        With the positions outside, and what the record lacks.
+    `means` has the record. Raises InputError with the positions outside, and what the record lacks.
     """
     current = means.recorded
     if not isinstance(current, RecordedCurrent):
@@ -72,10 +63,7 @@ def check_cover(mission: Mission, means: Scenario) -> None:
 def check_trials(mission: Mission, current: object, left: "Probability | None") -> None:
     """Refuse a run of which more than 1 % of the trials left the record of the current.
 
-    Raises
-    ------
-    InputError
-        With the remedy.
+    Raises InputError with the remedy.
     """
     if not isinstance(current, RecordedCurrent) or not current.is_binding or left is None:
         return
@@ -218,10 +206,7 @@ def _places(means: Scenario) -> Iterator[tuple[str, Array]]:
 def check_complete(mission: Mission) -> None:
     """Refuse a mission that lacks a section which its phases need.
 
-    Raises
-    ------
-    InputError
-        With everything that is missing.
+    Raises InputError with everything that is missing.
     """
     problems = [] if mission.phases else [_missing(mission, "phases", "a mission to simulate has at least one phase")]
     problems += missing_for_transits(mission) if mission.transits else []

@@ -20,7 +20,7 @@ from missionplan.phases.mooring.mooring import MoorPlan, MoorRecord, moor
 from missionplan.phases.place.place import Contact, Place, Way
 from missionplan.physics.propulsion import JOULES_PER_WATT_HOUR
 from missionplan.physics.reliability import Exposure
-from missionplan.results.failures import Failure
+from missionplan.results.entries import Failure
 from missionplan.scenario.phases import dive_of, fix_normals, line_strength, moor_plan, room_in_depth
 from missionplan.scenario.scenario import STILL_WATER, Scenario
 from missionplan.studies.held_vehicle import sinking_speed
@@ -131,14 +131,7 @@ def mooring_trials(
 ) -> tuple[TrialState, PhaseTrials]:
     """Run the trials of a block through a mooring.
 
-    Parameters
-    ----------
-    block : TrialBlock
-    phase : MoorPhase
-    state : TrialState
-        Where the phase begins.
-    goal : array, shape (2, 1) or (2, n)
-        Of the transit before [m].
+    `state`: where the phase begins. `goal`, shape (2, 1) or (2, n): of the transit before [m].
     """
     scenario, begun = block.scenario, state.alive
     current = scenario.current or STILL_WATER

@@ -15,8 +15,7 @@ from missionplan.montecarlo.statistics import Count, Integers, RunningStatistic,
 from missionplan.phases.place.place import Cause
 from missionplan.results.base import Provenance
 from missionplan.results.decision import Causes, ExplainedOutcome, PlaceContact
-from missionplan.results.failures import LIMITS, MET
-from missionplan.results.held_vehicle import HeldVehicle
+from missionplan.results.entries import LIMITS, MET
 from missionplan.results.simulation import (
     Attrition,
     Histogram,
@@ -27,6 +26,7 @@ from missionplan.results.simulation import (
     Sensitivity,
     Tracks,
 )
+from missionplan.results.whereabouts import HeldVehicle
 from missionplan.scenario.currents.building import MEMBER
 from missionplan.studies.simulation.block_statistics import (
     LIMIT,

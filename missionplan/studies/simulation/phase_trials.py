@@ -19,7 +19,7 @@ from missionplan.phases.transit.transit import transit
 from missionplan.phases.transition.simulation import simulate_transition
 from missionplan.physics.propulsion import JOULES_PER_WATT_HOUR
 from missionplan.physics.reliability import Exposure
-from missionplan.results.failures import MET, Failure
+from missionplan.results.entries import MET, Failure
 from missionplan.scenario.phases import manoeuvre, transit_normals, transition_vehicle
 from missionplan.scenario.scenario import Scenario
 
@@ -42,14 +42,7 @@ class TrialBlock:
 
 @dataclass(frozen=True)
 class PhaseTrials:
-    """Trials of one phase. nan: the trial never reached it.
-
-    Attributes
-    ----------
-    name, kind : str
-    start, end : array, shape (n,)
-        Since the mission's start [s].
-    """
+    """Trials of one phase. nan: the trial never reached it."""
 
     name: str
     kind: str
@@ -62,6 +55,7 @@ class PhaseTrials:
     (``left_record``), whether or not they failed; empty where neither can be; shape (n,)."""
     start: Array
     end: Array
+    """Since the mission's start, shape (n,) [s]."""
     failures: Mapping[Failure, Flags]
     """Trials of which the mission fails here, by the reason, in the order in which they happen, shape (n,)."""
     miss: Array
@@ -116,14 +110,7 @@ def limit_events(current: Current | None, **happened: Flags) -> dict[str, Flags]
 def end_exhausted(state: TrialState, capacity: Scalars) -> tuple[TrialState, Flags]:
     """End the trials that have used more energy than the battery holds [J].
 
-    Returns
-    -------
-    state, exhausted : TrialState, array of bool of shape (n,)
-
-    Raises
-    ------
-    FloatingPointError
-        When the position or the time of a trial under way is not finite.
+    Raises FloatingPointError when the position or the time of a trial under way is not finite.
     """
     for values in (state.position, state.fix, state.clock):
         if not np.isfinite(values).all() and not np.isfinite(values[..., state.alive]).all():
@@ -147,12 +134,7 @@ def transit_trials(
 ) -> tuple[TrialState, PhaseTrials]:
     """Run the trials of a block through a transit.
 
-    Parameters
-    ----------
-    block : TrialBlock
-    phase : TransitPhase
-    state : TrialState
-        Where the phase begins.
+    `state`: where the phase begins.
     """
     scenario = block.scenario
     plan, normals = scenario.transit_plan(phase), transit_normals(scenario, phase, block.source)
@@ -295,12 +277,7 @@ def transition_trials(
     Energy is that of the tunnel thrusters until the vehicle hovers, and of the hotel load where the mission has one;
     the propeller's own is left out, as in the paper. A vehicle that does not reach hover fails.
 
-    Parameters
-    ----------
-    block : TrialBlock
-    phase : TransitionPhase
-    state : TrialState
-        Where the phase begins.
+    `state`: where the phase begins.
     """
     scenario = block.scenario
     record = simulate_transition(transition_vehicle(scenario, phase), manoeuvre(phase))

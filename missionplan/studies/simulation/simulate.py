@@ -13,9 +13,9 @@ from missionplan.montecarlo.parallel.blocks import Backend, Progress
 from missionplan.montecarlo.statistics import Probability
 from missionplan.montecarlo.streams import BLOCK, block_count, block_size
 from missionplan.results.decision import Assumption, SeaChart
-from missionplan.results.overdue import Overdue
 from missionplan.results.plan import Plan
 from missionplan.results.simulation import Outcome
+from missionplan.results.whereabouts import Overdue
 from missionplan.scenario.scenario import Scenario
 from missionplan.scenario.site_current import recorded_current
 from missionplan.store.checkpoints import Checkpoints
@@ -23,16 +23,10 @@ from missionplan.store.folder import as_path
 from missionplan.store.trials_table import TrialsTable
 from missionplan.studies.held_vehicle import check_dives
 from missionplan.studies.mission_plan.build import executions, mission_plan, plan_if_any
+from missionplan.studies.overdue.losses import Search, read_searches
 from missionplan.studies.overdue.overdue import overdue
-from missionplan.studies.overdue.searches import Search, read_searches
 from missionplan.studies.run import Run, identified
-from missionplan.studies.simulation.block_sequence import (
-    BlockItem,
-    BlockSequence,
-    BlockTask,
-    MergedBlocks,
-    Precision,
-)
+from missionplan.studies.simulation.block_sequence import BlockItem, BlockSequence, BlockTask, MergedBlocks, Precision
 from missionplan.studies.simulation.block_statistics import LIMIT
 from missionplan.studies.simulation.checks import (
     check_complete,
@@ -96,7 +90,7 @@ def simulate(
         Format of a vehicle, of `missionplan.exporters.formats.VEHICLES`: run what that vehicle does with its files, by
         its own rules, instead of what the mission means. A notice says what of it is lost.
     assumptions : bool
-        Run the mission again without each of its assumptions (`assumptions.ledger`), and tell what they are worth.
+        Run the mission again without each of its assumptions (`judgement.ledger`), and tell what they are worth.
     sheet : bool
         Compute what to know if the vehicle does not come back (`Outcome.overdue`).
     progress : callable, optional
@@ -167,7 +161,7 @@ def _uncommon_options(searched: str | Path | None, as_exported: str | None, *, a
 
 
 def _ledger(mission: Mission, seed: int) -> tuple[Assumption, ...]:
-    from missionplan.studies.simulation.assumptions import ledger  # which runs missions by this module
+    from missionplan.studies.judgement import ledger  # which runs missions by this module
 
     return ledger(mission, seed)
 
@@ -196,15 +190,7 @@ def _chart(means: Scenario, tracks: MapTracks) -> SeaChart | None:
 def event_probabilities(mission: Mission, *, trials: int, seed: int) -> dict[str, Probability]:
     """Return the probabilities of ``total.success`` and of each phase's events, as `simulate` does and nothing else.
 
-    Parameters
-    ----------
-    mission : Mission
-    trials, seed : int
-
-    Raises
-    ------
-    InputError, RunError
-        As `simulate` does.
+    Raises InputError and RunError as `simulate` does.
     """
     check_complete(mission)
     means = _checked_means(mission)
@@ -243,20 +229,8 @@ def _items(trials: int) -> list[BlockItem]:
 def simulate_block(mission: Mission, *, seed: int, block: int, trials: int = BLOCK) -> MissionTrials:
     """Run one block of trials alone, as `simulate` does, and keep every trial.
 
-    Parameters
-    ----------
-    mission : Mission
-    seed, block : int
-        As a failed block is reported.
-    trials : int
-        First trials of the block that are used.
-
-    Raises
-    ------
-    InputError
-        When the mission lacks what its phases need.
-    Exception
-        Whatever the block fails with.
+    `seed`, `block`: as a failed block is reported. `trials`: first trials of the block that are used. Raises InputError
+    when the mission lacks what its phases need. Raises what the block fails with.
     """
     check_complete(mission)
     return BlockTask(Scenario.at_means(mission, recorded_current(mission)), seed).trials(block, trials)

@@ -16,7 +16,7 @@ from missionplan.montecarlo.streams import BlockStreams, NormalSource
 from missionplan.phases.hooks import TrialState
 from missionplan.physics.propulsion import JOULES_PER_WATT_HOUR
 from missionplan.physics.reliability import Exposure, age_at_chance, age_at_rate, age_weibull, rate_of_counts
-from missionplan.results.failures import Failure
+from missionplan.results.entries import Failure
 from missionplan.scenario.phases import deployed
 from missionplan.scenario.scenario import Scenario
 from missionplan.studies.simulation.mooring_trials import mooring_trials
@@ -80,20 +80,8 @@ def failing(
 ) -> tuple[TrialState, PhaseTrials, Exposure]:
     """End the trials whose equipment fails in a phase.
 
-    Parameters
-    ----------
-    parts : sequence of Part
-    before : Exposure
-        Until the phase began.
-    begun, after : TrialState
-        At the phase's beginning and end.
-    found : PhaseTrials
-        Of the phase without failures of equipment.
-
-    Returns
-    -------
-    state, found, exposure : TrialState, PhaseTrials, Exposure
-        Until the phase's end. A trial that fails has no quantities and events of the phase.
+    `before`: until the phase began. `begun`, `after`: at the phase's beginning and end. `found`: of the phase without
+    failures of equipment. Returns: until the phase's end. A trial that fails has no quantities and events of the phase.
     """
     exposure = before.plus(found.exposure)
     first, left = np.full(begun.trials, np.inf), np.full(begun.trials, -1)
@@ -109,7 +97,7 @@ def failing(
     failed = left >= 0
     lost: dict[str, Flags] = {
         leaves: failed & np.isin(left, [k for k, p in enumerate(parts) if p.leaves == leaves])
-        for leaves in _kinds(parts)
+        for leaves in list(dict.fromkeys(part.leaves for part in parts))
     }
     if failed.any():
         after = replace(after, alive=after.alive & ~failed)
@@ -122,10 +110,6 @@ def failing(
         )
     failures, margins = {Failure.EQUIPMENT: failed, **found.failures}, {Failure.EQUIPMENT: margin, **found.margins}
     return after, replace(found, failures=failures, left=lost, margins=margins), exposure
-
-
-def _kinds(parts: Sequence[Part]) -> list[Leaves]:
-    return list(dict.fromkeys(part.leaves for part in parts))
 
 
 @dataclass(frozen=True)
@@ -209,23 +193,10 @@ def run_trials(
 ) -> MissionTrials:
     """Run trials through the mission.
 
-    Parameters
-    ----------
-    scenario : Scenario
-        With the draws of these trials.
-    source : NormalSource
-        Of what is drawn each leg or fix; the scenario's draws come from it too.
-    trials : int
-    tracked : int
-        Trials whose tracks are kept.
-    inputs : bool
-        Whether to sum up what was drawn each leg.
-
-    Raises
-    ------
-    FloatingPointError
-        When a phase divides by zero, overflows or computes nan, or the position or the time of a trial under way is
-        not finite.
+    `scenario`: with the draws of these trials. `source`: of what is drawn each leg or fix; the scenario's draws come
+    from it too. `tracked`: trials whose tracks are kept. `inputs`: whether to sum up what was drawn each leg. Raises
+    FloatingPointError when a phase divides by zero, overflows or computes nan, or the position or the time of a trial
+    under way is not finite.
     """
     with np.errstate(divide="raise", over="raise", invalid="raise"):
         return _run(TrialBlock(scenario, source, tracked, inputs), trials)

@@ -17,8 +17,7 @@ from missionplan.physics.tides import DAY
 from missionplan.results.base import Provenance
 from missionplan.store.folder import as_path
 from missionplan.studies.tide.harmonic_analysis import FORTNIGHT, HALF_A_YEAR, Samples, fit_tide, tidal_velocity
-from missionplan.studies.tide.record import CurrentRecord, read_current_record
-from missionplan.studies.tide.result import DepthTide, HeldOut, TideResult
+from missionplan.studies.tide.result import CurrentRecord, DepthTide, HeldOut, TideResult, read_current_record
 
 SHORTEST = 1.05 * DAY
 """Of a record: two turns of the semidiurnal tide and one of the diurnal [s]."""

@@ -174,7 +174,6 @@ def tidal_velocity(waves: Sequence[Constituent], time: Array, latitude: float) -
 
     Parameters
     ----------
-    waves : sequence of Constituent
     time : array, shape (k,)
         Since the start of 1970 [s].
     latitude : float

@@ -2,7 +2,6 @@
 
 import math
 import shlex
-from collections.abc import Mapping
 from datetime import UTC, datetime
 from typing import Literal
 
@@ -14,7 +13,6 @@ from matplotlib.figure import Figure as MatplotlibFigure
 from missionplan.arrays import Array
 from missionplan.phases.recorded_currents import DEPTH_MARGIN
 from missionplan.report.axes import name_axis
-from missionplan.report.numbers import number
 from missionplan.report.page import (
     BLUE,
     GREEN,
@@ -23,16 +21,16 @@ from missionplan.report.page import (
     PINK,
     SKY,
     YELLOW,
-    Drawing,
+    Cells,
     Figure,
     Listing,
     Page,
     PageSection,
     Table,
-    Terminal,
     to_figure,
 )
 from missionplan.report.quantities import Unit, quantity, reader_unit, with_error
+from missionplan.report.wording import number
 from missionplan.studies.tide.result import Constituent, DepthTide, TideResult
 
 _COLOURS = (BLUE, ORANGE, GREEN, PINK, YELLOW, SKY)
@@ -139,19 +137,19 @@ def page(result: TideResult) -> Page:
             *(_constituents(tide) for tide in result.depths),
         ],
         rerun=_rerun(result),
-        glance=lambda: terminal(result),
-        plots=PLOTS,
+        table=lambda: _cells(result),
+        plots={"ellipses": draw_ellipses, "record": draw_record},
     )
 
 
-def terminal(result: TideResult) -> Terminal:
-    """Build the terminal's view."""
+def _cells(result: TideResult) -> Cells:
+    """Tabulate the constituents for a terminal."""
     shown = result.shown
     rows = [_row(wave) for wave in shown.constituents]
     speed = reader_unit("m/s", 0.0)
     at = f"at {quantity(shown.depth, 'm', 'g')}"
     columns = (at, f"major{speed.axis}", f"minor{speed.axis}", "toward (°)", "phase (°)")
-    return Terminal(answer(result), columns, rows)
+    return columns, rows
 
 
 def answer(result: TideResult) -> str:
@@ -275,7 +273,3 @@ def _rerun(result: TideResult) -> str:
     options = result.provenance.options
     start = f" --start {options['start']}" if options["start"] else ""
     return f"missionplan tide {shlex.quote(result.provenance.file)} --latitude '{options['latitude_deg']} deg'{start}"
-
-
-PLOTS: Mapping[str, Drawing] = {"ellipses": draw_ellipses, "record": draw_record}
-"""Plots on given axes by name, the main one first."""

@@ -1,16 +1,30 @@
-"""The result of `tide`: constituents at each depth, a mean, what is left, and how well it forecast its own record."""
+"""A record of a current meter or profiler (CSV or NetCDF, time against depth, gaps allowed), and the tide in it.
+
+Constituents at each depth, a mean, what is left, and how well it forecasts its own record.
+"""
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Annotated, ClassVar
+from datetime import datetime
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, ClassVar
 
+import numpy as np
 import pandas as pd
 from typing_extensions import override
 
 from missionplan.arrays import Array
+from missionplan.datasets.csv_cells import check_file, read_cells, read_header
+from missionplan.errors import InputError, Problem, did_you_mean
+from missionplan.moments import epoch_of, is_since, utc
+from missionplan.packages import how_to_install
 from missionplan.results.base import Provenance, Result, to_csv, to_yaml
 from missionplan.results.entries import Entry, Record
+from missionplan.scenario.currents.attributes import FieldAttributeError, depths, moments, speed_factor, tidied
+
+if TYPE_CHECKING:
+    from xarray import DataArray, Dataset
 
 
 @dataclass(frozen=True)
@@ -84,13 +98,7 @@ class DepthTide(Record):
 
 @dataclass(frozen=True)
 class TideResult(Result):
-    """The tide in a record of a current.
-
-    Attributes
-    ----------
-    time, measured, fitted : array, shapes (k,), (2, k) and (2, k)
-        At the depth of the picture: since 1970 [s], east and north; nan in gaps [m/s].
-    """
+    """The tide in a record of a current."""
 
     report: ClassVar[str] = "missionplan.studies.tide.page"
 
@@ -102,6 +110,7 @@ class TideResult(Result):
     time: Array
     measured: Array
     fitted: Array
+    """At the depth of the picture: since 1970 [s], east and north; nan in gaps [m/s]."""
     shown_depth: float
     """Shown depth [m]."""
     unresolved: Annotated[tuple[str, ...], Entry("what the record is too short for, in words")]
@@ -156,3 +165,173 @@ def _of_mission(tide: DepthTide) -> Mapping[str, object]:
             for wave in tide.constituents
         ],
     }
+
+
+MAX_BYTES = 200_000_000
+FASTEST = 12.0
+"""Faster water than in any sea (Saltstraumen) [m/s]."""
+DEEPEST = 11_000.0
+"""[m]"""
+COLUMNS = ("t_s", "depth_m", "east_m_s", "north_m_s")
+NETCDF = (".nc", ".nc4", ".cdf", ".netcdf")
+_LISTED = 20
+_STANDARD = {
+    "east": ("eastward_sea_water_velocity",),
+    "north": ("northward_sea_water_velocity",),
+    "depth": ("depth",),
+    "latitude": ("latitude",),
+}
+_NAMES = {
+    "time": ("time", "TIME", "ocean_time"),
+    "depth": ("depth", "DEPTH", "bin_depth", "BINDEPTH", "z"),
+    "east": ("u", "east", "UCUR", "u_1205", "water_u", "eastward_velocity", "uo"),
+    "north": ("v", "north", "VCUR", "v_1206", "water_v", "northward_velocity", "vo"),
+    "latitude": ("latitude", "lat", "LATITUDE"),
+}
+
+
+@dataclass(frozen=True)
+class CurrentRecord:
+    """A current measured at one place."""
+
+    time: Array
+    """Increasing, since the start of 1970, shape (k,) [s]."""
+    depth: Array
+    """Increasing, shape (m,) [m]."""
+    east: Array
+    north: Array
+    """nan where nothing was measured, shape (k, m) [m/s]."""
+    latitude: float = math.nan
+    """nan where the file does not tell [rad]."""
+
+
+def read_current_record(path: Path, start: datetime | None = None) -> CurrentRecord:
+    """Read a record.
+
+    `path`: CSV with the columns ``t_s, depth_m, east_m_s, north_m_s`` (`t_s` by ISO 8601, or seconds since `start`;
+    empty cells of the velocity are gaps), or NetCDF with one time and at most one depth dimension. `start`: from which
+    seconds of a CSV record count. Raises InputError with every problem of the file.
+    """
+    if path.suffix.lower() in NETCDF:
+        return _read_netcdf(path)
+    check_file(path, MAX_BYTES)
+    header = read_header(path)
+    _check_columns(path, header)
+    cells = read_cells(path, header, COLUMNS, ("t_s",))
+    times = _times(cells["t_s"], start, path)
+    numbers = {name: pd.to_numeric(cells[name], errors="coerce") for name in COLUMNS[1:]}
+    _check_cells(path, cells, times, numbers)
+    if times.duplicated().any() and pd.DataFrame({"t": times, "z": numbers["depth_m"]}).duplicated().any():
+        row = int(pd.DataFrame({"t": times, "z": numbers["depth_m"]}).duplicated().to_numpy().nonzero()[0][0])
+        raise InputError([Problem("this row has the time and depth of an earlier one", str(path), row + 2)])
+    table = pd.DataFrame({"t": times, **numbers}).pivot(index="t", columns="depth_m")
+    return CurrentRecord(
+        table.index.to_numpy(dtype=float),
+        table["east_m_s"].columns.to_numpy(dtype=float),
+        table["east_m_s"].to_numpy(dtype=float),
+        table["north_m_s"].to_numpy(dtype=float),
+    )
+
+
+def _check_columns(path: Path, header: Sequence[str]) -> None:
+    missing = [name for name in COLUMNS if name not in header]
+    twice = [name for name in COLUMNS if header.count(name) > 1]
+    problems = [Problem(f"lacks the column {name}", str(path), 1, hint=did_you_mean(name, header)) for name in missing]
+    problems += [Problem(f"the column {name} stands twice", str(path), 1) for name in twice]
+    if problems:
+        raise InputError(problems)
+
+
+def _times(words: "pd.Series[str]", start: datetime | None, path: Path) -> "pd.Series[float]":
+    """Seconds since 1970; nan where a cell holds no time."""
+    seconds = pd.to_numeric(words, errors="coerce")
+    if seconds.notna().all() and len(seconds):
+        if start is None:
+            hint = "give times such as 2026-05-01T00:00:00Z, or --start"
+            raise InputError([Problem("its times are seconds, and nothing says since when", str(path), hint=hint)])
+        return seconds + utc(start).timestamp()
+    return words.map(_moment).astype(float)
+
+
+def _moment(text: object) -> float:
+    try:
+        return math.nan if not isinstance(text, str) or not text.strip()[:4].isdigit() else epoch_of(text)
+    except (ValueError, OverflowError):
+        return math.nan
+
+
+def _check_cells(
+    path: Path, cells: pd.DataFrame, times: "pd.Series[float]", numbers: dict[str, "pd.Series[float]"]
+) -> None:
+    if cells.empty:
+        raise InputError([Problem("has no rows of data", str(path), 1)])
+    shown, problems = str(path), []
+    bad = times.isna() | numbers["depth_m"].isna()
+    problems += [Problem("expected a time and a depth", shown, int(row)) for row in cells.index[bad][:_LISTED]]
+    deep = numbers["depth_m"].abs() > DEEPEST
+    fast = (numbers["east_m_s"].abs() > FASTEST) | (numbers["north_m_s"].abs() > FASTEST)
+    words = f"is impossible; expected a depth of at most {DEEPEST:g} m and a current of at most {FASTEST:g} m/s"
+    hint = "a fill value, or another unit? leave the cell empty where nothing was measured"
+    problems += [Problem(words, shown, int(row), hint=hint) for row in cells.index[deep | fast][:_LISTED]]
+    for name in ("east_m_s", "north_m_s"):
+        text = numbers[name].isna() & cells[name].notna() & (cells[name].astype(str).str.strip() != "")
+        text &= ~cells[name].astype(str).str.lower().isin(["nan", "na", "n/a", "null"])
+        problems += [Problem(f"{name}: expected a number", shown, int(row)) for row in cells.index[text][:_LISTED]]
+    if problems:
+        raise InputError(problems)
+
+
+def _read_netcdf(path: Path) -> CurrentRecord:
+    try:
+        import xarray
+    except ImportError:
+        hint = how_to_install("netcdf")
+        raise InputError([Problem("reading NetCDF needs xarray and netCDF4", str(path), hint=hint)]) from None
+    try:
+        with xarray.open_dataset(path, decode_times=False) as dataset:
+            return _of_dataset(tidied(dataset), str(path))
+    except InputError:
+        raise
+    except FieldAttributeError as error:
+        raise InputError([Problem(str(error), str(path))]) from None
+    except Exception as error:  # the libraries below raise many kinds for what is damaged
+        words = str(error).partition("\n")[0]
+        raise InputError([Problem(f"cannot be read as NetCDF: {words}", str(path))]) from None
+
+
+def _of_dataset(dataset: "Dataset", shown: str) -> CurrentRecord:
+    east, north = (_variable(dataset, key, shown).squeeze(drop=True) for key in ("east", "north"))
+    time = _variable(dataset, "time", shown)
+    if not is_since(time.attrs.get("units")) or time.ndim != 1:
+        raise InputError([Problem("its times are no dates along one dimension", shown)])
+    others = [name for name in east.dims if name != time.dims[0]]
+    if time.dims[0] not in east.dims or len(others) > 1 or set(east.dims) != set(north.dims):
+        message = f"expected currents against time and depth, they have {', '.join(map(str, east.dims))}"
+        raise InputError([Problem(message, shown)])
+    axis = _variable(dataset, "depth", shown)
+    depth = np.atleast_1d(depths(axis, axis.squeeze().to_numpy().astype(float)))
+    seconds = (moments(time) - np.datetime64(0, "s")) / np.timedelta64(1, "s")
+    order, down = np.argsort(seconds), np.argsort(depth)
+    dims = (time.dims[0], *others)
+    values = [
+        speed_factor(each) * each.transpose(*dims).to_numpy().astype(float).reshape(len(seconds), -1)
+        for each in (east, north)
+    ]
+    if values[0].shape[1] != depth.size:
+        raise InputError([Problem(f"has {values[0].shape[1]} bins and {depth.size} depths", shown)])
+    u, v = (np.where(np.abs(each) <= FASTEST, each, math.nan)[order][:, down] for each in values)
+    latitude = math.nan
+    if any(name in dataset.variables for name in _NAMES["latitude"]):
+        places = _variable(dataset, "latitude", shown).to_numpy().astype(float).ravel()
+        latitude = math.radians(float(places[0])) if places.size == 1 else math.nan
+    return CurrentRecord(np.asarray(seconds, dtype=float)[order], depth[down], u, v, latitude)
+
+
+def _variable(dataset: "Dataset", key: str, shown: str) -> "DataArray":
+    for name in _NAMES[key]:
+        if name in dataset.variables:
+            return dataset[name]
+    for other in dataset.variables:
+        if dataset[other].attrs.get("standard_name") in _STANDARD.get(key, ()):
+            return dataset[other]
+    raise InputError([Problem(f"has no variable for {key}; looked for {', '.join(_NAMES[key])}", shown)])

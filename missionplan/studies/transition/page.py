@@ -1,7 +1,7 @@
 """Report of `sweep-transition`: depth, pitch and energy of slowing down to hover, after Palmer, Hearn & Stevenson."""
 
 import shlex
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 
 import matplotlib as mpl
 import numpy as np
@@ -10,19 +10,7 @@ from matplotlib.figure import Figure as MatplotlibFigure
 
 from missionplan.arrays import Array
 from missionplan.report.axes import name_axis
-from missionplan.report.page import (
-    BLUE,
-    GREEN,
-    GREY,
-    ORANGE,
-    Drawing,
-    Figure,
-    Page,
-    PageSection,
-    Table,
-    Terminal,
-    to_figure,
-)
+from missionplan.report.page import BLUE, GREEN, GREY, ORANGE, Cells, Figure, Page, PageSection, Table, to_figure
 from missionplan.report.quantities import as_written, quantity, span_of
 from missionplan.studies.transition.sweep_transition import FORCE, PAIR, SUCTION, TimeHistory, TransitionSweep
 
@@ -196,13 +184,13 @@ def page(result: TransitionSweep) -> Page:
         numbers=_numbers(result),
         write=lambda: _sections(result),
         rerun=f"missionplan sweep-transition {shlex.quote(made.file)} --phase {phase}",
-        glance=lambda: terminal(result),
-        plots=PLOTS,
+        table=lambda: _cells(result),
+        plots={"energy": draw_energy, "rise": rise, "pitch": pitch},
     )
 
 
-def terminal(result: TransitionSweep) -> Terminal:
-    """Build the terminal's view of a sweep."""
+def _cells(result: TransitionSweep) -> Cells:
+    """Tabulate the sweep for a terminal."""
     cells = result.shown(FORCE)
     cells = cells[cells["steepness_m_s"] == cells["steepness_m_s"].median()]
     names = ("mid_speed_m_s", "depth_excursion_m", "pitch_excursion_rad", "energy_common_wh", "energy_to_hover_wh")
@@ -217,7 +205,7 @@ def terminal(result: TransitionSweep) -> Terminal:
         for speed, depth, pitch, common, own in cells[list(names)].to_numpy(dtype=float)
     ]
     columns = ("mid-transition speed", "depth excursion", "pitch excursion", "energy, all hover", "it hovers")
-    return Terminal(answer(result), columns, rows)
+    return columns, rows
 
 
 def answer(result: TransitionSweep) -> str:
@@ -313,7 +301,3 @@ def rise(axes: Axes, result: TransitionSweep) -> None:
 def pitch(axes: Axes, result: TransitionSweep) -> None:
     """Draw the pitch for each mid-transition speed."""
     draw_histories(axes, result.by_mid_speed, pitch_of, "pitch (°)")
-
-
-PLOTS: Mapping[str, Drawing] = {"energy": draw_energy, "rise": rise, "pitch": pitch}
-"""Plots on given axes by name, the main one first."""

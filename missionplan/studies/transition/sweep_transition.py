@@ -50,13 +50,7 @@ class TimeHistory:
 
 @dataclass(frozen=True)
 class TransitionSweep(Result):
-    """Result of `sweep-transition`.
-
-    Attributes
-    ----------
-    by_mid_speed, by_steepness : tuple of TimeHistory
-        One thruster, force alone, at the shown deceleration (Figs. 6 to 9).
-    """
+    """Result of `sweep-transition`."""
 
     report: ClassVar[str] = "missionplan.studies.transition.page"
     provenance: Provenance
@@ -73,6 +67,7 @@ class TransitionSweep(Result):
     ]
     by_mid_speed: tuple[TimeHistory, ...]
     by_steepness: tuple[TimeHistory, ...]
+    """One thruster, force alone, at the shown deceleration (Figs. 6 to 9)."""
     by_variant: tuple[TimeHistory, ...]
     """The variants at the shown deceleration, steepness and mid-transition speed (Fig. 14)."""
     hover: Annotated[
@@ -136,14 +131,7 @@ SAMPLE = 1.0
 class GridRuns:
     """Every combination of a grid, run side by side.
 
-    Parameters
-    ----------
-    grid : TransitionGrid
-    vehicle : TransitionVehicle
-    manoeuvre : Manoeuvre
-        Its deceleration, steepness and mid-transition speed are replaced by the grid's.
-    time_step : float
-        [s]
+    `manoeuvre`: its deceleration, steepness and mid-transition speed are replaced by the grid's. `time_step`: [s].
     """
 
     def __init__(

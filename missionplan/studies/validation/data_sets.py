@@ -11,7 +11,7 @@ from missionplan.datasets.summaries import SummaryData, read_summary
 from missionplan.datasets.tank import TANK_FORMATS, read_tank_data
 from missionplan.errors import InputError, Problem
 from missionplan.mission import Mission
-from missionplan.studies.validation.readiness import Readiness, Validated
+from missionplan.studies.validation.validate import Readiness, Validated
 
 _Read = Callable[[Path, Mission], TransitData | DescentData | SummaryData]
 DIAGNOSED: dict[str, _Read] = {"transit": read_transit, "descent": read_descent, "summary": read_summary}
@@ -27,19 +27,8 @@ _STAND_IN = {
 def check_dataset(path: Path, mission: Mission | None, *, allow_outside: bool = False) -> None:
     """Read a data set for what is wrong with it, before a diagnosis is imported for it.
 
-    Parameters
-    ----------
-    path : Path
-        Of its folder.
-    mission : Mission or None
-        None where it cannot be read: the data set is then checked alone.
-    allow_outside : bool
-        Whether its table may lie outside its folder.
-
-    Raises
-    ------
-    InputError
-        All problems of the data set.
+    `path`: of its folder. `mission`: None where it cannot be read: the data set is then checked alone. `allow_outside`:
+    whether its table may lie outside its folder. Raises InputError with all problems of the data set.
     """
     with files_outside(allowed=allow_outside):
         kind = dataset_kind(path, (*DIAGNOSED, *TANK_FORMATS))

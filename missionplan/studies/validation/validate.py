@@ -1,6 +1,7 @@
 """`validate`: what missions, data sets and folders are good for, and every problem of theirs at once."""
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import dataclass
 from itertools import pairwise
 from pathlib import Path, PurePath
 
@@ -10,6 +11,7 @@ from missionplan.arrays import Array, Scalars
 from missionplan.errors import InputError, Problem
 from missionplan.mission import Mission, MissionOrPath, load
 from missionplan.mission.schema.phases import MoorPhase, TransitPhase
+from missionplan.mission.schema.shared_sections import ValueInForce
 from missionplan.mission.views import TransitionMission, TransitMission
 from missionplan.phases.place.place import Cause, Contact, Place, Way
 from missionplan.scenario.anchors import design_current
@@ -28,17 +30,61 @@ from missionplan.studies.simulation.checks import (
     input_notices,
     vehicle_notices,
 )
-from missionplan.studies.validation.readiness import Readiness, Validated, needs
+
+
+@dataclass(frozen=True)
+class Readiness:
+    """Whether one command can use a file."""
+
+    command: str
+    needs: tuple[str, ...] = ()
+    """What is missing or wrong; none where it is ready."""
+    without: str = ""
+    """What a part of its answer needs, where it is ready."""
+
+    def __str__(self) -> str:
+        words = f"needs {'; '.join(self.needs)}" if self.needs else "ready"
+        return f"{self.command:<17} {words}" + (f"; needs {self.without}" if self.without and not self.needs else "")
+
+
+@dataclass(frozen=True)
+class Validated:
+    """What was found of one file or data set."""
+
+    path: Path
+    summary: str = ""
+    """What it is."""
+    values: tuple[ValueInForce, ...] = ()
+    """Of a mission, what is in force of the keys that its vehicle file may give too."""
+    table: tuple[Readiness, ...] = ()
+    """What it is good for."""
+    notices: tuple[str, ...] = ()
+    """What is unusual."""
+    problems: tuple[Problem, ...] = ()
+    """What is wrong; then there is no more."""
+
+
+def needs(check: Callable[[], object]) -> tuple[str, ...]:
+    """What a check refuses, in words: the key path where it is missing."""
+    try:
+        check()
+    except InputError as error:
+        return tuple(_in_words(problem) for problem in error.problems)
+    return ()
+
+
+def _in_words(problem: Problem) -> str:
+    if problem.message.startswith("missing"):
+        return problem.key
+    words = problem.message.removeprefix("the mission has no ")
+    return f"a {words}" if words != problem.message else f"{problem.key}: {words}" if problem.key else words
 
 
 def validated_mission(path: Path, mission: Mission) -> Validated:
     """Check a mission that has been read.
 
-    Raises
-    ------
-    InputError
-        When the current cannot be read or does not cover the mission, a nominal dive is impossible, or what may be
-        chosen is wrong.
+    Raises InputError when the current cannot be read or does not cover the mission, a nominal dive is impossible, or
+    what may be chosen is wrong.
     """
     wrong = _wrong_choices(mission)
     try:
@@ -66,7 +112,7 @@ def validated_mission(path: Path, mission: Mission) -> Validated:
         Readiness("plan-legs", legs),
         Readiness("size-anchor", needs(lambda: _sizable(means)), _construction(mission)),
         Readiness("sweep-transition", needs(lambda: TransitionMission.of(mission))),
-        Readiness("optimise", simulation or _requirements(mission), _choices(mission)),
+        Readiness("optimise", simulation or (() if mission.requirements else ("requirements",)), _choices(mission)),
     )
     summary = f"valid. Phases: {kinds}; {len(mission.uncertain())} quantities are distributions."
     summary += cover_in_words(mission, means.recorded)
@@ -98,10 +144,6 @@ def _wrong_choices(mission: Mission) -> list[Problem]:
     except InputError as error:
         return list(error.problems)
     return []
-
-
-def _requirements(mission: Mission) -> tuple[str, ...]:
-    return () if mission.requirements else ("requirements",)
 
 
 def _choices(mission: Mission) -> str:
@@ -190,10 +232,7 @@ def check_place(means: Scenario) -> None:
     A goal is refused that itself cannot be; a way, when start and goal are not joined by water within a strip of six
     standard deviations of a leg's end to each side.
 
-    Raises
-    ------
-    InputError
-        With each goal, mooring and way.
+    Raises InputError with each goal, mooring and way.
     """
     if means.place is not None and (problems := list(_problems(means, means.place))):
         raise InputError(problems)
@@ -284,7 +323,7 @@ def tracks_lost(means: Scenario) -> tuple[str, ...]:
     if means.place is None:
         return ()
     # what simulates is loaded for missions with a place alone
-    from missionplan.results.failures import MET
+    from missionplan.results.entries import MET
     from missionplan.studies.simulation.block_statistics import failures_by_step
     from missionplan.studies.simulation.trial_block import run_block
 

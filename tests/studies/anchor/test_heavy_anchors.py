@@ -6,7 +6,7 @@ import pytest
 from missionplan import Mission
 from missionplan.scenario.anchors import anchor_flooded_mass
 from missionplan.scenario.scenario import Scenario
-from missionplan.studies.anchor.dive_trials import AnchorTrials
+from missionplan.studies.anchor.sizing import AnchorTrials
 
 MISSION = {
     "name": "a small vehicle in a strong current",

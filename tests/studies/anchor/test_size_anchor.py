@@ -11,10 +11,9 @@ import pytest
 from missionplan.errors import InputError
 from missionplan.mission import Mission, load
 from missionplan.scenario.scenario import Scenario
-from missionplan.studies.anchor.dive_trials import AnchorTrials
 from missionplan.studies.anchor.lightest_anchor import Demand, lightest_anchor
 from missionplan.studies.anchor.size_anchor import size_anchor, worst_case_anchor
-from missionplan.studies.anchor.sizing import AnchorSizer
+from missionplan.studies.anchor.sizing import AnchorSizer, AnchorTrials
 from missionplan.studies.judgement import FRESH
 
 MISSIONS = Path(__file__).parents[3] / "missions"

@@ -9,8 +9,8 @@ import missionplan
 from missionplan.errors import InputError
 from missionplan.report.render import terminal_view
 from missionplan.results.base import to_yaml
-from missionplan.studies.comparison.alternatives_page import answer, page, terminal
-from missionplan.studies.comparison.changes_page import task_in_words
+from missionplan.studies.comparison.alternatives_page import answer, page
+from missionplan.studies.comparison.choices_page import task_in_words
 from missionplan.studies.comparison.result import Alternatives, parts_of_task
 from missionplan.studies.exploration.variation import with_values
 
@@ -64,7 +64,7 @@ def test_the_cells_that_both_have_tried_stand_side_by_side(folder):
     assert page(found).figure.name == "cells"
     (cells,) = (section for section in page(found).sections if section.heading.startswith("P(success) of the 3"))
     assert [row[0] for row in cells.blocks[0].rows] == ["1 m/s", "1.5 m/s", "2 m/s"]
-    assert "all requirements met" in terminal(found).columns
+    assert "all requirements met" in terminal_view(found).columns
     found.save(folder / "compared")
     assert "Side by side" in (folder / "compared" / "report.html").read_text()
 

@@ -7,7 +7,7 @@ import pytest
 
 import missionplan
 from missionplan.studies.exploration.cells import CellTrials
-from missionplan.studies.exploration.findings import race
+from missionplan.studies.exploration.explore import race
 
 MISSIONS = Path(__file__).parents[3] / "missions"
 

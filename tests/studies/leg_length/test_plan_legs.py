@@ -11,10 +11,10 @@ from missionplan.mission import load
 from missionplan.montecarlo.statistics import wilson
 from missionplan.phases.transit.plan import LegTable
 from missionplan.studies.leg_length import optimise_legs, paired_trials
-from missionplan.studies.leg_length.analytic_transit import fit_leg_spread
+from missionplan.studies.leg_length.analytic_transit import PolicyFamily, fit_leg_spread
 from missionplan.studies.leg_length.paired_trials import LegsAtSpeed, best_plan, run_plans
 from missionplan.studies.leg_length.plan_legs import plan_legs
-from missionplan.studies.leg_length.policy_search import PolicyFamily
+from missionplan.studies.leg_length.plan_result import MeanAndError
 from missionplan.studies.leg_length.sweep_dmax import sweep_dmax
 from missionplan.studies.leg_length.sweep_scenario import SweepScenario
 
@@ -52,7 +52,7 @@ def test_monte_carlo_agrees_with_the_integral_equation(plan):
     case = plan.cases[0]
     assert case.adaptive.cost == pytest.approx(plan.expected_cost, abs=3 * case.adaptive.standard_error)
     assert case.fixed.cost == pytest.approx(plan.fixed_cost, abs=3 * case.fixed.standard_error)
-    assert case.saving == pytest.approx(plan.saving, abs=3 * case.saving_error)
+    assert case.saved.mean == pytest.approx(plan.saving, abs=3 * case.saved.standard_error)
     assert case.adaptive.arrived.value == 1.0
 
 
@@ -84,17 +84,19 @@ def adaptive(erratic):
 def test_a_saving_of_three_hundredths_is_worth_a_table(adaptive):
     whole = adaptive.nominal_time * (1.0 + adaptive.fixed_cost)
     assert adaptive.saving / whole == pytest.approx(0.0315, abs=0.001)
-    assert adaptive.cases[0].saving == pytest.approx(adaptive.saving, abs=3.0 * adaptive.cases[0].saving_error)
+    assert adaptive.cases[0].saved.mean == pytest.approx(
+        adaptive.saving, abs=3.0 * adaptive.cases[0].saved.standard_error
+    )
     assert adaptive.recommended
 
 
 def test_a_table_is_not_recommended_that_loses_under_a_doubt_or_arrives_less_often(adaptive):
     own, *others = adaptive.cases
-    losing = replace(others[-1], saving=-1.0)
+    losing = replace(others[-1], saved=MeanAndError(-1.0, others[-1].saved.standard_error))
     assert not replace(adaptive, cases=(own, *others[:-1], losing)).recommended
     rarely = replace(own, adaptive=replace(own.adaptive, arrived=wilson(3900, 4000)))
     assert not replace(adaptive, cases=(rarely, *others)).recommended
-    unsure = replace(own, saving_error=own.saving / 2.9)
+    unsure = replace(own, saved=MeanAndError(own.saved.mean, own.saved.mean / 2.9))
     assert not replace(adaptive, cases=(unsure, *others)).recommended
 
 
@@ -284,7 +286,7 @@ def test_plans_run_together_have_the_numbers_that_each_has_alone(method, tmp_pat
 @pytest.mark.slow
 def test_where_drift_is_learnt_the_table_is_no_worse_than_the_best_fixed_d_max(learning):
     own = plan_legs(learning).cases[0]
-    assert own.saving > -3.0 * own.saving_error
+    assert own.saved.mean > -3.0 * own.saved.standard_error
 
 
 def test_sweep_and_plan_recommend_a_d_max_of_the_same_cost_and_arrivals(learning, monkeypatch):

@@ -13,12 +13,11 @@ from missionplan.mission import Mission
 from missionplan.phases.currents import Current, Leeway, layers, leeway_velocity
 from missionplan.phases.place.place import Place
 from missionplan.phases.place.zones import Fence, Zone
-from missionplan.results.overdue import AFLOAT, DriftAssumption
+from missionplan.results.whereabouts import AFLOAT, DriftAssumption
 from missionplan.scenario.scenario import Scenario
 from missionplan.studies.overdue.drift import UNSTATED_ERROR, UNSTATED_TIME, Drift
-from missionplan.studies.overdue.losses import Losses
-from missionplan.studies.overdue.search_areas import search_areas
-from missionplan.studies.overdue.searches import Search, encloses, read_searches
+from missionplan.studies.overdue.losses import Losses, Search, encloses, read_searches
+from missionplan.studies.overdue.overdue import search_areas
 
 DAY = 86_400.0
 WINDY = """

@@ -17,8 +17,8 @@ from missionplan.rendering import render
 from missionplan.report.drawn import style
 from missionplan.report.page import Figure
 from missionplan.report.simulation.overdue import overdue_section
-from missionplan.results.overdue import SearchArea
 from missionplan.results.simulation import Outcome
+from missionplan.results.whereabouts import SearchArea
 from missionplan.scenario.scenario import Scenario
 from missionplan.studies.overdue.drift import Drift
 from missionplan.studies.simulation.simulate import simulate

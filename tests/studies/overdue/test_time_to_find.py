@@ -10,7 +10,7 @@ import pytest
 
 import missionplan
 from missionplan.mission import Mission
-from missionplan.results.overdue import AFLOAT
+from missionplan.results.whereabouts import AFLOAT
 
 SPEED, WIDTH = 5.0, 200.0
 """Of the boat [m/s], and its sweep width for a low torpedo [m]."""

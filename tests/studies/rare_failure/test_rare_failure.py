@@ -21,8 +21,7 @@ from missionplan.montecarlo.rare_events.strata import StrataView, strata
 from missionplan.montecarlo.rare_events.subset_simulation import Key, NormalPopulation
 from missionplan.montecarlo.streams import BLOCK, LegNormals, stream
 from missionplan.scenario.scenario import Scenario
-from missionplan.studies.rare_failure.driven_trials import DrivenMission, discrete_values
-from missionplan.studies.rare_failure.event import RareEvent
+from missionplan.studies.rare_failure.driven_trials import DrivenMission, RareEvent, discrete_values
 from missionplan.studies.rare_failure.find_rare_failure import find_rare_failure
 from missionplan.studies.simulation.simulate import simulate
 from missionplan.studies.simulation.trial_block import run_block

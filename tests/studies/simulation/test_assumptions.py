@@ -9,7 +9,7 @@ import scipy
 import missionplan
 from missionplan.rendering import render
 from missionplan.report.render import terminal_view
-from missionplan.studies.simulation.assumptions import Doubt, doubts_of, ledger
+from missionplan.studies.judgement import Doubt, doubts_of, ledger
 
 ONE_LEG = """
 name: One leg across an exact current
@@ -71,7 +71,7 @@ def test_what_is_taken_for_granted_is_named(tmp_path):
 
 def test_an_assumption_that_cannot_be_run_is_not_passed_over(one_leg, monkeypatch):
     wrong = Doubt("the keel is even", "another", {"vehicle.keel": "uneven"})
-    monkeypatch.setattr("missionplan.studies.simulation.assumptions.doubts_of", lambda _: iter([wrong]))
+    monkeypatch.setattr("missionplan.studies.judgement.doubts_of", lambda _: iter([wrong]))
     outcome = missionplan.simulate(one_leg("0 m/s"), assumptions=True)
     (found,) = outcome.assumptions
     assert math.isnan(found.worth)

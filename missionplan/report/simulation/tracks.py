@@ -13,7 +13,7 @@ from missionplan.exporters.maps.geojson import Feature, area_feature, feature, l
 from missionplan.exporters.maps.geometry import Origin, longitudes_latitudes, parts
 from missionplan.exporters.maps.kml import kml, plan_folders, properties_of
 from missionplan.exporters.table import known
-from missionplan.report.geography.plan_view import describe, median_trial, rings
+from missionplan.report.plan_view import describe, median_trial, rings
 from missionplan.results.plan import PlannedMooring
 from missionplan.results.simulation import Outcome
 
