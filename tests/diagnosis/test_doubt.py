@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+import yaml
 
 from missionplan import diagnose
 from missionplan.diagnosis.explanations import explained_missions
@@ -10,7 +11,7 @@ from missionplan.effects import CATALOGUE
 from missionplan.mission import Mission, load
 from missionplan.report.diagnosis.kind_report import explanations_in_words
 from missionplan.report.render import render_report
-from tests.conftest import dated
+from tests.conftest import TRANSIT, dated, make_legs
 
 KIND = {"kind": "transit", "name": "legs", "noise": {"fix": "3 m"}}
 EASTWARD = (0.5 * np.pi, np.radians(10.0))
@@ -25,11 +26,13 @@ def slow_and_aside(t, heading):
     return slow(t, heading) + np.array([[0.0], [0.015]])
 
 
-@pytest.fixture
-def ambiguous(folder, transit_mission, legs):
+@pytest.fixture(scope="module")
+def ambiguous(tmp_path_factory):
     """Diagnose legs within a narrow range of headings of a vehicle that is slow, or meets a current."""
-    place = folder(KIND, dated(legs(30, seed=3, about=EASTWARD, error=slow_and_aside)))
-    return diagnose(transit_mission, place, plan=False), place
+    place = tmp_path_factory.mktemp("legs")
+    (place / "dataset.yaml").write_text(yaml.safe_dump({"file": "rows.csv", **KIND}))
+    dated(make_legs(30, seed=3, about=EASTWARD, error=slow_and_aside)).to_csv(place / "rows.csv", index=False)
+    return diagnose(Mission.from_data(TRANSIT), place, plan=False), place
 
 
 def shares(extended):

@@ -140,6 +140,7 @@ def test_legs_are_judged_over_all_members_by_their_weights(tmp_path):
     lengths = {
         "sweep": {"d_max": ["400 m", "900 m"], "sigma": ["0.05 m/s"]},
         "navigation.drift_compensation": "last-leg",
+        "requirements": [],
     }
     together = ensemble_mission(tmp_path, speeds, changes=lengths)
     swept = sweep_dmax(together, trials=1500).summary()["sweep"][0]["curve"]
