@@ -116,7 +116,7 @@ def test_a_position_that_stands_still_is_told(seaexplorer):
 
 @pytest.mark.parametrize(
     ("folder", "module", "counted"),
-    [("seaglider-sg180", "netCDF4", 6), ("og1-sg033", "netCDF4", 10), ("seaexplorer-sea046", "numpy", 3),
+    [pytest.param("seaglider-sg180", "netCDF4", 6, marks=pytest.mark.slow), ("og1-sg033", "netCDF4", 10), ("seaexplorer-sea046", "numpy", 3),
      ("moos-helm", "numpy", 20), ("slocum-bass2015", "dbdreader", 2)],
 )  # fmt: skip
 def test_legs_of_further_vehicles_are_those_of_the_reference(folder, module, counted):

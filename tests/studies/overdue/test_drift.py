@@ -131,10 +131,10 @@ def test_a_wind_is_read_from_a_field_at_one_height(windy, tmp_path):
 def test_a_current_without_error_has_the_stated_one_on_the_sheet(windy):
     calm = "{speed: 0 m/s, from: 0 deg}"
     exact, uncertain = (windy(speed, calm) for speed in ("0.3 m/s", "{mean: 0.3 m/s, sd: 0.1 m/s}"))
-    drifts = [Drift.of(Scenario.at_means(each).sampled(seed=1, block=0), 1, 4096) for each in (exact, uncertain)]
+    drifts = [Drift.of(Scenario.at_means(each).sampled(seed=1, block=0), 1, 1500) for each in (exact, uncertain)]
     assert [drift.is_error_assumed for drift in drifts] == [True, False]
-    still = Drift(drifts[0].current, (), 4096)
-    (end,) = still.places(np.zeros((2, 4096)), np.zeros(4096), (DAY,))
+    still = Drift(drifts[0].current, (), 1500)
+    (end,) = still.places(np.zeros((2, 1500)), np.zeros(1500), (DAY,))
     x = DAY / UNSTATED_TIME
     variance = 2.0 * UNSTATED_ERROR**2 * UNSTATED_TIME**2 * (x - 1.0 + np.exp(-x))  # Taylor 1921
     assert end.std(axis=1) == pytest.approx(np.sqrt(variance), rel=0.06)

@@ -60,7 +60,7 @@ def test_the_filter_expects_the_error_and_learns_it(tmp_path):
     spread = {}
     for way in ("forecast", "filter"):
         mission = erring(tmp_path, legs | {"navigation.drift_compensation": way}, time="100000 s")
-        found = simulate(mission, trials=1500, seed=4, sheet=False)
+        found = simulate(mission, trials=500, seed=4, sheet=False)
         spread[way] = found.phases[0].quantities["arrival_error_m"].mean
     assert spread["filter"] < 0.9 * spread["forecast"]
 
