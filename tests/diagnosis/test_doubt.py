@@ -96,6 +96,7 @@ def test_data_that_can_tell_end_the_doubt(ambiguous, folder, legs):
     assert abs(estimate.value + 0.06) < 3.0 * estimate.sd
 
 
+@pytest.mark.slow
 def test_what_is_found_leaves_a_doubt_of_which_the_data_say_nothing(folder, transit_mission, legs):
     """Dives left two explanations; legs that find something else are as likely with either."""
     dives = [

@@ -69,6 +69,7 @@ def distance(found, whole):
     return max(means), max(abs(np.log(found[name][1] / sd)) for name, (_, sd) in whole.items())
 
 
+@pytest.mark.slow
 def test_two_halves_one_after_the_other_tell_what_the_whole_does(transit_mission, legs, folder):
     """Nearly: between records every effect may change by its spike, and σ_v is fitted to each half."""
     mission = Mission.from_data({**transit_mission.raw, "effects": WIDE})

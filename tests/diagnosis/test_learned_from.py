@@ -138,6 +138,7 @@ def test_explanations_in_doubt_stay_as_probable_as_they_were(written):
     assert [(each.prior, each.probability) for each in again.explanations] == [(0.6, 0.6), (0.4, 0.4)]
 
 
+@pytest.mark.slow
 def test_a_score_on_data_learned_from_says_so(learned, written, tmp_path):
     mission, place = as_written(learned, tmp_path), written("copy", log())
     found = missionplan.score(mission, place, written("new", log(20, seed=3)))
@@ -147,6 +148,7 @@ def test_a_score_on_data_learned_from_says_so(learned, written, tmp_path):
         missionplan.diagnose(mission, place, plan=False, holdout=0.3)
 
 
+@pytest.mark.slow
 def test_a_part_held_out_is_not_learned_from(written):
     found = missionplan.diagnose(Mission.from_data(TRANSIT), written("held", log(40)), plan=False, holdout=0.25)
     assert len(found.learned_from) == 30

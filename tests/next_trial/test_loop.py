@@ -84,6 +84,7 @@ def test_the_report_tells_the_trial_and_its_outcomes(first: Diagnosis, tmp_path:
     assert 0.8 < probability <= 1.0 + 1e-9
 
 
+@pytest.mark.slow
 def test_the_trial_resolves_the_doubt(second: Diagnosis) -> None:
     assert second.verdict == "explained"
     assert second.causes == ("mean-current",)
@@ -94,6 +95,7 @@ def test_the_trial_resolves_the_doubt(second: Diagnosis) -> None:
     assert second.next_trial.best is None  # the choice is made
 
 
+@pytest.mark.slow
 def test_the_mission_predicts_what_it_has_not_seen_better_each_time(first: Diagnosis, second: Diagnosis) -> None:
     missions = [load(FILES / "mission.yaml"), Mission.from_data(first.extended), Mission.from_data(second.extended)]
     found = [

@@ -88,8 +88,15 @@ def saved(result, folder):
     return result
 
 
-@pytest.mark.parametrize("count", [1, TRIALS - 1])
-@pytest.mark.parametrize("way", ["moor-line", "egress"])
+@pytest.mark.parametrize(
+    ("way", "count"),
+    [
+        ("moor-line", 1),
+        ("egress", TRIALS - 1),
+        pytest.param("moor-line", TRIALS - 1, marks=pytest.mark.slow),
+        pytest.param("egress", 1, marks=pytest.mark.slow),
+    ],
+)
 def test_simulate_reports_whatever_the_trials_did(way, count, tmp_path):
     mission = mission_that_fails(way, count)
     found = saved(missionplan.simulate(mission, trials=TRIALS, seed=1), tmp_path / "report")
