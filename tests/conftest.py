@@ -23,7 +23,8 @@ from missionplan.mission import load
 from missionplan.phases.mooring.depth_sensor import simulate_readings
 
 # no time limits: a busy machine is slow
-settings.register_profile("untimed", deadline=None, suppress_health_check=[HealthCheck.too_slow])
+settings.register_profile("untimed", deadline=None, max_examples=25, suppress_health_check=[HealthCheck.too_slow])
+settings.register_profile("thorough", settings.get_profile("untimed"), max_examples=100)
 settings.load_profile("untimed")
 
 TRANSIT = {
