@@ -7,35 +7,27 @@ Table 25.10).
 
 import itertools
 import math
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.special import logsumexp
 
 from missionplan.arrays import Array
-from missionplan.diagnosis.dives.likelihood import DescentLikelihood, inner_products
+from missionplan.diagnosis.dives.likelihood import DescentLikelihood
 from missionplan.diagnosis.dives.linearised import DIFFERENCE
 from missionplan.diagnosis.dives.noise import noise_grid
+from missionplan.diagnosis.inference.adequacy.residuals import InnerProducts
 from missionplan.diagnosis.inference.model import CauseFit
 from missionplan.diagnosis.inference.prior import log_normal_mass
-from missionplan.diagnosis.inference.set_evidence import SCALE_PRIOR, SCALES, GramMatrix, SetPriors
+from missionplan.diagnosis.inference.set_evidence import SCALE_PRIOR, SCALES, log_factor
 from missionplan.results.learned.evidence import Causes
 
 NODES, NODE_WEIGHTS = (-math.sqrt(3.0), 0.0, math.sqrt(3.0)), (1.0 / 6.0, 2.0 / 3.0, 1.0 / 6.0)
 """Points of a standard normal distribution, and their weights."""
-USUAL = 1
+USUAL = SCALES[1]
 """Scale of the slabs at which ranges are allowed for."""
-
-
-@dataclass(frozen=True)
-class _Variant:
-    """A set with its further causes at one shape each: number of the set, log weight, their strengths and columns."""
-
-    number: int
-    log_weight: float
-    strengths: tuple[int, ...]
-    places: tuple[int, ...]
 
 
 def log_gains(model: DescentLikelihood, fits: Sequence[CauseFit], supersets: Sequence[Sequence[Causes]]) -> list[Array]:
@@ -50,154 +42,133 @@ def log_gains(model: DescentLikelihood, fits: Sequence[CauseFit], supersets: Seq
     """
     if not fits:
         return []
-    shapes = [_FurtherShapes.of(model, fit) for fit in fits]
-    columns = _columns(model, fits, shapes)
-    return [
-        _gains_where_known(model, fit, sets, own, further)
-        for fit, sets, own, further in zip(fits, supersets, shapes, columns, strict=True)
-    ]
+    columns = _columns(model, fits)
+    return [_gains_where_known(model, fit, sets, own) for fit, sets, own in zip(fits, supersets, columns, strict=True)]
 
 
 @dataclass(frozen=True)
-class _FurtherShapes:
-    """Effects that a fit does not have at other shapes than the linearisation's."""
+class _FurtherColumns:
+    """What the readings of a fit respond to strengths of effects at several shapes each."""
 
-    strengths: list[int]
-    """Coordinate of each one's strength."""
-    settings: Array
-    """Coordinates at which the phase is run, shape (k, m)."""
+    strengths: tuple[int, ...]
+    """Coordinate of each column."""
+    values: Array
+    """Response to a strength of its slab, shape (N, m) [m]."""
 
-    @classmethod
-    def of(cls, model: DescentLikelihood, fit: CauseFit) -> "_FurtherShapes":
-        at, known = fit.state.linear.at, {*fit.causes, *(each.effect for each in model.given)}
-        strengths, settings = [], []
-        for name in model.candidates:
-            own = [(i, c) for i, c in enumerate(model.coordinates) if c.effect == name]
-            shapes = [i for i, c in own if c.kind == "shape"]
-            if name in known or name in model.unnamed or not shapes:
-                continue
-            (strength,) = (i for i, c in own if c.kind != "shape")
-            for node in (NODES[0], NODES[-1]):
-                moved = at.copy()
-                moved[strength] += DIFFERENCE * model.slab[strength]
-                moved[shapes[0]] += node * model.slab[shapes[0]]
-                strengths.append(strength)
-                settings.append(moved)
-        return cls(strengths, np.stack(settings, axis=1) if settings else np.zeros((len(at), 0)))
-
-    def places(self, strength: int, first: int) -> list[int]:
-        """Columns of a strength at the points of its shape, those at other shapes from the number given on."""
-        others = [first + place for place, own in enumerate(self.strengths) if own == strength]
-        return [others[0], strength, others[1]] if others else [strength]
+    def places(self, strength: int) -> list[int]:
+        """Columns of a strength at the points of its shape, or the one of an effect without."""
+        first, *others = (place for place, own in enumerate(self.strengths) if own == strength)
+        return [others[0], first, others[1]] if others else [first]
 
 
-def _columns(model: DescentLikelihood, fits: Sequence[CauseFit], shapes: Sequence[_FurtherShapes]) -> list[Array]:
-    """Sensitivities to the strengths at other shapes, shape (N, m) for each fit, by one call of the phase."""
-    widths = np.array([own.settings.shape[1] for own in shapes])
-    if not widths.sum():
-        return [np.zeros((len(model.y), 0)) for _ in fits]
+def _columns(model: DescentLikelihood, fits: Sequence[CauseFit]) -> list[_FurtherColumns]:
+    """Columns of the linearisation, and those at other shapes of effects that a fit does not have."""
+    others = [_other_shapes(model, fit) for fit in fits]
+    widths = np.array([len(strengths) for strengths, _ in others])
+    settings = np.concatenate([own for _, own in others], axis=1)
     delays = np.repeat(np.stack([fit.state.linear.release_delays for fit in fits]), widths, axis=0)
-    readings = model.forward.readings(model.coordinates, np.concatenate([s.settings for s in shapes], axis=1), delays)
+    readings = (
+        model.forward.readings(model.coordinates, settings, delays) if widths.any() else np.zeros((len(model.y), 0))
+    )
     blocks = np.split(readings, np.cumsum(widths)[:-1], axis=1)
-    return [
-        (block - fit.state.linear.readings[:, None]) / (DIFFERENCE * model.slab[own.strengths])
-        for fit, own, block in zip(fits, shapes, blocks, strict=True)
-    ]
+    here = [i for i, coordinate in enumerate(model.coordinates) if coordinate.kind != "shape"]
+    found = []
+    for fit, (strengths, _), block in zip(fits, others, blocks, strict=True):
+        linear = fit.state.linear
+        own = linear.columns[:, here] * model.slab[here]
+        more = (block - linear.readings[:, None]) / DIFFERENCE if strengths else np.zeros((len(own), 0))
+        found.append(_FurtherColumns((*here, *strengths), np.concatenate([own, more], axis=1)))
+    return found
+
+
+def _other_shapes(model: DescentLikelihood, fit: CauseFit) -> tuple[list[int], Array]:
+    """Strengths of effects that a fit does not have, and coordinates at which their shapes are others, (k, m)."""
+    at, known = fit.state.linear.at, {*fit.causes, *(each.effect for each in model.given)}
+    strengths, settings = [], [np.zeros((len(at), 0))]
+    for name in model.candidates:
+        own = [(i, c) for i, c in enumerate(model.coordinates) if c.effect == name]
+        shapes = [i for i, c in own if c.kind == "shape"]
+        if name in known or name in model.unnamed or not shapes:
+            continue
+        (strength,) = (i for i, c in own if c.kind != "shape")
+        for node in (NODES[0], NODES[-1]):
+            moved = at.copy()
+            moved[strength] += DIFFERENCE * model.slab[strength]
+            moved[shapes[0]] += node * model.slab[shapes[0]]
+            strengths.append(strength)
+            settings.append(moved[:, None])
+    return strengths, np.concatenate(settings, axis=1)
 
 
 def _gains_where_known(
-    model: DescentLikelihood, fit: CauseFit, sets: Sequence[Causes], shapes: _FurtherShapes, further: Array
+    model: DescentLikelihood, fit: CauseFit, sets: Sequence[Causes], columns: _FurtherColumns
 ) -> Array:
     """Gains of the supersets of one fit; none where the linearisation has no numbers for them."""
     try:
-        gains = _gains(model, fit, sets, shapes, further)
+        gains = _gains(model, fit, sets, columns)
     except np.linalg.LinAlgError:
         return np.full(len(sets), -np.inf)
     return np.where(np.isnan(gains), -np.inf, gains)
 
 
-def _gains(
-    model: DescentLikelihood, fit: CauseFit, sets: Sequence[Causes], shapes: _FurtherShapes, further: Array
-) -> Array:
+def _gains(model: DescentLikelihood, fit: CauseFit, sets: Sequence[Causes], columns: _FurtherColumns) -> Array:
     """Gains of the supersets of one fit, at its likeliest noise."""
-    linear, noise = fit.state.linear, noise_grid()[fit.state.best_noise]
-    joined = np.concatenate([linear.columns, linear.curvature[:, None], further, linear.y[:, None]], axis=1)
-    parts = [
-        inner_products(covariance, joined[rows])
-        for rows, covariance in zip(model.parts, model.covariances(linear, (noise,)), strict=True)
-    ]
-    products, determinant = (sum(part[i][0] for part in parts) for i in (0, 1))
-    gram = GramMatrix.of(np.asarray(products), float(determinant), len(model.y))
-    k = len(model.coordinates)
-    root = np.zeros((len(products) - 1,) * 2)
-    known = fit.state.prior_sd
-    root[:k, :k] = np.diag(known) if known.ndim == 1 else known
-    root[k, k] = noise.scatter
-    before = SetPriors(np.zeros((1, len(root))), root[None]).log_density(gram)
-    variants = list(_variants(model, fit, sets, shapes))
-    scaled = [_priors(model, fit, sets, variants, root, scale) for scale in SCALES]
-    logs = np.stack([own.log_densities([gram])[0] + math.log(p) for own, p in zip(scaled, SCALE_PRIOR, strict=True)])
-    each = logsumexp(logs, axis=0) + np.array([variant.log_weight for variant in variants])
-    each += _inside(model, fit, sets, variants, scaled[USUAL].posterior([gram]))
-    numbers = np.array([variant.number for variant in variants])
-    return np.array([logsumexp(each[numbers == number]) for number in range(len(sets))]) - before
+    known = {each.effect for each in model.given}
+    changed = [tuple(name for name in causes if name in known and name not in fit.causes) for causes in sets]
+    products = {own: _products(model, fit, own, columns.values) for own in {(), *changed}}
+    plain = _log_density(products[()])
+    prior = model.prior(model.candidates)
+    slabs = _Slabs(model.slab, prior.centre, *prior.bounds, prior.log_masses)
+    gains = []
+    for causes, own in zip(sets, changed, strict=True):
+        more = set(causes) - set(fit.causes)
+        strengths = np.array([i for i, c in enumerate(model.coordinates) if c.effect in more and c.kind != "shape"])
+        gains.append(_gain(strengths, columns, products[own].gram, slabs) + _log_density(products[own]))
+    return np.array(gains) - plain
 
 
-def _added(model: DescentLikelihood, fit: CauseFit, causes: Causes) -> tuple[int, ...]:
-    """Strengths of the causes that a set adds."""
-    more = set(causes) - set(fit.causes)
-    return tuple(i for i, c in enumerate(model.coordinates) if c.effect in more and c.kind != "shape")
+@dataclass(frozen=True)
+class _Slabs:
+    """Standard deviations, means, ranges, and log probabilities of these, of all coordinates as causes, shape (k,)."""
+
+    sd: Array
+    centre: Array
+    low: Array
+    high: Array
+    log_masses: Array
 
 
-def _variants(
-    model: DescentLikelihood, fit: CauseFit, sets: Sequence[Causes], shapes: _FurtherShapes
-) -> Iterator[_Variant]:
-    first = len(model.coordinates) + 1
-    for number, causes in enumerate(sets):
-        strengths = _added(model, fit, causes)
-        choices = [shapes.places(strength, first) for strength in strengths]
-        weights = [NODE_WEIGHTS if len(places) > 1 else (1.0,) for places in choices]
-        for places, shares in zip(itertools.product(*choices), itertools.product(*weights), strict=True):
-            yield _Variant(number, math.log(math.prod(shares)), strengths, places)
-
-
-def _priors(
-    model: DescentLikelihood,
-    fit: CauseFit,
-    sets: Sequence[Causes],
-    variants: Sequence[_Variant],
-    root: Array,
-    scale: float,
-) -> SetPriors:
-    """Priors with the further causes' slabs at a scale; those of the fit are at their likeliest."""
-    factors = np.repeat(root[None], len(variants), axis=0)
-    means = np.zeros((len(variants), len(root)))
-    k = len(model.coordinates)
-    centres = {causes: model.prior(causes).centre - fit.state.linear.centre for causes in set(sets)}
-    for row, variant in enumerate(variants):
-        means[row, :k] = centres[sets[variant.number]]
-        for strength, place in zip(variant.strengths, variant.places, strict=True):
-            factors[row, place] = factors[row, :, place] = 0.0
-            factors[row, place, place] = scale * model.slab[strength]
-    return SetPriors(means, factors)
-
-
-def _inside(
-    model: DescentLikelihood,
-    fit: CauseFit,
-    sets: Sequence[Causes],
-    variants: Sequence[_Variant],
-    posterior: tuple[Array, Array],
-) -> Array:
-    """Log share of each posterior in which the further causes' strengths are possible, over the prior's, shape (v,)."""
-    (means,), (roots,) = posterior
-    sd = np.linalg.norm(roots, axis=-1)
-    priors = {causes: model.prior(causes) for causes in set(sets)}
-    found = np.zeros(len(variants))
-    for row, variant in enumerate(variants):
-        prior = priors[sets[variant.number]]
-        for strength, place in zip(variant.strengths, variant.places, strict=True):
-            at = fit.state.linear.centre[strength] + means[row, place]
-            low, high = ((end[strength] - at) / sd[row, place] for end in prior.bounds)
-            found[row] += float(log_normal_mass(low, high) - prior.log_masses[strength])
+def _products(model: DescentLikelihood, fit: CauseFit, changed: Causes, columns: Array) -> InnerProducts:
+    """Inner products of columns and data beside a fit, without what the mission knew of effects that have changed."""
+    linear, prior_sd = fit.state.linear, fit.state.prior_sd
+    if changed:
+        centre = model.prior((*fit.causes, *changed)).centre
+        own = model.free(changed)
+        prior_sd = prior_sd.copy()
+        prior_sd[[i for i in own if model.coordinates[i].kind != "shape"]] = 0.0
+        linear = replace(linear, y=linear.y - linear.columns[:, own] @ (centre - linear.centre)[own])
+    (found,) = model.products(linear, prior_sd, columns, (noise_grid()[fit.state.best_noise],))
     return found
+
+
+def _log_density(products: InnerProducts) -> float:
+    """Log density of the data without further causes, up to what all have in common."""
+    return -0.5 * (products.log_determinant + float(products.gram[-1, -1]))
+
+
+def _gain(strengths: NDArray[np.int_], columns: _FurtherColumns, gram: Array, slabs: _Slabs) -> float:
+    """What further causes add to the log density, a mean over their shapes and slabs."""
+    choices = [columns.places(strength) for strength in strengths.tolist()]
+    places = np.array(list(itertools.product(*choices)))
+    shares = itertools.product(*(NODE_WEIGHTS if len(own) > 1 else (1.0,) for own in choices))
+    inner, right = gram[places[:, :, None], places[:, None, :]], gram[places, -1]
+    logs = [
+        math.log(share) + log_factor(scale**2 * inner, scale * right)
+        for scale, share in zip(SCALES, SCALE_PRIOR, strict=True)
+    ]
+    spread = np.linalg.inv(inner + np.eye(len(strengths)) / USUAL**2)
+    mean = slabs.centre[strengths] + slabs.sd[strengths] * (spread @ right[..., None])[..., 0]
+    sd = slabs.sd[strengths] * np.sqrt(np.diagonal(spread, axis1=1, axis2=2))
+    low, high = (slabs.low[strengths] - mean) / sd, (slabs.high[strengths] - mean) / sd
+    inside = np.sum(log_normal_mass(low, high) - slabs.log_masses[strengths], axis=1)
+    return float(logsumexp(logsumexp(logs, axis=0) + np.log([math.prod(own) for own in shares]) + inside))

@@ -102,7 +102,7 @@ class SetPriors:
                 continue
             own = np.arange(block.first, block.first + block.size)
             inner = products[:, None, k + own[:, None], k + own] - np.swapaxes(half[..., own], -1, -2) @ half[..., own]
-            found[..., index] = _gain(scale**2 * inner, scale * right[..., own])
+            found[..., index] = log_factor(scale**2 * inner, scale * right[..., own])
         return found
 
     def posterior(self, grams: Sequence[GramMatrix]) -> tuple[Array, Array]:
@@ -120,11 +120,11 @@ class Block:
     size: int
 
 
-def _gain(inner: Array, right: Array) -> Array:
+def log_factor(inner: Array, right: Array) -> Array:
     """Ln of the factor by which q coefficients N(0, 1) change a density, of inner products (…, q, q) and (…, q)."""
-    precision = inner + np.eye(right.shape[-1])
-    solved = np.linalg.solve(precision, right[..., None])[..., 0]
-    return np.asarray(0.5 * np.sum(right * solved, axis=-1) - 0.5 * np.linalg.slogdet(precision)[1])
+    factor = np.linalg.cholesky(inner + np.eye(right.shape[-1]))
+    white = np.linalg.solve(factor, right[..., None])[..., 0]
+    return np.asarray(0.5 * np.sum(white**2, axis=-1) - np.log(np.diagonal(factor, axis1=-2, axis2=-1)).sum(axis=-1))
 
 
 def _stacked(grams: Sequence[GramMatrix]) -> tuple[Array, Array]:

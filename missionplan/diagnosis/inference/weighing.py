@@ -20,7 +20,7 @@ from missionplan.diagnosis.inference.fitting import fitted
 from missionplan.diagnosis.inference.importance_sampling import SampledEvidence
 from missionplan.diagnosis.inference.model import CauseFit, FailedFit, Model
 from missionplan.diagnosis.inference.posterior import credible_set, over_responses, probabilities, told_together
-from missionplan.diagnosis.inference.selection import Candidate, Progress, Selection, log_prior
+from missionplan.diagnosis.inference.selection import FURTHER, Candidate, Progress, Selection, log_prior
 from missionplan.errors import RunError
 from missionplan.montecarlo.parallel.mapping import parallel_map
 from missionplan.results.learned.evidence import Causes
@@ -39,7 +39,7 @@ EFFECTIVE = 10.0
 MOST_BESIDE = 1
 """Named causes beside an effect without a name, at most."""
 BESIDE_RESPONSES = 8
-"""Likeliest sets beside which neutral responses are tried, beside nothing and single causes."""
+"""Likeliest sets beside which neutral responses are tried, beside nothing and single effects, named or not."""
 
 
 @dataclass(frozen=True)
@@ -112,6 +112,7 @@ class _Sets:
         self._evidence: dict[Causes, float] = {}
         self._errors: dict[Causes, float] = {}
         self._gained: dict[Causes, float] = {}
+        self._nearest: dict[Causes, Causes] = {}
         self._responses: NeutralResponses | None = None
         self._beside: list[Causes] = []
         self._unnamed = model.unnamed
@@ -151,26 +152,32 @@ class _Sets:
         return prior if self._has_a_name(causes) else prior - math.log(2.0 * len(self._unnamed))
 
     def _estimate(self, sets: Iterable[Causes]) -> None:
-        """Estimate sets from the likeliest of their parts that were fitted.
+        """Estimate sets from each of their parts that were fitted, and take the greatest estimate.
 
-        Those with an effect without a name from a part that has it: it is in the linearisation of no other.
+        A part that is wrong alone may lie far from where it is in the set. Sets with an effect without a name are
+        estimated from parts that have it: it is in the linearisation of no other.
         """
         by_part: dict[Causes, list[Causes]] = {}
         for causes in sets:
-            has_a_name = self._has_a_name(causes)
-            parts = [p for p in self.fits if p and set(p) < set(causes) and self._has_a_name(p) == has_a_name]
-            if parts or has_a_name:
-                best = max(parts, key=lambda part: self._evidence[part], default=())
-                by_part.setdefault(best, []).append(causes)
+            for part in self._fitted_parts(causes):
+                by_part.setdefault(part, []).append(causes)
         asked = [(self.fits[part], wanted) for part, wanted in by_part.items()]
         found = parallel_map(partial(_log_gains, self._model), asked, jobs=self._jobs)
+        estimates: dict[Causes, dict[Causes, float]] = {}
         for (part, wanted), gains in zip(by_part.items(), found, strict=True):
             for causes, gain in zip(wanted, gains.tolist(), strict=True):
-                self._gained[causes] = gain
-                self._evidence[causes] = self._evidence[part] + gain
+                estimates.setdefault(causes, {})[part] = self._evidence[part] + gain
+        for causes, from_parts in estimates.items():
+            self._nearest[causes] = max(from_parts, key=lambda part: from_parts[part])
+            self._evidence[causes] = from_parts[self._nearest[causes]]
+            self._gained[causes] = self._evidence[causes] - max(self._evidence[part] for part in from_parts)
+
+    def _fitted_parts(self, causes: Causes) -> list[Causes]:
+        has_a_name = self._has_a_name(causes)
+        return [p for p in self.fits if set(p) < set(causes) and self._has_a_name(p) == has_a_name]
 
     def fit(self, wanted: Sequence[Causes]) -> None:
-        """Fit sets, each started from its likeliest part and from its causes alone."""
+        """Fit sets."""
         requests = [(causes, self._parts(causes)) for causes in wanted]
         for fit in fitted(self._model, requests, self._jobs):
             self._evidence.pop(fit.causes, None)
@@ -182,9 +189,10 @@ class _Sets:
                 self.fits[fit.causes], self._evidence[fit.causes] = fit, fit.log_evidence
 
     def _parts(self, causes: Causes) -> list[CauseFit]:
+        """Where a fit starts: the part by which the set is likeliest, then causes alone."""
         parts = [part for part in self.fits if set(part) < set(causes)]
         parts.sort(key=lambda part: -self._evidence[part])
-        first = parts[:1]
+        first = [self._nearest[causes]] if causes in self._nearest else parts[:1]
         return [self.fits[part] for part in (*first, *(p for p in parts if len(p) == 1 and p not in first))]
 
     def sample(self) -> None:
@@ -210,7 +218,7 @@ class _Sets:
 
     def _add_responses(self) -> None:
         """Compute what neutral responses add to nothing, to single causes and to the likeliest sets."""
-        ranked = sorted(filter(self._has_a_name, self.fits), key=lambda causes: -self._score(causes))
+        ranked = sorted(self.fits, key=lambda causes: -self._score(causes))
         self._beside = [c for i, c in enumerate(ranked) if i < BESIDE_RESPONSES or len(c) < 2]
         self._responses = self._model.responses_beside([self.fits[causes] for causes in self._beside])
 
@@ -222,7 +230,7 @@ class _Sets:
         share = math.log(len(self._responses.described) * (2.0 if self._unnamed else 1.0))
         for causes, gains in zip(self._beside, self._responses.log_gains, strict=True):
             if len(causes) < MOST_CAUSES:
-                known = self._corrected(causes) + log_prior(len(causes) + 1, self._named) - share
+                known = self._score(causes) - (FURTHER if causes else math.log(self._named)) - share
                 found |= {(causes, r): known + g for r, g in enumerate(gains.tolist(), start=1)}
         return found
 

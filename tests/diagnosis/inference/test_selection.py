@@ -111,6 +111,21 @@ def test_causes_that_mask_each_other_are_fitted_together() -> None:
     assert found.ranking[0].causes == (LIFT, CLOCK)
 
 
+class Misled(Written):
+    """A model whose causes, alone, lie so far from where they are together that neither says what the other adds."""
+
+    def log_gains(self, fits: Sequence[CauseFit], supersets: Sequence[Sequence[Causes]]) -> list[Any]:
+        found = super().log_gains(fits, supersets)
+        return [gains if not fit.causes else np.minimum(gains, 1.0) for fit, gains in zip(fits, found, strict=True)]
+
+
+def test_a_set_is_estimated_from_whichever_part_has_most_of_it() -> None:
+    evidence = {(DRAG,): 80.0, (CLOCK,): 30.0, (FLOODING,): 85.0, (DRAG, CLOCK): 120.0}
+    found = weigh(Misled(evidence), no_progress)  # type: ignore[arg-type]
+    assert found.ranking[0].causes == (DRAG, CLOCK)
+    assert found.posterior[DRAG, CLOCK] > 0.9
+
+
 def test_sets_that_add_nothing_are_not_fitted_and_their_probability_is_stated() -> None:
     model = Written({(DRAG,): 40.0, (DRAG, CLOCK): 39.5})
     found = weigh(model, no_progress)  # type: ignore[arg-type]
@@ -138,6 +153,15 @@ def test_a_response_is_what_no_cause_explains() -> None:
 
 
 OTHER, ANOTHER = "lift-by-depth", "drag-by-depth"
+
+
+def test_a_response_stands_beside_what_has_no_name_too() -> None:
+    """With half the prior of the effect without a name, and half of that of a further cause."""
+    found = selected({(OTHER,): 40.0, (DRAG,): 30.0}, unnamed=(OTHER,), responses={(OTHER,): 12.0, (DRAG,): 12.0})
+    assert max(found.posterior, key=lambda causes: found.posterior[causes]) == (OTHER,)
+    by_words = {what: probability for _, what, probability in found.responses}
+    odds = math.exp(12.0 - 3.0 - math.log(2.0))
+    assert by_words["drag that changes with time"] == pytest.approx(odds / (1.0 + odds), abs=0.01)
 
 
 def test_what_has_no_name_has_together_the_prior_of_one_effect_with_a_name() -> None:
