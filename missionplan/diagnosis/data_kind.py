@@ -11,7 +11,7 @@ from missionplan.diagnosis.coordinates import Coordinate
 from missionplan.diagnosis.given.effects import GivenEffect
 from missionplan.diagnosis.inference.experiment_design import DirectMeasurement
 from missionplan.diagnosis.inference.model import CauseFit
-from missionplan.diagnosis.inference.selection import WeighsAllSets
+from missionplan.diagnosis.inference.selection import Selection, WeighsAllSets
 from missionplan.effects import instruments
 from missionplan.mission import Mission
 from missionplan.montecarlo.posterior import NOWHERE, Place
@@ -166,8 +166,8 @@ class DataKind(ABC):
         """Whether a fit to the first part of the record predicts the rest all the way better than the base model."""
         return True
 
-    def suspect_labels(self, base: CauseFit, best: CauseFit, jobs: int) -> str:
-        """Say which labels of the record look wrong, given the fits of the base model and the best set; else empty."""
+    def suspect_labels(self, found: Selection) -> str:
+        """Say which labels of the record are likely to be wrong; else empty."""
         return ""
 
     def limited_verdict(self, verdict: Verdict) -> Verdict:

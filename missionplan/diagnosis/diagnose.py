@@ -113,7 +113,7 @@ def _diagnose(mission: Mission, dataset: Path, seed: int, jobs: int, wanted: _Wa
     is_new = not bound.is_known
     found = as_reported(bound, run_pipeline(bound.model, lambda what, done, of: stage(), jobs, search=is_new), jobs)
     found = found if is_new else found.without_learning(bound.known)
-    judgement = judge(bound, found, jobs)
+    judgement = judge(bound, found)
     scale = judgement.coverage.scale if judgement.coverage is not None else 1.0
     explanations = with_found(explanations, found, jobs)
     believed = hypotheses(explanations, found, scale) if is_new else ()

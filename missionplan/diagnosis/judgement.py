@@ -34,20 +34,19 @@ class Judgement:
     """Of the 90 % intervals of the model claimed, else of the base model's, on data held out; None where unknown."""
 
 
-def judge(bound: DataKind, found: PipelineResult, jobs: int = 1) -> Judgement:
-    """Judge what the pipeline found on a data set, by so many processes."""
+def judge(bound: DataKind, found: PipelineResult) -> Judgement:
+    """Judge what the pipeline found on a data set."""
     causes = found.best.causes
     not_constant = bound.not_constant(found.best) if causes else ()
-    suspect = bound.suspect_labels(found.selection.base, found.best, jobs)
-    verdict = found.reading.verdict(is_constant=not not_constant and not suspect)
-    if not causes and (suspect or verdict != "adequate"):  # also where the likeliest set cannot be fitted
+    verdict = found.reading.verdict(is_constant=not not_constant)
+    if not causes and verdict != "adequate":  # also where the likeliest set cannot be fitted
         verdict = "unexplained"
     return Judgement(
         bound.limited_verdict(verdict),
         found.credible_set,
         tuple(rivals(found.posterior, causes)) if causes else (),
         not_constant,
-        suspect,
+        bound.suspect_labels(found.selection),
         found.reading.none_of_these,
         interval_coverage(_held_out(found)),
     )

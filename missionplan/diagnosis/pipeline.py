@@ -11,7 +11,7 @@ from missionplan.diagnosis.inference.adequacy.residual_tests import outlying_gro
 from missionplan.diagnosis.inference.cross_validation import HeldOutComparison, compare_held_out
 from missionplan.diagnosis.inference.fitting import fitted
 from missionplan.diagnosis.inference.model import CauseFit, FailedFit, Model
-from missionplan.diagnosis.inference.selection import Candidate, Progress, Selection, WeighsAllSets, no_progress
+from missionplan.diagnosis.inference.selection import LIKELY, Candidate, Progress, Selection, WeighsAllSets, no_progress
 from missionplan.effects import CATALOGUE
 from missionplan.errors import RunError
 from missionplan.montecarlo.parallel.mapping import parallel_map
@@ -19,7 +19,6 @@ from missionplan.results.learned.evidence import Causes, Discrepancy, ParameterE
 
 SURE = 0.95
 """Probability from which something is said to be so."""
-LIKELY = 0.5
 
 
 @dataclass(frozen=True)

@@ -16,10 +16,11 @@ from missionplan.diagnosis.coordinates import Coordinate
 from missionplan.diagnosis.dives.forward import DescentForward
 from missionplan.diagnosis.dives.linearised import DiveLinearisation, LinearisedDescent
 from missionplan.diagnosis.dives.preparation import DiveLog
-from missionplan.diagnosis.inference.adequacy.axes import Axis, AxisScale, differing, pointwise, scaled
+from missionplan.diagnosis.inference.adequacy.axes import Axis, AxisScale, differing, directed, pointwise, scaled
 from missionplan.phases.hooks import DescentEffect
 
 AXIS_LABELS = {"time": "Time since separation (s)", "speed": "Speed (m/s)", "depth": "Depth (m)"}
+DRAG_BY_DEPTH = "drag that changes with depth"
 NODES = 17
 """Nodes of the hat basis of a force along an axis."""
 READING, DRAG, LIFT, DELAY = 0.3, 0.3, 1.5, 0.5
@@ -49,7 +50,7 @@ def descent_axes(model: LinearisedDescent, linear: DiveLinearisation) -> list[Ax
     extents = {"time": np.concatenate([log.t for log in logs]), "depth": readings, "speed": speed}
     shared = [_reading_error(name, values) for name, values in extents.items()]
     forces = force_axes(model.forward.coarse, model.coordinates, linear.at, linear.release_delays, extents)
-    return [*shared, *forces, *_dive_by_dive(logs, extents["time"], linear)]
+    return [*shared, *forces, *_dive_by_dive(logs, linear)]
 
 
 def _reading_error(name: str, values: Array) -> Axis:
@@ -59,24 +60,25 @@ def _reading_error(name: str, values: Array) -> Axis:
     return replace(axis, scale=scale, size=READING)
 
 
-def _dive_by_dive(logs: Sequence[DiveLog], t: Array, linear: DiveLinearisation) -> list[Axis]:
-    """Each dive's own error of the depth against time, and delay; drag with a trend over dives or the line's length.
+def _dive_by_dive(logs: Sequence[DiveLog], linear: DiveLinearisation) -> list[Axis]:
+    """Each dive's own error of the depth, and delay; drag with a trend over dives or the line's length.
+
+    Errors of the depth follow the number of the reading, which come most often at first.
 
     Parameters
     ----------
     logs : sequence of DiveLog
         The dives.
-    t : array, shape (N,)
-        Times of all readings [s].
     linear : DiveLinearisation
         Where the model is fitted.
     """
     dive, drag = np.repeat(np.arange(len(logs)), [len(log.t) for log in logs]), linear.sensitivity("drag")
     axes = []
     if len(logs) > 1:
-        own = (dive[:, None] == np.arange(len(logs))[None, :]).astype(float)
+        own = _of_each(logs)
         words = "an error of the depth read that changes with time, dive by dive"
-        axes.append(replace(pointwise("run", words, scaled(t), own), size=READING))
+        number = np.concatenate([np.linspace(0.0, 1.0, len(log.t)) for log in logs])
+        axes.append(replace(pointwise("run", words, number[:, None], own), size=READING))
         delays = own * linear.sensitivity("release")[:, None]
         axes.append(replace(differing("a delay that differs from dive to dive", delays), size=DELAY))
     if len(logs) > 2:
@@ -86,6 +88,18 @@ def _dive_by_dive(logs: Sequence[DiveLog], t: Array, linear: DiveLinearisation) 
     if np.ptp(lines) > 0.0:
         axes.append(_trend("drag that changes with the line's length", drag, lines, DRAG_PER_METRE))
     return axes
+
+
+def drag_of_each_dive(logs: Sequence[DiveLog], axes: Sequence[Axis]) -> list[Axis]:
+    """Drag that changes with depth in each of several dives otherwise, from that in all of them among some axes."""
+    common = next(axis for axis in axes if axis.description == DRAG_BY_DEPTH)
+    words, responses = f"{DRAG_BY_DEPTH}, dive by dive", directed(common.response, _of_each(logs))
+    return [Axis("run", words, common.places, responses, size=common.size)] if len(logs) > 1 else []
+
+
+def _of_each(logs: Sequence[DiveLog]) -> Array:
+    """1 where a reading is of a dive, shape (N, d)."""
+    return np.repeat(np.eye(len(logs)), [len(log.t) for log in logs], axis=0)
 
 
 def _wrong_anchor(logs: Sequence[DiveLog], own: Array, weight: Array) -> Axis:
@@ -105,7 +119,7 @@ def _wrong_anchor(logs: Sequence[DiveLog], own: Array, weight: Array) -> Axis:
     several = [own[:, dives].sum(axis=1) for dives in labels if 1 < len(dives) < len(logs)]
     columns = np.column_stack([own, *several]) * weight[:, None]
     words = "an anchor that weighs otherwise than the log book says, in a dive or in all with its label"
-    return replace(differing(words, columns), size=WEIGHT, are_alternatives=True)
+    return replace(differing(words, columns), size=WEIGHT, in_some_runs=True)
 
 
 def _trend(words: str, drag: Array, values: Array, size: float) -> Axis:
@@ -213,7 +227,7 @@ def _force_kinds(weight: Array) -> list[_ForceKind]:
             "depth", "a lift that changes with depth", "lift_at_depth", shares * weight.mean(), AXIS_LABELS["depth"]
         ),
         # bodies that sink steadily have as much drag as weight
-        _ForceKind("depth", "drag that changes with depth", "lift_at_depth", shares * weight, AXIS_LABELS["depth"]),
+        _ForceKind("depth", DRAG_BY_DEPTH, "lift_at_depth", shares * weight, AXIS_LABELS["depth"]),
     ]
 
 

@@ -11,13 +11,14 @@ from missionplan.datasets.dives import read_descent
 from missionplan.diagnosis.coordinates import Coordinate
 from missionplan.diagnosis.data_kind import DataKind
 from missionplan.diagnosis.dives.consistency.constancy import not_constant
-from missionplan.diagnosis.dives.consistency.labels import exchanged_labels
+from missionplan.diagnosis.dives.consistency.labels import EXCHANGED
 from missionplan.diagnosis.dives.model import DescentModel
 from missionplan.diagnosis.dives.model_factory import check_leaves_surface, descent_model
 from missionplan.diagnosis.dives.preparation import PreparedDives, prepare_dives
 from missionplan.diagnosis.dives.tables import descent_misfit, descent_residuals, descent_shares
 from missionplan.diagnosis.given.effects import GivenEffect
 from missionplan.diagnosis.inference.model import CauseFit
+from missionplan.diagnosis.inference.selection import LIKELY, Selection
 from missionplan.diagnosis.learned_data import as_then, unlearned
 from missionplan.diagnosis.plan_gain import anchor_choice, plan_gain
 from missionplan.mission import Mission
@@ -71,10 +72,10 @@ class DescentKind(DataKind):
         """Return the causes whose strengths differ from dive to dive."""
         return not_constant(self.model, best)
 
-    def suspect_labels(self, base: CauseFit, best: CauseFit, jobs: int) -> str:
+    def suspect_labels(self, found: Selection) -> str:
         """Say between which dives the labels of the weights look exchanged."""
-        found = exchanged_labels(self.model, base, best, jobs)
-        return "" if found is None else str(found)
+        is_likely = any(what == EXCHANGED and probability >= LIKELY for _, what, probability in found.responses)
+        return str(self.model.exchanged_labels(found.base)) if is_likely else ""
 
     def plan_gain(self, base: Mission, extended: Mapping[str, object], *, seed: int, jobs: int) -> PlanGain:
         """Compare the anchors chosen."""

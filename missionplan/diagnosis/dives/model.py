@@ -10,7 +10,8 @@ from scipy.special import logsumexp
 
 from missionplan.arrays import Array
 from missionplan.diagnosis.dives import designs as dive_designs
-from missionplan.diagnosis.dives.discrepancy_axes import descent_axes
+from missionplan.diagnosis.dives.consistency.labels import EXCHANGED, ExchangedLabels, exchanged_labels
+from missionplan.diagnosis.dives.discrepancy_axes import descent_axes, drag_of_each_dive
 from missionplan.diagnosis.dives.fitting import DescentFitting, log_joint_with_noise
 from missionplan.diagnosis.dives.linearised import DiveLinearisation
 from missionplan.diagnosis.dives.noise import noise_grid
@@ -48,8 +49,21 @@ class DescentModel(DescentFitting):
         return log_gains(self, fits, supersets)
 
     def responses_beside(self, fits: Sequence[CauseFit]) -> NeutralResponses:
-        """Return neutral responses by the axes of the first fit, and their gains beside every fit."""
-        return responses_beside(self, fits)
+        """Return neutral responses by the axes of the first fit, and their gains beside every fit.
+
+        Labels may be exchanged beside nothing.
+        """
+        found = responses_beside(self, fits)
+        base = next((fit for fit in fits if not fit.causes), None)
+        exchanged = self.exchanged_labels(base) if base is not None else None
+        if exchanged is None:
+            return found
+        gains = np.array([exchanged.log_gain if fit is base else -np.inf for fit in fits])
+        return NeutralResponses([*found.described, ("run", EXCHANGED)], np.column_stack([found.log_gains, gains]))
+
+    def exchanged_labels(self, base: CauseFit) -> ExchangedLabels | None:
+        """Return the likeliest exchange of labels beside the base model."""
+        return exchanged_labels(self, base)
 
     def sampled_evidence(self, fit: CauseFit) -> SampledEvidence:
         """Evidence by importance sampling of the causes with the phase itself; the rest as in the linearised fit."""
@@ -98,7 +112,8 @@ class DescentModel(DescentFitting):
 
     def response_axes(self, linear: DiveLinearisation) -> Sequence[Axis]:
         """Axes along which a neutral response may be smooth."""
-        return self.axes(linear)
+        axes = self.axes(linear)
+        return [*axes, *drag_of_each_dive(self.forward.logs, axes)]
 
     def innovations(self, fit: CauseFit) -> Array:
         """One-step-ahead errors of the readings over their standard deviations, dive after dive, shape (N,)."""

@@ -4,10 +4,12 @@ Each is a smooth random function along an axis (`discrepancy_axes`) by its princ
 noise and less what effects of the catalogue do to the readings there.
 """
 
-from collections.abc import Sequence
+import math
+from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.linalg import block_diag, solve_triangular
 from scipy.special import logsumexp
 
@@ -16,18 +18,20 @@ from missionplan.diagnosis.dives.fitting import log_joint_with_noise
 from missionplan.diagnosis.dives.noise import NOMINAL_NOISE, Noise, noise_grid
 from missionplan.diagnosis.inference.adequacy.axes import Axis
 from missionplan.diagnosis.inference.adequacy.residuals import InnerProducts
-from missionplan.diagnosis.inference.marginal_likelihood import gaussian_log_density
 from missionplan.diagnosis.inference.model import CauseFit
-from missionplan.diagnosis.inference.set_evidence import SCALE_PRIOR, SCALES
+from missionplan.diagnosis.inference.set_evidence import SCALE_PRIOR, SCALES, log_factor
 from missionplan.diagnosis.inference.weighing import NeutralResponses
 
 if TYPE_CHECKING:
     from missionplan.diagnosis.dives.model import DescentModel
 
-LENGTH = 0.3
-"""Correlation length, of the axis' extent."""
-MOST_COLUMNS, LEAST_SHARE = 8, 1e-4
-"""Principal components kept at most, and least share of the first one's variance that one has."""
+LENGTHS = (0.3, 0.1)
+"""Correlation lengths, of the axis' extent: slow changes, and what happens within a second or in a layer."""
+MOST_COLUMNS, MOST_OF_RUNS, LEAST_SHARE = 8, 32, 1e-4
+"""Principal components kept at most, of what all runs share and of what each has of its own, and least share of the
+first one's variance that one has."""
+MOST_TOGETHER = 8
+"""Runs that differ from the others, of which it is not known which they are, at most."""
 LEAST_LIKELY = 0.01
 """Probability from which a noise is considered."""
 SAME = 1e-6
@@ -40,17 +44,12 @@ def responses_beside(model: "DescentModel", fits: Sequence[CauseFit]) -> Neutral
     if not axes:
         return NeutralResponses((), np.zeros((len(fits), 0)))
     columns = _columns(model, fits[0], axes)
-    joined = np.concatenate(columns, axis=1)
-    ends = np.cumsum([own.shape[1] for own in columns])
-    places = [np.arange(end - own.shape[1], end) for own, end in zip(columns, ends, strict=True)]
-    parts = [
-        [place[[i]] for i in range(len(place))] if axis.are_alternatives else [place]
-        for axis, place in zip(axes, places, strict=True)
-    ]
+    joined = np.concatenate([own for axis in columns for own in axis], axis=1)
+    places = iter(np.split(np.arange(joined.shape[1]), np.cumsum([own.shape[1] for axis in columns for own in axis])))
+    parts = [[next(places) for _ in axis] for axis in columns]
+    in_some = [axis.in_some_runs for axis in axes]
     gains = [
-        _log_gains(
-            model.products(fit.state.linear, fit.state.prior_sd, joined, _likely_noises(fit)), parts, len(model.y)
-        )
+        _log_gains(model.products(fit.state.linear, fit.state.prior_sd, joined, _likely_noises(fit)), parts, in_some)
         for fit in fits
     ]
     return NeutralResponses([(axis.name, axis.description) for axis in axes], np.array(gains))
@@ -67,8 +66,11 @@ def _likely_noises(fit: CauseFit) -> tuple[Noise, ...]:
     )
 
 
-def _columns(model: "DescentModel", fit: CauseFit, axes: Sequence[Axis]) -> list[Array]:
-    """Readings' responses for standard normal coefficients, shape (N, q) each [m]."""
+def _columns(model: "DescentModel", fit: CauseFit, axes: Sequence[Axis]) -> list[list[Array]]:
+    """Readings' responses for standard normal coefficients, shape (N, q) each [m]: of each axis, its alternatives.
+
+    These are the lengths over which it is smooth, or the runs in which it acts.
+    """
     linear, noise = fit.state.linear, noise_grid()[fit.state.best_noise]
     factor = np.linalg.cholesky(block_diag(*(block[0] for block in model.covariances(linear, (noise,)))))
     own = model.searched(fit.causes)
@@ -77,33 +79,60 @@ def _columns(model: "DescentModel", fit: CauseFit, axes: Sequence[Axis]) -> list
     span = left[:, sizes > SAME * sizes.max(initial=0.0)]
     found = []
     for axis in axes:
-        smooth = axis.smooth(LENGTH)
-        functions = axis.response.shape[1] // len(smooth)
-        values = axis.size * axis.response @ np.kron(np.eye(functions), smooth)
-        if axis.are_alternatives:
-            found.append(values)
+        functions = axis.response.shape[1] // len(axis.places)
+        if len(axis.places) == 1:
+            found.append(np.split(axis.size * axis.response, functions if axis.in_some_runs else 1, axis=1))
             continue
-        white = solve_triangular(factor, values, lower=True, check_finite=False)
-        directions, sizes, _ = np.linalg.svd(white - span @ (span.T @ white), full_matrices=False)
-        kept = np.flatnonzero(sizes**2 > LEAST_SHARE * sizes[0] ** 2)[: max(MOST_COLUMNS, functions)]
-        found.append(np.asarray(factor @ (directions[:, kept] * sizes[kept])))
+        response = axis.size * solve_triangular(factor, axis.response, lower=True, check_finite=False)
+        response -= span @ (span.T @ response)
+        alternatives = []
+        for length in LENGTHS:
+            white = response @ np.kron(np.eye(functions), axis.smooth(length))
+            directions, sizes, _ = np.linalg.svd(white, full_matrices=False)
+            most = MOST_COLUMNS if functions == 1 else max(MOST_OF_RUNS, functions)
+            kept = np.flatnonzero(sizes**2 > LEAST_SHARE * sizes[0] ** 2)[:most]
+            alternatives.append(np.asarray(factor @ (directions[:, kept] * sizes[kept])))
+        found.append(alternatives)
     return found
 
 
-def _log_gains(products: Sequence[InnerProducts], parts: Sequence[Sequence[Array]], count: int) -> Array:
+def _log_gains(
+    products: Sequence[InnerProducts], parts: Sequence[Sequence[NDArray[np.intp]]], in_some: Sequence[bool]
+) -> Array:
     """What each response adds to the log evidence of a fit, averaged over noises, sizes and its alternatives."""
-    plain = [each.log_weight - 0.5 * (each.log_determinant + float(each.gram[-1, -1])) for each in products]
-    base = float(logsumexp(plain)) - 0.5 * count * float(np.log(2.0 * np.pi))
-    found = []
-    for alternatives in parts:
+    grams = np.stack([each.gram for each in products])
+    plain = np.array([each.log_weight - 0.5 * (each.log_determinant + float(each.gram[-1, -1])) for each in products])
+    plain -= logsumexp(plain)
+
+    def gain(part: NDArray[np.intp]) -> float:
+        inner, right = grams[:, part[:, None], part], grams[:, part, -1]
         logs = [
-            each.log_weight
-            + np.log(share / len(alternatives))
-            + gaussian_log_density(each.gram[np.ix_(own, own)], np.full(len(part), scale), each.log_determinant, count)
-            for part in alternatives
-            for own in [np.append(part, len(products[0].gram) - 1)]
-            for each in products
+            plain + math.log(share) + log_factor(scale**2 * inner, scale * right)
             for scale, share in zip(SCALES, SCALE_PRIOR, strict=True)
         ]
-        found.append(float(logsumexp(logs)) - base)
-    return np.array(found)
+        return float(logsumexp(logs))
+
+    return np.array(
+        [
+            _in_some_runs(gain, alternatives) if are_runs else _mean([gain(part) for part in alternatives])
+            for alternatives, are_runs in zip(parts, in_some, strict=True)
+        ]
+    )
+
+
+def _mean(logs: Sequence[float]) -> float:
+    return float(logsumexp(logs)) - math.log(len(logs))
+
+
+def _in_some_runs(gain: Callable[[NDArray[np.intp]], float], runs: Sequence[NDArray[np.intp]]) -> float:
+    """Gain of a response in one run or several: in each alone, and in the likeliest together.
+
+    All numbers of runs are as likely, and all choices of so many.
+    """
+    alone = [gain(part) for part in runs]
+    order, total = np.argsort(alone)[::-1], len(runs)
+    sizes = range(2, min(total, MOST_TOGETHER) + 1)
+    together = [
+        gain(np.concatenate([runs[i] for i in order[:size]])) - math.log(math.comb(total, size)) for size in sizes
+    ]
+    return float(logsumexp([_mean(alone), *together])) - math.log(total)

@@ -11,6 +11,9 @@ from missionplan.results.learned.evidence import Causes
 FURTHER = 3.0
 """Nats of prior that each cause beyond the first costs."""
 
+LIKELY = 0.5
+"""Probability from which something is likelier than not."""
+
 Progress = Callable[[str, int, int], None]
 """Called with what is being done, how many of how many."""
 

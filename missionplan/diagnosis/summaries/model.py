@@ -142,6 +142,9 @@ class SummaryModel(DescentModel):
         words = "numbers that are off each by itself"
         return (Axis("number", words, np.zeros((1, 1)), np.diag(self.units), size=OFF),)
 
+    def exchanged_labels(self, base: CauseFit) -> None:
+        """Return none: a handful of numbers tells no exchange from an error of each."""
+
     @property
     def units(self) -> Array:
         """Standard deviations of the numbers, which are speeds and times."""

@@ -21,8 +21,11 @@ def _relabelled(model, order):
 
 
 def _found(model, *causes):
+    """The likeliest exchange, if it says clearly more of the dives than the best cause; else None."""
     base, *best = model.fit_all([((), ()), *((cause, ()) for cause in causes)])
-    return exchanged_labels(model, base, max([base, *best], key=lambda fit: fit.log_evidence))
+    found = exchanged_labels(model, base)
+    best = max(fit.log_evidence for fit in (base, *best)) - base.log_evidence
+    return found if found is not None and found.log_gain > best + 3.0 else None
 
 
 @pytest.fixture
@@ -60,6 +63,7 @@ def test_the_diagnosis_says_so_first(five_dives, folder, descent_mission):
     data = folder({"kind": "descent", "name": "dives", "noise": {"depth": "0.03 m"}, "runs": runs}, rows)
     found = diagnose(descent_mission, data, plan=False)
     assert found.verdict in ("partly-explained", "unexplained")
+    assert found.none_of_these > 0.95
     assert found.diagnosis()["suspect_labels"] == found.suspect_labels
     told = answer(found)
     assert told.startswith("The labels of the weights look exchanged between dive-0, dive-1, dive-2, dive-3: with 20 N")

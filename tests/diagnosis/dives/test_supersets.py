@@ -40,7 +40,7 @@ def test_what_a_response_adds_is_that_of_the_whole_covariance(measured):
     noises = responses._likely_noises(fit)
     assert set(noises) <= set(noise_grid())
     chosen = [axis.description for axis in axes].index("drag that grows or falls from dive to dive")
-    columns = responses._columns(model, fit, axes)[chosen]
+    (columns,) = responses._columns(model, fit, axes)[chosen]
     plain, beside = [], []
     for noise in noises:
         total = model.total_covariance(linear, noise, prior_sd)

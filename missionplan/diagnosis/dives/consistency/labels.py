@@ -1,27 +1,24 @@
 """Labels of weights that look exchanged between dives: a mistake in the log book, and no cause of the catalogue.
 
-The base model is laid against the dives with the labels of two dives exchanged, or of two weights in all dives, again
-and again while that helps. Dives are independent given what they share, so that each dive under each label is
-linearised once, and every exchange is a sum.
+The base model is laid against the dives with the labels of two dives exchanged, or of two weights in all dives, and
+again while that helps; it competes with causes and with all else that has no name. Dives are independent given what
+they share, so that each dive under each label is linearised once, and every exchange is a sum.
 """
 
 import itertools
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
-from functools import partial
 
 import numpy as np
 from scipy.special import logsumexp
 
-from missionplan.diagnosis.dives.fitting import log_joint_with_noise
+from missionplan.diagnosis.dives.fitting import DescentFitting, log_joint_with_noise
 from missionplan.diagnosis.dives.likelihood import NoiseGridLikelihood
-from missionplan.diagnosis.dives.model import DescentModel
 from missionplan.diagnosis.inference.model import CauseFit
-from missionplan.montecarlo.parallel.mapping import parallel_map
+from missionplan.diagnosis.inference.selection import FURTHER
 
-STRONG = 3.0
-"""Nats by which an exchange must beat the best set of causes, and each further exchange the one before."""
+EXCHANGED = "labels of anchors exchanged between dives in the log book"
 
 Labels = tuple[int, ...]
 """Of each dive, the number of its weight."""
@@ -29,59 +26,54 @@ Labels = tuple[int, ...]
 
 @dataclass(frozen=True)
 class ExchangedLabels:
-    """Labels that explain dives better than any cause."""
+    """The likeliest exchange of labels."""
 
     dives: tuple[str, ...]
     """Those whose labels differ from the log book's."""
     weights: tuple[float, ...]
     """Which they would have [N]."""
-    log_bayes_factor: float
-    """Over the best set of causes, less ln of the number of exchanges tried."""
+    log_gain: float
+    """What the exchanges tried add to the log evidence of the base model, each as likely as the others of its step."""
 
     def __str__(self) -> str:
         listed = ", ".join(f"{weight:.4g} N in {name}" for name, weight in zip(self.dives, self.weights, strict=True))
         return (
             f"The labels of the weights look exchanged between {', '.join(self.dives)}: with {listed} the mission as "
-            f"it stands predicts the dives better than with any cause (log Bayes factor {self.log_bayes_factor:.0f}). "
+            f"it stands predicts the dives better than as they are labelled (log Bayes factor {self.log_gain:.0f}). "
             "Check the log book before anything else."
         )
 
 
-def exchanged_labels(model: DescentModel, base: CauseFit, best: CauseFit, jobs: int = 1) -> ExchangedLabels | None:
-    """Find exchanged labels that explain the dives clearly better than the best set of causes.
+def exchanged_labels(model: DescentFitting, base: CauseFit) -> ExchangedLabels | None:
+    """Weigh exchanges of labels beside the base model; None where all dives have one.
 
-    Only weights of the log book are exchanged: a weight that was never written down is not found.
+    Only weights of the log book are exchanged. An exchange beyond the first costs as much as a further cause.
 
     Parameters
     ----------
-    model : DescentModel
+    model : DescentFitting
         Of the dives.
-    base, best : CauseFit
-        The base model, and the best set of causes or the base model again.
-    jobs : int
-        Processes.
+    base : CauseFit
+        The base model.
     """
     logs = model.forward.logs
     weights = sorted({log.wet_weight for log in logs})
-    own: Labels = tuple(weights.index(log.wet_weight) for log in logs)
     if len(weights) < 2:
         return None
-    likelihoods = parallel_map(partial(_labelled, model, base), weights, jobs=jobs)
-    found, reached, tried = own, base.log_evidence, 0
-    while True:
-        others = sorted(set(_exchanges(found)))
-        evidence = [_log_evidence(likelihoods, labels, base) for labels in others]
+    own: Labels = tuple(weights.index(log.wet_weight) for log in logs)
+    likelihoods, found, reached, prior = _labelled(model, base, weights), own, -math.inf, FURTHER
+    gains: list[float] = []
+    while others := sorted(set(_exchanges(found)) - {own}):
+        evidence = [_log_evidence(likelihoods, labels, base) - base.log_evidence for labels in others]
         first = int(np.argmax(evidence))
-        tried += len(others)
-        if evidence[first] < reached + STRONG:
+        if evidence[first] < reached + FURTHER:
             break
+        prior -= math.log(len(others)) + FURTHER
+        gains.append(float(logsumexp(evidence)) + prior)
         found, reached = others[first], evidence[first]
-    gain = reached - best.log_evidence - math.log(tried)
-    if found == own or gain < STRONG:
-        return None
     changed = [dive for dive in range(len(logs)) if found[dive] != own[dive]]
     names = tuple(logs[dive].name for dive in changed)
-    return ExchangedLabels(names, tuple(weights[found[dive]] for dive in changed), gain)
+    return ExchangedLabels(names, tuple(weights[found[dive]] for dive in changed), float(logsumexp(gains)))
 
 
 def _exchanges(labels: Labels) -> Iterator[Labels]:
@@ -93,7 +85,7 @@ def _exchanges(labels: Labels) -> Iterator[Labels]:
         yield tuple({a: b, b: a}.get(label, label) for label in labels)
 
 
-def _labelled(model: DescentModel, base: CauseFit, weights: Sequence[float]) -> list[NoiseGridLikelihood]:
+def _labelled(model: DescentFitting, base: CauseFit, weights: Sequence[float]) -> list[NoiseGridLikelihood]:
     """Likelihoods of the base model with each weight in all dives."""
     found = []
     for weight in weights:

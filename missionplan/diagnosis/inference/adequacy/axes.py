@@ -50,8 +50,8 @@ class Axis:
     """For a single function, which can be drawn."""
     size: float = 1.0
     """Usual size of the functions, in their unit."""
-    are_alternatives: bool = False
-    """Whether one of the functions acts, and none knows which."""
+    in_some_runs: bool = False
+    """Whether some of the functions act, and none knows which."""
 
     def smooth(self, length: float) -> Array:
         """Return columns B, shape (m, r), with B Bᵀ ≈ exp(−½(d/length)²) between places (m, m).
@@ -86,7 +86,7 @@ def pointwise(name: str, description: str, inputs: Array, directions: Array | No
         Response of each value to each of p functions; default one function, to which all respond alike.
     """
     places, weights = _between_nodes(inputs[:, 0]) if inputs.shape[1] == 1 else _unique(inputs)
-    return Axis(name, description, places, weights if directions is None else _directed(weights, directions))
+    return Axis(name, description, places, weights if directions is None else directed(weights, directions))
 
 
 def around(name: str, description: str, angles: Array, directions: Array) -> Axis:
@@ -96,11 +96,11 @@ def around(name: str, description: str, angles: Array, directions: Array) -> Axi
         nodes = np.linspace(-np.pi, np.pi, NODES, endpoint=False)
     weights = np.stack([np.interp(angles[:, 0], nodes, one, period=2.0 * np.pi) for one in np.eye(len(nodes))], axis=1)
     places = 0.5 * np.stack([np.sin(nodes), np.cos(nodes)], axis=1)
-    return Axis(name, description, places, _directed(weights, directions))
+    return Axis(name, description, places, directed(weights, directions))
 
 
-def _directed(weights: Array, directions: Array) -> Array:
-    """Responses to functions of which each value has a share, function by function."""
+def directed(weights: Array, directions: Array) -> Array:
+    """Responses (N, p·m) to p functions of which each value has a share, (N, p): (N, m), function by function."""
     return np.concatenate([weights * one[:, None] for one in directions.T], axis=1)
 
 
