@@ -9,8 +9,7 @@ import numpy as np
 from missionplan.diagnosis.inference.adequacy.discrepancy import discrepancy
 from missionplan.diagnosis.inference.adequacy.residual_tests import outlying_groups
 from missionplan.diagnosis.inference.cross_validation import HeldOutComparison, compare_held_out
-from missionplan.diagnosis.inference.fitting import fitted
-from missionplan.diagnosis.inference.model import CauseFit, FailedFit, Model
+from missionplan.diagnosis.inference.model import CauseFit, FailedFit, Model, fitted
 from missionplan.diagnosis.inference.selection import LIKELY, Candidate, Progress, Selection, WeighsAllSets, no_progress
 from missionplan.effects import CATALOGUE
 from missionplan.errors import RunError

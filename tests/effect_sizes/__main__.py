@@ -15,8 +15,8 @@ from typing import Any
 
 import numpy as np
 
-from missionplan.diagnosis.inference.fitting import fitted as fit_sets
 from missionplan.diagnosis.inference.model import CauseFit
+from missionplan.diagnosis.inference.model import fitted as fit_sets
 from missionplan.diagnosis.kinds import bind_dataset
 from missionplan.errors import InputError
 from missionplan.mission import load

@@ -1,21 +1,20 @@
-"""Dive logs as a kind of data."""
+"""Dive logs as a kind of data, with residuals reading by reading and the misfit in the planner's terms."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Self
 
+import numpy as np
 import pandas as pd
 
 from missionplan.datasets.dives import read_descent
 from missionplan.diagnosis.coordinates import Coordinate
 from missionplan.diagnosis.data_kind import DataKind
-from missionplan.diagnosis.dives.consistency.constancy import not_constant
-from missionplan.diagnosis.dives.consistency.labels import EXCHANGED
+from missionplan.diagnosis.dives.consistency import EXCHANGED, not_constant
 from missionplan.diagnosis.dives.model import DescentModel
 from missionplan.diagnosis.dives.model_factory import check_leaves_surface, descent_model
 from missionplan.diagnosis.dives.preparation import PreparedDives, prepare_dives
-from missionplan.diagnosis.dives.tables import descent_misfit, descent_residuals, descent_shares
 from missionplan.diagnosis.given.effects import GivenEffect
 from missionplan.diagnosis.inference.model import CauseFit
 from missionplan.diagnosis.inference.selection import LIKELY, Selection
@@ -80,3 +79,61 @@ class DescentKind(DataKind):
     def plan_gain(self, base: Mission, extended: Mapping[str, object], *, seed: int, jobs: int) -> PlanGain:
         """Compare the anchors chosen."""
         return plan_gain(anchor_choice, base, extended, seed=seed, jobs=jobs)
+
+
+LEAST_SPEED = 0.05
+"""Speed below which a depth error is not converted to a delay with the speed itself [m/s]."""
+
+
+def descent_residuals(model: DescentModel, base: CauseFit, best: CauseFit) -> pd.DataFrame:
+    """Return one row a reading: depth, both models' depths, and what is left of each.
+
+    An innovation is the error of predicting a reading from those before it, over its standard deviation.
+    """
+    places = np.stack([base.state.linear.at, best.state.linear.at], axis=1)
+    depths = model.forward.readings(model.coordinates, places)
+    logs = model.forward.logs
+    return pd.DataFrame(
+        {
+            "run": np.concatenate([np.full(len(log.t), log.name) for log in logs]),
+            "t_s": np.concatenate([log.t for log in logs]),
+            "depth_m": model.y,
+            "base_m": depths[:, 0],
+            "extended_m": depths[:, 1],
+            "residual_base_m": model.y - depths[:, 0],
+            "residual_extended_m": model.y - depths[:, 1],
+            "innovation_base": model.innovations(base),
+            "innovation_extended": model.innovations(best),
+        }
+    )
+
+
+def descent_shares(model: DescentModel, base: CauseFit, fits: Sequence[CauseFit]) -> list[float]:
+    """Return the share of the base model's squared residuals that goes with each set, by one call of the phase."""
+    places = np.stack([fit.state.linear.at for fit in (base, *fits)], axis=1)
+    left = (model.y[:, None] - model.forward.readings(model.coordinates, places)) / model.units[:, None]
+    before, *after = (float(value) for value in np.sum(left**2, axis=0))
+    return [float(np.clip(1.0 - value / max(before, 1e-30), 0.0, 1.0)) for value in after]
+
+
+def descent_misfit(table: pd.DataFrame) -> str:
+    """Describe how late or early the vehicle is at the depth where the logs end, on the mean and at worst."""
+    late = {str(name): _delay_at_end(run) for name, run in table.groupby("run", sort=False)}
+    mean_delay, mean_depth = (float(np.mean([entry[k] for entry in late.values()])) for k in (0, 1))
+    worst = max(late, key=lambda name: abs(late[name][0]))
+    delay, depth = late[worst]
+    return (
+        f"The vehicle arrives {abs(mean_delay):.1f} s {_late_or_early(mean_delay)} at {mean_depth:.0f} m on the mean "
+        f"of the dives; the farthest off is {worst}, {abs(delay):.1f} s {_late_or_early(delay)} at {depth:.0f} m."
+    )
+
+
+def _delay_at_end(run: pd.DataFrame) -> tuple[float, float]:
+    """Delay of the vehicle against the base model over the last readings of a dive [s], and their mean depth [m]."""
+    last, half = run.tail(max(3, len(run) // 10)), run.tail(len(run) // 2)
+    speed = float(np.polyfit(half["t_s"], half["base_m"], 1)[0])
+    return float((-last["residual_base_m"]).mean()) / max(speed, LEAST_SPEED), float(last["depth_m"].mean())
+
+
+def _late_or_early(delay: float) -> str:
+    return "late" if delay > 0 else "early"

@@ -10,7 +10,7 @@ from scipy.special import logsumexp
 
 from missionplan.arrays import Array
 from missionplan.diagnosis.dives import designs as dive_designs
-from missionplan.diagnosis.dives.consistency.labels import EXCHANGED, ExchangedLabels, exchanged_labels
+from missionplan.diagnosis.dives.consistency import EXCHANGED, ExchangedLabels, exchanged_labels
 from missionplan.diagnosis.dives.discrepancy_axes import descent_axes, drag_of_each_dive
 from missionplan.diagnosis.dives.fitting import DescentFitting, log_joint_with_noise
 from missionplan.diagnosis.dives.linearised import DiveLinearisation

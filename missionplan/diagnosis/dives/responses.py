@@ -19,7 +19,7 @@ from missionplan.diagnosis.dives.noise import NOMINAL_NOISE, Noise, noise_grid
 from missionplan.diagnosis.inference.adequacy.axes import Axis
 from missionplan.diagnosis.inference.adequacy.residuals import InnerProducts
 from missionplan.diagnosis.inference.model import CauseFit
-from missionplan.diagnosis.inference.set_evidence import SCALE_PRIOR, SCALES, log_factor
+from missionplan.diagnosis.inference.set_evidence import log_slab_factor
 from missionplan.diagnosis.inference.weighing import NeutralResponses
 
 if TYPE_CHECKING:
@@ -106,11 +106,7 @@ def _log_gains(
 
     def gain(part: NDArray[np.intp]) -> float:
         inner, right = grams[:, part[:, None], part], grams[:, part, -1]
-        logs = [
-            plain + math.log(share) + log_factor(scale**2 * inner, scale * right)
-            for scale, share in zip(SCALES, SCALE_PRIOR, strict=True)
-        ]
-        return float(logsumexp(logs))
+        return float(logsumexp(plain + log_slab_factor(inner, right)))
 
     return np.array(
         [

@@ -12,7 +12,6 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.special import logsumexp
 
 from missionplan.arrays import Array
 from missionplan.diagnosis.dives.likelihood import DescentLikelihood
@@ -21,7 +20,7 @@ from missionplan.diagnosis.dives.noise import noise_grid
 from missionplan.diagnosis.inference.adequacy.residuals import InnerProducts
 from missionplan.diagnosis.inference.model import CauseFit
 from missionplan.diagnosis.inference.prior import log_normal_mass
-from missionplan.diagnosis.inference.set_evidence import SCALE_PRIOR, SCALES, log_factor
+from missionplan.diagnosis.inference.set_evidence import SCALES, log_slab_factor
 from missionplan.results.learned.evidence import Causes
 
 NODES, NODE_WEIGHTS = (-math.sqrt(3.0), 0.0, math.sqrt(3.0)), (1.0 / 6.0, 2.0 / 3.0, 1.0 / 6.0)
@@ -162,13 +161,10 @@ def _gain(strengths: NDArray[np.int_], columns: _FurtherColumns, gram: Array, sl
     places = np.array(list(itertools.product(*choices)))
     shares = itertools.product(*(NODE_WEIGHTS if len(own) > 1 else (1.0,) for own in choices))
     inner, right = gram[places[:, :, None], places[:, None, :]], gram[places, -1]
-    logs = [
-        math.log(share) + log_factor(scale**2 * inner, scale * right)
-        for scale, share in zip(SCALES, SCALE_PRIOR, strict=True)
-    ]
     spread = np.linalg.inv(inner + np.eye(len(strengths)) / USUAL**2)
     mean = slabs.centre[strengths] + slabs.sd[strengths] * (spread @ right[..., None])[..., 0]
     sd = slabs.sd[strengths] * np.sqrt(np.diagonal(spread, axis1=1, axis2=2))
     low, high = (slabs.low[strengths] - mean) / sd, (slabs.high[strengths] - mean) / sd
     inside = np.sum(log_normal_mass(low, high) - slabs.log_masses[strengths], axis=1)
-    return float(logsumexp(logsumexp(logs, axis=0) + np.log([math.prod(own) for own in shares]) + inside))
+    logs = log_slab_factor(inner, right) + np.log([math.prod(own) for own in shares]) + inside
+    return float(np.logaddexp.reduce(logs))

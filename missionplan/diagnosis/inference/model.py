@@ -1,4 +1,4 @@
-"""What the inference asks of a model of the data, and what a fit of it says.
+"""What the inference asks of a model of the data, what a fit of it says, and fits of several sets.
 
 A model has a catalogue of effects, any of which may be causes of what a base model gets wrong. Every parameter of every
 effect has a normal prior: a wide one (slab) where its effect is a cause, a narrow one (spike) otherwise (George &
@@ -8,9 +8,13 @@ causes).
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 from typing import Any, Protocol, runtime_checkable
 
+import numpy as np
+
 from missionplan.diagnosis.inference.adequacy.residuals import Residuals
+from missionplan.montecarlo.parallel.mapping import parallel_map
 from missionplan.results.learned.evidence import Causes, ParameterEstimate
 
 FitRequest = tuple[Causes, Sequence["CauseFit"]]
@@ -120,3 +124,38 @@ class FitsTogether(Protocol):
             Greatest log evidence of those fitted together: fits far below it need no improvement.
         """
         ...
+
+
+def fitted(model: Model, requests: Sequence[FitRequest], jobs: int = 1) -> list[CauseFit | FailedFit]:
+    """Fit several sets; relinearise what is fitted together.
+
+    Parameters
+    ----------
+    model : Model
+        Which fits.
+    requests : sequence
+        Sets, each with fits to start from.
+    jobs : int
+        Processes.
+
+    Returns
+    -------
+    list
+        A fit, or why there is none, for each set in their order.
+    """
+    found = parallel_map(model.fit_all, requests, jobs=jobs, separately=not isinstance(model, FitsTogether))
+    fits = [_in_numbers(fit) for fit in found]
+    if not isinstance(model, FitsTogether):
+        return fits
+    best = max((fit.log_evidence for fit in fits if isinstance(fit, CauseFit)), default=0.0)
+    return parallel_map(partial(model.relinearised, best=best), fits, jobs=jobs)
+
+
+def _in_numbers(fit: CauseFit | FailedFit) -> CauseFit | FailedFit:
+    """Return a fit whose evidence and estimates are finite; else say that it is none."""
+    if isinstance(fit, FailedFit):
+        return fit
+    numbers = [fit.log_evidence]
+    for each in (*fit.estimates, *fit.given):
+        numbers += [each.value, each.sd, each.low, each.high]
+    return fit if np.all(np.isfinite(numbers)) else FailedFit(fit.causes, "the data do not determine its parameters")

@@ -127,6 +127,14 @@ def log_factor(inner: Array, right: Array) -> Array:
     return np.asarray(0.5 * np.sum(white**2, axis=-1) - np.log(np.diagonal(factor, axis1=-2, axis2=-1)).sum(axis=-1))
 
 
+def log_slab_factor(inner: Array, right: Array) -> Array:
+    """The same for coefficients with a slab of unit size, a mean over its scales."""
+    scales = np.array(SCALES)
+    logs = log_factor(np.multiply.outer(scales**2, inner), np.multiply.outer(scales, right))
+    shares = np.log(SCALE_PRIOR).reshape(-1, *(1,) * (logs.ndim - 1))
+    return np.asarray(np.logaddexp.reduce(logs + shares, axis=0))
+
+
 def _stacked(grams: Sequence[GramMatrix]) -> tuple[Array, Array]:
     return np.stack([gram.products for gram in grams]), np.array([gram.log_normaliser for gram in grams])
 

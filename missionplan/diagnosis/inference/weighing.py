@@ -16,9 +16,8 @@ from functools import partial
 from typing import Protocol
 
 from missionplan.arrays import Array
-from missionplan.diagnosis.inference.fitting import fitted
 from missionplan.diagnosis.inference.importance_sampling import SampledEvidence
-from missionplan.diagnosis.inference.model import CauseFit, FailedFit, Model
+from missionplan.diagnosis.inference.model import CauseFit, FailedFit, Model, fitted
 from missionplan.diagnosis.inference.posterior import credible_set, over_responses, probabilities, told_together
 from missionplan.diagnosis.inference.selection import FURTHER, Candidate, Progress, Selection, log_prior
 from missionplan.errors import RunError

@@ -13,8 +13,8 @@ import pandas as pd
 
 from missionplan.datasets.summaries import SummaryData, read_summary
 from missionplan.diagnosis.data_kind import DataKind
+from missionplan.diagnosis.dives.kind import descent_shares
 from missionplan.diagnosis.dives.model_factory import descent_builder, given_on_descent
-from missionplan.diagnosis.dives.tables import descent_shares
 from missionplan.diagnosis.given.effects import GivenEffect
 from missionplan.diagnosis.inference.model import CauseFit
 from missionplan.diagnosis.learned_data import as_then, unlearned

@@ -8,7 +8,6 @@ import numpy as np
 
 from missionplan.arrays import Array
 from missionplan.datasets.tank import OscillationSettings, TankData
-from missionplan.diagnosis.tank.data import row_blocks
 from missionplan.diagnosis.tank.forward import (
     Nuisance,
     TankForward,
@@ -16,6 +15,7 @@ from missionplan.diagnosis.tank.forward import (
     effects_seen_in,
     noise_sd,
     product,
+    row_blocks,
     tank_effects,
 )
 from missionplan.effects import Effect

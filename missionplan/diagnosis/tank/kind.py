@@ -25,8 +25,7 @@ from missionplan.diagnosis.given.priors import check_together, given_priors
 from missionplan.diagnosis.inference.model import CauseFit
 from missionplan.diagnosis.learned_data import as_then, unlearned
 from missionplan.diagnosis.plan_gain import anchor_choice, plan_gain
-from missionplan.diagnosis.tank.data import read_tank, row_blocks
-from missionplan.diagnosis.tank.forward import Nuisance, TankForward, noise_sd, tank_effects
+from missionplan.diagnosis.tank.forward import Nuisance, TankForward, noise_sd, read_tank, row_blocks, tank_effects
 from missionplan.diagnosis.tank.free_oscillation import full_size_added_mass, oscillation_forward
 from missionplan.diagnosis.tank.model import TankModel
 from missionplan.diagnosis.tank.thruster import thruster_forward

@@ -9,8 +9,7 @@ from numpy.typing import NDArray
 
 from missionplan.arrays import Array
 from missionplan.datasets.tank import TankData, ThrusterSettings
-from missionplan.diagnosis.tank.data import row_blocks
-from missionplan.diagnosis.tank.forward import Nuisance, TankForward, noise_sd, product, tank_effects
+from missionplan.diagnosis.tank.forward import Nuisance, TankForward, noise_sd, product, row_blocks, tank_effects
 from missionplan.effects import Effect
 from missionplan.effects.info import TankRecord
 from missionplan.physics import tunnel_thruster as tt

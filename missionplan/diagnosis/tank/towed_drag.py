@@ -7,8 +7,15 @@ import numpy as np
 
 from missionplan.arrays import Array, Scalars
 from missionplan.datasets.tank import DragSettings, TankData
-from missionplan.diagnosis.tank.data import row_blocks
-from missionplan.diagnosis.tank.forward import Nuisance, TankForward, descent_effects, noise_sd, product, tank_effects
+from missionplan.diagnosis.tank.forward import (
+    Nuisance,
+    TankForward,
+    descent_effects,
+    noise_sd,
+    product,
+    row_blocks,
+    tank_effects,
+)
 from missionplan.effects import Effect
 from missionplan.effects.info import TankRecord
 from missionplan.mission.schema.vehicle import Vehicle

@@ -8,7 +8,7 @@ import pandas as pd
 import pytest
 
 from missionplan import diagnose
-from missionplan.diagnosis.dives.consistency.constancy import not_constant
+from missionplan.diagnosis.dives.consistency import not_constant
 from missionplan.diagnosis.inference.adequacy.discrepancy import discrepancy
 from missionplan.effects import CATALOGUE
 from missionplan.report.diagnosis.page import answer

@@ -7,7 +7,7 @@ import pandas as pd
 import pytest
 
 from missionplan import diagnose
-from missionplan.diagnosis.dives.consistency.labels import exchanged_labels
+from missionplan.diagnosis.dives.consistency import exchanged_labels
 from missionplan.report.diagnosis.page import answer
 
 WEIGHTS = np.array([20.0, 30.0, 20.0, 30.0, 25.0])

@@ -7,8 +7,7 @@ import numpy as np
 import pytest
 
 from missionplan.diagnosis.coordinates import coordinates_of, estimates
-from missionplan.diagnosis.inference.fitting import _in_numbers
-from missionplan.diagnosis.inference.model import CauseFit, FailedFit
+from missionplan.diagnosis.inference.model import CauseFit, FailedFit, _in_numbers
 from missionplan.effects import CATALOGUE
 from missionplan.results.learned.evidence import ParameterEstimate
 

@@ -4,8 +4,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 from missionplan.diagnosis.dives.model import DescentModel
-from missionplan.diagnosis.inference.fitting import fitted
-from missionplan.diagnosis.inference.model import CauseFit, FailedFit, FitRequest, FitsTogether
+from missionplan.diagnosis.inference.model import CauseFit, FailedFit, FitRequest, FitsTogether, fitted
 from missionplan.diagnosis.legs.model import TransitModel
 from missionplan.diagnosis.summaries.model import SummaryModel
 from missionplan.diagnosis.tank.model import TankModel

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from missionplan.diagnosis.inference.interval_coverage import interval_coverage
+from missionplan.diagnosis.inference.cross_validation import interval_coverage
 from missionplan.diagnosis.inference.model import HeldOutScore
 
 

@@ -1,22 +1,30 @@
-"""Labels of weights that look exchanged between dives: a mistake in the log book, and no cause of the catalogue.
+"""Whether dives agree with each other: the labels of their weights, and a claimed cause the same in all.
 
-The base model is laid against the dives with the labels of two dives exchanged, or of two weights in all dives, and
-again while that helps; it competes with causes and with all else that has no name. Dives are independent given what
-they share, so that each dive under each label is linearised once, and every exchange is a sum.
+Exchanged labels are a mistake in the log book, and no cause of the catalogue. The base model is laid against the dives
+with the labels of two dives exchanged, or of two weights in all dives, and again while that helps; it competes with
+causes and with all else that has no name. Dives are independent given what they share, so that each dive under each
+label is linearised once, and every exchange is a sum.
 """
 
 import itertools
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 from scipy.special import logsumexp
 
 from missionplan.diagnosis.dives.fitting import DescentFitting, log_joint_with_noise
 from missionplan.diagnosis.dives.likelihood import NoiseGridLikelihood
+from missionplan.diagnosis.inference.adequacy.axes import differing
+from missionplan.diagnosis.inference.adequacy.discrepancy import THRESHOLD, along_each_axis
 from missionplan.diagnosis.inference.model import CauseFit
 from missionplan.diagnosis.inference.selection import FURTHER
+from missionplan.results.learned.evidence import Causes
+
+if TYPE_CHECKING:
+    from missionplan.diagnosis.dives.model import DescentModel
 
 EXCHANGED = "labels of anchors exchanged between dives in the log book"
 
@@ -105,3 +113,31 @@ def _log_evidence(likelihoods: Sequence[NoiseGridLikelihood], labels: Labels, ba
         likelihoods[0].counts,
     )
     return float(logsumexp(log_joint_with_noise(together.marginals(base.state.prior_sd))))
+
+
+def not_constant(model: "DescentModel", fit: CauseFit) -> Causes:
+    """Return the causes whose strengths differ from dive to dive.
+
+    A strength of each dive beside the common one, independent normals of unknown size, against none: the Bayes factor
+    is averaged over the sizes and over the grid of noises, so that it says more than the scatter from dive to dive that
+    every model allows. A line that jams on its spool in some dives looks like a late clock, but not like the same one
+    in all.
+
+    Parameters
+    ----------
+    model : DescentModel
+        Of the dives.
+    fit : CauseFit
+        The claimed set.
+    """
+    counts = [len(rows) for rows in model.parts]
+    own = np.repeat(np.eye(len(counts)), counts, axis=0)
+    strengths = [
+        differing(coordinate.effect, own * fit.state.linear.columns[:, [index]])
+        for index, coordinate in enumerate(model.coordinates)
+        if coordinate.effect in fit.causes and coordinate.kind != "shape"
+    ]
+    found = {
+        axis.description for axis, value in along_each_axis(model.residuals_along(fit, strengths)) if value > THRESHOLD
+    }
+    return tuple(name for name in fit.causes if name in found)
