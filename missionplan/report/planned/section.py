@@ -194,10 +194,10 @@ def where_checked(provenance: Provenance) -> list[PageSection]:
     heading = "Where the model was checked"
     if provenance.checked:
         heading += f": outside for {', '.join(outside)}" if outside else ", with this mission inside"
-    caption = "At the means. Outside a range nothing is known to be wrong; nothing was compared there."
-    table = Table(("", "this mission", "checked", ""), rows, caption, text_columns=4)
     listed = f"It rests on these rows of docs/validation: {', '.join(provenance.rests_on)}."
-    return [PageSection(heading, [*([table] if rows else []), listed], is_reference=True)]
+    caption = f"At the means. Outside a range nothing is known to be wrong; nothing was compared there. {listed}"
+    table = Table(("", "this mission", "checked", ""), rows, caption, text_columns=4)
+    return [PageSection(heading, [table if rows else listed], is_reference=True)]
 
 
 def _from_to(low: float, high: float, unit: str) -> str:
