@@ -20,7 +20,7 @@ from missionplan.diagnosis.dives.model_factory import descent_model
 from missionplan.diagnosis.dives.preparation import PreparedDives, binned
 from missionplan.effects import CATALOGUE
 from missionplan.mission import load
-from missionplan.phases.mooring.depth_sensor import simulate_readings
+from tests.depth_readings import simulate_readings
 
 # no time limits: a busy machine is slow
 settings.register_profile("untimed", deadline=None, max_examples=25, suppress_health_check=[HealthCheck.too_slow])

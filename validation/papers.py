@@ -13,7 +13,6 @@ from missionplan.mission import load
 from missionplan.phases.mooring.forces import Dive
 from missionplan.phases.transit.analytic.expectation import expected_cost
 from missionplan.physics import tank, tunnel_thruster
-from missionplan.physics.propulsion import PropulsionRun, simulate_propulsion
 from missionplan.scenario.anchors import worst_case_weight
 from missionplan.scenario.phases import dive_of
 from missionplan.scenario.scenario import Scenario
@@ -23,7 +22,7 @@ from missionplan.studies.transition.sweep_transition import FORCE, PAIR, SUCTION
 from tests.acceptance import test_avila as avila
 from tests.acceptance import test_briggs_table1 as table_1
 from tests.phases.transit.test_expectation import FIG8, HIGH_PRECISION
-from tests.physics import propeller_example
+from tests.physics import avila_example, propeller_example
 from validation.rows import MISSIONS, Measured, Options, at_least, at_most, between, near, reported, row
 
 
@@ -167,10 +166,10 @@ _STEP = 0.02
 
 
 @cache
-def _blanke(damping: str) -> PropulsionRun:
+def _blanke(damping: str) -> propeller_example.PropulsionRun:
     torque = propeller_example.eq_36_torque(_STEP)
     table = propeller_example.table_1(damping)  # type: ignore[arg-type]
-    return simulate_propulsion(table, propeller_example.TABLE_1_RESISTANCE, torque, _STEP)
+    return propeller_example.simulate_propulsion(table, propeller_example.TABLE_1_RESISTANCE, torque, _STEP)
 
 
 @row(
@@ -277,7 +276,7 @@ def _avila_added_mass(_: Options) -> list[float]:
 )
 def _avila_speeds(_: Options) -> list[float]:
     thrust, efficiency = np.array([497.8, 348.6, 772.0]), np.array([0.75, 0.75, 1.0])
-    return list(tank.top_speed(thrust, efficiency, np.array([2.24, 2.73, 3.62]), 0.329, 1000.0))
+    return list(avila_example.top_speed(thrust, efficiency, np.array([2.24, 2.73, 3.62]), 0.329, 1000.0))
 
 
 @row(

@@ -21,7 +21,6 @@ from missionplan.phases.mooring.pitch_over import NOSE_DOWN
 from missionplan.physics.held_line import HeldLine, hang
 from missionplan.physics.line_statics import held_pose
 from missionplan.physics.propeller import Resistance, from_open_water
-from missionplan.physics.propulsion import simulate_propulsion
 from missionplan.physics.water import lamb_axial_coefficient, lamb_lateral_coefficient
 from missionplan.studies.simulation.simulate import simulate
 from missionplan.studies.tide.harmonic_analysis import Constituent, tidal_velocity
@@ -30,6 +29,7 @@ from tests.phases.mooring import test_descent as dives
 from tests.phases.mooring import test_pitch_over as turning
 from tests.phases.mooring import tied_reference
 from tests.physics import test_line_statics as lines
+from tests.physics.propeller_example import simulate_propulsion
 from validation.rows import Measured, NotMeasurableHereError, Options, at_least, at_most, between, reported, row
 
 

@@ -10,7 +10,6 @@ import numpy as np
 from matplotlib.figure import Figure as MatplotlibFigure
 
 import missionplan
-from missionplan.physics import propulsion, tank
 from missionplan.physics import tunnel_thruster as tunnel
 from missionplan.report.drawn import style
 from missionplan.report.page import BLUE, GREEN, GREY, ORANGE, Figure, to_figure
@@ -18,6 +17,7 @@ from missionplan.studies.identification import page as pictures
 from missionplan.studies.identification.identify import identify
 from missionplan.studies.transition.page import all_figures
 from missionplan.studies.transition.sweep_transition import sweep_transition
+from tests.physics import avila_example as avila
 from tests.physics import propeller_example as example
 
 HERE = Path(__file__).parent
@@ -28,7 +28,7 @@ def blanke() -> list[Figure]:
     """Figs. 4 and 5 of Blanke et al., and the open-water lines of its Fig. 3."""
     step = 0.02
     torque = example.eq_36_torque(step)
-    run = propulsion.simulate_propulsion(example.table_1(), example.TABLE_1_RESISTANCE, torque, step)
+    run = example.simulate_propulsion(example.table_1(), example.TABLE_1_RESISTANCE, torque, step)
     fig_4 = MatplotlibFigure(figsize=(6.0, 4.6))
     speeds, rates = fig_4.subplots(2, 1, sharex=True)
     speeds.plot(run.time, run.axial_flow, color=ORANGE, linewidth=1.2, label="flow in the disc $u_p$")
@@ -61,8 +61,8 @@ def avila_step_response() -> Figure:
     time = np.linspace(0.0, 8.0, 200)
     rows = (("surge", 2.24, 81.81, 0.75 * 497.8), ("sway", 2.73, 126.11, 0.75 * 348.6), ("heave", 3.62, 250.71, 772.0))
     for (name, coefficient, added, force), colour in zip(rows, (BLUE, ORANGE, GREEN), strict=True):
-        top = tank.top_speed(force, 1.0, coefficient, 0.329, 1000.0)
-        axes.plot(time, tank.step_response(time, top, force, 420.0 + added), color=colour)
+        top = avila.top_speed(force, 1.0, coefficient, 0.329, 1000.0)
+        axes.plot(time, avila.step_response(time, top, force, 420.0 + added), color=colour)
         axes.annotate(f"{name} {top:.3f} m/s", (time[-1], float(top)), ha="right", va="bottom", color=colour)
     axes.set_xlabel("time since full thrust [s]")
     axes.set_ylabel("speed [m/s]")

@@ -29,49 +29,19 @@ class Propeller:
     """a: in steady state the flow in the disc is (1 + a) times the advance speed."""
     wake_fraction: float
     thrust_deduction: float
-    """W of Eq. 27 and t of Eq. 26."""
+    """w of Eq. 27 and t of Eq. 26."""
     shaft_inertia: float
     """Of motor, shaft and propeller [kg m²]."""
     flow_mass: float
     """Of the water in the control volume, m_f [kg]."""
     flow_damping_linear: float
     flow_damping_quadratic: float
-    """D_f0 [kg/s] and d_f [kg/m] of Eq. 30."""
+    """d_f0 [kg/s] and d_f [kg/m] of Eq. 30."""
 
     @property
     def flow_ratio(self) -> float:
         """Steady flow in the disc over the vehicle's speed, (1 + a)(1 - w)."""
         return (1.0 + self.axial_flow_factor) * (1.0 - self.wake_fraction)
-
-
-def surge_flow_damping(
-    resistance_linear: float,
-    resistance_quadratic: float,
-    axial_flow_factor: float,
-    wake_fraction: float,
-    thrust_deduction: float,
-) -> tuple[float, float]:
-    """Axial-flow damping that makes the steady flow (1 + a)(1 - w) times the speed, Eqs. 34 and 35.
-
-    It relates the water in the disc to the hull's resistance. For the paper's Table 1 it gives 2777.8 kg/m, nineteen
-    times the 2ρA_p = 144.9 kg/m of momentum theory (Eq. 12); the two agree for a resistance near 26 kg/m.
-
-    Parameters
-    ----------
-    resistance_linear, resistance_quadratic : float
-        -X_u [kg/s] and -X_u|u| [kg/m] of Eq. 29.
-    axial_flow_factor, wake_fraction, thrust_deduction : float
-        a, w and t.
-
-    Returns
-    -------
-    linear, quadratic : float
-        d_f0 [kg/s] and d_f [kg/m].
-    """
-    a, w, t = axial_flow_factor, wake_fraction, thrust_deduction
-    linear = resistance_linear / ((1.0 - t) * (1.0 + a) * (1.0 - w))
-    quadratic = resistance_quadratic / ((1.0 - t) * (1.0 + a) * a * (1.0 - w) ** 2)
-    return linear, quadratic
 
 
 def from_open_water(
@@ -131,11 +101,6 @@ def from_open_water(
     )
 
 
-def advance_ratio(advance_speed: Scalars, shaft_rate: Scalars, diameter: float) -> Scalars:
-    """J = 2π u_a/(n D), from the advance speed [m/s] and shaft rate [rad/s] (abscissa of Fig. 3)."""
-    return 2.0 * math.pi * advance_speed / (shaft_rate * diameter)
-
-
 def thrust(propeller: Propeller, shaft_rate: Scalars, axial_flow: Scalars) -> Scalars:
     """Thrust at a shaft rate and a flow in the disc, Eq. 28.
 
@@ -160,24 +125,6 @@ def thrust(propeller: Propeller, shaft_rate: Scalars, axial_flow: Scalars) -> Sc
 def torque(propeller: Propeller, shaft_rate: Scalars, axial_flow: Scalars) -> Scalars:
     """Torque of the water on the shaft [N m], Eq. 22; arguments as in `thrust`."""
     return magnitude(shaft_rate) * (propeller.torque_nn * shaft_rate + propeller.torque_nu * axial_flow)
-
-
-def thrust_coefficient(propeller: Propeller, advance: Scalars, density: float) -> Scalars:
-    """Open-water K_T at an advance ratio, Eq. 19: steady thrust over ρ (n/2π)² D⁴ (checked: K_T(0) = 0.4243)."""
-    flow = (1.0 + propeller.axial_flow_factor) * advance * propeller.diameter / (2.0 * math.pi)
-    return (propeller.thrust_nn + propeller.thrust_nu * flow) * (2.0 * math.pi) ** 2 / (density * propeller.diameter**4)
-
-
-def torque_coefficient(propeller: Propeller, advance: Scalars, density: float) -> Scalars:
-    """Open-water K_Q at an advance ratio, Eq. 19: steady torque over ρ (n/2π)² D⁵ (checked: K_Q(0) = 0.0626)."""
-    flow = (1.0 + propeller.axial_flow_factor) * advance * propeller.diameter / (2.0 * math.pi)
-    return (propeller.torque_nn + propeller.torque_nu * flow) * (2.0 * math.pi) ** 2 / (density * propeller.diameter**5)
-
-
-def open_water_efficiency(propeller: Propeller, advance: Scalars, density: float) -> Scalars:
-    """η₀ = J K_T/(2π K_Q): thrust power over shaft power."""
-    ratio = thrust_coefficient(propeller, advance, density) / torque_coefficient(propeller, advance, density)
-    return advance * ratio / (2.0 * math.pi)
 
 
 def flow_acceleration(propeller: Propeller, shaft_rate: Scalars, axial_flow: Scalars, speed: Scalars) -> Scalars:

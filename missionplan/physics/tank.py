@@ -1,4 +1,4 @@
-"""Towing-tank results of a vehicle: drag coefficient, scaling to full size, speed under thrust (Avila et al.).
+"""Towing-tank results of a vehicle: drag coefficient and scaling to full size (Avila et al.).
 
 Free oscillation on springs: added mass from its frequency, damping from its decay (Avila et al., section 4.2).
 """
@@ -9,16 +9,6 @@ from dataclasses import dataclass
 import numpy as np
 
 from missionplan.arrays import Array, Scalars, magnitude
-
-
-def characteristic_length(displaced_volume: Scalars) -> Scalars:
-    """∇^(1/3) [m], the reference length of an open-frame vehicle's Reynolds number, from ∇ [m³] (Avila, sect. 4.1)."""
-    return displaced_volume ** (1.0 / 3.0)
-
-
-def characteristic_area(displaced_volume: Scalars) -> Scalars:
-    """∇^(2/3) [m²], the reference area of an open-frame vehicle's drag coefficient; 0.3288 for ∇ = 0.1885 m³."""
-    return displaced_volume ** (2.0 / 3.0)
 
 
 def drag_coefficient(force: Scalars, speed: Scalars, area: Scalars, density: Scalars) -> Scalars:
@@ -57,40 +47,6 @@ def full_size_mass(model_mass: Scalars, scale: float) -> Scalars:
     return model_mass * scale**3
 
 
-def top_speed(thrust: Scalars, efficiency: Scalars, coefficient: Scalars, area: Scalars, density: Scalars) -> Scalars:
-    """Speed at which ητ balances drag, √(2ητ/(C_D ρ A)): Avila et al., Eq. 1 with dU/dt = 0 [m/s].
-
-    Parameters
-    ----------
-    thrust, efficiency : float or array
-        τ [N] and the share η of it that propels.
-    coefficient, area, density : float or array
-        C_D on an area [m²], and ρ [kg/m³].
-    """
-    speed: Scalars = np.sqrt(2.0 * efficiency * thrust / (coefficient * density * area))
-    return speed
-
-
-def step_response(time: Array, speed: Scalars, thrust: Scalars, total_mass: Scalars) -> Scalars:
-    """Speed after a step of effective thrust from rest, U tanh(t/T) with T = (m + m_ad)U/ητ [m/s].
-
-    The closed form of Avila et al., Eq. 1 (Fig. 5).
-
-    Parameters
-    ----------
-    time : array
-        Since the step [s].
-    speed : float or array
-        The top speed U [m/s].
-    thrust : float or array
-        Effective thrust ητ [N].
-    total_mass : float or array
-        Mass and added mass [kg].
-    """
-    response: Scalars = speed * np.tanh(time * thrust / (total_mass * speed))
-    return response
-
-
 STEPS_PER_PERIOD = 40
 """The error is 2e-5 of the initial amplitude A at βA = 0.1, 2e-4 at 1; zero without quadratic damping."""
 NODE = 0.5 - math.sqrt(3.0) / 6.0
@@ -124,11 +80,6 @@ def added_mass(frequency: Scalars, stiffness: Scalars, mass: Scalars) -> Scalars
 def added_mass_sd(frequency: Scalars, frequency_sd: Scalars, stiffness: Scalars) -> Scalars:
     """Standard deviation of `added_mass` from that of the frequency alone, 2 k/(2πf)² σ_f/f [kg]."""
     return 2.0 * stiffness / (2.0 * math.pi * frequency) ** 2 * frequency_sd / frequency
-
-
-def keulegan_carpenter(amplitude: Scalars, diameter: Scalars) -> Scalars:
-    """2πA/D of an oscillation (Avila et al., Eq. 4); below 10 inertia exceeds drag. 2.6 for 50 mm on 121 mm."""
-    return 2.0 * math.pi * amplitude / diameter
 
 
 def displacement(
@@ -220,24 +171,3 @@ def _linear_flow(time: Scalars, frequency: Scalars, linear: Scalars) -> Flow:
 def _plain(value: Scalars) -> Scalars:
     """Return a single number as a float: stepping is several times faster on floats than on numpy's."""
     return np.asarray(value, dtype=float) if np.ndim(value) else float(value)
-
-
-def envelope(time: Array, amplitude: Scalars, frequency: Scalars, linear: Scalars, quadratic: Scalars) -> Array:
-    """Amplitude of a lightly damped oscillation, averaged over its periods (Krylov and Bogoliubov) [m].
-
-    dA/dt = -δA - 4βωA²/3π, so A = A₀e^(-δt)/(1 + g(1 - e^(-δt))/δ) with g = 4βωA₀/3π.
-
-    Parameters
-    ----------
-    time : array
-        Since the start [s].
-    amplitude : float or array
-        A₀ [m].
-    frequency, linear, quadratic : float or array
-        As in `displacement`.
-    """
-    rate = 8.0 / 3.0 * quadratic * frequency * amplitude
-    product = np.asarray(linear * time)
-    decayed = np.where(np.abs(product) > 1e-9, -np.expm1(-product) / np.where(product == 0.0, 1.0, product), 1.0) * time
-    result: Array = amplitude * np.exp(-product) / (1.0 + rate * decayed)
-    return result

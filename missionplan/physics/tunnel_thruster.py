@@ -22,9 +22,6 @@ LEAST_FORCE_FACTOR = 0.07
 Where the exponential falls below it, the force has passed its minimum and the model is out of its range.
 """
 
-INDUCED_DRAG_LIMIT = 0.75
-"""Speed ratio from which the jet no longer adds drag, as a cylinder in the flow does: assumed from a figure."""
-
 
 @dataclass(frozen=True)
 class TunnelThruster:
@@ -163,25 +160,6 @@ def thruster_load(thruster: TunnelThruster, revolutions: Scalars, speed: Scalars
     return ThrusterLoad(static * factor, moment(static, factor, thruster.position, centre), ratio)
 
 
-def induced_drag_coefficient(ratio: Scalars, at_rest: Scalars, vanishes_at: float = INDUCED_DRAG_LIMIT) -> Scalars:
-    """Increase of the volumetric drag coefficient by a jet, largest at low speed ratios (Fig. 11).
-
-    The paper gives only the trend, in a figure: a decrease linear in u/u_j is assumed, and the value at u = 0 is an
-    argument.
-
-    Parameters
-    ----------
-    ratio : float or array
-        u/u_j.
-    at_rest : float or array
-        ΔC_D on ∇^(2/3) as u/u_j tends to 0.
-    vanishes_at : float
-        u/u_j from which it is 0.
-    """
-    drop: Scalars = at_rest * np.clip(1.0 - ratio / vanishes_at, 0.0, 1.0)
-    return drop
-
-
 def thruster_power(static: Scalars, area: Scalars, density: Scalars, performance: Scalars = 0.55) -> Scalars:
     """Power of a thruster at a static thrust, F^(3/2)/(2α^(3/2)√(ρA)) (2009b, Eq. 13) [W].
 
@@ -203,11 +181,6 @@ def thruster_power(static: Scalars, area: Scalars, density: Scalars, performance
 def hover_power(force: float, area: float, density: float, thrusters: int = 1) -> float:
     """Power of several equal thrusters that share a force at rest [W]: two need 1/√2 of one's power (sect. 7.2)."""
     return float(thrusters * thruster_power(force / thrusters, area, density))
-
-
-def diameter_for_same_power(diameter: float, thrusters: int) -> float:
-    """Diameter of each of several thrusters that together need the power of one of `diameter`, D/√thrusters [m]."""
-    return diameter / math.sqrt(thrusters)
 
 
 def bollard_pull(command: Scalars, ahead: Scalars, astern: Scalars, deadband: Scalars = 0.0) -> Scalars:

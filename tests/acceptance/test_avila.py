@@ -11,6 +11,7 @@ from missionplan.physics import tank as osc
 from missionplan.physics.drag import reynolds_number
 from missionplan.physics.tunnel_thruster import bollard_pull
 from missionplan.studies.identification.identify import identify
+from tests.physics import avila_example as avila
 
 MEASURED = Path(__file__).parents[2] / "missions" / "measured"
 TABLE_1_SPEED = np.arange(2, 9) / 10.0
@@ -27,15 +28,15 @@ def surge():
 
 
 def test_table_1_follows_from_its_volume():
-    area = tank.characteristic_area(0.0236)
+    area = avila.characteristic_area(0.0236)
     coefficient = tank.drag_coefficient(TABLE_1_FORCE, TABLE_1_SPEED, area, 1000.0)
     np.testing.assert_allclose(coefficient, TABLE_1_COEFFICIENT, atol=1.3e-3)
-    reynolds = reynolds_number(TABLE_1_SPEED, tank.characteristic_length(0.0236), 1.01e-6)
+    reynolds = reynolds_number(TABLE_1_SPEED, avila.characteristic_length(0.0236), 1.01e-6)
     np.testing.assert_allclose(reynolds / 1e5, [0.568, 0.852, 1.135, 1.419, 1.703, 1.987, 2.271], atol=1.5e-3)
 
 
 def test_table_6_follows_from_its_volume():
-    coefficient = tank.drag_coefficient(TABLE_6_FORCE, TABLE_1_SPEED, tank.characteristic_area(0.02356), 1000.0)
+    coefficient = tank.drag_coefficient(TABLE_6_FORCE, TABLE_1_SPEED, avila.characteristic_area(0.02356), 1000.0)
     np.testing.assert_allclose(coefficient, TABLE_6_COEFFICIENT, atol=1e-3)
 
 
@@ -99,26 +100,26 @@ def test_scaling_to_full_size_is_eightfold():
 
 
 def test_keulegan_carpenter_number():
-    assert osc.keulegan_carpenter(0.050, 0.121) == pytest.approx(2.6, abs=0.01)
+    assert avila.keulegan_carpenter(0.050, 0.121) == pytest.approx(2.6, abs=0.01)
 
 
 def test_maximum_speeds_of_table_5():
     """With the paper's A_c = 0.329 m² (0.3288 of the volume gives 0.03 % more)."""
     area = 0.329
-    assert tank.characteristic_area(0.1885) == pytest.approx(area, rel=1e-3)
+    assert avila.characteristic_area(0.1885) == pytest.approx(area, rel=1e-3)
     coefficient, thrust = np.array([2.24, 2.73, 3.62]), np.array([497.8, 348.6, 772.0])
-    speeds = tank.top_speed(thrust, np.array([0.75, 0.75, 1.0]), coefficient, area, 1000.0)
+    speeds = avila.top_speed(thrust, np.array([0.75, 0.75, 1.0]), coefficient, area, 1000.0)
     np.testing.assert_allclose(speeds, [1.0066, 0.7630, 1.1386], atol=1e-4)
     np.testing.assert_allclose(speeds, [1.007, 0.763, 1.139], atol=5e-4)
 
 
 def test_step_response_of_fig_5():
     """Surge and heave reach 99 % of their top speed in about 6 and 3.6 s of the full-size mass and added mass."""
-    area, time = tank.characteristic_area(0.1885), np.linspace(0.0, 12.0, 1201)
+    area, time = avila.characteristic_area(0.1885), np.linspace(0.0, 12.0, 1201)
     rows = [(2.24, 81.81, 497.8 * 0.75), (2.73, 126.11, 348.6 * 0.75), (3.62, 250.71, 772.0)]
     for coefficient, added, force in rows:
-        speed = tank.top_speed(force, 1.0, coefficient, area, 1000.0)
-        response = tank.step_response(time, speed, force, 420.0 + added)
+        speed = avila.top_speed(force, 1.0, coefficient, area, 1000.0)
+        response = avila.step_response(time, speed, force, 420.0 + added)
         assert np.all(np.diff(response) >= 0.0)
         assert response[-1] == pytest.approx(speed, rel=1e-3)
 

@@ -5,7 +5,6 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from missionplan.physics import propulsion as pr
 from tests.physics import propeller_example as example
 
 STEP = 0.02
@@ -14,7 +13,7 @@ ENDS = (1500, 3000, 5000)
 
 @pytest.fixture(scope="module")
 def run():
-    return pr.simulate_propulsion(
+    return example.simulate_propulsion(
         example.table_1("surge"), example.TABLE_1_RESISTANCE, example.eq_36_torque(STEP), STEP
     )
 
@@ -30,7 +29,7 @@ def test_end_of_segment_values(run):
 
 def test_end_of_first_segment_with_momentum_damping():
     """Eq. 12 in place of Eqs. 30, 34 and 35."""
-    run = pr.simulate_propulsion(example.table_1("momentum"), example.TABLE_1_RESISTANCE, np.full(1500, 5.0), STEP)
+    run = example.simulate_propulsion(example.table_1("momentum"), example.TABLE_1_RESISTANCE, np.full(1500, 5.0), STEP)
     assert run.shaft_rate[-1] / (2.0 * np.pi) == pytest.approx(8.59, rel=0.01)
     assert run.speed[-1] == pytest.approx(0.395, rel=0.01)
     assert run.axial_flow[-1] == pytest.approx(0.955, rel=0.01)
@@ -49,5 +48,7 @@ def test_the_literal_shaft_equation_is_two_pi_faster():
     table_1 = example.table_1()
     literal = replace(table_1, shaft_inertia=table_1.shaft_inertia / (2.0 * np.pi))
     torque = np.full(5, 5.0)
-    slow, fast = (pr.simulate_propulsion(unit, example.TABLE_1_RESISTANCE, torque, 1e-3) for unit in (table_1, literal))
+    slow, fast = (
+        example.simulate_propulsion(unit, example.TABLE_1_RESISTANCE, torque, 1e-3) for unit in (table_1, literal)
+    )
     assert fast.shaft_rate[-1] / slow.shaft_rate[-1] == pytest.approx(2.0 * np.pi, rel=1e-3)

@@ -20,7 +20,7 @@ def held(shaft_rate, duration, step=0.02):
     """Run table 1's vehicle with an endless flywheel on the shaft, its flow settled at the start."""
     propeller = replace(example.table_1(), shaft_inertia=np.inf)
     flow = p.steady_axial_flow(propeller, shaft_rate, 0.0)
-    return pr.simulate_propulsion(
+    return example.simulate_propulsion(
         propeller, HULL, np.zeros(round(duration / step)), step, (shaft_rate, float(flow), 0.0)
     )
 
@@ -28,7 +28,7 @@ def held(shaft_rate, duration, step=0.02):
 @pytest.mark.parametrize("torque", [2.0, -5.0])
 def test_steady_state_of_the_stepped_model_is_the_closed_form(torque):
     propeller = example.table_1()
-    run = pr.simulate_propulsion(propeller, HULL, np.full(6000, torque), 0.02)
+    run = example.simulate_propulsion(propeller, HULL, np.full(6000, torque), 0.02)
     rate, flow, speed = run.shaft_rate[-1], run.axial_flow[-1], run.speed[-1]
     assert run.torque[-1] == pytest.approx(torque, rel=1e-6)
     assert flow == pytest.approx(float(p.steady_axial_flow(propeller, rate, speed)), rel=1e-6)
@@ -38,14 +38,14 @@ def test_steady_state_of_the_stepped_model_is_the_closed_form(torque):
 
 
 def test_a_run_astern_mirrors_a_run_ahead():
-    ahead, astern = (pr.simulate_propulsion(example.table_1(), HULL, np.full(500, q), 0.02) for q in (5.0, -5.0))
+    ahead, astern = (example.simulate_propulsion(example.table_1(), HULL, np.full(500, q), 0.02) for q in (5.0, -5.0))
     np.testing.assert_array_equal(ahead.speed, -astern.speed)
 
 
 def test_shaft_work_pays_for_every_motion():
     propeller, step = example.table_1(), 0.005
     torque = example.eq_36_torque(step, 40.0)
-    run = pr.simulate_propulsion(propeller, HULL, torque, step)
+    run = example.simulate_propulsion(propeller, HULL, torque, step)
     work = np.sum(torque * (run.shaft_rate[1:] + run.shaft_rate[:-1]) / 2.0) * step
     kinetic = 0.5 * (propeller.shaft_inertia * run.shaft_rate[-1] ** 2 + HULL.mass * run.speed[-1] ** 2)
     resisted = trapezoid(HULL.force(run.speed) * run.speed, run.time)
@@ -54,7 +54,9 @@ def test_shaft_work_pays_for_every_motion():
 
 def test_halving_the_step_divides_the_error_by_sixteen():
     def end(step):
-        return pr.simulate_propulsion(example.table_1(), HULL, np.full(round(2.0 / step), 5.0), step).shaft_rate[-1]
+        return example.simulate_propulsion(example.table_1(), HULL, np.full(round(2.0 / step), 5.0), step).shaft_rate[
+            -1
+        ]
 
     coarse, middle, fine = end(0.02), end(0.01), end(0.005)
     assert (coarse - middle) / (middle - fine) == pytest.approx(16.0, rel=0.2)
@@ -62,14 +64,14 @@ def test_halving_the_step_divides_the_error_by_sixteen():
 
 def test_trials_run_side_by_side():
     torque = np.array([5.0, -5.0, 2.5])
-    together = pr.simulate_propulsion(example.table_1(), HULL, np.tile(torque, (300, 1)), 0.02)
-    alone = pr.simulate_propulsion(example.table_1(), HULL, np.full(300, -5.0), 0.02)
+    together = example.simulate_propulsion(example.table_1(), HULL, np.tile(torque, (300, 1)), 0.02)
+    alone = example.simulate_propulsion(example.table_1(), HULL, np.full(300, -5.0), 0.02)
     np.testing.assert_allclose(together.speed[:, 1], alone.speed, rtol=1e-12)
 
 
 def test_too_long_a_step_is_refused():
     with pytest.raises(FloatingPointError, match="step of 2"):
-        pr.simulate_propulsion(example.table_1(), HULL, np.full(200, 500.0), 2.0)
+        example.simulate_propulsion(example.table_1(), HULL, np.full(200, 500.0), 2.0)
 
 
 def test_speeding_up_against_the_stepped_model():
@@ -127,7 +129,7 @@ def test_following_a_measured_run_gives_its_flow(given):
     step, every = 0.005, 20
     at = step * np.arange(3000)
     torque = 4.0 + 4.0 * np.sin(0.8 * at) - 3.0 * np.cos(2.3 * at)
-    run = pr.simulate_propulsion(example.table_1("momentum"), HULL, torque, step)
+    run = example.simulate_propulsion(example.table_1("momentum"), HULL, torque, step)
     pick = slice(0, -1, every)
     drive = {"shaft_rate": run.shaft_rate[pick]} if given == "rate" else {"motor_torque": torque[::every]}
     rate, flow = pr.propeller_response(example.table_1("momentum"), run.time[pick], run.speed[pick], **drive)

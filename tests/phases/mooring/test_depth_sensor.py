@@ -9,10 +9,10 @@ from missionplan.arrays import Scalars
 from missionplan.effects.dive_lift import VerticalCurrent
 from missionplan.effects.dive_log import ClockOffset, DepthScale, SensorLag
 from missionplan.phases.hooks import DescentEffect
-from missionplan.phases.mooring.depth_sensor import simulate_readings
 from missionplan.phases.mooring.forces import Dive
 from missionplan.physics.drag import Hull, QuadraticDrag, VehicleDrag
 from missionplan.physics.water import Water
+from tests.depth_readings import simulate_readings
 
 DIVE = Dive(
     wet_weight=11.7,

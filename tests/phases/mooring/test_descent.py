@@ -12,13 +12,13 @@ from missionplan.effects.dive_drag import BroadsideStart
 from missionplan.effects.dive_lift import LinePayout, SlowFlooding, TrappedGas, VerticalCurrent
 from missionplan.phases.currents import layers
 from missionplan.phases.hooks import DescentEffect
-from missionplan.phases.mooring.depth_sensor import simulate_readings
 from missionplan.phases.mooring.descent import DescentRecord, descend
 from missionplan.phases.mooring.forces import Dive
 from missionplan.phases.mooring.profile import simulate_profile
 from missionplan.phases.recorded_currents import SeriesCurrent
 from missionplan.physics.drag import Hull, QuadraticDrag, Sail, VehicleDrag, anchor_drag
 from missionplan.physics.water import Water
+from tests.depth_readings import simulate_readings
 
 INCH, FOOT = 0.0254, 0.3048
 WATER = Water(1026.02, 1.1892e-6)

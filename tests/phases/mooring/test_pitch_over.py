@@ -8,7 +8,6 @@ from scipy.integrate import solve_ivp, trapezoid
 
 from missionplan.phases.currents import layers
 from missionplan.phases.hooks import DescentEffect
-from missionplan.phases.mooring.depth_sensor import simulate_readings
 from missionplan.phases.mooring.descent import descend
 from missionplan.phases.mooring.forces import DescentHooks, Dive, LoneFall
 from missionplan.phases.mooring.horizontal_drift import CrossFlowBody, TiedBodies
@@ -16,6 +15,7 @@ from missionplan.phases.mooring.pitch_over import NOSE_DOWN, pitch_over
 from missionplan.phases.mooring.vertical_motion import Integration, Stop, integrate_stage
 from missionplan.physics.drag import QuadraticDrag
 from missionplan.physics.snatch import PitchingBody
+from tests.depth_readings import simulate_readings
 
 BODY = PitchingBody(
     lateral_mass=20.0,

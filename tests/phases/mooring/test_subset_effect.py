@@ -8,8 +8,8 @@ from test_depth_sensor import DIVE
 
 from missionplan.effects import CATALOGUE, effects_of
 from missionplan.phases.hooks import DescentEffect
-from missionplan.phases.mooring.depth_sensor import simulate_readings
 from missionplan.phases.mooring.subset_effect import SubsetEffect
+from tests.depth_readings import simulate_readings
 
 TRIALS = np.array([1, 4])
 TIMES = np.tile(np.linspace(0.0, 15.0, 61)[:, None], (1, 5))

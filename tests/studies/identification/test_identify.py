@@ -7,7 +7,6 @@ import pytest
 import yaml
 
 from missionplan.errors import InputError, RunError
-from missionplan.physics import propulsion as pr
 from missionplan.report.render import render_report, terminal_view
 from missionplan.studies.identification.identify import identify
 from tests.physics import propeller_example as example
@@ -164,7 +163,7 @@ def transient(rng, measured):
     step, every = 0.005, 5
     at = step * np.arange(4000)
     torque = 4.0 + 4.0 * np.sin(0.8 * at) - 3.0 * np.cos(2.3 * at)
-    run = pr.simulate_propulsion(example.table_1("momentum"), example.TABLE_1_RESISTANCE, torque, step)
+    run = example.simulate_propulsion(example.table_1("momentum"), example.TABLE_1_RESISTANCE, torque, step)
     pick = slice(0, -1, every)
     columns = {
         "t_s": run.time[pick],
