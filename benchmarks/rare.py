@@ -16,9 +16,15 @@ from benchmarks.rare_problems import PROBLEMS, Problem
 from benchmarks.rare_ways import drawn
 from missionplan.mission import Mission
 from missionplan.montecarlo.rare_events.failure_search import FailureSearch, Found, find, no_description
-from missionplan.montecarlo.rare_events.strata import DiscreteValue, StrataView, strata
+from missionplan.montecarlo.rare_events.strata import (
+    DiscreteValue,
+    Model,
+    ReliabilityIndices,
+    StrataView,
+    TrialMargins,
+    strata,
+)
 from missionplan.montecarlo.rare_events.subset_simulation import Key, NormalPopulation
-from missionplan.montecarlo.rare_events.ways import Model, ReliabilityIndices, TrialMargins
 from missionplan.studies.rare_failure.find_rare_failure import find_rare_failure
 
 TARGET = 200_000

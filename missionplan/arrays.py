@@ -1,7 +1,7 @@
-"""Array types of the numerical core, with a few small helpers."""
+"""Array types of the numerical core, with a few small helpers, and roots of functions, one a trial."""
 
 from dataclasses import fields, is_dataclass, replace
-from typing import TypeVar, cast
+from typing import Protocol, Self, TypeVar, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -40,3 +40,59 @@ def take_trials(value: Value, trials: NDArray[np.intp]) -> Value:
             value, **{field.name: take_trials(getattr(value, field.name), trials) for field in fields(value)}
         )
     return value
+
+
+_MOST = 90
+"""Evaluations after which the search ends: thirty of them halve the bracket."""
+
+
+class FallingFunctions(Protocol):
+    """Functions, one per trial, that fall from positive to negative values; they may jump."""
+
+    def evaluate(self, place: Array) -> tuple[Array, Array]:
+        """Values at places of shape (n,), and proposed steps from there to the roots."""
+        ...
+
+    def take(self, trials: NDArray[np.intp]) -> Self:
+        """Select trials."""
+        ...
+
+
+def bracketed_roots(functions: FallingFunctions, low: Array, high: Array, start: Array, *, tolerance: float) -> Array:
+    """Find where functions cross zero.
+
+    A proposed step (Newton's, or that of a fixed point) is taken where it stays within the bracket and is at most half
+    of the last one; else the bracket is halved, so that a poor proposal costs time but no root (Press et al. 2007,
+    Numerical Recipes, sect. 9.4). Roots that are found are not evaluated again.
+
+    Parameters
+    ----------
+    low, high : array, shape (n,)
+        Brackets. A function that is negative throughout gives `low`, one that is positive throughout `high`.
+    start : array, shape (n,)
+        First places.
+    tolerance : float
+        Of the places.
+
+    Returns
+    -------
+    array, shape (n,)
+    """
+    found = np.clip(start, low, high)
+    left, place, moved = np.arange(found.size), found, high - low
+    for _ in range(_MOST):
+        value, step = functions.evaluate(place)
+        low, high = np.where(value >= 0.0, place, low), np.where(value <= 0.0, place, high)
+        proposed = np.clip(place + step, low, high)
+        open_ = (np.abs(step) >= tolerance) & (high - low >= tolerance)
+        found[left] = np.where(open_, place, proposed)
+        if not open_.any():
+            break
+        halved = (proposed <= low) | (proposed >= high) | (np.abs(step) > 0.5 * moved)
+        onward = np.where(halved, 0.5 * (low + high), proposed)
+        moved, place = np.abs(onward - place), onward
+        if not open_.all():
+            kept = np.flatnonzero(open_)
+            functions, left = functions.take(kept), left[kept]
+            place, low, high, moved = place[kept], low[kept], high[kept], moved[kept]
+    return found

@@ -90,7 +90,7 @@ def diagnosed(
     quiet: bool,
 ) -> "Result":
     """Load a mission and diagnose data sets, with workers that import what fits need while this process does."""
-    from missionplan.montecarlo.parallel.mapping import MAX_PROCESSES
+    from missionplan.montecarlo.parallel.blocks import MAX_PROCESSES
     from missionplan.montecarlo.parallel.pool import preloaded_pool
 
     processes = o.worker_count(jobs)

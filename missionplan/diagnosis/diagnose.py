@@ -22,7 +22,7 @@ from missionplan.diagnosis.judgement import Judgement, judge, read
 from missionplan.diagnosis.pipeline import PipelineResult, run_pipeline
 from missionplan.diagnosis.plan_gain import with_urgency
 from missionplan.mission import Mission, MissionOrPath
-from missionplan.montecarlo.parallel.mapping import parallel_map
+from missionplan.montecarlo.parallel.blocks import parallel_map
 from missionplan.results.base import Provenance
 from missionplan.results.learned.diagnosis import Diagnosis, PlanGain
 from missionplan.results.learned.evidence import GroupScore, RankedSet

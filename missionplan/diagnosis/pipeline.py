@@ -13,7 +13,7 @@ from missionplan.diagnosis.inference.model import CauseFit, FailedFit, Model, fi
 from missionplan.diagnosis.inference.selection import LIKELY, Candidate, Progress, Selection, WeighsAllSets, no_progress
 from missionplan.effects import CATALOGUE
 from missionplan.errors import RunError
-from missionplan.montecarlo.parallel.mapping import parallel_map
+from missionplan.montecarlo.parallel.blocks import parallel_map
 from missionplan.results.learned.evidence import Causes, Discrepancy, ParameterEstimate, Verdict
 
 SURE = 0.95

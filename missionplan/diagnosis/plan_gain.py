@@ -9,7 +9,7 @@ from missionplan.errors import MissionplanError
 from missionplan.mission import Mission
 from missionplan.mission.schema.phases import MoorPhase
 from missionplan.montecarlo.distributions import mean_of
-from missionplan.montecarlo.parallel.mapping import parallel_map
+from missionplan.montecarlo.parallel.blocks import parallel_map
 from missionplan.montecarlo.posterior import NOWHERE
 from missionplan.results.learned.diagnosis import Plan, PlanGain
 from missionplan.results.learned.levels import ParameterLevels

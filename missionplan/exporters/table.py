@@ -3,7 +3,7 @@
 import math
 from collections.abc import Iterator
 
-from missionplan.exporters.header import header, one_line, zones_lost
+from missionplan.exporters.formats import header, one_line, zones_lost
 from missionplan.results.base import to_csv
 from missionplan.results.plan import Plan, PlannedMooring, PlannedTransit, Waypoint
 

@@ -18,9 +18,8 @@ from missionplan.importers.dives import (
     logged_again,
     longest_gap,
 )
-from missionplan.importers.fixes import REPEATED, UNSTATED_SD, JudgedFixes, judge_fixes
 from missionplan.importers.geodesy import displacement, moved
-from missionplan.importers.judging import Limits, judge, shortest_of
+from missionplan.importers.judging import REPEATED, UNSTATED_SD, JudgedFixes, Limits, judge, judge_fixes, shortest_of
 from missionplan.importers.reckoning import (
     VehicleCurrent,
     can_be_made,

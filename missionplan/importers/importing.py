@@ -15,9 +15,9 @@ from missionplan.errors import InputError, Problem, did_you_mean, shown
 from missionplan.importers.cutting import LEG_COLUMNS, CutTrack, cut, leg_picture
 from missionplan.importers.descents import descent_data, read_marks
 from missionplan.importers.dives import LegRules
-from missionplan.importers.fixes import JUMPED
 from missionplan.importers.geodesy import shifted, with_declination
 from missionplan.importers.importer import Identity, ReadOptions, SourceLog, known_importers
+from missionplan.importers.judging import JUMPED
 from missionplan.importers.mapping import read_mapping
 from missionplan.importers.sources import Reading, Sources, find_sources, of_one
 from missionplan.importers.starter import LegNumbers, mission_text, numbers_of, prospects

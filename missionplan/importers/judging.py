@@ -1,15 +1,162 @@
-"""Which dives count as legs, and the reason where one does not."""
+"""Which fixes count, by flags, neighbours and stated quality, and which dives count as legs; the reasons why not."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 import pandas as pd
+from numpy.typing import NDArray
 
 from missionplan.arrays import Array
 from missionplan.importers.dives import LegRules
 from missionplan.importers.geodesy import displacement
-from missionplan.importers.track import Positions, Track
+from missionplan.importers.track import Fixes, Positions, Track
+
+WORST_ACCURACY = 100.0
+"""Stated horizontal accuracy beyond which a fix does not count [m]."""
+WORST_HDOP = 8.0
+FEWEST_SATELLITES = 4
+RANGE_ERROR = 5.0
+"""Standard deviation of a satellite's range that turns a dilution of precision into an error [m]: the Standard
+Positioning Service Performance Standard (2020) allows 8 m at 95 %, receivers add their own."""
+UNSTATED_SD = 5.0
+"""Standard deviation of a fix, each axis, of which nothing is known [m]."""
+FASTEST = 10.0
+"""Speed between fixes that no vehicle at the surface has [m/s]."""
+_ALLOWED = 30.0
+"""Distance beyond that speed which scatter explains [m]."""
+_WINDOW = 5
+"""Fixes about one, itself included, whose median it is compared with."""
+_ROUNDS = 20
+_LATER = 60.0
+"""Time after which the very same place is no new fix [s]."""
+_CONFIRMS = 120.0
+"""Time within which a good fix confirms another [s]."""
+_DRIFT = 1.5
+"""Drift at the surface that it allows for [m/s]."""
+JUMPED = f"farther from its neighbours than {FASTEST:g} m/s explains"
+REPEATED = "the fix before the dive, logged again"
+_FLAGGED, _UNSEEN = "not valid by its flag", "no satellites"
+"""What no neighbour mends: there was no fix."""
+
+
+@dataclass(frozen=True)
+class JudgedFixes:
+    """Fixes that count, with standard deviations of each axis, and those that do not, with the reason."""
+
+    good: Fixes
+    sd: Array
+    """Shape (n,). Of each good one, each axis [m]; nan where nothing is known of it."""
+    rejected: Fixes
+    reasons: tuple[str, ...]
+    """Of each rejected one."""
+    by: NDArray[np.object_]
+    """What speaks for each good one: its ``flag``, its ``quality``, its ``neighbours`` against a bad quality, or
+    ``place``: nothing is stated of it, and it does not jump, shape (n,)."""
+
+    def without(self, which: NDArray[np.bool_], reason: str) -> "JudgedFixes":
+        """Reject some of the good ones, shape (n,), too."""
+        if not which.any():
+            return self
+        every = [np.concatenate([getattr(each, name) for each in (self.rejected, self.good[which])])
+                 for name in Fixes.__dataclass_fields__]  # fmt: skip
+        reasons = (*self.reasons, *[reason] * int(which.sum()))
+        return JudgedFixes(self.good[~which], self.sd[~which], Fixes(*every), reasons, self.by[~which])
+
+
+def judge_fixes(fixes: Fixes) -> JudgedFixes:
+    """Tell good fixes from bad ones."""
+    reasons = _reasons_of_quality(fixes)
+    good = reasons == ""
+    reasons[np.flatnonzero(good)[_repeated(fixes[good])]] = REPEATED
+    good = reasons == ""
+    jumps = _jumps(fixes[good])
+    reasons[np.flatnonzero(good)[jumps]] = JUMPED
+    mended = (reasons != "") & _confirmed(fixes, reasons == "") & ~np.isin(reasons, (_FLAGGED, _UNSEEN))
+    reasons[mended] = ""
+    which = np.flatnonzero(reasons == "")
+    reasons[which[1:][np.diff(fixes.t[which]) == 0.0]] = "another fix has the same time"
+    good = reasons == ""
+    stated = np.isfinite(fixes.hdop) | np.isfinite(fixes.accuracy) | (fixes.satellites >= FEWEST_SATELLITES)
+    by = np.select([mended, fixes.valid == 1.0, stated], ["neighbours", "flag", "quality"], "place").astype(object)
+    rejected = tuple(str(each) for each in reasons[~good])
+    return JudgedFixes(fixes[good], fix_sd(fixes[good]), fixes[~good], rejected, by[good])
+
+
+def fix_sd(fixes: Fixes) -> Array:
+    """Standard deviation of fixes, each axis, shape (n,) [m]; nan where nothing is known."""
+    by_dilution = fixes.hdop * RANGE_ERROR
+    return np.asarray(np.where(np.isfinite(fixes.accuracy), fixes.accuracy, by_dilution) / np.sqrt(2.0))
+
+
+def _reasons_of_quality(fixes: Fixes) -> NDArray[np.object_]:
+    """What speaks against fixes: the flag, else a bad quality; a count of satellites only where there is no flag.
+
+    A count that is never enough for a fix was not logged.
+    """
+    reasons = np.full(len(fixes), "", dtype=object)
+    with np.errstate(invalid="ignore"):
+        few = (fixes.satellites < FEWEST_SATELLITES) & ~(fixes.valid == 1.0)
+        counted = np.any(fixes.satellites >= FEWEST_SATELLITES)
+        reasons[few & counted] = f"fewer than {FEWEST_SATELLITES} satellites"
+        reasons[(fixes.hdop > WORST_HDOP) | (fixes.hdop <= 0.0)] = f"dilution of precision above {WORST_HDOP:g}"
+        reasons[(fixes.accuracy > WORST_ACCURACY)] = f"stated accuracy worse than {WORST_ACCURACY:g} m"
+        reasons[(fixes.satellites == 0.0) & few & counted] = _UNSEEN
+        reasons[fixes.valid == 0.0] = _FLAGGED
+    return reasons
+
+
+def _confirmed(fixes: Fixes, good: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    """Fixes that lie where the good one nearest in time has them, but for the scatter and the drift since."""
+    which = np.flatnonzero(good)
+    if not len(which):
+        return np.zeros(len(fixes), dtype=bool)
+    after = np.clip(np.searchsorted(fixes.t[which], fixes.t), 0, len(which) - 1)
+    before = np.maximum(after - 1, 0)
+    away = [np.abs(fixes.t[which[each]] - fixes.t) for each in (before, after)]
+    nearest = which[np.where(away[0] < away[1], before, after)]
+    apart = np.hypot(*displacement(fixes.latitude[nearest], fixes.longitude[nearest], fixes.latitude, fixes.longitude))
+    elapsed = np.minimum(*away)
+    return np.asarray((elapsed <= _CONFIRMS) & (apart <= _ALLOWED + _DRIFT * elapsed))
+
+
+def _repeated(fixes: Fixes) -> NDArray[np.bool_]:
+    """Fixes at the very place of one some time before, from which the next one jumps: the old one, shape (n,)."""
+    old = np.zeros(len(fixes), dtype=bool)
+    is_new = np.append(True, (np.diff(fixes.latitude) != 0.0) | (np.diff(fixes.longitude) != 0.0))[: len(fixes)]
+    news, copies = np.flatnonzero(is_new), np.flatnonzero(~is_new)
+    place = np.searchsorted(news, copies)
+    copies, place = copies[place < len(news)], place[place < len(news)]
+    first, last, new = fixes[news[place - 1]], fixes[copies], fixes[news[place]]
+    away = np.hypot(*displacement(last.latitude, last.longitude, new.latitude, new.longitude))
+    old[copies] = (away - _ALLOWED > FASTEST * (new.t - last.t)) & (last.t - first.t >= _LATER)
+    return old
+
+
+def _jumps(fixes: Fixes) -> NDArray[np.bool_]:
+    """Fixes that lie off the line of the others, found a few at a time."""
+    wrong = np.zeros(len(fixes), dtype=bool)
+    for _ in range(_ROUNDS):
+        left = np.flatnonzero(~wrong)
+        found = _worst_of_pairs(fixes[left]) if len(left) >= 3 else np.empty(0, dtype=np.intp)
+        if not len(found):
+            break
+        wrong[left[found]] = True
+    return wrong
+
+
+def _worst_of_pairs(fixes: Fixes) -> NDArray[np.intp]:
+    """Of each two neighbours too far from one another, the one farther from the median of those about it."""
+    steps = np.hypot(*displacement(fixes.latitude[:-1], fixes.longitude[:-1], fixes.latitude[1:], fixes.longitude[1:]))
+    pairs = np.flatnonzero(steps - _ALLOWED > FASTEST * np.diff(fixes.t))
+    if not len(pairs):
+        return np.empty(0, dtype=np.intp)
+    half = _WINDOW // 2
+    about = np.clip(np.arange(len(fixes))[:, None] + np.arange(-half, half + 1), 0, len(fixes) - 1)
+    middle = np.median(fixes.latitude[about], axis=1), np.median(fixes.longitude[about], axis=1)
+    away = np.hypot(*displacement(*middle, fixes.latitude, fixes.longitude))
+    return np.unique(np.where(away[pairs] >= away[pairs + 1], pairs, pairs + 1))
+
 
 FASTEST_UNDER_WATER = 6.0
 """Speed between dead-reckoned positions beyond which the position has jumped [m/s]."""

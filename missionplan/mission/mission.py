@@ -14,16 +14,20 @@ from missionplan.errors import InputError, LocalProblem, Problem, key_path, show
 from missionplan.identity import digest_of_files
 from missionplan.mission.checks.ranges import Findings, check_effects, check_ranges, notices
 from missionplan.mission.checks.relations import check_relations
-from missionplan.mission.checks.requirements import misspelt_requirements, read_requirements
-from missionplan.mission.checks.sections import check_correlations, check_phases, check_site
+from missionplan.mission.checks.sections import (
+    check_correlations,
+    check_phases,
+    check_site,
+    misspelt_requirements,
+    read_requirements,
+)
 from missionplan.mission.editing.changes import changed_data
 from missionplan.mission.editing.yaml_text import MissionText, dumped
 from missionplan.mission.epochs import left_behind, turned_draws, turned_effects
 from missionplan.mission.levels import at_date
 from missionplan.mission.quantity_paths import changed, phase_keys
 from missionplan.mission.reading.documents import Document, unprintable_texts
-from missionplan.mission.reading.includes import REMOTE, include_files
-from missionplan.mission.reading.posterior import posterior_of
+from missionplan.mission.reading.includes import REMOTE, include_files, posterior_of
 from missionplan.mission.reading.validation_errors import in_order, validation_problems
 from missionplan.mission.schema.effect_list import POSTERIOR, EffectEntry, EffectList, Learned, OneOf
 from missionplan.mission.schema.effects import read_effects

@@ -8,70 +8,13 @@ Vectors are east, north and up from the anchor; trials are the last axis.
 """
 
 from dataclasses import dataclass, replace
-from typing import Protocol, Self
 
 import numpy as np
 from numpy.typing import NDArray
 
-from missionplan.arrays import Array, Scalars, over_trials, take_trials
+from missionplan.arrays import Array, Scalars, bracketed_roots, over_trials, take_trials
 from missionplan.physics.held_line import Float, HeldBody, HeldLine, HungLine, LowPoint, direction, hang, size
 from missionplan.physics.seafloor import LayersAbove
-
-_MOST = 90
-"""Evaluations after which the search ends: thirty of them halve the bracket."""
-
-
-class FallingFunctions(Protocol):
-    """Functions, one per trial, that fall from positive to negative values; they may jump."""
-
-    def evaluate(self, place: Array) -> tuple[Array, Array]:
-        """Values at places of shape (n,), and proposed steps from there to the roots."""
-        ...
-
-    def take(self, trials: NDArray[np.intp]) -> Self:
-        """Select trials."""
-        ...
-
-
-def bracketed_roots(functions: FallingFunctions, low: Array, high: Array, start: Array, *, tolerance: float) -> Array:
-    """Find where functions cross zero.
-
-    A proposed step (Newton's, or that of a fixed point) is taken where it stays within the bracket and is at most half
-    of the last one; else the bracket is halved, so that a poor proposal costs time but no root (Press et al. 2007,
-    Numerical Recipes, sect. 9.4). Roots that are found are not evaluated again.
-
-    Parameters
-    ----------
-    low, high : array, shape (n,)
-        Brackets. A function that is negative throughout gives `low`, one that is positive throughout `high`.
-    start : array, shape (n,)
-        First places.
-    tolerance : float
-        Of the places.
-
-    Returns
-    -------
-    array, shape (n,)
-    """
-    found = np.clip(start, low, high)
-    left, place, moved = np.arange(found.size), found, high - low
-    for _ in range(_MOST):
-        value, step = functions.evaluate(place)
-        low, high = np.where(value >= 0.0, place, low), np.where(value <= 0.0, place, high)
-        proposed = np.clip(place + step, low, high)
-        open_ = (np.abs(step) >= tolerance) & (high - low >= tolerance)
-        found[left] = np.where(open_, place, proposed)
-        if not open_.any():
-            break
-        halved = (proposed <= low) | (proposed >= high) | (np.abs(step) > 0.5 * moved)
-        onward = np.where(halved, 0.5 * (low + high), proposed)
-        moved, place = np.abs(onward - place), onward
-        if not open_.all():
-            kept = np.flatnonzero(open_)
-            functions, left = functions.take(kept), left[kept]
-            place, low, high, moved = place[kept], low[kept], high[kept], moved[kept]
-    return found
-
 
 _TOLERANCE = 1e-5
 """Step of angles [rad] and of the nose's altitude, in line lengths, after which there is no other; the next of Newton's

@@ -15,7 +15,7 @@ from missionplan.results.decision import Assumption, ExplainedOutcome, MemberOut
 from missionplan.results.entries import Entry, Record
 from missionplan.results.plan import Plan
 from missionplan.results.whereabouts import HeldVehicle, Overdue
-from missionplan.store.trials_table import read_trials
+from missionplan.store.checkpoints import read_trials
 
 if TYPE_CHECKING:  # workers import this module: pandas takes half a second
     import pandas as pd

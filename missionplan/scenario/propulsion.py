@@ -11,9 +11,9 @@ from missionplan.arrays import Array, Scalars
 from missionplan.mission.schema.identified import Propulsion
 from missionplan.mission.schema.vehicle import Vehicle
 from missionplan.phases.hooks import Leg, TransitEffect
-from missionplan.physics.cruise import cruise_speed, distance_lost, shaft_power, shaft_rate_for, speed_error
 from missionplan.physics.drag import FORM_CONSTANTS, Hull, MeasuredVehicleDrag, Sail, VehicleDrag
 from missionplan.physics.propeller import Propeller, Resistance, from_open_water
+from missionplan.physics.propulsion import cruise_speed, distance_lost, shaft_power, shaft_rate_for, speed_error
 from missionplan.physics.water import Water, displaced_mass, lamb_axial_coefficient, lamb_lateral_coefficient
 
 

@@ -9,7 +9,7 @@ import numpy as np
 from missionplan.arrays import Array, Scalars
 from missionplan.errors import InputError, Problem
 from missionplan.mission import Mission
-from missionplan.mission.reading.posterior import SIGMA
+from missionplan.mission.reading.includes import SIGMA
 from missionplan.mission.schema.effect_list import POSTERIOR
 from missionplan.mission.schema.phases import LegTableSection, MoorPhase, TransitPhase
 from missionplan.montecarlo.draws import JointDistribution

@@ -6,15 +6,20 @@ the size of the block: when a run is extended, its incomplete last block is comp
 Nothing damaged is believed. A block's file is a ``.npz`` with the run's digest and the block's number and size among
 its arrays, followed by the SHA-256 of all that; ``run.json`` has the digest of its own content. A block that does not
 agree is computed again, with a warning in the log (which Python shows on standard error).
+
+A table with one row a trial, written as it grows.
 """
 
 import hashlib
+import io
 import json
 import logging
 import zlib
 from collections.abc import Iterable, Mapping
+from importlib import import_module
 from io import BytesIO
 from pathlib import Path
+from typing import TYPE_CHECKING, Any
 from zipfile import BadZipFile
 
 import numpy as np
@@ -23,7 +28,12 @@ from numpy.typing import NDArray
 from missionplan.errors import InputError, Problem, RunError
 from missionplan.identity import Identity, differences, digest_of
 from missionplan.montecarlo.parallel.pool import interrupts_deferred
+from missionplan.packages import how_to_install
 from missionplan.store.folder import write_atomically
+
+if TYPE_CHECKING:
+    import pandas as pd
+
 
 _UNREADABLE = (OSError, ValueError, KeyError, EOFError, BadZipFile, zlib.error)
 _CHECKSUM_BYTES = hashlib.sha256().digest_size
@@ -164,3 +174,58 @@ def _read_identity(content: bytes) -> Identity | None:
         return Identity.from_whole(whole) if digest_of(whole) == digest else None
     except (ValueError, TypeError, KeyError, AttributeError, RecursionError):
         return None
+
+
+class TrialsTable:
+    """Parquet in memory, a row group a block: inputs, quantities and events of every trial; null where not reached."""
+
+    def __init__(self) -> None:
+        """Start an empty table.
+
+        Raises
+        ------
+        InputError
+            When pyarrow, which writes it, is not installed: found out before the first trial is run.
+        """
+        try:
+            import_module("pyarrow")
+        except ImportError as error:
+            raise InputError([Problem(f"needs pyarrow: {how_to_install('parquet')}", key="keep_trials")]) from error
+        self._content = io.BytesIO()
+        self._writer: Any = None
+
+    def add(self, first: int, rows: Mapping[str, NDArray[np.generic]]) -> None:
+        """Add a block whose first trial has the number `first`."""
+        import pyarrow
+        from pyarrow import parquet
+
+        size = len(next(iter(rows.values())))
+        columns = {"trial": pyarrow.array(np.arange(first, first + size))}
+        columns |= {
+            name: pyarrow.array(np.ascontiguousarray(values), from_pandas=True) for name, values in rows.items()
+        }
+        table = pyarrow.table(columns)
+        if self._writer is None:
+            self._writer = parquet.ParquetWriter(self._content, table.schema, compression="zstd")
+        self._writer.write_table(table)
+
+    def parquet(self) -> bytes:
+        """Close the table and return the file."""
+        self._writer.close()
+        return self._content.getvalue()
+
+
+def read_trials(content: bytes | None) -> "pd.DataFrame":
+    """Read the table that a run kept.
+
+    Raises
+    ------
+    InputError
+        When it kept none.
+    """
+    if content is None:
+        hint = "simulate(..., keep_trials=True) keeps them"
+        raise InputError([Problem("the trials were not kept", key="trials", hint=hint)])
+    from pandas import read_parquet
+
+    return read_parquet(io.BytesIO(content))

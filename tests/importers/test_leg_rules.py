@@ -10,8 +10,8 @@ from made_tracks import START, made
 
 from missionplan.importers.cutting import cut
 from missionplan.importers.dives import LegRules
-from missionplan.importers.fixes import judge_fixes
 from missionplan.importers.geodesy import displacement, moved
+from missionplan.importers.judging import judge_fixes
 from missionplan.importers.track import Break, Series, fixes, positions, series
 
 RULES = LegRules()

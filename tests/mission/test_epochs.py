@@ -8,7 +8,7 @@ from conftest import TRANSIT
 
 from missionplan.errors import InputError
 from missionplan.mission import Mission
-from missionplan.mission.reading.posterior import hash_of
+from missionplan.mission.reading.includes import hash_of
 from missionplan.montecarlo.posterior import WeightedDraws
 from missionplan.montecarlo.posterior_file import PosteriorFile
 from missionplan.phases.hooks import Leg

@@ -8,7 +8,7 @@ from conftest import TRANSIT
 
 from missionplan.mission import Mission
 from missionplan.mission.levels import has_level
-from missionplan.mission.reading.posterior import hash_of
+from missionplan.mission.reading.includes import hash_of
 from missionplan.montecarlo.levels import Seen
 from missionplan.montecarlo.posterior import NOWHERE, WeightedDraws
 from missionplan.montecarlo.posterior_file import DamagedPosteriorError, PosteriorFile

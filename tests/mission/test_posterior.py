@@ -10,7 +10,7 @@ from scipy.stats import norm
 import missionplan
 from missionplan.errors import InputError
 from missionplan.mission import Mission
-from missionplan.mission.reading.posterior import SIGMA, hash_of
+from missionplan.mission.reading.includes import SIGMA, hash_of
 from missionplan.montecarlo.posterior import WeightedDraws
 from missionplan.montecarlo.posterior_file import DamagedPosteriorError, PosteriorFile
 from missionplan.montecarlo.streams import stream

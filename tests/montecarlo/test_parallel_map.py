@@ -7,7 +7,7 @@ import time
 import pytest
 
 from missionplan.errors import RunError
-from missionplan.montecarlo.parallel.mapping import parallel_map
+from missionplan.montecarlo.parallel.blocks import parallel_map
 from missionplan.montecarlo.parallel.pool import preloaded_pool
 
 

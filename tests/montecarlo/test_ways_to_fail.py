@@ -8,9 +8,15 @@ import pytest
 from scipy.stats import multivariate_normal, norm
 
 from missionplan.montecarlo.rare_events.failure_search import FailureSearch, Found, find, no_description
-from missionplan.montecarlo.rare_events.strata import RARE, DiscreteValue, StrataView, strata
+from missionplan.montecarlo.rare_events.strata import (
+    RARE,
+    DiscreteValue,
+    ReliabilityIndices,
+    StrataView,
+    TrialMargins,
+    strata,
+)
 from missionplan.montecarlo.rare_events.subset_simulation import Key, NormalPopulation
-from missionplan.montecarlo.rare_events.ways import ReliabilityIndices, TrialMargins
 
 Inputs = Sequence[Callable[[np.ndarray], np.ndarray]]
 

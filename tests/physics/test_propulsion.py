@@ -8,7 +8,6 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.integrate import trapezoid
 
-from missionplan.physics import cruise
 from missionplan.physics import propeller as p
 from missionplan.physics import propulsion as pr
 from tests.physics import propeller_example as example
@@ -32,7 +31,7 @@ def test_steady_state_of_the_stepped_model_is_the_closed_form(torque):
     rate, flow, speed = run.shaft_rate[-1], run.axial_flow[-1], run.speed[-1]
     assert run.torque[-1] == pytest.approx(torque, rel=1e-6)
     assert flow == pytest.approx(float(p.steady_axial_flow(propeller, rate, speed)), rel=1e-6)
-    surge = cruise.quasi_steady_surge(propeller, HULL, abs(rate))
+    surge = pr.quasi_steady_surge(propeller, HULL, abs(rate))
     assert abs(speed) == pytest.approx(float(surge.speed), rel=1e-6)
     assert flow == pytest.approx(propeller.flow_ratio * speed, rel=1e-6)
 
@@ -77,7 +76,7 @@ def test_too_long_a_step_is_refused():
 def test_speeding_up_against_the_stepped_model():
     """Same cruising speed; the stepped flow in the disc runs ahead of (1 + a)(1 - w)u at first and costs thrust."""
     run = held(40.0, 40.0)
-    closed = cruise.speed_up(example.table_1(), HULL, 40.0, run.time[1:])
+    closed = pr.speed_up(example.table_1(), HULL, 40.0, run.time[1:])
     assert run.speed[-1] == pytest.approx(closed.speed[-1], rel=1e-4)
     np.testing.assert_allclose(run.speed[1:], closed.speed, atol=0.10 * run.speed[-1])
     travelled = trapezoid(run.speed, run.time)
@@ -87,17 +86,17 @@ def test_speeding_up_against_the_stepped_model():
 @given(rate=st.floats(5.0, 100.0), time=st.floats(0.1, 200.0))
 def test_speeding_up_integrates(rate, time):
     h = 1e-4 * time
-    now, before, after = (cruise.speed_up(example.table_1(), HULL, rate, t) for t in (time, time - h, time + h))
+    now, before, after = (pr.speed_up(example.table_1(), HULL, rate, t) for t in (time, time - h, time + h))
     assert (after.distance - before.distance) / (2 * h) == pytest.approx(float(now.speed), rel=1e-4, abs=1e-9)
     assert (after.work - before.work) / (2 * h) == pytest.approx(
-        float(cruise.shaft_power(example.table_1(), rate, now.speed)), rel=1e-3
+        float(pr.shaft_power(example.table_1(), rate, now.speed)), rel=1e-3
     )
 
 
 def test_distance_lost_is_the_limit_of_speeding_up():
-    steady = cruise.quasi_steady_surge(example.table_1(), HULL, 40.0).speed
-    far = cruise.speed_up(example.table_1(), HULL, 40.0, 1000.0)
-    lost = float(cruise.distance_lost(example.table_1(), HULL, 40.0))
+    steady = pr.quasi_steady_surge(example.table_1(), HULL, 40.0).speed
+    far = pr.speed_up(example.table_1(), HULL, 40.0, 1000.0)
+    lost = float(pr.distance_lost(example.table_1(), HULL, 40.0))
     assert steady * 1000.0 - far.distance == pytest.approx(lost, rel=1e-9)
 
 
@@ -107,20 +106,20 @@ def test_cruise_speed_and_shaft_rate_are_inverse(rate, exponent):
     def drag(speed):
         return 300.0 * speed**exponent
 
-    speed = cruise.cruise_speed(example.table_1(), rate, drag)
-    assert cruise.shaft_rate_for(example.table_1(), drag(speed), speed) == pytest.approx(rate, rel=1e-8)
+    speed = pr.cruise_speed(example.table_1(), rate, drag)
+    assert pr.shaft_rate_for(example.table_1(), drag(speed), speed) == pytest.approx(rate, rel=1e-8)
 
 
 def test_a_true_vehicle_like_the_nominal_one_differs_only_by_its_start():
-    error = cruise.speed_error(example.table_1(), HULL, 40.0, 300.0)
-    assert error == pytest.approx(-float(cruise.distance_lost(example.table_1(), HULL, 40.0)) / 300.0, rel=1e-9)
+    error = pr.speed_error(example.table_1(), HULL, 40.0, 300.0)
+    assert error == pytest.approx(-float(pr.distance_lost(example.table_1(), HULL, 40.0)) / 300.0, rel=1e-9)
 
 
 def test_more_drag_makes_the_inferred_speed_too_high():
-    errors = cruise.speed_error(example.table_1(), HULL, 40.0, 1e6, drag_factor=np.array([0.9, 1.0, 1.2]))
+    errors = pr.speed_error(example.table_1(), HULL, 40.0, 1e6, drag_factor=np.array([0.9, 1.0, 1.2]))
     assert errors[0] > 0.0 > errors[2]
     assert errors[1] == pytest.approx(0.0, abs=1e-4)
-    thrust = cruise.speed_error(example.table_1(), HULL, 40.0, 1e6, thrust_factor=1.2)
+    thrust = pr.speed_error(example.table_1(), HULL, 40.0, 1e6, thrust_factor=1.2)
     assert thrust > 0.0
 
 

@@ -9,8 +9,8 @@ import yaml
 
 from missionplan.errors import InputError
 from missionplan.mission import load
-from missionplan.physics.cruise import distance_lost, shaft_rate_for, speed_error
 from missionplan.physics.propeller import Resistance, from_open_water
+from missionplan.physics.propulsion import distance_lost, shaft_rate_for, speed_error
 from missionplan.scenario.scenario import Scenario
 from missionplan.studies.leg_length.sweep_dmax import sweep_dmax
 from missionplan.studies.simulation.simulate import simulate

@@ -21,7 +21,7 @@ from missionplan.diagnosis.inference.model import CauseFit, FailedFit, Model, fi
 from missionplan.diagnosis.inference.posterior import credible_set, over_responses, probabilities, told_together
 from missionplan.diagnosis.inference.selection import FURTHER, Candidate, Progress, Selection, log_prior
 from missionplan.errors import RunError
-from missionplan.montecarlo.parallel.mapping import parallel_map
+from missionplan.montecarlo.parallel.blocks import parallel_map
 from missionplan.results.learned.evidence import Causes
 
 MOST_CAUSES = 3

@@ -4,7 +4,7 @@ import json
 from collections.abc import Iterator
 from typing import Any
 
-from missionplan.exporters.header import header, one_interval
+from missionplan.exporters.formats import header, one_interval
 from missionplan.exporters.maps.geometry import (
     Origin,
     areas,

@@ -7,7 +7,7 @@ from importlib import import_module
 from pathlib import Path
 
 from missionplan.errors import InputError, Problem
-from missionplan.exporters.header import header, one_interval
+from missionplan.exporters.formats import header, one_interval
 from missionplan.exporters.maps.geojson import Feature, features
 from missionplan.exporters.maps.kml import properties_of
 from missionplan.packages import how_to_install

@@ -4,7 +4,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 from xml.etree import ElementTree
 
-from missionplan.exporters.header import Element, add, document, header, one_interval
+from missionplan.exporters.formats import Element, add, document, header, one_interval
 from missionplan.exporters.maps.geojson import Feature, features
 from missionplan.exporters.maps.geometry import COLOURS, STYLES, WIDTHS, kml_colour
 from missionplan.results.plan import Plan

@@ -18,7 +18,7 @@ from xml.etree import ElementTree
 
 import numpy as np
 
-from missionplan.exporters.header import (
+from missionplan.exporters.formats import (
     FIXED_POINTS,
     Element,
     add,

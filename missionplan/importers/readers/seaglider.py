@@ -15,9 +15,9 @@ from pathlib import Path
 import numpy as np
 
 from missionplan.arrays import Array
-from missionplan.importers.fixes import judge_fixes
 from missionplan.importers.geodesy import moved
 from missionplan.importers.importer import Identity, Importer, ReadOptions, SourceLog
+from missionplan.importers.judging import judge_fixes
 from missionplan.importers.netcdf import MAGIC, Variables, opened, variable_names
 from missionplan.importers.track import Fixes, Positions, Series, Track, fixes, positions, series
 

@@ -119,7 +119,7 @@ class Requirement(FileSection):
     """A probability that the mission must have.
 
     The unit of `at_most` and `at_least` follows from the quantity's phase: the section keeps them as written, and
-    `checks.requirements` reads them [SI].
+    `checks.sections` reads them [SI].
     """
 
     quantity: Annotated[str, Doc("quantity or event that has to hold")]

@@ -7,7 +7,16 @@ from typing import Generic, Protocol, TypeVar
 import numpy as np
 
 from missionplan.arrays import Array
-from missionplan.montecarlo.rare_events.strata import Estimate, StrataView, Stratum, TwoStages, runs_needed
+from missionplan.montecarlo.rare_events.strata import (
+    Estimate,
+    Model,
+    ReliabilityIndices,
+    StrataView,
+    Stratum,
+    TwoStages,
+    WayDrive,
+    runs_needed,
+)
 from missionplan.montecarlo.rare_events.subset_simulation import (
     CHAINS,
     MOST_LEVELS,
@@ -17,7 +26,6 @@ from missionplan.montecarlo.rare_events.subset_simulation import (
     run_levels,
     run_pilots,
 )
-from missionplan.montecarlo.rare_events.ways import Model, ReliabilityIndices, WayDrive
 from missionplan.montecarlo.streams import stream
 
 STREAM = "rare failure"

@@ -7,7 +7,7 @@ from functools import partial
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure as MatplotlibFigure
 
-from missionplan.mission.checks.requirements import QUANTITIES
+from missionplan.mission.checks.sections import QUANTITIES
 from missionplan.report.page import BLUE, INK, ORANGE, Cells, Figure, Page, PageSection, Table, to_figure
 from missionplan.report.quantities import PERCENT, Unit, as_written, reader_unit, unit_for, with_error
 from missionplan.report.wording import has_spread, in_words, number

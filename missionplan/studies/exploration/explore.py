@@ -8,7 +8,7 @@ from pathlib import Path
 
 from missionplan.errors import InputError, Problem
 from missionplan.mission import Mission, MissionOrPath
-from missionplan.mission.checks.requirements import quantity_unit
+from missionplan.mission.checks.sections import quantity_unit
 from missionplan.mission.units import QuantityError
 from missionplan.montecarlo.paired import compare_with_best
 from missionplan.montecarlo.parallel.blocks import Backend, Progress

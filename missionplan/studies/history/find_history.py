@@ -12,7 +12,7 @@ from missionplan.errors import InputError, Problem
 from missionplan.identity import differences, digest_of, program_part
 from missionplan.mission import Mission, MissionOrPath, as_mission
 from missionplan.mission.reading.documents import load_document, read_text
-from missionplan.mission.reading.posterior import hash_of, read_draws
+from missionplan.mission.reading.includes import hash_of, read_draws
 from missionplan.moments import moment_of
 from missionplan.montecarlo.levels import Seen
 from missionplan.montecarlo.posterior_file import FILE, DamagedPosteriorError

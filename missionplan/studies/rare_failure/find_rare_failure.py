@@ -13,9 +13,8 @@ from missionplan.arrays import Array
 from missionplan.mission import MissionOrPath
 from missionplan.montecarlo.parallel.blocks import Backend, Progress
 from missionplan.montecarlo.rare_events.failure_search import FailureSearch, Found, find
-from missionplan.montecarlo.rare_events.strata import StrataView, strata
+from missionplan.montecarlo.rare_events.strata import ReliabilityIndices, StrataView, strata
 from missionplan.montecarlo.rare_events.subset_simulation import NormalPopulation
-from missionplan.montecarlo.rare_events.ways import ReliabilityIndices
 from missionplan.montecarlo.statistics import Probability, wilson
 from missionplan.montecarlo.streams import stream
 from missionplan.results.base import Provenance, Result, to_csv

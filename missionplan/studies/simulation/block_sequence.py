@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from missionplan.errors import InputError, MissionplanError, Problem, RunError
 from missionplan.mission import Mission
-from missionplan.mission.checks.requirements import quantity_unit
+from missionplan.mission.checks.sections import quantity_unit
 from missionplan.mission.units import QuantityError, parse_number_with_unit
 from missionplan.montecarlo.parallel.blocks import Progress
 from missionplan.montecarlo.streams import BLOCK
@@ -29,7 +29,7 @@ from missionplan.studies.simulation.block_statistics import (
 from missionplan.studies.simulation.trial_block import MapTracks, MissionTrials, run_block
 
 if TYPE_CHECKING:
-    from missionplan.store.trials_table import TrialsTable
+    from missionplan.store.checkpoints import TrialsTable
 
 
 _Z95 = 1.959963984540054

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from missionplan.arrays import Array
 from missionplan.mission import Mission
-from missionplan.mission.checks.requirements import EVENTS, QUANTITIES
+from missionplan.mission.checks.sections import EVENTS, QUANTITIES
 from missionplan.mission.schema.sweep import Requirement
 from missionplan.montecarlo.quantile_sketch import QuantileSketch
 from missionplan.montecarlo.statistics import Count, Moments, RunningStatistics

@@ -18,9 +18,8 @@ from missionplan.results.simulation import Outcome
 from missionplan.results.whereabouts import Overdue
 from missionplan.scenario.scenario import Scenario
 from missionplan.scenario.site_current import recorded_current
-from missionplan.store.checkpoints import Checkpoints
+from missionplan.store.checkpoints import Checkpoints, TrialsTable
 from missionplan.store.folder import as_path
-from missionplan.store.trials_table import TrialsTable
 from missionplan.studies.held_vehicle import check_dives
 from missionplan.studies.mission_plan.build import executions, mission_plan, plan_if_any
 from missionplan.studies.overdue.losses import Search, read_searches
