@@ -269,10 +269,7 @@ def _without_wrong_fixes(data: TransitData) -> TransitData:
 
     Those are errors of more than `OUTLIER` times the median of all that are faster than `IMPOSSIBLE_SPEED`.
 
-    Raises
-    ------
-    InputError
-        When too few legs remain.
+    Raises InputError when too few legs remain.
     """
     error = data.velocity_error
     size = np.hypot(*(error - np.median(error, axis=1, keepdims=True)))

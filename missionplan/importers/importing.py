@@ -129,10 +129,7 @@ def _read(found: Sources, options: ReadOptions, log: SourceLog) -> Track:
 def _of_one_deployment(track: Track, begun: str | None) -> Track:
     """Keep one deployment of a track: they are told apart by a long silence.
 
-    Raises
-    ------
-    InputError
-        With the list, when there are several and none, or none of them, is chosen.
+    Raises InputError with the list, when there are several and none, or none of them, is chosen.
     """
     spans = track.deployments()
     if len(spans) < 2 and begun is None:

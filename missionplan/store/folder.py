@@ -151,10 +151,7 @@ def check_new_folder(folder: Path, *, force: bool = False) -> None:
 def _place_problem(folder: Path) -> Problem | None:
     """Return why there can be no folder in this place.
 
-    Raises
-    ------
-    OSError, ValueError
-        When the system refuses to look.
+    Raises OSError or ValueError when the system refuses to look.
     """
     places = (folder, *folder.parents)
     in_a_file = next((place for place in places if place.exists() and not place.is_dir()), None)

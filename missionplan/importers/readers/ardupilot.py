@@ -207,10 +207,7 @@ class _Packing:
 def _system(library: ModuleType, path: Path, wanted: str | None) -> int | None:
     """System of a telemetry log whose messages are read.
 
-    Raises
-    ------
-    InputError
-        With the list, when it holds several and none of them is chosen.
+    Raises InputError with the list, when it holds several and none of them is chosen.
     """
     heard: Counter[int] = Counter()
 

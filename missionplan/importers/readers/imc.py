@@ -103,10 +103,7 @@ def read(files: Sequence[Path], options: ReadOptions, log: SourceLog) -> Track:
 def _chosen(systems: Mapping[int, _System], wanted: str | None) -> _System:
     """Return the system as chosen by name or number, else the only one that logs fixes and its own state.
 
-    Raises
-    ------
-    InputError
-        With the list.
+    Raises InputError with the list.
     """
     counts = {source: (len(each.samples["EstimatedState"]), len(each.samples["GpsFix"]))
               for source, each in systems.items()}  # fmt: skip
@@ -132,10 +129,7 @@ def _chosen(systems: Mapping[int, _System], wanted: str | None) -> _System:
 def _add(systems: dict[int, _System], library: ModuleType, path: Path) -> None:
     """Add the messages of one file, as far as it is whole.
 
-    Raises
-    ------
-    PartlyReadError
-        When the file ends within a message, or holds something else from some byte on.
+    Raises PartlyReadError when the file ends within a message, or holds something else from some byte on.
     """
     names = {int(library.Factory.id_from_abbrev(name)): name for name in (*_COLUMNS, "Announce")}
     with unpacked(path) as stream:

@@ -129,10 +129,7 @@ def _told(names: Mapping[bytes, str], quantity: str) -> str:
 def _head(path: Path) -> tuple[float, float]:
     """LOGSTART of a file, and when it was opened by the computer's clock; nan where that is no date.
 
-    Raises
-    ------
-    ValueError
-        When it has no LOGSTART.
+    Raises ValueError when it has no LOGSTART.
     """
     with unpacked(path) as stream:
         head = stream.read(_HEAD)

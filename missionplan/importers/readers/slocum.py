@@ -52,10 +52,7 @@ def identity(path: Path) -> Identity:
 def _header(path: Path) -> bytes:
     """First bytes of a file, in which its header stands; unpacked where it is packed.
 
-    Raises
-    ------
-    OSError, RuntimeError
-        When it cannot be read, or not unpacked.
+    Raises OSError or RuntimeError when it cannot be read, or not unpacked.
     """
     if path.suffix[2:3].lower() != "c":
         with path.open("rb") as stream:
@@ -122,10 +119,7 @@ def _is_factored(path: Path) -> bool:
 def _check_header(path: Path) -> None:
     """Refuse a file whose header is cut off: the library would look for the rest of it for ever.
 
-    Raises
-    ------
-    ValueError
-        When it is.
+    Raises ValueError when it is.
     """
     lines = _header(path).split(b"\n")
     if not lines[0].startswith(b"dbd_label"):

@@ -103,10 +103,7 @@ def _add(store: ColumnStore, file: Variables, found: dict[str, str | None]) -> N
 def _one(data: "Dataset", path: Path, wanted: str | None) -> tuple["Dataset", str]:
     """One trajectory of a file, and its name.
 
-    Raises
-    ------
-    InputError
-        With the list, when it holds several and none of them is chosen.
+    Raises InputError with the list, when it holds several and none of them is chosen.
     """
     role = _role(data)
     names = [] if role is None else [_word(value) for value in np.atleast_1d(data[role].values)]

@@ -275,10 +275,7 @@ def quantity_unit(quantity: str, phases: Sequence[Phase | PhaseName]) -> str | N
 def _with_bound(requirement: Requirement, phases: Sequence[Phase]) -> Requirement:
     """Read one requirement's bound.
 
-    Raises
-    ------
-    QuantityError
-        With the keys of the requirement that are wrong.
+    Raises QuantityError with the keys of the requirement that are wrong.
     """
     unit = quantity_unit(requirement.quantity, phases)
     owner, _, name = requirement.quantity.rpartition(".")

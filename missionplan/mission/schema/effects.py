@@ -61,10 +61,7 @@ def _item(item: object, path: KeyPath) -> EffectEntry | OneOf:
 def _one_of(value: object, path: KeyPath) -> OneOf:
     """Read explanations.
 
-    Raises
-    ------
-    QuantityError
-        With every key that is wrong.
+    Raises QuantityError with every key that is wrong.
     """
     if not isinstance(value, list) or not value:
         raise QuantityError("expected a list of explanations, each {probability, effects}", (ONE_OF,))
@@ -174,10 +171,7 @@ def _correlation(item: object) -> Correlation:
 def _entry(item: object) -> EffectEntry:
     """Read one effect.
 
-    Raises
-    ------
-    QuantityError
-        With every key that is wrong.
+    Raises QuantityError with every key that is wrong.
     """
     if not isinstance(item, Mapping) or len(item) != 1 or not isinstance(next(iter(item.values())), Mapping):
         raise QuantityError("expected one effect in each item, as `effect-id: {parameter: quantity}`")

@@ -175,10 +175,7 @@ class CoordinateParser(QuantityParser):
 def _build(form: str, numbers: Mapping[str, float]) -> Distribution:
     """Build a distribution from numbers in SI.
 
-    Raises
-    ------
-    QuantityError
-        When a spread is not positive or the bounds are in the wrong order.
+    Raises QuantityError when a spread is not positive or the bounds are in the wrong order.
     """
     low, high = numbers.get("low", -math.inf), numbers.get("high", math.inf)
     if numbers.get("sd", 1.0) < 0.0:

@@ -94,10 +94,7 @@ def _other_code(worker: str, found: Program, expected: Program) -> Problem:
 def _check_workers(client: "Client", place: str) -> None:
     """Let every worker prove its code.
 
-    Raises
-    ------
-    InputError
-        When there are no workers, or with each that runs other code or none.
+    Raises InputError when there are no workers, or with each that runs other code or none.
     """
     deadline = time.monotonic() + ANSWER_TIME
     while not _threads(client):

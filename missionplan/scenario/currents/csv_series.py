@@ -93,10 +93,7 @@ def read_series_csv(
 def _table(path: Path, columns: Iterable[str]) -> pd.DataFrame:
     """Read a CSV file that has some columns, once each, and rows.
 
-    Raises
-    ------
-    InputError
-        When it is no such file.
+    Raises InputError when it is no such file.
     """
     shown = str(path)
     check_file(path, MAX_BYTES)

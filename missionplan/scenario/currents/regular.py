@@ -224,10 +224,7 @@ def _unstaggered(files: FieldFiles, names: tuple[str, str], moments: Moments, pa
 def _turning(files: FieldFiles, part: _Part, edge: int = 1) -> NDArray[np.complex64]:
     """Factor that turns velocities along rows and columns toward east and north, at the inner nodes of a part.
 
-    Raises
-    ------
-    InputError
-        When ``angle`` contradicts the direction of the rows: degrees for radians, or another grid's.
+    Raises InputError when ``angle`` contradicts the direction of the rows: degrees for radians, or another grid's.
     """
     step_east = np.gradient(part.points[0], axis=1), np.gradient(part.points[1], axis=1)
     seen = np.arctan2(step_east[1], step_east[0])

@@ -199,10 +199,7 @@ def _by_roms(files: FieldFiles, along: str) -> tuple[str, dict[str, Array], tupl
 def _checked(files: FieldFiles, terms: dict[str, Array]) -> dict[str, Array]:
     """Refuse levels that no column of water has.
 
-    Raises
-    ------
-    InputError
-        When they do not lie between the bottom and the surface, or neither rise nor fall.
+    Raises InputError when they do not lie between the bottom and the surface, or neither rise nor fall.
     """
     levels = [terms[name] for name in ("sigma", "s", "C") if name in terms]
     if any(each.ndim != 1 or each.size != levels[0].size for each in levels):
