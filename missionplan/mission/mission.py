@@ -11,7 +11,6 @@ from typing_extensions import Doc
 
 from missionplan.arrays import Scalars
 from missionplan.errors import InputError, LocalProblem, Problem, key_path, shown
-from missionplan.identity import digest_of_files
 from missionplan.mission.checks.ranges import Findings, check_effects, check_ranges, notices
 from missionplan.mission.checks.relations import check_relations
 from missionplan.mission.checks.sections import (
@@ -27,7 +26,7 @@ from missionplan.mission.epochs import left_behind, turned_draws, turned_effects
 from missionplan.mission.levels import at_date
 from missionplan.mission.quantity_paths import changed, phase_keys
 from missionplan.mission.reading.documents import Document, unprintable_texts
-from missionplan.mission.reading.includes import REMOTE, include_files, posterior_of
+from missionplan.mission.reading.includes import REMOTE, include_files, posterior_of, with_contents
 from missionplan.mission.reading.validation_errors import in_order, validation_problems
 from missionplan.mission.schema.effect_list import POSTERIOR, EffectEntry, EffectList, Learned, OneOf
 from missionplan.mission.schema.effects import read_effects
@@ -101,21 +100,13 @@ class Mission(FileSection, Generic[V]):
         keys = {entry.phase.label: entry.phase.name for entry in info.data.get("entries", ())}
         return sweep.model_copy(update={"phase": keys.get(sweep.phase, sweep.phase)})
 
-    @field_validator("requirements", mode="after")
+    @field_validator("requirements", "correlations", mode="after")
     @classmethod
-    def _resolve_quantities(
-        cls, requirements: tuple[Requirement, ...], info: ValidationInfo
-    ) -> tuple[Requirement, ...]:
+    def _resolve_names(
+        cls, sections: tuple[Requirement | CorrelationSection, ...], info: ValidationInfo
+    ) -> tuple[Requirement | CorrelationSection, ...]:
         names = [entry.phase.label for entry in info.data.get("entries", ())]
-        return tuple(requirement.resolved(names) for requirement in requirements)
-
-    @field_validator("correlations", mode="after")
-    @classmethod
-    def _resolve_pairs(
-        cls, correlations: tuple[CorrelationSection, ...], info: ValidationInfo
-    ) -> tuple[CorrelationSection, ...]:
-        names = [entry.phase.label for entry in info.data.get("entries", ())]
-        return tuple(correlation.resolved(names) for correlation in correlations)
+        return tuple(section.resolved(names) for section in sections)
 
     @field_validator("effect_list", mode="plain")
     @classmethod
@@ -247,7 +238,8 @@ class Mission(FileSection, Generic[V]):
             raise InputError([Problem("is there already", str(path), hint="force=True overwrites it")])
         text = self._text.with_data(self.raw, path.parent) if self._text is not None else dumped(self.raw)
         draws = path.parent / FILE
-        if self.posterior is not None and not self._stays(path.parent):
+        stays = self._text is not None and self._text.keeps_draws(self.posterior, path.parent)
+        if self.posterior is not None and not stays:
             if exists(draws) and not force and draws.read_bytes() != self.posterior.content:
                 raise InputError([Problem("is there already", str(draws), hint="force=True overwrites it")])
             write_atomically(draws, self.posterior.content)
@@ -291,13 +283,6 @@ class Mission(FileSection, Generic[V]):
         moved = self.model_copy(update={"effect_list": effects})
         moved._unusual = (*self._unusual, *words)
         return moved
-
-    def _stays(self, folder: Path) -> bool:
-        """Whether a mission written into a folder finds the draws where the file that it was read from has them."""
-        text = self._text
-        before = text.written.get(POSTERIOR) if text is not None and text.folder.resolve() == folder.resolve() else None
-        own = self.posterior
-        return own is not None and isinstance(before, Mapping) and before.get("sha256") == own["sha256"]
 
     def _contradictions(self: "Mission") -> list[LocalProblem]:
         """List what is wrong between sections that are each valid."""
@@ -399,9 +384,7 @@ class Mission(FileSection, Generic[V]):
         InputError
             When one of the files can no longer be read.
         """
-        named = self.site.files if self.site else ()
-        contents = {name: _by_contents(name) for name in named if not name.startswith(REMOTE)}
-        found = {key: _replaced(value, contents) for key, value in self.raw.items() if key != "schema"}
+        found = with_contents(self.raw, self.site.files if self.site else ())
         return found if self.posterior is None else {**found, POSTERIOR: self.posterior["sha256"]}
 
     def mapped(self, change: Callable[[str, Any], _New]) -> "Mission[_New]":
@@ -457,19 +440,3 @@ class Mission(FileSection, Generic[V]):
     def uncertain(self) -> dict[str, Distribution]:
         """Return the quantities that are distributions, by key path."""
         return {path: value for path, value in self.quantities().items() if isinstance(value, Distribution)}
-
-
-def _by_contents(name: str) -> str:
-    try:
-        return f"{Path(name).name} (SHA-256 {digest_of_files(matching(name))})"
-    except OSError as error:
-        raise InputError([Problem(f"cannot be read: {error.strerror or error}", name)]) from error
-
-
-def _replaced(value: object, texts: Mapping[str, str]) -> object:
-    """Return plain data with some of its texts replaced."""
-    if isinstance(value, Mapping):
-        return {key: _replaced(inner, texts) for key, inner in value.items()}
-    if isinstance(value, list):
-        return [_replaced(inner, texts) for inner in value]
-    return texts.get(value, value) if isinstance(value, str) else value

@@ -225,10 +225,10 @@ class MissionText:
         new = copy.deepcopy(dict(data))
         stays = folder is None or folder.resolve() == self.folder.resolve()
         self._name_current(new, folder or self.folder, stays=stays)
-        own, before = new.get(_POSTERIOR), self.written.get(_POSTERIOR)
+        own = new.get(_POSTERIOR)
         if isinstance(own, PosteriorFile):
-            same = stays and isinstance(before, Mapping) and before.get("sha256") == own["sha256"]
-            new[_POSTERIOR] = before if same else dict(own)
+            kept = self.keeps_draws(own, folder or self.folder)
+            new[_POSTERIOR] = self.written[_POSTERIOR] if kept else dict(own)
         if self.vehicle is None or not isinstance(new.get(_VEHICLE), Mapping):
             return edited(self.text, new)
         name, vehicle = self.written[_VEHICLE], new[_VEHICLE]
@@ -236,6 +236,11 @@ class MissionText:
             return edited(self.text, {**new, _VEHICLE: name})
         own = edited(self.vehicle_text, vehicle)
         return with_inlined(edited(self.text, {**new, _VEHICLE: name}), _VEHICLE, own)
+
+    def keeps_draws(self, own: PosteriorFile | None, folder: Path) -> bool:
+        """Whether a mission written into a folder finds its draws where the file that it was read from has them."""
+        before = self.written.get(_POSTERIOR) if folder.resolve() == self.folder.resolve() else None
+        return own is not None and isinstance(before, Mapping) and before.get("sha256") == own["sha256"]
 
     def _name_current(self, data: dict[str, object], folder: Path, *, stays: bool) -> None:
         """Name the file of the current as before, else relative to the folder where it lies in it."""

@@ -3,13 +3,14 @@
 The draws that a mission names as its `posterior`: read, compared with their hash, and put in their place.
 """
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
 from missionplan.effects import CATALOGUE
 from missionplan.errors import InputError, KeyPath, Problem, did_you_mean, shown
+from missionplan.identity import digest_of_files
 from missionplan.mission.reading.documents import Document, load_document, nearest_file
 from missionplan.mission.schema.section import invalid
 from missionplan.montecarlo.posterior_file import MOST_BYTES, DamagedPosteriorError, PosteriorFile, sha256
@@ -49,6 +50,34 @@ def include_files(document: Document, folder: Path, *, allow_outside: bool) -> l
     if isinstance(site, dict):
         _resolve_site(site, files)
     return files.problems
+
+
+def with_contents(data: Mapping[str, object], names: Iterable[str]) -> dict[str, object]:
+    """Return a mission's data with names and contents' SHA-256 in place of the paths of files that it names.
+
+    Raises
+    ------
+    InputError
+        When one of the files can no longer be read.
+    """
+    contents = {name: _by_contents(name) for name in names if not name.startswith(REMOTE)}
+    return {key: _replaced(value, contents) for key, value in data.items() if key != "schema"}
+
+
+def _by_contents(name: str) -> str:
+    try:
+        return f"{Path(name).name} (SHA-256 {digest_of_files(matching(name))})"
+    except OSError as error:
+        raise InputError([Problem(f"cannot be read: {error.strerror or error}", name)]) from error
+
+
+def _replaced(value: object, texts: Mapping[str, str]) -> object:
+    """Return plain data with some of its texts replaced."""
+    if isinstance(value, Mapping):
+        return {key: _replaced(inner, texts) for key, inner in value.items()}
+    if isinstance(value, list):
+        return [_replaced(inner, texts) for inner in value]
+    return texts.get(value, value) if isinstance(value, str) else value
 
 
 def _include_reliability(data: dict[str, Any], files: "_Files", beside: Path) -> None:

@@ -1,5 +1,6 @@
 """An effect on a subset of the trials of a descent, for calls in which trials have different effects."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -8,6 +9,17 @@ from numpy.typing import NDArray
 
 from missionplan.arrays import Array, Scalars
 from missionplan.phases.hooks import DescentEffect
+
+
+def _spread(hook: str, neutral: float) -> Callable[..., Array]:
+    """Make a hook that asks the effect for its subset and has the neutral element for all other trials."""
+
+    def spread(self: "SubsetEffect", *arguments: Scalars) -> Array:
+        result = self._neutral[neutral].copy()  # three times as fast as a new array
+        result[self.trials] = getattr(self.effect, hook)(*map(self._subset, arguments))
+        return result
+
+    return spread
 
 
 @dataclass(frozen=True)
@@ -25,37 +37,14 @@ class SubsetEffect(DescentEffect):
         """Whether the effect refines a hook."""
         return self.effect.refines(hook)
 
-    def lone_drag_factor(self) -> Scalars:
-        """Factor on the anchor's drag while it falls alone."""
-        return self._factors(self.effect.lone_drag_factor())
-
-    def drag_factor(self, since_taut: Scalars, speed: Scalars) -> Scalars:
-        """Factor on both bodies' drag."""
-        return self._factors(self.effect.drag_factor(self._subset(since_taut), self._subset(speed)))
-
-    def local_drag_factor(self, depth: Scalars, line_length: Scalars) -> Scalars:
-        """Factor on both bodies' drag."""
-        return self._factors(self.effect.local_drag_factor(self._subset(depth), self._subset(line_length)))
-
-    def wet_weight_factor(self, since_separation: Scalars) -> Scalars:
-        """Factor on the anchor's wet weight."""
-        return self._factors(self.effect.wet_weight_factor(self._subset(since_separation)))
-
-    def lift(self, depth: Scalars) -> Scalars:
-        """Upward force on the vehicle [N]."""
-        return self._terms(self.effect.lift(self._subset(depth)))
-
-    def mass_factor(self) -> Scalars:
-        """Factor on the joint mass."""
-        return self._factors(self.effect.mass_factor())
-
-    def water_velocity(self) -> Scalars:
-        """Downward velocity of the water [m/s]."""
-        return self._terms(self.effect.water_velocity())
-
-    def delay(self, line_length: Scalars) -> Scalars:
-        """Delay of everything after the separation [s]."""
-        return self._terms(self.effect.delay(self._subset(line_length)))
+    lone_drag_factor = _spread("lone_drag_factor", 1.0)
+    drag_factor = _spread("drag_factor", 1.0)
+    local_drag_factor = _spread("local_drag_factor", 1.0)
+    wet_weight_factor = _spread("wet_weight_factor", 1.0)
+    mass_factor = _spread("mass_factor", 1.0)
+    lift = _spread("lift", 0.0)
+    water_velocity = _spread("water_velocity", 0.0)
+    delay = _spread("delay", 0.0)
 
     def reading(self, t: Array, depth: Array) -> Array:
         """Depth that the sensor reads [m]."""
@@ -68,17 +57,6 @@ class SubsetEffect(DescentEffect):
         return value.take(self.trials, axis=-1) if isinstance(value, np.ndarray) else value
 
     @cached_property
-    def _ones(self) -> Array:
-        return np.ones(self.count)
-
-    def _factors(self, value: Scalars) -> Array:
-        """Factors of all trials, 1 outside the subset."""
-        result = self._ones.copy()  # three times as fast as a new array of ones
-        result[self.trials] = value
-        return result
-
-    def _terms(self, value: Scalars) -> Array:
-        """Terms of all trials, 0 outside the subset."""
-        result = np.zeros(self.count)
-        result[self.trials] = value
-        return result
+    def _neutral(self) -> dict[float, Array]:
+        """Neutral elements of terms and of factors, of all trials."""
+        return {0.0: np.zeros(self.count), 1.0: np.ones(self.count)}
