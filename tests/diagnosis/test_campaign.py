@@ -6,7 +6,7 @@ import numpy as np
 import pandas as pd
 import pytest
 import yaml
-from missionplan.results.campaign import Campaign
+from missionplan.results.learned.diagnosis import Campaign
 
 import missionplan
 from tests.hidden_effects.cases import draw_case
