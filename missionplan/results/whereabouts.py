@@ -120,7 +120,7 @@ class DriftAssumption(Enum):
     )
     STEADY_LAYERS = (
         "The current stays as the mission has it, for six hours overdue at most, in which a tide turns. Without a "
-        "record, `tide` or a `tidal-current` there are no areas for longer."
+        "record, tide or tidal-current there are no areas for longer."
     )
     BEYOND_RECORD = (
         "Beyond the record of the current, or of the wind, its last values are held; those of the current for six "

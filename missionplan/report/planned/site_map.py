@@ -189,7 +189,7 @@ def _write_names(axes: Axes, named: list[tuple[str, Point]], way: np.ndarray) ->
         axes.annotate(
             name,
             (east, north),
-            (-8 if right else 8, 8 if _runs_below(way, (east, north)) else -14),
+            (-8 if right else 8, 13 if _runs_below(way, (east, north)) else -19),
             textcoords="offset points",
             ha="right" if right else "left",
             color=GREEN,
