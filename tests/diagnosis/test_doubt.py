@@ -116,6 +116,7 @@ def test_what_is_found_leaves_a_doubt_of_which_the_data_say_nothing(folder, tran
     assert abs(scale.mean() + 0.06) < 3.0 * scale.std()
 
 
+@pytest.mark.slow
 def test_an_explanation_that_fits_is_not_weighed_against_others_with_more_causes(folder, transit_mission, legs):
     """The explanation that the data fit needs no further cause, and the other is not rescued by one."""
     known = [
@@ -130,6 +131,7 @@ def test_an_explanation_that_fits_is_not_weighed_against_others_with_more_causes
     assert found.explanations[0].probability > 0.999
 
 
+@pytest.mark.slow
 def test_probabilities_are_prior_odds(folder, transit_mission, legs):
     place = folder(KIND, legs(30, seed=3, about=EASTWARD, error=slow_and_aside))
     odds = []

@@ -113,6 +113,7 @@ def test_what_is_new_beside_known_legs_counts_alone(learned, written, tmp_path):
         )
 
 
+@pytest.mark.slow
 def test_a_copy_in_a_campaign_counts_once(learned, written):
     copies = [written("copy", log()), written("its copy", written_otherwise(log()))]
     found = missionplan.diagnose_campaign(Mission.from_data(TRANSIT), copies, plan=False)

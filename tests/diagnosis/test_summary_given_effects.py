@@ -41,7 +41,7 @@ def measured_summary(folder, descent_mission):
     return write
 
 
-@pytest.mark.parametrize("less_simulated", [False, True])
+@pytest.mark.parametrize("less_simulated", [pytest.param(False, marks=pytest.mark.slow), True])
 def test_a_summary_diagnosed_again_is_adequate_and_nothing_grows(descent_mission, measured_summary, less_simulated):
     data = measured_summary(less_simulated)
     found = diagnose(descent_mission, data, plan=False)

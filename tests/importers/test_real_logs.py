@@ -90,6 +90,7 @@ def test_that_current_can_be_taken_out(slocum):
     np.testing.assert_array_equal(slocum.table["lat_end"], without.table["lat_end"])
 
 
+@pytest.mark.slow
 def test_a_seagliders_legs_are_those_of_the_reference(seaglider):
     rows = compared(seaglider, "seaglider-sg561")
     assert len(seaglider.table) == seaglider.counted == 8
@@ -143,7 +144,7 @@ def test_the_declination_is_checked(seaexplorer, slocum):
     assert slocum.table["declination_deg"].iloc[0] == pytest.approx(15.8, abs=0.2)
 
 
-@pytest.mark.parametrize("name", ["slocum", "seaexplorer", "seaglider"])
+@pytest.mark.parametrize("name", ["slocum", "seaexplorer", pytest.param("seaglider", marks=pytest.mark.slow)])
 def test_what_is_written_is_a_data_set_for_the_starter_mission(name, request, tmp_path):
     result = request.getfixturevalue(name)
     folder = result.save(tmp_path / "data")

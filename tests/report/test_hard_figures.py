@@ -32,7 +32,8 @@ DATA = {
 }
 
 
-@pytest.mark.parametrize("kind", ["transit", pytest.param("descent", marks=pytest.mark.slow)])
+@pytest.mark.slow
+@pytest.mark.parametrize("kind", DATA)
 def test_the_fewest_legs_or_dives_are_drawn(tmp_path, kind):
     file, rows, more = DATA[kind]
     (tmp_path / file).write_text(rows)

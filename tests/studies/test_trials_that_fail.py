@@ -92,7 +92,7 @@ def saved(result, folder):
     ("way", "count"),
     [
         ("moor-line", 1),
-        ("egress", TRIALS - 1),
+        pytest.param("egress", TRIALS - 1, marks=pytest.mark.slow),
         pytest.param("moor-line", TRIALS - 1, marks=pytest.mark.slow),
         pytest.param("egress", 1, marks=pytest.mark.slow),
     ],

@@ -30,6 +30,7 @@ def test_what_has_no_name_is_described(seed, effect, found_as, tmp_path):
     assert found.causes == (found_as,)
 
 
+@pytest.mark.slow
 def test_a_part_of_the_anchor_that_falls_off_is_told_carried_and_no_order(tmp_path):
     case = draw_case(6004, "descent", "outside", "weight-loss")
     found = diagnosed(case, tmp_path)

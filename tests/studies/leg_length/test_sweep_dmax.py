@@ -9,6 +9,8 @@ import pytest
 from missionplan.errors import InputError
 from missionplan.mission import Mission, load
 from missionplan.studies.judgement import FRESH
+from missionplan.studies.leg_length import optimise_legs
+from missionplan.studies.leg_length.analytic_transit import PolicyFamily
 from missionplan.studies.leg_length.plan_legs import plan_legs
 from missionplan.studies.leg_length.sweep_dmax import sweep_dmax
 from missionplan.studies.leg_length.sweep_scenario import MAX_PAIRED, CellTotals, _totals
@@ -257,7 +259,8 @@ def test_a_transit_that_the_battery_cannot_pay_is_refused(study):
 
 
 @pytest.mark.parametrize(("hours", "met"), [("100 h", True), ("1 s", False)])
-def test_what_is_recommended_is_held_to_the_whole_mission_on_fresh_draws(tmp_path, hours, met):
+def test_what_is_recommended_is_held_to_the_whole_mission_on_fresh_draws(tmp_path, monkeypatch, hours, met):
+    monkeypatch.setattr(optimise_legs, "MEAN_FAMILY", PolicyFamily((1.0,), ()))
     text = FIG8.read_text()
     requirement = f"\nrequirements: [{{quantity: total.duration, at_most: {hours}, probability: 0.9}}]\n"
     (tmp_path / "mission.yaml").write_text(text + requirement)

@@ -186,7 +186,7 @@ def words(found):
 
 def test_plans_of_legs_say_which_member_spoils_them(spoiled, monkeypatch):
     monkeypatch.setattr(paired_trials, "HALVING_RUNGS", ((16, 1),))  # which legs are planned does not matter here
-    plan = plan_legs(spoiled, trials=300)
+    plan = plan_legs(spoiled, trials=80)
     arrived = {each.name: each.good.value for each in plan.arrivals}
     assert arrived == {"run-0.csv": 1.0, "run-1.csv": 1.0, "run-2.csv": 0.0}
     assert [each.probability for each in plan.arrivals] == pytest.approx([0.5, 0.3, 0.2])
@@ -218,15 +218,15 @@ def test_anchors_say_which_member_spoils_them(tmp_path):
 
 
 def test_explorations_and_optimisations_say_which_member_spoils_the_best(spoiled):
-    found = explore(spoiled, "ingress.speed=1:1.5:0.5 m/s", trials=300)
+    found = explore(spoiled, "ingress.speed=1:1.5:0.5 m/s", trials=80)
     best = simulate(
-        Mission.from_data(with_values(spoiled.raw, {"ingress.speed": "1 m/s"}), file=spoiled.file), trials=300
+        Mission.from_data(with_values(spoiled.raw, {"ingress.speed": "1 m/s"}), file=spoiled.file), trials=80
     )
     assert found.values_of(found.best_cell) == {"ingress.speed": "1 m/s"}
     assert [each.good for each in found.members] == [each.success for each in best.members]
     assert "It depends on the forecast: it succeeds 0 % of the time in run-2.csv" in words(found)
     lenient = with_values(spoiled.raw, {"requirements": [{"quantity": "ingress.arrived", "probability": 0.5}]})
-    chosen = optimise(Mission.from_data(lenient, file=spoiled.file), choose=["ingress.speed=1:1.5:0.5 m/s"], trials=200)
+    chosen = optimise(Mission.from_data(lenient, file=spoiled.file), choose=["ingress.speed=1:1.5:0.5 m/s"], trials=80)
     assert {each.name: each.good.value for each in chosen.members}["run-2.csv"] == 0.0
     assert "in run-2.csv" in words(chosen)
 
