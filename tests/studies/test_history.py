@@ -3,11 +3,16 @@
 import json
 from pathlib import Path
 
+import numpy as np
 import pytest
 import yaml
 
 import missionplan
-from missionplan.studies.history.page import page
+from missionplan.mission.reading.posterior import hash_of
+from missionplan.montecarlo.levels import Seen
+from missionplan.montecarlo.posterior import WeightedDraws
+from missionplan.montecarlo.posterior_file import FILE, PosteriorFile
+from missionplan.studies.history.page import answer, page
 
 
 def report(
@@ -69,13 +74,31 @@ def test_starts_of_the_missions_go_before_the_times_of_the_reports(tmp_path: Pat
     assert missionplan.history(tmp_path).reports == ("a", "b")
 
 
-def test_values_found_afresh_that_differ_are_a_change(tmp_path: Path) -> None:
-    """Two fresh estimates 0.05 apart with 0.01 each: 3.5 standard deviations of their difference; 0.03 apart: 2.1."""
-    for last, changes in ((0.10, 1), (0.08, 0)):
+def told_afresh(root: Path, name: str, day: int, value: float, sd: float) -> None:
+    """A report that found a compass bias [rad] afresh, with the draws that say what its record tells of the level."""
+    report(root, name, f"2026-05-{day:02d}T00:00:00Z", found={"compass-bias": (value, sd)})
+    record, file = f"{day:016x}", root / name / "summary.json"
+    file.write_text(json.dumps({**json.loads(file.read_text()), "learned_from": [record]}))
+    normals = np.random.default_rng(day).standard_normal((500, 1))
+    draws = WeightedDraws(
+        (("compass-bias",),), np.zeros(500, int), (("compass-bias", "angle"),), value + sd * normals, np.full(500, 2e-3)
+    )
+    seen = Seen(("compass-bias", "angle", "strength"), hash_of([record]), 1.78e9 + day * 86400.0, value, sd)
+    content = PosteriorFile.of(draws, hash_of([record]), {}, seen=[seen]).content
+    (root / name / FILE).write_bytes(content)
+
+
+def test_values_found_afresh_are_followed_by_their_level(tmp_path: Path) -> None:
+    """0.05, 0.05 and then 0.13 rad with 0.005 each, 11 standard deviations apart, or 0.055, less than one."""
+    for last, jumps in ((0.13, ["c"]), (0.055, [])):
         root = tmp_path / str(last)
-        report(root, "a", "2026-05-01T00:00:00Z", found={"compass-bias": (0.05, 0.01)})
-        report(root, "b", "2026-05-02T00:00:00Z", found={"compass-bias": (last, 0.01)})
-        assert len(missionplan.history(root).changes) == changes
+        for day, (name, value) in enumerate([("a", 0.05), ("b", 0.05), ("c", last), ("d", last)], 1):
+            told_afresh(root, name, day, value, 0.005)
+        found = missionplan.history(root)
+        (level,) = found.levels
+        assert [each.record for each in level.jumps] == jumps
+        assert [each.report for each in found.changes] == jumps
+        assert ("jumped before c" in answer(found)) == bool(jumps)
 
 
 def test_what_is_new_beside_a_change_is_not_a_change(tmp_path: Path) -> None:

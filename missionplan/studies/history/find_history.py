@@ -82,16 +82,23 @@ def history(folder: str | Path, *, mission: MissionOrPath | None = None) -> Hist
     entries = [entry for report in reports for entry in _learned(report, report.start if by_start else report.created)]
     told = (*foreign, *copies, *notices, *_other_programs(reports))
     provenance = replace(_provenance(root, reports, rows, planned), notices=told, elapsed_s=time.perf_counter() - began)
-    known = {report.place: report.learned_from or frozenset() for report in reports}
     written = rates_file(rates, planned) if rates else ""
     levels = _levels(reports)
-    return History(provenance, tuple(known), tuple(_with_jumps(entries, known)), by_start, levels, rates, written)
+    places = tuple(report.place for report in reports)
+    return History(provenance, places, tuple(_with_jumps(entries, levels)), by_start, levels, rates, written)
 
 
 def _levels(reports: Sequence[_Report]) -> tuple[ParameterLevels, ...]:
     """Levels by all that the draws of reports have seen, each record once."""
     names = {hash_of(report.summary.get("learned_from")): report.place for report in reports}
     return parameter_levels([each for report in reports for each in report.seen], names)
+
+
+def _with_jumps(entries: Sequence[Learned], levels: Sequence[ParameterLevels]) -> Iterator[Learned]:
+    """Call changed what is told by a record before which its level jumped."""
+    jumped = {(each.effect, each.name, level.record) for each in levels for level in each.jumps}
+    for entry in entries:
+        yield replace(entry, state="changed") if (*entry.key, entry.report) in jumped else entry
 
 
 def _provenance(root: Path, reports: Sequence[_Report], rows: Sequence[Row], planned: Mission | None) -> Provenance:
@@ -160,8 +167,7 @@ def _counted_once(reports: Sequence[_Report]) -> tuple[list[_Report], tuple[str,
             continue
         shared = [(other, len(own & (other.learned_from or set()))) for other in kept] if own else []
         notices += [
-            f"{report.place} and {other.place} learned from {count} legs, dives or runs in common: none tells "
-            "of a change against the other"
+            f"{report.place} and {other.place} learned from {count} legs, dives or runs in common, which count twice"
             for other, count in shared
             if count
         ]
@@ -268,17 +274,3 @@ def _entry(
         state=state,
         **numbers,
     )
-
-
-def _with_jumps(entries: list[Learned], known: Mapping[str, frozenset[str]]) -> Iterator[Learned]:
-    """Add how far each value found anew lies from the one before, where they share no data; `known` are a report's."""
-    last: dict[tuple[str, str], Learned] = {}
-    for entry in entries:
-        before = last.get(entry.key)
-        last[entry.key] = entry
-        spread = 0.0 if before is None else math.hypot(entry.sd, before.sd)
-        shared = before is not None and known[entry.report] & known[before.report]
-        if before is None or shared or entry.state != "found" or not spread > 0.0:
-            yield entry  # a posterior has its prior in it: their difference is not that of two measurements
-        else:
-            yield replace(entry, jump=(entry.value - before.value) / spread)

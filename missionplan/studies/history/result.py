@@ -37,8 +37,6 @@ class Learned(Record):
     probability: Annotated[
         float, Entry("that the explanation holds in which it was found; 1 where the diagnosis left no doubt")
     ] = 1.0
-    jump: float | None = None
-    """Difference from the diagnosis before, over the standard deviation of the difference; None for the first."""
 
     @property
     def key(self) -> tuple[str, str]:
@@ -47,12 +45,10 @@ class Learned(Record):
 
     @property
     def is_change(self) -> Annotated[bool, Entry(key="changed")]:
-        """Whether the vehicle or the water was no longer as before: the diagnosis says so, or the values do."""
-        return self.state == "changed" or (self.jump is not None and abs(self.jump) > JUMP)
+        """Whether the vehicle or the water was no longer as before: the diagnosis says so, or the level jumped."""
+        return self.state == "changed"
 
 
-JUMP = 3.0
-"""Standard deviations by which a value that was found anew differs from the one before, to be called a change."""
 _VALUES = "report", "time", "value", "sd", "low", "high", "state", "probability", "changed"
 
 
