@@ -22,7 +22,7 @@ EARTH = 6.371e6
 def not_handed_on(effects: Collection[str], learned: Place, here: Place) -> dict[str, str]:
     """Return the effects that were learned too far away or too long ago to hold here, each with the reason.
 
-    What is not known, of the place or the date, is taken to be the same. A tide's constituents outlast a season.
+    What is not known, of the place or the date, is taken to be the same.
 
     Parameters
     ----------
@@ -31,16 +31,34 @@ def not_handed_on(effects: Collection[str], learned: Place, here: Place) -> dict
     """
     away, ago = _distance(learned, here), abs(here[2] - learned[2])
     found = {}
-    for effect in effects:
-        info = CATALOGUE[effect]
-        if info.belongs_to == "vehicle":
-            continue
-        lasts = DAYS if info.belongs_to == "day" else math.inf if info.is_modulated else SEASON
+    for effect, lasts in _lasting(effects).items():
         if away > REACH:
             found[effect] = f"{effect} was learned {away / 1000.0:.0f} km away"
         elif ago > lasts:
             found[effect] = f"{effect} was learned {ago / 86400.0:.0f} days before or after"
     return found
+
+
+def still_alike(effects: Collection[str], learned: Place, here: Place) -> dict[str, float]:
+    """Return the correlation of what was learned with what is here, of each effect of the place or the day.
+
+    That of a smooth field, a Gaussian of distance and time; parameters as of `not_handed_on`.
+    """
+    away, ago = np.nan_to_num([_distance(learned, here), abs(here[2] - learned[2])]).tolist()
+    return {
+        effect: math.exp(-0.5 * ((away / REACH) ** 2 + (ago / lasts) ** 2))
+        for effect, lasts in _lasting(effects).items()
+    }
+
+
+def _lasting(effects: Collection[str]) -> dict[str, float]:
+    """How long each effect of the place or the day lasts [s]; a tide's constituents outlast a season."""
+    infos = [CATALOGUE[effect] for effect in effects]
+    return {
+        info.id: DAYS if info.belongs_to == "day" else math.inf if info.is_modulated else SEASON
+        for info in infos
+        if info.belongs_to != "vehicle"
+    }
 
 
 def _distance(first: Place, second: Place) -> float:

@@ -1,4 +1,4 @@
-"""Levels of what a vehicle has at a mission's date: draws that a posterior holds, drifted since its last record."""
+"""What was learned at a mission's date and place: draws of a posterior, drifted since its last record and faded."""
 
 import math
 from collections.abc import Mapping, Sequence
@@ -81,7 +81,13 @@ def series_of(seen: Sequence[Seen]) -> dict[LevelKey, Series]:
     return found
 
 
-def at_date(effects: EffectList, seen: Sequence[Seen], ahead: float | None, missions: float = 1.0) -> EffectList:
+def at_date(
+    effects: EffectList,
+    seen: Sequence[Seen],
+    ahead: float | None,
+    missions: float = 1.0,
+    alike: Mapping[str, float] | None = None,
+) -> EffectList:
     """Return effects with what was learned of the vehicle as it will be at a date.
 
     Parameters
@@ -92,12 +98,14 @@ def at_date(effects: EffectList, seen: Sequence[Seen], ahead: float | None, miss
         Date [s since 1970]; nan: of the next mission; None: of the last record.
     missions : float
         From the last record to a date that is not known.
+    alike : mapping, optional
+        Of what belongs to a place or a day; see `faded`.
     """
     learned = effects.learned
     if learned is None:
         return effects
     own = learned.as_seen
-    draws = own if ahead is None else drifted(own, seen, ahead, missions)
+    draws = faded(own if ahead is None else drifted(own, seen, ahead, missions), alike or {})
     stated = {entry.effect for entry in learned.entries}
     entries: tuple[EffectEntry, ...] = tuple(each for each in effects_of_draws(draws) if each.effect in stated)
     moved: Learned = Learned(draws, entries, unaged=own)
@@ -127,6 +135,45 @@ def drifted(draws: WeightedDraws, seen: Sequence[Seen], ahead: float, missions: 
     return replace(draws, values=values)
 
 
+def faded(draws: WeightedDraws, alike: Mapping[str, float]) -> WeightedDraws:
+    """Return draws of what is only like what was learned: nearer to the effect's prior, as a correlation says.
+
+    In each set the mean of a strength shrinks by the correlation, and its variance goes towards that of usual sizes.
+
+    Parameters
+    ----------
+    draws : WeightedDraws
+    alike : mapping
+        Correlations by effect; 1 for others.
+    """
+    columns = {column: draws.values[:, index].copy() for index, column in enumerate(draws.columns)}
+    for effect, name in draws.columns:
+        share, info = alike.get(effect, 1.0), CATALOGUE.get(effect)
+        if info is None or share == 1.0 or info.parameters[name].is_shape or name in dict(info.polar).values():
+            continue
+        wide = info.parameters[name].scale ** 2
+        for kind in ("cosine", "sine") if name in dict(info.polar) else ("strength",):
+            for number in range(len(draws.sets)):
+                rows = np.flatnonzero((draws.which == number) & np.isfinite(columns[effect, name]))
+                if len(rows):
+                    weights, key = draws.weights[rows], (effect, name, kind)
+                    own = _coordinate(columns, key, rows)
+                    mean = float(np.average(own, weights=weights))
+                    variance = float(np.average(np.square(own - mean), weights=weights))
+                    _move(columns, key, rows, weights, (share - 1.0) * mean, (1.0 - share**2) * (wide - variance))
+    values = np.stack([_inside(column, columns[column]) for column in draws.columns], axis=1)
+    return replace(draws, values=values)
+
+
+def _coordinate(columns: Mapping[tuple[str, str], Array], key: LevelKey, rows: NDArray[np.int_]) -> Array:
+    """Values of one coordinate in some draws."""
+    effect, name, kind = key
+    phase = dict(CATALOGUE[effect].polar).get(name)
+    size = columns[effect, name][rows]
+    turn = 0.0 if phase is None else columns[effect, phase][rows]
+    return np.asarray(size * (np.sin(turn) if kind == "sine" else np.cos(turn)))
+
+
 def _move(
     columns: dict[tuple[str, str], Array],
     key: LevelKey,
@@ -137,17 +184,15 @@ def _move(
 ) -> None:
     """Move and widen one coordinate of some draws, by the shift of its mean and the variance that is added."""
     effect, name, kind = key
-    size, shares = columns[effect, name][rows], weights / weights.sum()
-    phase = dict(CATALOGUE[effect].polar).get(name)
-    turn = columns[effect, phase][rows] if phase is not None else np.zeros(len(rows))
-    pair = np.stack([size * np.cos(turn), size * np.sin(turn)])
-    own = pair[int(kind == "sine")] if phase is not None else size
+    own, shares = _coordinate(columns, key, rows), weights / weights.sum()
     moved = own + shift + _spread(own, shares, added, stream(0, f"level.{'.'.join(key)}", 0))
+    phase = dict(CATALOGUE[effect].polar).get(name)
     if phase is None:
         columns[effect, name][rows] = moved
         return
-    pair[int(kind == "sine")] = moved
-    columns[effect, name][rows], columns[effect, phase][rows] = np.hypot(*pair), np.arctan2(pair[1], pair[0])
+    other = _coordinate(columns, (effect, name, "cosine" if kind == "sine" else "sine"), rows)
+    cosine, sine = (other, moved) if kind == "sine" else (moved, other)
+    columns[effect, name][rows], columns[effect, phase][rows] = np.hypot(cosine, sine), np.arctan2(sine, cosine)
 
 
 def _spread(own: Array, shares: Array, added: float, generator: np.random.Generator) -> Array:

@@ -22,7 +22,7 @@ from missionplan.mission.checks.sections import (
 )
 from missionplan.mission.editing.changes import changed_data
 from missionplan.mission.editing.yaml_text import MissionText, dumped
-from missionplan.mission.epochs import left_behind, turned_draws, turned_effects
+from missionplan.mission.epochs import left_behind, still_alike, turned_draws, turned_effects
 from missionplan.mission.levels import at_date
 from missionplan.mission.quantity_paths import changed, phase_keys
 from missionplan.mission.reading.documents import Document, unprintable_texts
@@ -279,7 +279,9 @@ class Mission(FileSection, Generic[V]):
         if self.posterior is None:
             return self
         effects, words = left_behind(self.effect_list, self.posterior.place, here)
-        effects = at_date(effects, self.posterior.seen, ahead, missions)
+        learned = effects.learned.draws.effects if effects.learned is not None else ()
+        alike = still_alike(learned, self.posterior.place, here)
+        effects = at_date(effects, self.posterior.seen, ahead, missions, alike)
         moved = self.model_copy(update={"effect_list": effects})
         moved._unusual = (*self._unusual, *words)
         return moved

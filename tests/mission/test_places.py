@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from conftest import TRANSIT
 
+from missionplan.effects import CATALOGUE
 from missionplan.mission import Mission
 from missionplan.mission.epochs import not_handed_on
 from missionplan.mission.reading.includes import hash_of
@@ -65,3 +66,46 @@ def test_draws_without_an_effect_keep_the_weights_of_the_others():
     assert without.sets == ((), ("mean-current",))
     assert without.probabilities == pytest.approx((0.5, 0.5))
     assert without.columns == draws.columns[1:]
+
+
+def drawn_here(draws, start_days=0.0, east_km=0.0):
+    """Draws that a mission there has of what was learned at `HERE`."""
+    latitude, longitude, date = moved(east_km=east_km, days=start_days)
+    data = copy.deepcopy(TRANSIT)
+    data["site"]["origin"] = {"latitude": f"{np.degrees(latitude)} deg", "longitude": f"{np.degrees(longitude)} deg"}
+    data["start"] = f"{np.datetime64(int(date), 's')}Z"
+    posterior = PosteriorFile.of(draws, hash_of(()), {}, HERE[2], HERE)
+    return Mission.from_data({**data, "posterior": posterior}).effect_list.learned.draws
+
+
+def test_doubt_grows_with_distance_and_season():
+    """A smooth field: mean·ρ and variance·ρ² + scale²(1 − ρ²), ρ = exp(−((km/20)² + (days/30)²)/2)."""
+    normals = np.random.default_rng(3).standard_normal((4000, 2))
+    values = [0.3, -0.1] + 0.02 * normals
+    columns = (("mean-current", "east"), ("mean-current", "north"))
+    draws = WeightedDraws((("mean-current",),), np.zeros(4000, int), columns, values, np.full(4000, 1 / 4000))
+    np.testing.assert_allclose(drawn_here(draws).values, values, rtol=1e-5, atol=1e-6)
+    scale = CATALOGUE["mean-current"].parameters["east"].scale
+    for km, days in ((10.0, 0.0), (0.0, 20.0), (5.0, 7.0)):
+        share = np.exp(-0.5 * ((km / 20.0) ** 2 + (days / 30.0) ** 2))
+        found = drawn_here(draws, days, km).values
+        assert found.mean(axis=0) == pytest.approx(share * values.mean(axis=0), rel=1e-3)
+        expected = np.sqrt(share**2 * values.var(axis=0) + (1.0 - share**2) * scale**2)
+        assert found.std(axis=0) == pytest.approx(expected, rel=1e-3)
+
+
+def test_a_tide_outlasts_the_season_and_is_in_doubt_elsewhere():
+    """Both components of each constituent shrink towards nothing and widen; at the same place none changes."""
+    names = ("m2_east", "m2_east_phase")
+    columns = tuple(("tidal-current", name) for name in names)
+    values = np.array([0.4, 1.0]) + 0.01 * np.random.default_rng(4).standard_normal((4000, 2))
+    draws = WeightedDraws((("tidal-current",),), np.zeros(4000, int), columns, values, np.full(4000, 1 / 4000))
+    size = drawn_here(draws, 200.0).values[:, 0]
+    np.testing.assert_allclose(size, values[:, 0], rtol=1e-6)
+    there = drawn_here(draws, 0.0, 15.0).values
+    pair = there[:, 0] * np.exp(1j * there[:, 1])
+    before = values[:, 0] * np.exp(1j * values[:, 1])
+    share = np.exp(-0.5 * (15.0 / 20.0) ** 2)
+    assert pair.mean() == pytest.approx(share * before.mean(), rel=2e-3)
+    scale = CATALOGUE["tidal-current"].parameters["m2_east"].scale
+    assert pair.real.std() == pytest.approx(np.sqrt((1 - share**2) * scale**2 + share**2 * before.real.var()), rel=1e-2)
