@@ -10,7 +10,7 @@ from conftest import TRANSIT
 
 import missionplan
 from missionplan.mission import Mission
-from missionplan.results.campaign import Campaign
+from missionplan.results.learned.diagnosis import Campaign
 
 M2 = 2.0 * np.pi / (12.4206 * 3600.0)
 EARTH, START, WEEKS = 6.371e6, 1.78e9, 5.0 * 7.0 * 86400.0
