@@ -22,8 +22,7 @@ from missionplan.effects import CATALOGUE
 from missionplan.exporters.formats import conformance_table
 from missionplan.mission import Mission
 from missionplan.mission.reading.validation_errors import keys_of, meaning_of, parsers_of, sections_in
-from missionplan.mission.schema.limits import Limit
-from missionplan.mission.schema.quantity_parser import QuantityParser
+from missionplan.mission.schema.quantity_parser import Limit, QuantityParser
 from missionplan.mission.schema.vehicle import Vehicle
 from missionplan.report.effect_catalogue import effect_text
 

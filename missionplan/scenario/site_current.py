@@ -134,33 +134,42 @@ def _members(mission: Mission, written: CurrentFile, also: Array | None) -> Reco
 
 
 def _read(
-    mission: Mission, written: CurrentFile, name: str, also: Array | None, member: int | None = None
+    mission: Mission[object],
+    written: CurrentFile | WindFile,
+    name: str,
+    also: Array | None = None,
+    member: int | None = None,
 ) -> RecordedCurrent:
+    """Read one file of a current or of a wind."""
+    key = "current" if isinstance(written, CurrentFile) else "wind"
     if not is_netcdf(name):
-        return _read_csv(mission, written, name)
+        return _series(mission, written, name)
     if written.start is not None:
-        message = "a NetCDF current has dates of its own; `start` is for a CSV record that counts seconds"
-        raise InputError([Problem(message, mission.file, key="site.current.start")])
+        message = f"a NetCDF {key} has dates of its own; `start` is for a CSV record that counts seconds"
+        raise InputError([Problem(message, mission.file, key=f"site.{key}.start")])
     if mission.start is None:
-        raise InputError([Problem("a NetCDF current needs the mission's `start` (UTC)", name)])
+        raise InputError([Problem(f"a NetCDF {key} needs the mission's `start` (UTC)", name)])
     from missionplan.scenario.currents.area import Area
     from missionplan.scenario.currents.field import read_field
+    from missionplan.scenario.currents.files import SEA, WIND
 
-    origin = required_origin(mission, "a NetCDF current is placed by it")
+    origin = required_origin(mission, f"a NetCDF {key} is placed by it")
     start = np.datetime64(round(mission.start.timestamp() * 1e6), "us").astype("datetime64[ns]")
     places = mission_places(mission, origin)
     places = places if also is None else np.hstack((places, also))
-    return read_field(matching(name), Area(origin, start, places, written.projection), name, member)
+    projection, carries = (written.projection, SEA) if isinstance(written, CurrentFile) else (None, WIND)
+    return read_field(matching(name), Area(origin, start, places, projection), name, member, carries)
 
 
-def _read_csv(mission: Mission, written: CurrentFile, name: str) -> SeriesCurrent:
-    from missionplan.scenario.currents.csv_series import read_current_csv  # pandas: half a second
+def _series(mission: Mission[object], written: CurrentFile | WindFile, name: str) -> SeriesCurrent:
+    from missionplan.scenario.currents.csv_series import CURRENT_LIMITS, WIND_LIMITS, read_series_csv  # pandas: slow
 
-    if "*" in name:
+    is_current = isinstance(written, CurrentFile)
+    if is_current and "*" in name:
         message = f"given {name}; a pattern is for NetCDF files, a CSV record is one file"
         raise InputError([Problem(message, mission.file, key="site.current.file")])
-    series = read_current_csv(Path(name), mission.start, written.start)
-    return SeriesCurrent(series.time, series.depth, series.east, series.north)
+    limits = CURRENT_LIMITS if is_current else WIND_LIMITS
+    return read_series_csv(Path(name), limits, mission.start, written.start)
 
 
 def mission_places(mission: Mission[object], origin: Geographic) -> Array:
@@ -190,31 +199,7 @@ def recorded_wind(mission: Mission[object]) -> Current | None:
     written = mission.site.wind if mission.site else None
     if not isinstance(written, WindFile):
         return None
-    if not is_netcdf(written.file):
-        return _series(Path(written.file), mission, written)
-    if written.start is not None:
-        message = "a NetCDF wind has dates of its own; `start` is for a CSV record that counts seconds"
-        raise InputError([Problem(message, mission.file, key="site.wind.start")])
-    if mission.start is None:
-        raise InputError([Problem("a NetCDF wind needs the mission's `start` (UTC)", written.file)])
-    return _field(written.file, required_origin(mission, "a NetCDF wind is placed by it"), mission)
-
-
-def _series(path: Path, mission: Mission[object], written: WindFile) -> SeriesCurrent:
-    from missionplan.scenario.currents.csv_series import WIND_LIMITS, read_series_csv  # pandas: half a second
-
-    series = read_series_csv(path, WIND_LIMITS, mission.start, written.start)
-    return SeriesCurrent(series.time, series.depth, series.east, series.north)
-
-
-def _field(name: str, origin: Geographic, mission: Mission[object]) -> Current:
-    from missionplan.scenario.currents.area import Area
-    from missionplan.scenario.currents.field import read_field
-    from missionplan.scenario.currents.files import WIND
-
-    assert mission.start is not None
-    start = np.datetime64(round(mission.start.timestamp() * 1e6), "us").astype("datetime64[ns]")
-    return read_field(matching(name), Area(origin, start, mission_places(mission, origin)), name, carries=WIND)
+    return _read(mission, written, written.file)
 
 
 def leeway(drawn: Mission[Scalars], recorded: Current | None, source: NormalSource | None, size: int) -> Leeway | None:

@@ -10,7 +10,7 @@ import pytest
 from missionplan.datasets import csv_cells
 from missionplan.datasets.table import Columns, read_table
 from missionplan.errors import InputError
-from missionplan.scenario.currents.csv_series import read_current_csv
+from missionplan.scenario.currents.csv_series import read_series_csv
 
 TEXT = b"t_s,depth_m,east_m_s,north_m_s\n0,0,0.1,0.2\n60,0,0.2,0.1\n"
 COLUMNS = Columns((("t_s", "depth_m"),))
@@ -31,20 +31,20 @@ class TestKind:
     def test_is_read_like_the_plain_file(self, tmp_path, kind):
         path = packed(tmp_path / f"x.csv{kind}")
         assert read_table(path, COLUMNS).rows["t_s"].tolist() == [0.0, 60.0]
-        assert read_current_csv(path).east.tolist() == [[0.1], [0.2]]
+        assert read_series_csv(path).east.tolist() == [[0.1], [0.2]]
 
     def test_that_is_none_is_refused(self, tmp_path, kind):
         for content in (TEXT, b"", b"\x1f\x8b\x08", packed(tmp_path / f"whole{kind}").read_bytes()[:-9]):
             path = tmp_path / f"x.csv{kind}"
             path.write_bytes(content)
-            for read in (lambda path: read_table(path, COLUMNS), read_current_csv):
+            for read in (lambda path: read_table(path, COLUMNS), read_series_csv):
                 with pytest.raises(InputError, match=r"cannot be unpacked|is empty|cannot be read|is missing"):
                     read(path)
 
     def test_that_unpacks_to_too_much_is_refused(self, tmp_path, kind, monkeypatch):
         monkeypatch.setattr(csv_cells, "MAX_UNPACKED", 1_000_000)
         path = packed(tmp_path / f"x.csv{kind}", TEXT + b"1,0,0,0\n" * 200_000)
-        for read in (lambda path: read_table(path, COLUMNS), read_current_csv):
+        for read in (lambda path: read_table(path, COLUMNS), read_series_csv):
             with pytest.raises(InputError, match="unpacks to more than 1 MB"):
                 read(path)
 
@@ -62,4 +62,4 @@ def test_a_current_file_that_is_none(tmp_path, content, words):
     path = tmp_path / "current.csv"
     path.write_bytes(content)
     with pytest.raises(InputError, match=words):
-        read_current_csv(path)
+        read_series_csv(path)

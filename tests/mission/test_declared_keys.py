@@ -13,8 +13,8 @@ from missionplan.datasets.summaries import SUMMARY
 from missionplan.datasets.tank import TANK_FORMATS
 from missionplan.mission import Mission, load
 from missionplan.mission.reading.validation_errors import keys_of, meaning_of, parsers_of, sections_in
-from missionplan.mission.schema.limits import Limit
 from missionplan.mission.schema.phases import MoorPhase, TransitPhase
+from missionplan.mission.schema.quantity_parser import Limit
 from missionplan.mission.schema.vehicle import Vehicle
 from missionplan.studies.exploration.variation import known_keys
 from missionplan.studies.schemas.schema import schema

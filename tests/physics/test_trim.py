@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from missionplan.physics.trim import Weight, trim
+from missionplan.physics.anchor_remedies import Weight, trim
 
 BUOYANCY = Weight(100.9, 0.56, 0.0)
 

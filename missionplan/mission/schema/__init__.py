@@ -1,4 +1,4 @@
 """Sections of a mission file, in SI once validated.
 
-Read first `section`, `limits` and `quantity_parser`, then `phases`, `site` and `vehicle`.
+Read first `section` and `quantity_parser`, then `phases`, `site` and `vehicle`.
 """

@@ -6,8 +6,7 @@ from pydantic import model_validator
 from typing_extensions import Doc
 
 from missionplan.mission.schema import quantity_parser as q
-from missionplan.mission.schema.limits import Limit
-from missionplan.mission.schema.quantity_parser import QuantityParser
+from missionplan.mission.schema.quantity_parser import Limit, QuantityParser
 from missionplan.mission.schema.section import FileSection, ReadBy, V, invalid
 
 _Area = Annotated[float, ReadBy(QuantityParser("m^2", low=0.0, open_low=True, fixed=True))]

@@ -12,10 +12,8 @@ from pydantic import Discriminator, Field, Tag, model_validator
 from typing_extensions import Doc
 
 from missionplan.arrays import Array
-from missionplan.mission.schema import limits
 from missionplan.mission.schema import quantity_parser as q
-from missionplan.mission.schema.limits import Limit
-from missionplan.mission.schema.quantity_parser import QuantityParser
+from missionplan.mission.schema.quantity_parser import Limit, QuantityParser
 from missionplan.mission.schema.section import FileSection, PhaseSection, V, invalid
 from missionplan.mission.schema.site import Position
 from missionplan.mission.schema.transition import TransitionPhase
@@ -62,8 +60,8 @@ class TransitPhase(PhaseSection, Generic[V]):
         tuple[Position[V], ...] | Literal["auto"],
         Doc("points on the way to the goal, each reached as the goal is; auto: the shortest way clear of land"),
     ] = ()
-    depth: Annotated[q.Distance[V], Doc("depth of the transit"), limits.DEPTH] = q.default(0.0)
-    speed: Annotated[q.PositiveSpeed[V], Doc("speed through the water"), limits.SPEED] = q.default(math.nan)
+    depth: Annotated[q.Distance[V], Doc("depth of the transit"), q.DEPTH] = q.default(0.0)
+    speed: Annotated[q.PositiveSpeed[V], Doc("speed through the water"), q.SPEED] = q.default(math.nan)
     shaft_rate: Annotated[
         q.ShaftRate[V] | None,
         Doc("turns of the propeller, in place of a speed"),
@@ -123,7 +121,7 @@ class MoorPhase(PhaseSection, Generic[V]):
     design_current: Annotated[
         DesignCurrent | None,
         Doc("worst current, of the water or of each layer, for which the anchor is sized"),
-        limits.CURRENT,
+        q.CURRENT,
     ] = None
     anchor_wet_weight: Annotated[
         V | Literal["sized"],
@@ -168,17 +166,17 @@ class MoorPhase(PhaseSection, Generic[V]):
     release_time: Annotated[
         q.Duration[V],
         Doc("time from the last fix until the anchor separates"),
-        Limit((0.0, limits.DAY), (0.0, 1800.0), "Briggs et al.: seconds"),
+        Limit((0.0, q.DAY), (0.0, 1800.0), "Briggs et al.: seconds"),
     ] = q.default(0.0)
     hold: Annotated[
         q.Duration[V],
         Doc("time on the bottom until the release is commanded"),
-        Limit((0.0, 730.0 * limits.DAY), (0.0, 90.0 * limits.DAY), "moorings are kept for days to months"),
+        Limit((0.0, 730.0 * q.DAY), (0.0, 90.0 * q.DAY), "moorings are kept for days to months"),
     ] = q.default(0.0)
     galvanic_release: Annotated[
         q.Duration[V],
         Doc("time from that command until the link has corroded"),
-        Limit((0.0, 365.0 * limits.DAY), (0.0, 45.0 * limits.DAY), "galvanic links are made for hours to weeks"),
+        Limit((0.0, 365.0 * q.DAY), (0.0, 45.0 * q.DAY), "galvanic links are made for hours to weeks"),
     ] = q.default(0.0)
     carry_net_buoyancy: Annotated[bool, Doc("whether the anchor is sized to carry the vehicle's net buoyancy too")] = (
         False
@@ -230,11 +228,11 @@ class VelocityErrorSection(FileSection, Generic[V]):
     """Velocity error of a leg, N(mean, Σ): east and north [m/s]."""
 
     mean: Annotated[
-        tuple[q.SignedSpeed[V], q.SignedSpeed[V]], Doc("mean of the velocity error, east and north"), limits.CURRENT
+        tuple[q.SignedSpeed[V], q.SignedSpeed[V]], Doc("mean of the velocity error, east and north"), q.CURRENT
     ] = q.default((0.0, 0.0))
-    sigma: Annotated[
-        q.Speed[V] | None, Doc("standard deviation of the velocity error on each axis, σ_v"), limits.SIGMA
-    ] = None
+    sigma: Annotated[q.Speed[V] | None, Doc("standard deviation of the velocity error on each axis, σ_v"), q.SIGMA] = (
+        None
+    )
     covariance_rows: Annotated[
         tuple[tuple[q.FixedVariance, q.FixedVariance], tuple[q.FixedVariance, q.FixedVariance]] | None,
         Doc("covariance of a leg's velocity error, east and north, in place of sigma"),
@@ -271,7 +269,7 @@ class Navigation(FileSection, Generic[V]):
     surfacing_time: Annotated[
         q.Duration[V],
         Doc("time at the surface for a fix"),
-        Limit((0.0, limits.DAY), (1.0, limits.HOUR), "a GPS fix takes 1 s warm to 15 min cold"),
+        Limit((0.0, q.DAY), (1.0, q.HOUR), "a GPS fix takes 1 s warm to 15 min cold"),
     ]
     fix_error: Annotated[
         q.Distance[V],

@@ -6,7 +6,7 @@ from pydantic import Discriminator, Tag, model_validator
 from typing_extensions import Doc
 
 from missionplan.mission.schema import quantity_parser as q
-from missionplan.mission.schema.limits import Limit
+from missionplan.mission.schema.quantity_parser import Limit
 from missionplan.mission.schema.section import FileSection, V, invalid
 
 _TIDES = Limit((-30.0, 30.0), (-10.0, 10.0), "the Bay of Fundy has 16 m between low and high water")

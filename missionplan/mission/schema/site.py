@@ -11,11 +11,9 @@ from pydantic import Discriminator, Field, Tag, model_validator
 from typing_extensions import Doc
 
 from missionplan.errors import LocalProblem
-from missionplan.mission.schema import limits
 from missionplan.mission.schema import quantity_parser as q
-from missionplan.mission.schema.limits import Limit
 from missionplan.mission.schema.place import BathymetryFile, PlaceFile, TideHeight, TideOrHeight
-from missionplan.mission.schema.quantity_parser import CoordinateParser, QuantityParser
+from missionplan.mission.schema.quantity_parser import CoordinateParser, Limit, QuantityParser
 from missionplan.mission.schema.section import FileSection, Moment, ReadBy, V, all_invalid, invalid
 
 _SPEED = Limit((0.0, 90.0), (0.0, 33.0), "force 12 begins at 33 m/s; gusts of 85 m/s have been measured")
@@ -123,8 +121,8 @@ class WaterSection(FileSection, Generic[V]):
 class CurrentLayer(FileSection, Generic[V]):
     """A layer of the current, below the layer above."""
 
-    down_to: Annotated[q.PositiveLength[V], Doc("lower end of the layer"), limits.DEPTH]
-    speed: Annotated[q.SignedSpeed[V], Doc("speed of the layer"), limits.CURRENT]
+    down_to: Annotated[q.PositiveLength[V], Doc("lower end of the layer"), q.DEPTH]
+    speed: Annotated[q.SignedSpeed[V], Doc("speed of the layer"), q.CURRENT]
     toward: Annotated[q.Angle[V], Doc("direction towards which it flows, clockwise from north")]
 
 
@@ -139,7 +137,7 @@ class ForecastError(FileSection, Generic[V]):
     time: Annotated[
         PositiveDuration[V],
         Doc("time over which the error is forgotten"),
-        Limit((60.0, 1e7), (600.0, 30.0 * limits.DAY), "eddies last hours to weeks"),
+        Limit((60.0, 1e7), (600.0, 30.0 * q.DAY), "eddies last hours to weeks"),
     ]
     length: Annotated[
         q.PositiveLength[V] | None,
@@ -187,9 +185,9 @@ class TidalConstituent(FileSection):
     """The ellipse of a constituent."""
 
     name: Annotated[str, Doc("name of the constituent, such as M2")]
-    major: Annotated[q.FixedSpeed, Doc("major semi-axis of the ellipse"), limits.CURRENT]
+    major: Annotated[q.FixedSpeed, Doc("major semi-axis of the ellipse"), q.CURRENT]
     minor: Annotated[
-        _FixedSignedSpeed, Doc("minor semi-axis; negative where the current turns clockwise"), limits.CURRENT
+        _FixedSignedSpeed, Doc("minor semi-axis; negative where the current turns clockwise"), q.CURRENT
     ] = 0.0
     toward: Annotated[q.FixedAngle, Doc("direction of the major axis, clockwise from north")]
     phase: Annotated[q.FixedAngle, Doc("lag behind the equilibrium tide at Greenwich")]
@@ -198,9 +196,9 @@ class TidalConstituent(FileSection):
 class TideAtDepth(FileSection):
     """The tide at one depth, and the mean current there."""
 
-    depth: Annotated[q.FixedDistance, Doc("depth of these tides"), limits.DEPTH]
-    east: Annotated[_FixedSignedSpeed, Doc("mean current towards the east there"), limits.CURRENT] = 0.0
-    north: Annotated[_FixedSignedSpeed, Doc("mean current towards the north there"), limits.CURRENT] = 0.0
+    depth: Annotated[q.FixedDistance, Doc("depth of these tides"), q.DEPTH]
+    east: Annotated[_FixedSignedSpeed, Doc("mean current towards the east there"), q.CURRENT] = 0.0
+    north: Annotated[_FixedSignedSpeed, Doc("mean current towards the north there"), q.CURRENT] = 0.0
     constituents: Annotated[tuple[TidalConstituent, ...], Doc("tides at this depth")]
 
 
@@ -254,7 +252,7 @@ class Site(FileSection, Generic[V]):
     depth: Annotated[
         q.PositiveLength[V] | None,
         Doc("depth of the water at the mooring"),
-        Limit((0.1, 11_000.0), (1.0, 6000.0), limits.DEPTH.source),
+        Limit((0.1, 11_000.0), (1.0, 6000.0), q.DEPTH.source),
     ] = None
     water: Annotated[WaterSection[V] | None, Doc("temperature, salinity or density of the water")] = None
     current: Annotated[

@@ -12,10 +12,8 @@ from typing_extensions import Doc
 
 from missionplan.arrays import Array
 from missionplan.mission.quantity_paths import resolved_path
-from missionplan.mission.schema import limits
 from missionplan.mission.schema import quantity_parser as q
-from missionplan.mission.schema.limits import Limit
-from missionplan.mission.schema.quantity_parser import QuantityParser
+from missionplan.mission.schema.quantity_parser import Limit, QuantityParser
 from missionplan.mission.schema.section import FileSection, invalid
 from missionplan.mission.schema.shared_sections import name_in_force
 from missionplan.montecarlo.distributions import Quantity
@@ -57,9 +55,9 @@ class SweepSection(FileSection):
         Doc("leg lengths that are tried"),
         Limit((1.0, 1e6), (1.0, 2e5), "500 km is the greatest distance from the origin"),
     ] = SweepGrid.model_validate({"from": 0.02, "to": 1.0, "points": 99, "of": "distance"})
-    sigma: Annotated[
-        tuple[q.FixedSpeed, ...] | None, Doc("velocity errors, σ_v, of which each is swept"), limits.SIGMA
-    ] = None
+    sigma: Annotated[tuple[q.FixedSpeed, ...] | None, Doc("velocity errors, σ_v, of which each is swept"), q.SIGMA] = (
+        None
+    )
     phase: Annotated[str | None, Doc("transit that is swept; without it the first")] = None
 
     def d_max_values(self, distance: float) -> Array:

@@ -5,10 +5,8 @@ from typing import Annotated, Generic, Literal
 from pydantic import Field, model_validator
 from typing_extensions import Doc
 
-from missionplan.mission.schema import limits
 from missionplan.mission.schema import quantity_parser as q
-from missionplan.mission.schema.limits import Limit
-from missionplan.mission.schema.quantity_parser import QuantityParser
+from missionplan.mission.schema.quantity_parser import Limit, QuantityParser
 from missionplan.mission.schema.section import FileSection, PhaseSection, ReadBy, V, invalid
 
 
@@ -177,9 +175,7 @@ class TransitionPhase(PhaseSection, Generic[V]):
 
     kind: Literal["transition"] = Field(default="transition", exclude=True)
     name: Annotated[str, Doc("name of the phase, for reports")] = "transition"
-    start_speed: Annotated[
-        float, _fixed("m/s", open_low=True), Doc("speed at which the manoeuvre begins"), limits.SPEED
-    ]
+    start_speed: Annotated[float, _fixed("m/s", open_low=True), Doc("speed at which the manoeuvre begins"), q.SPEED]
     deceleration: Annotated[
         V,
         Deceleration,
@@ -189,13 +185,13 @@ class TransitionPhase(PhaseSection, Generic[V]):
     mid_speed: Annotated[
         q.PositiveSpeed[V],
         Doc("speed at which the thrusters take over half of the control"),
-        Limit((0.0, 10.0), (0.05, 3.2), limits.SPEED.source),
+        Limit((0.0, 10.0), (0.05, 3.2), q.SPEED.source),
     ]
     steepness: Annotated[q.PositiveSpeed[V], Doc("width in speed of that hand-over")]
     suction_moment: Annotated[bool, Doc("whether the jet's suction pitches the vehicle")] = True
     settle: Annotated[
         _PositiveTime,
         Doc("time that is simulated after the speed has reached zero"),
-        Limit((0.0, limits.DAY), (1.0, 2 * limits.HOUR), "hover is reached in minutes"),
+        Limit((0.0, q.DAY), (1.0, 2 * q.HOUR), "hover is reached in minutes"),
     ] = 200.0
     sweep: Annotated[TransitionGrid, Doc("grid that `sweep-transition` computes")] = TransitionGrid()

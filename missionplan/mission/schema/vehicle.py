@@ -9,11 +9,9 @@ from pydantic import Discriminator, Field, Tag, model_validator
 from typing_extensions import Doc
 
 from missionplan.errors import LocalProblem
-from missionplan.mission.schema import limits
 from missionplan.mission.schema import quantity_parser as q
 from missionplan.mission.schema.identified import MeasuredAddedMass, MeasuredDrag, Propulsion, StaticThruster
-from missionplan.mission.schema.limits import Limit
-from missionplan.mission.schema.quantity_parser import QuantityParser
+from missionplan.mission.schema.quantity_parser import Limit, QuantityParser
 from missionplan.mission.schema.section import FileSection, ReadBy, V, VehicleSchema, all_invalid, invalid
 from missionplan.mission.schema.site import LeewaySection
 from missionplan.mission.schema.transition import Manoeuvring, TunnelThrusterSection
@@ -119,8 +117,8 @@ _FORM_FACTOR = QuantityParser("", low=0.0, open_low=True)
 class HullSection(FileSection, Generic[V]):
     """The egress vehicle's body: a cylinder with hemispherical ends."""
 
-    length: Annotated[q.PositiveLength[V], Doc("length over all without the anchor"), limits.LENGTH]
-    diameter: Annotated[q.PositiveLength[V], Doc("largest diameter"), limits.DIAMETER]
+    length: Annotated[q.PositiveLength[V], Doc("length over all without the anchor"), q.LENGTH]
+    diameter: Annotated[q.PositiveLength[V], Doc("largest diameter"), q.DIAMETER]
     form_factor: Annotated[
         V | Literal["briggs", "hoerner"],
         q.or_word(_FORM_FACTOR, "briggs", "hoerner"),
@@ -142,8 +140,8 @@ class HullSection(FileSection, Generic[V]):
 class SailSection(FileSection, Generic[V]):
     """The sail, a small airfoil."""
 
-    chord: Annotated[q.PositiveLength[V], Doc("chord of the sail"), limits.FIN]
-    span: Annotated[q.PositiveLength[V], Doc("span of the sail"), limits.FIN]
+    chord: Annotated[q.PositiveLength[V], Doc("chord of the sail"), q.FIN]
+    span: Annotated[q.PositiveLength[V], Doc("span of the sail"), q.FIN]
     thickness: Annotated[
         q.PositiveLength[V],
         Doc("thickness of the sail"),
@@ -154,8 +152,8 @@ class SailSection(FileSection, Generic[V]):
 class Front(FileSection, Generic[V]):
     """Machined front of the anchor."""
 
-    mass: Annotated[q.Mass[V], Doc("mass of the front"), limits.PART_MASS]
-    density: Annotated[q.Density[V], Doc("density of its material"), limits.DENSITY]
+    mass: Annotated[q.Mass[V], Doc("mass of the front"), q.PART_MASS]
+    density: Annotated[q.Density[V], Doc("density of its material"), q.DENSITY]
     centre: Annotated[q.Distance[V], Doc("distance of its centre from the anchor's tip")]
 
 
@@ -163,14 +161,14 @@ class Tube(FileSection, Generic[V]):
     """Tube between front and back; its length follows from the wet weight."""
 
     mass_per_length: Annotated[q.MassPerLength[V], Doc("mass of a metre of tube")]
-    density: Annotated[q.Density[V], Doc("density of the tube's material"), limits.DENSITY]
+    density: Annotated[q.Density[V], Doc("density of the tube's material"), q.DENSITY]
 
 
 class Back(FileSection, Generic[V]):
     """Machined back of the anchor."""
 
-    mass: Annotated[q.Mass[V], Doc("mass of the back"), limits.PART_MASS]
-    density: Annotated[q.Density[V], Doc("density of its material"), limits.DENSITY]
+    mass: Annotated[q.Mass[V], Doc("mass of the back"), q.PART_MASS]
+    density: Annotated[q.Density[V], Doc("density of its material"), q.DENSITY]
     centre_from_back: Annotated[q.Distance[V], Doc("distance of its centre from the end of the tube")]
 
 
@@ -200,7 +198,7 @@ class ConstructionSection(FileSection, Generic[V]):
 class Anchor(FileSection, Generic[V]):
     """The anchor, the vehicle's false nose until it is released."""
 
-    diameter: Annotated[q.PositiveLength[V], Doc("diameter of the anchor"), limits.DIAMETER]
+    diameter: Annotated[q.PositiveLength[V], Doc("diameter of the anchor"), q.DIAMETER]
     drag_coefficient: Annotated[
         q.PositiveNumber[V],
         Doc("drag coefficient on the frontal area"),
@@ -236,7 +234,7 @@ class Anchor(FileSection, Generic[V]):
     flooding_time: Annotated[
         q.Duration[V] | None,
         Doc("time from the separation until the anchor is full of water"),
-        Limit((0.0, limits.HOUR), (0.0, 120.0), "1 L enters through a hole of 8 mm in 20 s"),
+        Limit((0.0, q.HOUR), (0.0, 120.0), "1 L enters through a hole of 8 mm in 20 s"),
     ] = None
     premature_flooding: Annotated[
         q.Probability, Doc("probability that it floods before its release and sinks the vehicle nose first")
@@ -246,8 +244,8 @@ class Anchor(FileSection, Generic[V]):
 class Centre(FileSection, Generic[V]):
     """A centre of the egress vehicle."""
 
-    from_nose: Annotated[q.Distance[V], Doc("distance aft of the nose's tip"), limits.CENTRE]
-    below_axis: Annotated[q.Length[V], Doc("distance below the hull's axis"), limits.OFF_AXIS] = q.default(0.0)
+    from_nose: Annotated[q.Distance[V], Doc("distance aft of the nose's tip"), q.CENTRE]
+    below_axis: Annotated[q.Length[V], Doc("distance below the hull's axis"), q.OFF_AXIS] = q.default(0.0)
 
 
 class EnergyBudget(FileSection, Generic[V]):
@@ -294,7 +292,7 @@ class Vehicle(FileSection, Generic[V]):
         Doc("drag with all appendages over that of hull and sail"),
         Limit((0.1, 20.0), (1.0, 3.0), "Briggs et al., Eq. 13: 1.25"),
     ] = q.default(1.0)
-    mass: Annotated[q.Mass[V] | None, Doc("mass in air without the anchor"), limits.MASS] = None
+    mass: Annotated[q.Mass[V] | None, Doc("mass in air without the anchor"), q.MASS] = None
     net_buoyancy: Annotated[q.SignedForce[V], Doc("buoyancy less weight without the anchor")] = q.default(0.0)
     centre_of_gravity: Annotated[
         Centre[V] | None, Doc("centre of mass without the anchor; with that of buoyancy the vehicle pitches over")

@@ -2,17 +2,16 @@
 
 import math
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
 from datetime import datetime
 from pathlib import Path
 
 import numpy as np
 import pandas as pd
 
-from missionplan.arrays import Array
 from missionplan.datasets.csv_cells import check_file, open_table
 from missionplan.errors import InputError, Problem
 from missionplan.moments import epoch_seconds, utc
+from missionplan.phases.recorded_currents import SeriesCurrent
 
 MAX_BYTES = 200_000_000
 """Of a CSV file of a current."""
@@ -22,29 +21,14 @@ CURRENT_LIMITS = {"t_s": _LONGEST, "depth_m": 11_000.0, "east_m_s": 12.0, "north
 """Columns of a current, with sizes beyond which a number is impossible: the deepest sea, Saltstraumen."""
 WIND_LIMITS = {"t_s": _LONGEST, "east_m_s": 90.0, "north_m_s": 90.0}
 """Columns of a wind; no hurricane is faster."""
-CSV_COLUMNS = tuple(CURRENT_LIMITS)
-
-
-@dataclass(frozen=True)
-class CurrentSeries:
-    """A current against time and depth."""
-
-    time: Array
-    depth: Array
-    """Increasing [s since the mission's start, m]."""
-    east: Array
-    north: Array
-    """Shape (time, depth). [m/s]."""
-
-
-def read_current_csv(path: Path, start: datetime | None = None, epoch: datetime | None = None) -> CurrentSeries:
-    """Read a current, with every depth at every time; see `read_series_csv`."""
-    return read_series_csv(path, CURRENT_LIMITS, start, epoch)
 
 
 def read_series_csv(
-    path: Path, limits: Mapping[str, float], start: datetime | None = None, epoch: datetime | None = None
-) -> CurrentSeries:
+    path: Path,
+    limits: Mapping[str, float] = CURRENT_LIMITS,
+    start: datetime | None = None,
+    epoch: datetime | None = None,
+) -> SeriesCurrent:
     """Read a CSV file of east and north components against time and, where it is among the columns, depth.
 
     Parameters
@@ -82,7 +66,7 @@ def read_series_csv(
         raise InputError([Problem("this row has the time and depth of an earlier one", shown, row + 2)])
     if table.isna().to_numpy().any():
         raise InputError([Problem("every depth must be given at every time", shown)])
-    return CurrentSeries(
+    return SeriesCurrent(
         table.index.to_numpy(dtype=float) + _lead(start, epoch, shown),
         table["east_m_s"].columns.to_numpy(dtype=float),
         table["east_m_s"].to_numpy(dtype=float),

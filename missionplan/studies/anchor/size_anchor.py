@@ -11,7 +11,7 @@ from missionplan.mission.schema.vehicle import Centre
 from missionplan.mission.views import MooringMission
 from missionplan.montecarlo.parallel.blocks import Backend, Progress
 from missionplan.physics.anchor import AnchorDesign, wet_centre
-from missionplan.physics.trim import TrimState, Weight, trim
+from missionplan.physics.anchor_remedies import TrimState, Weight, trim
 from missionplan.physics.water import STANDARD_GRAVITY
 from missionplan.results.anchor_sizing import AnchorSizing, ExplainedAnchor, ProbableAnchor
 from missionplan.results.base import Provenance
