@@ -1,8 +1,14 @@
-"""What a reader of logs is: it recognises files of its format and makes a track of them; and which there are."""
+"""What a reader of logs is: it recognises files of its format and makes a track of them; and which there are.
+
+Readings gathered from one file or message after another, in little memory.
+"""
 
 import gzip
+import math
 import zlib
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from array import array
+from collections import defaultdict
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from importlib import import_module
@@ -11,9 +17,13 @@ from pathlib import Path
 from types import ModuleType
 from typing import BinaryIO, cast
 
+import numpy as np
+from numpy.typing import NDArray
+
+from missionplan.arrays import Array
 from missionplan.errors import InputError, Problem, shown
 from missionplan.importers.mapping import MappedName
-from missionplan.importers.track import Track
+from missionplan.importers.track import Break, Series, Track, series
 from missionplan.packages import PluginError, how_to_install, load_plugin
 
 DAMAGED = (OSError, ValueError, LookupError, EOFError, RuntimeError, ArithmeticError, TypeError, zlib.error)
@@ -159,3 +169,168 @@ def known_importers() -> tuple[dict[str, Importer], list[Problem]]:
         else:
             found = {importer.name: importer, **found}  # asked first: it knows its own files better
     return found, left_out
+
+
+MOST = 400_000
+"""Readings that are held of one channel: of more, one in half a second, in a second and so on is kept."""
+_FINEST = 0.5
+
+
+def spaced(t: Array, interval: float) -> NDArray[np.bool_]:
+    """Which readings to keep for one in each interval [s]: the first in it that came; they come in any order."""
+    keep = np.zeros(len(t), dtype=bool)
+    keep[np.unique(np.floor(np.asarray(t) / interval), return_index=True)[1]] = True
+    return keep
+
+
+class ChannelStore:
+    """Readings of named channels."""
+
+    def __init__(self) -> None:
+        self._parts: dict[str, list[tuple[Array, Array]]] = defaultdict(list)
+        self._intervals: dict[str, float] = {}
+
+    def add(self, name: str, t: Array, values: Array) -> None:
+        """Add readings of a channel, from one file."""
+        if not len(t):
+            return
+        t, values = np.asarray(t, dtype=float), np.asarray(values)
+        if name in self._intervals:
+            keep = spaced(t, self._intervals[name])
+            t, values = t[keep], values[keep]
+        self._parts[name].append((t, values))
+        while sum(len(part) for part, _ in self._parts[name]) > MOST:
+            self._intervals[name] = 2.0 * self._intervals.get(name, 0.5 * _FINEST)
+            kept = [(part, held, spaced(part, self._intervals[name])) for part, held in self._parts[name]]
+            self._parts[name] = [(part[keep], held[keep]) for part, held, keep in kept]
+
+    def series(self, name: str, factor: float = 1.0) -> Series:
+        """Return a channel's readings in the order of time, times a factor."""
+        t, values = self.joined(name)
+        return series(t, values * factor)
+
+    def joined(self, name: str) -> tuple[Array, Array]:
+        """Times and values of a channel, in the order they were added."""
+        parts = self._parts.get(name, [])
+        if not parts:
+            return np.empty(0), np.empty(0)
+        return np.concatenate([t for t, _ in parts]), np.concatenate([values for _, values in parts])
+
+    def at(self, name: str, t: Array) -> Array:
+        """Values of a channel at exactly these times; nan where it has none."""
+        known = self.series(name)
+        place = np.searchsorted(known.t, t)
+        found = np.full(len(t), np.nan)
+        inside = place < len(known)
+        hit = np.flatnonzero(inside)[known.t[place[inside]] == t[inside]]
+        found[hit] = known.values[place[hit]]
+        return found
+
+    def __contains__(self, name: object) -> bool:
+        return bool(self._parts.get(str(name)))
+
+
+class Samples:
+    """Readings that come one by one, such as messages; the first column has the times [s]."""
+
+    def __init__(self, names: Iterable[str]) -> None:
+        self._names = tuple(names)
+        self._columns = {name: array("d") for name in self._names}
+        self._rows = list(self._columns.values())
+        self._interval, self._last = 0.0, math.nan
+
+    def add(self, *values: float) -> None:
+        """Add one value of each column."""
+        if self._interval:
+            which = values[0] // self._interval
+            if which == self._last:
+                return
+            self._last = which
+        for column, value in zip(self._rows, values, strict=True):
+            column.append(value)
+        if len(self._rows[0]) > MOST:
+            self._thin()
+
+    def _thin(self) -> None:
+        """Thin to half of the most: of readings that come in no order of time, those of one interval come apart."""
+        while len(self) > MOST // 2:
+            keep = spaced(self[self._names[0]], self._interval or _FINEST)
+            for name, column in self._columns.items():
+                column[:] = array("d", self[name][keep].tobytes())
+            self._interval = self._interval or _FINEST
+            self._interval *= 2.0 if len(self) > MOST // 2 else 1.0
+
+    def __getitem__(self, name: str) -> Array:
+        """Values of a column."""
+        return np.array(self._columns[name], dtype=float)
+
+    def __len__(self) -> int:
+        return len(self._columns[self._names[0]])
+
+
+_EXACT = ("t", "lat", "lon", "dr_lat", "dr_lon", "x", "y", "dr_x", "dr_y")
+_COARSEST = 64.0
+"""Interval to which rows are thinned at most [s]."""
+_IN_NO_ORDER = 0.05
+"""Share of steps back from which on rows are in no order of time."""
+_BACKWARDS = 1.0
+"""Step back of the times within a file that is a jump of the clock [s]."""
+
+
+class ColumnStore:
+    """Columns of many files; a column that a file lacks is missing there."""
+
+    def __init__(self) -> None:
+        self._interval = 0.0
+        self._parts: list[dict[str, Array]] = []
+        self._joined: dict[str, Array] = {}
+        self.breaks: tuple[Break, ...] = ()
+
+    def add(self, columns: dict[str, Array]) -> None:
+        """Add the columns of one file, of which `t` has the times since 1970 [s]; rows without a time are left out."""
+        t = columns["t"]
+        timed = np.isfinite(t)
+        part = {name: _small(name, values[timed]) for name, values in columns.items()}
+        self.breaks += tuple(clock_jumps(part["t"]))
+        self._parts.append(self._thinned(part))
+        while sum(len(each["t"]) for each in self._parts) > MOST and self._interval < _COARSEST:
+            self._interval = 2.0 * self._interval if self._interval else _FINEST
+            self._parts = [self._thinned(each) for each in self._parts]
+        self._joined = {}
+
+    def _thinned(self, part: dict[str, Array]) -> dict[str, Array]:
+        """Keep one row in each interval, and those that are marked to be kept."""
+        if not self._interval:
+            return part
+        keep = spaced(part["t"], self._interval)
+        if "keep" in part:
+            keep |= part["keep"] == 1.0
+        return {name: values[keep] for name, values in part.items()}
+
+    def __getitem__(self, name: str) -> Array:
+        """Values of a column in the order of time."""
+        if not self._joined and self._parts:
+            names = dict.fromkeys(name for part in self._parts for name in part)
+            times = np.concatenate([part["t"] for part in self._parts])
+            order = np.argsort(times, kind="stable")
+            for each in names:
+                self._joined[each] = np.concatenate([_column(part, each) for part in self._parts])[order]
+            self._parts = []
+        return self._joined.get(name, np.full(len(self._joined.get("t", ())), np.nan))
+
+
+def _small(name: str, values: Array) -> Array:
+    """Halve the memory of all but times and positions, which need their digits."""
+    return values if name in _EXACT else values.astype(np.float32)
+
+
+def _column(part: dict[str, Array], name: str) -> Array:
+    return part[name] if name in part else np.full(len(part["t"]), np.nan)
+
+
+def clock_jumps(t: Array) -> list[Break]:
+    """Find where the times of a file step back; rows that are in no order of time, or the last first, tell nothing."""
+    back = np.flatnonzero(np.diff(t) < -_BACKWARDS)
+    if len(back) > _IN_NO_ORDER * len(t):
+        return []
+    return [Break(float(t[k + 1]), f"the clock jumps back ({t[k] - t[k + 1]:.0f} s)") for k in back]

@@ -9,7 +9,7 @@ from made_tracks import made
 from test_structure import agree, alog
 
 from missionplan.errors import InputError
-from missionplan.importers import stores
+from missionplan.importers import importer as stores
 from missionplan.importers.geodesy import displacement
 from missionplan.importers.importing import import_logs
 

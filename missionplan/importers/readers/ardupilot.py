@@ -23,8 +23,7 @@ import numpy as np
 from missionplan.arrays import Array
 from missionplan.errors import InputError, Problem, shown
 from missionplan.importers.geodesy import plane_positions
-from missionplan.importers.importer import Identity, Importer, ReadOptions, SourceLog, needed_module
-from missionplan.importers.stores import Samples
+from missionplan.importers.importer import Identity, Importer, ReadOptions, Samples, SourceLog, needed_module
 from missionplan.importers.track import Break, Positions, Series, Track, fixes, positions, series
 
 _MAGIC = b"\xa3\x95\x80"

@@ -22,11 +22,12 @@ from missionplan.importers.importer import (
     Importer,
     PartlyReadError,
     ReadOptions,
+    Samples,
     SourceLog,
+    clock_jumps,
     needed_module,
     unpacked,
 )
-from missionplan.importers.stores import Samples, clock_jumps
 from missionplan.importers.track import Break, Series, Track, fixes, positions, series
 
 _ORDERS = {0xFE54: "<", 0x54FE: ">"}

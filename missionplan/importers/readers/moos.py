@@ -16,9 +16,8 @@ import numpy as np
 from missionplan.arrays import Array
 from missionplan.importers.dives import split_at_surface
 from missionplan.importers.geodesy import origin_of, plane_positions
-from missionplan.importers.importer import Identity, Importer, ReadOptions, SourceLog, unpacked
+from missionplan.importers.importer import ChannelStore, Identity, Importer, ReadOptions, Samples, SourceLog, unpacked
 from missionplan.importers.mapping import QUANTITIES, MappedName, mapped, unit_factor
-from missionplan.importers.stores import ChannelStore, Samples
 from missionplan.importers.track import Break, Fixes, Positions, Track, fixes, positions
 
 _USUAL = {

@@ -18,9 +18,8 @@ import numpy as np
 from missionplan.arrays import Array
 from missionplan.errors import InputError, Problem, shown
 from missionplan.importers.geodesy import origin_of, plane_positions
-from missionplan.importers.importer import Importer, ReadOptions, SourceLog, needed_module
+from missionplan.importers.importer import Importer, ReadOptions, Samples, SourceLog, needed_module
 from missionplan.importers.mapping import PASCALS_A_METRE
-from missionplan.importers.stores import Samples
 from missionplan.importers.track import Positions, Series, Track, fixes, positions, series
 
 if TYPE_CHECKING:

@@ -15,8 +15,15 @@ import numpy as np
 
 from missionplan.arrays import Array
 from missionplan.errors import InputError, Problem
-from missionplan.importers.importer import DAMAGED, Identity, Importer, ReadOptions, SourceLog, needed_module
-from missionplan.importers.stores import ChannelStore
+from missionplan.importers.importer import (
+    DAMAGED,
+    ChannelStore,
+    Identity,
+    Importer,
+    ReadOptions,
+    SourceLog,
+    needed_module,
+)
 from missionplan.importers.track import Break, Fixes, Positions, Track, fixes, positions
 
 _FLIGHT = ("dbd", "mbd", "sbd", "dcd", "mcd", "scd")

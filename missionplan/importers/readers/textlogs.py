@@ -20,11 +20,10 @@ import numpy as np
 import pandas as pd
 
 from missionplan.arrays import Array
-from missionplan.importers.importer import Identity, Importer, ReadOptions, SourceLog, unpacked
+from missionplan.importers.importer import ColumnStore, Identity, Importer, ReadOptions, SourceLog, unpacked
 from missionplan.importers.mapping import MappedName, angles, mapped, plain_numbers
 from missionplan.importers.readers import track
 from missionplan.importers.readers.track import read_header
-from missionplan.importers.stores import ColumnStore
 from missionplan.importers.track import Positions, Series, Track, fixes, positions, series
 
 _COLUMNS = {

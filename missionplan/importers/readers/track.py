@@ -21,10 +21,17 @@ from missionplan.arrays import Array
 from missionplan.errors import InputError, Problem
 from missionplan.importers.dives import split_at_surface
 from missionplan.importers.geodesy import origin_of, plane_positions
-from missionplan.importers.importer import Importer, ReadOptions, SourceLog, needed_module, unpacked
+from missionplan.importers.importer import (
+    ColumnStore,
+    Importer,
+    ReadOptions,
+    Samples,
+    SourceLog,
+    needed_module,
+    unpacked,
+)
 from missionplan.importers.mapping import QUANTITIES, MappedName, angles, quantities, times
 from missionplan.importers.netcdf import MAGIC, Variables, mapped_parts, opened
-from missionplan.importers.stores import ColumnStore, Samples
 from missionplan.importers.track import Fixes, Positions, Series, Track, fixes, positions, series
 from missionplan.moments import utc
 
