@@ -6,9 +6,9 @@ import numpy as np
 import pandas as pd
 import pytest
 import yaml
-from missionplan.results.learned.diagnosis import Campaign
 
 import missionplan
+from missionplan.results.learned.diagnosis import Campaign
 from tests.hidden_effects.cases import draw_case
 
 COMPASS = 4.0
