@@ -9,8 +9,8 @@ from .attempts import attempt
 from .targets import TARGETS
 
 COUNTS = {
-    "validate": 120,
-    "simulate": 20,
+    "validate": 60,
+    "simulate": 10,
     "read": 80,
     "current": 8,
     "field": 100,

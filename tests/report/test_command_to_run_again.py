@@ -25,7 +25,10 @@ def numbers(folder):
 
 @pytest.mark.parametrize(
     "study",
-    [missionplan.simulate, pytest.param(missionplan.size_anchor, marks=pytest.mark.slow), missionplan.sweep_dmax],
+    [
+        missionplan.simulate,
+        *(pytest.param(each, marks=pytest.mark.slow) for each in (missionplan.size_anchor, missionplan.sweep_dmax)),
+    ],
 )
 def test_it_makes_the_same_numbers(tmp_path, monkeypatch, study):
     result = study(MISSION, trials=TRIALS, seed=3)

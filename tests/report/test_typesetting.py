@@ -121,6 +121,7 @@ def test_every_text_of_the_example_is_set_alike(run):
     check(run())
 
 
+@pytest.mark.slow
 def test_a_comparison_is_set_alike(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)  # the page names the reports as they were given: a path is not set
     for name, trials in (("chesapeake", 300), ("fig8", 200)):

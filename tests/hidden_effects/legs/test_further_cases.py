@@ -40,6 +40,7 @@ def test_a_mission_knows_its_effect(scenario, sign):
     assert case.truth == (() if scenario == "given" else (name,))
 
 
+@pytest.mark.slow
 def test_records_have_the_strength_of_their_own_law():
     """Over seeds, the law that generated them beats the best without the effect, and loses where there is none."""
     with_walk = [random_records.gathering(seed).strength for seed in range(4)]

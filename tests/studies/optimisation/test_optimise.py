@@ -92,6 +92,7 @@ def test_a_requirement_that_rules_out_what_costs_less_is_named_where_one_percent
     assert "saves nothing at these steps; without that on the total duration, at least about" in words
 
 
+@pytest.mark.slow
 def test_the_obstacle_is_named_with_how_much_is_reached(tmp_path):
     hopeless = missionplan.optimise(transit(minutes=12.0), choose=CHOOSE, trials=300)
     assert not hopeless.feasible

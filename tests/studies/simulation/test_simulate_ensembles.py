@@ -217,6 +217,7 @@ def test_anchors_say_which_member_spoils_them(tmp_path):
     assert sized.summary()["members"][2]["probability"] == pytest.approx(0.05)
 
 
+@pytest.mark.slow
 def test_explorations_and_optimisations_say_which_member_spoils_the_best(spoiled):
     found = explore(spoiled, "ingress.speed=1:1.5:0.5 m/s", trials=80)
     best = simulate(
