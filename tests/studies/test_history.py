@@ -8,7 +8,7 @@ import pytest
 import yaml
 
 import missionplan
-from missionplan.mission.reading.posterior import hash_of
+from missionplan.mission.reading.includes import hash_of
 from missionplan.montecarlo.levels import Seen
 from missionplan.montecarlo.posterior import WeightedDraws
 from missionplan.montecarlo.posterior_file import FILE, PosteriorFile
