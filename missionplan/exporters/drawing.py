@@ -12,7 +12,7 @@ from xml.etree import ElementTree
 
 from missionplan.exporters.formats import Element, add, document, one_interval
 from missionplan.results.plan import Plan
-from missionplan.results.plan_states import ACTIONS, Amount, State, Transition, amount_in_si, states_of
+from missionplan.results.plan_states import ACTIONS, State, Transition, states_of
 
 TITLE = "a drawing of the plan's states (SVG)"
 NEEDS_ORIGIN = False
@@ -34,7 +34,6 @@ class _Sheet:
     """What is drawn so far, and down to where [px]."""
 
     root: Element
-    amount: Amount
     y: float = 10.0
     tops: dict[str, float] = field(default_factory=dict)
     middles: dict[str, float] = field(default_factory=dict)
@@ -56,29 +55,24 @@ class _Sheet:
         head = ((x, y), (x - dx - dy / 2.0, y - dy - dx / 2.0), (x - dx + dy / 2.0, y - dy + dx / 2.0))
         add(self.root, "polygon", points=" ".join(f"{a:.1f},{b:.1f}" for a, b in head), fill=colour)
 
-    def guards(self, transition: Transition) -> str:
-        """Write what a transition asks."""
-        return " and ".join(guard.words(self.amount) for guard in transition.guards)
-
 
 def files(plan: Plan, stem: str) -> dict[str, str | bytes]:
     """Write one file."""
     return {f"{stem}.svg": document(drawing(plan), f"Plan of the mission {plan.mission}, SHA-256 {plan.digest}")}
 
 
-def drawing(plan: Plan, amount: Amount = amount_in_si) -> Element:
-    """Draw the states of a plan.
+def _asked(transition: Transition) -> str:
+    """Write what a transition asks."""
+    return " and ".join(guard.words for guard in transition.guards)
 
-    Parameters
-    ----------
-    amount : callable
-        Writes the values of guards with their units.
-    """
+
+def drawing(plan: Plan) -> Element:
+    """Draw the states of a plan."""
     states = states_of(plan)
     root = ElementTree.Element("svg", xmlns="http://www.w3.org/2000/svg")
     root.set("font-family", "system-ui, sans-serif")
     root.set("font-size", "12")
-    sheet = _Sheet(root, amount)
+    sheet = _Sheet(root)
     add(root, "circle", cx=f"{_STEM:.1f}", cy="10", r="5", fill=_INK)
     drawn = [state for state in states if state.name != _ABORTED]
     groups: dict[str, list[State]] = {}
@@ -109,7 +103,7 @@ def _group(sheet: _Sheet, group: Sequence[State], following: dict[str, str], ent
         name = name if len(name) <= most else f"{name[: most - 1]}…"
         sheet.text(_STEM + 20.0, top + 18.0, name, fill=_PHASE, **{"font-weight": "bold"})
         for each in common:
-            _abort(sheet, _FRAME_RIGHT, sheet.y + 20.0, sheet.guards(each))
+            _abort(sheet, _FRAME_RIGHT, sheet.y + 20.0, _asked(each))
             sheet.y += _LINE + 3.0
         sheet.y = max(sheet.y, top + 18.0)
     sheet.y += 12.0
@@ -137,10 +131,10 @@ def _state(sheet: _Sheet, state: State, transitions: Sequence[Transition], follo
             sheet,
             _BOX_RIGHT,
             top + height / 2.0 + (_LINE + 3.0) * (number - (len(aborts) - 1) / 2.0),
-            sheet.guards(each),
+            _asked(each),
         )
     sheet.y += height
-    on = [sheet.guards(each) for each in transitions if each.to == following.get(state.name)]
+    on = [_asked(each) for each in transitions if each.to == following.get(state.name)]
     for words in (*on[:1], *(f"or {words}" for words in on[1:])):
         for line in textwrap.wrap(words, int((_BOX - 40.0) / _LETTER), subsequent_indent="   "):
             sheet.y += _LINE
@@ -163,7 +157,7 @@ def _elsewhere(sheet: _Sheet, states: Sequence[State], following: dict[str, str]
         for number, each in enumerate(others):
             lane, y = _LEFT - 14.0 - 8.0 * number, sheet.middles[state.name] + 8.0 * number
             sheet.arrow((_LEFT, y), (lane, y), (lane, sheet.middles[each.to]), (_LEFT, sheet.middles[each.to]))
-            lines = textwrap.wrap(sheet.guards(each), int((lane - 15.0) / _LETTER))
+            lines = textwrap.wrap(_asked(each), int((lane - 15.0) / _LETTER))
             for row, line in enumerate(lines):
                 at = y - _LINE * (len(lines) - row - 1) + 2.0
                 sheet.text(lane - 5.0, at, line, **{"text-anchor": "end"})

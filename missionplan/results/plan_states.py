@@ -5,7 +5,7 @@ for the point until its dead reckoning is there, surfaces, and has arrived where
 """
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Literal
 
@@ -55,10 +55,6 @@ ACTIONS = {
 """What the vehicle does in a state of each kind."""
 
 
-Amount = Callable[[float, str], str]
-"""Writes a value with its unit."""
-
-
 def amount_in_si(value: float, unit: str) -> str:
     """Write a value with its unit, long times in minutes, hours and days."""
     if unit == "s":
@@ -76,12 +72,13 @@ class Guard:
     kind: GuardKind
     value: float = math.nan
 
-    def words(self, amount: Amount) -> str:
-        """In words, `amount` writing the value with its unit."""
+    @property
+    def words(self) -> str:
+        """In words."""
         text, unit = GUARDS[self.kind]
         if self.kind == "reckoned-within" and not self.value:
             return "dead reckoning at the point"
-        return text.format(amount(self.value, unit))
+        return text.format(amount_in_si(self.value, unit))
 
 
 @dataclass(frozen=True)

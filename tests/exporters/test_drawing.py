@@ -73,7 +73,7 @@ def test_every_state_is_drawn_with_what_it_does_and_every_guard(drawn):
             assert does in said
     for state in states:
         for transition in state.transitions:
-            assert " and ".join(guard.words(amount_in_si) for guard in transition.guards) in said
+            assert " and ".join(guard.words for guard in transition.guards) in said
     boxes = [each for each in root.iter(f"{SVG}rect") if each.get("stroke") == "#222222"]
     assert len(boxes) == len(states) - 1  # abort is the bar at the right
 

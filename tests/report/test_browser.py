@@ -42,8 +42,8 @@ def test_the_console_is_silent_and_nothing_is_asked_for(browser, report):
 def test_every_figure_is_shown_within_the_page(browser, report, width):
     show(browser, report, width=width)
     boxes = browser.execute_script(
-        "return [...document.querySelectorAll('figure svg')].map(svg => {"  # a wide drawing scrolls in its figure
-        "const box = (svg.closest('figure.wide') || svg).getBoundingClientRect();"
+        "return [...document.querySelectorAll('figure svg')].map(svg => {"
+        "const box = svg.getBoundingClientRect();"
         "return [box.left, box.right, box.width, box.height]; })"
     )
     assert len(boxes) >= 5

@@ -23,8 +23,6 @@ _LARGEST, _LARGEST_PRINTED = 1.7, 1.2
 """Largest scale of a figure on the screen and on paper [px/pt]: text of 10 pt is then about as high as the page's."""
 _TALL, _LONG = 0.8, 1.3
 """Height over width from which a figure is given more room on paper, so that its text can be read."""
-_WIDE = 500.0
-"""Width from which a figure is not made for a telephone [pt]."""
 _LONG_NAME = 18
 """Characters of a first cell for which a wide screen keeps more room."""
 _MOST_CARDS, _NARROW = 8, 44
@@ -171,13 +169,12 @@ def inline(figure: Figure) -> Markup:
 
 
 def size_class(figure: Figure) -> str:
-    """Classes of a figure that is about as high as it is wide or fills a page, and of one made for a wide page."""
+    """Class of a figure that is about as high as it is wide, or fills a page."""
     size = re.search(r'viewBox="0 0 ([\d.]+) ([\d.]+)"', figure.svg)
     if size is None:
         return ""
     width, height = float(size[1]), float(size[2])
-    high = "page" if height > _LONG * width else "tall" if height > _TALL * width else ""
-    return " ".join(filter(None, (high, "wide" if width > _WIDE else "")))
+    return "page" if height > _LONG * width else "tall" if height > _TALL * width else ""
 
 
 def rerun_command(provenance: Provenance) -> str:
