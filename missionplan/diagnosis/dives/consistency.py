@@ -70,9 +70,10 @@ def exchanged_labels(model: DescentFitting, base: CauseFit) -> ExchangedLabels |
         return None
     own: Labels = tuple(weights.index(log.wet_weight) for log in logs)
     likelihoods, found, reached, prior = _labelled(model, base, weights), own, -math.inf, FURTHER
-    gains: list[float] = []
+    whole, gains = base.state.likelihood.as_one, list[float]()
     while others := sorted(set(_exchanges(found)) - {own}):
-        evidence = [_log_evidence(likelihoods, labels, base) - base.log_evidence for labels in others]
+        exchanged = [_changed(whole, likelihoods, labels, own).marginals(base.state.prior_sd) for labels in others]
+        evidence = [float(logsumexp(log_joint_with_noise(each))) - base.log_evidence for each in exchanged]
         first = int(np.argmax(evidence))
         if evidence[first] < reached + FURTHER:
             break
@@ -104,15 +105,17 @@ def _labelled(model: DescentFitting, base: CauseFit, weights: Sequence[float]) -
     return found
 
 
-def _log_evidence(likelihoods: Sequence[NoiseGridLikelihood], labels: Labels, base: CauseFit) -> float:
-    """Log evidence of the base model with each dive under its label."""
-    dives = list(enumerate(labels))
-    together = NoiseGridLikelihood(
-        np.stack([likelihoods[label].grams[:, dive] for dive, label in dives], axis=1),
-        np.stack([likelihoods[label].log_determinants[:, dive] for dive, label in dives], axis=1),
-        likelihoods[0].counts,
-    )
-    return float(logsumexp(log_joint_with_noise(together.marginals(base.state.prior_sd))))
+def _changed(
+    whole: NoiseGridLikelihood, likelihoods: Sequence[NoiseGridLikelihood], labels: Labels, own: Labels
+) -> NoiseGridLikelihood:
+    """Likelihood of all dives as of one with other labels, from that with their own, by the dives that change."""
+    gram, determinant = whole.grams.copy(), whole.log_determinants.copy()
+    for dive, (label, written) in enumerate(zip(labels, own, strict=True)):
+        if label != written:
+            gram[:, 0] += likelihoods[label].grams[:, dive] - likelihoods[written].grams[:, dive]
+            determinant[:, 0] += likelihoods[label].log_determinants[:, dive]
+            determinant[:, 0] -= likelihoods[written].log_determinants[:, dive]
+    return replace(whole, grams=gram, log_determinants=determinant)
 
 
 def not_constant(model: "DescentModel", fit: CauseFit) -> Causes:

@@ -46,6 +46,12 @@ class NoiseGridLikelihood:
     counts: NDArray[np.int_]
     """Readings of each dive, shape (d,)."""
 
+    @property
+    def as_one(self) -> "NoiseGridLikelihood":
+        """That of all dives as of one."""
+        grams, log_determinants = (each.sum(axis=1, keepdims=True) for each in (self.grams, self.log_determinants))
+        return NoiseGridLikelihood(grams, log_determinants, self.counts.sum(keepdims=True))
+
     def marginals(self, prior_sd: Array, dives: NDArray[np.int_] | slice = ALL_DIVES) -> list[Marginal]:
         """Marginalise all coordinates at each noise of the grid.
 

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import block_diag, solve_triangular
+from scipy.linalg import solve_triangular
 from scipy.special import logsumexp
 
 from missionplan.arrays import Array
@@ -72,9 +72,18 @@ def _columns(model: "DescentModel", fit: CauseFit, axes: Sequence[Axis]) -> list
     These are the lengths over which it is smooth, or the runs in which it acts.
     """
     linear, noise = fit.state.linear, noise_grid()[fit.state.best_noise]
-    factor = np.linalg.cholesky(block_diag(*(block[0] for block in model.covariances(linear, (noise,)))))
-    own = model.searched(fit.causes)
-    named = solve_triangular(factor, (linear.columns * model.slab)[:, own], lower=True, check_finite=False)
+    factors = [np.linalg.cholesky(block[0]) for block in model.covariances(linear, (noise,))]
+
+    def whitened(values: Array) -> Array:
+        solved = [
+            solve_triangular(own, values[rows], lower=True) for own, rows in zip(factors, model.parts, strict=True)
+        ]
+        return np.concatenate(solved)
+
+    def coloured(values: Array) -> Array:
+        return np.concatenate([own @ values[rows] for own, rows in zip(factors, model.parts, strict=True)])
+
+    named = whitened((linear.columns * model.slab)[:, model.searched(fit.causes)])
     left, sizes, _ = np.linalg.svd(named, full_matrices=False)
     span = left[:, sizes > SAME * sizes.max(initial=0.0)]
     found = []
@@ -83,17 +92,19 @@ def _columns(model: "DescentModel", fit: CauseFit, axes: Sequence[Axis]) -> list
         if len(axis.places) == 1:
             found.append(np.split(axis.size * axis.response, functions if axis.in_some_runs else 1, axis=1))
             continue
-        response = axis.size * solve_triangular(factor, axis.response, lower=True, check_finite=False)
+        response = axis.size * whitened(axis.response)
         response -= span @ (span.T @ response)
-        alternatives = []
-        for length in LENGTHS:
-            white = response @ np.kron(np.eye(functions), axis.smooth(length))
-            directions, sizes, _ = np.linalg.svd(white, full_matrices=False)
-            most = MOST_COLUMNS if functions == 1 else max(MOST_OF_RUNS, functions)
-            kept = np.flatnonzero(sizes**2 > LEAST_SHARE * sizes[0] ** 2)[:most]
-            alternatives.append(np.asarray(factor @ (directions[:, kept] * sizes[kept])))
-        found.append(alternatives)
+        smooth = (np.kron(np.eye(functions), axis.smooth(length)) for length in LENGTHS)
+        found.append([coloured(_principal(response @ each, functions)) for each in smooth])
     return found
+
+
+def _principal(white: Array, functions: int) -> Array:
+    """Principal components of columns, shape (N, c), that are of so many functions: (N, q)."""
+    directions, sizes, _ = np.linalg.svd(white, full_matrices=False)
+    most = MOST_COLUMNS if functions == 1 else max(MOST_OF_RUNS, functions)
+    kept = np.flatnonzero(sizes**2 > LEAST_SHARE * sizes[0] ** 2)[:most]
+    return np.asarray(directions[:, kept] * sizes[kept])
 
 
 def _log_gains(
