@@ -1,6 +1,6 @@
 """Mission files: YAML in, validated missions in SI out.
 
-Read first `mission`, then `schema` (the sections), `reading` (YAML, included files, problems with their
+Read first `sections` and `mission`, then `schema` (each section), `reading` (YAML, included files, problems with their
 lines) and `checks` (between sections). `views` are missions with all that one kind of phase needs; `units` and
 `geodesy` convert.
 """
