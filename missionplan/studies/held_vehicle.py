@@ -32,10 +32,7 @@ _FACTORS: Array = np.geomspace(0.05, 20.0, 401)
 
 
 def held_vehicle(means: Scenario, phase: MoorPhase[Scalars], weight: float) -> HeldVehicle:
-    """Find how the vehicle of a mooring stands above an anchor of a wet weight.
-
-    `weight`: of the anchor in water [N].
-    """
+    """Find how the vehicle of a mooring stands above an anchor of a weight in water [N]."""
     hold, given = lifted(hold_of(means, phase, weight), means.descent_effects), means.mooring
     currents = dict(_currents(means, phase, hold))
     worst = list(currents.values())[-1]

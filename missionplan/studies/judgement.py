@@ -39,10 +39,7 @@ class Doubt:
 
 
 def ledger(mission: Mission, seed: int, trials: int = TRIALS) -> tuple[Assumption, ...]:
-    """Run a mission without each of its assumptions; those that matter most come first; nan where it cannot be run.
-
-    `trials`: of each run.
-    """
+    """Run a mission without each of its assumptions; those that matter most come first; nan where it cannot be run."""
     doubts = tuple(doubts_of(mission))
     if not doubts:
         return ()

@@ -100,10 +100,7 @@ def reported_alternative(name: str, folder: Path, summary: Summary) -> Alternati
 
 
 def check_kinds(sources: Sequence[tuple[Path, Summary]]) -> str:
-    """Return the command whose results are compared; raises InputError where they are of unlike kinds.
-
-    `sources`: the summary of a mission is empty.
-    """
+    """Return the command compared, a mission having no summary; raises InputError where kinds are unlike."""
     made = [str(summary.get("command", "simulate")) for _, summary in sources]
     kinds = set(made)
     if not kinds & set(CHOOSING):

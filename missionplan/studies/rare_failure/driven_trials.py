@@ -132,10 +132,7 @@ def _wrong(text: str, message: str) -> InputError:
 
 
 def margins(event: RareEvent, trials: MissionTrials, scenario: Scenario) -> dict[str, Array]:
-    """Return the margins that matter for an event, by the way to fail; nan where a trial never came so far.
-
-    `scenario`: with the draws of these trials.
-    """
+    """Return the margins that matter for an event, by the way to fail; nan where a trial never came so far."""
     if event.is_quantity:
         values = np.asarray(trials.columns()[event.key], dtype=float)
         return {event.text: event.sign * (event.limit - values)}
@@ -244,10 +241,7 @@ class DrivenMission:
     """Ways to fail, in the order of their margins; those of the mission's, which each trial has."""
 
     def run(self, population: StrataView, *, inputs: bool = False) -> tuple[Scenario, MissionTrials]:
-        """Run one trial for each of a population.
-
-        Raises RunError when the model fails numerically.
-        """
+        """Run one trial for each of a population; raises RunError when the model fails numerically."""
         source = PopulationSource(population)
         scenario = self.means.sampled_from(source, population.trials)
         try:

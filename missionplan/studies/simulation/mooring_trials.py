@@ -137,9 +137,7 @@ def mooring_trials(
     current = scenario.current or STILL_WATER
     normals = fix_normals(f"{phase.name}.fix", block.source, state.trials)
     moored_in = partial(_moored_in, block, phase, state, normals)
-    plan, prevented, after, record = (
-        moored_in(scenario) if scenario.place is None else on_ground(scenario, phase, state, moored_in)
-    )
+    plan, prevented, after, record = on_ground(scenario, phase, state, moored_in)
     taut = begun & ~np.logical_or.reduce(list(prevented.values()))
     moored = taut & record.descent.touched_down
     contact = None

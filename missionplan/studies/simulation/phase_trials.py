@@ -132,10 +132,7 @@ def quantities_reached(reached: Mapping[str, tuple[Flags, Array]]) -> dict[str, 
 def transit_trials(
     block: TrialBlock, phase: TransitPhase[Scalars], state: TrialState
 ) -> tuple[TrialState, PhaseTrials]:
-    """Run the trials of a block through a transit.
-
-    `state`: where the phase begins.
-    """
+    """Run the trials of a block through a transit."""
     scenario = block.scenario
     plan, normals = scenario.transit_plan(phase), transit_normals(scenario, phase, block.source)
     environment = scenario.environment(phase)
