@@ -186,7 +186,7 @@ class _Made:
         """Compute some blocks of a simulation again; returns how many values there are and those that differ."""
         from missionplan.scenario.scenario import Scenario
         from missionplan.scenario.site_current import recorded_current
-        from missionplan.studies.mission_plan.build import executions, mission_plan
+        from missionplan.studies.mission_plan.export import executions, mission_plan
         from missionplan.studies.simulation.block_sequence import BlockResult, BlockTask
 
         mission = self.mission()

@@ -1,18 +1,122 @@
-"""`export`: the plan of a mission, written in a format that a vehicle or another program takes."""
+"""`export`: the plan of a mission, and its files in a format that a vehicle or another program takes."""
 
-from dataclasses import dataclass
+import hashlib
+import math
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass, replace
+from importlib.metadata import version
 from pathlib import Path
 
+import numpy as np
+
 from missionplan.errors import InputError, Problem
-from missionplan.exporters.formats import FORMATS, format_named
+from missionplan.exporters.formats import FORMATS, execution_of, format_named, refusals_of
 from missionplan.mission import Mission, MissionOrPath
+from missionplan.mission.geodesy import to_geographic
 from missionplan.mission.views import TransitMission, required_origin
+from missionplan.montecarlo.distributions import mean_of
+from missionplan.phases.transit.execution import Execution
+from missionplan.physics.propulsion import JOULES_PER_WATT_HOUR
+from missionplan.results.base import to_yaml
+from missionplan.results.plan import Fence, Plan
 from missionplan.scenario.scenario import Scenario
 from missionplan.scenario.site_current import recorded_current
 from missionplan.store.folder import as_path, exists, is_file, is_folder, write_atomically
-from missionplan.studies.mission_plan.build import mission_plan
+from missionplan.studies.mission_plan.phases import PhaseBuilder
 from missionplan.studies.run import check_arguments
 from missionplan.studies.simulation.checks import check_complete, check_cover
+
+
+def mission_plan(
+    mission: Mission, *, seed: int | None = None, means: Scenario | None = None, to: str | None = None
+) -> Plan:
+    """Build the plan of a mission with at least one transit.
+
+    `seed`: of the trials from which the time-outs are taken; default: the mission's. `means`: the mission at its means,
+    where it is made already. `to`: format of the vehicle that it is for, whose own rules the time-outs and the point
+    steered for then follow; default: the plan's rules. Raises InputError when the mission has no transit, or lacks what
+    transits need, or allows fewer legs than its course has, or the vehicle of the format cannot do it.
+    """
+    TransitMission.of(mission)
+    builder = PhaseBuilder(
+        means or Scenario.at_means(mission, recorded_current(mission)),
+        mission.monte_carlo.seed if seed is None else seed,
+        execution_of(to) if to is not None else None,
+    )
+    phases = tuple(builder.phases())
+    origin = mission.site.origin if mission.site else None
+    plan = Plan(
+        mission=mission.name,
+        digest=hashlib.sha256(to_yaml(mission.identified()).encode()).hexdigest(),
+        version=version("missionplan"),
+        start=mission.start,
+        origin=(origin.latitude, origin.longitude) if origin else None,
+        phases=phases,
+        notes=(*_notes(mission), *builder.notes),
+        capacity=float(mean_of(mission.budget.capacity)) / JOULES_PER_WATT_HOUR
+        if mission.budget and mission.budget.capacity is not None
+        else math.nan,
+        fences=tuple(_fences(builder.means)),
+        has_thruster=mission.vehicle is not None and mission.vehicle.propulsion is not None,
+        corrects=mission.navigation is not None and mission.navigation.drift_compensation != "none",
+    )
+    refused = refusals_of(to, plan) if to is not None else ()
+    if refused:
+        raise InputError([replace(problem, file=mission.file) for problem in refused])
+    return plan
+
+
+def executions(mission: Mission, to: str, plan: Plan) -> dict[str, Execution]:
+    """Return how the vehicle of a format carries out each transit of the plan that was made for it, by its name."""
+    executes = execution_of(to)
+    if executes is None:
+        return {}
+    return {phase.name: executes(made) for phase, made in zip(mission.transits, plan.transits, strict=True)}
+
+
+def plan_if_any(mission: Mission, means: Scenario, seed: int) -> Plan | None:
+    """Build the plan; None where the mission has no transit, or more nominal legs than it allows."""
+    try:
+        return mission_plan(mission, seed=seed, means=means) if mission.transits else None
+    except InputError:
+        return None
+
+
+def _fences(means: Scenario) -> Iterator[Fence]:
+    """Yield land and zones kept out of, a polygon each."""
+    site = means.mission.site
+    if site is None or site.origin is None or means.place is None:
+        return
+    origin = site.origin
+
+    def corners(ring: Iterable[tuple[float, float]]) -> tuple[tuple[float, float], ...]:
+        east, north = np.array(list(ring))[:-1, :2].T
+        return tuple(zip(*(axis.tolist() for axis in to_geographic(east, north, origin)), strict=True))
+
+    for zone in means.place.zones:
+        limits = {"from_s": zone.since, "to_s": zone.until, "above_m": zone.above, "below_m": zone.below}
+        given = {key: value for key, value in limits.items() if math.isfinite(value)}
+        for part in getattr(zone.geometry, "geoms", (zone.geometry,)):
+            yield Fence(
+                name=zone.name,
+                outline=corners(part.exterior.coords),
+                kind="land" if zone.is_land else "keep-out",
+                holes=tuple(corners(hole.coords) for hole in part.interiors),
+                limits=given,
+            )
+
+
+def _notes(mission: Mission) -> Iterator[str]:
+    way = mission.navigation.drift_compensation if mission.navigation else "none"
+    if way != "none":
+        yield (
+            f"the mission corrects its course for drift ({way}) from fix to fix; courses and waypoints here are those "
+            "without drift, and the vehicle's own navigation has to correct them"
+        )
+    names = {phase.name for phase in mission.phases}
+    uncertain = [path for path in mission.uncertain() if path.split(".")[0] in names]
+    if uncertain:
+        yield f"uncertain quantities are at their means: {', '.join(uncertain)}"
 
 
 @dataclass(frozen=True)

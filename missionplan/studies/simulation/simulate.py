@@ -21,7 +21,7 @@ from missionplan.scenario.site_current import recorded_current
 from missionplan.store.checkpoints import Checkpoints, TrialsTable
 from missionplan.store.folder import as_path
 from missionplan.studies.held_vehicle import check_dives
-from missionplan.studies.mission_plan.build import executions, mission_plan, plan_if_any
+from missionplan.studies.mission_plan.export import executions, mission_plan, plan_if_any
 from missionplan.studies.overdue.losses import Search, read_searches
 from missionplan.studies.overdue.overdue import overdue
 from missionplan.studies.run import Run, identified

@@ -1,100 +1,150 @@
-"""From a mission to its plan: nominal legs, their time-outs, the rule for surfacing, the moorings."""
+"""Planned phases: nominal legs, what trials tell of them, which interval stands for a table of legs; moorings."""
 
-import hashlib
 import math
-from collections.abc import Callable, Iterable, Iterator
-from dataclasses import replace
-from importlib.metadata import version
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from missionplan.arrays import Array, Scalars
 from missionplan.errors import InputError, Problem
-from missionplan.exporters.formats import Executes, execution_of, refusals_of
-from missionplan.mission import Mission
+from missionplan.exporters.formats import Executes
 from missionplan.mission.geodesy import to_geographic
 from missionplan.mission.schema.phases import LegTableSection, MoorPhase, TransitPhase
-from missionplan.mission.views import TransitMission
 from missionplan.montecarlo.distributions import Distribution, Quantity, mean_of
+from missionplan.montecarlo.streams import BlockStreams
 from missionplan.phases.transit.execution import Execution
-from missionplan.physics.propulsion import JOULES_PER_WATT_HOUR
-from missionplan.results.base import to_yaml
-from missionplan.results.plan import Fence, Plan, PlannedMooring, PlannedTransit, SurfacingRule, Waypoint
+from missionplan.phases.transit.plan import LegTable
+from missionplan.phases.transit.transit import transit
+from missionplan.results.plan import PlannedMooring, PlannedTransit, SurfacingRule, Waypoint
+from missionplan.scenario.phases import deployed, transit_normals
 from missionplan.scenario.scenario import Scenario, leg_table
-from missionplan.scenario.site_current import recorded_current
-from missionplan.studies.mission_plan.transit_trials import (
-    SHARE,
-    SingleInterval,
-    TransitDurations,
-    single_interval,
-    transit_durations,
-)
+from missionplan.studies.leg_length.paired_trials import PILOT_BLOCK, LegsAtSpeed, arrival_shortfall, run_plans
+from missionplan.studies.leg_length.sweep_scenario import SweepScenario
 
+TRIALS = 1024
+"""Trials from which the 99 % durations are taken, and on which a table and intervals are compared."""
+SHARE = 0.99
+_MOST_POINTS = 2_000_000
+"""Points of tracks that are kept at once, which bounds the memory."""
 SHORTEST_LEG = 1e-3
 """A leg that is shorter is none [m]."""
-
-
 ENOUGH = 0.99
 """Share of the trials that have arrived, after which a vehicle that cannot decide for itself makes no further legs."""
 MOST_EXTRA_LEGS = 4
 
 
-def mission_plan(
-    mission: Mission, *, seed: int | None = None, means: Scenario | None = None, to: str | None = None
-) -> Plan:
-    """Build the plan of a mission with at least one transit.
+@dataclass(frozen=True)
+class TransitDurations:
+    """Durations that 99 % of the trials keep."""
 
-    `seed`: of the trials from which the time-outs are taken; default: the mission's. `means`: the mission at its means,
-    where it is made already. `to`: format of the vehicle that it is for, whose own rules the time-outs and the point
-    steered for then follow; default: the plan's rules. Raises InputError when the mission has no transit, or lacks what
-    transits need, or allows fewer legs than its course has, or the vehicle of the format cannot do it.
+    legs: Array
+    """Under way, by the number of the leg, of the trials that sail it, shape (m,) [s]."""
+    whole: float
+    """Of the trials that arrive, from the first dive to the fix on arrival; nan where none does [s]."""
+    arrived: float
+    """Share of the trials that arrive."""
+    surface_drift: Array
+    """Mean drift at the surface after the last leg, shape (2,) [m]."""
+
+    def leg(self, number: int) -> float:
+        """Duration of a leg, from 0; that of the longest leg where no trial needed so many [s]."""
+        if number < len(self.legs):
+            return float(self.legs[number])
+        return float(self.legs.max()) if len(self.legs) else float("nan")
+
+
+def transit_durations(
+    means: Scenario,
+    phase: TransitPhase[Scalars],
+    start: Array,
+    begins: float,
+    seed: int,
+    execution: Execution | None = None,
+) -> TransitDurations:
+    """Sail a transit alone, from its nominal start.
+
+    `means`: the mission at its means. `start`, shape (2,): [m]. `begins`: mission time of the first dive [s].
+    `execution`: of the vehicle, by other rules than the plan's; its time-out is left out.
     """
-    TransitMission.of(mission)
-    builder = _Builder(
-        means or Scenario.at_means(mission, recorded_current(mission)),
-        mission.monte_carlo.seed if seed is None else seed,
-        execution_of(to) if to is not None else None,
+    trials = min(TRIALS, max(_MOST_POINTS // means.navigation.max_legs, 1))
+    drawn = means.sampled(seed=seed, block=0, size=trials)
+    if execution is not None:
+        execution = replace(execution, time_out=float("inf"))
+        drawn = replace(drawn, executions={phase.name: execution})
+    source = BlockStreams(seed, 0)
+    state = replace(deployed(drawn, phase, start, source, trials), clock=np.full(trials, begins))
+    normals = transit_normals(drawn, phase, source)
+    with np.errstate(all="ignore"):  # a trial that cannot be computed has no duration
+        plan, environment = drawn.transit_plan(phase), drawn.environment(phase)
+        _, record = transit(plan, state, normals, environment, tracked=trials, execution=execution)
+    time = record.track_time if record.track_time is not None else np.empty((1, trials))
+    legs = time[1::2] - time[:-1:2]
+    arrived = record.duration[record.arrived & np.isfinite(record.duration)]
+    return TransitDurations(
+        legs=np.array([_quantile(leg[np.isfinite(leg)]) for leg in legs if np.isfinite(leg).any()]),
+        whole=_quantile(arrived) if arrived.size else float("nan"),
+        arrived=arrived.size / trials,
+        surface_drift=_last_drift(record.track),
     )
-    phases = tuple(builder.phases())
-    origin = mission.site.origin if mission.site else None
-    plan = Plan(
-        mission=mission.name,
-        digest=hashlib.sha256(to_yaml(mission.identified()).encode()).hexdigest(),
-        version=version("missionplan"),
-        start=mission.start,
-        origin=(origin.latitude, origin.longitude) if origin else None,
-        phases=phases,
-        notes=(*_notes(mission), *builder.notes),
-        capacity=float(mean_of(mission.budget.capacity)) / JOULES_PER_WATT_HOUR
-        if mission.budget and mission.budget.capacity is not None
-        else math.nan,
-        fences=tuple(_fences(builder.means)),
-        has_thruster=mission.vehicle is not None and mission.vehicle.propulsion is not None,
-        corrects=mission.navigation is not None and mission.navigation.drift_compensation != "none",
-    )
-    refused = refusals_of(to, plan) if to is not None else ()
-    if refused:
-        raise InputError([replace(problem, file=mission.file) for problem in refused])
-    return plan
 
 
-def executions(mission: Mission, to: str, plan: Plan) -> dict[str, Execution]:
-    """Return how the vehicle of a format carries out each transit of the plan that was made for it, by its name."""
-    executes = execution_of(to)
-    if executes is None:
-        return {}
-    return {phase.name: executes(made) for phase, made in zip(mission.transits, plan.transits, strict=True)}
+def _last_drift(track: Array | None) -> Array:
+    """Mean over the trials of the drift at the surface after each one's last leg, shape (2,) [m]."""
+    if track is None or track.shape[1] < 3:
+        return np.zeros(2)
+    drift = track[:, 2::2] - track[:, 1:-1:2]
+    legs = np.isfinite(drift[0]).sum(axis=0)
+    last = drift[:, np.maximum(legs - 1, 0), np.arange(drift.shape[2])]
+    return np.asarray(last[:, legs > 0].mean(axis=1) if np.any(legs) else np.zeros(2))
 
 
-def plan_if_any(mission: Mission, means: Scenario, seed: int) -> Plan | None:
-    """Build the plan; None where the mission has no transit, or more nominal legs than it allows."""
-    try:
-        return mission_plan(mission, seed=seed, means=means) if mission.transits else None
-    except InputError:
-        return None
+def _quantile(durations: Array) -> float:
+    return float(np.quantile(durations, SHARE))
 
 
-class _Builder:
+@dataclass(frozen=True)
+class SingleInterval:
+    """An interval in place of a table."""
+
+    length: float
+    """[m]"""
+    extra_time: float
+    standard_error: float
+    """Mean time of a transit beyond that by the table, of the trials that arrive by both [s]."""
+
+
+def single_interval(means: Scenario, phase: TransitPhase[Scalars], legs: LegTable, seed: int) -> SingleInterval:
+    """Find the d_max of the mission's grid that costs least, and what it costs beyond the transit's table.
+
+    It is chosen by the rule of `sweep-dmax`: of those that arrive as often as the mission requires the one of least
+    time, and where none does, the likeliest to arrive.
+
+    Raises InputError when the transit cannot be swept: the drift is as fast as the vehicle, or the energy does not
+    suffice.
+    """
+    mission = means.mission
+    swept = mission.model_copy(update={"sweep": mission.sweep.model_copy(update={"phase": phase.name})})
+    scenario = SweepScenario.of(swept, means)
+    candidates = [float(length) for length in scenario.d_max]
+    plans = [LegsAtSpeed(legs), *(LegsAtSpeed(length) for length in candidates)]
+    table, *single = run_plans(scenario, plans, seed, PILOT_BLOCK, TRIALS)
+    scores = [
+        (arrival_shortfall(found, scenario.required_arrival), _mean(found.duration[found.arrived])) for found in single
+    ]
+    best = min(range(len(single)), key=scores.__getitem__)
+    both = single[best].arrived & table.arrived
+    extra = single[best].duration[both] - table.duration[both]
+    error = float(extra.std() / np.sqrt(max(extra.size, 1))) if extra.size else float("nan")
+    return SingleInterval(candidates[best], _mean(extra), error)
+
+
+def _mean(values: Array) -> float:
+    """Mean; infinite where no trial arrives, so that no such interval is chosen."""
+    return float(values.mean()) if values.size else float("inf")
+
+
+class PhaseBuilder:
     """Goes through the phases of a mission at its means, with the place and the time in between."""
 
     def __init__(self, means: Scenario, seed: int, executes: Executes | None) -> None:
@@ -103,6 +153,7 @@ class _Builder:
         self.notes: list[str] = []
 
     def phases(self) -> Iterator[PlannedTransit | PlannedMooring]:
+        """Yield each phase as planned, and note what is left out."""
         for phase in self.means.drawn.phases:
             if isinstance(phase, TransitPhase):
                 yield self._transit(phase)
@@ -204,7 +255,7 @@ class _Builder:
             interval=single.length,
             interval_time=float(plan.time_under_way(np.array(single.length), np.array(1.0))),
             surface_time=mean_of(time),
-            surface_time_p99=_quantile(time),
+            surface_time_p99=_p99(time),
             table=table.table if isinstance(table, LegTableSection) else (),
             extra_time=single.extra_time,
             extra_time_error=single.standard_error,
@@ -237,11 +288,11 @@ class _Builder:
             line_length=float(phase.line_length),
             anchor_wet_weight=math.nan if isinstance(weight, str) else float(weight),
             release_time=times[0],
-            release_time_p99=_quantile(written.release_time),
+            release_time_p99=_p99(written.release_time),
             hold=times[1],
             galvanic_release=times[2],
             elapsed=begun,
-            surface_time_p99=_quantile(means.navigation.surfacing_time) if means.mission.navigation else 0.0,
+            surface_time_p99=_p99(means.navigation.surfacing_time) if means.mission.navigation else 0.0,
         )
 
     def _on_earth(self, place: Array) -> tuple[float, float]:
@@ -274,30 +325,6 @@ def _sailed_by_its_vehicle(
     )
 
 
-def _fences(means: Scenario) -> Iterator[Fence]:
-    """Yield land and zones kept out of, a polygon each."""
-    site = means.mission.site
-    if site is None or site.origin is None or means.place is None:
-        return
-    origin = site.origin
-
-    def corners(ring: Iterable[tuple[float, float]]) -> tuple[tuple[float, float], ...]:
-        east, north = np.array(list(ring))[:-1, :2].T
-        return tuple(zip(*(axis.tolist() for axis in to_geographic(east, north, origin)), strict=True))
-
-    for zone in means.place.zones:
-        limits = {"from_s": zone.since, "to_s": zone.until, "above_m": zone.above, "below_m": zone.below}
-        given = {key: value for key, value in limits.items() if math.isfinite(value)}
-        for part in getattr(zone.geometry, "geoms", (zone.geometry,)):
-            yield Fence(
-                name=zone.name,
-                outline=corners(part.exterior.coords),
-                kind="land" if zone.is_land else "keep-out",
-                holes=tuple(corners(hole.coords) for hole in part.interiors),
-                limits=given,
-            )
-
-
 def _leg_length(phase: TransitPhase[Scalars], left: float) -> float:
     """Length of the nominal leg at a distance left (Eq. 19) [m]."""
     if isinstance(phase.d_max, LegTableSection):
@@ -305,18 +332,5 @@ def _leg_length(phase: TransitPhase[Scalars], left: float) -> float:
     return min(left, float(phase.d_max))
 
 
-def _quantile(quantity: Quantity) -> float:
+def _p99(quantity: Quantity) -> float:
     return quantity.quantile(SHARE) if isinstance(quantity, Distribution) else float(quantity)
-
-
-def _notes(mission: Mission) -> Iterator[str]:
-    way = mission.navigation.drift_compensation if mission.navigation else "none"
-    if way != "none":
-        yield (
-            f"the mission corrects its course for drift ({way}) from fix to fix; courses and waypoints here are those "
-            "without drift, and the vehicle's own navigation has to correct them"
-        )
-    names = {phase.name for phase in mission.phases}
-    uncertain = [path for path in mission.uncertain() if path.split(".")[0] in names]
-    if uncertain:
-        yield f"uncertain quantities are at their means: {', '.join(uncertain)}"
