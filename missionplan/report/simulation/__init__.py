@@ -1,5 +1,5 @@
 """Report of `simulate`.
 
-Read `page` (the answer, the order of the sections), then `sections` (what each says), `quantities` (requirements and
-failures in words) and `figures`; `tracks` writes GeoJSON and KML.
+Read `page` (the answer, and what each section says), then `quantities` (requirements and failures in words, inputs that
+matter) and `figures`; `tracks` writes GeoJSON and KML.
 """

@@ -11,31 +11,128 @@ from missionplan.exporters.table import waypoints_csv
 from missionplan.montecarlo.statistics import wilson
 from missionplan.report.anchor.drawing import hold_section
 from missionplan.report.explained import explanation_in_words, explanation_sections, member_in_words, member_sections
-from missionplan.report.page import Cells, Page
-from missionplan.report.quantities import quantity
-from missionplan.report.simulation import sections
+from missionplan.report.page import Cells, Page, PageSection, Table
+from missionplan.report.plan_view import close_ups, rings
+from missionplan.report.quantities import quantity, reader_unit, span, with_error
 from missionplan.report.simulation.figures import (
     draw_histogram,
     draw_profile,
     draw_tracks,
     draw_waterfall,
+    histograms,
     mission_figure,
+    moves_over_ground,
+    waterfall,
 )
 from missionplan.report.simulation.overdue import overdue_section, search_areas_geojson
 from missionplan.report.simulation.quantities import (
+    LEAST_SPREAD,
     failure_in_words,
-    of_those_that_end,
-    range_in_words,
+    relative_spread,
+    requirement_on,
     requirements_in_words,
     requirements_section,
+    sensitivity_sections,
+    unit_of,
     verdict,
     worst_step,
 )
-from missionplan.report.simulation.sections import sensitivity_sections
 from missionplan.report.simulation.tracks import track_geojson, track_kml
-from missionplan.report.wording import in_words, number, percent, phase_in_words, share, shortened
+from missionplan.report.wording import capitalised, in_words, listed, number, percent, phase_in_words, share, shortened
 from missionplan.results.entries import mapping
-from missionplan.results.simulation import Outcome
+from missionplan.results.simulation import Outcome, PhaseOutcome
+
+_ALWAYS_DRAWN = ("total.duration_s", "total.energy_wh")
+"""Quantities whose distribution is drawn even without a requirement on them."""
+
+
+def failed_section(outcome: Outcome) -> Iterator[PageSection]:
+    """Name the blocks of trials that failed numerically, if any."""
+    count = len(outcome.failed_blocks)
+    if count:
+        words = "1 block of trials" if count == 1 else f"{count} blocks of trials"
+        text = "They are left out of everything on this page. Each can be run again alone:"
+        yield PageSection(f"{words} failed numerically", [text, *outcome.failed_blocks], is_summary=True)
+
+
+def ends_section(outcome: Outcome) -> Iterator[PageSection]:
+    """Draw where each phase ends about its goal; nothing where nothing moves over ground."""
+    if not moves_over_ground(outcome):
+        return
+    drawn = list(rings(outcome))
+    unit = reader_unit("m", max(ring.radius for ring in drawn))
+    kinds = list(dict.fromkeys(ring.name for ring in drawn))
+    rows = []
+    for phase in dict.fromkeys(ring.phase for ring in drawn):
+        radii = {ring.name: unit.cell(ring.radius, ".3g") for ring in drawn if ring.phase == phase}
+        rows.append((phase_in_words(phase), *(radii.get(kind, "") for kind in kinds)))
+    caption = f"Radii{unit.axis}, about the goal; for an ellipse, of the circle of equal area."
+    close = close_ups(outcome)
+    yield PageSection("Where the trials end", [*([close] if close else []), Table(("phase", *kinds), rows, caption)])
+
+
+def distributions_section(outcome: Outcome) -> PageSection:
+    """Draw the distributions that matter, or name the value of a quantity that does not vary."""
+    shown = [
+        (phase, key)
+        for phase in (outcome.total, *outcome.phases)
+        for key in phase.quantities
+        if _is_drawn(outcome, phase, key)
+    ]
+    varying = [(phase, key) for phase, key in shown if relative_spread(phase.quantities[key]) > LEAST_SPREAD]
+    fixed = [_fixed(outcome, phase, key) for phase, key in shown if (phase, key) not in varying]
+    which = of_those_that_end(outcome, "duration_s", "") or "the missions"
+    heading = f"Half of {which} need no more than {_medians(outcome)}"
+    return PageSection(heading, [*([histograms(outcome, varying)] if varying else []), *fixed])
+
+
+def _is_drawn(outcome: Outcome, phase: PhaseOutcome, key: str) -> bool:
+    matters = requirement_on(outcome, phase, key) is not None or f"{phase.name}.{key}" in _ALWAYS_DRAWN
+    return matters and math.isfinite(phase.quantities[key].p50)
+
+
+def _fixed(outcome: Outcome, phase: PhaseOutcome, key: str) -> str:
+    value = with_error(phase.quantities[key].mean, 0.0, unit_of(outcome, phase, key))
+    return f"The {in_words(f'{phase.name}.{key}')} is {value} in every trial that reached it."
+
+
+def _medians(outcome: Outcome) -> str:
+    parts = []
+    for key in ("duration_s", "energy_wh"):
+        statistic = outcome.total.quantities.get(key)
+        if statistic is not None and math.isfinite(statistic.p50):
+            unit = unit_of(outcome, outcome.total, key)
+            parts.append(f"{span(statistic, unit)[1]}{unit.suffix}")
+    return " and ".join(parts)
+
+
+def attrition_section(outcome: Outcome) -> PageSection:
+    """Draw and tabulate what is lost at each step at which any trial is; the others are named."""
+    worst = worst_step(outcome)
+    losing = [step for step in outcome.attrition if step.lost.value > 0.0]
+    spared = [failure_in_words(step.step) for step in outcome.attrition if step.lost.value == 0.0]
+    none = f"No trial of {number(outcome.provenance.trials)} fails by {listed(spared, 'or')}" if spared else ""
+    most = f": each {percent(outcome.attrition[0].lost).partition('(')[2].rstrip(')')}" if spared and not losing else ""
+    if worst is None:
+        return PageSection("No trial failed", [f"{none}{most}."] if spared else [])
+    rows = [(step.step, percent(step.lost), percent(step.surviving)) for step in losing]
+    table = Table(("step", "lost here", "still good"), rows, "Shares of all trials.")
+    heading = f"{capitalised(failure_in_words(worst.step))} cost {percent(worst.lost)} of the trials"
+    return PageSection(heading, [waterfall(outcome), table, *([f"{none}."] if spared else [])], is_summary=True)
+
+
+def quantities_section(outcome: Outcome) -> PageSection:
+    """Tabulate every quantity of every phase."""
+    trials = outcome.provenance.trials
+    rows = []
+    for phase in (*outcome.phases, outcome.total):
+        for key, statistic in phase.quantities.items():
+            reached = "" if statistic.count == trials else share(wilson(statistic.count, trials))
+            unit = unit_of(outcome, phase, key)
+            rows.append((in_words(f"{phase.name}.{key}"), *span(statistic, unit), unit.name, reached))
+    columns = ("quantity", "5 %", "50 %", "95 %", "", "trials that reached it")
+    caption = "Of the trials that reached it; means, their errors and standard deviations are in quantities.csv."
+    return PageSection("Every quantity, phase by phase", [Table(columns, rows, caption)], is_reference=True)
 
 
 def page(outcome: Outcome) -> Page:
@@ -46,17 +143,17 @@ def page(outcome: Outcome) -> Page:
         draw=lambda: mission_figure(outcome),
         numbers=_numbers(outcome),
         write=lambda: [
-            *sections.failed_blocks(outcome),
+            *failed_section(outcome),
             *requirements_section(outcome),
             *explanation_sections(outcome),
             *member_sections(outcome),
-            sections.attrition(outcome),
-            *sections.tracks(outcome),
+            attrition_section(outcome),
+            *ends_section(outcome),
             *overdue_section(outcome),
             *(hold_section(held, alone=len(outcome.held) == 1) for held in outcome.held),
-            sections.distributions(outcome),
+            distributions_section(outcome),
             *sensitivity_sections(outcome),
-            sections.quantities(outcome),
+            quantities_section(outcome),
         ],
         verdict=verdict(outcome),
         export=lambda: _files(outcome),
@@ -213,3 +310,19 @@ def histogram(axes: Axes, outcome: Outcome, quantity: str = "total.duration_s") 
         raise InputError([Problem(problem.message, key="quantity", hint=did_you_mean(str(quantity), known))])
     phase, key = known[quantity]
     draw_histogram(axes, outcome, phase, key)
+
+
+def range_in_words(outcome: Outcome, phase: PhaseOutcome, key: str) -> str:
+    """Write the range of nine trials in ten: ``82.4 to 88.1 min``."""
+    statistic = phase.quantities.get(key)
+    if statistic is None or not math.isfinite(statistic.p50):
+        return "–"
+    unit = unit_of(outcome, phase, key)
+    low, _, high = span(statistic, unit)
+    return f"{low} to {high}{unit.suffix}"
+
+
+def of_those_that_end(outcome: Outcome, key: str, before: str) -> str:
+    """Write of which missions a quantity of the whole is: ``of the 76 % that end``; nothing where all do."""
+    ended, trials = outcome.total.quantities[key].count, outcome.provenance.trials
+    return f"{before}the {share(wilson(ended, trials))} that end" if 0 < ended < trials else ""

@@ -1,15 +1,20 @@
-"""Quantities, requirements and failures of a simulated mission: in words, in the headline, and in their section."""
+"""Requirements, failures and quantities of a simulated mission in words, and which inputs to measure better."""
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
+from itertools import chain, groupby
 
-from missionplan.montecarlo.statistics import Statistic, wilson
-from missionplan.report.page import PageSection, Table
-from missionplan.report.quantities import Unit, si_per_unit, span, unit_for
-from missionplan.report.wording import in_words, listed, number, percent, phase_in_words, share
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure as MatplotlibFigure
+
+from missionplan.montecarlo.statistics import Statistic
+from missionplan.report.page import BLUE, GREY, INK, ORANGE, Figure, PageSection, Table, to_figure
+from missionplan.report.plan_view import WIDTH
+from missionplan.report.quantities import Unit, si_per_unit, unit_for
+from missionplan.report.wording import capitalised, in_words, listed, number, percent, phase_in_words
 from missionplan.results.entries import Failure
-from missionplan.results.simulation import Attrition, Outcome, PhaseOutcome, RequirementOutcome
+from missionplan.results.simulation import Attrition, Outcome, PhaseOutcome, RequirementOutcome, Sensitivity
 
 _FAILURES: Mapping[str, str] = {
     Failure.NOT_ARRIVED: "missed arrivals",
@@ -46,22 +51,6 @@ def relative_spread(statistic: Statistic) -> float:
 def unit_of(outcome: Outcome, phase: PhaseOutcome, key: str) -> Unit:
     """Find the unit in which to show a quantity of a phase."""
     return unit_for(phase.name, key, outcome.provenance.data, typical=phase.quantities[key].p50)
-
-
-def range_in_words(outcome: Outcome, phase: PhaseOutcome, key: str) -> str:
-    """Write the range of nine trials in ten: ``82.4 to 88.1 min``."""
-    statistic = phase.quantities.get(key)
-    if statistic is None or not math.isfinite(statistic.p50):
-        return "–"
-    unit = unit_of(outcome, phase, key)
-    low, _, high = span(statistic, unit)
-    return f"{low} to {high}{unit.suffix}"
-
-
-def of_those_that_end(outcome: Outcome, key: str, before: str) -> str:
-    """Write of which missions a quantity of the whole is: ``of the 76 % that end``; nothing where all do."""
-    ended, trials = outcome.total.quantities[key].count, outcome.provenance.trials
-    return f"{before}the {share(wilson(ended, trials))} that end" if 0 < ended < trials else ""
 
 
 def worst_step(outcome: Outcome) -> Attrition | None:
@@ -214,3 +203,141 @@ def _missed(items: Sequence[RequirementOutcome]) -> list[RequirementOutcome]:
 
 def _undecided(items: Sequence[RequirementOutcome]) -> list[RequirementOutcome]:
     return [item for item in items if item.undecided]
+
+
+_MOST_INPUTS = 5
+
+
+_MOST_FIGURES = 4
+
+
+_LEAST_SHOWN = 0.01
+
+
+_STEADY = 0.01
+"""Standard deviation over mean to which a quantity must vary to be worth a heading."""
+
+
+InputsOf = tuple[str, Sequence[Sensitivity]]
+"""A key figure and the inputs that matter for it, the most important first."""
+
+
+def sensitivity_sections(outcome: Outcome) -> Iterator[PageSection]:
+    """Draw and tabulate the inputs with a detectable influence, where there are any."""
+    influential = [group for group in _influential(_told_once(outcome)) if _spread(outcome, group[0]) > LEAST_SPREAD]
+    if not influential:
+        return
+    drawn = _most_relevant(outcome, influential)
+    yield PageSection(
+        _matters_most(outcome, drawn),
+        [
+            "What to measure better: the share of a key figure's variance that would go if an input were known. "
+            "summary.json has those of every quantity.",
+            sensitivity_figure(drawn),
+        ],
+    )
+
+
+def _told_once(outcome: Outcome) -> list[Sensitivity]:
+    """Leave out what a mission of one phase has as its total too."""
+    totals = {each.output.partition(".")[2] for each in outcome.sensitivities if each.output.startswith("total.")}
+    alone = outcome.phases[0].name if len(outcome.phases) == 1 else None
+    return [
+        each
+        for each in outcome.sensitivities
+        if each.output.partition(".")[0] != alone or each.output.partition(".")[2] not in totals
+    ]
+
+
+def _influential(sensitivities: Sequence[Sensitivity]) -> list[InputsOf]:
+    """Keep, for each key figure, the inputs whose index exceeds two standard errors."""
+    groups: list[InputsOf] = []
+    for output, found in groupby(sensitivities, key=lambda influence: influence.output):
+        clear = [influence for influence in found if influence.first_order > 2.0 * influence.standard_error]
+        if clear:
+            groups.append((output, clear[:_MOST_INPUTS]))
+    return groups
+
+
+def _most_relevant(outcome: Outcome, groups: Sequence[InputsOf]) -> list[InputsOf]:
+    """Choose the key figures to draw: first what the mission is judged by, then what it costs as a whole."""
+    required = tuple(item.quantity for item in outcome.requirements)
+
+    def rank(group: InputsOf) -> tuple[bool, bool]:
+        return not group[0].startswith(required), not group[0].startswith("total")
+
+    return [(output, _worth_drawing(found)) for output, found in sorted(groups, key=rank)[:_MOST_FIGURES]]
+
+
+def _worth_drawing(found: Sequence[Sensitivity]) -> Sequence[Sensitivity]:
+    return [influence for influence in found if influence.first_order > _LEAST_SHOWN] or found[:1]
+
+
+def _matters_most(outcome: Outcome, groups: Sequence[InputsOf]) -> str:
+    """Name the input that accounts for most of a figure, of those that vary enough to be worth a thought."""
+    varying = [group for group in groups if _spread(outcome, group[0]) > _STEADY] or groups
+    output, (first, *_) = max(varying, key=lambda group: group[1][0].first_order)
+    share = f"{100.0 * first.first_order:.0f}\u00a0%"
+    source = capitalised(in_words(first.source))
+    return f"{source} matters most: it accounts for {share} of the variance of the {in_words(output)}"
+
+
+def _spread(outcome: Outcome, output: str) -> float:
+    """Standard deviation of a quantity over its mean; infinite where that is not known."""
+    parts = {phase.name: phase for phase in (*outcome.phases, outcome.total)}
+    name, _, key = output.partition(".")
+    statistic = parts[name].quantities.get(key) if name in parts else None
+    return relative_spread(statistic) if statistic is not None else math.inf
+
+
+def _has_order(influence: Sensitivity) -> bool:
+    """Whether the input is larger in one trial than in another; a member or an explanation only has a number."""
+    return not influence.source.endswith((".member", ".one-of", "posterior"))
+
+
+def sensitivity_figure(groups: Sequence[InputsOf]) -> Figure:
+    """Draw the share of each key figure's variance that each input explains."""
+    sizes = [len(found) + 0.9 for _, found in groups]
+    figure = MatplotlibFigure(figsize=(WIDTH, 0.5 + 0.5 * sum(sizes)))
+    panels = figure.subplots(len(groups), 1, sharex=True, squeeze=False, height_ratios=sizes).ravel()
+    for axes, (output, found) in zip(panels, groups, strict=True):
+        _draw_shares(axes, output, found)
+    panels[-1].set_xlabel("share of the variance explained alone (%)")
+    unordered = "" if all(map(_has_order, chain.from_iterable(found for _, found in groups))) else "; grey: neither"
+    words = "; ".join(f"{in_words(output)}: mostly {in_words(found[0].source)}" for output, found in groups)
+    return to_figure(
+        figure,
+        "sensitivity",
+        f"Bars: the share of the key figures' variance that each uncertain input explains. {words}.",
+        "First-order Sobol indices with 95 % intervals; blue: a larger input makes the figure larger, orange: smaller "
+        f"(sign of the rank correlation){unordered}.",
+    )
+
+
+def _draw_shares(axes: Axes, output: str, found: Sequence[Sensitivity]) -> None:
+    for row, influence in enumerate(found):
+        share, error = 100.0 * max(influence.first_order, 0.0), 100.0 * influence.standard_error
+        axes.barh(row, share, color=_colour(influence), height=0.4)
+        axes.errorbar(share, row, xerr=1.96 * error, color=INK, capsize=2.5, linewidth=1.0)
+        axes.annotate(
+            _label(influence),
+            (0.0, row - 0.24),
+            (2, 1),
+            textcoords="offset points",
+            va="bottom",
+            ha="left",
+            fontsize=9,
+        )
+    axes.set(yticks=[], ylim=(len(found) - 0.6, -0.85), xlim=(0.0, 105.0), title=in_words(output))
+    axes.grid(visible=False, axis="y")
+
+
+def _colour(influence: Sensitivity) -> str:
+    if not _has_order(influence):
+        return GREY
+    return BLUE if influence.rank_correlation >= 0.0 else ORANGE
+
+
+def _label(influence: Sensitivity) -> str:
+    share = number(100.0 * influence.first_order, 100.0 * influence.standard_error)
+    return f"{in_words(influence.source)}  {share} %"
