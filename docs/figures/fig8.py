@@ -5,7 +5,7 @@ from pathlib import Path
 
 import missionplan
 from missionplan.report.drawn import style
-from missionplan.studies.leg_length.sweep_figures import cost_figure
+from missionplan.studies.leg_length.figures import cost_figure
 
 ROOT = Path(__file__).parents[2]
 

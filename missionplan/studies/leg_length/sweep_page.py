@@ -3,9 +3,10 @@
 from collections.abc import Sequence
 
 import numpy as np
+from matplotlib.figure import Figure as MatplotlibFigure
 
 from missionplan.report.explained import judged_in_words, may_order, members_in_words, members_section
-from missionplan.report.page import Page, PageSection, Table
+from missionplan.report.page import Figure, Page, PageSection, Table, to_figure
 from missionplan.report.quantities import (
     MINUTES,
     PERCENT,
@@ -17,8 +18,9 @@ from missionplan.report.quantities import (
 )
 from missionplan.report.wording import number, percent, phase_in_words, share
 from missionplan.results.decision import label
-from missionplan.studies.leg_length.sweep_figures import (
-    close_up_figure,
+from missionplan.studies.leg_length.figures import (
+    COLOURS,
+    X_LABEL,
     cost_figure,
     draw_costs,
     draw_surfacings,
@@ -311,3 +313,28 @@ def cost_table(sweep: Sweep) -> Table:
         for index in chosen
     ]
     return Table(columns, rows, caption=f"{len(rows)} of {count} rows; all of them are in sweep.csv.")
+
+
+def close_up_figure(sweep: Sweep, curve: SweepCurve) -> Figure:
+    """Draw one curve about its least cost, and mark what cannot be distinguished from the best."""
+    figure = MatplotlibFigure(figsize=(6.0, 3.2))
+    axes = figure.subplots()
+    colour = COLOURS[sweep.curves.index(curve) % len(COLOURS)]
+    shown = [point for point in curve.points if point.d_max_over_distance >= 0.3] or list(curve.points)
+    ratio = np.array([point.d_max_over_distance for point in shown])
+    cost = np.array([MINUTES(point.cost * sweep.nominal_time) for point in shown])
+    error = np.array([1.96 * MINUTES(point.standard_error * sweep.nominal_time) for point in shown])
+    axes.errorbar(ratio, cost, error, fmt=".-", color=colour, linewidth=0.8, markersize=5, elinewidth=0.8)
+    good = np.array([point.as_good for point in shown])
+    axes.plot(ratio[good], cost[good], "o", color=colour, markersize=8, fillstyle="none")
+    axes.set(xlabel=X_LABEL, ylabel="Mean time lost (min)")
+    return to_figure(
+        figure,
+        "close-up",
+        alt="Mean time lost against maximum leg length, with a sharp rise just above each critical point",
+        caption=(
+            f"Time lost against the nominal {time_in_words(sweep.nominal_time)} for σ_v = "
+            f"{quantity(curve.sigma, 'm/s', 'g')}, with "
+            "95 % intervals. Circles: the trials cannot distinguish these d_max from the best."
+        ),
+    )

@@ -4,8 +4,7 @@ from missionplan import Mission, plan_legs
 from missionplan.report.render import render_report
 from missionplan.studies.leg_length import optimise_legs
 from missionplan.studies.leg_length.analytic_transit import PolicyFamily
-from missionplan.studies.leg_length.plan_figures import cases_table
-from missionplan.studies.leg_length.plan_page import answer
+from missionplan.studies.leg_length.plan_page import answer, cases_table
 
 BASE = {
     "name": "in doubt",

@@ -1,6 +1,6 @@
-"""Tables and figures of a plan of legs: costs, candidates, the policy, tracks, and what it saves."""
+"""Figures of legs: the cost of each d_max (Fig. 8), surfacings; the policy of a plan, tracks, and what it saves."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -8,107 +8,22 @@ from matplotlib.figure import Figure as MatplotlibFigure
 
 from missionplan.arrays import Array
 from missionplan.phases.transit.plan import LegTable
-from missionplan.physics.propulsion import JOULES_PER_WATT_HOUR
 from missionplan.report.axes import name_axis
-from missionplan.report.page import BLUE, GREY, ORANGE, Figure, Table, to_figure
-from missionplan.report.quantities import (
-    MINUTES,
-    PERCENT,
-    SECONDS,
-    WATT_HOURS,
-    Unit,
-    length_in_words,
-    quantity,
-    reader_unit,
-    with_error,
-)
-from missionplan.report.wording import number, percent
-from missionplan.studies.leg_length.plan_result import CandidatePlan, LegCase, LegPlan, SampledCost
-
-
-def trials_table(plan: LegPlan) -> Table:
-    """Tabulate what both plans cost in the trials, and by the integral equation where it covers the mission."""
-    own = plan.cases[0]
-    rows = [_trials_row(plan, f"fixed d_max {length_in_words(plan.fixed_d_max)}", own.fixed, plan.fixed_cost)]
-    if plan.adapts:
-        rows.append(_trials_row(plan, "table of legs", own.adaptive, plan.expected_cost))
-    heads, caption = ["Plan", "Cost in the trials (%)", "Surfacings", "Arrive"], "Surfacing on arrival not charged."
-    if plan.integral_applies:
-        heads.insert(2, "Cost by the integral equation (%)")
-        caption += f" By that equation, no legs cost less than {number(100.0 * plan.least_cost, 0.01)} %."
-    return Table(heads, rows, caption=caption)
-
-
-def _trials_row(plan: LegPlan, name: str, sampled: SampledCost, expected: float) -> list[str]:
-    return [
-        name,
-        with_error(sampled.cost, sampled.standard_error, PERCENT.bare),
-        *([number(100.0 * expected, 0.01)] if plan.integral_applies else []),
-        f"{sampled.surfacings:.2f}",
-        percent(sampled.arrived),
-    ]
-
-
-def candidates_table(plan: LegPlan) -> Table:
-    """Tabulate the candidate plans by their time, energy and probability of being on time."""
-    has_energy = all(np.isfinite(candidate.energy.mean) for candidate in plan.candidates)
-    has_deadline = bool(np.isfinite(plan.deadline))
-    heads = ["Plan", f"Speed{reader_unit('m/s', 0.0).axis}", "Mean time (min)", "95 % take at most (min)"]
-    heads += ["Energy (W\u202fh)"] if has_energy else []
-    heads += ["On time"] if has_deadline else []
-    rows = [_candidate_row(candidate, has_energy, has_deadline) for candidate in plan.candidates]
-    return Table(
-        heads, rows, caption="The same trials for all plans, other ones than those on which the plans were chosen."
-    )
-
-
-def _candidate_row(candidate: CandidatePlan, has_energy: bool, has_deadline: bool) -> list[str]:
-    duration, energy = candidate.duration, candidate.energy
-    row = [
-        candidate.name,
-        reader_unit("m/s", 0.0).cell(candidate.speed, ".3g"),
-        with_error(duration.mean, duration.standard_error, MINUTES.bare),
-        number(duration.p95 / 60.0, 2.1 * duration.standard_error / 60.0),
-    ]
-    row += [with_error(energy.mean, energy.standard_error, WATT_HOURS.bare)] if has_energy else []
-    return row + ([percent(candidate.on_time)] if has_deadline else [])
-
-
-def cases_table(plan: LegPlan) -> Table:
-    """Tabulate the costs when the errors are as planned and when they are not."""
-    heads = ["Errors", "Fixed d_max (%)"]
-    if plan.adapts:
-        what, unit = saving_unit(plan)
-        heads += ["Table (%)", f"{what}{unit.axis}"]
-    rows = [_case_row(plan, case) for case in plan.cases]
-    return Table(heads, rows, caption=f"Every row has the same {'two plans' if plan.adapts else 'plan'}.")
-
-
-def _case_row(plan: LegPlan, case: LegCase) -> list[str]:
-    costs = [case.fixed, case.adaptive] if plan.adapts else [case.fixed]
-    named = case.name if case.probability is None else f"{case.name} ({100.0 * case.probability:.0f}\u00a0%)"
-    row = [named or "as the mission", *(with_error(it.cost, it.standard_error, PERCENT.bare) for it in costs)]
-    unit = saving_unit(plan)[1].bare
-    return [*row, with_error(*case.saving_for(plan.aim), unit)] if plan.adapts else row
+from missionplan.report.html.readings import Slider
+from missionplan.report.page import BLUE, GREEN, GREY, GRID, ORANGE, PINK, SKY, YELLOW, Figure, to_figure
+from missionplan.report.quantities import PERCENT, SECONDS, WATT_HOURS, Unit, length_in_words, quantity
+from missionplan.report.wording import number, share, typeset
+from missionplan.studies.leg_length.plan_result import LegPlan
+from missionplan.studies.leg_length.sweep_result import Sweep, SweepCurve
 
 
 def saving_unit(plan: LegPlan) -> tuple[str, Unit]:
     """Return what the table saves by the aim, as a heading, and its unit."""
     if plan.aim == "energy":
-        return "Energy saved", Unit("W\u202fh", JOULES_PER_WATT_HOUR)
+        return "Energy saved", WATT_HOURS
     if plan.aim == "p95":
-        return ("On time more often", Unit("%", 0.01)) if np.isfinite(plan.deadline) else ("95 % time saved", SECONDS)
+        return ("On time more often", PERCENT) if np.isfinite(plan.deadline) else ("95 % time saved", SECONDS)
     return "Time saved", SECONDS
-
-
-def saving_in_words(plan: LegPlan) -> str:
-    """Write what the table would save by the aim: ``save 2.6 ± 0.4 s on average``."""
-    saved = with_error(*plan.cases[0].saving_for(plan.aim), saving_unit(plan)[1])
-    if plan.aim == "energy":
-        return f"save {saved}"
-    if plan.aim == "p95":
-        return f"bring {saved} more in time" if np.isfinite(plan.deadline) else f"save 95 % of the transits {saved}"
-    return f"save {saved} on average"
 
 
 def policy_figure(plan: LegPlan) -> Figure:
@@ -284,3 +199,144 @@ def _wrapped(words: str) -> str:
         return words
     middle = words.rfind(" ", 0, 28)
     return f"{words[:middle]}\n{words[middle + 1 :]}"
+
+
+COLOURS = (BLUE, ORANGE, GREEN, PINK, YELLOW, SKY)
+X_LABEL = "Maximum leg length d_max / distance"
+
+
+def cost_figure(sweep: Sweep) -> Figure:
+    """Draw cost against d_max for every velocity error, after Fig. 8."""
+    figure = MatplotlibFigure(figsize=(6.0, 4.2))
+    draw_costs(figure.subplots(), sweep)
+    best, count = sweep.middle.best, len(sweep.curves)
+    return to_figure(
+        figure,
+        "cost",
+        alt=(
+            f"Mean cost against maximum leg length for {count} velocity error{'s' if count > 1 else ''}: saw-toothed "
+            f"curves, high for short legs; least cost {100 * best.cost:.1f} % at {best.d_max_over_distance:.2f} of the "
+            "distance"
+        ),
+        caption=(
+            "Cost c = (t_f − t_nom)/t_nom of each maximum leg length, the surfacing on arrival not charged. Dots: "
+            "Monte Carlo with 95 % bands; thin line: the integral equation, where it applies; circle: the best; "
+            "dashed: the critical points 1/a of the distance."
+            + (" Level dashes: the mission's own table of legs." if sweep.curves[0].table is not None else "")
+        ),
+        slider=_along_d_max(sweep),
+    )
+
+
+def draw_costs(axes: Axes, sweep: Sweep) -> None:
+    """Draw the curve of each velocity error, and the critical points."""
+    top = _upper_limit(sweep)
+    for curve, colour in zip(sweep.curves, COLOURS * len(sweep.curves), strict=False):
+        _draw_curve(axes, curve, colour, sampled=sweep.method != "analytic")
+    _mark_critical_points(axes, sweep.critical_points, top)
+    axes.set(xlabel=X_LABEL, ylabel="Mean cost c (%)", ylim=(_lower_limit(sweep), top), xlim=(0.0, 1.0))
+    _label_curves(axes, sweep.curves, top)
+
+
+def _upper_limit(sweep: Sweep) -> float:
+    """Upper end of the cost axis [%]; it cuts off short legs, whose cost grows without bound."""
+    points = [point for curve in sweep.curves for point in curve.points if np.isfinite(point.cost)]
+    costs = [point.cost for point in points if point.d_max_over_distance >= 0.15] or [point.cost for point in points]
+    return float(np.ceil(115.0 * max(costs))) if costs else 1.0
+
+
+def _lower_limit(sweep: Sweep) -> float:
+    """Lower end of the cost axis [%]: below zero where the arrival circle shortens the way by more than errors cost."""
+    least = min((curve.best.cost for curve in sweep.curves if np.isfinite(curve.best.cost)), default=0.0)
+    return 100.0 * least - 0.05 * _upper_limit(sweep) if least < 0.0 else 0.0
+
+
+def _along_d_max(sweep: Sweep) -> Slider:
+    """What each d_max comes to, for the control under the figure."""
+    points = sweep.middle.points
+    texts = []
+    for index, point in enumerate(points):
+        costs = [
+            f"σ_v {quantity(curve.sigma, 'm/s', 'g')}: "
+            + (
+                f"cost {number(100.0 * curve.points[index].cost, 100.0 * curve.points[index].standard_error)} %, "
+                f"{share(curve.points[index].arrived)} arrive, {curve.points[index].surfacings:.1f} surfacings"
+                if np.isfinite(curve.points[index].cost)
+                else "none arrives"
+            )
+            for curve in sweep.curves
+        ]
+        texts.append(typeset(f"{length_in_words(point.d_max)}. {'; '.join(costs)}."))
+    places = [point.d_max_over_distance for point in points]
+    return Slider("d_max", places, texts, places.index(sweep.middle.recommended.d_max_over_distance))
+
+
+def _draw_curve(axes: Axes, curve: SweepCurve, colour: str, *, sampled: bool) -> None:
+    ratio = np.array([point.d_max_over_distance for point in curve.points])
+    cost = 100.0 * np.array([point.cost for point in curve.points])
+    name = f"σ_v {quantity(curve.sigma, 'm/s', 'g')}"
+    if sampled:
+        error = 196.0 * np.array([point.standard_error for point in curve.points])
+        axes.fill_between(ratio, cost - error, cost + error, color=colour, alpha=0.25, linewidth=0.0, label=name)
+        axes.plot(ratio, cost, ".", color=colour, markersize=3.5, label=name)
+    analytic = [point.cost_analytic for point in curve.points if point.cost_analytic is not None]
+    if len(analytic) == len(curve.points):
+        axes.plot(ratio, 100.0 * np.array(analytic), color=colour, linewidth=0.8, label="" if sampled else name)
+    elif sampled:
+        axes.plot(ratio, cost, color=colour, linewidth=0.8)
+    if curve.table is not None:
+        axes.axhline(100.0 * curve.table.cost, color=colour, linewidth=1.2, linestyle=(0, (6, 2)))
+    best = curve.best
+    axes.plot(
+        best.d_max_over_distance, 100.0 * best.cost, "o", color=colour, fillstyle="none", markersize=9, label=name
+    )
+
+
+def _mark_critical_points(axes: Axes, critical_points: Sequence[float], top: float) -> None:
+    """Draw a line at each d_max/L = 1/a (Briggs et al., Eq. 27) that is not too close to the next."""
+    for critical in (place for place in critical_points if place >= 0.19):
+        axes.axvline(critical, color=GRID, linewidth=1.0, linestyle=(0, (4, 3)), zorder=0)
+        denominator = round(1.0 / critical)
+        label = "1" if denominator == 1 else f"1/{denominator}"
+        axes.annotate(label, (critical, top), ha="center", va="bottom", fontsize=8.5, annotation_clip=False)
+
+
+def _label_curves(axes: Axes, curves: Sequence[SweepCurve], top: float) -> None:
+    """Label each curve at its right end, spaced so that labels do not overlap."""
+    ends = sorted((100.0 * curve.points[-1].cost, index) for index, curve in enumerate(curves))
+    height = -np.inf
+    for cost, index in ends:
+        height = max(min(cost, top) if np.isfinite(cost) else 0.0, height + 0.07 * top)
+        axes.annotate(
+            f"σ_v {quantity(curves[index].sigma, 'm/s', 'g')}",
+            (1.0, height),
+            xytext=(6, 0),
+            textcoords="offset points",
+            va="center",
+            fontsize=9,
+            color=COLOURS[index % len(COLOURS)],
+            annotation_clip=False,
+        )
+
+
+def surfacings_figure(sweep: Sweep) -> Figure:
+    """Draw the mean number of surfacings against d_max."""
+    figure = MatplotlibFigure(figsize=(6.0, 2.8))
+    draw_surfacings(figure.subplots(), sweep)
+    return to_figure(figure, "surfacings", alt="Mean number of surfacings falls as legs grow longer")
+
+
+def draw_surfacings(axes: Axes, sweep: Sweep) -> None:
+    """Draw the mean number of surfacings for each velocity error."""
+    for curve, colour in zip(sweep.curves, COLOURS * len(sweep.curves), strict=False):
+        ratio = [point.d_max_over_distance for point in curve.points]
+        axes.plot(
+            ratio,
+            [point.surfacings for point in curve.points],
+            color=colour,
+            label=f"σ_v {quantity(curve.sigma, 'm/s', 'g')}",
+        )
+    axes.set(xlabel=X_LABEL, ylabel="Surfacings (mean)", yscale="log", xlim=(0.0, 1.0))
+    axes.yaxis.set_major_formatter(lambda value, _: f"{value:g}")
+    axes.yaxis.set_minor_formatter(lambda value, _: f"{value:g}" if f"{value:g}"[0] in "25" else "")
+    axes.legend()
