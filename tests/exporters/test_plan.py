@@ -39,6 +39,8 @@ def test_nominal_legs_are_those_of_d_max(plan):
     assert [leg.east for leg in ingress.waypoints] == pytest.approx([0.0, 350.0, 700.0, 1050.0, 1400.0, 1600.0])
     assert [leg.kind for leg in ingress.waypoints] == ["start", *["surfacing"] * 4, "arrival"]
     assert not any(leg.is_via for leg in ingress.waypoints)
+    rule = ingress.surfacing
+    assert (rule.interval, rule.extra_time, rule.extra_time_error) == (350.0, 0.0, 0.0)
     assert {np.degrees(leg.course) for leg in ingress.legs} == {90.0}
     assert {round(np.degrees(leg.course), 9) for leg in egress.legs} == {270.0}
     assert [leg.duration for leg in ingress.legs] == pytest.approx([350.0 / 1.5] * 4 + [200.0 / 1.5])
@@ -88,6 +90,11 @@ def test_the_moor_is_where_the_transit_ends_with_its_release_time(plan):
     assert (moor.east, moor.north, moor.radius) == pytest.approx((1600.0, 0.0, 75 * 0.3048))
     assert moor.release_time == pytest.approx(10.0, abs=0.01)
     assert moor.release_time_p99 == pytest.approx(10.0 + 3.0 * 2.3263, abs=0.02)
+    assert (moor.hold, moor.galvanic_release, moor.surface_time_p99) == (1200.0, 600.0, 90.0)
+    assert (moor.line_length, moor.anchor_wet_weight) == (5.0, 11.8)
+    assert moor.water_depth == pytest.approx(40 * 0.3048)
+    azimuth, _, distance = Geod(ellps="WGS84").inv(-76.38, 37.25, *np.degrees((moor.longitude, moor.latitude)))
+    assert (azimuth, distance) == pytest.approx((90.0, 1600.0), abs=0.01)
 
 
 def test_p99_of_a_leg_is_that_of_its_trials(plan):
