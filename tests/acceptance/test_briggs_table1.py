@@ -116,6 +116,7 @@ def test_the_table_cannot_distinguish_drag_weight_and_an_upward_current(table, p
     assert misfit(table, speed - 0.37, times, simulated) < 9.0
 
 
+@pytest.mark.slow
 def test_the_diagnosis_of_the_table_does_not_settle_it(tmp_path):
     """Six numbers: a misfit, several causes that fit, the measurement that distinguishes them, a report."""
     command = ["diagnose", MISSIONS / "chesapeake.yaml", MISSIONS / "measured" / "table-1", "--out", tmp_path]

@@ -437,6 +437,7 @@ def test_a_probability_in_per_cent_is_asked_back(
     assert ("was 0.95 meant?" in capsys.readouterr().err) is (status == 2)
 
 
+@pytest.mark.slow
 def test_an_anchor_that_misses_the_missions_requirement_exits_with_3(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path
 ) -> None:

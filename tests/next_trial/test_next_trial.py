@@ -90,6 +90,7 @@ def test_every_design_is_a_mission_that_can_be_sailed(one_way: Diagnosis, tmp_pa
         assert len(load(trial).transits) in (1, 2, 4, 6, 8, 12, 16)
 
 
+@pytest.mark.slow
 def test_a_choice_that_cannot_change_needs_no_trial(tmp_path: Path) -> None:
     found = sailed(tmp_path, Truth(), np.radians(90.0 * (np.arange(24) % 4))).next_trial
     assert found is not None
