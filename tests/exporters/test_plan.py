@@ -97,6 +97,15 @@ def test_the_moor_is_where_the_transit_ends_with_its_release_time(plan):
     assert (azimuth, distance) == pytest.approx((90.0, 1600.0), abs=0.01)
 
 
+@pytest.mark.parametrize("unknown", ["depth", "site"])
+def test_a_mooring_in_water_of_unknown_depth_has_none(unknown):
+    data = copy.deepcopy({key: value for key, value in chesapeake().raw.items() if key != "requirements"})
+    del (data if unknown == "site" else data["site"])[unknown]
+    (moor,) = mission_plan(Mission.from_data(data)).moorings
+    assert np.isnan(moor.water_depth)
+    assert np.isnan(moor.latitude) == (unknown == "site")
+
+
 def test_p99_of_a_leg_is_that_of_its_trials(plan):
     """The second leg out: its durations in the trials of the mission itself."""
     trials = simulate_block(chesapeake(), seed=1, block=0, trials=1024)
