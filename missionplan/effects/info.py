@@ -184,9 +184,9 @@ class Parameter:
     """For a gradient: `scale` and `spike` are at most these over the extent of the record [unit·m]."""
     tank_spike: float = 0.0
     """`spike` for tank data, where it differs; 0: the same [unit]."""
-    searched: Literal["", "time", "speed", "depth"] = ""
+    searched: Literal["", "time", "period", "speed", "depth"] = ""
     """Along what of a log the values of a shape are tried one by one: the ``time`` at which something changes, the
-    ``speed`` or ``depth`` from which it does; empty: none."""
+    ``period`` of what comes and goes, the ``speed`` or ``depth`` from which something does; empty: none."""
 
     @property
     def is_shape(self) -> bool:

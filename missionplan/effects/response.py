@@ -24,7 +24,7 @@ class Response(TransitEffect):
     """Terms by their names: a share of the speed ahead, an angle abeam to starboard, or as their units say.
 
     A mission's response has the strengths of one term, and the shape on which it depends: the `moment` [s] from which
-    it acts, or the depth `below` [m] which it does.
+    it acts, the depth `below` [m] which it does, or the `period` [s] in which it comes and goes.
     """
 
     ahead_by_current_across: Scalars = 0.0
@@ -42,10 +42,10 @@ class Response(TransitEffect):
     north_each_leg: Scalars = 0.0
     ahead_by_time: Scalars = 0.0
     abeam_by_time: Scalars = 0.0
-    ahead_by_day_cosine: Scalars = 0.0
-    ahead_by_day_sine: Scalars = 0.0
-    abeam_by_day_cosine: Scalars = 0.0
-    abeam_by_day_sine: Scalars = 0.0
+    ahead_in_turns_cosine: Scalars = 0.0
+    ahead_in_turns_sine: Scalars = 0.0
+    abeam_in_turns_cosine: Scalars = 0.0
+    abeam_in_turns_sine: Scalars = 0.0
     ahead_by_course_cosine: Scalars = 0.0
     ahead_by_course_sine: Scalars = 0.0
     ahead_by_twice_course_cosine: Scalars = 0.0
@@ -63,6 +63,7 @@ class Response(TransitEffect):
     abeam_deep: Scalars = 0.0
     moment: Scalars = 0.0
     below: Scalars = 0.0
+    period: Scalars = DAY
 
     def velocity(self, leg: Leg) -> Array:
         """Return the velocity error of each leg but for what the current does, shape (2, n) [m/s]."""
@@ -110,11 +111,13 @@ def _harmonic(order: int, sine: int) -> Callable[[Response, Leg], Array]:
     return factor
 
 
-def _of_day(sine: int) -> Callable[[Response, Leg], Array]:
+def _in_turns(sine: int) -> Callable[[Response, Leg], Array]:
+    """Mean over each leg of what comes and goes."""
     function = np.sin if sine else np.cos
 
     def factor(response: Response, leg: Leg) -> Array:
-        return np.asarray(function(2.0 * np.pi * _middle(leg) / DAY))
+        at = 2.0 * np.pi * _middle(leg) / response.period
+        return np.asarray(np.sinc(leg.duration / response.period) * function(at))
 
     return factor
 
@@ -138,7 +141,11 @@ _FACTORS: dict[str, Callable[[Response, Leg], Array]] = {
     **dict.fromkeys(("ahead_by_time_under_way", "abeam_by_time_under_way"), lambda response, leg: leg.duration),
     **dict.fromkeys(("ahead_each_leg", "abeam_each_leg", "east_each_leg", "north_each_leg"), _per_leg),
     **dict.fromkeys(("ahead_by_time", "abeam_by_time"), lambda response, leg: _middle(leg)),
-    **{f"{side}_by_day_{part}": _of_day(i) for side in ("ahead", "abeam") for i, part in enumerate(("cosine", "sine"))},
+    **{
+        f"{side}_in_turns_{part}": _in_turns(i)
+        for side in ("ahead", "abeam")
+        for i, part in enumerate(("cosine", "sine"))
+    },
     **{
         f"{side}_by_{words}course_{part}": _harmonic(order, i)
         for side, orders in (("ahead", (1, 2, 3)), ("abeam", (2, 3)))
@@ -165,15 +172,11 @@ def _needs_depths(record: LegRecord) -> str:
     return "" if record.depths > 2.0 else "needs the depth of the legs, and different ones"
 
 
-def _needs_days(record: LegRecord) -> str:
-    return "" if record.duration > 0.5 * DAY else "needs half a day"
-
-
-def _two(stem: str, words: str, lacking: Callable[[LegRecord], str] = lacks_nothing) -> Term:
+def _two(stem: str, words: str, searched: str = "") -> Term:
     """A term of a cosine and a sine."""
     parts = (f"{stem}_cosine", f"{stem}_sine")
     finding = Finding(parts[0], words, in_percent=stem.startswith("ahead"), toward=parts)
-    return Term(parts, finding=finding, lacking=lacking)
+    return Term(parts, searched, finding)
 
 
 def _one(name: str, positive: str, negative: str, lacking: Callable[[LegRecord], str], each: float = 1.0) -> Term:
@@ -192,7 +195,7 @@ def _strengths() -> dict[str, Parameter]:
     found = {}
     for each in fields(Response):
         side = each.name.split("_")[0]
-        if each.name in ("moment", "below"):
+        if each.name in ("moment", "below", "period"):
             continue
         unit, scale = {"ahead": ("", 0.05), "abeam": ("rad", 0.05)}.get(side, ("m/s", 0.05))
         if "current" in each.name:
@@ -290,8 +293,8 @@ TERMS = (
         lacks_nothing,
         HOUR,
     ),
-    _two("ahead_by_day", "its speed differs by up to {size} with the time of day", _needs_days),
-    _two("abeam_by_day", "its course is turned by up to {size} with the time of day", _needs_days),
+    _two("ahead_in_turns", "its speed differs by up to {size} in turns of {at}", searched="period"),
+    _two("abeam_in_turns", "its course is turned by up to {size} in turns of {at}", searched="period"),
     _two("ahead_by_course", "its speed differs by up to {size} with its course"),
     _two("ahead_by_twice_course", "its speed differs by up to {size} twice in a circle of courses"),
     _two("ahead_by_thrice_course", "its speed differs by up to {size} thrice in a circle of courses"),
@@ -334,6 +337,7 @@ RESPONSE = EffectInfo(
     parameters={
         **_PARAMETERS,
         "moment": Parameter("s", "time from which it acts", 0.0, median=6.0 * HOUR, factor=4.0, searched="time"),
+        "period": Parameter("s", "of coming and going", 0.0, median=3 * HOUR, factor=3, default=DAY, searched="period"),
         "below": Parameter("m", "depth below which it acts", 0.0, median=50.0, factor=3.0, searched="depth"),
     },
     what="The vehicle responds to something that no effect with a name responds to.",

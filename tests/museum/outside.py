@@ -3,6 +3,7 @@
 from collections.abc import Callable
 
 import numpy as np
+from scipy.optimize import least_squares
 
 from .sailing import Array, Log, Moment, Recipe, velocity_errors
 
@@ -37,11 +38,11 @@ def _water(shape: Callable[[Moment, float], Array]) -> Build:
 
 
 def _weathervane(size: float, rng: np.random.Generator, span: float) -> Recipe:
-    """The hull turns into a current from the side, by an angle that goes with it."""
+    """The hull turns into a current from the side, by an angle that goes with it over the vehicle's speed."""
     phase = rng.uniform(0.0, 2.0 * np.pi)
     flow = 0.15 * np.array([np.sin(phase), np.cos(phase)])
     return Recipe(
-        turn=lambda m: -3.0 * 0.08 * size * float(flow @ [np.cos(m.heading), -np.sin(m.heading)]) / 0.15,
+        turn=lambda m: -2.0 * size * float(flow @ [np.cos(m.heading), -np.sin(m.heading)]) / m.speed,
         water=lambda m: flow,
     )
 
@@ -97,6 +98,21 @@ def _ekman(size: float, rng: np.random.Generator, span: float) -> Recipe:
     return Recipe(water=water)
 
 
+def _jet(size: float, rng: np.random.Generator, span: float) -> Recipe:
+    """A narrow current along a line in the sea."""
+    toward, offset, width = rng.uniform(0.0, 2.0 * np.pi), rng.normal(0.0, 800.0), rng.uniform(300.0, 1000.0)
+    along = np.array([np.sin(toward), np.cos(toward)])
+    across = np.array([along[1], -along[0]])
+    return Recipe(water=lambda m: 0.2 * size * along * np.exp(-0.5 * ((float(m.place @ across) - offset) / width) ** 2))
+
+
+def _two_layers(size: float, rng: np.random.Generator, span: float) -> Recipe:
+    """Above a depth the water goes to and fro with the tide, below it stands."""
+    toward, phase, deep = *rng.uniform(0.0, 2.0 * np.pi, 2), rng.uniform(40.0, 110.0)
+    flow = 0.2 * size * np.array([np.sin(toward), np.cos(toward)])
+    return Recipe(water=lambda m: flow * float(m.depth < deep) * np.cos(2.0 * np.pi * m.t / 44712.0 + phase))
+
+
 def _sawtooth(turns: float) -> float:
     return (turns % 1.0) - 0.5
 
@@ -122,8 +138,6 @@ SEEN: dict[str, Build] = {
     "current by depth": _water(lambda m, when: np.array(m.depth / 100.0)),
     "weathervane": _weathervane,
     "eddy": _eddy,
-}
-UNSEEN: dict[str, Build] = {
     "wreck that turns the compass": _wreck,
     "compass that sticks in steps": _turn(lambda m, phase, when: 3.0 * float(_sawtooth(m.heading / np.radians(50.0)))),
     "edge of a plume": _plume,
@@ -136,23 +150,54 @@ UNSEEN: dict[str, Build] = {
     "cell that cuts out": _pace(lambda m, phase, when: 2.0 * float((m.t / 5400.0 + phase) % 1.0 < 0.4)),
     "speed by the square of time under way": _pace(lambda m, phase, when: 4.0 * (m.since / 900.0) ** 2),
 }
+UNSEEN: dict[str, Build] = {
+    "compass that warms up": _turn(lambda m, phase, when: 2.0 * float(np.exp(-m.t / 7200.0))),
+    "compass turned by the motor's current": _turn(lambda m, phase, when: 2.0 * float(m.speed > 1.4)),
+    "jet": _jet,
+    "tide of the upper layer": _two_layers,
+    "deviation that decays": _turn(
+        lambda m, phase, when: 2.0 * np.exp(-m.t / (0.5 * when)) * np.sin(m.heading + phase)
+    ),
+    "swell from one side near the surface": _pace(
+        lambda m, phase, when: 2.0 * np.exp(-m.depth / 20.0) * np.cos(m.heading + phase)
+    ),
+    "speed near the ground": _pace(lambda m, phase, when: 2.0 * np.exp((m.depth - 150.0) / 15.0)),
+    "course by the place east": _turn(lambda m, phase, when: m.place[0] / 3000.0),
+    "compass turned while a pump runs": _turn(lambda m, phase, when: 2.0 * float((m.t / 7200.0 + phase) % 1.0 < 0.5)),
+    "battery worn by time and depth": _pace(lambda m, phase, when: m.t / 20000.0 * m.depth / 100.0),
+}
 
 
 def beyond_the_named(log: Log, errors: Array) -> float:
-    """Nats that errors add to a log beyond what a current, and errors of compass and speed by heading, could be.
+    """Nats that errors add to a log beyond what named effects could be.
 
-    Half the squared size of what least squares on these columns leaves, over the noise of the legs.
+    Half the squared size of what least squares leaves over the noise of the legs: of a current with a shear, a scale of
+    the speed, and errors of the compass: constant, by heading, by depth, and from the best of some moments on.
     """
+    noise = np.sqrt(log.sigma**2 + 2.0 * log.fix**2 / log.under_way**2)[:, None]
+    left = []
+    for after in (np.zeros_like(log.headings), *np.tri(len(log.headings))[:: max(len(log.headings) // 6, 1)]):
+        found = least_squares(
+            lambda sizes, after=after: ((errors - _named(log, sizes, after)) / noise).ravel(), np.zeros(12)
+        )
+        left.append(float(found.cost))
+    return min(left)
+
+
+def _named(log: Log, sizes: Array, after: Array) -> Array:
+    """Velocity errors of named effects of these sizes, the jump of the compass where `after` is one, shape (n, 2)."""
     sin, cos = np.sin(log.headings), np.cos(log.headings)
-    ahead, abeam = np.array([sin, cos]), np.array([cos, -sin])
-    ones, none = np.ones_like(sin), np.zeros_like(sin)
-    columns = [np.array([ones, none]), np.array([none, ones]), log.speeds * ahead, log.speeds * abeam]
-    columns += [log.speeds * sin * abeam, log.speeds * cos * abeam]
-    noise = np.sqrt(log.sigma**2 + 2.0 * log.fix**2 / log.under_way**2)
-    design = np.stack([(column / noise).ravel() for column in columns], axis=1)
-    wanted = (errors.T / noise).ravel()
-    left = wanted - design @ np.linalg.lstsq(design, wanted, rcond=None)[0]
-    return 0.5 * float(left @ left)
+    turn = sizes[0] + sizes[1] * sin + sizes[2] * cos + sizes[3] * log.depths / 100.0 + sizes[4] * after
+    course, pace = log.headings + turn, log.speeds * (1.0 + sizes[5])
+    through = pace * np.array([np.sin(course), np.cos(course)]) - log.speeds * np.array([sin, cos])
+    shear = 1e-4 * sizes[8:].reshape(2, 2) @ _middles(log)
+    return (through + sizes[6:8, None] + shear).T
+
+
+def _middles(log: Log) -> Array:
+    """Where the legs' middles are reckoned, shape (2, n) [m]."""
+    paths = log.speeds * log.under_way * np.array([np.sin(log.headings), np.cos(log.headings)])
+    return np.asarray(np.cumsum(paths, axis=1) - 0.5 * paths)
 
 
 def sized(build: Build, log: Log, nats: float, seed: int) -> Array | None:

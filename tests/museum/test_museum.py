@@ -1,13 +1,16 @@
 """The first pair of the museum, and that its recipes are what they say."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from tests.learned import moments
 
-from .__main__ import diagnosed, is_described, named_figures
+from .__main__ import diagnosed, is_described, is_flagged, named_figures
 from .faults import CURRENT, PAIRS, errors_of, log_of_pair, still_speed, through_water
-from .sailing import Log, Recipe, velocity_errors
+from .outside import SEEN, beyond_the_named, sized
+from .sailing import Log, Recipe, drawn, velocity_errors
 
 
 def fossen(recipe, seed=5):
@@ -43,6 +46,25 @@ def test_a_fault_that_is_none_errs_nothing():
     log, errors = fossen(Recipe())
     assert errors_of(errors) < 1e-12
     assert log.headings.size == errors.shape[0]
+
+
+def test_named_effects_of_any_size_hold_nothing_beyond_the_named():
+    log = drawn(np.random.default_rng(4), 40)
+    large = Recipe(turn=lambda m: 0.4 + 0.5 * np.cos(m.heading), pace=lambda m: 1.2, water=lambda m: CURRENT)
+    assert beyond_the_named(log, velocity_errors(log, large)) < 1e-6
+    twice = Recipe(turn=lambda m: 0.1 * np.cos(2.0 * m.heading))
+    assert beyond_the_named(log, velocity_errors(log, twice)) > 20.0
+
+
+@pytest.mark.slow
+def test_what_goes_by_heading_and_depth_together_is_seen():
+    """A deviation that fades with depth is no effect with a name."""
+    log = drawn(np.random.default_rng(2), 60)
+    log = replace(log, depths=np.random.default_rng(3).uniform(5.0, 150.0, 60))
+    errors = sized(SEEN["deviation that fades with depth"], log, 60.0, 5)
+    found = diagnosed(log, errors, seed=5)
+    assert is_flagged(found)
+    assert found.none_of_these > 0.95
 
 
 @pytest.mark.slow

@@ -1,5 +1,7 @@
 """Axes along which a navigation log's discrepancy may be smooth."""
 
+import itertools
+
 import numpy as np
 
 from missionplan.arrays import Array
@@ -26,16 +28,45 @@ def transit_axes(data: TransitData, leg: Leg, principal: Array) -> list[Axis]:
     principal : array, shape (2, 2)
         Principal axes as columns.
     """
-    surge = (principal.T @ leg.along).T
-    sway = np.stack([-surge[:, 1], surge[:, 0]], axis=1)
-    frames = {"": np.tile(np.eye(2), (data.n, 1)), " ahead": surge.reshape(-1, 1), " abeam": sway.reshape(-1, 1)}
     return [
         (around if name == "heading" else pointwise)(
             name, f"a velocity{frame} that changes with {what}", np.repeat(inputs, 2, axis=0), directions
         )
         for name, what, inputs in _inputs(data, leg)
-        for frame, directions in frames.items()
+        for frame, directions in _frames(data, leg, principal).items()
     ]
+
+
+def paired_axes(data: TransitData, leg: Leg, principal: Array) -> list[Axis]:
+    """Return the axes of two quantities together, place apart: velocities ahead and abeam, and fixed to the Earth.
+
+    One fixed to the Earth does not go by heading: that is one ahead and one abeam.
+    """
+    found = []
+    for (first, of_first, one), (second, of_second, other) in itertools.combinations(_inputs(data, leg), 2):
+        if "place" in (first, second):
+            continue
+        inputs = np.concatenate(
+            [_on_circle(one) if first == "heading" else one, _on_circle(other) if second == "heading" else other],
+            axis=1,
+        )
+        for frame, directions in _frames(data, leg, principal).items():
+            if frame or "heading" not in (first, second):
+                words = f"a velocity{frame} that changes with {of_first} and {of_second}"
+                found.append(pointwise(f"{first} and {second}", words, np.repeat(inputs, 2, axis=0), directions))
+    return found
+
+
+def _on_circle(angles: Array) -> Array:
+    """Angles as places on a circle of diameter one, (n, 1) → (n, 2)."""
+    return 0.5 * np.concatenate([np.cos(angles), np.sin(angles)], axis=1)
+
+
+def _frames(data: TransitData, leg: Leg, principal: Array) -> dict[str, Array]:
+    """Directions of a velocity fixed to the Earth, of one ahead and of one abeam, by words, shape (2n, p)."""
+    surge = (principal.T @ leg.along).T
+    sway = np.stack([-surge[:, 1], surge[:, 0]], axis=1)
+    return {"": np.tile(np.eye(2), (data.n, 1)), " ahead": surge.reshape(-1, 1), " abeam": sway.reshape(-1, 1)}
 
 
 def _inputs(data: TransitData, leg: Leg) -> list[tuple[str, str, Array]]:

@@ -10,7 +10,6 @@ import math
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -33,9 +32,6 @@ SETTLING = 3
 """Times that the current to which the vehicle may answer is taken anew."""
 RELINEARISED, SETTLED = 4, 0.02
 """Most times that the columns are linearised anew, and change [slabs] below which they are not."""
-
-
-K = TypeVar("K")
 Noise = dict[tuple[str, str], float]
 """Logarithms of hyperparameters by effect and name."""
 
@@ -136,17 +132,21 @@ class LegInference:
     # priors
 
     def log_prior(self, one: MeanSet, law: Causes) -> float:
-        """Log prior odds of a set over none, a term counted as a cause that has a share of its prior."""
-        shared = self.terms[one.term - 1].log_share if one.term else 0.0
-        return log_prior(len(one.causes) + len(law) + (one.term > 0), self.catalogue) + shared
+        """Log prior odds of a set over none, a term with a name counted as a cause, a share of whose prior it has."""
+        named = len(one.causes) + len(law)
+        if not one.term:
+            return log_prior(named, self.catalogue)
+        term = self.terms[one.term - 1]
+        return log_prior(named + (not term.is_neutral), self.catalogue) + term.log_share
 
     def log_priors(self, law: Causes) -> Array:
         """Those of all sets without a term and with each, shape (s, 1 + t); none of a set that is full."""
         plain = np.array([self.log_prior(one, law) for one in self.sets])[:, None]
         shares = np.array([term.log_share for term in self.terms])
-        first = np.array([not one.causes and not law for one in self.sets])[:, None]
+        named = np.array([not term.is_neutral for term in self.terms])
+        price = np.array([FURTHER if one.causes or law else math.log(self.catalogue) for one in self.sets])[:, None]
         full = np.array([len(one.causes) == MOST_IN_MEAN for one in self.sets])[:, None]
-        with_term = plain + shares - np.where(first, math.log(self.catalogue), FURTHER)
+        with_term = plain + shares - price * named
         nothing_to_answer = ~self._moves_water[:, None] & np.array([term.answers for term in self.terms])
         return np.concatenate([plain, np.where(full | nothing_to_answer, -np.inf, with_term)], axis=1)
 
@@ -255,8 +255,8 @@ class LegInference:
         constant = gammaln(0.5 * dof + 1.0) - gammaln(0.5 * dof) - math.log(math.pi * (dof - 2.0))
         log_normaliser = len(squared) * constant - 0.5 * float(np.log(variance).sum())
         log_normaliser += float(np.sum(0.5 * weight * squared - 0.5 * (dof + 2.0) * np.log1p(squared / (dof - 2.0))))
-        weighted = joined * (weight / variance)[:, :, None]
-        return GramMatrix(np.einsum("ijk,ijl->kl", weighted, joined), log_normaliser)
+        flat = joined.reshape(-1, joined.shape[2])
+        return GramMatrix((flat.T * (weight / variance).ravel()) @ flat, log_normaliser)
 
     def log_density(self, law: RandomErrors, logs: Array, one: MeanSet) -> float:
         """Log density of the data under a set at one noise."""
@@ -307,15 +307,12 @@ class LegInference:
                 if not group:
                     continue
                 best = self.sets[max(members, key=lambda i: scores[i])]
-                about = self._likeliest_coordinates(law, logs, best)
+                about = self._posterior_mean(law, logs, best)[: self._k]
                 moved = max(moved, float(np.max(np.abs(about - self.linear(group).about) / slabs)))
                 self._groups[group] = self._linearised(group, about)
             if moved < SETTLED:
                 break
         self._settle_current(law, logs)
-
-    def _likeliest_coordinates(self, law: RandomErrors, logs: Array, one: MeanSet) -> Array:
-        return self._posterior_mean(law, logs, one)[: self._k]
 
     def _posterior_mean(self, law: RandomErrors, logs: Array, one: MeanSet) -> Array:
         """Posterior mean of a set's coefficients at one noise, raw coordinates first, those of its term last."""
@@ -335,7 +332,7 @@ class LegInference:
             scores = self.log_densities(law, logs, self.sets, free)[:, 1:] + priors
             row, column = np.unravel_index(np.argmax(scores), scores.shape)
             best = MeanSet(self.sets[row].causes, free[column])
-            mean = self._likeliest_coordinates(law, logs, best)
+            mean = self._posterior_mean(law, logs, best)[: self._k]
             water = self.model.water(best.causes, mean)
             if np.allclose(water, self._water, atol=1e-4):
                 break
@@ -343,9 +340,9 @@ class LegInference:
             self._groups = {group: self._linearised(group, one.about) for group, one in self._groups.items()}
 
 
-def grouped(items: Sequence[MeanSet], key: Callable[[MeanSet], K]) -> dict[K, list[int]]:
+def grouped(items: Sequence[MeanSet], key: Callable[[MeanSet], Causes]) -> dict[Causes, list[int]]:
     """Indices of items by a key."""
-    found: dict[K, list[int]] = {}
+    found: dict[Causes, list[int]] = {}
     for index, item in enumerate(items):
         found.setdefault(key(item), []).append(index)
     return found

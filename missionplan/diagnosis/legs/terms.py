@@ -2,10 +2,10 @@
 
 An effect that acts by its terms (`effects.info.Term`) is linear in a few strengths at each value of a shape: the moment
 of a change, a threshold. Every value tried is a column or two under a prior of its own. Named effects have the
-catalogue's; the neutral response, and smooth random functions along an axis (Kennedy & O'Hagan 2001, *J. R. Stat. Soc.
-B* 63; Brynjarsdóttir & O'Hagan 2014, *Inverse Problems* 30) by their leading principal components, share that of
-`UNNAMED`. A velocity fixed to the Earth that changes with time is not among the smooth ones: random effects of the
-catalogue describe it.
+catalogue's; the neutral response, and smooth random functions of one quantity or two (Kennedy & O'Hagan 2001, *J. R.
+Stat. Soc. B* 63; Brynjarsdóttir & O'Hagan 2014, *Inverse Problems* 30) by their leading principal components, share
+that of `UNNAMED`. A velocity fixed to the Earth that changes with time is not among the smooth ones: random effects of
+the catalogue describe it.
 """
 
 import math
@@ -18,7 +18,7 @@ import numpy as np
 from missionplan.arrays import Array, Scalars
 from missionplan.diagnosis.coordinates import Coordinate
 from missionplan.diagnosis.inference.adequacy.axes import Axis
-from missionplan.diagnosis.legs.axes import transit_axes
+from missionplan.diagnosis.legs.axes import paired_axes, transit_axes
 from missionplan.diagnosis.legs.fitting import TransitFitting
 from missionplan.diagnosis.legs.likelihood.mean import ActingTerm
 from missionplan.effects import CATALOGUE, EffectInfo, effects_of
@@ -26,20 +26,23 @@ from missionplan.effects.info import Term
 from missionplan.phases.hooks import TransitEffect, velocity_error
 from missionplan.results.learned.evidence import Causes
 
-UNNAMED = 2.0
-"""Nats of prior that all neutral terms together have less than one named effect: that something without a name is there
-costs some five nats against nothing, which keeps false alarms below 1 %."""
+UNNAMED = 0.05
+"""Prior odds of all neutral terms together, beside whatever is named: as much as what is said to be so may be wrong.
+By Markov's inequality they are called 95 % probable without any effect with a chance of 0.05/19 at most."""
 SIZE = 0.04
 """Usual size of a neutral response [m/s]: as of the catalogue's effects in the middle of their sizes."""
 LENGTHS = (0.4, 0.15)
 """Correlation lengths of a smooth one, of the record's extent along the axis."""
-MOST_COLUMNS = 12
+MOST_COLUMNS = 24
 LEAST_SHARE = 0.01
 """Principal components kept at most, and least share of the first one's variance that one has."""
 IS_DESCRIBED = ("time", "a velocity that changes with time")
 """What random effects of the catalogue describe."""
-MOMENTS, THRESHOLDS = 16, 6
-"""Most values tried of the moment of a change, and of a threshold."""
+MOMENTS, THRESHOLDS, PERIODS = 16, 6, 24
+"""Most values tried of the moment of a change, of a threshold, and of a period."""
+DAY = 86400.0
+LEGS_IN_TURN = 3
+"""Legs in the shortest period that is tried, on average; a day is tried besides."""
 MIDDLE = (0.15, 0.85)
 """Part of a log within which something may change: before and after it there must be legs that show it."""
 STEP = 1e-3
@@ -99,7 +102,7 @@ def terms_of(model: TransitFitting) -> tuple[LegTerm, ...]:
         families += len(terms) if info.tier == "neutral" else 0
         found += [each for term in terms for each in _members(model, info, term)]
     smooth = _smooth(model)
-    share = UNNAMED + math.log(max(families + len(smooth) // len(LENGTHS), 1))
+    share = math.log(max(families + sum(math.exp(each.log_share) for each in smooth), 1.0) / UNNAMED)
     return tuple(
         replace(each, log_share=each.log_share - share) if each.is_neutral else each for each in [*found, *smooth]
     )
@@ -213,6 +216,9 @@ def _tried(model: TransitFitting, searched: str) -> Array:
     if searched == "time":
         places = np.linspace(MIDDLE[0] * model.data.n, MIDDLE[1] * model.data.n, MOMENTS)
         return np.asarray(model.data.t_start[np.unique(places.astype(int))])
+    if searched == "period":
+        span, most = float(np.ptp(model.data.middle)), max(model.data.n / LEGS_IN_TURN, 1.0)
+        return np.append(span / np.linspace(1.0, most, PERIODS), [DAY] if span > 0.5 * DAY else [])
     values = np.asarray(model.leg.speed if searched == "speed" else model.leg.depth)
     return np.asarray(np.quantile(values, np.linspace(*MIDDLE, THRESHOLDS)))
 
@@ -229,10 +235,11 @@ def answers(model: TransitFitting, term: LegTerm, water: Array) -> Array:
 
 
 def _smooth(model: TransitFitting) -> list[LegTerm]:
-    """Smooth errors along the axes of a log."""
+    """Smooth errors along the axes of a log, and along two of them together."""
     axes = transit_axes(model.data, model.leg, model.axes)
     wanted = [axis for axis in axes if (axis.name, axis.description) != IS_DESCRIBED]
-    return [_along(axis, length) for axis in wanted for length in LENGTHS]
+    found = [replace(_along(axis, length), log_share=-math.log(len(LENGTHS))) for axis in wanted for length in LENGTHS]
+    return found + [_along(axis, LENGTHS[0]) for axis in paired_axes(model.data, model.leg, model.axes)]
 
 
 def _along(axis: Axis, length: float) -> LegTerm:
@@ -242,4 +249,4 @@ def _along(axis: Axis, length: float) -> LegTerm:
     kept = np.flatnonzero(sizes**2 > LEAST_SHARE * sizes[0] ** 2)[:MOST_COLUMNS]
     columns = SIZE * left[:, kept] * sizes[kept]
     by_leg = np.moveaxis(columns.reshape(len(left) // 2, 2, -1), 1, 0)
-    return LegTerm("", axis.name, axis.description, by_leg, -math.log(len(LENGTHS)), length=length)
+    return LegTerm("", axis.name, axis.description, by_leg, 0.0, length=length)

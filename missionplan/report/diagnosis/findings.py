@@ -98,10 +98,12 @@ def _is_searched(parameter: ParameterEstimate) -> bool:
 
 
 def _place(parameter: ParameterEstimate) -> str:
-    """Write the moment of a change, or a threshold."""
-    if parameter.unit == "s":
-        return f"{parameter.value / _HOUR:.1f} h after the start"
-    return sized(parameter)
+    """Write the moment of a change, a period, or a threshold."""
+    if parameter.unit != "s":
+        return sized(parameter)
+    hours = f"{parameter.value / _HOUR:.1f} h"
+    is_moment = CATALOGUE[parameter.effect].parameters[parameter.name].searched == "time"
+    return f"{hours} after the start" if is_moment else hours
 
 
 def _vector_clause(finding: Finding, mine: Mapping[str, ParameterEstimate], at: str) -> str:
