@@ -7,7 +7,8 @@ from scipy.optimize import least_squares
 
 from .sailing import Array, Log, Moment, Recipe, velocity_errors
 
-DAY = 86400.0
+TIDE = 44712.0
+"""Period of M2 [s]."""
 Build = Callable[[float, np.random.Generator, float], Recipe]
 """From a size, a generator and the log's span [s]."""
 
@@ -110,7 +111,7 @@ def _two_layers(size: float, rng: np.random.Generator, span: float) -> Recipe:
     """Above a depth the water goes to and fro with the tide, below it stands."""
     toward, phase, deep = *rng.uniform(0.0, 2.0 * np.pi, 2), rng.uniform(40.0, 110.0)
     flow = 0.2 * size * np.array([np.sin(toward), np.cos(toward)])
-    return Recipe(water=lambda m: flow * float(m.depth < deep) * np.cos(2.0 * np.pi * m.t / 44712.0 + phase))
+    return Recipe(water=lambda m: flow * float(m.depth < deep) * np.cos(2.0 * np.pi * m.t / TIDE + phase))
 
 
 def _sawtooth(turns: float) -> float:
@@ -171,14 +172,14 @@ UNSEEN: dict[str, Build] = {
 def beyond_the_named(log: Log, errors: Array) -> float:
     """Nats that errors add to a log beyond what named effects could be.
 
-    Half the squared size of what least squares leaves over the noise of the legs: of a current with a shear, a scale of
-    the speed, and errors of the compass: constant, by heading, by depth, and from the best of some moments on.
+    Half the squared size of what least squares leaves over the noise of the legs: of a current with a shear and a tide, a
+    scale of the speed, and errors of the compass: constant, by heading, by depth, and from the best of some moments on.
     """
     noise = np.sqrt(log.sigma**2 + 2.0 * log.fix**2 / log.under_way**2)[:, None]
     left = []
     for after in (np.zeros_like(log.headings), *np.tri(len(log.headings))[:: max(len(log.headings) // 6, 1)]):
         found = least_squares(
-            lambda sizes, after=after: ((errors - _named(log, sizes, after)) / noise).ravel(), np.zeros(12)
+            lambda sizes, after=after: ((errors - _named(log, sizes, after)) / noise).ravel(), np.zeros(16)
         )
         left.append(float(found.cost))
     return min(left)
@@ -190,8 +191,10 @@ def _named(log: Log, sizes: Array, after: Array) -> Array:
     turn = sizes[0] + sizes[1] * sin + sizes[2] * cos + sizes[3] * log.depths / 100.0 + sizes[4] * after
     course, pace = log.headings + turn, log.speeds * (1.0 + sizes[5])
     through = pace * np.array([np.sin(course), np.cos(course)]) - log.speeds * np.array([sin, cos])
-    shear = 1e-4 * sizes[8:].reshape(2, 2) @ _middles(log)
-    return (through + sizes[6:8, None] + shear).T
+    shear = 1e-4 * sizes[8:12].reshape(2, 2) @ _middles(log)
+    angle = 2.0 * np.pi / TIDE * (np.cumsum(log.under_way + log.surface) - 0.5 * log.under_way)
+    tide = sizes[12:].reshape(2, 2) @ np.array([np.sin(angle), np.cos(angle)])
+    return (through + sizes[6:8, None] + shear + tide).T
 
 
 def _middles(log: Log) -> Array:

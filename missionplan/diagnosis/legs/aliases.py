@@ -1,22 +1,21 @@
 """Effects that do to these legs what a claimed cause does, and would do something else on the way back."""
 
-from collections.abc import Iterator
-from dataclasses import replace
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
 from typing import cast
 
 import numpy as np
 
 from missionplan.arrays import Array
 from missionplan.diagnosis.inference.model import CauseFit
+from missionplan.diagnosis.legs.designs import LATER, TRIAL_LEGS, short_trials
 from missionplan.diagnosis.legs.model import TransitModel
 from missionplan.effects import CATALOGUE, named_effects
 from missionplan.phases.hooks import TransitEffect, velocity_error
 from missionplan.results.learned.evidence import Alias
 
-UNTOLD = 3.0
-"""Expected nats below which these legs do not tell two effects apart."""
-LATER = 6.0 * 3600.0
-"""Time after the record at which the way back is taken [s]: half a tide."""
+UNTOLD, TOLD = 3.0, 5.0
+"""Expected nats below which these legs do not tell two effects apart, and from which legs do."""
 STEP = 1e-3
 """Strength at which columns of effects with terms are taken, in its usual sizes."""
 
@@ -28,7 +27,8 @@ def aliases(model: TransitModel, fit: CauseFit) -> tuple[Alias, ...]:
     left is worth less than `UNTOLD` nats under the fit's noise, half its squared size over the errors' covariance
     (Kass & Raftery 1995), it is an alias. It matters from the distance at which the two place the vehicle apart by two
     standard deviations of the errors of as many legs, on the same courses sailed the other way, later, at the mission's
-    speed and depth.
+    speed and depth. The trial that would part them is the shortest of a few legs more, all round the compass, that
+    leaves `TOLD` nats between them.
 
     Parameters
     ----------
@@ -37,44 +37,72 @@ def aliases(model: TransitModel, fit: CauseFit) -> tuple[Alias, ...]:
         The claimed set.
     """
     model = model.with_term(fit.state.term)
-    ahead = _on_the_way_back(model)
-    noise = np.sqrt(np.stack([np.diag(each) for each in model.noise(fit.state.values)]))
-    here, back = model.columns_at(fit), ahead.columns_at(fit)
-    others = [(name, here[:, :, own], back[:, :, own]) for name, own in model.by_effect.items()]
-    others += _of_terms(model, ahead, model.water(fit.causes, fit.state.mean))
+    here, back = _Legs.of(model, fit), _Legs.of(_on_the_way_back(model), fit)
+    trials: list[tuple[str, _Legs]] = []
     found = []
     for claimed in fit.causes:
         own = model.by_effect.get(claimed)
         if own is None:
             continue
         size = fit.state.mean[own]
-        for other, columns, later in others:
-            if other in fit.causes:
+        for other, columns in here.columns.items():
+            if other in fit.causes or other not in back.columns:
                 continue
-            alike, left = _likest(here[:, :, own] @ size, columns, noise)
-            apart = back[:, :, own] @ size - later @ alike
-            if left < UNTOLD and (distance := _matters_from(ahead, apart, noise)) < np.inf:
-                found.append(Alias(claimed, other, distance, CATALOGUE[other].distinguished_by))
+            alike, left = _likest(here.columns[claimed] @ size, columns, here.noise)
+            apart = back.columns[claimed] @ size - back.columns[other] @ alike
+            distance = _matters_from(back.model, apart, here.noise)
+            if left < UNTOLD and distance < np.inf:
+                trials = trials or [(words, _Legs.of(model.of_longer(d), fit)) for words, d in short_trials(model.data)]
+                told = _cheapest(trials, claimed, other, size) or CATALOGUE[other].distinguished_by
+                found.append(Alias(claimed, other, distance, told))
     return tuple(sorted(found, key=lambda alias: alias.matters_from))
 
 
-def _of_terms(here: TransitModel, back: TransitModel, water: Array) -> Iterator[tuple[str, Array, Array]]:
-    """Named effects that act by their terms, with their columns here and on the way back; none that need a moment."""
+@dataclass(frozen=True)
+class _Legs:
+    """Legs with the columns of all effects, as a fit has them, and the standard deviation of their errors, (2, n)."""
+
+    model: TransitModel
+    columns: dict[str, Array]
+    noise: Array
+
+    @classmethod
+    def of(cls, model: TransitModel, fit: CauseFit) -> "_Legs":
+        noise = np.sqrt(np.stack([np.diag(each) for each in model.noise(fit.state.values)]))
+        every = model.columns_at(fit)
+        own = {name: every[:, :, places] for name, places in model.by_effect.items()}
+        return cls(model, own | dict(_of_terms(model, model.water(fit.causes, fit.state.mean))), noise)
+
+
+def _cheapest(trials: Sequence[tuple[str, _Legs]], claimed: str, other: str, size: Array) -> str:
+    """The trial of least time under way after which the legs tell a claimed effect from another, in words, or none."""
+    told = []
+    for words, legs in trials:
+        total = legs.model.data.n
+        for count in range(1, TRIAL_LEGS + 1):
+            until = total - TRIAL_LEGS + count
+            signal = legs.columns[claimed][:, :until] @ size
+            if _likest(signal, legs.columns[other][:, :until], legs.noise[:, :until])[1] >= TOLD:
+                time = float(legs.model.data.t_start[until - 1] + legs.model.data.under_way[until - 1])
+                told.append((time, f"{count} more {'leg' if count == 1 else 'legs'} all round the compass, {words}"))
+                break
+    return min(told)[1] if told else ""
+
+
+def _of_terms(model: TransitModel, water: Array) -> Iterator[tuple[str, Array]]:
+    """Named effects that act by their terms, with their columns; none that need a moment."""
     for info in named_effects("transit"):
         for term in info.terms:
-            if term.searched or info.id in here.by_effect:
+            if term.searched or info.id in model.by_effect:
                 continue
-            made = [(STEP * info.parameters[name].scale, name) for name in term.strengths]
-            effects = [(step, cast(TransitEffect, info.make({name: step}))) for step, name in made]
-            columns = [
-                np.stack(
-                    [model.axes.T @ velocity_error((effect,), model.leg, water) / step for step, effect in effects],
-                    axis=2,
-                )
-                for model in (here, back)
-            ]
-            if all(np.isfinite(each).all() and each.any() for each in columns):
-                yield info.id, columns[0], columns[1]
+            columns = []
+            for name in term.strengths:
+                step = STEP * info.parameters[name].scale
+                effect = cast(TransitEffect, info.make({name: step}))
+                columns.append(model.axes.T @ velocity_error((effect,), model.leg, water) / step)
+            together = np.stack(columns, axis=2)
+            if np.isfinite(together).all() and together.any():
+                yield info.id, together
 
 
 def _likest(signal: Array, columns: Array, noise: Array) -> tuple[Array, float]:

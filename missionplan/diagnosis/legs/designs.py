@@ -1,6 +1,6 @@
 """Designs: further legs that might discriminate between two sets of causes."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import replace
 
 import numpy as np
@@ -13,6 +13,12 @@ PAUSE = 60.0
 """Time between a fix and the next dive [s]."""
 LATE_FIX = 900.0
 """Time at the surface before a late fix, beyond the usual [s]."""
+TRIAL_LEGS = 12
+"""Legs of a short trial, at most."""
+SLOWER = 0.7
+"""Part of the usual speed at which legs of another speed are made."""
+LATER = 6.0 * 3600.0
+"""Half a tide [s]."""
 GOLDEN_SHARE = 0.38
 """Share of a circle between consecutive headings that spread evenly: 1 less the golden ratio's 0.62."""
 
@@ -22,10 +28,22 @@ def with_further_legs(data: TransitData, design: int) -> TransitData:
     return DESIGNS[design][1](data)
 
 
-def _append(data: TransitData, heading: Array, duration: Array, surface: Array) -> TransitData:
-    """Append legs on given headings [rad] and of given times [s], dead-reckoned without error."""
-    speed = float(np.median(np.hypot(*(data.dead_reckoned - data.start)) / data.under_way))
-    first = data.t_start[-1] + data.under_way[-1] + data.surface[-1] + PAUSE
+def _append(
+    data: TransitData,
+    heading: Array,
+    duration: Array,
+    surface: Array,
+    *,
+    speed: float = 1.0,
+    depth: float = 1.0,
+    pause: float = PAUSE,
+) -> TransitData:
+    """Append legs on given headings [rad] and of given times [s], dead-reckoned without error.
+
+    After a pause [s], at these parts of the usual speed and depth.
+    """
+    speed = speed * float(np.median(np.hypot(*(data.dead_reckoned - data.start)) / data.under_way))
+    first = data.t_start[-1] + data.under_way[-1] + data.surface[-1] + pause
     t_start = first + np.concatenate([[0.0], np.cumsum(duration + surface + PAUSE)[:-1]])
     path = speed * duration * np.stack([np.sin(heading), np.cos(heading)])
     ends = data.end[:, -1:] + np.cumsum(path, axis=1)
@@ -41,13 +59,13 @@ def _append(data: TransitData, heading: Array, duration: Array, surface: Array) 
         dead_reckoned=np.concatenate([data.dead_reckoned, ends], axis=1),
         end=np.concatenate([data.end, ends + 1e-3], axis=1),
         leg_fix_sd=_with_typical(data.leg_fix_sd, len(heading)),
-        depth=_with_typical(data.depth, len(heading)),
+        depth=_with_typical(data.depth, len(heading), depth),
     )
 
 
-def _with_typical(values: Array | None, new: int) -> Array | None:
-    """What is known leg by leg, with the median of it for further legs; None where nothing is."""
-    return None if values is None else np.append(values, np.full(new, np.nanmedian(values)))
+def _with_typical(values: Array | None, new: int, factor: float = 1.0) -> Array | None:
+    """What is known leg by leg, with the median of it by a factor for further legs; None where nothing is."""
+    return None if values is None else np.append(values, np.full(new, factor * np.nanmedian(values)))
 
 
 def _headings(data: TransitData) -> Array:
@@ -84,6 +102,18 @@ def _late_fixes(data: TransitData) -> TransitData:
 
 def _twice_as_long(data: TransitData) -> TransitData:
     return _append(data, _headings(data), data.under_way, data.surface)
+
+
+def short_trials(data: TransitData) -> Iterator[tuple[str, TransitData]]:
+    """Return what a few further legs may differ in, in words, and the log with `TRIAL_LEGS` of them."""
+    heading = 2.0 * np.pi * GOLDEN_SHARE * _leg_numbers()[:TRIAL_LEGS]
+    usual, quarter = (_median_times(data, TRIAL_LEGS, factor) for factor in (1.0, 0.25))
+    yield "a quarter as long", _append(data, heading, *quarter)
+    yield "as usual", _append(data, heading, *usual)
+    yield f"at {SLOWER:g} of the speed", _append(data, heading, *usual, speed=SLOWER)
+    if data.depth is not None:
+        yield "half as deep", _append(data, heading, *usual, depth=0.5)
+    yield "six hours later", _append(data, heading, *usual, pause=LATER)
 
 
 NEEDS_SURFACE_TIME = (_late_fixes,)

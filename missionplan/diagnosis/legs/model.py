@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 from scipy.linalg import solve_triangular
 
 from missionplan.arrays import Array
+from missionplan.datasets.records import TransitData
 from missionplan.diagnosis.inference.adequacy.residuals import Residuals
 from missionplan.diagnosis.inference.marginal_likelihood import QUANTILE_95, expected_log_ratio
 from missionplan.diagnosis.inference.model import CauseFit, FailedFit, FitRequest, HeldOutScore
@@ -176,7 +177,10 @@ class TransitModel(TransitFitting):
 
     def _with_design(self, entry: int) -> "TransitModel":
         """The model of the log with the legs of a design after it."""
-        data = with_further_legs(self.data, designs_for(self.data)[entry])
+        return self.of_longer(with_further_legs(self.data, designs_for(self.data)[entry]))
+
+    def of_longer(self, data: TransitData) -> "TransitModel":
+        """Return the model of the log with further legs after it."""
         added = np.repeat(self.base.mean(axis=1, keepdims=True), data.n - self.data.n, axis=1)
         current = np.broadcast_to(self.site_current, (2, self.data.n))
         current = np.concatenate(
