@@ -283,9 +283,9 @@ def _diagnose(made: _Made) -> "Result":
 
     options = made.options
     chosen = {"plan": bool(options.get("plan", True)), "allow_outside": made.allow_outside, **made.seeded}
+    chosen |= {"holdout": options.get("holdout"), "next_trial": bool(options.get("next_trial"))}
     if "datasets" in options:
         return diagnose_campaign(made.mission(), options["datasets"], **chosen)
-    chosen |= {"holdout": options.get("holdout"), "next_trial": bool(options.get("next_trial"))}
     return diagnose(made.mission(), options["dataset"], **chosen)
 
 

@@ -8,7 +8,6 @@ import typer
 
 from missionplan.cli import options as o
 from missionplan.cli.running import Progress, deliver, loaded, progress_bar, report_folder, run_study
-from missionplan.errors import InputError
 
 if TYPE_CHECKING:
     from missionplan.mission import Mission
@@ -30,7 +29,7 @@ _Holdout = Annotated[
         min=0.0,
         max=1.0,
         metavar="LAST",
-        help="Keep this last share of the record away from the diagnosis, and score the extended mission on it.",
+        help="Keep this last share of each record away from the diagnosis, and score the extended mission on it.",
         show_default=False,
     ),
 ]
@@ -60,8 +59,6 @@ def diagnose(
 
     Several data sets of one campaign, of any kinds, are diagnosed one after the other into one extended mission.
     """
-    if len(datasets) > 1 and (next_trial or holdout is not None):
-        raise InputError("--next-trial and --holdout are for a single data set")
     with report_folder(output, mission.stem, "diagnose") as folder:
         result = diagnosed(
             mission,
@@ -106,6 +103,8 @@ def diagnosed(
                     datasets,
                     seed=seed,
                     jobs=processes,
+                    next_trial=next_trial,
+                    holdout=holdout,
                     allow_outside=allow_outside,
                     progress=progress,
                 )

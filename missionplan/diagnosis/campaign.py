@@ -15,6 +15,8 @@ from missionplan.studies.run import Run, check_arguments
 
 ORDER = ("drag", "free-oscillation", "thruster", "propeller-transient", "summary", "descent", "transit")
 """Kinds of data in the order in which they are diagnosed: the tank, which measures a thing by itself, first."""
+PARTED = ("descent", "transit")
+"""Kinds of data whose last share can be kept away."""
 Progress = Callable[[int, int], None]
 """Called with data sets done, of how many."""
 
@@ -26,6 +28,8 @@ def diagnose_campaign(
     seed: int | None = None,
     jobs: int = 1,
     plan: bool = True,
+    holdout: float | None = None,
+    next_trial: bool = False,
     allow_outside: bool = False,
     progress: Progress | None = None,
 ) -> Campaign:
@@ -43,6 +47,10 @@ def diagnose_campaign(
         Folders of data sets.
     seed, jobs, plan, allow_outside
         As of `diagnose`.
+    holdout : float, optional
+        Last share of each record of legs or dives that is kept away; the mission extended so far is scored on it.
+    next_trial : bool
+        Whether to value the trials that could be made after the last of the data sets.
     progress : callable, optional
         Called with data sets done, of how many.
 
@@ -58,15 +66,33 @@ def diagnose_campaign(
     folders = sorted({as_path(dataset, "dataset").resolve() for dataset in datasets}, key=_place)
     if len(folders) != len(datasets) or not folders:
         raise InputError(f"datasets: given {len(datasets)}, {len(folders)} of them different; expected each one once")
+    parted = [folder for folder in folders if dataset_kind(folder, KINDS) in PARTED]
+    if holdout is not None and not parted:
+        raise InputError("holdout: none of the data sets is of legs (transit) or dives (descent)")
     extended, found = base, []
     for folder in folders:
-        one = diagnose(extended, folder, seed=seed, jobs=jobs, plan=plan, allow_outside=allow_outside)
+        one = diagnose(
+            extended,
+            folder,
+            seed=seed,
+            jobs=jobs,
+            plan=plan,
+            holdout=holdout if folder in parted else None,
+            next_trial=next_trial and folder == folders[-1],
+            allow_outside=allow_outside,
+        )
         found.append(one)
         extended = Mission.from_data(one.extended, file=base.file)
         if progress is not None:
             progress(len(found), len(folders))
     provenance = Run("diagnose", base, 0, found[0].provenance.seed, started=started).provenance(
-        {"datasets": [str(folder) for folder in folders], "jobs": jobs, "plan": plan},
+        {
+            "datasets": [str(folder) for folder in folders],
+            "jobs": jobs,
+            "plan": plan,
+            "holdout": holdout,
+            "next_trial": next_trial,
+        },
         datasets=folders,
         notices=tuple(dict.fromkeys(notice for each in found for notice in each.provenance.notices)),
     )

@@ -113,3 +113,15 @@ def test_a_doubt_that_the_dives_leave_outlasts_the_legs(campaign: tuple[Path, li
     assert after.probability("compass-bias") > 0.99
     page = (found.save(tmp_path / "report") / "report.html").read_text()
     assert "Still in doubt: " in page
+
+
+def test_the_last_part_of_each_log_is_kept_away_and_trials_follow_the_last(campaign: tuple[Path, list[Path]]) -> None:
+    """Two logs of 30 legs, of which 21 each are learned from."""
+    path, (_, *logs) = campaign
+    found = missionplan.diagnose_campaign(path, logs, plan=False, holdout=0.3, next_trial=True)
+    parts = [each.last_part for each in found.diagnoses]
+    assert [part.groups for part in parts if part is not None] == [9, 9]
+    assert [len(each.residuals) for each in found.diagnoses] == [21, 21]
+    assert found.diagnoses[0].next_trial is None
+    assert found.diagnoses[1].next_trial is not None
+    assert found.provenance.options["holdout"] == 0.3

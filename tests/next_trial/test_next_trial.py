@@ -7,6 +7,8 @@ import pytest
 import yaml
 
 from missionplan.diagnosis.diagnose import diagnose
+from missionplan.diagnosis.inference.trials.experiment import Draws
+from missionplan.diagnosis.next_trial.next_trial import right_about_vehicle, to_do
 from missionplan.mission import Mission, load
 from missionplan.report.diagnosis.plan import next_trial_section
 from missionplan.results.learned.diagnosis import Diagnosis
@@ -64,6 +66,30 @@ def test_a_swing_of_the_compass_tells_which_it_is(next_trial: NextTrial) -> None
     swing = next(each for each in next_trial.designs if "swing of the compass" in each.name)
     assert swing.information > 0.5
     assert swing.energy_wh is None
+
+
+def test_what_the_crew_then_does_is_right_more_often(next_trial: NextTrial) -> None:
+    """By what is known now the likeliest thing to do is done; a swing settles whether the compass is to be swung."""
+    shares: dict[bool, float] = {}
+    for causes, share in next_trial.explanations:
+        about_compass = any(cause.startswith("compass") for cause in causes)
+        shares[about_compass] = shares.get(about_compass, 0.0) + share
+    assert next_trial.right <= max(shares.values()) + 1e-9
+    named = {each.name: each.right for each in next_trial.designs}
+    swing = next(right for name, right in named.items() if "swing of the compass" in name)
+    onward = next(right for name, right in named.items() if name.startswith("one long leg"))
+    assert swing > 0.9 * (1.0 - next_trial.right) + next_trial.right - 0.1
+    assert next_trial.right - 0.03 <= onward < swing
+
+
+def test_the_right_thing_to_do_by_hand() -> None:
+    """Three sets of which two ask for the same: 0.3 + 0.3 go before 0.4, and data that tell all leave no error."""
+    draws = Draws(np.array([0, 1, 2]), (np.zeros((1, 0)),) * 3, np.array([0.4, 0.3, 0.3]))
+    asked = [frozenset(), frozenset({"swing it"}), frozenset({"swing it"})]
+    assert right_about_vehicle(asked, draws, draws.weight) == pytest.approx(0.6)
+    assert right_about_vehicle(asked, draws, np.eye(3)) == pytest.approx(1.0)
+    assert to_do(("mean-current", "persistent-error")) == frozenset()
+    assert to_do(("compass-bias", "mean-current")) == to_do(("compass-bias",)) != frozenset()
 
 
 def test_repeats_tell_more_and_take_longer(next_trial: NextTrial) -> None:

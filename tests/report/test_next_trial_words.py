@@ -9,11 +9,11 @@ import yaml
 
 from missionplan.report.diagnosis.findings import how_sure
 from missionplan.report.diagnosis.page import answer
-from missionplan.report.diagnosis.plan import next_trial_pointer, next_trial_words
+from missionplan.report.diagnosis.plan import next_trial_pointer, next_trial_section, next_trial_words
 from missionplan.results.learned.evidence import Readings
 from missionplan.results.learned.next_trial import NextTrial, OutcomeRule, TrialOutcome, ValuedDesign
 
-LEGS = ValuedDesign("two opposite legs of 400 m", 28.0, 3.1, 1.4, 1.2, 0.1)
+LEGS = ValuedDesign("two opposite legs of 400 m", 28.0, 3.1, 1.4, 1.2, 0.1, 0.9)
 FOUND = NextTrial(
     decides="d_max_m",
     unit="min",
@@ -51,6 +51,17 @@ def test_a_choice_at_the_end_of_those_tried_is_said_to_be() -> None:
     assert "3.00\u00a0km (the longest tried; success" in next_trial_words(replace(FOUND, choice=3000.0))
     anchors = replace(FOUND, decides="anchor_wet_weight_n", choice=18.0, tried=(3.5, 18.0), best=None)
     assert "the anchor's wet weight is best at 18\u00a0N (the heaviest tried; success" in next_trial_words(anchors)
+
+
+def test_what_settles_what_to_do_about_the_vehicle_is_the_cheapest_that_nearly_does() -> None:
+    longer, swing = replace(LEGS, minutes=90.0, right=0.92), replace(LEGS, name="a swing", minutes=20.0, right=0.6)
+    found = replace(FOUND, designs=(longer, LEGS, swing), right=0.6)
+    assert found.settling is LEGS
+    assert replace(found, right=0.89).settling is None
+    assert NextTrial().settling is None
+    said = str(next_trial_section(found)[0].blocks)
+    assert "is right with 60" in said
+    assert "after two opposite legs of 400 m, which takes 28" in said
 
 
 def test_what_to_do_next_names_the_trial() -> None:

@@ -22,6 +22,7 @@ from missionplan.diagnosis.pipeline import PipelineResult
 from missionplan.effects import CATALOGUE
 from missionplan.effects.info import Instrument
 from missionplan.errors import MissionplanError
+from missionplan.results.learned.evidence import Causes
 from missionplan.results.learned.next_trial import NextTrial, OutcomeRule, TrialOutcome, ValuedDesign
 
 
@@ -60,6 +61,31 @@ def measured(instrument: Instrument, coordinate: Coordinate, believed: Sequence[
 
 def _is_same(own: Coordinate, other: Coordinate) -> bool:
     return (own.effect, own.name, own.kind) == (other.effect, other.name, other.kind)
+
+
+def to_do(causes: Causes) -> frozenset[str]:
+    """Return what causes ask of the crew: the remedies of what the vehicle has itself; of all else nothing."""
+    infos = [CATALOGUE[cause] for cause in causes]
+    own = [info for info in infos if info.belongs_to == "vehicle" and info.tier == "physical"]
+    return frozenset(info.finding.remedy for info in own if info.finding is not None)
+
+
+def right_about_vehicle(asked: Sequence[frozenset[str]], draws: Draws, probabilities: Array) -> float:
+    """Return the probability that the crew does what is right about the vehicle, if it does the likeliest.
+
+    Parameters
+    ----------
+    asked : sequence of frozenset, length s
+        What each set of causes asks for; see `to_do`.
+    draws : Draws
+        Of what is true.
+    probabilities : array, shape (n, s) or (s,)
+        Of the sets, as they are known then.
+    """
+    things = list(dict.fromkeys(asked))
+    same = np.array([[own == thing for thing in things] for own in asked], dtype=float)
+    done = np.broadcast_to(np.argmax(probabilities @ same, axis=-1), draws.weight.shape)
+    return float(draws.weight @ same[draws.explanation, done])
 
 
 LISTED = 5
@@ -178,6 +204,7 @@ class Valuation:
     def result(self) -> NextTrial:
         """Value every design and find the best."""
         problem, found = self.losses.problem, []
+        asked = [to_do(each.causes) for each in self.believed]
         for candidate in self.candidates():
             experiment = self.experiment(candidate)
             data = experiment.data(self.draws, np.random.default_rng(self.seed + 1))
@@ -190,6 +217,7 @@ class Valuation:
                 information,
                 saving.mean,
                 saving.error,
+                right_about_vehicle(asked, self.draws, experiment.probabilities(data)),
             )
             found.append((valued, candidate, saving))
         found.sort(key=lambda entry: (-entry[0].saving if entry[2].changes else 0.0, -entry[0].information))
@@ -205,6 +233,7 @@ class Valuation:
             perfect=perfect.mean if perfect.changes else 0.0,
             explanations=tuple((each.causes, each.explanation.probability) for each in self.believed),
             designs=tuple(valued for valued, _, _ in found),
+            right=right_about_vehicle(asked, self.draws, np.array([e.explanation.probability for e in self.believed])),
         )
         worth = [entry for entry in found if entry[2].changes and entry[0].saving > WORTH * result.loss]
         return self._with_best(result, worth) if worth else result

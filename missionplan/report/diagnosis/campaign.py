@@ -12,6 +12,7 @@ from missionplan.report.diagnosis.findings import finding_in_words
 from missionplan.report.diagnosis.kind_report import names, percent
 from missionplan.report.diagnosis.page import answer as answer_of
 from missionplan.report.diagnosis.page import page as page_of
+from missionplan.report.diagnosis.plan import next_trial_section
 from missionplan.report.page import Block, Page, PageSection, Table
 from missionplan.results.entries import mapping, real
 from missionplan.results.learned.diagnosis import Campaign
@@ -49,7 +50,7 @@ def _sections(campaign: Campaign) -> list[PageSection]:
             blocks.append(replace(figure, name=f"{figure.name}-{index}"))
         blocks.append(f"Everything about it is in the folder {index}-{each.kind}.")
         sections.append(PageSection(name, blocks))
-    return sections
+    return [*sections, *next_trial_section(campaign.diagnoses[-1].next_trial)]
 
 
 def answer(campaign: Campaign) -> str:

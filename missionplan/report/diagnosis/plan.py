@@ -148,7 +148,7 @@ def next_trial_section(found: NextTrial | None) -> list[PageSection]:
     if found.reason is not None:
         return [PageSection("The next trial", [f"No trial was valued: {found.reason}."])]
     heading = "No trial is worth it" if found.best is None else "The next trial"
-    blocks: list[Block] = [next_trial_words(found), _assumptions(found)]
+    blocks: list[Block] = [next_trial_words(found), *_about_vehicle(found), _assumptions(found)]
     if found.best is not None:
         blocks += [*_few_legs(found), _outcomes(found), *_rule_words(found)]
     return [PageSection(heading, [*blocks, _designs(found)])]
@@ -195,6 +195,17 @@ def next_trial_words(found: NextTrial) -> str:
         f"(± {_loss(best.saving_error, found)}), {share}. "
         f"{_choice_now(found)} The trial pays for itself {_payback(found)}."
     )
+
+
+def _about_vehicle(found: NextTrial) -> list[str]:
+    """Say which trial settles what to do about the vehicle itself, where one does."""
+    if found.settling is None:
+        return []
+    now, then = percent(found.right), percent(found.settling.right)
+    return [
+        f"What to do about the vehicle (swing, calibrate, clean, nothing) is right with {now} by what is known now; "
+        f"after {found.settling.name}, which {_takes(found.settling)}, with {then}."
+    ]
 
 
 def _choice_now(found: NextTrial) -> str:
@@ -303,10 +314,12 @@ def _designs(found: NextTrial) -> Table:
             "" if each.energy_wh is None else f"{each.energy_wh:.3g}",
             f"{each.information:.2g}",
             _saving(each, found),
+            percent(each.right),
         ]
         for each in listed
     ]
     columns = ["Trial", "Time (min)", "Energy (W h)", "Information (nats)", f"Saves ({found.unit} a mission)"]
+    columns.append("Right about the vehicle")
     rest = len(found.designs) - _LISTED
     more = f" {rest} more in next-trials.csv." if rest > 0 else ""
     order = "The recommended one, then those that save or tell most." if first else "Those that tell most first."

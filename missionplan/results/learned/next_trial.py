@@ -10,6 +10,8 @@ from missionplan.results.base import to_csv, to_yaml
 from missionplan.results.learned.evidence import Causes
 
 LossUnit = Literal["W h", "min"]
+MORE_RIGHT, NEARLY_RIGHT = 0.05, 0.03
+"""Gain in the probability of doing right from which a trial is told to settle it, and what counts as equal."""
 
 
 @dataclass(frozen=True)
@@ -33,6 +35,8 @@ class ValuedDesign:
     """Expected gain in information about the causes and their sizes [nats]."""
     saving: float
     saving_error: float
+    right: float
+    """Probability that what the crew then does about the vehicle is right: swing, calibrate, clean, or nothing."""
 
 
 @dataclass(frozen=True)
@@ -102,6 +106,8 @@ class NextTrial:
     """Sets of causes that may hold, with their probabilities."""
     designs: tuple[ValuedDesign, ...] = ()
     """Greatest saving first, then greatest information."""
+    right: float = 0.0
+    """Probability that what the crew does about the vehicle by what is known now is right."""
     best: ValuedDesign | None = None
     """The cheapest of those that save nearly the most; None where no trial is worth it."""
     outcomes: tuple[TrialOutcome, ...] = ()
@@ -112,6 +118,13 @@ class NextTrial:
     """Mission file's data of the best; None for an instrument, or without a best."""
     reason: str | None = None
     """Why nothing was computed, where nothing was."""
+
+    @property
+    def settling(self) -> ValuedDesign | None:
+        """The cheapest of those that nearly best tell what to do about the vehicle; None where none tells more."""
+        most = max((each.right for each in self.designs), default=0.0)
+        enough = [each for each in self.designs if each.right >= most - NEARLY_RIGHT]
+        return min(enough, key=lambda each: each.minutes) if most > self.right + MORE_RIGHT else None
 
     def summary(self) -> dict[str, object]:
         """Return the entry ``next_trial`` of ``diagnosis.json``."""
@@ -124,6 +137,7 @@ class NextTrial:
             "tried": list(self.tried),
             f"loss_{unit}": self.loss,
             "success": self.success,
+            "right": self.right,
             f"failure_loss_{unit}": self.failure_loss,
             f"perfect_saving_{unit}": self.perfect,
             "explanations": [{"causes": list(causes), "probability": p} for causes, p in self.explanations],
@@ -144,6 +158,7 @@ class NextTrial:
                 "information_nats": each.information,
                 f"saving_{unit}": each.saving,
                 f"saving_error_{unit}": each.saving_error,
+                "right": each.right,
             }
             for each in self.designs
         ]
