@@ -23,7 +23,7 @@ TABLE = {
     "results/mooring": ["studies/anchor", "studies/simulation"],
     "scenario": ["scenario", "montecarlo/test_streams_drawn.py", "studies/simulation", "phases/mooring"],
     "scenario/currents": ["scenario/currents", "phases/test_field_lookups.py"],
-    "studies/mission_plan": ["exporters"],
+    "studies/mission_plan": ["exporters", "cli/test_export.py"],
     "studies/optimisation": [
         "studies/optimisation/test_against_brute_force.py",
         "studies/optimisation/test_search.py",
