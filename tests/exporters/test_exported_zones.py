@@ -83,7 +83,9 @@ def test_geojson_holds_them_with_outlines_counter_clockwise_and_their_limits(pla
 def test_kml_holds_them(plan):
     root = ElementTree.fromstring(content(plan, "kml"))
     found = {
-        each.findtext(f"{KML}name"): each for each in root.iter(f"{KML}Placemark") if each.find(f".//{KML}Polygon")
+        each.findtext(f"{KML}name"): each
+        for each in root.iter(f"{KML}Placemark")
+        if each.find(f".//{KML}Polygon") is not None
     }
     for name, wanted in polygons(plan).items():
         parts = []
