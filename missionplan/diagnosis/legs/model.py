@@ -187,4 +187,4 @@ class TransitModel(TransitFitting):
             [current, np.repeat(current.mean(axis=1, keepdims=True), added.shape[1], axis=1)], axis=1
         )
         base = np.concatenate([self.base, added], axis=1)
-        return replace(self, data=data, base=base, site_current=current, only=self.coordinates)
+        return replace(self, data=data, base=base, site_current=current, only=self.with_term(None).coordinates)
