@@ -136,8 +136,8 @@ def _rounded(value: float) -> str:
     return f"{value:.{digits}f}"
 
 
-STATISTICAL = 20
-"""Legs from which statistical descriptions are claimed."""
+_PERSISTENCE = 20
+"""Legs that usually show what persists from leg to leg; fewer do where it is strong."""
 _TIDE = 12.42 * 3600.0
 _ONE_COURSE = 0.9
 """Length of the courses' mean unit vector above which all legs go one way."""
@@ -166,8 +166,8 @@ def _constant(legs: int) -> tuple[str, str]:
 
 
 def _statistical(legs: int) -> tuple[str, str]:
-    enough = legs >= STATISTICAL
-    verdict = f"yes: {legs} legs" if enough else f"no: {legs} legs, and {STATISTICAL} are needed"
+    enough = legs >= _PERSISTENCE
+    verdict = f"yes: {legs} legs" if enough else f"hardly: {legs} legs, where some {_PERSISTENCE} usually show it"
     return "persistence, a random walk, heavy tails", verdict
 
 
