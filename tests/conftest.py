@@ -16,7 +16,7 @@ import pytest
 import yaml
 from hypothesis import HealthCheck, settings
 
-from missionplan.diagnosis.dives.model_factory import descent_model
+from missionplan.diagnosis.dives.model import descent_model
 from missionplan.diagnosis.dives.preparation import PreparedDives, binned
 from missionplan.effects import CATALOGUE
 from missionplan.mission import load

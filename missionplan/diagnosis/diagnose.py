@@ -14,7 +14,7 @@ from missionplan.datasets.reading import files_outside
 from missionplan.diagnosis.data_kind import DataKind
 from missionplan.diagnosis.explanations import Weighed, hypotheses, odds, weighed, with_found
 from missionplan.diagnosis.extended_mission import extended_mission
-from missionplan.diagnosis.forecast_error import forecast_notice
+from missionplan.diagnosis.given.effects import forecast_notice
 from missionplan.diagnosis.inference.experiment_design import Discrimination, discriminations
 from missionplan.diagnosis.inference.model import CauseFit
 from missionplan.diagnosis.inference.selection import Candidate

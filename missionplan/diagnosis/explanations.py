@@ -17,7 +17,7 @@ from missionplan.arrays import Array
 from missionplan.diagnosis.data_kind import DataKind
 from missionplan.diagnosis.hypotheses import Hypothesis
 from missionplan.diagnosis.inference.model import CauseFit, FailedFit, fitted
-from missionplan.diagnosis.inference.posterior import CREDIBLE
+from missionplan.diagnosis.inference.selection import CREDIBLE
 from missionplan.diagnosis.kinds import bind_dataset
 from missionplan.diagnosis.pipeline import PipelineResult
 from missionplan.effects import CATALOGUE, exclusive_groups

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from missionplan.arrays import Array
-from missionplan.diagnosis.given.draws import is_learned, stated_draws
+from missionplan.diagnosis.given.priors import is_learned, stated_draws
 from missionplan.diagnosis.hypotheses import Hypothesis, seen_after
 from missionplan.effects import CATALOGUE
 from missionplan.mission.reading.includes import SIGMA, hash_of

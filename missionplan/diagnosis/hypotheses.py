@@ -5,8 +5,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 from missionplan.diagnosis.coordinates import Coordinate
-from missionplan.diagnosis.given.draws import is_learned
-from missionplan.diagnosis.given.priors import given_priors
+from missionplan.diagnosis.given.priors import given_priors, is_learned
 from missionplan.diagnosis.inference.model import CauseFit
 from missionplan.effects import CATALOGUE
 from missionplan.mission import Mission

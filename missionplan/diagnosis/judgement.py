@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from missionplan.diagnosis.data_kind import DataKind
 from missionplan.diagnosis.inference.cross_validation import interval_coverage
 from missionplan.diagnosis.inference.model import HeldOutScore
-from missionplan.diagnosis.inference.posterior import inclusion, rivals
+from missionplan.diagnosis.inference.selection import inclusion, rivals
 from missionplan.diagnosis.pipeline import PipelineResult
 from missionplan.results.learned.evidence import Causes, Coverage, Readings, Verdict
 

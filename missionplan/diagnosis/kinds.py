@@ -16,7 +16,7 @@ KINDS: Mapping[str, tuple[str, str]] = {
     "free-oscillation": ("missionplan.diagnosis.tank.kind", "TankKind"),
     "thruster": ("missionplan.diagnosis.tank.kind", "TankKind"),
     "propeller-transient": ("missionplan.diagnosis.tank.kind", "TankKind"),
-    "summary": ("missionplan.diagnosis.summaries.kind", "SummaryKind"),
+    "summary": ("missionplan.diagnosis.summaries", "SummaryKind"),
 }
 """By ``kind`` in ``dataset.yaml``, the module and the class: one of them is imported, when it is needed."""
 

@@ -6,10 +6,10 @@ from functools import partial
 
 import numpy as np
 
-from missionplan.diagnosis.inference.adequacy.discrepancy import discrepancy
-from missionplan.diagnosis.inference.adequacy.residual_tests import outlying_groups
 from missionplan.diagnosis.inference.cross_validation import HeldOutComparison, compare_held_out
+from missionplan.diagnosis.inference.discrepancy import discrepancy
 from missionplan.diagnosis.inference.model import CauseFit, FailedFit, Model, fitted
+from missionplan.diagnosis.inference.residual_tests import outlying_groups
 from missionplan.diagnosis.inference.selection import LIKELY, Candidate, Progress, Selection, WeighsAllSets, no_progress
 from missionplan.effects import CATALOGUE
 from missionplan.errors import RunError

@@ -165,7 +165,7 @@ def test_diagnose_imports_one_kind_of_data(tmp_path: Path) -> None:
     others = {
         "missionplan.diagnosis.legs.kind",
         "missionplan.diagnosis.dives.kind",
-        "missionplan.diagnosis.summaries.kind",
+        "missionplan.diagnosis.summaries",
     }
     assert not imported & (
         others | {"matplotlib", "xarray", "dask", "joblib", "jinja2", "missionplan.studies.simulation.simulate"}

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from missionplan.datasets.summaries import read_summary
-from missionplan.diagnosis.summaries import model
-from missionplan.diagnosis.summaries.kind import summary_model
+from missionplan.diagnosis import summaries
+from missionplan.diagnosis.summaries import summary_model
 from missionplan.errors import InputError
 
 HEADER = "run,quantity,value,sd\n"
@@ -42,6 +42,6 @@ def test_below_the_depth_where_it_is_uniform_a_dive_needs_no_steps(folder, desce
     bound = summary_model(read_summary(path, descent_mission), descent_mission).forward
     nothing = np.zeros((0, 1))
     short = bound.readings((), nothing)
-    monkeypatch.setattr(model, "UNIFORM_BELOW", 1e4)
-    monkeypatch.setattr(model, "FINE_DOWN_TO", 1e4)
+    monkeypatch.setattr(summaries, "UNIFORM_BELOW", 1e4)
+    monkeypatch.setattr(summaries, "FINE_DOWN_TO", 1e4)
     np.testing.assert_allclose(short, bound.readings((), nothing), rtol=1e-5)

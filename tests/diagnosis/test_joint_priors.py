@@ -8,8 +8,7 @@ import pytest
 from scipy import stats
 
 from missionplan import diagnose
-from missionplan.diagnosis.dives.model import DescentModel
-from missionplan.diagnosis.dives.model_factory import given_on_descent
+from missionplan.diagnosis.dives.model import DescentModel, given_on_descent
 from missionplan.diagnosis.extended_mission import extended_mission
 from missionplan.diagnosis.given.effects import tied
 from missionplan.diagnosis.given.priors import given_priors

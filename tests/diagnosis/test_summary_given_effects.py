@@ -8,7 +8,7 @@ import pytest
 
 from missionplan import diagnose
 from missionplan.datasets.summaries import read_summary
-from missionplan.diagnosis.summaries.kind import summary_model
+from missionplan.diagnosis.summaries import summary_model
 from missionplan.mission import Mission
 
 WEIGHTS = (9.0, 13.0, 18.0, 25.0)

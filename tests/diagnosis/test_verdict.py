@@ -8,8 +8,15 @@ import pytest
 
 from missionplan.diagnosis.inference.cross_validation import compare_held_out
 from missionplan.diagnosis.inference.model import CauseFit, HeldOutScore
-from missionplan.diagnosis.inference.posterior import credible_set, inclusion, probabilities, rivals
-from missionplan.diagnosis.inference.selection import Candidate, Selection, log_prior
+from missionplan.diagnosis.inference.selection import (
+    Candidate,
+    Selection,
+    credible_set,
+    inclusion,
+    log_prior,
+    probabilities,
+    rivals,
+)
 from missionplan.diagnosis.pipeline import Reading
 
 GOOD, BAD = (

@@ -10,8 +10,7 @@ import numpy as np
 
 from missionplan.datasets.legs import read_transit
 from missionplan.diagnosis.explanations import weighed
-from missionplan.diagnosis.inference.trials.decision import choice_after
-from missionplan.diagnosis.inference.trials.experiment import Experiment
+from missionplan.diagnosis.inference.trials import Experiment, choice_after
 from missionplan.diagnosis.judgement import judge
 from missionplan.diagnosis.next_trial.leg_trials import LegTrials
 from missionplan.diagnosis.next_trial.next_trial import Valuation, valuation

@@ -22,9 +22,8 @@ import yaml
 from missionplan.datasets.dives import read_descent
 from missionplan.diagnosis.dives.preparation import DiveLog, prepare_dives
 from missionplan.diagnosis.explanations import weighed
-from missionplan.diagnosis.inference.trials.decision import choice_after, value_of_information
-from missionplan.diagnosis.inference.trials.experiment import Experiment, drawn
-from missionplan.diagnosis.inference.trials.prediction import Explanation, Prediction
+from missionplan.diagnosis.inference.trial_prediction import Explanation, Prediction
+from missionplan.diagnosis.inference.trials import Experiment, choice_after, drawn, value_of_information
 from missionplan.diagnosis.judgement import judge
 from missionplan.diagnosis.next_trial.belief import Believed, believe, possible_fits
 from missionplan.diagnosis.next_trial.dive_trials import DiveTrials

@@ -7,7 +7,7 @@ import pytest
 import yaml
 
 from missionplan.diagnosis.diagnose import diagnose
-from missionplan.diagnosis.inference.trials.experiment import Draws
+from missionplan.diagnosis.inference.trials import Draws
 from missionplan.diagnosis.next_trial.next_trial import right_about_vehicle, to_do
 from missionplan.mission import Mission, load
 from missionplan.report.diagnosis.plan import next_trial_section

@@ -11,8 +11,8 @@ import numpy as np
 
 from missionplan.datasets.legs import read_transit
 from missionplan.diagnosis.explanations import weighed
-from missionplan.diagnosis.inference.trials.experiment import Experiment
-from missionplan.diagnosis.inference.trials.prediction import Explanation
+from missionplan.diagnosis.inference.trial_prediction import Explanation
+from missionplan.diagnosis.inference.trials import Experiment
 from missionplan.diagnosis.next_trial.belief import Believed
 from missionplan.diagnosis.next_trial.leg_trials import SHAPES, LegTrials
 from missionplan.mission import Mission

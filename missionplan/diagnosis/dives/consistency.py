@@ -17,8 +17,8 @@ from scipy.special import logsumexp
 
 from missionplan.diagnosis.dives.fitting import DescentFitting, log_joint_with_noise
 from missionplan.diagnosis.dives.likelihood import NoiseGridLikelihood
-from missionplan.diagnosis.inference.adequacy.axes import differing
-from missionplan.diagnosis.inference.adequacy.discrepancy import THRESHOLD, along_each_axis
+from missionplan.diagnosis.inference.axes import differing
+from missionplan.diagnosis.inference.discrepancy import THRESHOLD, along_each_axis
 from missionplan.diagnosis.inference.model import CauseFit
 from missionplan.diagnosis.inference.selection import FURTHER
 from missionplan.results.learned.evidence import Causes

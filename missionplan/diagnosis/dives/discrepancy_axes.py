@@ -16,7 +16,7 @@ from missionplan.diagnosis.coordinates import Coordinate
 from missionplan.diagnosis.dives.forward import DescentForward
 from missionplan.diagnosis.dives.linearised import DiveLinearisation, LinearisedDescent
 from missionplan.diagnosis.dives.preparation import DiveLog
-from missionplan.diagnosis.inference.adequacy.axes import Axis, AxisScale, differing, directed, pointwise, scaled
+from missionplan.diagnosis.inference.axes import Axis, AxisScale, differing, directed, pointwise, scaled
 from missionplan.phases.hooks import DescentEffect
 
 AXIS_LABELS = {"time": "Time since separation (s)", "speed": "Speed (m/s)", "depth": "Depth (m)"}

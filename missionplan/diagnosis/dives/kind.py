@@ -12,8 +12,7 @@ from missionplan.datasets.dives import read_descent
 from missionplan.diagnosis.coordinates import Coordinate
 from missionplan.diagnosis.data_kind import DataKind
 from missionplan.diagnosis.dives.consistency import EXCHANGED, not_constant
-from missionplan.diagnosis.dives.model import DescentModel
-from missionplan.diagnosis.dives.model_factory import check_leaves_surface, descent_model
+from missionplan.diagnosis.dives.model import DescentModel, check_leaves_surface, descent_model
 from missionplan.diagnosis.dives.preparation import PreparedDives, prepare_dives
 from missionplan.diagnosis.given.effects import GivenEffect
 from missionplan.diagnosis.inference.model import CauseFit

@@ -22,7 +22,6 @@ from missionplan.diagnosis.dives.noise import (
     sensor_and_turbulence_covariance,
     shape_error_covariance,
 )
-from missionplan.diagnosis.inference.adequacy.residuals import InnerProducts
 from missionplan.diagnosis.inference.marginal_likelihood import (
     LOG_2PI,
     Marginal,
@@ -30,6 +29,7 @@ from missionplan.diagnosis.inference.marginal_likelihood import (
     standardised,
     standardised_gram,
 )
+from missionplan.diagnosis.inference.residual_tests import InnerProducts
 
 ALL_DIVES = slice(None)
 

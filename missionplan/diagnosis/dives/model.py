@@ -1,31 +1,46 @@
 """Model of dive logs: fits of sets of causes, what they leave, and how well they predict dives held out or to come."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 
 import numpy as np
+from numpy.lib.stride_tricks import sliding_window_view
 from scipy.linalg import solve_triangular
 from scipy.special import logsumexp
 
 from missionplan.arrays import Array
+from missionplan.datasets.records import DescentData, MeasuredDive
 from missionplan.diagnosis.dives import designs as dive_designs
 from missionplan.diagnosis.dives.consistency import EXCHANGED, ExchangedLabels, exchanged_labels
 from missionplan.diagnosis.dives.discrepancy_axes import descent_axes, drag_of_each_dive
 from missionplan.diagnosis.dives.fitting import DescentFitting, log_joint_with_noise
+from missionplan.diagnosis.dives.forward import DescentForward
 from missionplan.diagnosis.dives.linearised import DiveLinearisation
 from missionplan.diagnosis.dives.noise import noise_grid
+from missionplan.diagnosis.dives.preparation import PreparedDives
 from missionplan.diagnosis.dives.responses import responses_beside
 from missionplan.diagnosis.dives.supersets import log_gains
-from missionplan.diagnosis.inference.adequacy.axes import Axis
-from missionplan.diagnosis.inference.adequacy.residuals import Residuals
+from missionplan.diagnosis.given.effects import GivenEffect
+from missionplan.diagnosis.given.priors import check_together, given_effects, given_priors
+from missionplan.diagnosis.inference.axes import Axis
 from missionplan.diagnosis.inference.importance_sampling import DRAWS, SampledEvidence, sampled_evidence
 from missionplan.diagnosis.inference.marginal_likelihood import QUANTILE_95
 from missionplan.diagnosis.inference.model import CauseFit, HeldOutScore
 from missionplan.diagnosis.inference.prior import inside_range
+from missionplan.diagnosis.inference.residual_tests import Residuals
 from missionplan.diagnosis.inference.selection import Progress, Selection, no_progress
 from missionplan.diagnosis.inference.weighing import NeutralResponses, weigh
+from missionplan.effects import effects_of
+from missionplan.errors import InputError, Problem
+from missionplan.mission import Mission
+from missionplan.mission.views import MooringMission
+from missionplan.phases.hooks import DescentEffect
+from missionplan.phases.mooring.descent import descent_stages
+from missionplan.phases.mooring.forces import DescentHooks, Dive
 from missionplan.results.learned.evidence import Causes
+from missionplan.scenario.phases import dive_of
+from missionplan.scenario.scenario import Scenario
 
 MOST_REFITTED = 8
 """Dives up to which the causes are searched anew without each."""
@@ -200,3 +215,92 @@ def noise_free_discrimination(model: DescentModel, first: CauseFit, second: Caus
     readings = forward.readings(model.coordinates, first.state.linear.at[:, None])[:, 0]
     forward = replace(forward, logs=dive_designs.with_depths(forward.logs, readings))
     return replace(model, forward=forward).expected_log_bayes_factor(first, second)
+
+
+AT_SURFACE = 0.5
+"""Depth that a vehicle at the surface is read at, at most: waves, trim and the offset of a sensor [m]."""
+SMOOTHED = 5
+"""Readings of which the median is taken."""
+
+
+def descent_model(data: PreparedDives, mission: Mission) -> DescentModel:
+    """Bind a mission's first mooring to dive logs.
+
+    Raises
+    ------
+    InputError
+        When the mission lacks what a descent needs.
+    """
+    return DescentModel(DescentForward(descent_builder(mission), data.dives), given_on_descent(mission))
+
+
+def given_on_descent(mission: Mission) -> tuple[GivenEffect, ...]:
+    """Return a mission's own effects on a descent, as its dives are diagnosed.
+
+    Raises
+    ------
+    InputError
+        When a diagnosis cannot hold them together.
+    """
+    given = given_priors(mission, effects_of("descent"))
+    check_together(given, mission, "descent")
+    return given
+
+
+def descent_builder(mission: Mission) -> Callable[[Array, Array], Dive]:
+    """Return the mission's descent, without effects, as a function of wet weights [N] and line lengths [m].
+
+    Raises
+    ------
+    InputError
+        When the mission lacks what a descent needs.
+    """
+    MooringMission.of(mission, depth=False)
+    scenario = Scenario.at_means(mission).at_depth(0.0)
+
+    def build(weights: Array, lines: Array) -> Dive:
+        phase = scenario.moor().model_copy(update={"line_length": lines, "lateral": "uncoupled"})
+        return dive_of(scenario, phase, weights)
+
+    return build
+
+
+def check_leaves_surface(data: DescentData, mission: Mission) -> None:
+    """Refuse dives in which the vehicle never leaves the surface, or whose log ends before it could.
+
+    Raises
+    ------
+    InputError
+        With each of them.
+    """
+    floating = [dive for dive in data.dives if float(_running_median(dive.depth).max()) < AT_SURFACE]
+    if not floating:
+        return
+    problems = []
+    for dive, taut in zip(floating, _taut_times(floating, mission), strict=True):
+        end = float(dive.t[-1])
+        if end <= taut:
+            words = f"the log ends {end:.3g} s after the separation, before the line is taut (at {taut:.3g} s)"
+        else:
+            words = (
+                f"the vehicle never leaves the surface: its depths are at most {dive.depth.max():.3g} m, and the line "
+                f"of {dive.line_length:.4g} m is taut {taut:.3g} s after the separation"
+            )
+        problems.append(Problem(f"{dive.name}: {words}", data.file, dive.line, "depth_m"))
+    raise InputError(problems)
+
+
+def _taut_times(dives: list[MeasuredDive], mission: Mission) -> Array:
+    """Times from the separation to the taut line as the mission expects them, shape (n,) [s]."""
+    weights, lines, depths = (
+        np.array([getattr(dive, key) for dive in dives]) for key in ("wet_weight", "line_length", "site_depth")
+    )
+    effects = [effect for effect in given_effects(mission) if isinstance(effect, DescentEffect)]
+    dive = replace(descent_builder(mission)(weights, lines), site_depth=depths)
+    return descent_stages(dive, DescentHooks(effects), len(dives)).taut_at
+
+
+def _running_median(values: Array) -> Array:
+    """Median of each value and its neighbours, the record mirrored at its ends."""
+    mirrored = np.pad(values, SMOOTHED // 2, mode="symmetric")
+    return np.asarray(np.median(sliding_window_view(mirrored, SMOOTHED), axis=-1))

@@ -16,9 +16,9 @@ from scipy.special import logsumexp
 from missionplan.arrays import Array
 from missionplan.diagnosis.dives.fitting import log_joint_with_noise
 from missionplan.diagnosis.dives.noise import NOMINAL_NOISE, Noise, noise_grid
-from missionplan.diagnosis.inference.adequacy.axes import Axis
-from missionplan.diagnosis.inference.adequacy.residuals import InnerProducts
+from missionplan.diagnosis.inference.axes import Axis
 from missionplan.diagnosis.inference.model import CauseFit
+from missionplan.diagnosis.inference.residual_tests import InnerProducts
 from missionplan.diagnosis.inference.set_evidence import log_slab_factor
 from missionplan.diagnosis.inference.weighing import NeutralResponses
 

@@ -17,9 +17,9 @@ from missionplan.arrays import Array
 from missionplan.diagnosis.dives.likelihood import DescentLikelihood
 from missionplan.diagnosis.dives.linearised import DIFFERENCE
 from missionplan.diagnosis.dives.noise import noise_grid
-from missionplan.diagnosis.inference.adequacy.residuals import InnerProducts
 from missionplan.diagnosis.inference.model import CauseFit
 from missionplan.diagnosis.inference.prior import log_normal_mass
+from missionplan.diagnosis.inference.residual_tests import InnerProducts
 from missionplan.diagnosis.inference.set_evidence import SCALES, log_slab_factor
 from missionplan.results.learned.evidence import Causes
 

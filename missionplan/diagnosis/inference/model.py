@@ -13,7 +13,7 @@ from typing import Any, Protocol, runtime_checkable
 
 import numpy as np
 
-from missionplan.diagnosis.inference.adequacy.residuals import Residuals
+from missionplan.diagnosis.inference.residual_tests import Residuals
 from missionplan.montecarlo.parallel.blocks import parallel_map
 from missionplan.results.learned.evidence import Causes, ParameterEstimate
 

@@ -18,8 +18,17 @@ from typing import Protocol
 from missionplan.arrays import Array
 from missionplan.diagnosis.inference.importance_sampling import SampledEvidence
 from missionplan.diagnosis.inference.model import CauseFit, FailedFit, Model, fitted
-from missionplan.diagnosis.inference.posterior import credible_set, over_responses, probabilities, told_together
-from missionplan.diagnosis.inference.selection import FURTHER, Candidate, Progress, Selection, log_prior
+from missionplan.diagnosis.inference.selection import (
+    FURTHER,
+    Candidate,
+    Progress,
+    Selection,
+    credible_set,
+    log_prior,
+    over_responses,
+    probabilities,
+    told_together,
+)
 from missionplan.errors import RunError
 from missionplan.montecarlo.parallel.blocks import parallel_map
 from missionplan.results.learned.evidence import Causes

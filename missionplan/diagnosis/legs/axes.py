@@ -6,7 +6,7 @@ import numpy as np
 
 from missionplan.arrays import Array
 from missionplan.datasets.records import TransitData
-from missionplan.diagnosis.inference.adequacy.axes import Axis, around, pointwise, scaled
+from missionplan.diagnosis.inference.axes import Axis, around, pointwise, scaled
 from missionplan.phases.hooks import Leg
 
 VARIES = 0.1

@@ -13,8 +13,7 @@ from missionplan.datasets.legs import read_transit
 from missionplan.datasets.records import TransitData
 from missionplan.diagnosis.coordinates import Coordinate
 from missionplan.diagnosis.data_kind import DataKind
-from missionplan.diagnosis.forecast_error import forecast_effect, has_forecast_error, with_forecast_error
-from missionplan.diagnosis.given.effects import GivenEffect
+from missionplan.diagnosis.given.effects import GivenEffect, forecast_effect, has_forecast_error, with_forecast_error
 from missionplan.diagnosis.inference.model import CauseFit
 from missionplan.diagnosis.learned_data import as_then, unlearned
 from missionplan.diagnosis.legs.aliases import aliases

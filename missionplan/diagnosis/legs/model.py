@@ -9,9 +9,9 @@ from scipy.linalg import solve_triangular
 
 from missionplan.arrays import Array
 from missionplan.datasets.records import TransitData
-from missionplan.diagnosis.inference.adequacy.residuals import Residuals
 from missionplan.diagnosis.inference.marginal_likelihood import QUANTILE_95, expected_log_ratio
 from missionplan.diagnosis.inference.model import CauseFit, FailedFit, FitRequest, HeldOutScore
+from missionplan.diagnosis.inference.residual_tests import Residuals
 from missionplan.diagnosis.inference.selection import Progress, Selection, no_progress
 from missionplan.diagnosis.legs.axes import transit_axes
 from missionplan.diagnosis.legs.designs import DESIGNS, designs_for, with_further_legs

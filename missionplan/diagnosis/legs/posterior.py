@@ -21,8 +21,7 @@ from missionplan.arrays import Array
 from missionplan.diagnosis.coordinates import LOWER, UPPER, Coordinate, JointPosterior, estimates
 from missionplan.diagnosis.inference.laplace import Laplace
 from missionplan.diagnosis.inference.model import CauseFit
-from missionplan.diagnosis.inference.posterior import credible_set
-from missionplan.diagnosis.inference.selection import FURTHER, Candidate, Selection
+from missionplan.diagnosis.inference.selection import FURTHER, Candidate, Selection, credible_set
 from missionplan.diagnosis.inference.set_evidence import SCALES
 from missionplan.diagnosis.legs.fitting import by_quantiles
 from missionplan.diagnosis.legs.likelihood.mean import ActingTerm

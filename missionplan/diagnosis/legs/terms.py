@@ -17,7 +17,7 @@ import numpy as np
 
 from missionplan.arrays import Array, Scalars
 from missionplan.diagnosis.coordinates import Coordinate
-from missionplan.diagnosis.inference.adequacy.axes import Axis
+from missionplan.diagnosis.inference.axes import Axis
 from missionplan.diagnosis.legs.axes import paired_axes, transit_axes
 from missionplan.diagnosis.legs.fitting import TransitFitting
 from missionplan.diagnosis.legs.likelihood.mean import ActingTerm

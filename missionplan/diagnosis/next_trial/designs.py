@@ -8,7 +8,7 @@ import numpy as np
 
 from missionplan.diagnosis.data_kind import DataKind
 from missionplan.diagnosis.inference.model import CauseFit
-from missionplan.diagnosis.inference.trials.prediction import Prediction
+from missionplan.diagnosis.inference.trial_prediction import Prediction
 from missionplan.diagnosis.next_trial.belief import Believed, Posterior
 from missionplan.diagnosis.next_trial.losses import Alternatives
 from missionplan.errors import MissionplanError

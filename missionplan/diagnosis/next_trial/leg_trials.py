@@ -16,7 +16,7 @@ from missionplan.datasets.records import TransitData
 from missionplan.diagnosis.data_kind import DataKind
 from missionplan.diagnosis.given.effects import held
 from missionplan.diagnosis.inference.model import CauseFit
-from missionplan.diagnosis.inference.trials.prediction import Prediction
+from missionplan.diagnosis.inference.trial_prediction import Prediction
 from missionplan.diagnosis.legs.kind import TransitKind
 from missionplan.diagnosis.legs.model import TransitModel
 from missionplan.diagnosis.next_trial.belief import Believed, Posterior

@@ -7,8 +7,7 @@ import numpy as np
 
 from missionplan.arrays import Array
 from missionplan.diagnosis.coordinates import parameters_from
-from missionplan.diagnosis.inference.trials.decision import DecisionProblem
-from missionplan.diagnosis.inference.trials.experiment import Draws
+from missionplan.diagnosis.inference.trials import DecisionProblem, Draws
 from missionplan.diagnosis.next_trial.belief import Believed
 from missionplan.effects import CATALOGUE
 from missionplan.mission import Mission

@@ -12,9 +12,16 @@ from missionplan.arrays import Array
 from missionplan.diagnosis.coordinates import Coordinate
 from missionplan.diagnosis.data_kind import DataKind
 from missionplan.diagnosis.explanations import Weighed
-from missionplan.diagnosis.inference.trials.decision import DecisionProblem, Saving, value_of_information
-from missionplan.diagnosis.inference.trials.experiment import Draws, Experiment, drawn, polynomial
-from missionplan.diagnosis.inference.trials.prediction import Prediction
+from missionplan.diagnosis.inference.trial_prediction import Prediction
+from missionplan.diagnosis.inference.trials import (
+    DecisionProblem,
+    Draws,
+    Experiment,
+    Saving,
+    drawn,
+    polynomial,
+    value_of_information,
+)
 from missionplan.diagnosis.next_trial.belief import Believed, believe, likely_fits
 from missionplan.diagnosis.next_trial.designs import Cost, TrialKind
 from missionplan.diagnosis.next_trial.losses import Losses, losses

@@ -10,7 +10,7 @@ from missionplan.datasets.legs import MIN_LEGS
 from missionplan.datasets.records import TransitData
 from missionplan.diagnosis.data_kind import DataKind
 from missionplan.diagnosis.dives.kind import DescentKind
-from missionplan.diagnosis.dives.model_factory import descent_model
+from missionplan.diagnosis.dives.model import descent_model
 from missionplan.diagnosis.dives.preparation import MIN_DIVES, PreparedDives
 from missionplan.diagnosis.learned_data import unlearned
 from missionplan.diagnosis.legs.kind import TransitKind

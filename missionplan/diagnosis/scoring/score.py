@@ -14,7 +14,7 @@ from missionplan.datasets.legs import read_transit
 from missionplan.datasets.reading import dataset_kind, files_outside
 from missionplan.datasets.records import TransitData
 from missionplan.diagnosis.dives.forward import NO_BOTTOM, STEP, DiveHistories
-from missionplan.diagnosis.dives.model_factory import check_leaves_surface, descent_model
+from missionplan.diagnosis.dives.model import check_leaves_surface, descent_model
 from missionplan.diagnosis.dives.noise import noise_grid
 from missionplan.diagnosis.dives.preparation import DiveLog, PreparedDives, prepare_dives
 from missionplan.diagnosis.learned_data import as_then, learned

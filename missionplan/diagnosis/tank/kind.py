@@ -25,11 +25,15 @@ from missionplan.diagnosis.given.priors import check_together, given_priors
 from missionplan.diagnosis.inference.model import CauseFit
 from missionplan.diagnosis.learned_data import as_then, unlearned
 from missionplan.diagnosis.plan_gain import anchor_choice, plan_gain
+from missionplan.diagnosis.tank.experiments import (
+    drag_forward,
+    drag_reynolds,
+    full_size_added_mass,
+    oscillation_forward,
+    thruster_forward,
+)
 from missionplan.diagnosis.tank.forward import Nuisance, TankForward, noise_sd, read_tank, row_blocks, tank_effects
-from missionplan.diagnosis.tank.free_oscillation import full_size_added_mass, oscillation_forward
 from missionplan.diagnosis.tank.model import TankModel
-from missionplan.diagnosis.tank.thruster import thruster_forward
-from missionplan.diagnosis.tank.towed_drag import drag_forward, drag_reynolds
 from missionplan.effects import CATALOGUE, Effect, EffectInfo, exclusive_groups
 from missionplan.effects.info import TankRecord, VehicleKey
 from missionplan.errors import InputError, Problem

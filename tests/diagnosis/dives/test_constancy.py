@@ -9,7 +9,7 @@ import pytest
 
 from missionplan import diagnose
 from missionplan.diagnosis.dives.consistency import not_constant
-from missionplan.diagnosis.inference.adequacy.discrepancy import discrepancy
+from missionplan.diagnosis.inference.discrepancy import discrepancy
 from missionplan.effects import CATALOGUE
 from missionplan.report.diagnosis.page import answer
 

@@ -7,8 +7,8 @@ import pytest
 
 from missionplan.diagnosis.dives.discrepancy_axes import FORCE_STEP, force_axes
 from missionplan.diagnosis.dives.noise import noise_grid
-from missionplan.diagnosis.inference.adequacy.discrepancy import discrepancy
-from missionplan.diagnosis.inference.adequacy.residuals import InnerProducts
+from missionplan.diagnosis.inference.discrepancy import discrepancy
+from missionplan.diagnosis.inference.residual_tests import InnerProducts
 from missionplan.phases.hooks import DescentEffect
 
 

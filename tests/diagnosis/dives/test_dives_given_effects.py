@@ -9,7 +9,7 @@ from scipy import stats
 from scipy.special import logsumexp
 
 from missionplan import diagnose
-from missionplan.diagnosis.dives.model_factory import given_on_descent
+from missionplan.diagnosis.dives.model import given_on_descent
 from missionplan.diagnosis.dives.noise import noise_grid
 from missionplan.effects import CATALOGUE
 from missionplan.errors import InputError

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from missionplan.diagnosis.coordinates import coordinates_of
-from missionplan.diagnosis.dives.starts import INITIAL_STRENGTH, LATE_STARTS, SHAPE_SHIFTS, starting_points
+from missionplan.diagnosis.dives.fitting import INITIAL_STRENGTH, LATE_STARTS, SHAPE_SHIFTS, starting_points
 from missionplan.diagnosis.inference.model import CauseFit
 from missionplan.effects import effects_of
 from missionplan.results.learned.evidence import Causes

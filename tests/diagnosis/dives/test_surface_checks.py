@@ -6,7 +6,7 @@ import pytest
 
 from missionplan import diagnose
 from missionplan.datasets.dives import read_descent
-from missionplan.diagnosis.dives.model_factory import check_leaves_surface
+from missionplan.diagnosis.dives.model import check_leaves_surface
 from missionplan.errors import InputError
 
 RUNS = {f"dive-{k}": {"anchor_wet_weight": f"{8 + 4 * k} N", "line_length": "5 m", "depth": "24 m"} for k in (1, 2, 3)}

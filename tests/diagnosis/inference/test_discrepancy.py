@@ -6,10 +6,9 @@ from scipy.signal import lfilter
 from scipy.special import logsumexp
 from scipy.stats import multivariate_normal
 
-from missionplan.diagnosis.inference.adequacy.axes import Axis, AxisScale, around, pointwise
-from missionplan.diagnosis.inference.adequacy.discrepancy import LENGTHS, SCALE_SPREAD, SCALES, SIZES, discrepancy
-from missionplan.diagnosis.inference.adequacy.residual_tests import outlying_groups
-from missionplan.diagnosis.inference.adequacy.residuals import InnerProducts, Residuals
+from missionplan.diagnosis.inference.axes import Axis, AxisScale, around, pointwise
+from missionplan.diagnosis.inference.discrepancy import LENGTHS, SCALE_SPREAD, SCALES, SIZES, discrepancy
+from missionplan.diagnosis.inference.residual_tests import InnerProducts, Residuals, outlying_groups
 
 N = 80
 

@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 from missionplan.diagnosis.dives.model import DescentModel
 from missionplan.diagnosis.inference.model import CauseFit, FailedFit, FitRequest, FitsTogether, fitted
 from missionplan.diagnosis.legs.model import TransitModel
-from missionplan.diagnosis.summaries.model import SummaryModel
+from missionplan.diagnosis.summaries import SummaryModel
 from missionplan.diagnosis.tank.model import TankModel
 
 Fits = list[CauseFit | FailedFit]

@@ -4,16 +4,16 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from missionplan.diagnosis.inference.adequacy.residual_tests import (
+from missionplan.diagnosis.inference.residual_tests import (
     OUTLYING,
     TEST_LEVEL,
+    Residuals,
     ResidualTest,
     arch_p_value,
     ljung_box_p_value,
     outlying_groups,
     rejects,
 )
-from missionplan.diagnosis.inference.adequacy.residuals import Residuals
 
 SERIES = np.random.default_rng(20).standard_normal(60)
 """Its p-values below were computed once by statsmodels 0.15.0: acorr_ljungbox and het_arch."""

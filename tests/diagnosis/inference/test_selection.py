@@ -10,8 +10,7 @@ import pytest
 
 from missionplan.diagnosis.inference.importance_sampling import SampledEvidence
 from missionplan.diagnosis.inference.model import CauseFit, FailedFit, FitRequest
-from missionplan.diagnosis.inference.posterior import credible_set, rivals, told_together
-from missionplan.diagnosis.inference.selection import no_progress
+from missionplan.diagnosis.inference.selection import credible_set, no_progress, rivals, told_together
 from missionplan.diagnosis.inference.weighing import NeutralResponses, weigh
 from missionplan.errors import RunError
 from missionplan.results.learned.evidence import Causes

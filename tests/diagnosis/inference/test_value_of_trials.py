@@ -6,9 +6,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.stats import norm
 
-from missionplan.diagnosis.inference.trials.decision import DecisionProblem, value_of_information
-from missionplan.diagnosis.inference.trials.experiment import Experiment, drawn, polynomial
-from missionplan.diagnosis.inference.trials.prediction import Explanation, Prediction
+from missionplan.diagnosis.inference.trial_prediction import Explanation, Prediction
+from missionplan.diagnosis.inference.trials import DecisionProblem, Experiment, drawn, polynomial, value_of_information
 
 DRAWS = 20_000
 

@@ -5,9 +5,9 @@ import math
 import numpy as np
 import pytest
 
+from missionplan.diagnosis.tank.experiments import OscillationModel
 from missionplan.diagnosis.tank.fitting import TankFitting
 from missionplan.diagnosis.tank.forward import Nuisance, TankForward
-from missionplan.diagnosis.tank.free_oscillation import OscillationModel
 from missionplan.effects import CATALOGUE
 from missionplan.effects.info import TankRecord
 from missionplan.physics.tank import displacement, natural_frequency

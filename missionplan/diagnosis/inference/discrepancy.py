@@ -14,9 +14,8 @@ from scipy.linalg import solve_triangular
 from scipy.special import logsumexp
 
 from missionplan.arrays import Array
-from missionplan.diagnosis.inference.adequacy.axes import Axis
-from missionplan.diagnosis.inference.adequacy.residual_tests import rejects, residual_tests
-from missionplan.diagnosis.inference.adequacy.residuals import InnerProducts, Residuals
+from missionplan.diagnosis.inference.axes import Axis
+from missionplan.diagnosis.inference.residual_tests import InnerProducts, Residuals, rejects, residual_tests
 from missionplan.results.learned.evidence import Discrepancy, DiscrepancyShape
 
 THRESHOLD = 3.0

@@ -1,1 +1,0 @@
-"""What a further experiment is worth, free of missions: `experiment` and `decision`."""

@@ -1,0 +1,326 @@
+"""Experiments in a tank, seen with effects: towed drag, free oscillation, thrusters."""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from missionplan.arrays import Array, Scalars
+from missionplan.datasets.tank import DragSettings, OscillationSettings, TankData, ThrusterSettings
+from missionplan.diagnosis.tank.forward import (
+    Nuisance,
+    TankForward,
+    descent_effects,
+    effects_seen_in,
+    noise_sd,
+    product,
+    row_blocks,
+    tank_effects,
+)
+from missionplan.effects import Effect
+from missionplan.effects.info import TankRecord
+from missionplan.errors import InputError, Problem
+from missionplan.mission.schema.vehicle import Vehicle
+from missionplan.montecarlo.distributions import mean_of
+from missionplan.physics import tank as osc
+from missionplan.physics import tunnel_thruster as tt
+from missionplan.physics.drag import disc_area, drag_force, reynolds_number
+from missionplan.physics.tank import reynolds_drag_coefficient
+from missionplan.studies.identification.oscillation import starting_values
+
+
+@dataclass(frozen=True)
+class DragModel:
+    """Force ½ρA C_D U² with C_D constant, or with the vehicle file's dependence on the Reynolds number."""
+
+    unit: Array
+    """Force for a coefficient of 1, shape (N,) [N]."""
+    coefficient: float | None
+    """Of the vehicle file; None where it is fitted."""
+    reynolds_ratio: Array
+    """Reynolds numbers over the one at which the coefficient is stated, shape (N,)."""
+
+    def __call__(self, values: Array, effects: Sequence[Effect]) -> Array:
+        """Predict the force, shape (N, m) [N]."""
+        coefficient: Scalars = values[0] if self.coefficient is None else self.coefficient
+        factors = [effect.drag_factor(self.reynolds_ratio[:, None]) for effect in tank_effects(effects)]
+        bias = [np.asarray(effect.lone_drag_factor()) for effect in descent_effects(effects)]
+        return np.asarray(self.unit[:, None] * coefficient * product([*factors, *bias]))
+
+
+def drag_forward(
+    data: TankData, settings: DragSettings, vehicle: Vehicle | None, speed_factor: float = 1.0
+) -> TankForward:
+    """Bind the model of the drag: the vehicle's where its file has one, else with a coefficient to fit.
+
+    Parameters
+    ----------
+    data : TankData
+        The runs.
+    settings : DragSettings
+        Of the data set.
+    vehicle : Vehicle or None
+        Of the mission.
+    speed_factor : float
+        Factor on the speeds towed, for a further measurement.
+    """
+    speed, force = speed_factor * data.columns["speed_m_s"], data.columns["force_n"]
+    known = vehicle.drag if vehicle is not None else None
+    coefficient = mean_of(known.coefficient) if known is not None else None
+    unit, reynolds_ratio = _unit_force(data, settings, vehicle, speed)
+    sd, stated = _noise(data, settings)
+    fitted = float(unit @ force / (unit @ unit))
+    constant = Nuisance("drag_coefficient", fitted, abs(fitted))
+    return TankForward(
+        kind="drag",
+        record=TankRecord(has_vehicle_drag=coefficient is not None),
+        quantity="force_n",
+        y=force,
+        sd=sd,
+        stated=stated,
+        nuisances=(constant,) if coefficient is None else (),
+        predict=DragModel(unit, coefficient, reynolds_ratio),
+        axes={"speed": speed},
+        groups=row_blocks(len(force)),
+    )
+
+
+def _unit_force(data: TankData, settings: DragSettings, vehicle: Vehicle | None, speed: Array) -> tuple[Array, Array]:
+    """Force for a coefficient of 1 [N], and Reynolds numbers over the one at which the coefficient is stated."""
+    known = vehicle.drag if vehicle is not None else None
+    exponent = mean_of(known.exponent) if known is not None else 0.0
+    area = settings.reference_area if known is None else known.area / settings.scale**2
+    reynolds = np.asarray(reynolds_number(speed, settings.reference_length, data.viscosity))
+    stated_at = drag_reynolds(data, settings, vehicle)
+    coefficient = reynolds_drag_coefficient(reynolds, 1.0, exponent, stated_at)
+    return np.asarray(drag_force(speed, coefficient, area, data.density)), reynolds / stated_at
+
+
+def _noise(data: TankData, settings: DragSettings) -> tuple[Array, bool]:
+    """Standard deviation of each force [N], run by run where the table has it; and whether it was stated."""
+    by_run = data.columns.get("force_sd_n")
+    if by_run is not None and np.all(by_run > 0.0):
+        return by_run, True
+    return noise_sd(data.columns["force_n"], settings.noise.force)
+
+
+def drag_reynolds(data: TankData, settings: DragSettings, vehicle: Vehicle | None) -> float:
+    """Re₀ at which the coefficient is stated: the vehicle's, else the geometric mean of those towed, to two figures."""
+    if vehicle is not None and vehicle.drag is not None and vehicle.drag.at_reynolds is not None:
+        return vehicle.drag.at_reynolds
+    towed = reynolds_number(data.columns["speed_m_s"], settings.reference_length, data.viscosity)
+    return float(f"{np.exp(np.mean(np.log(towed))):.2g}")
+
+
+MIN_MASS_FACTOR = 0.05
+"""Least factor of effects on the oscillating mass at which the model is evaluated."""
+
+
+@dataclass(frozen=True)
+class OscillationModel:
+    """Mass in air and added mass of the vehicle file on its springs, with linear damping (Avila et al., section 4.2).
+
+    Attributes
+    ----------
+    stiffness, mass : float
+        Of the springs [N/m], and oscillating [kg].
+    """
+
+    time: Array
+    """[s], shape (N,)."""
+    stiffness: float
+    mass: float
+    release_factor: float
+    """Factor on displacement and velocity at the release, for a further measurement."""
+
+    def __call__(self, values: Array, effects: Sequence[Effect]) -> Array:
+        """Predict the displacement, shape (N, m) [m]."""
+        start, velocity, offset, log_rate = values
+        masses = [np.asarray(effect.mass_factor()) for effect in descent_effects(effects)]
+        mass = self.mass * np.maximum(product(masses), MIN_MASS_FACTOR)
+        frequency = np.broadcast_to(osc.natural_frequency(self.stiffness, mass), np.shape(start))
+        damping = sum((effect.damping() for effect in tank_effects(effects)), 0.0)
+        larger = self.release_factor
+        swing = osc.displacement(self.time, larger * start, larger * velocity, frequency, np.exp(log_rate), damping)
+        return np.asarray(offset + swing)
+
+
+def oscillation_forward(
+    data: TankData, settings: OscillationSettings, vehicle: Vehicle | None, release_factor: float = 1.0
+) -> TankForward:
+    """Bind the model of a record of displacement.
+
+    Parameters
+    ----------
+    data : TankData
+        The record.
+    settings : OscillationSettings
+        Of the data set.
+    vehicle : Vehicle or None
+        Of the mission.
+    release_factor : float
+        Factor on the displacement at the release, for a further measurement.
+
+    Raises
+    ------
+    InputError
+        When the data are frequencies alone, as many numbers as unknowns.
+    """
+    if "displacement_m" not in data.columns:
+        words = "a frequency of each mode is one number for one unknown: nothing is left to test a model by"
+        raise InputError([Problem(words, data.settings.file, hint="`missionplan identify` finds the added masses")])
+    time, record = data.columns["t_s"], data.columns["displacement_m"]
+    mass, stiffness = base_mass(settings, vehicle), settings.stiffness
+    begin = {parameter.name: parameter.start for parameter in starting_values(time, record)}
+    heavier = stiffness / (2.0 * math.pi * begin["frequency"]) ** 2 / mass - 1.0
+    sd, stated = noise_sd(record, settings.noise.displacement)
+    return TankForward(
+        kind="free-oscillation",
+        record=TankRecord(),
+        quantity="displacement_m",
+        y=record,
+        sd=sd,
+        stated=stated,
+        nuisances=_nuisances(begin, float(np.std(record))),
+        predict=OscillationModel(time, stiffness, mass, release_factor),
+        axes={"time": time},
+        groups=row_blocks(len(time)),
+        starts=_starts_of_mass(heavier),
+    )
+
+
+def _starts_of_mass(heavier: float) -> dict[tuple[str, str], tuple[float, ...]]:
+    """For each strength that adds to the oscillating mass, where it alone gives the measured frequency.
+
+    Parameters
+    ----------
+    heavier : float
+        By which the oscillating mass is then larger, relative to the base model's.
+    """
+    found: dict[tuple[str, str], tuple[float, ...]] = {}
+    for info in effects_seen_in("free-oscillation"):
+        for name in info.parameters:
+            for effect in descent_effects([info.make({name: 1.0})]):
+                added = float(np.asarray(effect.mass_factor())) - 1.0
+                if added:
+                    found[info.id, name] = (heavier / added,)
+    return found
+
+
+def _nuisances(begin: dict[str, float], spread: float) -> tuple[Nuisance, ...]:
+    """Release, rest position and linear damping, about starting values; standard deviation of the record [m]."""
+    return (
+        Nuisance("start_m", begin["start"], 3.0 * spread),
+        Nuisance("start_velocity_m_s", begin["start_velocity"], 6.0 * math.pi * begin["frequency"] * spread),
+        Nuisance("offset_m", begin["offset"], spread),
+        Nuisance("log_linear_rate", math.log(begin["linear_rate"]), 1.5),
+    )
+
+
+def base_mass(settings: OscillationSettings, vehicle: Vehicle | None) -> float:
+    """Mass in air, and the added mass in surge that the vehicle file already has, at the tank's scale [kg]."""
+    known = vehicle.added_mass.surge if vehicle is not None and vehicle.added_mass is not None else None
+    return settings.mass + (mean_of(known) / settings.scale**3 if known is not None else 0.0)
+
+
+def full_size_added_mass(
+    settings: OscillationSettings, vehicle: Vehicle | None, fraction: float, sd: float
+) -> tuple[float, float]:
+    """Added mass in surge at full size, and its standard deviation [kg], of a mass larger by a fraction.
+
+    Parameters
+    ----------
+    settings : OscillationSettings
+        Of the data set.
+    vehicle : Vehicle or None
+        Of the mission.
+    fraction, sd : float
+        By which the oscillating mass is larger than the base model's, and its standard deviation.
+    """
+    base = base_mass(settings, vehicle)
+    return (base * (1.0 + fraction) - settings.mass) * settings.scale**3, base * sd * settings.scale**3
+
+
+AT_REST = 0.01
+"""Speeds below this count as bollard pull [m/s]."""
+
+
+@dataclass(frozen=True)
+class ThrusterModel:
+    """Thrust cV|V| with one constant c for both directions, whatever the vehicle's speed.
+
+    Attributes
+    ----------
+    command, speed : array, shape (N,)
+        Shaft rate [1/s] or voltage [V], and the vehicle's speed [m/s].
+    """
+
+    command: Array
+    speed: Array
+    area: float
+    """Cross-section of the tunnel [m²]; nan where it is not known."""
+    density: float
+    """Of the water [kg/m³]."""
+
+    @property
+    def squared_command(self) -> Array:
+        """V|V|, shape (N,)."""
+        return self.command * np.abs(self.command)
+
+    def __call__(self, values: Array, effects: Sequence[Effect]) -> Array:
+        """Predict the thrust, shape (N, m) [N]."""
+        static = values[0] * self.squared_command[:, None]
+        with np.errstate(invalid="ignore", divide="ignore"):
+            jet = np.asarray(tt.jet_speed(static, self.area, self.density))
+            ratio = np.where(jet > 0.0, np.abs(self.speed)[:, None] / np.where(jet > 0.0, jet, 1.0), 0.0)
+        factors = [effect.thrust_factor(self.command[:, None], ratio) for effect in tank_effects(effects)]
+        return np.asarray(static * product(factors))
+
+
+def thruster_forward(data: TankData, settings: ThrusterSettings) -> TankForward:
+    """Bind the model of a thruster's thrust.
+
+    Parameters
+    ----------
+    data : TankData
+        The rows.
+    settings : ThrusterSettings
+        Of the data set.
+    """
+    thrust = data.columns["thrust_n"]
+    command = data.columns["voltage_v"] if "voltage_v" in data.columns else data.columns["rpm"] / 60.0
+    speed = data.columns.get("speed_m_s", np.zeros_like(thrust))
+    area = float(disc_area(settings.geometry.diameter)) if settings.geometry is not None else math.nan
+    model = ThrusterModel(command, speed, area, data.density)
+    squared = model.squared_command
+    constant = float(squared @ thrust / max(float(squared @ squared), 1e-30))
+    sd, stated = noise_sd(thrust, settings.noise.thrust)
+    return TankForward(
+        kind="thruster",
+        record=_record(data, settings, command, speed),
+        quantity="thrust_n",
+        y=thrust,
+        sd=sd,
+        stated=stated,
+        nuisances=(Nuisance("thrust_constant", constant, abs(constant)),),
+        predict=model,
+        axes={"command": command} | ({"speed": speed} if np.ptp(speed) > 0.0 else {}),
+        groups=_groups(data),
+    )
+
+
+def _record(data: TankData, settings: ThrusterSettings, command: Array, speed: Array) -> TankRecord:
+    """What the rows hold."""
+    return TankRecord(
+        has_both_signs=bool(np.any(command < 0.0) and np.any(command > 0.0)),
+        has_jet_speed="voltage_v" not in data.columns and settings.geometry is not None,
+        is_under_way=bool(np.any(np.abs(speed) > AT_REST)),
+    )
+
+
+def _groups(data: TankData) -> NDArray[np.str_]:
+    """Runs where the rows name more than two, else blocks of rows."""
+    runs = data.labels.get("run", [])
+    return np.array(runs) if len(set(runs)) > 2 else row_blocks(len(data.columns["thrust_n"]))
