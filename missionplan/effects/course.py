@@ -41,7 +41,7 @@ COMPASS_BIAS = EffectInfo(
     ),
     sizes="1 to 10°, either sign.",
     ageing="jumps",
-    upkeep="find what turns the compass further from mission to mission",
+    upkeep=("find what turns the compass further from mission to mission",) * 2,
     confused_with=("compass-deviation", "mean-current"),
     distinguished_by="Legs on at least three headings.",
     linear=False,

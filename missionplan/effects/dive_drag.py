@@ -52,7 +52,7 @@ DRAG_BIAS = EffectInfo(
     ),
     sizes="Drag build-ups of streamlined bodies are wrong by 10 to 40 %; Table I of Briggs et al. requires 60 to 80 %.",
     ageing="drifts",
-    upkeep="clean the hull",
+    upkeep=("clean the hull", "check that no fitting is lost, and the anchors' weights"),
     confused_with=("depth-scale", "vertical-current", "trapped-gas", "drag-crisis"),
     distinguished_by=(
         "A depth calibration; dives with a much lighter anchor (a current shifts every speed alike, drag does not)."

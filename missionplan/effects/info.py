@@ -105,6 +105,10 @@ class Likeness:
     """In the place of the effect's name."""
 
 
+FIND_OUT = "find out what changes it from mission to mission"
+"""What to do about a trend of which nothing is known."""
+
+
 @dataclass(frozen=True)
 class Term:
     """Strengths of an effect that act together and without its others."""
@@ -229,8 +233,8 @@ class EffectInfo:
     ageing: Ageing = "keeps"
     """How what the vehicle has goes from mission to mission where its own missions do not tell: it keeps what it has,
     ``drifts`` as a hull fouls, or ``jumps`` as a compass does that is swung or refitted."""
-    upkeep: str = ""
-    """What to do about a trend."""
+    upkeep: tuple[str, str] = (FIND_OUT, FIND_OUT)
+    """What to do about a trend of its first parameter, upwards and downwards."""
     part: Part = "mean"
     """Whether it is diagnosed in the mean of a log's errors or in their covariance. In the covariance it refines
     `fix_variance`, `position_variance_rate` or `tail_dof`, or is a `MarkovProcess`, and its parameters are shapes."""

@@ -40,7 +40,7 @@ SPEED_SCALE = EffectInfo(
     ),
     sizes="2 to 20 %; either sign.",
     ageing="drifts",
-    upkeep="clean the hull and the propeller",
+    upkeep=("check the log's calibration", "clean the hull and the propeller"),
     confused_with=("mean-current", "compass-deviation"),
     distinguished_by="Legs in both directions along one line.",
 )

@@ -107,4 +107,14 @@ def test_a_trend_is_told_with_when_it_will_matter(trend, ahead):
     (found,) = with_urgency(parameter_levels(posterior.seen), mission, 1)
     assert found.matters_in == ahead
     (words,) = trends_in_words([found])
-    assert ("clean the hull" in words, "In 16 missions it costs success." in words) == (True, ahead == 16)
+    cleaned = ("clean the hull" in words, "check the log's calibration" in words)
+    assert cleaned == ((True, False) if trend < 0.0 else (False, True))
+    assert ("In 16 missions it costs success." in words) == (ahead == 16)
+
+
+@pytest.mark.parametrize(("trend", "said"), [(0.1, "clean the hull"), (-0.1, "that no fitting is lost")])
+def test_less_drag_from_mission_to_mission_is_no_fouling(trend, said):
+    key = ("drag-bias", "fraction", "strength")
+    posterior = learned(trend * np.arange(1, 6), START + 30.0 * DAY * np.arange(5), key, columns=(key[:2],))
+    (words,) = trends_in_words(parameter_levels(posterior.seen))
+    assert said in words

@@ -203,10 +203,6 @@ def _coverage_words(coverage: Coverage | None) -> str:
     )
 
 
-UPKEEP = "find out what changes it from mission to mission"
-"""What to do about a trend of which the catalogue says nothing."""
-
-
 def trends_in_words(levels: Iterable[ParameterLevels]) -> Iterator[str]:
     """Tell each trend as one: ``A trend: with each mission the vehicle goes 2.0 ± 0.2 % slower …: clean the hull``."""
     for each in levels:
@@ -216,7 +212,7 @@ def trends_in_words(levels: Iterable[ParameterLevels]) -> Iterator[str]:
         own = sized_clause(info.finding, {each.name: trend}) if info.finding is not None else ""
         told = own or f"{parameter_in_words(each.effect, each.name)} changes by {sized(trend)}"
         urgent = "" if each.matters_in is None else f" In {each.matters_in} missions it costs success."
-        upkeep = info.upkeep or UPKEEP
+        upkeep = info.upkeep[each.trend < 0.0]
         coming = _sized(each, each.next_value, each.next_sd)
         yield f"A trend: with each mission {told}: {upkeep}. The next mission is planned with {coming}.{urgent}"
 
