@@ -17,7 +17,7 @@ from missionplan.errors import InputError, counted
 from missionplan.mission import Mission
 from missionplan.montecarlo.posterior import NOWHERE
 
-Data = TypeVar("Data", TransitData, PreparedDives, SummaryData, TankData)
+Data = TypeVar("Data", TransitData, PreparedDives, TransitData | PreparedDives, SummaryData, TankData)
 NEW = "that the mission has not learned from"
 WHOLE = "lay all of them against the mission as it was before it had learned from the others"
 

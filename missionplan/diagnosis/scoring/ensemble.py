@@ -1,7 +1,7 @@
 """What a mission expects of a data set before it is seen: draws of the means, and covariances of the rest."""
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise, product
 
 import numpy as np
@@ -92,6 +92,27 @@ class Ensemble:
         edges = np.searchsorted(self.groups, np.arange(int(self.groups[-1]) + 2))
         return [slice(int(first), int(last)) for first, last in pairwise(edges)]
 
+    def later(self, groups: int) -> "Ensemble":
+        """Return all but the first groups, before any of the record is seen."""
+        rows = slice(int(np.searchsorted(self.groups, groups)), None)
+        parts = tuple(
+            Part(part.probability, part.draws[:, rows], tuple(_rows(noise, rows) for noise in part.noises))
+            for part in self.parts
+        )
+        return Ensemble(self.values[rows], self.groups[rows] - groups, parts)
+
+    def after(self, groups: int) -> "Ensemble":
+        """Return all but the first groups, what is random in them given the first.
+
+        The mission has learned its draws from the first: these do not weigh them again, but tell where errors that
+        persist then were.
+        """
+        if not groups:
+            return self
+        first = int(np.searchsorted(self.groups, groups))
+        parts = tuple(_given(self.values[:first], part, noise) for part in self.parts for noise in part.noises)
+        return Ensemble(self.values[first:], self.groups[first:] - groups, parts)
+
     def components(self) -> Iterator[Component]:
         """Yield normal distributions: the draws by their mean and covariance, each noise by itself."""
         for part in self.parts:
@@ -99,8 +120,26 @@ class Ensemble:
             apart = part.draws - mean
             spread = apart.T @ apart / max(len(apart) - 1, 1)
             for noise in part.noises:
-                covariance = spread + noise.covariance
-                covariance[np.diag_indices_from(covariance)] += RELATIVE_JITTER * max(
-                    float(np.mean(np.diag(covariance))), 1e-12
-                )
+                covariance = _definite(spread + noise.covariance)
                 yield Component(float(np.log(part.probability * noise.weight)), mean, covariance, noise)
+
+
+def _definite(covariance: Array) -> Array:
+    """Add the jitter to a covariance."""
+    return covariance + RELATIVE_JITTER * max(float(np.mean(np.diag(covariance))), 1e-12) * np.eye(len(covariance))
+
+
+def _rows(noise: Noise, rows: slice) -> Noise:
+    """Return what is random in some of the values."""
+    return replace(noise, covariance=noise.covariance[rows, rows], tailed=noise.tailed[rows])
+
+
+def _given(first: Array, part: Part, noise: Noise) -> Part:
+    """Return the values after the first under one noise, given these: in each draw the conditional normal law."""
+    seen, rest = slice(len(first)), slice(len(first), None)
+    shared = noise.covariance[seen, rest]
+    gain = np.linalg.solve(_definite(noise.covariance[seen, seen]), shared)
+    own = _rows(noise, rest)
+    left = replace(own, weight=1.0, covariance=own.covariance - shared.T @ gain)
+    draws = part.draws[:, rest] + (first - part.draws[:, seen]) @ gain
+    return Part(part.probability * noise.weight, draws, (left,))

@@ -42,10 +42,10 @@ def first_part(bound: DataKind, share: float, seed: int) -> DataKind:
     if bound.is_known:
         raise InputError("holdout: the mission has learned from all of these data (learned_from): none is held out")
     if isinstance(bound, TransitKind):
-        legs, _ = _split_legs(bound.data, share)
+        legs = bound.data.subset(np.arange(_kept(bound.data, share)))
         return TransitKind(bound.kind, bound.mission, legs, transit_model(legs, bound.mission, seed))
     if isinstance(bound, DescentKind):
-        dives, _ = _split_dives(bound.data, share)
+        dives = replace(bound.data, dives=bound.data.dives[: _kept(bound.data, share)])
         return DescentKind(bound.kind, bound.mission, dives, descent_model(dives, bound.mission))
     raise InputError(f"holdout: given data of kind {bound.kind}, expected legs (transit) or dives (descent)")
 
@@ -53,7 +53,7 @@ def first_part(bound: DataKind, share: float, seed: int) -> DataKind:
 def score_last_part(
     folder: Path, share: float, base: Mission, extended: Mapping[str, object], seed: int
 ) -> DatasetScore:
-    """Score a mission that was extended on the first part of a record on the rest.
+    """Score a mission that was extended on the first part of a record on the rest, whose past that part is.
 
     Parameters
     ----------
@@ -68,28 +68,17 @@ def score_last_part(
     seed : int
         Of the draws.
     """
-    record = read_record(folder, base)
-    last: TransitData | PreparedDives
-    if isinstance(record, TransitData):
-        _, last = _split_legs(unlearned(record, base), share)
-    else:
-        _, last = _split_dives(unlearned(record, base), share)
+    record = replace(unlearned(read_record(folder, base), base), notices=())
     same = Mission.from_data(extended, file=base.file).at_place(NOWHERE, None)  # the vehicle of the same record
-    return scored_record(replace(last, notices=()), same, seed)
+    return scored_record(record, same, seed, past=_kept(record, share))
 
 
-def _split_legs(data: TransitData, share: float) -> tuple[TransitData, TransitData]:
-    kept = _kept(data.n, share, MIN_LEGS, MIN_LEGS, "legs")
-    return data.subset(np.arange(kept)), data.subset(np.arange(kept, data.n))
-
-
-def _split_dives(data: PreparedDives, share: float) -> tuple[PreparedDives, PreparedDives]:
-    kept = _kept(len(data.dives), share, MIN_DIVES, 1, "dives")
-    return replace(data, dives=data.dives[:kept]), replace(data, dives=data.dives[kept:])
-
-
-def _kept(count: int, share: float, least_kept: int, least_held_out: int, what: str) -> int:
-    """Number of groups that a diagnosis sees."""
+def _kept(data: TransitData | PreparedDives, share: float) -> int:
+    """Number of legs or dives that a diagnosis sees."""
+    if isinstance(data, TransitData):
+        count, least_kept, least_held_out, what = data.n, MIN_LEGS, MIN_LEGS, "legs"
+    else:
+        count, least_kept, least_held_out, what = len(data.dives), MIN_DIVES, 1, "dives"
     if not 0.0 < share < 1.0:
         raise InputError(f"holdout: given {share:g}, expected a share of the record between 0 and 1")
     kept = round(count * (1.0 - share))

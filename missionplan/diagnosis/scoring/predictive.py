@@ -39,6 +39,10 @@ class Mixture:
     means: Array
     sds: Array
 
+    def of(self, rows: slice) -> "Mixture":
+        """Return the distributions of some of the values."""
+        return Mixture(self.weights[:, rows], self.means[:, rows], self.sds[:, rows])
+
     @cached_property
     def mean(self) -> Array:
         """Means, shape (v,)."""

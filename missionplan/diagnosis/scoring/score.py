@@ -188,7 +188,7 @@ def read_record(folder: Path, mission: Mission) -> TransitData | PreparedDives:
 
 
 def scored_record(
-    record: TransitData | PreparedDives, mission: Mission, seed: int, level: float = 0.5 * FALSE_ALARM
+    record: TransitData | PreparedDives, mission: Mission, seed: int, level: float = 0.5 * FALSE_ALARM, past: int = 0
 ) -> DatasetScore:
     """Score a mission on a record.
 
@@ -200,13 +200,15 @@ def scored_record(
         Of the draws.
     level : float
         Probability with which each of the two predictions of a true mission is outside chance.
+    past : int
+        Legs or dives, from the first, that the mission has learned from: the past of the others, which are scored.
     """
     if isinstance(record, TransitData):
-        return _score_legs(record, mission, seed, level)
-    return _score_dives(record, mission, seed, level)
+        return _score_legs(record, mission, seed, level, past)
+    return _score_dives(record, mission, seed, level, past)
 
 
-def _score_legs(data: TransitData, mission: Mission, seed: int, level: float) -> DatasetScore:
+def _score_legs(data: TransitData, mission: Mission, seed: int, level: float, past: int) -> DatasetScore:
     ensemble, bare = leg_ensemble(data, mission, seed), leg_ensemble(data, bare_mission(mission), seed)
     error = (data.end - data.dead_reckoned).T
     scales = [np.full(2, seconds) for seconds in data.under_way]
@@ -217,14 +219,15 @@ def _score_legs(data: TransitData, mission: Mission, seed: int, level: float) ->
     expected = expected_by_vehicle(data, mission)
     if expected is not None:
         others["vehicle"] = with_spread(list(error), expected, scales, first)
-    places = np.tile(["east", "north"], data.n)
-    found = _scored(ensemble, bare, others, 2, seed, level)
+    places = np.tile(["east", "north"], data.n - past)
+    count, values = data.n - past, ensemble.later(past).values
+    found = _scored(ensemble, bare, others, 2, seed, level, past)
     return DatasetScore(
-        data.name, "transit", data.n, np.repeat(data.labels, 2), places, ensemble.values, *found, data.notices
+        data.name, "transit", count, np.repeat(data.labels[past:], 2), places, values, *found, data.notices
     )
 
 
-def _score_dives(data: PreparedDives, mission: Mission, seed: int, level: float) -> DatasetScore:
+def _score_dives(data: PreparedDives, mission: Mission, seed: int, level: float, past: int) -> DatasetScore:
     ensemble, bare = dive_ensemble(data, mission, seed), dive_ensemble(data, bare_mission(mission), seed)
     expected = without_past(bare)
     apart = [(ensemble.values - expected.mean)[rows] for rows in ensemble.slices()]
@@ -238,24 +241,27 @@ def _score_dives(data: PreparedDives, mission: Mission, seed: int, level: float)
         name: replace(point, mean=point.mean + expected.mean)
         for name, point in yardsticks(apart, carried, [np.ones_like(each) for each in apart], first).items()
     }
-    places = np.concatenate([np.char.mod("%.2f", log.t) for log in data.dives])
-    labels = np.concatenate([np.full(len(log.t), log.name) for log in data.dives])
-    found = _scored(ensemble, bare, others, 1, seed, level)
-    return DatasetScore(data.name, "descent", len(data.dives), labels, places, ensemble.values, *found, data.notices)
+    dives, values = data.dives[past:], ensemble.later(past).values
+    places = np.concatenate([np.char.mod("%.2f", log.t) for log in dives])
+    labels = np.concatenate([np.full(len(log.t), log.name) for log in dives])
+    found = _scored(ensemble, bare, others, 1, seed, level, past)
+    return DatasetScore(data.name, "descent", len(dives), labels, places, values, *found, data.notices)
 
 
 def _scored(
-    ensemble: Ensemble, bare: Ensemble, others: dict[str, Point], axes: int, seed: int, level: float
+    ensemble: Ensemble, bare: Ensemble, others: dict[str, Point], axes: int, seed: int, level: float, past: int
 ) -> tuple[Prediction, Prediction, float]:
     """Score both predictions beside the yardsticks; `axes` values are the components of one error."""
-    y, ahead = ensemble.values, one_step_ahead(ensemble)
-    plain_ahead, whole = one_step_ahead(bare).mixture, without_past(ensemble)
-    chance = one_step_chance(ensemble, ahead, seed, level)
-    common = {name: _yardstick(_mixture(point), y, axes) for name, point in others.items()}
+    known, unknown = ensemble.after(past), ensemble.later(past)
+    y, rows = known.values, slice(len(ensemble.values) - len(known.values), None)
+    ahead, whole = one_step_ahead(known), without_past(unknown)
+    plain_ahead = one_step_ahead(bare).mixture.of(rows)
+    chance = one_step_chance(known, ahead, seed, level)
+    common = {name: _yardstick(_mixture(point).of(rows), y, axes) for name, point in others.items()}
     plain = {"no_effects": _yardstick(plain_ahead, y, axes)}
     one_step = _prediction(ahead.mixture, y, axes, chance, level, {**plain, **common})
-    chance = whole_chance(ensemble, whole, seed, level)
-    plain = {"no_effects": _yardstick(without_past(bare), y, axes)}
+    chance = whole_chance(unknown, whole, seed, level)
+    plain = {"no_effects": _yardstick(without_past(bare).of(rows), y, axes)}
     return one_step, _prediction(whole, y, axes, chance, level, {**plain, **common}), ahead.effective
 
 

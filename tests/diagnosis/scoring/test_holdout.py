@@ -6,6 +6,13 @@ import numpy as np
 import pytest
 
 import missionplan
+from missionplan.datasets.legs import read_transit
+from missionplan.diagnosis.scoring.ensemble import Ensemble, Noise, Part
+from missionplan.diagnosis.scoring.score import scored_record
+from tests.diagnosis.scoring.test_score_legs import Truth, made_legs, mission
+
+SLOW = 4e5
+"""Correlation time of a persistent error that outlasts the record [s]."""
 
 
 @pytest.fixture(scope="module")
@@ -51,3 +58,38 @@ def test_what_is_held_out_changes_nothing_before(trial: Path) -> None:
 def test_a_part_too_short_is_refused(trial: Path, share: float, said: str) -> None:
     with pytest.raises(missionplan.InputError, match=said):
         missionplan.diagnose(trial / "mission.yaml", trial / "sea-trial", plan=False, holdout=share)
+
+
+def test_an_error_that_halves_from_group_to_group_by_hand() -> None:
+    """Two draws of a constant beside a Markov error of variance 1: the last known value tells all of the next."""
+    covariance = 0.5 ** np.abs(np.subtract.outer(np.arange(4), np.arange(4)))
+    draws = np.array([[0.0], [1.0]]) * np.ones(4)
+    parts = (Part(1.0, draws, (Noise(1.0, covariance, np.ones(1), np.zeros(4)),)),)
+    known = Ensemble(np.array([3.0, 2.0, 0.0, 0.0]), np.arange(4), parts).after(2)
+    (part,) = known.parts
+    np.testing.assert_allclose(part.draws, [[1.0, 0.5], [0.5 * 1.0 + 1.0, 0.25 * 1.0 + 1.0]], rtol=1e-8)
+    np.testing.assert_allclose(np.diag(part.noises[0].covariance), [0.75, 1.0 - 0.25**2], rtol=1e-8)
+    assert known.groups.tolist() == [0, 1]
+
+
+def test_where_nothing_is_uncertain_the_past_is_that_of_the_whole_record(tmp_path: Path) -> None:
+    truth = Truth(persistent=0.05, time=SLOW)
+    plan = mission(effects=[{"persistent-error": {"sigma": "0.05 m/s", "time": f"{SLOW} s"}}])
+    record = read_transit(made_legs(tmp_path / "legs", truth, 7), plan)
+    whole, part = scored_record(record, plan, 1), scored_record(record, plan, 1, past=24)
+    assert part.groups == 16
+    for name in ("one_step", "whole"):
+        np.testing.assert_allclose(getattr(part, name).mean, getattr(whole, name).mean[48:], atol=1e-6)
+        np.testing.assert_allclose(getattr(part, name).sd, getattr(whole, name).sd[48:], rtol=1e-6)
+
+
+def test_a_persistent_error_is_remembered_over_the_split(tmp_path: Path) -> None:
+    """The first leg that is kept away errs as the last one before it did, which a record of its own would not know."""
+    plan = mission(effects=[{"persistent-error": {"sigma": "0.1 m/s", "time": f"{SLOW} s"}}])
+    folder = made_legs(tmp_path / "legs", Truth(persistent=0.1, time=SLOW), 7)
+    last = missionplan.diagnose(plan, folder, plan=False, holdout=0.4).last_part
+    assert last is not None
+    first, measured = last.one_step.mean[:2], last.measured[:2]
+    assert np.hypot(*measured) > 100.0
+    assert np.hypot(*(measured - first)) < 0.5 * np.hypot(*measured)
+    assert last.one_step.sd[0] < 0.5 * last.whole.sd[0]
