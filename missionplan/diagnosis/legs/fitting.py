@@ -2,8 +2,8 @@
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
-from typing import Self
+from dataclasses import dataclass, field, replace
+from typing import Self, cast
 
 import numpy as np
 
@@ -43,6 +43,8 @@ CONVERGED = 0.005
 @dataclass(frozen=True)
 class TransitFitting(TransitCovariance):
     """The likelihood of the legs, with fits of sets of causes."""
+
+    _with_terms: list["TransitFitting"] = field(default_factory=list, init=False, repr=False, compare=False)
 
     @property
     def given_forms(self) -> Forms:
@@ -115,8 +117,14 @@ class TransitFitting(TransitCovariance):
         return found
 
     def with_term(self, term: ActingTerm | None) -> Self:
-        """Return the model with the strengths of a term among its coordinates."""
-        return self if term == self.acting else replace(self, acting=term)
+        """Return the model with the strengths of a term among its coordinates; those asked for are kept."""
+        if term == self.acting:
+            return self
+        known = next((model for model in self._with_terms if model.acting == term), None)
+        if known is None:
+            known = replace(self, acting=term)
+            self._with_terms.append(known)
+        return cast(Self, known)
 
     def from_last(self, term: ActingTerm) -> list[int]:
         """Places of the coordinates where those of its term stand after all others."""

@@ -168,7 +168,7 @@ class NoiseSearch:
             if not math.isfinite(self.prior.log_density(logs)):
                 continue
             try:
-                found = {group: inference.gram(self.errors, logs, group, terms) for group in grams}
+                found = inference.grams(self.errors, logs, grams, terms)
             except np.linalg.LinAlgError:
                 continue
             kept.append(index)

@@ -250,14 +250,11 @@ class LegPosterior:
     def _moments(self, law: Law, one: MeanSet, shares: Array) -> tuple[Array, Array]:
         """Posterior mean (k,) and covariance (k, k) of the coordinates of a set, those of its term last."""
         inference, k = self.inference, len(self.inference.model.coordinates)
-        blocks = inference.blocks(law.terms)
-        own = inference.core + np.arange(0)
+        grams = law.grams[inference.group(one)]
         if one.term:
-            block = blocks[law.terms.index(one.term)]
-            own = inference.core + block.first + np.arange(block.size)
-        places = np.concatenate([np.arange(inference.core), own])
-        grams = [gram.part(places) for gram in law.grams[inference.group(one)]]
-        kept = np.concatenate([np.arange(k), inference.core + np.arange(len(own))])
+            block = inference.blocks(law.terms)[law.terms.index(one.term)]
+            grams = [gram.joined(block) for gram in grams]
+        kept = np.concatenate([np.arange(k), np.arange(inference.core, len(grams[0].products) - 1)])
         mean, covariance = np.zeros(len(kept)), np.zeros((len(kept), len(kept)))
         squares = np.zeros_like(covariance)
         for scale in range(len(SCALES)):

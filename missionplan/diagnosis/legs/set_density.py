@@ -13,21 +13,21 @@ from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.special import gammaln
 
 from missionplan.arrays import Array
-from missionplan.diagnosis.inference.marginal_likelihood import student_marginal
 from missionplan.diagnosis.inference.selection import FURTHER, log_prior
-from missionplan.diagnosis.inference.set_evidence import SCALES, Block, GramMatrix, SetPriors
+from missionplan.diagnosis.inference.set_evidence import SCALES, Block, GramMatrix, SetPriors, blocks_by_size
 from missionplan.diagnosis.legs.fitting import TransitFitting
+from missionplan.diagnosis.legs.joint_columns import JointColumns, LinearisedGroup, TailBound
 from missionplan.diagnosis.legs.likelihood.hyperparameters import Hyperparameter, values_of
-from missionplan.diagnosis.legs.likelihood.linearised import LinearisedLegs
 from missionplan.diagnosis.legs.likelihood.selected_legs import MIN_DOF
 from missionplan.diagnosis.legs.terms import LegTerm, answers, at_size, refined
 from missionplan.effects import CATALOGUE, named_effects
 from missionplan.results.learned.evidence import Causes
 
 MOST_IN_MEAN = 3
+KEPT_COLUMNS = 2
+"""Joint columns of some groups and terms that are kept."""
 SETTLING = 3
 """Times that the current to which the vehicle may answer is taken anew."""
 RELINEARISED, SETTLED = 4, 0.02
@@ -66,15 +66,6 @@ class RandomErrors:
     """Likeliest set, about which heavy tails are bounded."""
 
 
-@dataclass(frozen=True)
-class _Linear:
-    """The model of a group of sets, linearised: its columns, the terms' and data, and the point about which it is."""
-
-    about: Array
-    linear: LinearisedLegs
-    joined: Array
-
-
 class LegInference:
     """Computes the posterior of a model of legs.
 
@@ -98,8 +89,8 @@ class LegInference:
         self._water = np.broadcast_to(model.site_current, (2, model.data.n))
         self._k = len(model.coordinates)
         self._known: dict[tuple[MeanSet, int], tuple[Array, Array]] = {}
-        self._groups: dict[Causes, _Linear] = {}
-        self._first = self._places()
+        self._groups: dict[Causes, LinearisedGroup] = {}
+        self._joined: dict[tuple[tuple[Causes, ...], tuple[int, ...]], JointColumns] = {}
 
     def refine(self, law: RandomErrors, levels: Sequence[Array], scores: Array) -> MeanSet:
         """Try more moments about the likeliest of those at which something may change, and take the term at its size.
@@ -122,8 +113,7 @@ class LegInference:
         own = [at_size(self.model, each, best.causes, mean[: self._k], mean[self.core :]) for each in own]
         self.terms = (*(each for each in self.terms if not each.is_alike(likeliest)), *own)
         self._known.clear()
-        self._first = self._places()
-        self._groups = {group: self._linearised(group, one.about) for group, one in self._groups.items()}
+        self._joined.clear()
         plain = scores[:, :, 0].max(axis=0)
         if plain.max() > scores[level, row, column + 1]:
             return self.sets[int(np.argmax(plain))]
@@ -161,20 +151,6 @@ class LegInference:
         """Effects of a set that are not linear: sets with the same ones share their columns."""
         return tuple(name for name in one.causes if name in self.bent)
 
-    def places(self, term: int) -> NDArray[np.int_]:
-        """Columns that act beside a term."""
-        core = np.arange(self.core)
-        return np.concatenate([core, self._own_places(term)]) if term else core
-
-    def _own_places(self, term: int) -> NDArray[np.int_]:
-        first = self._first[term - 1]
-        return np.arange(first, first + self.terms[term - 1].columns.shape[2])
-
-    def _places(self) -> list[int]:
-        """Place of each term's first column."""
-        sizes = [term.columns.shape[2] for term in self.terms]
-        return [self.core + int(before) for before in np.cumsum([0, *sizes])]
-
     @cached_property
     def core(self) -> int:
         """Number of columns that act beside any term."""
@@ -184,7 +160,7 @@ class LegInference:
         """Mean and factor of the prior of a set's coefficients, raw coordinates first."""
         if (one, scale) not in self._known:
             coordinates = self.model.prior(one.causes)
-            size = len(self.places(one.term))
+            size = self.core + (self.terms[one.term - 1].columns.shape[2] if one.term else 0)
             mean, factor = np.zeros(size), np.eye(size)
             mean[: self._k] = coordinates.mean
             own = coordinates.factor.copy()
@@ -202,73 +178,81 @@ class LegInference:
 
     # likelihood
 
-    def linear(self, group: Causes) -> _Linear:
+    def linear(self, group: Causes) -> LinearisedGroup:
         """The linearised model of a group."""
         if group not in self._groups:
             self._groups[group] = self._linearised(group, self.model.expected)
         return self._groups[group]
 
-    def _linearised(self, group: Causes, about: Array) -> _Linear:
+    def _linearised(self, group: Causes, about: Array) -> LinearisedGroup:
         model = self.model
         linear = model.linearised(group, about, model.given_forms)
         raw = model.columns(about) if group else model.columns_as_expected
         y = model.y - (model.mean_error(about) - model.mean_error(model.expected)) + raw @ about
-        modulations = linear.columns[:, :, self._k :]
-        of_terms = [answers(model, t, self._water) if t.answers else t.columns for t in self.terms]
-        return _Linear(about, linear, np.concatenate([raw, modulations, *of_terms, y[:, :, None]], axis=2))
+        return LinearisedGroup(
+            about, linear, np.concatenate([raw, linear.columns[:, :, self._k :], y[:, :, None]], axis=2)
+        )
 
-    def gram(self, law: RandomErrors, logs: Array, group: Causes, terms: Sequence[int]) -> GramMatrix:
-        """Inner products under a noise of a group's columns, those of some terms in their order, and the data."""
-        own = [self._own_places(term) for term in terms]
-        kept = np.concatenate([np.arange(self.core), *own, [self.linear(group).joined.shape[2] - 1]]).astype(int)
-        linear, values = self.linear(group), values_of(law.hyperparameters, logs)
+    def _of_terms(self, terms: Sequence[int]) -> list[Array]:
+        chosen = (self.terms[term - 1] for term in terms)
+        return [answers(self.model, term, self._water) if term.answers else term.columns for term in chosen]
+
+    def _joint(self, groups: tuple[Causes, ...], terms: tuple[int, ...]) -> JointColumns:
+        """The columns of some groups and terms; those of the last few are kept."""
+        if (groups, terms) not in self._joined:
+            while len(self._joined) >= KEPT_COLUMNS:
+                del self._joined[next(iter(self._joined))]
+            same = [self.model.is_the_same_everywhere(coordinate.effect) for coordinate in self.model.coordinates]
+            differ = np.append(~np.array(same, dtype=bool), np.ones(self.core - self._k + 1, dtype=bool))
+            linear = {group: self.linear(group) for group in groups}
+            self._joined[groups, terms] = JointColumns.of(linear, differ, self._of_terms(terms))
+        return self._joined[groups, terms]
+
+    def grams(
+        self, law: RandomErrors, logs: Array, groups: Iterable[Causes], terms: Sequence[int]
+    ) -> dict[Causes, GramMatrix]:
+        """Inner products under a noise of each group's columns, those of some terms, and the data."""
+        joint, values = self._joint(tuple(groups), tuple(terms)), values_of(law.hyperparameters, logs)
         noise, legs = self.model.noise_components(values), self.model._all_legs
-        joined = linear.joined[:, :, kept]
+        scale = np.ones(self.core + 1)
         if self.core > self._k:
-            joined[:, :, self._k : self.core] *= linear.linear.prior_sd(values)[self._k :]
+            scale[self._k : self.core] = self.linear(()).linear.prior_sd(values)[self._k :]
         independent = noise.independent(legs.under_way)
         if math.isinf(noise.dof):
-            products, log_determinant = legs.gram(joined, independent, noise.fix_sd, noise.process)
-            return GramMatrix.of(products, log_determinant, 2 * self.model.data.n)
+            return joint.grams(legs.whitened(joint.values, independent, noise.fix_sd, noise.process), scale)
         if noise.dof <= MIN_DOF:
             raise np.linalg.LinAlgError("the variance of the errors does not exist")
         variance = independent + noise.fix_sd**2 * legs.fix_variance()
-        design = linear.joined[:, :, self.places(law.reference.term)]
-        if self.core > self._k:
-            design[:, :, self._k : self.core] = joined[:, :, self._k : self.core]
-        return self._heavy_tailed(joined, design, variance, noise.dof, law.reference)
+        return {
+            group: joint.heavy_tailed(group, scale, variance, self._bound(law, group, scale, variance, noise.dof))
+            for group in joint.places
+        }
 
-    def _heavy_tailed(
-        self, joined: Array, design: Array, variance: Array, dof: float, reference: MeanSet
-    ) -> GramMatrix:
-        """A normal lower bound of Student-t errors that touches them where a reference set is likeliest.
+    def _bound(self, law: RandomErrors, group: Causes, scale: Array, variance: Array, dof: float) -> TailBound:
+        """Bound of errors with heavy tails, by the likeliest set in the columns of a group."""
+        mean, factor = self.prior(law.reference, 1)
+        columns = self.linear(group).columns * scale
+        own = self._of_terms([law.reference.term] if law.reference.term else [])
+        design = np.concatenate([columns[:, :, :-1], *own], axis=2)
+        return TailBound.at(columns[:, :, -1] - design @ mean, design @ factor, variance, dof)
 
-        ln t of a leg is at least a parabola in its residuals with the weight (ν + 2)/(ν − 2 + q) of iterated least
-        squares (Lange, Little & Taylor 1989; Jaakkola & Jordan 2000, *Stat. Comput.* 10).
-        """
-        mean, factor = self.prior(reference, 1)
-        y = joined[:, :, -1] - design @ mean
-        white = design @ factor
-        found = student_marginal(y, white, np.ones(len(mean)), variance, dof)
-        squared = np.sum((y - white @ found.mean) ** 2 / variance, axis=0)
-        weight = (dof + 2.0) / (dof - 2.0 + squared)
-        constant = gammaln(0.5 * dof + 1.0) - gammaln(0.5 * dof) - math.log(math.pi * (dof - 2.0))
-        log_normaliser = len(squared) * constant - 0.5 * float(np.log(variance).sum())
-        log_normaliser += float(np.sum(0.5 * weight * squared - 0.5 * (dof + 2.0) * np.log1p(squared / (dof - 2.0))))
-        flat = joined.reshape(-1, joined.shape[2])
-        return GramMatrix((flat.T * (weight / variance).ravel()) @ flat, log_normaliser)
+    def gram_of(self, law: RandomErrors, logs: Array, one: MeanSet) -> GramMatrix:
+        """Inner products under a noise of the columns of a set, those of its term last, and the data."""
+        group, terms = self.group(one), [one.term] if one.term else []
+        gram = self.grams(law, logs, [group], terms)[group]
+        return gram.joined(self.blocks(terms)[0]) if terms else gram
 
     def log_density(self, law: RandomErrors, logs: Array, one: MeanSet) -> float:
         """Log density of the data under a set at one noise."""
-        gram = self.gram(law, logs, self.group(one), (one.term,) if one.term else ())
-        return self.priors([one], 1).log_density(gram)
+        return self.priors([one], 1).log_density(self.gram_of(law, logs, one))
 
     def log_densities(self, law: RandomErrors, logs: Array, sets: Sequence[MeanSet], terms: Sequence[int]) -> Array:
         """Log density at one noise under each of some sets without a term, and with each of some, shape (s, 1 + t)."""
         found = np.empty((len(sets), 1 + len(terms)))
-        for group, members in grouped(sets, self.group).items():
-            gram = self.gram(law, logs, group, terms)
-            found[members] = self.with_terms([gram], [sets[i] for i in members], terms, 1)[0]
+        by_group = grouped(sets, self.group)
+        grams = self.grams(law, logs, by_group, terms)
+        for group, members in by_group.items():
+            found[members] = self.with_terms([grams[group]], [sets[i] for i in members], terms, 1)[0]
         return found
 
     def with_terms(
@@ -279,8 +263,7 @@ class LegInference:
         A set that is full has no term.
         """
         priors = self.priors(sets, scale)
-        core = [gram.part(np.arange(self.core)) for gram in grams]
-        plain = priors.log_densities(core)[:, :, None]
+        plain = priors.log_densities(grams)[:, :, None]
         if not terms:
             return plain
         gains = np.full((*plain.shape[:2], len(terms)), -np.inf)
@@ -291,9 +274,7 @@ class LegInference:
 
     def blocks(self, terms: Sequence[int]) -> list[Block]:
         """Places of the columns of some terms among theirs."""
-        sizes = [len(self._own_places(term)) for term in terms]
-        firsts = np.cumsum([0, *sizes])
-        return [Block(int(first), size) for first, size in zip(firsts[:-1], sizes, strict=True)]
+        return blocks_by_size([self.terms[term - 1].columns.shape[2] for term in terms])
 
     # search
 
@@ -310,14 +291,14 @@ class LegInference:
                 about = self._posterior_mean(law, logs, best)[: self._k]
                 moved = max(moved, float(np.max(np.abs(about - self.linear(group).about) / slabs)))
                 self._groups[group] = self._linearised(group, about)
+            self._joined.clear()
             if moved < SETTLED:
                 break
         self._settle_current(law, logs)
 
     def _posterior_mean(self, law: RandomErrors, logs: Array, one: MeanSet) -> Array:
         """Posterior mean of a set's coefficients at one noise, raw coordinates first, those of its term last."""
-        gram = self.gram(law, logs, self.group(one), (one.term,) if one.term else ())
-        return np.asarray(self.priors([one], 1).posterior([gram])[0][0, 0])
+        return np.asarray(self.priors([one], 1).posterior([self.gram_of(law, logs, one)])[0][0, 0])
 
     def _settle_current(self, law: RandomErrors, logs: Array) -> None:
         """Take for the current to which the vehicle answers that of the likeliest set with an answer of any size.
@@ -337,7 +318,7 @@ class LegInference:
             if np.allclose(water, self._water, atol=1e-4):
                 break
             self._water = water
-            self._groups = {group: self._linearised(group, one.about) for group, one in self._groups.items()}
+            self._joined.clear()
 
 
 def grouped(items: Sequence[MeanSet], key: Callable[[MeanSet], Causes]) -> dict[Causes, list[int]]:

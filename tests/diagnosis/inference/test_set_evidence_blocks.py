@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 from scipy.stats import multivariate_normal
 
-from missionplan.diagnosis.inference.set_evidence import Block, GramMatrix, SetPriors
+from missionplan.diagnosis.inference.marginal_likelihood import LOG_2PI
+from missionplan.diagnosis.inference.set_evidence import GramMatrix, SetPriors, blocks_by_size
 
 
 @pytest.mark.parametrize("scale", [0.75, 1.9])
@@ -12,13 +13,14 @@ def test_gains_are_those_of_the_normal_density(scale):
     rng = np.random.default_rng(1)
     n, k = 30, 4
     core, further, y = rng.normal(size=(n, k)), rng.normal(size=(n, 6)), rng.normal(size=n)
-    joined = np.column_stack([core, further, y])
-    gram = GramMatrix.of(joined.T @ joined, 0.0, n)
+    joined = np.column_stack([core, y])
+    inner = tuple((own.T @ own)[None] for own in (further[:, :1], further[:, 1:3], further[:, 3:]))
+    gram = GramMatrix(joined.T @ joined, -0.5 * n * LOG_2PI, joined.T @ further, inner)
     means = rng.normal(size=(3, k))
     factors = np.stack([np.tril(rng.normal(size=(k, k))) for _ in range(3)])
-    blocks = [Block(0, 1), Block(1, 2), Block(3, 3)]
+    blocks = blocks_by_size([3, 1, 2])
     priors = SetPriors(means, factors)
-    plain = priors.log_densities([gram.part(np.arange(k))])[0]
+    plain = priors.log_densities([gram])[0]
     found = priors.gains([gram, gram], blocks, scale)
     assert found.shape == (2, 3, 3)
     for s in range(3):
@@ -27,3 +29,15 @@ def test_gains_are_those_of_the_normal_density(scale):
             own = further[:, block.first : block.first + block.size]
             exact = multivariate_normal(core @ means[s], spread + scale**2 * own @ own.T).logpdf(y)
             assert plain[s] + found[1, s, b] == pytest.approx(exact, abs=1e-9)
+            beside = SetPriors(
+                np.append(means[s], np.zeros(block.size))[None], _with_block(factors[s], block.size, scale)
+            )
+            assert beside.log_density(gram.joined(block)) == pytest.approx(exact, abs=1e-9)
+
+
+def _with_block(factor, size, scale):
+    """Factor of the prior of coefficients and a block's, as that of one set."""
+    k = len(factor)
+    found = scale * np.eye(k + size)
+    found[:k, :k] = factor
+    return found[None]

@@ -1,15 +1,17 @@
-"""A set of causes linearised about given coordinates, as the likelihood of a log takes it."""
+"""A set of causes linearised about given coordinates, as the likelihood of a log takes it, and effects held there."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
+from numpy.typing import NDArray
 
-from missionplan.arrays import Array
+from missionplan.arrays import Array, Scalars
 from missionplan.diagnosis.inference.marginal_likelihood import Marginal
 from missionplan.diagnosis.legs.likelihood.hyperparameters import SLAB_SCALE, HyperparameterValues
 from missionplan.diagnosis.legs.likelihood.modulation import Modulation
+from missionplan.phases.hooks import Leg, TransitEffect
 
 
 @dataclass(frozen=True)
@@ -59,3 +61,39 @@ class LinearisedLegs:
     def joined(self) -> Array:
         """Columns and, last, data, shape (2, n, k + m + 1)."""
         return np.concatenate([self.columns, self.y[:, :, None]], axis=2)
+
+
+class HeldEffect(TransitEffect):
+    """An effect whose hooks for the legs of a log are computed once."""
+
+    def __init__(self, effect: TransitEffect, leg: Leg) -> None:
+        self._effect, self._leg = effect, leg
+
+    @cached_property
+    def _velocity(self) -> Array | float:
+        return self._effect.velocity(self._leg)
+
+    @cached_property
+    def _factor(self) -> NDArray[np.complex128] | Scalars:
+        return self._effect.course_factor(self._leg)
+
+    def velocity(self, leg: Leg) -> Array | float:
+        """Return the mean velocity error."""
+        return self._velocity
+
+    def course_factor(self, leg: Leg) -> NDArray[np.complex128] | Scalars:
+        """Return the factor on the velocity through the water."""
+        return self._factor
+
+    @property
+    def answers_current(self) -> bool:
+        """Whether the effect does."""
+        return self._effect.answers_current
+
+    def answer_to_current(self, leg: Leg, water: Array) -> Array | float:
+        """Return the answer to this current."""
+        return self._effect.answer_to_current(leg, water)
+
+    def surface_velocity(self, t: Array, duration: Array, position: Array) -> Array | float:
+        """Return the drift at the surface."""
+        return self._effect.surface_velocity(t, duration, position)

@@ -24,6 +24,38 @@ LegSelection = slice | NDArray[np.int_]
 
 
 @dataclass(frozen=True)
+class WhitenedColumns:
+    """Columns X of legs of covariance Σ, as A and B_i with Xᵀ Σ⁻¹ X = Aᵀ A − Σ B_iᵀ B_i."""
+
+    added: Array
+    """A, shape (2n, m)."""
+    removed: tuple[Array, ...]
+    """B of each axis, shape (s, m): what is known of the states that legs share."""
+    log_determinant: float
+    """ln |Σ|, both axes together."""
+
+    def products(self, first: slice, second: slice) -> Array:
+        """Inner products xᵀ Σ⁻¹ y of some columns and others."""
+        found = self.added[:, first].T @ self.added[:, second]
+        for each in self.removed:
+            found -= each[:, first].T @ each[:, second]
+        return np.asarray(found)
+
+    def products_of_blocks(self, chosen: slice, size: int) -> Array:
+        """Inner products within each of b consecutive blocks of columns of the same size q, shape (b, q, q)."""
+        found = _of_blocks(self.added[:, chosen], size)
+        for each in self.removed:
+            found -= _of_blocks(each[:, chosen], size)
+        return found
+
+
+def _of_blocks(columns: Array, size: int) -> Array:
+    """Inner products within blocks of columns, (N, b·q) → (b, q, q)."""
+    blocks = np.ascontiguousarray(columns.T).reshape(-1, size, len(columns))
+    return np.asarray(blocks @ blocks.swapaxes(1, 2))
+
+
+@dataclass(frozen=True)
 class MarkovCovariance:
     """Covariance of the velocity errors of consecutive legs, never written out.
 
@@ -50,7 +82,12 @@ class MarkovCovariance:
         return np.asarray((self.start_scale**2 + self.end_scale**2) / self.under_way**2)
 
     def gram(self, values: Array, white: Array, fix_sd: float, process: MarkovProcess | None) -> tuple[Array, float]:
-        """Inner products of whitened columns, both axes together.
+        """Σ over axes of valuesᵀ Σ⁻¹ values, shape (m, m), and ln |Σ|, both axes together; arguments of `whitened`."""
+        found = self.whitened(values, white, fix_sd, process)
+        return found.products(slice(None), slice(None)), found.log_determinant
+
+    def whitened(self, values: Array, white: Array, fix_sd: float, process: MarkovProcess | None) -> WhitenedColumns:
+        """Whiten columns.
 
         Parameters
         ----------
@@ -63,13 +100,6 @@ class MarkovCovariance:
         process : MarkovProcess, optional
             Error that persists from leg to leg.
 
-        Returns
-        -------
-        gram : array, shape (m, m)
-            Σ over axes of valuesᵀ Σ⁻¹ values.
-        log_determinant : float
-            ln |Σ|, both axes together.
-
         Raises
         ------
         numpy.linalg.LinAlgError
@@ -80,20 +110,22 @@ class MarkovCovariance:
         variance = variance if prior is None else variance + prior.rest
         if not np.all(variance > 0.0):
             raise np.linalg.LinAlgError("a variance is not positive")
-        weighted = values / variance[:, :, None]
-        gram = weighted[0].T @ values[0] + weighted[1].T @ values[1]
+        added = values / np.sqrt(variance)[:, :, None]
         log_determinant = float(np.log(variance).sum())
-        states = self._states(np.ascontiguousarray(np.swapaxes(weighted, 1, 2)), variance, fix_sd, prior)
-        if states is None:
-            return gram, log_determinant
+        independent = WhitenedColumns(added.reshape(-1, values.shape[2]), (), log_determinant)
+        if prior is None and not self._shares_any_fix:
+            return independent
+        weighted = np.ascontiguousarray(np.swapaxes(values, 1, 2)) / variance[:, None, :]
+        states = self._states(weighted, variance, fix_sd, prior)
+        removed = []
         for axis in (0, 1):
             factor, failed = lapack.dpbtrf(states.band[axis].T, lower=1)
             if failed:
                 raise np.linalg.LinAlgError("the covariance is not positive definite")
-            whitened, _ = lapack.dtbtrs(factor, states.right[axis].T, uplo="L")
-            gram -= whitened.T @ whitened
+            whitened, _ = lapack.dtbtrs(factor, states.right[axis].T, uplo="L", overwrite_b=1)
+            removed.append(whitened)
             log_determinant += 2.0 * float(np.log(factor[0]).sum()) + states.log_determinant
-        return gram, log_determinant
+        return WhitenedColumns(independent.added, tuple(removed), log_determinant)
 
     @cached_property
     def _unshared_fix_variance(self) -> Array:
@@ -123,9 +155,7 @@ class MarkovCovariance:
         band = np.stack([prior.diagonal, np.append(prior.off_diagonal, 0.0)])
         return np.asarray(loads.T @ solveh_banded(band, loads, lower=True) + np.diag(prior.rest))
 
-    def _states(
-        self, weighted: Array, variance: Array, fix_sd: float, prior: "_ProcessStates | None"
-    ) -> "_States | None":
+    def _states(self, weighted: Array, variance: Array, fix_sd: float, prior: "_ProcessStates | None") -> "_States":
         """States of both axes: the process at both ends of each leg, the fix after it over its standard deviation.
 
         Parameters
@@ -136,7 +166,7 @@ class MarkovCovariance:
             That no state explains.
         """
         if prior is None:
-            return self._fixes(weighted, variance, fix_sd) if self._shares_any_fix else None
+            return self._fixes(weighted, variance, fix_sd)
         of_process = prior.states(weighted, variance)
         if not self._shares_any_fix:
             return of_process

@@ -13,7 +13,7 @@ from missionplan.datasets.records import TransitData
 from missionplan.diagnosis.coordinates import Coordinate, coordinates_of, parameters_from
 from missionplan.diagnosis.given.effects import GivenEffect, held, tied
 from missionplan.diagnosis.legs.likelihood.fix_gaps import FixGaps, fix_gaps
-from missionplan.diagnosis.legs.likelihood.linearised import CoordinatePrior, LinearisedLegs
+from missionplan.diagnosis.legs.likelihood.linearised import CoordinatePrior, HeldEffect, LinearisedLegs
 from missionplan.diagnosis.legs.likelihood.modulation import (
     STEADY,
     Forms,
@@ -219,11 +219,15 @@ class TransitMean:
 
     def _error(self, names: Sequence[str], values: Array) -> Array:
         """Velocity errors east and north that some effects cause together, shape (2, n) [m/s]."""
+        return self.velocity_error(self._made(names, values).values())
+
+    def _made(self, names: Iterable[str], values: Array) -> dict[str, TransitEffect]:
+        """Effects of some names at given coordinates."""
         own = [index for name in names for index in self.by_effect[name]]
         made = parameters_from([self.coordinates[index] for index in own], values[own])
         if self.acting is not None and self.acting.effect in made:
             made[self.acting.effect] |= self.acting.shapes
-        return self.velocity_error(cast(TransitEffect, CATALOGUE[name].make(each)) for name, each in made.items())
+        return {name: cast(TransitEffect, CATALOGUE[name].make(each)) for name, each in made.items()}
 
     @cached_property
     def _on_course(self) -> tuple[str, ...]:
@@ -239,29 +243,34 @@ class TransitMean:
     def columns(self, about: Array) -> Array:
         """Columns of the coordinates, by central differences of the effects' hooks, shape (2, n, k)."""
         columns = self.columns_as_expected.copy()
-        for index, coordinate in enumerate(self.coordinates):
-            if self._is_the_same_everywhere(coordinate.effect):
-                continue
-            columns[:, :, index] = self._column(index, about)
+        changed = [i for i, c in enumerate(self.coordinates) if not self.is_the_same_everywhere(c.effect)]
+        columns[:, :, changed] = self._differences(changed, about)
         return columns
 
-    def _is_the_same_everywhere(self, effect: str) -> bool:
+    def is_the_same_everywhere(self, effect: str) -> bool:
         """Whether an effect's columns do not depend on the point about which the model is linearised."""
         return CATALOGUE[effect].linear and effect not in self._on_course
 
-    def _column(self, index: int, about: Array) -> Array:
-        """Column of one coordinate, shape (2, n)."""
-        coordinate = self.coordinates[index]
-        together = self._on_course if coordinate.effect in self._on_course else (coordinate.effect,)
-        step = np.zeros(len(about))
-        step[index] = DIFFERENCE_STEP * coordinate.slab
-        ahead, behind = (self._error(together, about + sign * step) for sign in (1.0, -1.0))
-        return np.asarray(self.axes.T @ (ahead - behind) / (2.0 * step[index]))
+    def _differences(self, indices: Sequence[int], about: Array) -> Array:
+        """Columns of some coordinates, all other effects held where they are, shape (2, n, m)."""
+        held = {name: HeldEffect(each, self.leg) for name, each in self._made(self._on_course, about).items()}
+        found = np.empty((2, self.data.n, len(indices)))
+        for place, index in enumerate(indices):
+            coordinate = self.coordinates[index]
+            beside = held if coordinate.effect in held else {}
+            step = np.zeros(len(about))
+            step[index] = DIFFERENCE_STEP * coordinate.slab
+            ahead, behind = (
+                self.velocity_error({**beside, **self._made((coordinate.effect,), about + sign * step)}.values())
+                for sign in (1.0, -1.0)
+            )
+            found[:, :, place] = self.axes.T @ (ahead - behind) / (2.0 * step[index])
+        return found
 
     @cached_property
     def columns_as_expected(self) -> Array:
         """Columns of the coordinates as the mission expects them, shape (2, n, k)."""
-        return np.stack([self._column(index, self.expected) for index in range(len(self.coordinates))], axis=2)
+        return self._differences(range(len(self.coordinates)), self.expected)
 
     @cached_property
     def _error_as_expected(self) -> Array:
