@@ -1,13 +1,17 @@
 """The next trial: a log on one heading cannot tell a compass from a current; the trials offered can."""
 
+from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 import yaml
 
+from missionplan.datasets.legs import read_transit
 from missionplan.diagnosis.diagnose import diagnose
 from missionplan.diagnosis.inference.trials import Draws
+from missionplan.diagnosis.next_trial.leg_trials import LegTrials
 from missionplan.diagnosis.next_trial.next_trial import right_about_vehicle, to_do
 from missionplan.mission import Mission, load
 from missionplan.report.diagnosis.plan import next_trial_section
@@ -99,6 +103,31 @@ def test_repeats_tell_more_and_take_longer(next_trial: NextTrial) -> None:
     assert twice.minutes == pytest.approx(2.0 * once.minutes, rel=0.1)
     legs = 4.0 * (800.0 / VEHICLE.speed + 60.0) / 60.0
     assert once.minutes == pytest.approx(legs, rel=0.1)
+
+
+def test_twelve_short_legs_settle_in_less_time_what_six_long_ones_do(next_trial: NextTrial) -> None:
+    """Random errors are those of each leg, however long it is."""
+    named = {each.name: each for each in next_trial.designs}
+    short, long = named["a star of six legs of 330 m, 2 times"], named["a star of six legs of 1.6 km"]
+    assert short.minutes < 0.85 * long.minutes
+    assert short.right > max(long.right - 0.02, next_trial.right + 0.1)
+
+
+def test_half_of_a_figure_of_eight_is_sailed_at_another_speed_or_depth(tmp_path: Path) -> None:
+    """On the same four headings, so that neither is taken for a compass or a current."""
+    raw = mission(VEHICLE)
+    raw["phases"][0]["transit"]["depth"] = "20 m"  # type: ignore[index]
+    made = Mission.from_data(raw)
+    rows = sail(Truth(), VEHICLE, np.zeros(LEGS), np.full(LEGS, 800.0), 0.0, np.random.default_rng(1))
+    data = read_transit(write_log(tmp_path, VEHICLE, rows), made)
+    trials = LegTrials(SimpleNamespace(mission=made, data=replace(data, depth=np.full(LEGS, 20.0))))  # type: ignore[arg-type]
+    numbers = {name: number for number, name in enumerate(trials.designs)}
+    slow, shallow = (
+        Mission.from_data(trials.trial(numbers[f"a figure of eight of 330 m, half of it at {other}"])).transits
+        for other in ("0.77 m/s", "14 m depth")
+    )
+    assert [leg.speed for leg in slow] == pytest.approx([1.1] * 4 + [0.77] * 4)
+    assert [leg.depth for leg in shallow] == pytest.approx([20.0] * 4 + [14.0] * 4)
 
 
 def test_every_design_is_a_mission_that_can_be_sailed(one_way: Diagnosis, tmp_path: Path) -> None:

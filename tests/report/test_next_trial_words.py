@@ -9,7 +9,7 @@ import yaml
 
 from missionplan.report.diagnosis.findings import how_sure
 from missionplan.report.diagnosis.page import answer
-from missionplan.report.diagnosis.plan import next_trial_pointer, next_trial_section, next_trial_words
+from missionplan.report.diagnosis.plan import next_trial_pointer, next_trial_section, next_trial_told, next_trial_words
 from missionplan.results.learned.evidence import Readings
 from missionplan.results.learned.next_trial import NextTrial, OutcomeRule, TrialOutcome, ValuedDesign
 
@@ -61,12 +61,25 @@ def test_what_settles_what_to_do_about_the_vehicle_is_the_cheapest_that_nearly_d
     assert NextTrial().settling is None
     said = str(next_trial_section(found)[0].blocks)
     assert "is right with 60" in said
-    assert "after two opposite legs of 400 m, which takes 28" in said
+    assert "what is known now, after it with 90" in said
+    slower = str(next_trial_section(replace(found, best=longer))[0].blocks)
+    assert "after two opposite legs of 400 m, which takes 28" in slower
+
+
+def test_where_nothing_is_saved_what_settles_it_is_recommended() -> None:
+    found = replace(FOUND, best=None, outcomes=(), rule=None, right=0.6)
+    (section,) = next_trial_section(found)
+    assert section.heading == "The next trial"
+    assert "as in next-trial.yaml in this folder: takes 28" in str(section.blocks[0])
+    assert "For the plan no trial is worth it" in next_trial_told(found)
+    assert next_trial_pointer(found)[0].startswith("Two opposite legs of 400 m: the trial worth making next")
+    notes = [line for line in str(found.files()["next-trial.yaml"]).splitlines() if line.startswith("#")]
+    assert notes[-1].endswith("is then right with 90 %, not 60 %.")
 
 
 def test_what_to_do_next_names_the_trial() -> None:
     assert next_trial_pointer(FOUND)[0].startswith("Two opposite legs of 400 m: the trial worth making next")
-    assert "No trial is worth it" in next_trial_pointer(replace(FOUND, best=None))[0]
+    assert "No trial is worth it" in next_trial_pointer(replace(FOUND, best=None, right=0.9))[0]
     assert next_trial_pointer(NextTrial(reason="no vehicle")) == next_trial_pointer(None) == []
 
 

@@ -1,4 +1,4 @@
-"""Legs as trials: stars, boxes, legs there and back, of several lengths, from the mission's own transit."""
+"""Legs as trials: stars, boxes, legs there and back, of several lengths, speeds and depths, from the first transit."""
 
 import copy
 import math
@@ -37,6 +37,12 @@ SHAPES: Mapping[str, tuple[float, ...]] = {
 """Headings from the mission's course [deg]; each ends where it begins."""
 LENGTHS = (0.5, 1.0, 2.0)
 """Lengths of the legs over the mission's d_max."""
+SHORT = (300.0, 600.0)
+"""Times under way of shorter legs [s]: what is random is so from leg to leg, so that many short ones tell as much."""
+MIXED, CHANGED = "a figure of eight", 0.7
+"""Shape whose second half, on the headings of the first, is sailed at another speed or depth: this share of it."""
+LEAST_DEPTHS = 2.0
+"""Difference of depths below which legs are as good as at one depth [m]."""
 LONG_LEG = 4.0
 """Length of one long leg over the mission's d_max."""
 LATER = 86_400.0
@@ -56,6 +62,15 @@ class _Legs:
     name: str
     courses: Array
     length: float
+    speeds: Array | float = 1.0
+    depths: Array | float = 1.0
+    """Those of each leg over the mission's."""
+
+    def halved(self, key: str, words: str) -> "_Legs":
+        """Return them with the second half at another speed or depth."""
+        half = np.where(np.arange(len(self.courses)) < len(self.courses) // 2, 1.0, CHANGED)
+        changed = replace(self, name=f"{self.name}, half of it at {words}")
+        return replace(changed, speeds=half) if key == "speed" else replace(changed, depths=half)
 
 
 @dataclass(frozen=True)
@@ -95,8 +110,7 @@ class LegTrials(TrialKind):
     def _legs(self) -> tuple[_Legs, ...]:
         course = math.atan2(*(self._ends[1] - self._ends[0]))
         found = []
-        for factor in LENGTHS:
-            length = factor * self._usual_length
+        for length in self._lengths:
             for shape, headings in SHAPES.items():
                 found += [
                     _Legs(
@@ -106,8 +120,26 @@ class LegTrials(TrialKind):
                     )
                     for times in _repeats(len(headings))
                 ]
+        mixed = [legs.halved(*other) for legs in found if legs.name.startswith(MIXED) for other in self._others]
         length = LONG_LEG * self._usual_length
-        return (*found, _Legs(f"one long leg of {_metres(length)}", np.array([course]), length))
+        return (*found, *mixed, _Legs(f"one long leg of {_metres(length)}", np.array([course]), length))
+
+    @property
+    def _lengths(self) -> list[float]:
+        """Of the legs [m]."""
+        usual = [factor * self._usual_length for factor in LENGTHS]
+        short = [seconds * float(self._phase.speed) for seconds in SHORT]
+        return [length for length in short if length < usual[0]] + usual
+
+    @property
+    def _others(self) -> list[tuple[str, str]]:
+        """Speed and depth at which half of a trial may be sailed, each with its words."""
+        phase, found = self._phase, []
+        if "speed" in self._as_written:
+            found.append(("speed", f"{CHANGED * float(phase.speed):.2g} m/s"))
+        if self.bound.data.depth is not None and (1.0 - CHANGED) * float(phase.depth) > LEAST_DEPTHS:
+            found.append(("depth", f"{CHANGED * float(phase.depth):.0f} m depth"))
+        return found
 
     @property
     def designs(self) -> Sequence[str]:
@@ -141,7 +173,7 @@ class LegTrials(TrialKind):
     def _planned(self, legs: _Legs) -> TransitData:
         """A record of these legs alone, sailed without error a day after the one so far."""
         data, count = self.bound.data, len(legs.courses)
-        speed = float(self._phase.speed)
+        speed = float(self._phase.speed) * legs.speeds
         path = legs.length * np.stack([np.sin(legs.courses), np.cos(legs.courses)])
         ends = self._ends[0][:, None] + np.cumsum(path, axis=1)
         under_way = np.full(count, legs.length / speed)
@@ -159,7 +191,7 @@ class LegTrials(TrialKind):
             dead_reckoned=ends,
             end=ends + 1e-3,  # each leg has fixes of its own, on surfacing and on diving
             leg_fix_sd=None if data.leg_fix_sd is None else np.full(count, np.median(data.leg_fix_sd)),
-            depth=None if data.depth is None else np.full(count, np.nanmedian(data.depth)),
+            depth=None if data.depth is None else np.full(count, np.nanmedian(data.depth)) * legs.depths,
         )
 
     def trial(self, design: int) -> Mapping[str, object]:
@@ -168,19 +200,34 @@ class LegTrials(TrialKind):
         corners = self._ends[0][:, None] + np.cumsum(
             legs.length * np.stack([np.sin(legs.courses), np.cos(legs.courses)]), axis=1
         )
-        own = self._phase_as_written(raw)
+        own = self._as_written
         phases: list[object] = []
         for index, (east, north) in enumerate(corners.T.tolist()):
             begin = {} if index else {"from": [f"{place:.1f} m" for place in self._ends[0].tolist()]}
             to = {"to": [f"{east:.1f} m", f"{north:.1f} m"]}
-            leg = {"d_max": f"{1.2 * legs.length:.1f} m", "arrival_radius": f"{GENEROUS * legs.length:.1f} m"}
+            leg = self._changed(legs, index) | {
+                "d_max": f"{1.2 * legs.length:.1f} m",
+                "arrival_radius": f"{GENEROUS * legs.length:.1f} m",
+            }
             phases.append({"transit": {**own, "name": f"leg-{index + 1}", **begin, **to, **leg}})
         kept = {key: value for key, value in raw.items() if key not in ("requirements", "sweep", "correlations")}
         return kept | {"name": f"Trial: {legs.name}", "phases": phases}
 
-    def _phase_as_written(self, raw: Mapping[str, object]) -> dict[str, object]:
+    def _changed(self, legs: _Legs, index: int) -> dict[str, str]:
+        """Speed and depth of a leg, where they are not the mission's."""
+        shares = {"speed": legs.speeds, "depth": legs.depths}
+        own = {key: float(np.broadcast_to(share, len(legs.courses))[index]) for key, share in shares.items()}
+        units = {"speed": "m/s", "depth": "m"}
+        return {
+            key: f"{share * float(getattr(self._phase, key)):.4g} {units[key]}"
+            for key, share in own.items()
+            if share != 1.0
+        }
+
+    @property
+    def _as_written(self) -> dict[str, object]:
         """Keys of the first transit as the mission file has them, without those that a trial's leg has of its own."""
-        written = raw["phases"]
+        written = self.bound.mission.raw["phases"]
         entries = written if isinstance(written, list) else []
         own = next(entry["transit"] for entry in entries if isinstance(entry, dict) and "transit" in entry)
         return {key: value for key, value in own.items() if key not in ("name", "from", "to", "d_max")}

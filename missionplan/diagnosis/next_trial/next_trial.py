@@ -243,7 +243,10 @@ class Valuation:
             right=right_about_vehicle(asked, self.draws, np.array([e.explanation.probability for e in self.believed])),
         )
         worth = [entry for entry in found if entry[2].changes and entry[0].saving > WORTH * result.loss]
-        return self._with_best(result, worth) if worth else result
+        if worth:
+            return self._with_best(result, worth)
+        settling = result.settling
+        return replace(result, trial=next((one.trial for valued, one, _ in found if valued is settling), None))
 
     def _with_best(self, result: NextTrial, worth: Sequence[tuple[ValuedDesign, Candidate, Saving]]) -> NextTrial:
         """Name the cheapest of the designs that save nearly the most, and tell its outcomes."""

@@ -147,10 +147,10 @@ def next_trial_section(found: NextTrial | None) -> list[PageSection]:
         return []
     if found.reason is not None:
         return [PageSection("The next trial", [f"No trial was valued: {found.reason}."])]
-    heading = "No trial is worth it" if found.best is None else "The next trial"
-    blocks: list[Block] = [next_trial_words(found), *_about_vehicle(found), _assumptions(found)]
+    heading = "No trial is worth it" if found.recommended is None else "The next trial"
+    blocks: list[Block] = [next_trial_words(found), _assumptions(found), *_few_legs(found)]
     if found.best is not None:
-        blocks += [*_few_legs(found), _outcomes(found), *_rule_words(found)]
+        blocks += [_outcomes(found), *_rule_words(found)]
     return [PageSection(heading, [*blocks, _designs(found)])]
 
 
@@ -162,16 +162,17 @@ def next_trial_told(found: NextTrial | None) -> str:
         return f" No trial was valued: {found.reason}."
     words = next_trial_words(found).replace("in this folder", "in the report's folder")
     words = words.replace("The table says", "Its table says")
-    return f" {words}" if found.best is None else f" Next trial: {words[:1].lower()}{words[1:]}"
+    return f" {words}" if found.recommended is None else f" Next trial: {words[:1].lower()}{words[1:]}"
 
 
 def next_trial_pointer(found: NextTrial | None) -> list[str]:
     """Say among what to do next that a trial is worth making, or that none is, and that more follows."""
     if found is None or found.reason is not None:
         return []
-    if found.best is None:
+    if found.recommended is None:
         return ["No trial is worth it for the plan; what would tell more of the causes is for its own sake."]
-    return [f"{capitalised(found.best.name)}: the trial worth making next, and what its outcomes would mean, below."]
+    told = "" if found.best is None else ", and what its outcomes would mean"
+    return [f"{capitalised(found.recommended.name)}: the trial worth making next{told}, below."]
 
 
 def next_trial_words(found: NextTrial) -> str:
@@ -182,30 +183,39 @@ def next_trial_words(found: NextTrial) -> str:
             if found.perfect
             else "the choice would not change, not even with causes and sizes known exactly"
         )
+        if found.settling is not None:
+            return f"{_about_vehicle(found)} For the plan no trial is worth it: {reason}. {_choice_now(found)}"
         return (
             f"No trial is worth it: {reason}. {_choice_now(found)} The table says what trials would tell of the "
             "causes, where that is wanted for itself."
         )
     best = found.best
-    file = ", as in next-trial.yaml in this folder" if found.trial is not None else ""
     perfect = f"{_loss(found.perfect, found)} that knowing everything would save"
     share = f"of {perfect}" if best.saving < found.perfect else f"as far as chance lets it be told all of the {perfect}"
     return (
-        f"{capitalised(best.name)}{file}: {_takes(best)}, and saves {_loss(best.saving, found)} a mission on average "
-        f"(± {_loss(best.saving_error, found)}), {share}. "
-        f"{_choice_now(found)} The trial pays for itself {_payback(found)}."
-    )
+        f"{capitalised(best.name)}{_file(found)}: {_takes(best)}, and saves {_loss(best.saving, found)} a mission on "
+        f"average (± {_loss(best.saving_error, found)}), {share}. "
+        f"{_choice_now(found)} The trial pays for itself {_payback(found)}. {_about_vehicle(found)}"
+    ).rstrip()
 
 
-def _about_vehicle(found: NextTrial) -> list[str]:
-    """Say which trial settles what to do about the vehicle itself, where one does."""
-    if found.settling is None:
-        return []
-    now, then = percent(found.right), percent(found.settling.right)
-    return [
-        f"What to do about the vehicle (swing, calibrate, clean, nothing) is right with {now} by what is known now; "
-        f"after {found.settling.name}, which {_takes(found.settling)}, with {then}."
-    ]
+def _file(found: NextTrial) -> str:
+    return ", as in next-trial.yaml in this folder" if found.trial is not None else ""
+
+
+def _about_vehicle(found: NextTrial) -> str:
+    """Say which trial settles what to do about the vehicle itself; empty where none does."""
+    settling, best = found.settling, found.best
+    if settling is None:
+        return ""
+    done, now = "what to do about the vehicle (swing, calibrate, clean, nothing)", percent(found.right)
+    if best is None:
+        settles = f"{capitalised(settling.name)}{_file(found)}: {_takes(settling)}, and settles {done}"
+        return f"{settles}: it is then right with {percent(settling.right)}, by what is known now with {now}."
+    then = f"after it with {percent(best.right)}"
+    if settling is not best:
+        then += f", after {settling.name}, which {_takes(settling)}, with {percent(settling.right)}"
+    return f"{capitalised(done)} is right with {now} by what is known now, {then}."
 
 
 def _choice_now(found: NextTrial) -> str:
@@ -305,8 +315,8 @@ def _threshold(rule: OutcomeRule) -> str:
 
 
 def _designs(found: NextTrial) -> Table:
-    first = () if found.best is None else (found.best,)
-    listed = (*first, *(each for each in found.designs if each is not found.best))[:_LISTED]
+    first = [each for each in dict.fromkeys((found.best, found.settling)) if each is not None]
+    listed = [*first, *(each for each in found.designs if each not in first)][:_LISTED]
     rows = [
         [
             capitalised(each.name),

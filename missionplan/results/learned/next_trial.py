@@ -115,7 +115,7 @@ class NextTrial:
     rule: OutcomeRule | None = None
     """Of the best, where one parameter decides."""
     trial: Mapping[str, object] | None = None
-    """Mission file's data of the best; None for an instrument, or without a best."""
+    """Mission file's data of the one recommended; None for an instrument, or where none is."""
     reason: str | None = None
     """Why nothing was computed, where nothing was."""
 
@@ -125,6 +125,11 @@ class NextTrial:
         most = max((each.right for each in self.designs), default=0.0)
         enough = [each for each in self.designs if each.right >= most - NEARLY_RIGHT]
         return min(enough, key=lambda each: each.minutes) if most > self.right + MORE_RIGHT else None
+
+    @property
+    def recommended(self) -> ValuedDesign | None:
+        """The best for the plan, else what settles what to do about the vehicle."""
+        return self.best or self.settling
 
     def summary(self) -> dict[str, object]:
         """Return the entry ``next_trial`` of ``diagnosis.json``."""
@@ -142,6 +147,7 @@ class NextTrial:
             f"perfect_saving_{unit}": self.perfect,
             "explanations": [{"causes": list(causes), "probability": p} for causes, p in self.explanations],
             "best": self.best.name if self.best is not None else None,
+            "settling": self.settling.name if self.settling is not None else None,
             "designs": self.to_frame().to_dict(orient="records"),
             "outcomes": [asdict(outcome) for outcome in self.outcomes],
             "rule": asdict(self.rule) if self.rule is not None else None,
@@ -165,23 +171,29 @@ class NextTrial:
         return pd.DataFrame(rows)
 
     def files(self) -> dict[str, str | bytes]:
-        """``next-trials.csv``, and the best trial as ``next-trial.yaml``, with what its outcomes would mean."""
+        """``next-trials.csv``, and the recommended trial as ``next-trial.yaml``, with what its outcomes would mean."""
         found: dict[str, str | bytes] = {"next-trials.csv": to_csv(self.to_frame())} if self.designs else {}
         return found | ({"next-trial.yaml": self._trial_file()} if self.trial is not None else {})
 
     def _trial_file(self) -> str:
-        """The best trial's mission, headed by comments for who sails it."""
+        """The recommended trial's mission, headed by comments for who sails it."""
         told = "".join(f"# {line}\n" for line in self._notes())
         return told + to_yaml(self.trial or {})
 
     def _notes(self) -> list[str]:
-        best, unit = self.best, "m" if self.decides == "d_max_m" else "N"
+        made, unit = self.recommended, "m" if self.decides == "d_max_m" else "N"
         chosen = "d_max" if self.decides == "d_max_m" else "anchor's wet weight"
         lines = ["The trial that diagnose --next-trial found worth making; give its data to diagnose afterwards."]
-        if best is not None:
-            takes = f"{best.minutes:.0f} min" + (f" and {best.energy_wh:.3g} W h" if best.energy_wh else "")
-            saves = f"{best.saving:.2g} {self.unit} a mission on average"
-            lines.append(f"It takes {takes}, without the way there and back, and saves {saves}.")
+        if made is not None:
+            takes = f"{made.minutes:.0f} min" + (f" and {made.energy_wh:.3g} W h" if made.energy_wh else "")
+            saves = f", and saves {made.saving:.2g} {self.unit} a mission on average" if self.best is made else ""
+            right = f"{min(100.0 * made.right, 99.0):.0f} %, not {100.0 * self.right:.0f} %"
+            lines.append(f"It takes {takes}, without the way there and back{saves}.")
+            lines.append(
+                f"What is done about the vehicle (swing, calibrate, clean, nothing) is then right with {right}."
+            )
+        if self.best is None:
+            return lines
         lines.append(f"Now the {chosen} is best at {self.choice:.4g} {unit}. What the outcomes would mean:")
         for each in self.outcomes:
             same = f"keep {self.choice:.4g} {unit}"
