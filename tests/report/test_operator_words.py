@@ -67,6 +67,22 @@ def test_a_cause_that_a_rival_does_without_is_no_order():
     assert "correct nothing" not in shared, "every explanation has it"
 
 
+def test_a_law_of_the_errors_beside_a_cause_in_doubt_is_no_order_and_a_cause_beside_it_that_all_have_is_one():
+    found = (
+        estimate("speed-scale", "fraction", -0.13, 0.01, ""),
+        estimate("persistent-error", "sigma", 0.07, 0.01, "m/s"),
+    )
+    words = told(*found, verdict="partly-explained", none_of_these=0.3)
+    assert "surface more often" not in words
+    assert "calibrate" not in words
+    assert "correct nothing yet" in words
+    pair = estimate("speed-scale", "fraction", -0.13, 0.01, ""), estimate("compass-bias", "angle", 0.05, 0.005, "rad")
+    words = told(*pair, verdict="ambiguous", rivals=(("compass-bias", "mean-current"),))
+    assert "swing it" in words
+    assert "calibrate" not in words
+    assert "correct nothing else yet" in words
+
+
 @pytest.mark.parametrize("verdict", ["ambiguous", "partly-explained"])
 def test_a_cause_in_the_place_of_which_something_without_a_name_may_be_is_no_order(verdict):
     words = told(estimate("speed-scale", "fraction", -0.13, 0.01, ""), verdict=verdict, none_of_these=0.3)

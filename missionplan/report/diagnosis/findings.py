@@ -29,12 +29,19 @@ def finding_in_words(diagnosis: Diagnosis) -> str:
     is then to find out.
     """
     found, disputed = claimed_parameters(diagnosis), disputed_causes(diagnosis)
-    told = [_clause(cause, found, is_order=cause not in disputed) for cause in diagnosis.causes]
+    certain = _certain_causes(diagnosis, disputed)
+    told = [_clause(cause, found, is_order=cause in certain) for cause in diagnosis.causes]
     if not told or not all(told):
         return ""
     hedge = "It looks as if " if diagnosis.verdict in ("ambiguous", "partly-explained") else ""
     words = capitalised(f"{hedge}{'; and '.join(told)}{_gained(diagnosis)}.")
-    return f"{words} {_find_out(diagnosis, disputed)}" if disputed else words
+    return f"{words} {_find_out(diagnosis, disputed, is_all=not certain)}" if disputed else words
+
+
+def _certain_causes(diagnosis: Diagnosis, disputed: frozenset[str]) -> frozenset[str]:
+    """Causes to act on; beside one that is disputed what errors follow by statistics alone is disputed too."""
+    causes = frozenset(diagnosis.causes) - disputed
+    return frozenset(cause for cause in causes if CATALOGUE[cause].tier == "physical") if disputed else causes
 
 
 def disputed_causes(diagnosis: Diagnosis) -> frozenset[str]:
@@ -54,14 +61,14 @@ def _may_have_no_name(diagnosis: Diagnosis) -> bool:
     return diagnosis.none_of_these > UNLIKELY
 
 
-def _find_out(diagnosis: Diagnosis, disputed: frozenset[str]) -> str:
+def _find_out(diagnosis: Diagnosis, disputed: frozenset[str], *, is_all: bool) -> str:
     """Write what else it may be, and what would tell."""
     rivals = [names(rival) if rival else "chance" for rival in diagnosis.rivals if not disputed <= set(rival)][:_RIVALS]
     if _may_have_no_name(diagnosis):
         rivals.append("something that no effect of the catalogue explains")
     until = next((entry.measurement for entry in diagnosis.next_measurements), "")
     tells = f"first {until}" if until else "first take data that tell them apart"
-    return f"But it may as well be {' or '.join(rivals)}: correct nothing yet, {tells}."
+    return f"But it may as well be {' or '.join(rivals)}: correct nothing {'yet' if is_all else 'else yet'}, {tells}."
 
 
 def _clause(cause: str, found: tuple[ParameterEstimate, ...], *, is_order: bool) -> str:
