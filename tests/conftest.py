@@ -3,12 +3,18 @@
 # ruff: noqa: E402
 
 import os
+import tempfile
 from dataclasses import replace
+from pathlib import Path
 
 # before numpy is imported, here and in all that tests start: matrices are small, and threads of one worker only take
 # processors from the others
 for _threads in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
     os.environ.setdefault(_threads, "1")
+
+# compiled modules are kept, for workers and all programs that tests start, but not in the checkout
+if os.environ.pop("PYTHONDONTWRITEBYTECODE", ""):
+    os.environ.setdefault("PYTHONPYCACHEPREFIX", str(Path(tempfile.gettempdir(), "missionplan-compiled")))
 
 import numpy as np
 import pandas as pd

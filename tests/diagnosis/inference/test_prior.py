@@ -35,8 +35,10 @@ def test_evidence_over_the_scales_is_the_integral_over_the_slab(value, noise):
     scales = likeliest_scales(lambda spread: gaussian_marginal(gram, spread, log_determinant, 1), prior)
     found = gaussian_marginal(gram, scales.sd, log_determinant, 1)
 
+    error, slab = stats.norm(value * sd, noise * sd), stats.t(DOF, 0.0, sd)
+
     def joint(x):
-        return stats.norm(value * sd, noise * sd).pdf(x) * stats.t(DOF, 0.0, sd).pdf(x)
+        return error.pdf(x) * slab.pdf(x)
 
     places = sorted({0.0, value * sd})
     exact = integrate.quad(joint, -60.0 * sd, 60.0 * sd, points=places, limit=400)[0]

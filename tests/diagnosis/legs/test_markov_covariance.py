@@ -1,5 +1,7 @@
 """Whitening by the banded factor against a dense covariance."""
 
+from functools import cache
+
 import numpy as np
 import pytest
 
@@ -36,15 +38,17 @@ def dense(process, in_common, run, white, fix, start=1.0, end=1.0):
     for number in np.unique(run):
         legs = np.flatnonzero(run == number)
         if process is not None:
-            total[np.ix_(legs, legs)] += over_legs(process, START[legs], UNDER_WAY[legs])
+            total[np.ix_(legs, legs)] += over_legs(process, legs[0], legs[-1] + 1)
     return total
 
 
 STEPS = 400
 
 
-def over_legs(process, start, under_way):
+@cache
+def over_legs(process, first, after):
     """Covariance of the means over legs of a process that begins with the first, by midpoint sums in time."""
+    start, under_way = START[first:after], UNDER_WAY[first:after]
     t = (start[:, None] + under_way[:, None] * (np.arange(STEPS) + 0.5) / STEPS).ravel()
     if isinstance(process, RandomWalk):
         pointwise = process.rate**2 * (np.minimum.outer(t, t) - start[0])
