@@ -113,8 +113,36 @@ UNDER_OTHER_NAMES = {"import": "import_log", "effects": "", "simulate --rare": "
 """Commands whose function has another name, or that have none."""
 
 
-@pytest.mark.parametrize("name", CALLS)
+LONG = {"why", "score", "diagnose_campaign"}
+
+
+@pytest.mark.parametrize("name", sorted(CALLS.keys() - LONG))
 def test_a_public_function_is_called_twice(name: str) -> None:
+    called_twice(name)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", sorted(LONG))
+def test_a_long_public_function_is_called_twice(name: str) -> None:
+    called_twice(name)
+
+
+@pytest.mark.parametrize(
+    ("name", "arguments"),
+    [
+        ("why", ([MISSIONS / "no.gli"], "nowhere")),
+        ("score", (MISSIONS / "fig8.yaml", "nowhere")),
+        ("diagnose_campaign", (MISSIONS / "fig8.yaml", ["nowhere"])),
+    ],
+)
+def test_a_long_public_function_refuses_twice(name: str, arguments: tuple[object, ...]) -> None:
+    """All that it needs is imported before it looks at its arguments."""
+    for _ in range(2):
+        with pytest.raises(missionplan.InputError):
+            getattr(missionplan, name)(*arguments)
+
+
+def called_twice(name: str) -> None:
     first, second = CALLS[name](), CALLS[name]()
     assert type(first) is type(second)
     assert callable(getattr(missionplan, name))

@@ -8,7 +8,7 @@ import pytest
 import yaml
 
 import missionplan
-from missionplan.results.learned.diagnosis import Campaign
+from missionplan.results.learned.diagnosis import Campaign, Diagnosis
 from tests.hidden_effects.cases import draw_case
 
 COMPASS = 4.0
@@ -115,6 +115,27 @@ def test_a_doubt_that_the_dives_leave_outlasts_the_legs(campaign: tuple[Path, li
     assert "Still in doubt: " in page
 
 
+def test_each_record_of_legs_or_dives_keeps_a_part_away_and_trials_follow_the_last(
+    campaign: tuple[Path, list[Path]], found: Campaign, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """What each is asked for, and which mission it is laid against; the answers are those without."""
+    asked, answers = [], iter(found.diagnoses)
+
+    def one(mission: missionplan.Mission, folder: Path, **options: object) -> Diagnosis:
+        asked.append((folder.name, options["holdout"], options["next_trial"], len(mission.effects)))
+        return next(answers)
+
+    monkeypatch.setattr("missionplan.diagnosis.campaign.diagnose", one)
+    path, folders = campaign
+    together = missionplan.diagnose_campaign(path, folders, plan=False, holdout=0.3, next_trial=True)
+    assert [each[:3] for each in asked] == [
+        (folders[0].name, 0.3, False), ("legs-1", 0.3, False), ("legs-2", 0.3, True),
+    ]  # fmt: skip
+    assert asked[0][3] < asked[1][3]
+    assert together.provenance.options["holdout"] == 0.3
+
+
+@pytest.mark.slow
 def test_the_last_part_of_each_log_is_kept_away_and_trials_follow_the_last(campaign: tuple[Path, list[Path]]) -> None:
     """Two logs of 30 legs, of which 21 each are learned from."""
     path, (_, *logs) = campaign

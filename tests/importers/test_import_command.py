@@ -16,6 +16,7 @@ import pytest
 from made_tracks import made
 
 from missionplan.cli import main
+from missionplan.datasets.legs import read_transit
 from missionplan.diagnosis.diagnose import diagnose
 from missionplan.errors import InputError
 from missionplan.importers import importer
@@ -70,11 +71,21 @@ def raw_folder(tmp_path_factory):
     return folder
 
 
-def test_from_raw_files_to_a_verdict(raw_folder, tmp_path):
+def test_the_legs_of_raw_files_show_the_current_that_they_were_sailed_in(raw_folder, tmp_path):
     files = [raw_folder / "one.csv", raw_folder / "two.csv"]
     imported = run("import", *files, "--out", "data", "--map", *NAMES.split(), cwd=tmp_path)
     assert imported.returncode == 0, imported.stderr
     assert "24 of 24 dives between fixes count as legs" in re.sub(r"\s+", " ", imported.stdout)
+    legs = read_transit(tmp_path / "data", load(tmp_path / "data" / "mission.yaml"))
+    np.testing.assert_allclose(
+        ((legs.end - legs.dead_reckoned) / legs.under_way).mean(axis=1), [0.08, 0.03], atol=0.015
+    )
+
+
+@pytest.mark.slow
+def test_from_raw_files_to_a_verdict(raw_folder, tmp_path):
+    files = [raw_folder / "one.csv", raw_folder / "two.csv"]
+    assert run("import", *files, "--out", "data", "--map", *NAMES.split(), cwd=tmp_path).returncode == 0
     diagnosed = diagnose(tmp_path / "data" / "mission.yaml", tmp_path / "data", plan=False)
     found = json.loads(diagnosed.files()["diagnosis.json"])
     assert "mean-current" in found["causes"]

@@ -70,8 +70,9 @@ def _optimisation() -> Result:
 
 
 def _campaign(folder: Path) -> Result:
-    result("diagnosis", folder)
-    return missionplan.diagnose_campaign(folder / "mission.yaml", [folder / "sea-trial", LOOP / "third-log"])
+    return missionplan.diagnose_campaign(
+        MISSIONS / "chesapeake.yaml", [MISSIONS / "measured" / "avila-drag"], plan=False
+    )
 
 
 def _history(folder: Path) -> Result:

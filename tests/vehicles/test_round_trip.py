@@ -77,6 +77,7 @@ def test_moos_a_compass_that_is_off(tmp_path):
     assert _angle(found) == pytest.approx(2.5, abs=0.4)
 
 
+@pytest.mark.slow
 def test_moos_nothing_hidden_is_adequate(tmp_path):
     write_alog(tmp_path / "sailed.alog", moos(tmp_path, sea()))
     _, found = diagnosed(survey(), tmp_path / "sailed.alog", tmp_path / "data")

@@ -96,8 +96,8 @@ def test_headings_all_round_separate_them(all_round):
 
 
 def test_a_cause_that_changes_within_the_record_is_not_constant(folder, transit_mission, legs):
-    """A compass that is 3° off and 8° off, by turns of five legs."""
-    table = legs(80, error=turned(lambda t: np.radians(np.where(np.arange(len(t)) // 5 % 2 < 1, 3.0, 8.0))))
+    """A compass that is 2° off and 10° off, by turns of five legs."""
+    table = legs(40, error=turned(lambda t: np.radians(np.where(np.arange(len(t)) // 5 % 2 < 1, 2.0, 10.0))))
     found = diagnose(transit_mission, folder(KIND, table), plan=False)
     assert "compass-bias" in found.not_constant
     assert found.verdict == "partly-explained"
