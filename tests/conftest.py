@@ -26,6 +26,7 @@ from missionplan.diagnosis.dives.model import descent_model
 from missionplan.diagnosis.dives.preparation import PreparedDives, binned
 from missionplan.effects import CATALOGUE
 from missionplan.mission import load
+from missionplan.report.drawn import Drawn, drawing_by
 from tests.depth_readings import simulate_readings
 
 # no time limits: a busy machine is slow
@@ -83,6 +84,13 @@ def transit_mission(mission):
 @pytest.fixture
 def descent_mission(mission):
     return mission(DESCENT)
+
+
+@pytest.fixture(scope="module")
+def undrawn():
+    """Write reports without their drawings: for modules that look at words and files alone."""
+    with drawing_by(lambda figure, shown: Drawn("<svg/>")):
+        yield
 
 
 @pytest.fixture

@@ -193,11 +193,11 @@ def _knobs(hold: Hold, means: Scenario) -> tuple[_Knob, ...]:
 
 def _remedies(hold: Hold, means: Scenario, layers: LayersAbove, faults: Iterator[_Fault]) -> Iterator[str]:
     """Write what is wrong in a current, and the least change of each number that mends it."""
-    records = {knob: _record(knob.changed(knob.value * _FACTORS), layers) for knob in _knobs(hold, means)}
     now = record_at_once(hold, held_pose(hold.body, hold.line, layers), layers)
-    for fault in faults:
-        if fault.is_mended(now)[0]:
-            continue
+    wrong = [fault for fault in faults if not fault.is_mended(now)[0]]
+    knobs = _knobs(hold, means) if wrong else ()
+    records = {knob: _record(knob.changed(knob.value * _FACTORS), layers) for knob in knobs}
+    for fault in wrong:
         found, useless = [], []
         for knob, record in records.items():
             factor = _least_change(fault.is_mended(record))

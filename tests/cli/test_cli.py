@@ -15,6 +15,8 @@ import pytest
 from missionplan.cli import PANELS, app, main
 from missionplan.errors import RunError
 
+pytestmark = pytest.mark.usefixtures("undrawn")
+
 MISSIONS = Path(__file__).parents[2] / "missions"
 
 SMALL = """
@@ -432,7 +434,7 @@ def test_validate_opens_the_file_of_the_current(
 def test_a_probability_in_per_cent_is_asked_back(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path, probability: str, status: int
 ) -> None:
-    arguments = ("size-anchor", str(MISSIONS / "anchor-design.yaml"), "--jobs", "1", "--quiet", "--trials", "200")
+    arguments = ("size-anchor", str(MISSIONS / "anchor-design.yaml"), "--jobs", "1", "--quiet", "--trials", "50")
     assert run(monkeypatch, *arguments, "--probability", probability, "--out", str(tmp_path / "out")) == status
     assert ("was 0.95 meant?" in capsys.readouterr().err) is (status == 2)
 

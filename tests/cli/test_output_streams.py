@@ -42,7 +42,9 @@ def simulate(folder, *more):
     return ["simulate", str(mission), "--trials", "20", "--jobs", "1", "--out", str(folder), *more]
 
 
-@pytest.mark.parametrize("encoding", ["ascii", "latin-1", "cp1252"])
+@pytest.mark.parametrize(
+    "encoding", ["ascii", *(pytest.param(each, marks=pytest.mark.slow) for each in ("latin-1", "cp1252"))]
+)
 def test_every_encoding_can_be_printed(tmp_path, encoding):
     """A table, and a summary as JSON, one after the other in one process."""
     environment = {**os.environ, "PYTHONIOENCODING": encoding, "PYTHONUTF8": "0"}
@@ -92,7 +94,7 @@ def test_closed_streams_are_no_error(tmp_path):
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="this system has no limit of open files")
-@pytest.mark.parametrize("limit", [9, 13, 14])
+@pytest.mark.parametrize("limit", [13, *(pytest.param(each, marks=pytest.mark.slow) for each in (9, 14))])
 def test_too_few_files_are_an_error_in_words(tmp_path, limit):
     command = [sys.executable, "-m", "missionplan", "simulate", str(MISSION), "--trials", "20000", "--jobs", "2"]
     lowered = ["sh", "-c", f'ulimit -n {limit}; exec "$@"', "sh", *command, "--out", str(tmp_path / "out")]

@@ -11,11 +11,13 @@ import missionplan
 from missionplan.results.learned.diagnosis import Campaign, Diagnosis
 from tests.hidden_effects.cases import draw_case
 
+pytestmark = pytest.mark.usefixtures("undrawn")
+
 COMPASS = 4.0
 """Hidden in the legs [deg]."""
 
 
-def write_legs(folder: Path, name: str, seed: int, legs: int = 30) -> Path:
+def write_legs(folder: Path, name: str, seed: int, legs: int = 18) -> Path:
     """Legs of a star about the origin, the compass off; by a plain loop."""
     generator, rows, t = np.random.default_rng(seed), [], 0.0
     start = np.zeros(2)
@@ -136,9 +138,12 @@ def test_each_record_of_legs_or_dives_keeps_a_part_away_and_trials_follow_the_la
 
 
 @pytest.mark.slow
-def test_the_last_part_of_each_log_is_kept_away_and_trials_follow_the_last(campaign: tuple[Path, list[Path]]) -> None:
+def test_the_last_part_of_each_log_is_kept_away_and_trials_follow_the_last(
+    campaign: tuple[Path, list[Path]], tmp_path: Path
+) -> None:
     """Two logs of 30 legs, of which 21 each are learned from."""
-    path, (_, *logs) = campaign
+    path, _ = campaign
+    logs = [write_legs(tmp_path / f"legs-{k}", f"legs {k}", 40 + k, legs=30) for k in (1, 2)]
     found = missionplan.diagnose_campaign(path, logs, plan=False, holdout=0.3, next_trial=True)
     parts = [each.last_part for each in found.diagnoses]
     assert [part.groups for part in parts if part is not None] == [9, 9]

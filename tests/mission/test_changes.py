@@ -13,6 +13,8 @@ from missionplan.errors import InputError
 from missionplan.mission.editing.yaml_text import edited
 from missionplan.montecarlo.distributions import Normal
 
+pytestmark = pytest.mark.usefixtures("undrawn")
+
 MISSIONS = Path(__file__).parents[2] / "missions"
 
 

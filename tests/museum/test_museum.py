@@ -28,6 +28,7 @@ def test_advance_speed_over_the_ground_undoes_a_part_of_a_current_along_the_cour
     assert 0.3 < 1.0 - (still - with_it) / 0.15 < 0.8
 
 
+@pytest.mark.slow
 def test_the_changed_term_is_described_before_the_mend():
     pair = PAIRS["advance speed over the ground"]
     found = diagnosed(*fossen(pair.before), seed=5)

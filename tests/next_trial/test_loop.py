@@ -14,6 +14,8 @@ from missionplan.results.learned.diagnosis import Diagnosis
 
 from .loop import write_first, write_second, write_third
 
+pytestmark = pytest.mark.usefixtures("undrawn")
+
 FILES = Path(missionplan.__file__).parent / "starter" / "loop"
 
 

@@ -6,6 +6,8 @@ from missionplan import Mission, size_anchor
 from missionplan.report.anchor.page import answer
 from missionplan.report.render import render_report
 
+pytestmark = pytest.mark.usefixtures("undrawn")
+
 BASE = {
     "name": "dives in doubt",
     "vehicle": {
@@ -32,7 +34,7 @@ def sized(*effects, probability=0.95):
 
 
 def test_a_doubt_that_changes_the_anchor_is_told():
-    mission, found = sized({"drag-bias": {"fraction": 0.7}}, {"depth-scale": {"fraction": 0.05}})
+    _, found = sized({"drag-bias": {"fraction": 0.7}}, {"depth-scale": {"fraction": 0.05}})
     heavy, light = found.explanations
     assert heavy.needed > 1.3 * light.needed
     assert light.needed < found.to_build.wet_weight <= 1.002 * heavy.needed
@@ -40,6 +42,12 @@ def test_a_doubt_that_changes_the_anchor_is_told():
     assert "The doubt changes the choice: with depth scale" in answer(found)
     assert "Which explanation holds" in render_report(found).html
     assert [each["causes"] for each in found.summary()["explanations"]] == [["drag-bias"], ["depth-scale"]]
+
+
+@pytest.mark.slow
+def test_what_an_explanation_needs_is_what_a_mission_that_knows_it_needs():
+    mission, found = sized({"drag-bias": {"fraction": 0.7}}, {"depth-scale": {"fraction": 0.05}})
+    heavy, _ = found.explanations
     known = size_anchor(mission.knowing("effects[0].one-of", 0), probability=0.95, trials=100)
     assert known.to_build.wet_weight == pytest.approx(heavy.needed, rel=2e-3)  # found from another start
 

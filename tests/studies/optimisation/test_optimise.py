@@ -14,6 +14,8 @@ from missionplan.report.optimisation import answer
 from missionplan.studies.exploration.variation import with_values
 from missionplan.studies.optimisation.choosable import read_lattice
 
+pytestmark = pytest.mark.usefixtures("undrawn")
+
 MISSIONS = Path(__file__).parents[3] / "missions"
 CHOOSE = ["out.speed=0.6:2:0.1 m/s", "out.d_max=150:1650:150 m"]
 
@@ -52,6 +54,7 @@ def found(mission):
     return missionplan.optimise(mission, choose=CHOOSE)
 
 
+@pytest.mark.slow  # of few choices: test_against_brute_force
 def test_the_choice_is_that_of_the_full_grid(mission, found):
     grid = missionplan.explore(mission, CHOOSE, aim="energy", trials=2000)
     best = grid.best_cell.quantities["total.energy_wh"].mean

@@ -93,8 +93,8 @@ def mission(tmp_path_factory):
 
 
 def test_a_cluster_gives_the_bits_of_one_process(cluster, mission):
-    here = simulate(mission, trials=2 * BLOCK + 100)
-    there = simulate(mission, trials=2 * BLOCK + 100, backend="dask", scheduler=cluster.scheduler)
+    here = simulate(mission, trials=2 * BLOCK + 100, sheet=False)
+    there = simulate(mission, trials=2 * BLOCK + 100, backend="dask", scheduler=cluster.scheduler, sheet=False)
     assert bits(there) == bits(here)
 
 

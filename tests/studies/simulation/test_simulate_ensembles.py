@@ -162,6 +162,10 @@ def test_an_anchor_in_a_record_of_the_current_is_sized_for_a_speed_that_the_miss
         size_anchor(mission)
     ready = {entry.command: entry.needs for entry in validated_mission(tmp_path / "mission.yaml", mission).table}
     assert ready["size-anchor"] == ("moor.design_current",)
+
+
+@pytest.mark.slow
+def test_with_that_speed_it_is_sized(tmp_path):
     # one member carries the vehicle away, and with it for all legs that are allowed
     few_legs = {"phases.1.moor.design_current": "0.5 m/s", "navigation.max_legs": 20, "requirements": []}
     named = ensemble_mission(tmp_path, changes=few_legs)
