@@ -298,7 +298,7 @@ def test_what_another_package_makes_of_an_interrupt_is_no_error() -> None:
     ("sent", "blocks"),
     [
         (signal.SIGINT, 1),
-        (signal.SIGINT, 20),
+        (signal.SIGINT, 6),
         pytest.param(signal.SIGTERM, 20, marks=pytest.mark.slow),
         pytest.param(signal.SIGHUP, 20, marks=pytest.mark.slow),
     ],

@@ -96,16 +96,16 @@ def mission(name):
 EXAMPLES = {
     "simulate chesapeake": lambda: simulate(mission("chesapeake"), trials=300),
     "simulate anchor-design": lambda: simulate(mission("anchor-design"), trials=300),
-    "simulate fig8": lambda: simulate(mission("fig8"), trials=300),
-    "simulate autosub-transition": lambda: simulate(mission("autosub-transition"), trials=40),
     "sweep-dmax fig8": lambda: sweep_dmax(mission("fig8"), trials=300, method="monte-carlo"),
-    "sweep-dmax chesapeake": lambda: sweep_dmax(mission("chesapeake"), trials=300),
     "size-anchor anchor-design, worst case": lambda: size_anchor(mission("anchor-design"), trials=100),
     "identify avila-drag": lambda: identify(MISSIONS / "measured" / "avila-drag"),
-    "identify avila-added-mass": lambda: identify(MISSIONS / "measured" / "avila-added-mass"),
     "plan-legs fig8": lambda: plan_legs(mission("fig8"), trials=300),
 }
 SLOW = {
+    "simulate fig8": lambda: simulate(mission("fig8"), trials=300),
+    "simulate autosub-transition": lambda: simulate(mission("autosub-transition"), trials=40),
+    "sweep-dmax chesapeake": lambda: sweep_dmax(mission("chesapeake"), trials=300),
+    "identify avila-added-mass": lambda: identify(MISSIONS / "measured" / "avila-added-mass"),
     "size-anchor anchor-design": lambda: size_anchor(mission("anchor-design"), trials=300, probability=0.9),
     "size-anchor chesapeake": lambda: size_anchor(mission("chesapeake"), trials=300),
     "sweep-transition": lambda: sweep_transition(mission("autosub-transition"), time_step=0.5),

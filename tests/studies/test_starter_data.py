@@ -28,9 +28,8 @@ def test_tank_data_are_identified(kind, tmp_path):
     assert identify(tmp_path).estimates
 
 
-@pytest.mark.parametrize(
-    "kind", ["transit", *(pytest.param(kind, marks=pytest.mark.slow) for kind in ("descent", "summary"))]
-)
+@pytest.mark.slow
+@pytest.mark.parametrize("kind", ["transit", "descent", "summary"])
 def test_data_of_a_mission_are_diagnosed(kind, tmp_path):
     init(tmp_path)
     init_data(kind, tmp_path / "data")

@@ -185,20 +185,13 @@ def test_calibration_is_no_cause(quick, legs):
     assert found.calibration["sigma_v_m_s"] == pytest.approx(0.045, rel=0.15)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("cause", "error"),
     [
         ("speed-scale", lambda t, heading: 0.07 * 1.2 * np.stack([np.sin(heading), np.cos(heading)])),
-        pytest.param(
-            "compass-bias",
-            lambda t, heading: 1.2 * np.radians(5.0) * np.stack([np.cos(heading), -np.sin(heading)]),
-            marks=pytest.mark.slow,
-        ),
-        pytest.param(
-            "tidal-current",
-            lambda t, heading: np.stack([0.1 * np.cos(t * 1.405e-4), 0.08 * np.sin(t * 1.405e-4)]),
-            marks=pytest.mark.slow,
-        ),
+        ("compass-bias", lambda t, heading: 1.2 * np.radians(5.0) * np.stack([np.cos(heading), -np.sin(heading)])),
+        ("tidal-current", lambda t, heading: np.stack([0.1 * np.cos(t * 1.405e-4), 0.08 * np.sin(t * 1.405e-4)])),
     ],
 )
 def test_a_hidden_cause_is_found(quick, legs, cause, error):
