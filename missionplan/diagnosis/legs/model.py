@@ -1,6 +1,6 @@
 """Model of a navigation log for the diagnosis: fits of sets of causes, their residuals and predictions, and designs."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -9,7 +9,7 @@ from scipy.linalg import solve_triangular
 
 from missionplan.arrays import Array
 from missionplan.datasets.records import TransitData
-from missionplan.diagnosis.inference.marginal_likelihood import QUANTILE_95, expected_log_ratio
+from missionplan.diagnosis.inference.marginal_likelihood import QUANTILE_95, Normal, expected_log_ratio
 from missionplan.diagnosis.inference.model import CauseFit, FailedFit, FitRequest, HeldOutScore
 from missionplan.diagnosis.inference.residual_tests import Residuals
 from missionplan.diagnosis.inference.selection import Progress, Selection, no_progress
@@ -53,17 +53,18 @@ class TransitModel(TransitFitting):
 
     def residuals(self, fit: CauseFit) -> Residuals:
         """Velocity errors leg by leg (first axis, second axis, next leg) and their covariance under a fit."""
-        linear = fit.state.linear
-        covariance = self._total_covariance(fit, linear)
-        n = self.data.n
-        order = np.arange(2 * n).reshape(2, n).T.ravel()
         return Residuals(
-            linear.y.ravel()[order],
-            covariance[np.ix_(order, order)],
-            np.tile([0, 1], n),
+            *self._leg_by_leg(fit),
+            np.tile([0, 1], self.data.n),
             transit_axes(self.data, self.leg, self.axes),
             np.repeat(self.data.labels, 2),
         )
+
+    def _leg_by_leg(self, fit: CauseFit) -> Normal:
+        """Velocity errors leg by leg, shape (2n,), and their covariance under a fit, shape (2n, 2n)."""
+        order = np.arange(2 * self.data.n).reshape(2, -1).T.ravel()
+        covariance = self._total_covariance(fit, fit.state.linear)
+        return fit.state.linear.y.ravel()[order], covariance[np.ix_(order, order)]
 
     def _total_covariance(self, fit: CauseFit, linear: LinearisedLegs) -> Array:
         """Covariance of all errors under a fit's noise and the coefficients' priors, first axis then second."""
@@ -76,40 +77,48 @@ class TransitModel(TransitFitting):
         total[n:, n:] += noise[1]
         return total
 
-    def predictor(self, fit: CauseFit) -> Callable[[NDArray[np.int_], NDArray[np.int_]], tuple[Array, Array]]:
-        """Predict legs from others under a fit: a conditional Gaussian (Rasmussen & Williams 2006, Eq. A.6).
+    def predicted(self, fit: CauseFit, seen: NDArray[np.int_], wanted: NDArray[np.int_]) -> Normal:
+        """Predict legs from others under a fit, by the precision of all of them (Rue & Held 2005, Theorem 2.5).
 
         Parameters
         ----------
         fit : CauseFit
             Hyperparameters to use: those of a fit to the legs seen, or of an earlier part of them.
+        seen, wanted : array of int
+            The legs seen and the m legs predicted.
 
         Returns
         -------
-        callable
-            Of the legs seen and the legs predicted: mean, shape (2, m), and covariance, shape (2m, 2m), first axis
-            then second, of the velocity errors beyond the base model's mean [m/s].
+        tuple of array
+            Mean, shape (2, m), and covariance, shape (2m, 2m), first axis then second, of the velocity errors beyond
+            the base model's mean [m/s].
         """
-        y = fit.state.linear.y
-        total = self._total_covariance(fit, fit.state.linear)
-        n = self.data.n
-
-        def predict(seen: NDArray[np.int_], predicted: NDArray[np.int_]) -> tuple[Array, Array]:
-            given, wanted = (np.concatenate([legs, legs + n]) for legs in (seen, predicted))
-            weights = np.linalg.solve(total[np.ix_(given, given)], total[np.ix_(given, wanted)]).T
-            mean = (weights @ y.ravel()[given]).reshape(2, -1) + (self.y - y)[:, predicted]
-            return mean, total[np.ix_(wanted, wanted)] - weights @ total[np.ix_(given, wanted)]
-
-        return predict
+        linear, noise = fit.state.linear, self.noise_components(fit.state.values)
+        rows = np.union1d(seen, wanted)
+        legs, own = self.markov_covariance(rows), np.searchsorted(rows, wanted)
+        ones = np.zeros((2, len(rows), 2, len(own)))
+        for axis in (0, 1):
+            ones[axis, own, axis, np.arange(len(own))] = 1.0
+        columns = linear.columns[:, rows] * linear.prior_sd(fit.state.values)
+        joined = [columns, ones.reshape(2, len(rows), -1), linear.y[:, rows, None]]
+        independent = noise.independent(legs.under_way)
+        gram, _ = legs.gram(np.concatenate(joined, axis=2), independent, noise.fix_sd, noise.process)
+        k = columns.shape[2]
+        factor = np.linalg.cholesky(gram[:k, :k] + np.eye(k))
+        half = solve_triangular(factor, gram[:k, k:], lower=True, check_finite=False)
+        precision = gram[k:, k:] - half.T @ half
+        covariance = np.linalg.inv(precision[:-1, :-1])
+        mean = linear.y[:, wanted] - (covariance @ precision[:-1, -1]).reshape(2, -1)
+        return mean + (self.y - linear.y)[:, wanted], covariance
 
     def one_step_errors(self, fit: CauseFit) -> Array:
         """Error of each leg's prediction from the legs before it, on the principal axes, shape (2, n) [m/s].
 
         From the Cholesky factor of the covariance (Durbin & Koopman 2012, Section 4.13).
         """
-        residuals = self.residuals(fit)
-        factor = np.linalg.cholesky(residuals.covariance)
-        innovations = solve_triangular(factor, residuals.values, lower=True, check_finite=False).reshape(-1, 2)
+        values, covariance = self._leg_by_leg(fit)
+        factor = np.linalg.cholesky(covariance)
+        innovations = solve_triangular(factor, values, lower=True, check_finite=False).reshape(-1, 2)
         places = 2 * np.arange(self.data.n)
         blocks = np.stack([[factor[places + i, places + j] for j in (0, 1)] for i in (0, 1)])
         return np.asarray(np.einsum("ijn,nj->in", blocks, innovations))
@@ -136,7 +145,7 @@ class TransitModel(TransitFitting):
             for rows in (ALL_LEGS, others)
         )
         log_score = whole.log_density - seen.log_density
-        mean, covariance = model.predictor(trained)(others, block)
+        mean, covariance = model.predicted(trained, others, block)
         error = (self.y[:, block] - mean).ravel()
         standardised = error / np.sqrt(np.diag(covariance))
         name = f"legs {self.data.labels[block[0]]} to {self.data.labels[block[-1]]}"

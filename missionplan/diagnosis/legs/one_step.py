@@ -48,8 +48,7 @@ def one_step(model: TransitModel, fit: CauseFit) -> OneStep | None:
     for k in predicted.tolist():
         if (k - FIRST_PREDICTED) % legs_per_refit == 0:
             current = model.refitted(current, np.arange(k))
-            predictor = model.predictor(current)
-        mean, _ = predictor(np.arange(max(0, k - MAX_PAST_LEGS), k), np.array([k]))
+        mean, _ = model.predicted(current, np.arange(max(0, k - MAX_PAST_LEGS), k), np.array([k]))
         errors.append(model.y[:, k] - mean[:, 0])
     velocity = data.velocity_error
     mean_so_far = np.cumsum(velocity, axis=1)[:, predicted - 1] / predicted

@@ -98,6 +98,23 @@ def test_marginal_is_the_density_of_the_total_covariance(folder, transit_mission
     assert found.log_density == pytest.approx(expected, abs=1e-6)
 
 
+@pytest.mark.parametrize("causes", [("mean-current",), ("persistent-error", "compass-bias"), ("random-walk",)])
+def test_legs_are_predicted_by_the_conditional_normal_law(folder, transit_mission, legs, causes):
+    """Rasmussen & Williams (2006), Eq. A.6, with the covariance written out; neighbours share a fix."""
+    table = legs()
+    table.loc[1:, ["x_start_m", "y_start_m"]] = table[["x_end_m", "y_end_m"]].to_numpy()[:-1]
+    bound = model(folder, transit_mission, table)
+    fit, n = bound.fit(causes), bound.data.n
+    seen, wanted = np.setdiff1d(np.arange(5, n - 3), np.arange(20, 25)), np.arange(20, 25)
+    total, y = bound._total_covariance(fit, fit.state.linear), fit.state.linear.y
+    given, new = (np.concatenate([legs, legs + n]) for legs in (seen, wanted))
+    weights = np.linalg.solve(total[np.ix_(given, given)], total[np.ix_(given, new)]).T
+    mean, covariance = bound.predicted(fit, seen, wanted)
+    expected = (weights @ y.ravel()[given]).reshape(2, -1) + (bound.y - y)[:, wanted]
+    np.testing.assert_allclose(mean, expected, atol=1e-9)
+    np.testing.assert_allclose(covariance, total[np.ix_(new, new)] - weights @ total[np.ix_(given, new)], atol=1e-9)
+
+
 def test_a_cause_is_as_unsure_as_the_spike_says(folder, transit_mission, legs):
     """However long the record: a compass that is off by 5° today was never known better than its spike."""
     turned = 1.2 * np.radians(5.0)
