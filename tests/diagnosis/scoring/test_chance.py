@@ -33,6 +33,15 @@ def test_a_sigma_off_by_half_is_found_in_sixty_legs(tmp_path: Path, made: float,
         assert not found.is_within_chance
 
 
+def test_a_true_sigma_is_rarely_found_wrong(tmp_path: Path):
+    """At most one of twenty in the long run: more than one of six in at most one of 30 such tests."""
+    found = [
+        missionplan.score(mission(0.02), made_legs(tmp_path / str(seed), Truth(sigma_v=0.02), 400 + seed, legs=60))
+        for seed in range(6)
+    ]
+    assert sum(not each.is_within_chance for each in found) <= 1
+
+
 def test_a_persistent_error_is_the_best_of_the_yardsticks_on_one():
     """An error that keeps 0.8 of itself from leg to leg, by its own recursion, seen through a little noise."""
     rng = np.random.default_rng(5)
