@@ -30,6 +30,8 @@ SCALE_SPREAD = 0.12
 """Prior standard deviation of their logarithm."""
 SCALE_PRIOR = -0.5 * (np.log(SCALES) / SCALE_SPREAD) ** 2
 SCALE_PRIOR -= logsumexp(SCALE_PRIOR)
+TOGETHER = 1000
+"""Columns, at most, of axes that are whitened together."""
 NEGLIGIBLE = 1e-7
 """Eigenvalues below this share of the greatest count as zero."""
 
@@ -58,24 +60,35 @@ def along_each_axis(residuals: Residuals) -> list[tuple[Axis, float]]:
     axes = residuals.axes
     if not axes:
         return []
-    columns = np.concatenate([axis.response for axis in axes], axis=1)
-    ends = np.cumsum([axis.response.shape[1] for axis in axes])
-    parts = [slice(end - axis.response.shape[1], end) for axis, end in zip(axes, ends, strict=True)]
-    bases = [_bases(axis, residuals) for axis in axes]
-    plain, with_it = [], []
-    for found in residuals.inner_products(columns):
-        total, count = float(found.gram[-1, -1]), len(residuals.values)
-        known = found.log_weight - 0.5 * found.log_determinant
-        plain.append(known + float(logsumexp(_log_likelihoods(np.zeros(0), np.zeros(0), total, count))))
-        with_it.append(
-            [
+    plain: list[float] = []
+    with_it: list[list[float]] = []
+    for batch in _batches(axes):
+        ends = np.cumsum([axis.response.shape[1] for axis in batch])
+        parts = [slice(end - axis.response.shape[1], end) for axis, end in zip(batch, ends, strict=True)]
+        bases = [_bases(axis, residuals) for axis in batch]
+        products = residuals.inner_products(np.concatenate([axis.response for axis in batch], axis=1))
+        plain, with_it = [], with_it or [[] for _ in products]
+        for found, by_axis in zip(products, with_it, strict=True):
+            total, count = float(found.gram[-1, -1]), len(residuals.values)
+            known = found.log_weight - 0.5 * found.log_determinant
+            plain.append(known + float(logsumexp(_log_likelihoods(np.zeros(0), np.zeros(0), total, count))))
+            by_axis += [
                 known + _averaged(found.gram[part, part], found.gram[part, -1], basis, total, count)
                 for part, basis in zip(parts, bases, strict=True)
             ]
-        )
     logs = logsumexp(with_it, axis=0) - logsumexp(plain)
     order = np.argsort(-logs, kind="stable")
     return [(axes[index], float(logs[index])) for index in order]
+
+
+def _batches(axes: Sequence[Axis]) -> list[list[Axis]]:
+    """Axes in their order, together as long as they have few columns: inner products are of each with every other."""
+    found: list[list[Axis]] = [[]]
+    for axis in axes:
+        if found[-1] and sum(each.response.shape[1] for each in (*found[-1], axis)) > TOGETHER:
+            found.append([])
+        found[-1].append(axis)
+    return found
 
 
 def _shape(axis: Axis, residuals: Residuals) -> DiscrepancyShape | None:
