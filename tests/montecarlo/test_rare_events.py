@@ -89,7 +89,11 @@ def trials(pilots: tuple[Levels, ...], found: Run, chains: int) -> int:
 
 @pytest.mark.parametrize(
     "case",
-    [linear(3.1, 3), sphere(1e-3, 6), series_system(3.5, 3), walk(9.0)],
+    [
+        linear(3.1, 3),
+        *(pytest.param(each, marks=pytest.mark.slow) for each in (sphere(1e-3, 6), series_system(3.5, 3))),
+        walk(9.0),
+    ],
     ids=["linear", "sphere", "series", "walk"],
 )
 def test_a_hundred_runs_are_unbiased_and_their_intervals_hold_the_truth(case: tuple[Margin, float]) -> None:

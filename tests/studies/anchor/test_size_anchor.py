@@ -75,7 +75,7 @@ def test_tied_bodies_drift_further_than_each_with_its_layer(tmp_path):
 
 
 def test_summary_and_tables_can_be_written(mission):
-    sizing = size_anchor(mission, trials=200, probability=0.9)
+    sizing = size_anchor(mission, trials=50, probability=0.9)
     json.dumps(sizing.summary())
     files = sizing.files()
     assert files["anchor.csv"].splitlines()[0] == "quantity,worst_case,probable"

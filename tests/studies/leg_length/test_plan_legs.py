@@ -259,7 +259,9 @@ def learning(tmp_path_factory):
     return load(path)
 
 
-@pytest.mark.parametrize("method", ["none", "mean", "forecast", "filter"])
+@pytest.mark.parametrize(
+    "method", ["mean", "filter", *(pytest.param(each, marks=pytest.mark.slow) for each in ("none", "forecast"))]
+)
 def test_plans_run_together_have_the_numbers_that_each_has_alone(method, tmp_path, monkeypatch):
     path = tmp_path / "slow.yaml"
     path.write_text(
