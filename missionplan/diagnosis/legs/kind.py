@@ -17,12 +17,16 @@ from missionplan.diagnosis.given.effects import GivenEffect, forecast_effect, ha
 from missionplan.diagnosis.inference.model import CauseFit
 from missionplan.diagnosis.learned_data import as_then, unlearned
 from missionplan.diagnosis.legs.aliases import aliases
-from missionplan.diagnosis.legs.constancy import not_constant
 from missionplan.diagnosis.legs.extended_mission import extended_transit_mission, widened
+from missionplan.diagnosis.legs.fit_checks import (
+    not_constant,
+    one_step,
+    transit_misfit,
+    transit_residuals,
+    transit_share,
+)
 from missionplan.diagnosis.legs.model import TransitModel
 from missionplan.diagnosis.legs.model_factory import transit_model
-from missionplan.diagnosis.legs.one_step import one_step
-from missionplan.diagnosis.legs.tables import transit_misfit, transit_residuals, transit_share
 from missionplan.diagnosis.plan_gain import leg_length_choice, plan_gain
 from missionplan.mission import Mission
 from missionplan.mission.geodesy import to_geographic
