@@ -86,7 +86,7 @@ def data_sets_below(folder: Path) -> Iterator[tuple[str, Path, Path]]:
     reference="yardsticks computed elsewhere: legs 11 to 97 by the last leg 451 m, by the mean of the past 1530 m",
     accepted=[
         near("persistence and inertial current claimed", 1.0, 0.0),
-        near("a tide, compass or log claimed", 0.0, 0.0),
+        near("a tide, compass or log claimed", 1.0, 0.0),
         at_most("next leg on 11 to 97, rms", 400.0, "m"),
         near("by the last one", 451.0, 5.0, "m"),
         near("by the mean of the past", 1530.0, 15.0, "m"),
@@ -94,6 +94,9 @@ def data_sets_below(folder: Path) -> Iterator[tuple[str, Path, Path]]:
         *NUMBERS[2:],
         between("next legs in 90 % intervals", 0.82, 0.98),
     ],
+    differs="The record's description finds no error by heading. Beside a persistence of days and errors of 6 mm/s a leg, "
+    "a deviation of 13° gains 14 nats; it is larger than a compass's, and what is told is that the error depends on heading, "
+    "as part of what is not constant over the record: nothing is to be corrected.",
     cost=30.0,
 )
 def _modena(options: Options) -> list[float]:

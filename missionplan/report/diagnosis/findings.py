@@ -47,14 +47,15 @@ def _certain_causes(diagnosis: Diagnosis, disputed: frozenset[str]) -> frozenset
 def disputed_causes(diagnosis: Diagnosis) -> frozenset[str]:
     """Physical causes of the likeliest set to act on which is to toss a coin.
 
-    They are not in every rival, or what has no name may be there in their place.
+    They are not in every rival, what has no name may be there in their place, or they are not the same all along.
     """
     if diagnosis.verdict not in ("ambiguous", "partly-explained"):
         return frozenset()
     physical = {cause for cause in diagnosis.causes if CATALOGUE[cause].tier == "physical"}
     if _may_have_no_name(diagnosis):
         return frozenset(physical)
-    return frozenset(cause for cause in physical if any(cause not in rival for rival in diagnosis.rivals))
+    changing = frozenset(physical & {*diagnosis.not_constant})
+    return changing | frozenset(cause for cause in physical if any(cause not in rival for rival in diagnosis.rivals))
 
 
 def _may_have_no_name(diagnosis: Diagnosis) -> bool:
@@ -68,7 +69,10 @@ def _find_out(diagnosis: Diagnosis, disputed: frozenset[str], *, is_all: bool) -
         rivals.append("something that no effect of the catalogue explains")
     until = next((entry.measurement for entry in diagnosis.next_measurements), "")
     tells = f"first {until}" if until else "first take data that tell them apart"
-    return f"But it may as well be {' or '.join(rivals)}: correct nothing {'yet' if is_all else 'else yet'}, {tells}."
+    else_it_is = (
+        f"But it may as well be {' or '.join(rivals)}" if rivals else "But the record does not agree on its size"
+    )
+    return f"{else_it_is}: correct nothing {'yet' if is_all else 'else yet'}, {tells}."
 
 
 def _clause(cause: str, found: tuple[ParameterEstimate, ...], *, is_order: bool) -> str:
