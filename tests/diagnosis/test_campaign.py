@@ -112,7 +112,7 @@ def test_a_doubt_that_the_dives_leave_outlasts_the_legs(campaign: tuple[Path, li
     for name in ("line-payout", "clock-offset"):
         assert 0.05 < before.probability(name) < 0.95
         assert after.probability(name) == pytest.approx(before.probability(name), abs=0.02)
-    assert after.probability("compass-bias") > 0.99
+    assert after.probability("compass-bias") > 0.95
     page = (found.save(tmp_path / "report") / "report.html").read_text()
     assert "Still in doubt: " in page
 

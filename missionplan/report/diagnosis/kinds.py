@@ -203,7 +203,13 @@ def _chart(diagnosis: Diagnosis, left: ResidualSeries) -> Figure:
     axes.autoscale_view()
     _not_too_narrow(axes)
     axes.quiverkey(
-        arrows, 0.6, 1.06, 0.5 * longest, f"{0.5 * longest:.1f} {left.unit}", labelpos="E", fontproperties={"size": 8}
+        arrows,
+        0.6,
+        1.06,
+        0.5 * longest,
+        f"{0.5 * longest:.1f}\u00a0{left.unit}",
+        labelpos="E",
+        fontproperties={"size": 8},
     )
     name_axis(panels[0].yaxis, "North", "km")
     return to_figure(
