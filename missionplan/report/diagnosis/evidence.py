@@ -1,6 +1,7 @@
 """Figures that all kinds of data share: ranking, discrepancy, held-out gain."""
 
 import math
+import textwrap
 from collections.abc import Sequence
 
 from matplotlib.axes import Axes
@@ -21,16 +22,24 @@ from missionplan.results.learned.evidence import (
 )
 
 _LISTED = 8
+_LABEL = 36
+"""Characters of a line of a set's name."""
 
 
 def ranking_figure(diagnosis: Diagnosis) -> Figure:
     """Draw the scores of the best sets."""
     entries = diagnosis.ranking[:_LISTED]
-    figure = MatplotlibFigure(figsize=(6.2, 0.36 * len(entries) + 0.9))
+    further = sum(_label(entry).count("\n") for entry in entries)
+    figure = MatplotlibFigure(figsize=(6.2, 0.36 * len(entries) + 0.16 * further + 0.9))
     draw_ranking(figure.subplots(), diagnosis)
     first = f"; {names(diagnosis.ranking[0].causes)} first" if diagnosis.causes else ""
     alt = f"Probabilities of the best {len(entries)} sets of causes{first}"
     return to_figure(figure, "ranking", alt=alt, caption="Probability of each set of causes.")
+
+
+def _label(entry: RankedSet) -> str:
+    """Name a set beside its bar: one of four causes is longer than a line."""
+    return "\n".join(textwrap.wrap(names(entry.causes), _LABEL))
 
 
 def draw_ranking(axes: Axes, diagnosis: Diagnosis) -> None:
@@ -39,7 +48,7 @@ def draw_ranking(axes: Axes, diagnosis: Diagnosis) -> None:
     shares = [100.0 * (entry.posterior or 0.0) for entry in entries]
     colours = [BLUE if entry.causes == diagnosis.causes else GREY for entry in entries]
     axes.barh(range(len(entries)), shares, color=colours, height=0.6)
-    axes.set_yticks(range(len(entries)), [names(entry.causes) for entry in entries], fontsize=9)
+    axes.set_yticks(range(len(entries)), [_label(entry) for entry in entries], fontsize=9)
     axes.set(xlim=(0.0, 100.0), xlabel="Probability (%)")
 
 
