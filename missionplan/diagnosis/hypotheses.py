@@ -9,7 +9,7 @@ from missionplan.diagnosis.given.priors import given_priors, is_learned
 from missionplan.diagnosis.inference.model import CauseFit
 from missionplan.effects import CATALOGUE
 from missionplan.mission import Mission
-from missionplan.mission.levels import has_level
+from missionplan.mission.learned import has_level
 from missionplan.montecarlo.levels import LevelKey, Seen
 from missionplan.montecarlo.posterior import NOWHERE, Place
 from missionplan.results.learned.evidence import Causes

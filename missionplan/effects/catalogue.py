@@ -25,7 +25,7 @@ from missionplan.effects import (
 )
 from missionplan.effects.dive_responses import RESPONSES
 from missionplan.effects.info import Effect, EffectInfo, Instrument, Phase, Scatter, TankEffect
-from missionplan.effects.oscillation import MODULATION_PARAMETERS, Oscillation
+from missionplan.effects.tidal_current import MODULATION_PARAMETERS, Oscillation
 from missionplan.errors import shown
 from missionplan.packages import PluginError, load_plugin
 from missionplan.phases.hooks import DescentEffect, MarkovProcess, TransitEffect

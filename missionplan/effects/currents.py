@@ -8,7 +8,7 @@ import numpy as np
 
 from missionplan.arrays import Array, Scalars
 from missionplan.effects.info import EffectInfo, Finding, LegRecord, Parameter
-from missionplan.effects.oscillation import (
+from missionplan.effects.tidal_current import (
     MODULATION_PARAMETERS,
     USUAL_TIME,
     Oscillation,

@@ -10,6 +10,7 @@ from pydantic import PrivateAttr, ValidationError
 
 from missionplan.arrays import Scalars
 from missionplan.errors import InputError, LocalProblem, Problem, key_path, shown
+from missionplan.mission.changes import changed_data
 from missionplan.mission.checks.ranges import notices
 from missionplan.mission.checks.sections import (
     check_correlations,
@@ -18,18 +19,15 @@ from missionplan.mission.checks.sections import (
     misspelt_requirements,
     read_requirements,
 )
-from missionplan.mission.editing.changes import changed_data
-from missionplan.mission.editing.yaml_text import MissionText, dumped
-from missionplan.mission.epochs import left_behind, still_alike, turned_draws, turned_effects
-from missionplan.mission.levels import at_date
-from missionplan.mission.quantity_paths import changed
+from missionplan.mission.learned import at_date, left_behind, still_alike, turned_draws, turned_effects
+from missionplan.mission.quantity_paths import SHARED, ValueInForce, changed, joined, name_in_force, values_in_force
 from missionplan.mission.reading.documents import Document, unprintable_texts
 from missionplan.mission.reading.includes import REMOTE, include_files, with_contents
 from missionplan.mission.reading.validation_errors import in_order, validation_problems
 from missionplan.mission.schema.effect_list import POSTERIOR
 from missionplan.mission.schema.section import V
-from missionplan.mission.schema.shared_sections import SHARED, ValueInForce, joined, name_in_force, values_in_force
 from missionplan.mission.sections import Sections
+from missionplan.mission.yaml_text import MissionText, dumped
 from missionplan.montecarlo.distributions import Distribution, mean_of
 from missionplan.montecarlo.posterior import Place
 from missionplan.montecarlo.posterior_file import FILE

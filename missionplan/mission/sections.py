@@ -8,13 +8,12 @@ from typing_extensions import Doc
 from missionplan.errors import LocalProblem
 from missionplan.mission.checks.ranges import Findings, check_effects, check_ranges
 from missionplan.mission.checks.relations import check_relations
-from missionplan.mission.quantity_paths import phase_keys
+from missionplan.mission.quantity_paths import joined, phase_keys
 from missionplan.mission.reading.includes import posterior_of
 from missionplan.mission.schema.effect_list import EffectEntry, EffectList, Learned, OneOf
 from missionplan.mission.schema.effects import read_effects
 from missionplan.mission.schema.phases import MoorPhase, Navigation, Phase, PhaseEntry, TransitPhase
 from missionplan.mission.schema.section import FileSection, Identity, MissionSchema, Moment, ReadBy, V
-from missionplan.mission.schema.shared_sections import joined
 from missionplan.mission.schema.site import Site
 from missionplan.mission.schema.sweep import CorrelationSection, MonteCarlo, OptimiseSection, Requirement, SweepSection
 from missionplan.mission.schema.transition import TransitionPhase

@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 
 from missionplan.errors import InputError, MissionplanError
 from missionplan.mission import Mission
-from missionplan.mission.editing.changes import changed_data
+from missionplan.mission.changes import changed_data
 from missionplan.mission.schema.phases import MoorPhase
 from missionplan.mission.schema.site import CurrentFile, TidalCurrent
 from missionplan.mission.schema.vehicle import Anchor

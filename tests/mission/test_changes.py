@@ -10,7 +10,7 @@ from hypothesis import given, settings
 
 from missionplan import Mission, init, load
 from missionplan.errors import InputError
-from missionplan.mission.editing.yaml_text import edited
+from missionplan.mission.yaml_text import edited
 from missionplan.montecarlo.distributions import Normal
 
 pytestmark = pytest.mark.usefixtures("undrawn")

@@ -8,7 +8,7 @@ from conftest import TRANSIT
 
 from missionplan.diagnosis.plan_gain import with_urgency
 from missionplan.mission import Mission
-from missionplan.mission.levels import has_level
+from missionplan.mission.learned import has_level
 from missionplan.mission.reading.includes import hash_of
 from missionplan.montecarlo.levels import Seen
 from missionplan.montecarlo.posterior import NOWHERE, WeightedDraws

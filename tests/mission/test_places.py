@@ -8,7 +8,7 @@ from conftest import TRANSIT
 
 from missionplan.effects import CATALOGUE
 from missionplan.mission import Mission
-from missionplan.mission.epochs import not_handed_on
+from missionplan.mission.learned import not_handed_on
 from missionplan.mission.reading.includes import hash_of
 from missionplan.montecarlo.posterior import WeightedDraws
 from missionplan.montecarlo.posterior_file import PosteriorFile

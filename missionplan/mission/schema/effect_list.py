@@ -269,6 +269,17 @@ class EffectList(Generic[V]):
         """The explanations of which one holds."""
         return tuple(item for item in self.items if not isinstance(item, EffectEntry))
 
+    def with_stated(self, change: Callable[[EffectEntry[V]], EffectEntry[V]]) -> "EffectList[V]":
+        """Return the list with what the mission states of each effect changed, in explanations too."""
+
+        def changed(item: Any) -> Any:
+            if isinstance(item, OneOf):
+                own = (replace(each, effects=tuple(map(change, each.effects))) for each in item.explanations)
+                return replace(item, explanations=tuple(own))
+            return change(item) if isinstance(item, EffectEntry) else item
+
+        return EffectList(tuple(map(changed, self.items)))
+
     @property
     def learned(self) -> Learned[V] | None:
         """The posterior; None where the mission names none."""

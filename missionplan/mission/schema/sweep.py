@@ -11,11 +11,10 @@ from pydantic import Discriminator, Field, PrivateAttr, Tag, ValidationInfo, fie
 from typing_extensions import Doc
 
 from missionplan.arrays import Array
-from missionplan.mission.quantity_paths import resolved_path
+from missionplan.mission.quantity_paths import name_in_force, resolved_path
 from missionplan.mission.schema import quantity_parser as q
 from missionplan.mission.schema.quantity_parser import Limit, QuantityParser
 from missionplan.mission.schema.section import FileSection, invalid
-from missionplan.mission.schema.shared_sections import name_in_force
 from missionplan.montecarlo.distributions import Quantity
 from missionplan.montecarlo.draws import Correlation
 

@@ -5,7 +5,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from itertools import chain
 from pathlib import Path
 
-from missionplan.mission.schema.shared_sections import values_in_force
+from missionplan.mission.quantity_paths import values_in_force
 from missionplan.report.page import Block, PageSection, Table
 from missionplan.report.planned.site_map import site_map
 from missionplan.report.quantities import DIMENSIONS, as_written, reader_system, reader_unit

@@ -12,10 +12,9 @@ from pydantic import BaseModel
 
 from missionplan.errors import InputError, Problem, did_you_mean, shown
 from missionplan.mission import Mission
-from missionplan.mission.editing.changes import UnclearKeyError, changed_data, find_key, value_at
-from missionplan.mission.quantity_paths import resolved_path
+from missionplan.mission.changes import UnclearKeyError, changed_data, find_key, value_at
+from missionplan.mission.quantity_paths import name_in_force, overridden, resolved_path
 from missionplan.mission.reading.documents import load_document
-from missionplan.mission.schema.shared_sections import name_in_force, overridden
 from missionplan.mission.units import QuantityError, parse_number_with_unit
 from missionplan.moments import moment_of
 from missionplan.results.decision import Axis

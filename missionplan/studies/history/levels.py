@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from missionplan.effects import CATALOGUE
-from missionplan.mission.levels import Series, series_of
+from missionplan.mission.learned import Series, series_of
 from missionplan.montecarlo.levels import Seen
 from missionplan.results.learned.levels import Level, ParameterLevels
 

@@ -10,8 +10,8 @@ import numpy as np
 from missionplan.arrays import Array, Scalars
 from missionplan.errors import InputError, Problem
 from missionplan.mission import Mission, MissionOrPath, load
+from missionplan.mission.quantity_paths import ValueInForce
 from missionplan.mission.schema.phases import MoorPhase, TransitPhase
-from missionplan.mission.schema.shared_sections import ValueInForce
 from missionplan.mission.views import TransitionMission, TransitMission
 from missionplan.phases.place.place import Cause, Contact, Place, Way
 from missionplan.scenario.anchors import design_current

@@ -1,7 +1,7 @@
-"""What was learned at a mission's date and place: draws of a posterior, drifted since its last record and faded."""
+"""What was learned, at a mission's date and place: draws turned to its start, left behind, drifted since and faded."""
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -10,9 +10,130 @@ from numpy.typing import NDArray
 from missionplan.arrays import Array
 from missionplan.effects import CATALOGUE
 from missionplan.mission.schema.effect_list import EffectEntry, EffectList, Learned, effects_of_draws
+from missionplan.montecarlo.distributions import Distribution, Quantity, Shifted
 from missionplan.montecarlo.levels import MOST, Ageing, LevelKey, Levels, Measured, Seen, in_missions, levels
-from missionplan.montecarlo.posterior import WeightedDraws
+from missionplan.montecarlo.posterior import Column, Place, WeightedDraws
 from missionplan.montecarlo.streams import stream
+
+REACH = 20_000.0
+"""Distance beyond which a current that was learned is another one [m]: it changes with depth and coast within that."""
+SEASON, DAYS = 30.0 * 86400.0, 3.0 * 86400.0
+"""Time beyond which what belongs to a place in a season, and to the weather, is another one [s]."""
+EARTH = 6.371e6
+"""Mean radius of the Earth [m]."""
+
+
+def not_handed_on(effects: Collection[str], learned: Place, here: Place) -> dict[str, str]:
+    """Return the effects that were learned too far away or too long ago to hold here, each with the reason.
+
+    What is not known, of the place or the date, is taken to be the same.
+
+    Parameters
+    ----------
+    learned, here : tuple of float
+        Latitude, longitude [rad] and date [s since 1970].
+    """
+    away, ago = _distance(learned, here), abs(here[2] - learned[2])
+    found = {}
+    for effect, lasts in _lasting(effects).items():
+        if away > REACH:
+            found[effect] = f"{effect} was learned {away / 1000.0:.0f} km away"
+        elif ago > lasts:
+            found[effect] = f"{effect} was learned {ago / 86400.0:.0f} days before or after"
+    return found
+
+
+def still_alike(effects: Collection[str], learned: Place, here: Place) -> dict[str, float]:
+    """Return the correlation of what was learned with what is here, of each effect of the place or the day.
+
+    That of a smooth field, a Gaussian of distance and time; parameters as of `not_handed_on`.
+    """
+    away, ago = np.nan_to_num([_distance(learned, here), abs(here[2] - learned[2])]).tolist()
+    return {
+        effect: math.exp(-0.5 * ((away / REACH) ** 2 + (ago / lasts) ** 2))
+        for effect, lasts in _lasting(effects).items()
+    }
+
+
+def _lasting(effects: Collection[str]) -> dict[str, float]:
+    """How long each effect of the place or the day lasts [s]; a tide's constituents outlast a season."""
+    infos = [CATALOGUE[effect] for effect in effects]
+    return {
+        info.id: DAYS if info.belongs_to == "day" else math.inf if info.is_modulated else SEASON
+        for info in infos
+        if info.belongs_to != "vehicle"
+    }
+
+
+def _distance(first: Place, second: Place) -> float:
+    """Distance on a sphere [m]; nan where it is not known."""
+    north, east = second[0] - first[0], second[1] - first[1]
+    chord = math.sin(0.5 * north) ** 2 + math.cos(first[0]) * math.cos(second[0]) * math.sin(0.5 * east) ** 2
+    return 2.0 * EARTH * math.asin(math.sqrt(chord)) if math.isfinite(chord) else math.nan
+
+
+def left_behind(effects: EffectList, learned: Place, here: Place) -> tuple[EffectList, tuple[str, ...]]:
+    """Return effects without those of a posterior that do not hold here, with a notice of each."""
+    posterior = effects.learned
+    gone = not_handed_on(posterior.draws.effects, learned, here) if posterior is not None else {}
+    if posterior is None or not gone:
+        return effects, ()
+    draws = posterior.held_as_seen.without(gone)
+    own = {entry.effect for entry in posterior.entries}
+    entries = tuple(entry for entry in effects_of_draws(draws) if entry.effect in own)
+    kept = Learned(draws, entries, None if posterior.known is None else 0)
+    notices = tuple(f"{words}, and is not handed on" for words in gone.values())
+    return EffectList(tuple(kept if item is posterior else item for item in effects.items)), notices
+
+
+def phase_shifts(effect: str, seconds: float, latitude: float) -> dict[str, float]:
+    """Return by how much each phase of an effect grows when its zero of time moves by so many seconds [rad].
+
+    a·cos(ω(t + Δ) − φ) is a·cos(ωt − (φ − ωΔ)).
+
+    Parameters
+    ----------
+    seconds : float
+        From the date of the phases to the mission's start [s].
+    latitude : float
+        Of the mission's origin, nan where it has none [rad].
+    """
+    info = CATALOGUE[effect]
+    if info.frequency_of is None:
+        return {}
+    return {phase: -info.frequency_of(phase, latitude) * seconds for _, phase in info.polar}
+
+
+def turned_draws(draws: WeightedDraws, seconds: float, latitude: float) -> WeightedDraws:
+    """Return draws whose phases count from the mission's start; parameters as of `phase_shifts`."""
+    if seconds == 0.0 or not math.isfinite(seconds):
+        return draws
+    values = draws.values.copy()
+    for index, (effect, name) in enumerate(draws.columns):
+        shift = phase_shifts(effect, seconds, latitude).get(name, 0.0) if effect else 0.0
+        if shift:
+            values[:, index] = np.angle(np.exp(1j * (values[:, index] + shift)))
+    return replace(draws, values=values)
+
+
+def turned_effects(effects: EffectList, start: float, latitude: float) -> EffectList:
+    """Return effects whose phases count from the mission's start [s since 1970], those with an `epoch` turned to it."""
+
+    def turned(entry: EffectEntry) -> EffectEntry:
+        if entry.epoch is None:
+            return entry
+        shifts = phase_shifts(entry.effect, start - entry.epoch, latitude)
+        own: Mapping[str, Quantity] = {n: _shifted(q, shifts.get(n, 0.0)) for n, q in entry.parameters.items()}
+        return replace(entry, parameters={**own, **{n: by for n, by in shifts.items() if n not in own}}, epoch=None)
+
+    return effects.with_stated(turned)
+
+
+def _shifted(quantity: Quantity, by: float) -> Quantity:
+    if not by:
+        return quantity
+    return Shifted(quantity, by) if isinstance(quantity, Distribution) else quantity + by
+
 
 IS_JUMP: Mapping[str, float] = {"keeps": 0.04, "drifts": 0.04, "jumps": 0.07}
 IS_TREND: Mapping[str, float] = {"keeps": 0.1, "drifts": 0.3, "jumps": 0.1}
@@ -35,10 +156,8 @@ def has_level(key: LevelKey) -> bool:
 def ageing_of(key: LevelKey) -> Ageing:
     """How a level goes from mission to mission, by the kind of its effect and its usual sizes."""
     info = CATALOGUE[key[0]]
-    parameter = info.parameters[key[1]]
-    size = parameter.scale
-    chances = IS_TREND[info.ageing], IS_JUMP[info.ageing]
-    return Ageing(TREND * size, WALK * size, parameter.spike, size, *chances)
+    size, spike = info.parameters[key[1]].scale, info.parameters[key[1]].spike
+    return Ageing(TREND * size, WALK * size, spike, size, IS_TREND[info.ageing], IS_JUMP[info.ageing])
 
 
 @dataclass(frozen=True)
@@ -55,13 +174,8 @@ class Series:
         """Return the level at any time in missions, and the time of a mission ahead; parameters as of `at_date`."""
         last = self.records[-MOST:]
         times, then = in_missions([each.date for each in last], ahead, missions)
-        measured = Measured(
-            times,
-            np.array([each.value for each in last]),
-            np.array([each.sd for each in last]),
-            self.first,
-            self.first_sd,
-        )
+        values, sds = (np.array([getattr(each, name) for each in last]) for name in ("value", "sd"))
+        measured = Measured(times, values, sds, self.first, self.first_sd)
         return levels(measured, ageing_of(self.of)), then
 
 
@@ -120,19 +234,16 @@ def drifted(draws: WeightedDraws, seen: Sequence[Seen], ahead: float, missions: 
 
     Parameters as of `at_date`.
     """
-    columns = {column: draws.values[:, index].copy() for index, column in enumerate(draws.columns)}
+    columns = _columns(draws)
     for key, series in series_of(seen).items():
         if (key[0], key[1]) not in columns:
             continue
         found, then = series.levels(ahead, missions)
         mean, sd = found.at(np.array([found.measured.times[-1], then]))
         shift, added = float(mean[1] - mean[0]), float(sd[1] ** 2 - sd[0] ** 2)
-        for number in range(len(draws.sets)):
-            rows = np.flatnonzero((draws.which == number) & np.isfinite(columns[key[0], key[1]]))
-            if len(rows):
-                _move(columns, key, rows, draws.weights[rows], shift, added)
-    values = np.stack([_inside(column, columns[column]) for column in draws.columns], axis=1)
-    return replace(draws, values=values)
+        for rows in _rows_of_sets(draws, columns[key[0], key[1]]):
+            _move(columns, key, rows, draws.weights[rows], shift, added)
+    return _with_columns(draws, columns)
 
 
 def faded(draws: WeightedDraws, alike: Mapping[str, float]) -> WeightedDraws:
@@ -146,23 +257,37 @@ def faded(draws: WeightedDraws, alike: Mapping[str, float]) -> WeightedDraws:
     alike : mapping
         Correlations by effect; 1 for others.
     """
-    columns = {column: draws.values[:, index].copy() for index, column in enumerate(draws.columns)}
+    columns = _columns(draws)
     for effect, name in draws.columns:
         share, info = alike.get(effect, 1.0), CATALOGUE.get(effect)
         if info is None or share == 1.0 or info.parameters[name].is_shape or name in dict(info.polar).values():
             continue
         wide = info.parameters[name].scale ** 2
         for kind in ("cosine", "sine") if name in dict(info.polar) else ("strength",):
-            for number in range(len(draws.sets)):
-                rows = np.flatnonzero((draws.which == number) & np.isfinite(columns[effect, name]))
-                if len(rows):
-                    weights, key = draws.weights[rows], (effect, name, kind)
-                    own = _coordinate(columns, key, rows)
-                    mean = float(np.average(own, weights=weights))
-                    variance = float(np.average(np.square(own - mean), weights=weights))
-                    _move(columns, key, rows, weights, (share - 1.0) * mean, (1.0 - share**2) * (wide - variance))
-    values = np.stack([_inside(column, columns[column]) for column in draws.columns], axis=1)
-    return replace(draws, values=values)
+            for rows in _rows_of_sets(draws, columns[effect, name]):
+                weights, key = draws.weights[rows], (effect, name, kind)
+                own = _coordinate(columns, key, rows)
+                mean = float(np.average(own, weights=weights))
+                variance = float(np.average(np.square(own - mean), weights=weights))
+                _move(columns, key, rows, weights, (share - 1.0) * mean, (1.0 - share**2) * (wide - variance))
+    return _with_columns(draws, columns)
+
+
+def _columns(draws: WeightedDraws) -> dict[Column, Array]:
+    return {column: draws.values[:, index].copy() for index, column in enumerate(draws.columns)}
+
+
+def _with_columns(draws: WeightedDraws, columns: Mapping[Column, Array]) -> WeightedDraws:
+    """Draws with other values, cut to the range of their parameters."""
+    return replace(draws, values=np.stack([_inside(column, columns[column]) for column in draws.columns], axis=1))
+
+
+def _rows_of_sets(draws: WeightedDraws, values: Array) -> Iterator[NDArray[np.int_]]:
+    """Rows of the draws that have a value, set by set."""
+    for number in range(len(draws.sets)):
+        rows = np.flatnonzero((draws.which == number) & np.isfinite(values))
+        if len(rows):
+            yield rows
 
 
 def _coordinate(columns: Mapping[tuple[str, str], Array], key: LevelKey, rows: NDArray[np.int_]) -> Array:
