@@ -17,7 +17,7 @@ from scipy.special import ndtri
 
 from missionplan.arrays import Array, Scalars
 from missionplan.effects import CATALOGUE, EffectInfo
-from missionplan.effects.tidal_current import MODULATION_PARAMETERS
+from missionplan.effects.oscillation import MODULATION_PARAMETERS
 from missionplan.results.learned.evidence import ParameterEstimate
 
 LOWER, UPPER = 0.05, 0.95

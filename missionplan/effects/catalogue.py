@@ -24,11 +24,11 @@ from missionplan.effects import (
     tidal_current,
 )
 from missionplan.effects.dive_responses import RESPONSES
-from missionplan.effects.info import Effect, EffectInfo, Instrument, Phase, Scatter, TankEffect
-from missionplan.effects.tidal_current import MODULATION_PARAMETERS, Oscillation
+from missionplan.effects.info import BASES, Effect, EffectInfo, Instrument, Phase, Scatter
+from missionplan.effects.oscillation import MODULATION_PARAMETERS, Oscillation
 from missionplan.errors import shown
 from missionplan.packages import PluginError, load_plugin
-from missionplan.phases.hooks import DescentEffect, MarkovProcess, TransitEffect
+from missionplan.phases.hooks import MarkovProcess, TransitEffect
 
 _ID = re.compile(r"[a-z][a-z0-9]*(-[a-z0-9]+)*")
 _PARAMETER = re.compile(r"[a-z][a-z0-9]*(_[a-z0-9]+)*")
@@ -41,18 +41,15 @@ _TANK_HOOKS = {
 """By kind of tank data and phase of an effect, the hook through which it acts on them."""
 _SHOWS_KEY = {"drag.coefficient": "drag", "drag.exponent": "drag", "added_mass.surge": "free-oscillation"}
 """By key of the vehicle file, the kind of tank data that shows it."""
-_BASES = {"transit": TransitEffect, "descent": DescentEffect, "tank": TankEffect}
 
 
 def entry_problems(info: EffectInfo) -> list[str]:
     """Return what is wrong with one entry, in words; empty when it can be used."""
     if wrong := [*_name_problems(info)]:
         return wrong
-    if info.phase not in _BASES:
-        return [f"phase {info.phase!r} is none of {', '.join(_BASES)}"]
-    base = _BASES[info.phase]
-    if not (isinstance(info.effect, type) and issubclass(info.effect, base) and is_dataclass(info.effect)):
-        return [f"effect must be a data class derived from {base.__name__}"]
+    bases = tuple(BASES.values())
+    if not (isinstance(info.effect, type) and issubclass(info.effect, bases) and is_dataclass(info.effect)):
+        return [f"effect must be a data class derived from {' or '.join(base.__name__ for base in bases)}"]
     problems = [*_field_problems(info), *_size_problems(info), *_reference_problems(info), *_tank_problems(info)]
     if problems:
         return problems
@@ -117,7 +114,7 @@ def _tank_problems(info: EffectInfo) -> Iterator[str]:
         hook = _TANK_HOOKS.get(kind, {}).get(info.phase, "")
         if kind not in _TANK_HOOKS:
             yield f"tank: {kind} is none of {', '.join(_TANK_HOOKS)}"
-        elif not hook or getattr(info.effect, hook) is getattr(_BASES[info.phase], hook):
+        elif not hook or getattr(info.effect, hook) is getattr(BASES[info.phase], hook):
             yield f"tank: on data of kind {kind} an effect of phase {info.phase} acts through {hook or 'no hook'}"
     if info.vehicle_key and (len(info.parameters) != 1 or _SHOWS_KEY.get(info.vehicle_key) not in info.tank):
         yield f"vehicle_key: {info.vehicle_key} holds one parameter that tank data show"

@@ -24,8 +24,6 @@ class CompassBias(TransitEffect):
 
 COMPASS_BIAS = EffectInfo(
     id="compass-bias",
-    phase="transit",
-    tier="physical",
     effect=CompassBias,
     parameters={
         "angle": Parameter(
@@ -65,8 +63,6 @@ class CompassDeviation(TransitEffect):
 
 COMPASS_DEVIATION = EffectInfo(
     id="compass-deviation",
-    phase="transit",
-    tier="physical",
     effect=CompassDeviation,
     parameters={
         "amplitude": Parameter("rad", "greatest deviation", 0.0, 0.8, scale=0.08, spike=0.0026),
@@ -106,8 +102,6 @@ class CompassJump(TransitEffect):
 
 COMPASS_JUMP = EffectInfo(
     id="compass-jump",
-    phase="transit",
-    tier="physical",
     effect=CompassJump,
     parameters={
         "angle": Parameter(
@@ -147,8 +141,6 @@ def _needs_depths(record: LegRecord) -> str:
 
 HEADING_BY_DEPTH = EffectInfo(
     id="heading-by-depth",
-    phase="transit",
-    tier="physical",
     effect=HeadingByDepth,
     parameters={
         "rate": Parameter(
@@ -199,8 +191,6 @@ def _needs_speeds(record: LegRecord) -> str:
 
 SIDESLIP = EffectInfo(
     id="sideslip",
-    phase="transit",
-    tier="physical",
     effect=Sideslip,
     parameters={
         "angle": Parameter("rad", "angle to starboard of the heading at 1 m/s", -0.8, 0.8, scale=0.06, spike=0.001)

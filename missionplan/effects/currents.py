@@ -8,7 +8,7 @@ import numpy as np
 
 from missionplan.arrays import Array, Scalars
 from missionplan.effects.info import EffectInfo, Finding, LegRecord, Parameter
-from missionplan.effects.tidal_current import (
+from missionplan.effects.oscillation import (
     MODULATION_PARAMETERS,
     USUAL_TIME,
     Oscillation,
@@ -39,8 +39,6 @@ class MeanCurrent(TransitEffect):
 _COMPONENT = "component of the current, toward positive"
 MEAN_CURRENT = EffectInfo(
     id="mean-current",
-    phase="transit",
-    tier="physical",
     effect=MeanCurrent,
     parameters={
         "east": Parameter("m/s", f"east {_COMPONENT}", -3.0, 3.0, scale=0.15, spike=0.004),
@@ -108,8 +106,6 @@ def _needs_latitude(record: LegRecord) -> str:
 
 INERTIAL_CURRENT = EffectInfo(
     id="inertial-current",
-    phase="transit",
-    tier="physical",
     effect=InertialCurrent,
     parameters={
         "amplitude": Parameter("m/s", "speed of the rotating current", 0.0, 3.0, scale=0.15, spike=0.002),
@@ -166,8 +162,6 @@ class CurrentShear(TransitEffect):
 
 CURRENT_SHEAR = EffectInfo(
     id="current-shear",
-    phase="transit",
-    tier="physical",
     effect=CurrentShear,
     parameters={
         f"{component}_by_{axis}": Parameter(
@@ -219,8 +213,6 @@ def _needs_surface_time(record: LegRecord) -> str:
 
 SURFACE_DRIFT = EffectInfo(
     id="surface-drift",
-    phase="transit",
-    tier="physical",
     effect=SurfaceDrift,
     parameters={
         "east": Parameter("m/s", "east component, toward positive", -3.0, 3.0, scale=0.25, spike=0.01),

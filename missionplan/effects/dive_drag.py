@@ -31,8 +31,6 @@ def _lacking_in_tank(record: TankRecord) -> str:
 
 DRAG_BIAS = EffectInfo(
     id="drag-bias",
-    phase="descent",
-    tier="physical",
     effect=DragBias,
     parameters={
         # a drag measured in one tank holds in another to 2 %
@@ -82,8 +80,6 @@ class DragCrisis(DescentEffect):
 
 DRAG_CRISIS = EffectInfo(
     id="drag-crisis",
-    phase="descent",
-    tier="physical",
     effect=DragCrisis,
     parameters={
         "fraction": Parameter("", "share of the drag lost above the critical speed", 0.0, 0.9, scale=0.3, spike=0.005),
@@ -117,8 +113,6 @@ class BroadsideStart(DescentEffect):
 
 BROADSIDE_START = EffectInfo(
     id="broadside-start",
-    phase="descent",
-    tier="physical",
     effect=BroadsideStart,
     parameters={
         "extra_drag": Parameter(
@@ -155,8 +149,6 @@ class AddedMass(DescentEffect):
 
 ADDED_MASS = EffectInfo(
     id="added-mass",
-    phase="descent",
-    tier="physical",
     effect=AddedMass,
     parameters={
         "fraction": Parameter(

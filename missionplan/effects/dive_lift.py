@@ -23,8 +23,6 @@ class LinePayout(DescentEffect):
 
 LINE_PAYOUT = EffectInfo(
     id="line-payout",
-    phase="descent",
-    tier="physical",
     effect=LinePayout,
     parameters={"delay_per_length": Parameter("s/m", "delay for each metre of line", 0.0, 5.0, scale=0.2, spike=0.004)},
     what=(
@@ -55,8 +53,6 @@ class SlowFlooding(DescentEffect):
 
 SLOW_FLOODING = EffectInfo(
     id="slow-flooding",
-    phase="descent",
-    tier="physical",
     effect=SlowFlooding,
     parameters={
         "fraction": Parameter("", "share of the wet weight missing at first", 0.0, 1.0, scale=0.3, spike=0.005),
@@ -98,8 +94,6 @@ class TrappedGas(DescentEffect):
 
 TRAPPED_GAS = EffectInfo(
     id="trapped-gas",
-    phase="descent",
-    tier="physical",
     effect=TrappedGas,
     parameters={
         "lift": Parameter(
@@ -144,8 +138,6 @@ class Stratification(DescentEffect):
 
 STRATIFICATION = EffectInfo(
     id="stratification",
-    phase="descent",
-    tier="physical",
     effect=Stratification,
     parameters={
         "lift": Parameter(
@@ -182,8 +174,6 @@ class VerticalCurrent(DescentEffect):
 
 VERTICAL_CURRENT = EffectInfo(
     id="vertical-current",
-    phase="descent",
-    tier="physical",
     effect=VerticalCurrent,
     parameters={"speed": Parameter("m/s", "of the water, down positive", -1.0, 1.0, scale=0.12, spike=0.003)},
     belongs_to="day",

@@ -89,8 +89,6 @@ def _averaged(step: float, depth: Array, rate: Array, behind: Array, constant: A
 
 SENSOR_LAG = EffectInfo(
     id="sensor-lag",
-    phase="descent",
-    tier="physical",
     effect=SensorLag,
     parameters={
         "time": Parameter(
@@ -140,8 +138,6 @@ class ClockOffset(DescentEffect):
 
 CLOCK_OFFSET = EffectInfo(
     id="clock-offset",
-    phase="descent",
-    tier="physical",
     effect=ClockOffset,
     parameters={
         "time": Parameter("s", "offset, positive when the dive is late on the log", -10.0, 10.0, scale=0.5, spike=0.02)
@@ -180,8 +176,6 @@ class ClockRate(DescentEffect):
 
 CLOCK_RATE = EffectInfo(
     id="clock-rate",
-    phase="descent",
-    tier="physical",
     effect=ClockRate,
     parameters={
         "fraction": Parameter(
@@ -218,8 +212,6 @@ class SensorPosition(DescentEffect):
 
 SENSOR_POSITION = EffectInfo(
     id="sensor-position",
-    phase="descent",
-    tier="physical",
     effect=SensorPosition,
     parameters={"aft": Parameter("m", "distance of the sensor behind the nose", 0.0, 5.0, scale=0.4, spike=0.01)},
     what="The depth sensor sits in the hull or the tail, and the vehicle goes down nose first.",
@@ -250,8 +242,6 @@ class DepthScale(DescentEffect):
 
 DEPTH_SCALE = EffectInfo(
     id="depth-scale",
-    phase="descent",
-    tier="physical",
     effect=DepthScale,
     parameters={
         "fraction": Parameter(

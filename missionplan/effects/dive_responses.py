@@ -143,7 +143,6 @@ def _response(
     what, positive, negative = words
     return EffectInfo(
         id=name,
-        phase="descent",
         tier="neutral",
         effect=effect,
         parameters=parameters,

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass
+from functools import cached_property
 from math import inf
 from typing import Literal
 
@@ -148,6 +149,8 @@ class TankEffect:
 
 
 Effect = TransitEffect | DescentEffect | TankEffect
+BASES: Mapping[Phase, type[Effect]] = {"transit": TransitEffect, "descent": DescentEffect, "tank": TankEffect}
+"""Neutral base of the effects on each phase."""
 
 
 @dataclass(frozen=True)
@@ -204,13 +207,8 @@ class EffectInfo:
 
     id: str
     """Stable name in mission files and results."""
-    phase: Phase
-    """Phase it acts on."""
-    tier: Tier
-    """``physical`` names a cause; ``statistical`` describes the errors without naming one; ``neutral`` describes to
-    what the vehicle responds, outside of what is named."""
-    effect: type[TransitEffect] | type[DescentEffect] | type[TankEffect]
-    """The data class that refines the phase's hooks."""
+    effect: type[Effect]
+    """The data class that refines the hooks of a phase."""
     parameters: Mapping[str, Parameter]
     """Name of each field of the data class → `Parameter`."""
     what: str
@@ -221,6 +219,9 @@ class EffectInfo:
     """Effects that look alike."""
     distinguished_by: str
     """Measurement that would distinguish them."""
+    tier: Tier = "physical"
+    """``physical`` names a cause; ``statistical`` describes the errors without naming one; ``neutral`` describes to
+    what the vehicle responds, outside of what is named."""
     changes_plan: bool = True
     """False for effects on readings only."""
     polar: tuple[tuple[str, str], ...] = ()
@@ -276,6 +277,11 @@ class EffectInfo:
     vehicle_key: VehicleKey = ""
     """Key of the vehicle file that states what tank data show of it, with its one parameter: a relative change of the
     drag's coefficient, a change of its exponent, or a relative change of the oscillating mass."""
+
+    @cached_property
+    def phase(self) -> Phase:
+        """Phase it acts on: the one whose hooks its data class refines."""
+        return next(phase for phase, base in BASES.items() if issubclass(self.effect, base))
 
     def make(self, values: Mapping[str, Scalars]) -> Effect:
         """Build the effect from parameters by their names; those left out take their defaults.

@@ -101,7 +101,6 @@ class PersistentError(MarkovVelocity):
 
 PERSISTENT_ERROR = EffectInfo(
     id="persistent-error",
-    phase="transit",
     tier="statistical",
     effect=PersistentError,
     parameters={
@@ -150,7 +149,6 @@ class RandomWalk(MarkovVelocity):
 
 RANDOM_WALK = EffectInfo(
     id="random-walk",
-    phase="transit",
     tier="statistical",
     effect=RandomWalk,
     parameters={
@@ -200,7 +198,6 @@ class PositionRandomWalk(TransitEffect):
 
 POSITION_RANDOM_WALK = EffectInfo(
     id="position-random-walk",
-    phase="transit",
     tier="statistical",
     effect=PositionRandomWalk,
     parameters={
@@ -246,7 +243,6 @@ class FixError(TransitEffect):
 
 FIX_ERROR = EffectInfo(
     id="fix-error",
-    phase="transit",
     tier="statistical",
     effect=FixError,
     parameters={
@@ -296,7 +292,6 @@ class HeavyTails(TransitEffect):
 
 HEAVY_TAILS = EffectInfo(
     id="heavy-tails",
-    phase="transit",
     tier="statistical",
     effect=HeavyTails,
     parameters={

@@ -331,7 +331,6 @@ TERMS = (
 )
 RESPONSE = EffectInfo(
     id="response",
-    phase="transit",
     tier="neutral",
     effect=Response,
     parameters={

@@ -22,8 +22,6 @@ class SpeedScale(TransitEffect):
 
 SPEED_SCALE = EffectInfo(
     id="speed-scale",
-    phase="transit",
-    tier="physical",
     effect=SpeedScale,
     parameters={
         "fraction": Parameter(
@@ -64,8 +62,6 @@ def _needs_speeds(record: LegRecord) -> str:
 
 SPEED_LOSS = EffectInfo(
     id="speed-loss",
-    phase="transit",
-    tier="physical",
     effect=SpeedLoss,
     parameters={
         "fraction": Parameter(
@@ -105,8 +101,6 @@ class CurrentResponse(TransitEffect):
 
 CURRENT_RESPONSE = EffectInfo(
     id="current-response",
-    phase="transit",
-    tier="physical",
     effect=CurrentResponse,
     parameters={
         "along": Parameter(

@@ -22,8 +22,6 @@ class ReynoldsDrag(TankEffect):
 
 REYNOLDS_DRAG = EffectInfo(
     id="reynolds-drag",
-    phase="tank",
-    tier="physical",
     effect=ReynoldsDrag,
     parameters={
         "exponent": Parameter("", "exponent of C_D in Re, negative where C_D falls", -1.0, 1.0, scale=0.15, spike=0.01)
@@ -57,8 +55,6 @@ class QuadraticDamping(TankEffect):
 
 QUADRATIC_DAMPING = EffectInfo(
     id="quadratic-damping",
-    phase="tank",
-    tier="physical",
     effect=QuadraticDamping,
     parameters={"rate": Parameter("1/m", "quadratic damping over the total mass", 0.0, 50.0, scale=2.0, spike=0.02)},
     what="Separated flow: large swings decay faster than small ones.",
@@ -94,8 +90,6 @@ def _needs_jet_speed(record: TankRecord) -> str:
 
 JET_SUCTION = EffectInfo(
     id="jet-suction",
-    phase="tank",
-    tier="physical",
     effect=JetSuction,
     parameters={"decay": Parameter("", "c of K_F = exp(-c(u/u_j)²)", 0.0, 50.0, scale=5.0, spike=0.05)},
     what="Under way the jet lowers the pressure on the hull beside it, so that less than the static thrust acts.",
@@ -130,8 +124,6 @@ def _needs_both_signs(record: TankRecord) -> str:
 
 THRUST_ASYMMETRY = EffectInfo(
     id="thrust-asymmetry",
-    phase="tank",
-    tier="physical",
     effect=ThrustAsymmetry,
     parameters={
         "fraction": Parameter(
@@ -168,8 +160,6 @@ class AxialFlow(TankEffect):
 
 AXIAL_FLOW = EffectInfo(
     id="axial-flow",
-    phase="tank",
-    tier="physical",
     effect=AxialFlow,
     parameters={
         "mass_factor": Parameter(

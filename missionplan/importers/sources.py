@@ -61,13 +61,19 @@ class Reading:
 
     def provenance(self, mission: str, notices: tuple[str, ...]) -> Provenance:
         """Return the provenance of the result, with the starter mission's data."""
-        elapsed = time.perf_counter() - self.began
         counted = len(self.passed_over)
         left = (f"{counted} file{'s were' if counted > 1 else ' was'} passed over",) if counted else ()
         told = (*self.track.notices, *notices, *left, _UTC)
-        data = yaml.safe_load(mission) if mission else {}
-        inputs = {"logs": {each.name: each.sha256 for each in self.sources}}
-        return Provenance("import", self.name, "", 0, 0, self.options, elapsed, data, told, inputs)
+        return Provenance(
+            "import",
+            self.name,
+            file="",
+            options=self.options,
+            elapsed_s=time.perf_counter() - self.began,
+            data=yaml.safe_load(mission) if mission else {},
+            notices=told,
+            inputs={"logs": {each.name: each.sha256 for each in self.sources}},
+        )
 
     @property
     def source(self) -> str:

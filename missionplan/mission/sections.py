@@ -1,25 +1,218 @@
-"""What a mission file holds, section by section: its keys, what stands for its phases, and what its sections allow."""
+"""What a mission file holds, section by section: its keys, what stands for its phases, and what its sections allow.
 
-from typing import Annotated, Generic, Literal
+The section `effects`: effects of the catalogue with their parameters in SI, and explanations of which one holds.
+"""
+
+from collections.abc import Callable, Mapping
+from dataclasses import replace
+from functools import partial
+from typing import Annotated, Generic, Literal, TypeVar
 
 from pydantic import Field, ValidationInfo, field_validator
 from typing_extensions import Doc
 
-from missionplan.errors import LocalProblem
+from missionplan.effects import CATALOGUE
+from missionplan.errors import KeyPath, LocalProblem, did_you_mean, key_path, shown
 from missionplan.mission.checks.ranges import Findings, check_effects, check_ranges
 from missionplan.mission.checks.relations import check_relations
 from missionplan.mission.quantity_paths import joined, phase_keys
 from missionplan.mission.reading.includes import posterior_of
-from missionplan.mission.schema.effect_list import EffectEntry, EffectList, Learned, OneOf
-from missionplan.mission.schema.effects import read_effects
+from missionplan.mission.schema.effect_list import ONE_OF, EffectEntry, EffectList, Explanation, Learned, OneOf
+from missionplan.mission.schema.manoeuvring import TransitionPhase
 from missionplan.mission.schema.phases import MoorPhase, Navigation, Phase, PhaseEntry, TransitPhase
-from missionplan.mission.schema.section import FileSection, Identity, MissionSchema, Moment, ReadBy, V
+from missionplan.mission.schema.quantity_parser import QuantityParser
+from missionplan.mission.schema.section import (
+    FileSection,
+    Identity,
+    MissionSchema,
+    Moment,
+    ReadBy,
+    V,
+    all_invalid,
+    invalid,
+)
 from missionplan.mission.schema.site import Site
 from missionplan.mission.schema.sweep import CorrelationSection, MonteCarlo, OptimiseSection, Requirement, SweepSection
-from missionplan.mission.schema.transition import TransitionPhase
 from missionplan.mission.schema.vehicle import EnergyBudget, Vehicle
-from missionplan.montecarlo.draws import Correlation
+from missionplan.mission.units import QuantityError, each_read
+from missionplan.moments import moment_of
+from missionplan.montecarlo.distributions import ROUNDING, Quantity, mean_of
+from missionplan.montecarlo.draws import Correlation, correlation_problems
 from missionplan.montecarlo.posterior_file import PosteriorFile
+
+_T = TypeVar("_T")
+
+EPOCH = "epoch"
+"""Key of the date from which the phases of an effect count."""
+_EXPLANATION = ("probability", "effects", "correlations")
+_EACH = "each as `effect-id: {parameter: quantity}`"
+_PROBABILITY = QuantityParser("", low=0.0, high=1.0, open_low=True, fixed=True)
+_PAIR = "{between: [effect.parameter, effect.parameter], rho}"
+_RHO = QuantityParser("", low=-1.0, high=1.0, fixed=True)
+
+
+def read_effects(value: object) -> EffectList:
+    """Read the list as a pydantic validator does.
+
+    Raises
+    ------
+    PydanticCustomError
+        With one `LocalProblem` in ``ctx['problems']`` for each key that is wrong.
+    """
+    if isinstance(value, EffectList):
+        return value
+    if not isinstance(value, list | tuple):
+        raise invalid(f"expected a list of effects, {_EACH}")
+    try:
+        return EffectList(tuple(each_read(value, lambda index, item: _item(item, ("effects", index)))))
+    except QuantityError as error:
+        raise all_invalid(error.problems) from None
+
+
+def _item(item: object, path: KeyPath) -> EffectEntry | OneOf:
+    if isinstance(item, Mapping) and ONE_OF in item:
+        if len(item) > 1:
+            others = ", ".join(str(key) for key in item if key != ONE_OF)
+            raise QuantityError(f"given {others} beside it, expected an item of its own", (ONE_OF,))
+        return _one_of(item[ONE_OF], path)
+    return replace(_entry(item), path=path)
+
+
+def _one_of(value: object, path: KeyPath) -> OneOf:
+    """Read explanations.
+
+    Raises QuantityError with every key that is wrong.
+    """
+    if not isinstance(value, list) or not value:
+        raise QuantityError("expected a list of explanations, each {probability, effects}", (ONE_OF,))
+    place = f"{key_path(path)}.{ONE_OF}"
+    found = each_read(
+        value,
+        lambda number, item: _explanation(item, (*path, ONE_OF, number), (place, (number,))),
+        (ONE_OF,),
+    )
+    total = sum(each.probability for each in found)
+    if total > 1.0 + ROUNDING:
+        raise QuantityError(f"the probabilities sum to {total:.6g}, expected at most 1", (ONE_OF,))
+    return OneOf(place, tuple(found))
+
+
+def _explanation(item: object, path: KeyPath, explanation: tuple[str, tuple[int, ...]]) -> Explanation:
+    if not isinstance(item, Mapping):
+        raise QuantityError(f"given {shown(item)}, expected an explanation: {{probability, effects}}")
+    problems = [
+        LocalProblem((str(key),), "unknown key", did_you_mean(str(key), _EXPLANATION))
+        for key in item
+        if key not in _EXPLANATION
+    ]
+    problems += [LocalProblem((key,), "missing") for key in _EXPLANATION[:2] if key not in item]
+    probability = _read(problems, item, "probability", lambda given: _fixed(_PROBABILITY, given)) or 0.0
+    entries = _read(problems, item, "effects", lambda given: _held(given, (*path, "effects"), explanation)) or ()
+    names = {f"{entry.effect}.{name}": value for entry in entries for name, value in entry.parameters.items()}
+    correlations: tuple[Correlation, ...] = ()
+    if entries:
+        correlations = _read(problems, item, "correlations", lambda given: _correlations(given, names)) or ()
+    if problems:
+        raise QuantityError(problems)
+    return Explanation(probability, entries, correlations)
+
+
+def _read(
+    problems: list[LocalProblem], item: Mapping[object, object], key: str, read: Callable[[object], _T]
+) -> _T | None:
+    """Read a key of a mapping; None where it has none, or a wrong one, whose problems are added."""
+    if key not in item:
+        return None
+    try:
+        return read(item[key])
+    except QuantityError as error:
+        problems += [problem.within((key,)) for problem in error.problems]
+        return None
+
+
+def _fixed(parser: QuantityParser, given: object) -> float:
+    return mean_of(parser.parse(given))
+
+
+def _held(value: object, path: KeyPath, explanation: tuple[str, tuple[int, ...]]) -> tuple[EffectEntry, ...]:
+    """Read the effects of an explanation."""
+    if not isinstance(value, list) or not value:
+        raise QuantityError(f"expected a list of effects, {_EACH}")
+    known: set[str] = set()
+
+    def read(index: int, item: object) -> EffectEntry:
+        if isinstance(item, Mapping) and ONE_OF in item:
+            raise QuantityError("an explanation cannot hold explanations; write each combination", (ONE_OF,))
+        entry = _entry(item)
+        if entry.effect in known:
+            raise QuantityError("this explanation has the effect already", (entry.effect,))
+        known.add(entry.effect)
+        return replace(entry, path=(*path, index), explanation=explanation)
+
+    return tuple(each_read(value, read))
+
+
+def _correlations(value: object, parameters: Mapping[str, Quantity]) -> tuple[Correlation, ...]:
+    """Read the correlations of an explanation's parameters."""
+    if not isinstance(value, list):
+        raise QuantityError(f"given {shown(value)}, expected a list of {_PAIR}")
+    found = each_read(value, lambda _, item: _correlation(item))
+    if problems := correlation_problems(parameters, found):
+        raise QuantityError(problems)
+    return tuple(found)
+
+
+def _correlation(item: object) -> Correlation:
+    if not isinstance(item, Mapping) or set(item) != {"between", "rho"}:
+        raise QuantityError(f"given {shown(item)}, expected {_PAIR}")
+    between = item["between"]
+    if not isinstance(between, list) or len(between) != 2 or not all(isinstance(name, str) for name in between):
+        raise QuantityError(f"given {shown(between)}, expected two of the explanation's parameters", ("between",))
+    try:
+        return Correlation((between[0], between[1]), _fixed(_RHO, item["rho"]))
+    except QuantityError as error:
+        raise QuantityError([problem.within(("rho",)) for problem in error.problems]) from None
+
+
+def _entry(item: object) -> EffectEntry:
+    """Read one effect.
+
+    Raises QuantityError with every key that is wrong.
+    """
+    if not isinstance(item, Mapping) or len(item) != 1 or not isinstance(next(iter(item.values())), Mapping):
+        raise QuantityError("expected one effect in each item, as `effect-id: {parameter: quantity}`")
+    ((effect, given),) = item.items()
+    if effect not in CATALOGUE:
+        hint = did_you_mean(str(effect), [*CATALOGUE, ONE_OF], before="; ")
+        raise QuantityError(f"no effect of that name{hint}", (effect,))
+    problems: list[LocalProblem] = []
+    has_epoch = CATALOGUE[effect].frequency_of is not None
+    epoch = _read(problems, given, EPOCH, _date) if has_epoch else None
+    parameters: dict[str, Quantity] = {}
+    for name in given:
+        if name != EPOCH or not has_epoch:
+            value = _read(problems, given, name, partial(_parameter, effect, name))
+            parameters |= {} if value is None else {name: value}
+    if problems:
+        raise QuantityError([problem.within((effect,)) for problem in problems])
+    return EffectEntry(effect, parameters, epoch=epoch)
+
+
+def _date(text: object) -> float:
+    """Read a date [s since 1970]."""
+    try:
+        return moment_of(text).timestamp()
+    except (ValueError, OverflowError, TypeError):
+        raise QuantityError(f"given {shown(text)}, expected a date such as 2026-06-01T04:00Z") from None
+
+
+def _parameter(effect: str, name: str, text: object) -> Quantity:
+    known = CATALOGUE[effect].parameters
+    if name not in known:
+        hint = did_you_mean(str(name), known, before="; ")
+        raise QuantityError(f"{effect} has no such parameter; it has {', '.join(known)}{hint}")
+    return QuantityParser(known[name].unit, low=known[name].low, high=known[name].high).parse(text)
+
 
 MOST_LEARNED = 5000
 """Legs, dives and runs that a mission keeps in mind, the last ones: half of what a file may hold."""

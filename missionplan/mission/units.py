@@ -2,10 +2,10 @@
 
 import math
 import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from difflib import get_close_matches
 from functools import lru_cache
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeVar
 
 from missionplan.errors import KeyPath, LocalProblem, shown
 
@@ -13,6 +13,8 @@ if TYPE_CHECKING:
     import pint
 
 
+_Item = TypeVar("_Item")
+_Read = TypeVar("_Read")
 _LENGTH = {
     "m": 1.0,
     "meter": 1.0,
@@ -119,6 +121,26 @@ class QuantityError(ValueError):
     def __init__(self, problems: str | Iterable[LocalProblem], below: KeyPath = ()) -> None:
         self.problems = (LocalProblem(below, problems),) if isinstance(problems, str) else tuple(problems)
         super().__init__("; ".join(problem.message for problem in self.problems))
+
+
+def each_read(items: Iterable[_Item], read: Callable[[int, _Item], _Read], below: KeyPath = ()) -> list[_Read]:
+    """Read each of some items, given its number and itself.
+
+    Raises
+    ------
+    QuantityError
+        With the problems of all that are wrong, at their numbers below a key path.
+    """
+    found: list[_Read] = []
+    problems: list[LocalProblem] = []
+    for index, item in enumerate(items):
+        try:
+            found.append(read(index, item))
+        except QuantityError as error:
+            problems += [problem.within((*below, index)) for problem in error.problems]
+    if problems:
+        raise QuantityError(problems)
+    return found
 
 
 @lru_cache(maxsize=1)

@@ -134,11 +134,6 @@ def correlation_problems(quantities: Mapping[str, Quantity], correlations: Seque
     return [LocalProblem((), message, "make them smaller")]
 
 
-def is_joint(correlations: Sequence[Correlation]) -> bool:
-    """Whether there is a joint distribution that has these correlations."""
-    return _least_eigenvalue(correlations) >= LEAST_EIGENVALUE
-
-
 def _least_eigenvalue(correlations: Sequence[Correlation]) -> float:
     """Least eigenvalue of the matrix of correlations; 1 of none."""
     return float(np.linalg.eigvalsh(_matrix(correlations)[1])[0]) if correlations else 1.0

@@ -47,12 +47,12 @@ class Provenance(Record):
     command: Annotated[str, Entry("name of the study on the command line")]
     mission: Annotated[str, Entry("the mission's name")]
     file: Annotated[str, Entry("mission file, as given")]
-    seed: Annotated[int, Entry("of the Monte Carlo")]
-    trials: Annotated[int, Entry("of the Monte Carlo; zero where none were run")]
-    options: Annotated[Mapping[str, object], Entry("the study's options")]
-    elapsed_s: float
+    seed: Annotated[int, Entry("of the Monte Carlo")] = 0
+    trials: Annotated[int, Entry("of the Monte Carlo; zero where none were run")] = 0
+    options: Annotated[Mapping[str, object], Entry("the study's options")] = field(default_factory=dict)
+    elapsed_s: float = field(kw_only=True)
     """Wall time of the study [s]."""
-    data: Mapping[str, object]
+    data: Mapping[str, object] = field(default_factory=dict)
     """The mission file's data with includes in place."""
     notices: Annotated[
         tuple[str, ...], Entry("notes on the input: truncated distributions, values outside a model's range")

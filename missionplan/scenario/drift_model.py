@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from missionplan.arrays import Array, Scalars
-from missionplan.effects.tidal_current import inertial_frequency
+from missionplan.effects.oscillation import inertial_frequency
 from missionplan.phases.currents import Current
 from missionplan.phases.hooks import DriftParts, TransitEffect
 from missionplan.phases.transit.compensation import Forecast

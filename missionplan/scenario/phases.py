@@ -3,8 +3,8 @@
 import numpy as np
 
 from missionplan.arrays import Array, Scalars
+from missionplan.mission.schema.manoeuvring import TransitionPhase, TunnelThrusterSection
 from missionplan.mission.schema.phases import MoorPhase, Phase, TransitPhase
-from missionplan.mission.schema.transition import TransitionPhase, TunnelThrusterSection
 from missionplan.mission.schema.vehicle import Vehicle
 from missionplan.mission.views import TransitionMission
 from missionplan.montecarlo.streams import LegSource, NormalSource
@@ -14,7 +14,7 @@ from missionplan.phases.mooring.hold import Hold
 from missionplan.phases.mooring.horizontal_drift import CrossFlowBody, TiedBodies
 from missionplan.phases.mooring.mooring import MoorPlan
 from missionplan.phases.transit.plan import TransitNormals
-from missionplan.phases.transition.plan import Manoeuvre, SternplaneControl, ThrusterControl, TransitionVehicle
+from missionplan.phases.transition_plan import Manoeuvre, SternplaneControl, ThrusterControl, TransitionVehicle
 from missionplan.physics.drag import anchor_drag
 from missionplan.physics.held_line import (
     CROSSFLOW_COEFFICIENT,

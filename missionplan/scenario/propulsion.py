@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from missionplan.arrays import Array, Scalars
-from missionplan.mission.schema.identified import Propulsion
+from missionplan.mission.schema.manoeuvring import Propulsion
 from missionplan.mission.schema.vehicle import Vehicle
 from missionplan.phases.hooks import Leg, TransitEffect
 from missionplan.physics.drag import FORM_CONSTANTS, Hull, MeasuredVehicleDrag, Sail, VehicleDrag

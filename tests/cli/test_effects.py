@@ -7,7 +7,7 @@ import yaml
 
 from missionplan.cli import main
 from missionplan.effects import CATALOGUE
-from missionplan.mission.schema.effects import read_effects
+from missionplan.mission.sections import read_effects
 from missionplan.report.effect_catalogue import fragment
 
 

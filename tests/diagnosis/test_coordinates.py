@@ -5,7 +5,7 @@ import pytest
 
 from missionplan.diagnosis.coordinates import coordinates_of, estimates, is_possible, parameters_from
 from missionplan.effects import CATALOGUE
-from missionplan.effects.tidal_current import MODULATION_PARAMETERS
+from missionplan.effects.oscillation import MODULATION_PARAMETERS
 
 
 @pytest.mark.parametrize("info", CATALOGUE.values(), ids=lambda info: info.id)

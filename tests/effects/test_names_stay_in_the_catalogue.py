@@ -43,7 +43,7 @@ def test_an_effect_that_is_named_or_imported_is_seen(source):
 
 def test_words_about_an_effect_and_the_catalogue_itself_are_no_names():
     assert not names_known("'a compass-bias of 3°'\nfrom missionplan.effects import CATALOGUE, EffectInfo")
-    assert not names_known("from missionplan.effects.tidal_current import inertial_frequency")
+    assert not names_known("from missionplan.effects.oscillation import inertial_frequency")
 
 
 def test_no_module_outside_the_catalogue_knows_an_effect():

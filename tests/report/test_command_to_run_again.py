@@ -50,5 +50,5 @@ def test_trials_of_the_mission_are_not_told_twice():
 
 
 def test_trials_on_the_way_to_a_precision_are_a_result():
-    made = Provenance("simulate", "", "", 1, 12_000, {"precision": "total.success=0.01"}, 0.0, {}, ())
+    made = Provenance("simulate", "", "", 1, 12_000, {"precision": "total.success=0.01"}, elapsed_s=0.0)
     assert rerun_command(made) == "missionplan simulate mission.yaml --seed 1 --precision total.success=0.01"

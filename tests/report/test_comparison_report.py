@@ -19,7 +19,13 @@ def comparison():
     run = ComparedRun("report", "Bay", "0.1", "2026-01-01T00:00:00+00:00", 1, 1000)
     return Comparison(
         provenance=Provenance(
-            "compare", "Bay", "report report", 1, 1000, {}, 0.1, {"first": mission("75 ft"), "second": mission("10 m")}
+            command="compare",
+            mission="Bay",
+            file="report report",
+            seed=1,
+            trials=1000,
+            elapsed_s=0.1,
+            data={"first": mission("75 ft"), "second": mission("10 m")},
         ),
         compared="simulate",
         runs=(run, run),

@@ -41,7 +41,7 @@ def point(d_max, cost, arrived, trials=500):
 
 def sweep(*points, required=0.99, best=0):
     curve = SweepCurve(0.05, points, best, points[-1], None, required, 1000.0)
-    provenance = Provenance("sweep-dmax", "Bay", "bay.yaml", 1, 500, {}, 0.1, {})
+    provenance = Provenance("sweep-dmax", "Bay", "bay.yaml", 1, 500, elapsed_s=0.1)
     return Sweep(provenance, "out", "monte-carlo", 1000.0, 1.0, 60.0, 20.0, (curve,))
 
 

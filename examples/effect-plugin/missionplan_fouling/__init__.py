@@ -24,8 +24,6 @@ class Fouling(TransitEffect):
 
 INFO = EffectInfo(
     id="fouling",
-    phase="transit",
-    tier="physical",
     effect=Fouling,
     parameters={"rate": Parameter("", "share of the speed lost in a day", 0.0, 0.2, scale=0.02, spike=1e-4)},
     what="Biofilm and barnacles roughen the hull: at the same thrust the vehicle is slower from day to day.",

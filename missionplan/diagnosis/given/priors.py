@@ -17,7 +17,7 @@ from missionplan.arrays import Array
 from missionplan.diagnosis.coordinates import Coordinate, coordinates_of, even_normals
 from missionplan.diagnosis.given.effects import ERROR_PLACE, GivenEffect, along_a_track
 from missionplan.effects import CATALOGUE, Effect, EffectInfo, exclusive_groups
-from missionplan.effects.tidal_current import MODULATION, MODULATION_PARAMETERS
+from missionplan.effects.oscillation import MODULATION, MODULATION_PARAMETERS
 from missionplan.errors import InputError, Problem
 from missionplan.mission import Mission
 from missionplan.mission.schema.effect_list import POSTERIOR, EffectEntry

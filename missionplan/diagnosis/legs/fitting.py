@@ -25,7 +25,7 @@ from missionplan.diagnosis.legs.likelihood.mean import ActingTerm
 from missionplan.diagnosis.legs.likelihood.modulation import Forms, variance_of_mean
 from missionplan.diagnosis.legs.state import TransitState
 from missionplan.effects import CATALOGUE
-from missionplan.effects.tidal_current import MODULATION
+from missionplan.effects.oscillation import MODULATION
 from missionplan.results.learned.evidence import Causes, ParameterEstimate
 
 MAX_LINEARISATIONS = 5

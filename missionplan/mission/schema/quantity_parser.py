@@ -15,7 +15,7 @@ from pydantic import Field
 
 from missionplan.errors import LocalProblem, shown
 from missionplan.mission.schema.section import ReadBy, V, all_invalid
-from missionplan.mission.units import QuantityError, parse_number_with_unit
+from missionplan.mission.units import QuantityError, each_read, parse_number_with_unit
 from missionplan.montecarlo.distributions import (
     Choices,
     Distribution,
@@ -172,16 +172,7 @@ class QuantityParser:
             raise QuantityError(f"given {shown(values)}, expected a list of values", ("choices",))
         if len(values) > _MAX_CHOICES:
             raise QuantityError(f"given {len(values)} values, expected at most {_MAX_CHOICES}", ("choices",))
-        numbers: list[float] = []
-        problems: list[LocalProblem] = []
-        for index, given in enumerate(values):
-            try:
-                numbers.append(self._constant(given))
-            except QuantityError as error:
-                problems.append(LocalProblem(("choices", index), str(error)))
-        if problems:
-            raise QuantityError(problems)
-        return Choices(tuple(numbers))
+        return Choices(tuple(each_read(values, lambda _, given: self._constant(given), ("choices",))))
 
     def _within_range(self, distribution: Distribution) -> Distribution:
         name, middle = "mean", distribution.mean

@@ -10,11 +10,17 @@ from typing_extensions import Doc
 
 from missionplan.errors import LocalProblem
 from missionplan.mission.schema import quantity_parser as q
-from missionplan.mission.schema.identified import MeasuredAddedMass, MeasuredDrag, Propulsion, StaticThruster
+from missionplan.mission.schema.manoeuvring import (
+    Manoeuvring,
+    MeasuredAddedMass,
+    MeasuredDrag,
+    Propulsion,
+    StaticThruster,
+    TunnelThrusterSection,
+)
 from missionplan.mission.schema.quantity_parser import Limit, QuantityParser
 from missionplan.mission.schema.section import FileSection, ReadBy, V, VehicleSchema, all_invalid, invalid
 from missionplan.mission.schema.site import LeewaySection
-from missionplan.mission.schema.transition import Manoeuvring, TunnelThrusterSection
 
 Per = Literal["hour", "km", "surfacing", "dive", "release", "wake-up"]
 Leaves = Literal["adrift", "moored", "sunk", "lost", "beacon"]

@@ -233,7 +233,6 @@ def compare_reports(first: str | Path, second: str | Path) -> Comparison:
             file=" ".join(run.folder for run in runs),
             seed=runs[1].seed,
             trials=runs[1].trials,
-            options={},
             elapsed_s=time.perf_counter() - began,
             data={"first": missions[0], "second": missions[1]},
             notices=(*([_SHARED] if runs[0].seed == runs[1].seed else []), *_other_program(*summaries)),

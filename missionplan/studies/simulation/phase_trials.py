@@ -7,8 +7,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from missionplan.arrays import Array, Scalars
+from missionplan.mission.schema.manoeuvring import TransitionPhase
 from missionplan.mission.schema.phases import TransitPhase
-from missionplan.mission.schema.transition import TransitionPhase
 from missionplan.montecarlo.streams import NormalSource
 from missionplan.phases.currents import Current
 from missionplan.phases.hooks import TrialState
@@ -16,7 +16,7 @@ from missionplan.phases.place.place import Contact
 from missionplan.phases.transit.ground_velocity import random_part
 from missionplan.phases.transit.plan import Environment, Normals, TransitNormals, TransitPlan, TransitRecord, column
 from missionplan.phases.transit.transit import transit
-from missionplan.phases.transition.simulation import simulate_transition
+from missionplan.phases.transition_simulation import simulate_transition
 from missionplan.physics.propulsion import JOULES_PER_WATT_HOUR
 from missionplan.physics.reliability import Exposure
 from missionplan.results.entries import MET, Failure

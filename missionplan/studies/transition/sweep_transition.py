@@ -11,11 +11,11 @@ from scipy.optimize import brentq
 from missionplan.arrays import Array
 from missionplan.errors import InputError, Problem
 from missionplan.mission import MissionOrPath
-from missionplan.mission.schema.transition import TransitionGrid
+from missionplan.mission.schema.manoeuvring import TransitionGrid
 from missionplan.mission.views import TransitionMission
 from missionplan.montecarlo.parallel.blocks import Progress
-from missionplan.phases.transition.plan import Manoeuvre, TransitionRecord, TransitionVehicle, energy_until
-from missionplan.phases.transition.simulation import simulate_transition
+from missionplan.phases.transition_plan import Manoeuvre, TransitionRecord, TransitionVehicle, energy_until
+from missionplan.phases.transition_simulation import simulate_transition
 from missionplan.physics.propulsion import JOULES_PER_WATT_HOUR
 from missionplan.physics.tunnel_thruster import hover_power, revolutions_for
 from missionplan.physics.vehicle_dynamics import level_trim

@@ -9,8 +9,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import missionplan
-from missionplan.phases.transition import plan as plan
-from missionplan.phases.transition import simulation as tr
+from missionplan.phases import transition_plan as plan
+from missionplan.phases import transition_simulation as tr
 from missionplan.scenario.phases import manoeuvre, transition_vehicle
 from missionplan.scenario.scenario import Scenario
 

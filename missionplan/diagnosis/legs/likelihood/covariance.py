@@ -29,7 +29,7 @@ from missionplan.diagnosis.legs.likelihood.mean import TransitMean
 from missionplan.diagnosis.legs.likelihood.modulation import STEADY, Forms
 from missionplan.diagnosis.legs.likelihood.selected_legs import NoiseComponents, SelectedLegs
 from missionplan.effects import CATALOGUE, EffectInfo
-from missionplan.effects.tidal_current import COHERENCE_TIME, MODULATION_PARAMETERS
+from missionplan.effects.oscillation import COHERENCE_TIME, MODULATION_PARAMETERS
 from missionplan.phases.hooks import MarkovProcess, TransitEffect
 from missionplan.results.learned.evidence import Causes
 

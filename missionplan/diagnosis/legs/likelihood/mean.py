@@ -23,7 +23,7 @@ from missionplan.diagnosis.legs.likelihood.modulation import (
 )
 from missionplan.effects import CATALOGUE, effects_of, named_effects
 from missionplan.effects.info import LegRecord
-from missionplan.effects.tidal_current import MODULATION_PARAMETERS
+from missionplan.effects.oscillation import MODULATION_PARAMETERS
 from missionplan.phases.hooks import Leg, TransitEffect, surface_velocity, velocity_error
 from missionplan.results.learned.evidence import Causes
 

@@ -18,7 +18,7 @@ import numpy as np
 
 from missionplan.arrays import Array
 from missionplan.diagnosis.legs.likelihood.hyperparameters import SLAB_SCALE
-from missionplan.effects.tidal_current import COHERENCE_TIME, MODULATION
+from missionplan.effects.oscillation import COHERENCE_TIME, MODULATION
 from missionplan.results.learned.evidence import Causes
 
 DAY = 86400.0

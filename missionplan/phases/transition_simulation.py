@@ -14,7 +14,7 @@ import math
 import numpy as np
 
 from missionplan.arrays import Array
-from missionplan.phases.transition.plan import (
+from missionplan.phases.transition_plan import (
     History,
     Manoeuvre,
     TransitionRecord,
