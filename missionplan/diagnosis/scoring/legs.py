@@ -8,6 +8,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.special import ndtri
 
 from missionplan.arrays import Array, Scalars
@@ -25,13 +26,15 @@ DRAWS = 2048
 """Draws of the mission's uncertain quantities."""
 NOISES, LEGS_TIMES_NOISES = (4, 64), 6400
 """Draws of the sizes of what is random, at least and at most; their number times that of the legs."""
+TOGETHER = 8192
+"""Trials in which several draws are run at once."""
 SCALES = 32
 """Equally likely scales of errors with heavy tails."""
 
 
 @dataclass(frozen=True)
 class SingleLegs:
-    """Standard normals of one source: zero but for one leg, one component and one trial each."""
+    """Standard normals of one source: zero but for one leg, one component and one trial of each draw."""
 
     legs: int
     """n."""
@@ -39,14 +42,16 @@ class SingleLegs:
     """Of all sources together."""
     first: int | None
     """Trial of the first of the 2n; None: zero everywhere."""
+    draws: int = 1
+    """One after the other, each with all trials."""
 
     def leg(self, number: int) -> Array:
-        """Normals of a leg, shape (2, trials)."""
-        normals: Array = np.zeros((2, self.trials))
+        """Normals of a leg, shape (2, draws * trials)."""
+        normals: Array = np.zeros((2, self.draws, self.trials))
         if self.first is not None:
             here = self.first + 2 * number
-            normals[0, here], normals[1, here + 1] = 1.0, 1.0
-        return normals
+            normals[0, :, here], normals[1, :, here + 1] = 1.0, 1.0
+        return normals.reshape(2, -1)
 
 
 @dataclass(frozen=True)
@@ -146,35 +151,58 @@ def _scales_tails(effect: TransitEffect) -> bool:
 def _noises(legs: LoggedLegs, drawn: Scenario, trials: int) -> list[Noise]:
     """Covariances with the sizes of the random errors as in a few draws; a single one where they are all the same."""
     count = min(trials, int(np.clip(LEGS_TIMES_NOISES // legs.data.n, *NOISES)))
-    found = [_noise(legs, single_draw(drawn, index)) for index in range(min(count, 2))]
+    found = _noises_of(legs, drawn, range(min(count, 2)))
     if len(found) == 2 and np.allclose(found[0].covariance, found[1].covariance, rtol=1e-9):
         found = found[:1]
     else:
-        found += [_noise(legs, single_draw(drawn, index)) for index in range(2, count)]
+        found += _noises_of(legs, drawn, range(2, count))
     return [replace(noise, weight=1.0 / len(found)) for noise in found]
 
 
-def single_draw(drawn: Scenario, index: int) -> Scenario:
+def _noises_of(legs: LoggedLegs, drawn: Scenario, draws: Sequence[int]) -> list[Noise]:
+    """Covariances in some of the draws, as many of them run at once as `TOGETHER` allows."""
+    every = list(drawn.effects_under_way(drawn.transit()))
+    linear = [index for index, effect in enumerate(every) if not _scales_tails(effect)]
+    random = [index for index in linear if every[index].is_random]
+    size = 2 * legs.data.n
+    trials = size * (1 + len(random)) + 1  # the last: no error at all
+    most = max(1, TOGETHER // trials)
+    found = []
+    for some in (draws[begin : begin + most] for begin in range(0, len(draws), most)):
+        velocity, *sources = (
+            SingleLegs(legs.data.n, trials, None if first is None else size * first, len(some))
+            for first in (0, *(1 + random.index(index) if index in random else None for index in linear))
+        )
+        together = _with_draws(drawn, np.repeat(some, trials))
+        effects = list(together.effects_under_way(together.transit()))
+        acting = [effects[index] for index in linear]
+        errors = legs.errors(together, acting, _Sources(velocity, tuple(sources)), trials * len(some))
+        each = np.moveaxis(errors.reshape(size, len(some), trials), 1, 0)
+        found += [_noise(legs.data, _single(drawn, draw), own) for draw, own in zip(some, each, strict=True)]
+    return found
+
+
+def _with_draws(drawn: Scenario, draws: NDArray[np.intp]) -> Scenario:
+    """Return the mission with these of its draws, one a trial."""
+
+    def chosen(_: str, value: Scalars) -> Scalars:
+        return value[draws] if isinstance(value, np.ndarray) and value.ndim else value
+
+    return replace(drawn, drawn=drawn.drawn.mapped(chosen))
+
+
+def _single(drawn: Scenario, draw: int) -> Scenario:
     """Return the mission as in one of its draws."""
 
     def single(_: str, value: Scalars) -> Scalars:
-        return float(value[index]) if isinstance(value, np.ndarray) and value.ndim else value
+        return float(value[draw]) if isinstance(value, np.ndarray) and value.ndim else value
 
     return replace(drawn, drawn=drawn.drawn.mapped(single))
 
 
-def _noise(legs: LoggedLegs, scenario: Scenario) -> Noise:
-    """Covariance of the random errors of all legs, and of their fixes."""
-    data, every = legs.data, scenario.effects_under_way(scenario.transit())
-    effects = _linear(every)
-    random = [index for index, effect in enumerate(effects) if effect.is_random]
-    trials = 2 * data.n * (1 + len(random)) + 1  # the last: no error at all
-    velocity = SingleLegs(data.n, trials, 0)
-    sources = [
-        SingleLegs(data.n, trials, 2 * data.n * (1 + random.index(index)) if index in random else None)
-        for index in range(len(effects))
-    ]
-    errors = legs.errors(scenario, effects, _Sources(velocity, tuple(sources)), trials).reshape(2 * data.n, trials)
+def _noise(data: TransitData, scenario: Scenario, errors: Array) -> Noise:
+    """Covariance of the random errors of all legs, and of their fixes, from the errors under each unit normal."""
+    every = scenario.effects_under_way(scenario.transit())
     responses = errors[:, :-1] - errors[:, -1:]
     covariance = responses @ responses.T + _fix_covariance(data, scenario, every)
     tails = [effect for effect in every if _scales_tails(effect)]
