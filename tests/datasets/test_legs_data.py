@@ -93,6 +93,14 @@ def test_a_wrong_fix_is_left_out_by_name(folder, transit_mission, legs):
     assert any("wrong fixes" in notice and "21" in notice for notice in data.notices)
 
 
+def test_a_wrong_fix_is_one_that_is_far_from_what_carries_all(folder, transit_mission, legs):
+    """A current of 2 m/s is no wrong fix; a single leg that it seems to carry the other way is one."""
+    table = legs(error=lambda t, heading: np.stack([np.full(len(t), 2.0), np.zeros(len(t))]))
+    assert read_transit(folder(KIND, table), transit_mission).n == len(table)
+    table.loc[20, "x_end_m"] -= 4.0 * (table.loc[20, "t_end_s"] - table.loc[20, "t_start_s"])
+    assert set(table["leg"].astype(str)) - set(read_transit(folder(KIND, table), transit_mission).labels) == {"21"}
+
+
 @pytest.mark.parametrize(
     ("keys", "words"),
     [

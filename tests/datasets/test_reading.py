@@ -7,7 +7,7 @@ import missionplan
 from missionplan.datasets.legs import read_transit
 from missionplan.datasets.reading import dataset_kind, read_dataset
 from missionplan.datasets.summaries import SUMMARY, read_summary
-from missionplan.datasets.tank import DRAG, TANK_FORMATS, read_tank_data
+from missionplan.datasets.tank import DRAG, FREE_OSCILLATION, TANK_FORMATS, read_tank_data
 from missionplan.errors import InputError
 
 TOWING = {"kind": "drag", "reference_area": "0.1 m^2", "reference_length": "0.3 m"}
@@ -43,6 +43,17 @@ def test_problems_of_both_files_come_together(folder):
         "rows.csv:2: speed_m_s: given 'x'",
     ):
         assert part in words(excinfo)
+
+
+@pytest.mark.parametrize("missing", ["stiffness", "mass"])
+def test_springs_and_model_of_an_oscillation_must_be_known(folder, missing):
+    keys = {"kind": "free-oscillation", "stiffness": "4000 N/m", "mass": "24 kg"}
+    place = folder(keys | {missing: None}, "mode,frequency_hz\nsurge,1.8\n")
+    with pytest.raises(InputError, match=f"{missing}: missing; .*cannot be found together"):
+        read_dataset(place, FREE_OSCILLATION).checked()
+    del keys[missing]
+    with pytest.raises(InputError, match=f"{missing}: missing; .*cannot be found together"):
+        read_dataset(folder(keys, "mode,frequency_hz\nsurge,1.8\n"), FREE_OSCILLATION).checked()
 
 
 @pytest.mark.parametrize(

@@ -118,6 +118,7 @@ def test_json_holds_all_of_them(plan):
     for each in data["fences"]:
         outline, *holes = ([corner[::-1] for corner in ring] for ring in (each["outline_deg"], *each["holes_deg"]))
         assert same(shapely.Polygon(outline, holes), polygons(plan)[each["name"]])
+        assert all(degrees == round(degrees, 8) for corner in outline for degrees in corner)  # a millimetre
     shore, lane = data["fences"]
     assert (shore["kind"], shore["from_s"], shore["above_m"]) == ("land", None, None)
     assert (lane["kind"], lane["from_s"], lane["to_s"], lane["above_m"], lane["below_m"]) == (
