@@ -86,6 +86,14 @@ def test_no_way_of_compensating_does_better(current, time):
     assert found.excess <= 3.0 * found.excess_error
 
 
+UNSEEN_SURFACING = 3.0 * 100.0 * 90.0 / 8000.0
+"""What a surfacing of 90 s on a way of 8000 s costs [%], by the rule of three.
+
+Where an error lasts a minute a correction turns each trial by next to nothing, which costs 1e-5 %, and spares one trial
+in many thousands a surfacing: a sample that holds no such trial knows neither the gain nor its error.
+"""
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("fixed", [False, True])
 def test_no_way_of_compensating_does_better_anywhere_on_the_grid(fixed):
@@ -93,4 +101,4 @@ def test_no_way_of_compensating_does_better_anywhere_on_the_grid(fixed):
     for current in script.CURRENTS:
         for time in script.TIMES:
             found = script.cell(current, time, trials=2048, fixed=fixed)
-            assert found.excess <= 3.0 * found.excess_error, (current, time)
+            assert found.excess <= 3.0 * found.excess_error + UNSEEN_SURFACING / 2048, (current, time)
