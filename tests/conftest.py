@@ -26,7 +26,7 @@ from missionplan.diagnosis.dives.model import descent_model
 from missionplan.diagnosis.dives.preparation import PreparedDives, binned
 from missionplan.effects import CATALOGUE
 from missionplan.mission import load
-from missionplan.report.drawn import Drawn, drawing_by
+from missionplan.report.drawn import Drawn, draw, drawing_by
 from tests.depth_readings import simulate_readings
 
 # no time limits: a busy machine is slow
@@ -86,10 +86,17 @@ def descent_mission(mission):
     return mission(DESCENT)
 
 
-@pytest.fixture(scope="module")
+@pytest.fixture(scope="session", autouse=True)
 def undrawn():
-    """Write reports without their drawings: for modules that look at words and files alone."""
+    """Write reports without their drawings, which few tests look at."""
     with drawing_by(lambda figure, shown: Drawn("<svg/>")):
+        yield
+
+
+@pytest.fixture(scope="module")
+def drawn():
+    """Draw all figures: for modules that look at drawings, or ask whether all can be drawn."""
+    with drawing_by(draw):
         yield
 
 

@@ -19,8 +19,6 @@ from missionplan import InputError, Mission, simulate
 from missionplan import identity as module
 from missionplan.identity import Identity, differences, digest_of, running_program
 
-pytestmark = pytest.mark.usefixtures("undrawn")
-
 PACKAGE = Path(missionplan.__file__).parent
 CHESAPEAKE = PACKAGE.parent / "missions" / "chesapeake.yaml"
 MISSION = {"name": "a", "phases": [{"transit": {"speed": "1.5 m/s"}}]}

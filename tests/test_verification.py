@@ -15,8 +15,6 @@ from missionplan.cli import app
 from missionplan.identity import running_program
 from missionplan.store.checkpoints import Checkpoints, read_block
 
-pytestmark = pytest.mark.usefixtures("undrawn")
-
 TRIALS = 3 * 4096 + 10
 
 

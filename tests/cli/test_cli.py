@@ -15,8 +15,6 @@ import pytest
 from missionplan.cli import PANELS, app, main
 from missionplan.errors import RunError
 
-pytestmark = pytest.mark.usefixtures("undrawn")
-
 MISSIONS = Path(__file__).parents[2] / "missions"
 
 SMALL = """
@@ -233,7 +231,7 @@ def test_damaged_blocks_are_computed_again_with_a_warning(
     tmp_path: Path,
 ) -> None:
     out = tmp_path / "out"
-    common = ("simulate", str(mission), "--jobs", "1", "--json", "--trials", "8200", "--out", str(out))
+    common = ("simulate", str(mission), "--jobs", "1", "--json", "--trials", "4100", "--out", str(out))
     assert run(monkeypatch, *common) == 0
     first = json.loads(capsys.readouterr().out)
     blocks = sorted((out / "blocks").glob("block-*.npz"))
@@ -304,9 +302,9 @@ def test_what_another_package_makes_of_an_interrupt_is_no_error() -> None:
     ],
     ids=["Ctrl-C while workers start", "Ctrl-C", "SIGTERM", "SIGHUP"],
 )
-def test_an_interrupt_ends_a_run_in_few_words(tmp_path: Path, sent: signal.Signals, blocks: int) -> None:
-    mission, out = MISSIONS / "chesapeake.yaml", tmp_path / "report"
-    words = ["simulate", mission, "--trials", "4000000", "--jobs", "2", "--out", out]
+def test_an_interrupt_ends_a_run_in_few_words(mission: Path, tmp_path: Path, sent: signal.Signals, blocks: int) -> None:
+    out = tmp_path / "report"
+    words = ["simulate", mission, "--trials", "40000000", "--jobs", "2", "--out", out]
     run = subprocess.Popen(
         [sys.executable, "-m", "missionplan", *words],
         stdout=subprocess.PIPE,
@@ -327,9 +325,9 @@ def test_an_interrupt_ends_a_run_in_few_words(tmp_path: Path, sent: signal.Signa
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="signals of POSIX")
-def test_workers_end_when_the_command_is_killed(tmp_path: Path) -> None:
+def test_workers_end_when_the_command_is_killed(mission: Path, tmp_path: Path) -> None:
     out = tmp_path / "report"
-    words = ["simulate", MISSIONS / "chesapeake.yaml", "--trials", "4000000", "--jobs", "2", "--out", out, "--quiet"]
+    words = ["simulate", mission, "--trials", "40000000", "--jobs", "2", "--out", out, "--quiet"]
     run = subprocess.Popen([sys.executable, "-m", "missionplan", *words], stdout=subprocess.PIPE, text=True)
     while run.poll() is None and len(list(out.rglob("block-*.npz"))) < 20:
         time.sleep(0.02)

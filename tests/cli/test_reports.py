@@ -11,8 +11,6 @@ import pytest
 import missionplan
 from missionplan.errors import InputError
 
-pytestmark = pytest.mark.usefixtures("undrawn")
-
 MISSIONS = Path(__file__).parents[2] / "missions"
 
 

@@ -11,8 +11,6 @@ import missionplan
 from missionplan.results.learned.diagnosis import Campaign, Diagnosis
 from tests.hidden_effects.cases import draw_case
 
-pytestmark = pytest.mark.usefixtures("undrawn")
-
 COMPASS = 4.0
 """Hidden in the legs [deg]."""
 

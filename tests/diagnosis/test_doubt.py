@@ -13,8 +13,6 @@ from missionplan.report.diagnosis.kind_report import explanations_in_words
 from missionplan.report.render import render_report
 from tests.conftest import TRANSIT, dated, make_legs
 
-pytestmark = pytest.mark.usefixtures("undrawn")
-
 KIND = {"kind": "transit", "name": "legs", "noise": {"fix": "3 m"}}
 EASTWARD = (0.5 * np.pi, np.radians(10.0))
 

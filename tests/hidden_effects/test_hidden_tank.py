@@ -61,12 +61,19 @@ def test_same_seed_same_case():
 
 
 EVERY = [(kind, effect) for kind, effects in tank.EFFECTS.items() for effect in (*effects, None)]
+QUICK = (
+    ("drag", "drag-bias"),
+    ("drag", None),
+    ("free-oscillation", "added-mass"),
+    ("thruster", "jet-suction"),
+    ("propeller-transient", "axial-flow"),
+)
 
 
 @pytest.mark.parametrize("seed", [41, pytest.param(42, marks=pytest.mark.slow)])
 @pytest.mark.parametrize(
     ("kind", "effect"),
-    [pytest.param(*each, marks=pytest.mark.slow) if each == ("propeller-transient", None) else each for each in EVERY],
+    [each if each in QUICK else pytest.param(*each, marks=pytest.mark.slow) for each in EVERY],
 )
 @pytest.mark.usefixtures("tool")
 def test_the_tool_finds_what_is_there_and_nothing_else(kind, effect, seed, tmp_path):

@@ -27,6 +27,7 @@ from missionplan.importers.importing import import_logs
 from missionplan.importers.leg_basis import COLUMNS, basis_rows, explained_rows
 from missionplan.importers.track import Series, Track
 from missionplan.mission import load
+from missionplan.report.drawn import draw, drawing_by
 
 MADE = Path(__file__).parent / "made.gli"
 NAMES = "time=t[epoch] lat=lat lon=lon dr_lat=a dr_lon=b depth=depth heading_true=heading"
@@ -248,7 +249,8 @@ def test_a_track_due_north_is_drawn(tmp_path):
         )
     (tmp_path / "log.csv").write_text("\n".join(rows) + "\n")
     names = "time=t[epoch] lat=lat lon=lon depth=depth"
-    done = run("import", "log.csv", "--out", "data", "--map", *names.split(), cwd=tmp_path)
+    with drawing_by(draw):
+        done = run("import", "log.csv", "--out", "data", "--map", *names.split(), cwd=tmp_path)
     assert done.returncode == 0, done.stderr
     assert (tmp_path / "data" / "figures" / "track.svg").is_file()
 
@@ -274,7 +276,8 @@ def test_one_table_says_what_each_leg_rests_on(raw_folder):
 
 def test_explaining_a_leg_draws_it_and_tells_it(raw_folder, tmp_path):
     files = [raw_folder / "one.csv", raw_folder / "two.csv"]
-    told = run("import", *files, "--out", "data", "--explain", 3, "--map", NAMES, cwd=tmp_path)
+    with drawing_by(draw):
+        told = run("import", *files, "--out", "data", "--explain", 3, "--map", NAMES, cwd=tmp_path)
     assert told.returncode == 0, told.stderr
     assert "longest gap under water" in told.stdout
     assert (tmp_path / "data" / "figures" / "leg-3.svg").is_file()

@@ -13,8 +13,6 @@ from missionplan.errors import InputError
 from missionplan.mission.yaml_text import edited
 from missionplan.montecarlo.distributions import Normal
 
-pytestmark = pytest.mark.usefixtures("undrawn")
-
 MISSIONS = Path(__file__).parents[2] / "missions"
 
 

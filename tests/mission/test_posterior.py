@@ -16,8 +16,6 @@ from missionplan.montecarlo.posterior_file import DamagedPosteriorError, Posteri
 from missionplan.montecarlo.streams import stream
 from missionplan.scenario.scenario import Scenario
 
-pytestmark = pytest.mark.usefixtures("undrawn")
-
 BASE = {
     "navigation": {"velocity_error": {"sigma": {"median": "0.04 m/s", "factor": 1.2}}, "surfacing_time": "10 min"},
     "phases": [

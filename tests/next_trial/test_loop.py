@@ -14,8 +14,6 @@ from missionplan.results.learned.diagnosis import Diagnosis
 
 from .loop import write_first, write_second, write_third
 
-pytestmark = pytest.mark.usefixtures("undrawn")
-
 FILES = Path(missionplan.__file__).parent / "starter" / "loop"
 
 

@@ -21,8 +21,6 @@ from tests.hidden_effects.cases import draw_case
 
 from .sea import Truth, Vehicle, mission, sail, write_log
 
-pytestmark = pytest.mark.usefixtures("undrawn")
-
 LEGS = 14
 VEHICLE = Vehicle()
 

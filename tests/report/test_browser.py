@@ -9,7 +9,7 @@ import pytest
 from browsing import browsing, needs_browser, show
 from outcome_example import example
 
-pytestmark = needs_browser
+pytestmark = [needs_browser, pytest.mark.usefixtures("drawn")]
 
 
 @pytest.fixture(scope="module")

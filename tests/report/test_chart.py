@@ -14,6 +14,8 @@ from missionplan.mission import load
 from missionplan.report.drawn import style
 from missionplan.report.planned.site_map import site_map
 
+pytestmark = pytest.mark.usefixtures("drawn")
+
 MISSIONS = Path(__file__).parents[2] / "missions"
 WEST, NORTH = -76.39, 37.26
 

@@ -19,6 +19,8 @@ from missionplan.report.render import render_report, terminal_view
 from missionplan.studies.anchor.size_anchor import size_anchor
 from missionplan.studies.leg_length.sweep_dmax import sweep_dmax
 
+pytestmark = pytest.mark.usefixtures("drawn")
+
 MISSIONS = Path(__file__).parents[2] / "missions"
 
 

@@ -8,6 +8,8 @@ import pytest
 
 from missionplan.report.diagnosis.kinds import REPORTS
 
+pytestmark = pytest.mark.usefixtures("drawn")
+
 LEGS = {
     **{"t_start_s": [0.0, 900.0], "duration_s": [840.0, 840.0]},
     **{

@@ -13,6 +13,8 @@ from missionplan.montecarlo.statistics import wilson
 from missionplan.rendering import render
 from missionplan.studies.rare_failure.page import event_in_words
 
+pytestmark = pytest.mark.usefixtures("drawn")
+
 EIGHT_LEGS = "t_start_s,t_end_s,x_start_m,y_start_m,x_dr_m,y_dr_m,x_end_m,y_end_m\n" + "".join(
     f"{400 * leg},{400 * leg + 300},0,0,300,0,{300 + (-9) ** (leg % 2)},{5 - leg}\n" for leg in range(8)
 )
@@ -96,7 +98,7 @@ def test_a_report_compared_with_itself_is_drawn(tmp_path):
 
 
 def test_a_transition_that_holds_its_depth_at_every_speed_is_drawn():
-    found = missionplan.sweep_transition(MISSIONS / "autosub-transition.yaml")
+    found = missionplan.sweep_transition(MISSIONS / "autosub-transition.yaml", time_step=1.0)
     rendered = render(replace(found, saturation_speed=np.nan))
     assert rendered.figures
     assert not re.search(r"\bnan\b", rendered.html)

@@ -14,7 +14,7 @@ from missionplan.studies.leg_length.sweep_dmax import sweep_dmax
 from missionplan.studies.simulation.simulate import simulate
 
 MISSIONS = Path(__file__).parents[2] / "missions"
-pytestmark = needs_browser
+pytestmark = [needs_browser, pytest.mark.usefixtures("drawn")]
 
 
 @pytest.fixture(scope="module")

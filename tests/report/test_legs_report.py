@@ -13,6 +13,8 @@ from missionplan.studies.leg_length.plan_legs import plan_legs
 from missionplan.studies.leg_length.plan_page import answer, page
 from missionplan.studies.leg_length.plan_result import CandidatePlan, MeanAndError
 
+pytestmark = pytest.mark.usefixtures("drawn")
+
 MISSION = """
 name: Legs
 navigation: {velocity_error: {sigma: 0.15 m/s}, surfacing_time: 90 s}

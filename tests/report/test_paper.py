@@ -18,7 +18,11 @@ from missionplan.studies.simulation.simulate import simulate
 
 MISSIONS = Path(__file__).parents[2] / "missions"
 PDFTOTEXT = shutil.which("pdftotext")
-pytestmark = [needs_browser, pytest.mark.skipif(not PDFTOTEXT, reason="needs pdftotext (poppler-utils)")]
+pytestmark = [
+    needs_browser,
+    pytest.mark.skipif(not PDFTOTEXT, reason="needs pdftotext (poppler-utils)"),
+    pytest.mark.usefixtures("drawn"),
+]
 WORD = re.compile(r'<word xMin="([\d.-]+)" yMin="([\d.-]+)" xMax="([\d.-]+)" yMax="([\d.-]+)">(.*?)</word>')
 
 

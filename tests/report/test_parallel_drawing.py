@@ -15,7 +15,10 @@ from missionplan.report.drawn import Copies, Drawn, draw, drawing_by, drawing_in
 from missionplan.report.page import to_figure
 from missionplan.report.quantities import reading_in
 
-pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="processes are copied on Linux alone")
+pytestmark = [
+    pytest.mark.skipif(sys.platform != "linux", reason="processes are copied on Linux alone"),
+    pytest.mark.usefixtures("drawn"),
+]
 
 
 @pytest.fixture

@@ -12,7 +12,7 @@ from outcome_example import MAPPED, example
 
 from missionplan.mission import load
 from missionplan.montecarlo.statistics import wilson
-from missionplan.report.drawn import style
+from missionplan.report.drawn import draw, drawing_by, style
 from missionplan.report.page import Figure
 from missionplan.report.render import render_report, terminal_view
 from missionplan.report.simulation import page as simulation
@@ -179,7 +179,7 @@ def test_limits_are_in_the_units_of_the_mission(page):
 
 
 def test_every_figure_has_its_own_name_an_alternative_text_and_units(outcome):
-    with style():  # figures are drawn when they are asked for
+    with style(), drawing_by(draw):  # figures are drawn when they are asked for
         page = simulation.page(outcome)
         figures = [
             page.figure,

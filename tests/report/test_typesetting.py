@@ -20,6 +20,8 @@ from missionplan.studies.leg_length.sweep_dmax import sweep_dmax
 from missionplan.studies.simulation.simulate import simulate
 from missionplan.studies.transition.sweep_transition import sweep_transition
 
+pytestmark = pytest.mark.usefixtures("drawn")
+
 MISSIONS = Path(__file__).parents[2] / "missions"
 UNITS = (
     r"(?:%|m|km|mm|cm|ft|nmi|s|min|h|day|days|N|kg|W|J|m/s|cm/s|kn|m²|m³|rev/s|°C|rad|deg|nats|kJ|rpm|Hz)(?![\w²³/-])"
@@ -95,13 +97,13 @@ def mission(name):
 
 EXAMPLES = {
     "simulate chesapeake": lambda: simulate(mission("chesapeake"), trials=300),
-    "simulate anchor-design": lambda: simulate(mission("anchor-design"), trials=300),
     "sweep-dmax fig8": lambda: sweep_dmax(mission("fig8"), trials=300, method="monte-carlo"),
     "size-anchor anchor-design, worst case": lambda: size_anchor(mission("anchor-design"), trials=100),
     "identify avila-drag": lambda: identify(MISSIONS / "measured" / "avila-drag"),
     "plan-legs fig8": lambda: plan_legs(mission("fig8"), trials=300),
 }
 SLOW = {
+    "simulate anchor-design": lambda: simulate(mission("anchor-design"), trials=300),
     "simulate fig8": lambda: simulate(mission("fig8"), trials=300),
     "simulate autosub-transition": lambda: simulate(mission("autosub-transition"), trials=40),
     "sweep-dmax chesapeake": lambda: sweep_dmax(mission("chesapeake"), trials=300),

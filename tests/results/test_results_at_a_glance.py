@@ -15,6 +15,8 @@ import missionplan
 from missionplan.errors import InputError
 from missionplan.results.base import Result
 
+pytestmark = pytest.mark.usefixtures("drawn")
+
 ROOT = Path(__file__).parents[2]
 MISSIONS = ROOT / "missions"
 LOOP = Path(missionplan.__file__).parent / "starter" / "loop"

@@ -11,8 +11,6 @@ from missionplan.results.base import to_yaml
 from missionplan.studies.comparison.alternatives_page import answer
 from missionplan.studies.exploration.variation import with_values
 
-pytestmark = pytest.mark.usefixtures("undrawn")
-
 MISSIONS = Path(__file__).parents[2] / "missions"
 
 

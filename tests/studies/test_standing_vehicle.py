@@ -12,7 +12,7 @@ import missionplan
 from missionplan.mission import Mission
 from missionplan.phases.recorded_currents import SeriesCurrent
 from missionplan.report.anchor.drawing import hold_section
-from missionplan.report.drawn import style
+from missionplan.report.drawn import draw, drawing_by, style
 from missionplan.report.simulation.page import answer
 from missionplan.report.simulation.quantities import requirement_in_words
 from missionplan.scenario.scenario import Scenario
@@ -118,14 +118,14 @@ def test_uphill_is_drawn_and_measured():
     state = held.states[0]
     assert state.uphill == pytest.approx(np.tan(np.radians(10.0)))
     assert state.nose_altitude == pytest.approx(state.line[-1, 1] - state.excursion * state.uphill)
-    with style():
+    with style(), drawing_by(draw):
         assert hold_section(held).blocks
 
 
 def test_a_current_that_stays_as_it_is_is_told_once():
     held = stands()
     touchdown, worst = held.states
-    with style():
+    with style(), drawing_by(draw):
         figure, table, *_ = hold_section(replace(held, states=(replace(touchdown, speed=worst.speed), worst))).blocks
         _, both, *_ = hold_section(held).blocks
     assert list(table.columns) == ["", worst.current]

@@ -10,6 +10,8 @@ import missionplan
 from missionplan.mission import Mission
 from missionplan.studies.simulation.simulate import simulate_block
 
+pytestmark = pytest.mark.usefixtures("drawn")
+
 MISSIONS = Path(__file__).parents[2] / "missions"
 TRIALS = 60
 COUNTS = (1, TRIALS // 3, TRIALS - 1, TRIALS)

@@ -68,6 +68,7 @@ def sea(**hidden: float) -> Sea:
     return Sea((), 0.015, 3.0, 60.0, **hidden)
 
 
+@pytest.mark.slow
 def test_moos_a_compass_that_is_off(tmp_path):
     write_alog(tmp_path / "sailed.alog", moos(tmp_path, sea(compass_bias=2.5)))
     imported, found = diagnosed(survey(), tmp_path / "sailed.alog", tmp_path / "data")

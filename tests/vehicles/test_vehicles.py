@@ -18,7 +18,7 @@ import missionplan
 from missionplan.mission import Mission
 from missionplan.results.simulation import Outcome
 
-FAST = [3, 8]
+FAST = [3]
 TRIALS = 4000
 
 

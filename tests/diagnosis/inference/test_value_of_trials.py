@@ -114,7 +114,7 @@ def test_gained_information_averages_to_what_was_expected() -> None:
     experiment = Experiment(
         (a, b), (Prediction(wide[:, 0], wide[:, :1], np.eye(4)), Prediction(np.zeros(4), wide, 0.5 * np.eye(4)))
     )
-    draws = drawn(experiment.explanations, [1200, 2800], generator)
+    draws = drawn(experiment.explanations, [360, 840], generator)
     data = experiment.data(draws, generator)
     truths = [theta for own in draws.parameters for theta in own]
     gained = [
@@ -166,7 +166,7 @@ def test_a_reading_of_unknown_error_moves_the_mean_by_what_each_error_would() ->
 
 def test_information_gained_with_an_unknown_error_averages_to_what_was_expected() -> None:
     generator, experiment = np.random.default_rng(6), of_unknown_noise((0.3, 2.0))
-    draws = drawn(experiment.explanations, [4000], generator)
+    draws = drawn(experiment.explanations, [1200], generator)
     data = experiment.data(draws, generator)
     gained = [experiment.realised_information(0, theta, y) for theta, y in zip(draws.parameters[0], data, strict=True)]
     error = np.std(gained) / np.sqrt(len(gained))

@@ -9,8 +9,6 @@ from missionplan.mission import load
 from missionplan.report.render import render_report
 from tests.conftest import TRANSIT
 
-pytestmark = pytest.mark.usefixtures("undrawn")
-
 KIND = {"kind": "transit", "name": "legs", "noise": {"fix": "3 m"}}
 
 

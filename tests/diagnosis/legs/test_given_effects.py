@@ -17,8 +17,6 @@ from missionplan.mission import Mission, load
 from missionplan.report.render import render_report
 from tests.learned import held, moments
 
-pytestmark = pytest.mark.usefixtures("undrawn")
-
 
 def words_of(found):
     """Return the report with plain spaces."""

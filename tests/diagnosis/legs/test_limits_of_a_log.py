@@ -17,8 +17,6 @@ from missionplan.report.render import render_report
 from missionplan.results.learned.evidence import Coverage
 from tests.conftest import TRANSIT, make_legs
 
-pytestmark = pytest.mark.usefixtures("undrawn")
-
 
 def words_of(found):
     """Return the report with plain spaces."""

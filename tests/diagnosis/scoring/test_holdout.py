@@ -13,8 +13,6 @@ from missionplan.diagnosis.scoring.score import scored_record
 from missionplan.results.learned.diagnosis import Diagnosis
 from tests.diagnosis.scoring.test_score_legs import Truth, made_legs, mission
 
-pytestmark = pytest.mark.usefixtures("undrawn")
-
 SLOW = 4e5
 """Correlation time of a persistent error that outlasts the record [s]."""
 

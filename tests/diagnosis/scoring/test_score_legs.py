@@ -11,8 +11,6 @@ from scipy.stats import kstest
 import missionplan
 from missionplan.results.score import Score
 
-pytestmark = pytest.mark.usefixtures("undrawn")
-
 LEGS, SECONDS, SPEED = 40, 1800.0, 0.75
 
 

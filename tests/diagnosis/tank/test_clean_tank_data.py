@@ -51,7 +51,9 @@ def gather_way(t):
     return 0.9 - 0.7 * np.exp(-t / 4.0)
 
 
-@pytest.mark.parametrize("stated", [None, 0.5, 1e-4, 1e-10])
+@pytest.mark.parametrize(
+    "stated", [None, pytest.param(0.5, marks=pytest.mark.slow), pytest.param(1e-4, marks=pytest.mark.slow), 1e-10]
+)
 @pytest.mark.parametrize(("mass_factor", "causes"), [(0.0, ()), (1.0, ("axial-flow",))])
 def test_a_clean_transient_is_explained(tmp_path, mass_factor, causes, stated):
     found = diagnose(MISSION, transient(tmp_path, swing, gather_way, mass_factor, stated), plan=False)
@@ -60,7 +62,9 @@ def test_a_clean_transient_is_explained(tmp_path, mass_factor, causes, stated):
     assert not found.failures
 
 
-@pytest.mark.parametrize("stated", [None, 1e-4, 1e-7, 1e-10])
+@pytest.mark.parametrize(
+    "stated", [None, pytest.param(1e-4, marks=pytest.mark.slow), 1e-7, pytest.param(1e-10, marks=pytest.mark.slow)]
+)
 def test_constants_that_one_rate_at_one_speed_cannot_separate(tmp_path, stated):
     """Both constants act alike in every row: their sum is known to the noise, each of them as before."""
     found = diagnose(MISSION, transient(tmp_path, lambda t: 420.0, lambda t: 0.5, stated=stated), plan=False)

@@ -84,7 +84,7 @@ def test_agrees_with_monte_carlo(case):
     distance, speed, arrival_radius, sigma = case
     policy = policy_of(case)
     rng = np.random.default_rng(11)
-    trials = 20_000
+    trials = 10_000
     position = np.zeros((2, trials))
     position[0] = distance
     left = np.hypot(*position)
@@ -103,7 +103,7 @@ def test_a_spread_that_no_leg_escapes_agrees_with_monte_carlo(base_spread):
     distance, speed, arrival_radius, sigma = case = (600.0, 1.0, 50.0, 0.1)
     policy = best_legs(*case, SURFACING, base_spread)
     rng = np.random.default_rng(12)
-    trials = 40_000
+    trials = 15_000
     position = np.zeros((2, trials))
     position[0] = distance
     left = np.hypot(*position)

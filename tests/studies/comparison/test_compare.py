@@ -15,8 +15,6 @@ from missionplan.results.base import to_yaml
 from missionplan.studies.comparison.compare_missions import compare
 from missionplan.studies.comparison.two_reports import holm, summary_numbers
 
-pytestmark = pytest.mark.usefixtures("undrawn")
-
 FIG8 = Path(__file__).parents[3] / "missions" / "fig8.yaml"
 
 MISSION = {

@@ -11,8 +11,6 @@ import missionplan
 from missionplan.errors import InputError
 from missionplan.mission import Mission
 
-pytestmark = pytest.mark.usefixtures("undrawn")
-
 MISSIONS = Path(__file__).parents[3] / "missions"
 VARY = "moor.line_length=4:12:4 m"
 

@@ -14,7 +14,7 @@ import missionplan
 from missionplan.mission import Mission
 from missionplan.phases.currents import layers
 from missionplan.rendering import render
-from missionplan.report.drawn import style
+from missionplan.report.drawn import draw, drawing_by, style
 from missionplan.report.page import Figure
 from missionplan.report.simulation.overdue import overdue_section
 from missionplan.results.simulation import Outcome
@@ -149,7 +149,7 @@ def test_the_hours_on_the_map_do_not_lie_on_each_other(outcome: Outcome) -> None
     assert found is not None
     adrift = [area for area in found.areas if area.overdue == 3600.0]
     at_once = [replace(area, overdue=3600.0 * hours) for hours in (1, 3, 6) for area in adrift]
-    with style():
+    with style(), drawing_by(draw):
         (block,) = overdue_section(replace(outcome, overdue=replace(found, areas=tuple(at_once))))
     (map_of_them,) = [each for each in block.blocks if isinstance(each, Figure)]
     tops = sorted(map(float, re.findall(r' y="([\d.]+)"[^>]*>\+\d+\u00a0h', map_of_them.svg)))
