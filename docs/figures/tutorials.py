@@ -23,7 +23,7 @@ COMMANDS = {
     "diagnosis": "diagnose trial/mission.yaml trial/sea-trial",
 }
 FIGURES = {
-    "plan-track-map": "plan/track-map",
+    "plan-track-map": "plan/mission",
     "plan-waterfall": "plan/waterfall",
     "legs-cost": "legs/cost",
     "anchor-drawing": "anchor/anchor",

@@ -200,7 +200,7 @@ def values_in_force(data: Mapping[str, object]) -> Iterator[ValueInForce]:
             elif lower.get(key) is not None:
                 yield ValueInForce(path, lower[key], "vehicle")
             else:
-                yield ValueInForce(path, _default(field), "default")
+                yield ValueInForce(path, default_of(field), "default")
 
 
 def overridden(path: KeyPath, data: Mapping[str, object]) -> bool:
@@ -246,7 +246,7 @@ def _written(data: object, name: str) -> Mapping[str, object] | None:
     return section if isinstance(section, Mapping) else None
 
 
-def _default(field: FieldInfo) -> object:
+def default_of(field: FieldInfo) -> object:
     """Return a field's default as one would write it."""
     parsers = [each.read for each in field.metadata if isinstance(each, ReadBy)]
     unit = next((read.unit for read in parsers if isinstance(read, QuantityParser)), "")

@@ -16,7 +16,7 @@ from matplotlib.ticker import (
     ScalarFormatter,
 )
 
-from missionplan.report.quantities import DIMENSIONS, reader_system, reader_unit
+from missionplan.report.quantities import DIMENSIONS, Unit, reader_system, reader_unit
 from missionplan.report.wording import typeset
 
 if TYPE_CHECKING:
@@ -24,6 +24,8 @@ if TYPE_CHECKING:
     from matplotlib.axis import Axis
 
 _ROUND = (1.0, 2.0, 5.0)
+_LARGE = 1e4
+"""Extent from which a map is read in kilometres [m]."""
 
 
 class _InUnit(Locator):
@@ -87,16 +89,17 @@ def name_axis(axis: "Axis", words: str, unit: str, *, fontsize: float | None = N
 
 
 def draw_in_units(drawn: Iterable["Axes"]) -> None:
-    """Convert the labels and ticks of axes to the reader's units."""
-    if not reader_system():
-        return
+    """Convert the labels and ticks of axes to the reader's units, and those of a large map to kilometres."""
     for axes in drawn:
         measured = [axis for axis in (axes.xaxis, axes.yaxis) if _unit(axis) in DIMENSIONS and has_numbers(axis)]
         largest = [max(map(abs, axis.get_view_interval())) for axis in measured]
-        if axes.get_aspect() == 1.0:  # both axes of a map have one unit
+        is_map = axes.get_aspect() == 1.0
+        if is_map:  # both its axes have one unit
             largest = [max(largest, default=0.0)] * len(largest)
         for axis, size in zip(measured, largest, strict=True):
-            _convert(axis, _unit(axis), size)
+            large = is_map and _unit(axis) == "m" and size >= _LARGE
+            if system := reader_system() or ("metric" if large else ""):
+                _convert(axis, reader_unit(_unit(axis), size, system))
 
 
 def _unit(axis: "Axis") -> str:
@@ -105,8 +108,8 @@ def _unit(axis: "Axis") -> str:
     return unit if isinstance(unit, str) else ""
 
 
-def _convert(axis: "Axis", unit: str, largest: float) -> None:
-    target = reader_unit(unit, largest)
+def _convert(axis: "Axis", target: Unit) -> None:
+    unit = _unit(axis)
     if target.name == unit:
         return
     fixed = axis.get_majorticklocs() if isinstance(axis.get_major_locator(), FixedLocator) else (-math.inf, math.inf)

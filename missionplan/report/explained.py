@@ -196,7 +196,7 @@ def _turning_in_words(assumed: Sequence[Assumption]) -> str:
         "time"
     )
     if first.missed:
-        words += f" and misses what it requires of {', '.join(in_words(each) for each in first.missed)}"
+        words += f", short of what is required of {listed([in_words(each) for each in first.missed])}"
     if not others:
         return f"{words}."
     return f"{words}; {others} more such {'assumption' if others == 1 else 'assumptions'} below."
@@ -209,7 +209,7 @@ def _section(assumed: Sequence[Assumption]) -> Iterator[PageSection]:
             each.what,
             each.otherwise,
             "" if math.isnan(each.success) else f"{100.0 * each.success:.3g}\u00a0%",
-            "could not be run" if math.isnan(each.worth) else f"{100.0 * each.worth:+.2g}\u00a0%",
+            _change(each.worth),
             "could turn the answer" if each.turns else "",
         )
         for each in assumed
@@ -217,6 +217,12 @@ def _section(assumed: Sequence[Assumption]) -> Iterator[PageSection]:
     columns = ("taken for granted", "instead", "success then", "change", "")
     caption = "Each alone, on 400 trials of the same random numbers. What is not in the mission cannot be put off."
     yield PageSection(_heading(assumed), [Table(columns, rows, caption, text_columns=2)], is_summary=True)
+
+
+def _change(change: float) -> str:
+    if math.isnan(change):
+        return "could not be run"
+    return f"{100.0 * change:+.2g}\u00a0%" if change else "none"
 
 
 def _heading(assumed: Sequence[Assumption]) -> str:

@@ -83,9 +83,7 @@ class PageSection:
     is_sheet: bool = False
     """Whether it is printed on a page of its own, after everything else."""
     is_summary: bool = False
-    """Whether it belongs to the one or two pages that come first, before what was planned."""
-    is_reference: bool = False
-    """Whether it is there to look things up in: folded on a screen until it is asked for."""
+    """Whether it belongs to the page that comes first; all else is folded on a screen until it is asked for."""
 
 
 @dataclass(frozen=True)

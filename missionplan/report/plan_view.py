@@ -239,11 +239,11 @@ def north_and_scale(axes: Axes, width: float, corner: tuple[bool, bool]) -> None
     """Draw the north arrow in a corner, and a scale bar beside it."""
     right, top = corner
     side, away = (0.97, -1.0) if right else (0.03, 1.0)
-    foot = 0.72 if top else 0.06
+    foot = 0.8 if top else 0.06  # above the names of a flat map
     arrow = {"arrowstyle": "-|>", "color": INK, "linewidth": 1.2}
-    axes.annotate("", (side, foot + 0.24), (side, foot), xycoords="axes fraction", arrowprops=arrow)
+    axes.annotate("", (side, foot + 0.18), (side, foot), xycoords="axes fraction", arrowprops=arrow)
     align = "right" if right else "left"
-    axes.text(side + 0.02 * away, foot + 0.1, "N", ha=align, weight="bold", transform=axes.transAxes, va="bottom")
+    axes.text(side + 0.02 * away, foot + 0.04, "N", ha=align, weight="bold", transform=axes.transAxes, va="bottom")
     length, words = round_length(0.25 * width)
     start = side + 0.08 * away
     end = start + away * length / width

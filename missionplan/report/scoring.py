@@ -194,7 +194,7 @@ def _not_held_out(each: DatasetScore) -> str:
     which = (
         f"all {each.groups} {many}" if each.learned == each.groups else f"{counted(each.learned, one)} of {each.groups}"
     )
-    return f" It has learned from {which} (learned_from): that is no prediction of data held out."
+    return f" It has learned from {which}: that is no prediction of data held out."
 
 
 def told(each: DatasetScore) -> str:
@@ -220,7 +220,7 @@ def _against(skill: float, one: str) -> str:
 
 
 def _metres(value: float) -> str:
-    return quantity(value / 1000.0, "km", ".2f") if value >= 100.0 else quantity(value, "m", ".3g")
+    return quantity(value / 1000.0, "km", ".2f") if value >= 1000.0 else quantity(value, "m", ".3g")
 
 
 def _overview(score: Score) -> Table:

@@ -127,7 +127,7 @@ def _coast(site: Site, length: float) -> tuple[bool, str]:
         return True, "where the grid of depths rises above the water; what its cells smooth away is not in"
     if length == 0.0:
         return False, "no way is sailed; land where it drifts afloat is not in (site.land)"
-    return False, f"{length / 1000.0:.3g} km of straight ways cross whatever lies between (site.land)"
+    return False, "straight ways cross whatever lies between (site.land)"
 
 
 def _wind(site: Site, afloat: float) -> tuple[bool, str]:
@@ -151,7 +151,9 @@ def _traffic(site: Site, length: float, leg: float, afloat: float) -> tuple[bool
         return True, "zones kept out of; ships, nets and lines in the water between them are not in"
     if length == 0.0 or afloat == 0.0:
         return False, "ships where it goes down and comes up, and nets and lines at depth, are not in"
-    times = f"{max(1, math.ceil(length / leg))} times or more" if leg > 0.0 else "again and again"
+    times = "again and again"
+    if leg > 0.0:
+        times = "once or more" if length <= leg else f"{math.ceil(length / leg)} times or more"
     return False, f"at the surface {times} for {afloat:.0f} s; nets and lines at depth are not in either"
 
 

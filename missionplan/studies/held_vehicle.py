@@ -1,6 +1,6 @@
 """How a mooring's vehicle stands in the mean and in the worst current, and what would mend what is wrong there.
 
-What a descent needs before it is asked for: a dive at the means that succeeds; flooding in time.
+What a descent needs before it is asked for: a dive at the means that succeeds.
 """
 
 from collections.abc import Callable, Iterator, Sequence
@@ -15,7 +15,6 @@ from missionplan.mission.schema.phases import MoorPhase
 from missionplan.mission.schema.sweep import Requirement
 from missionplan.mission.views import missing_for_moorings
 from missionplan.phases.currents import Current, LayeredCurrent
-from missionplan.phases.mooring.descent import descend
 from missionplan.phases.mooring.forces import Dive
 from missionplan.phases.mooring.hold import Hold, HoldRecord, extreme_moments, layers_above, lifted, record_at_once
 from missionplan.physics.drag import terminal_velocity
@@ -259,39 +258,3 @@ def sinking_speed(dive: Dive) -> float:
         return dive.vehicle_drag(speed) + dive.anchor_drag(speed)
 
     return float(np.max(terminal_velocity(drag, dive.wet_weight - dive.net_buoyancy)))
-
-
-STATED = 5.0
-"""Flooding time of the notice [s]."""
-
-
-def flooding_notice(means: Scenario, phase: MoorPhase[Scalars], weight: float | None = None) -> str:
-    """Notice that the anchor is taken as flooded when it separates; empty where the vehicle file gives a time.
-
-    `weight`: wet weight of the anchor, by default the mission's [N].
-    """
-    if means.mooring.anchor.flooding_time is not None:
-        return ""
-    dive = dive_of(means, phase, weight)
-    at_once, flooding = (_nominal(means, phase, replace(dive, flooding_time=time)) for time in (0.0, STATED))
-    if not np.isfinite([*at_once, *flooding]).all():
-        return ""
-    longer, further = (later - now for later, now in zip(flooding, at_once, strict=True))
-    return (
-        f"{phase.name}: the anchor is taken as flooded when it separates. {STATED:g} s of flooding "
-        f"(anchor.flooding_time) would make the nominal descent {longer:.1f} s longer and change its offset by "
-        f"{further:+.1f} m."
-    )
-
-
-def _nominal(means: Scenario, phase: MoorPhase[Scalars], dive: Dive) -> tuple[float, float]:
-    """Time [s] and offset [m] of the dive at the means, from the origin at the mission's start; nan where it fails."""
-    record = descend(
-        dive,
-        effects=means.descent_effects,
-        release_time=np.full(1, float(phase.release_time)),
-        current=means.current or STILL_WATER,
-        position=np.zeros((2, 1)),
-        t_start=np.zeros(1),
-    )
-    return float(record.descent_time[0]), float(record.offset_distance[0])

@@ -85,7 +85,7 @@ def _anchor(anchor: Anchor | None) -> Iterator[Doubt]:
         yield Doubt(words, "a factor of 1.4 more or less", {"vehicle.anchor.holding_factor": factor})
     if anchor is not None and anchor.flooding_time is None:
         words = "the anchor is full of water at once"
-        yield Doubt(words, "10 s until it is", {"vehicle.anchor.flooding_time": "10 s"})
+        yield Doubt(words, "10 s of flooding", {"vehicle.anchor.flooding_time": "10 s"})
 
 
 def _lines(moors: Sequence[MoorPhase]) -> Iterator[Doubt]:

@@ -52,13 +52,15 @@ def browsing() -> Iterator:
                 driver.quit()
 
 
-def show(browser, report: Path, *, width: int, scheme: str = "light") -> None:
-    """Open the page afresh at a width of `width` pixels, as a telephone does below 500."""
+def show(browser, report: Path, *, width: int, scheme: str = "light", unfolded: bool = True) -> None:
+    """Open the page afresh at a width of `width` pixels, as a telephone does below 500; its appendix too."""
     metrics = {"width": width, "height": 900, "deviceScaleFactor": 1, "mobile": width < 500}
     features = [{"name": "prefers-color-scheme", "value": scheme}]
     browser.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", metrics)
     browser.execute_cdp_cmd("Emulation.setEmulatedMedia", {"features": features})
     browser.get(report.as_uri())
+    if unfolded:
+        browser.execute_script("document.querySelectorAll('.folded').forEach(each => { each.open = true; })")
 
 
 def printed(browser) -> bytes:

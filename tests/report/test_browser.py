@@ -78,6 +78,16 @@ def test_the_page_reads_at_the_width_of_a_telephone(browser, report):
     assert browser.execute_script("return parseFloat(getComputedStyle(document.body).fontSize)") >= 16.0
 
 
+def test_what_is_looked_up_is_folded_until_it_is_asked_for(browser, report):
+    words = "return document.body.innerText.split(/\\s+/).length"
+    show(browser, report, width=375, unfolded=False)
+    first, height = (browser.execute_script(each) for each in (words, "return document.body.scrollHeight"))
+    assert first < 800
+    assert height < 8000
+    show(browser, report, width=375)
+    assert browser.execute_script(words) > 1.5 * first
+
+
 def contrast(first: str, second: str) -> float:
     """Contrast ratio of two colours, WCAG 2.1."""
 

@@ -12,7 +12,8 @@ from missionplan.results.learned.diagnosis import PlanGain
 def diagnosed(
     before: dict[str, Any], after: dict[str, Any], kept: dict[str, Any], verdict: str = "explained", own: Any = None
 ) -> Any:
-    return SimpleNamespace(decision=PlanGain(before, after, kept, as_written_under_extended=own), verdict=verdict)
+    gain = PlanGain(before, after, kept, as_written_under_extended=own)
+    return SimpleNamespace(decision=gain, verdict=verdict, causes=("compass-bias",))
 
 
 def anchor(weight: float, within: float) -> dict[str, Any]:
@@ -100,7 +101,7 @@ def test_legs_that_never_arrive_take_no_end() -> None:
 
 
 def test_without_plans_nothing_is_said_but_why() -> None:
-    none: Any = SimpleNamespace(decision=PlanGain(reason="no mooring"), verdict="explained")
+    none: Any = SimpleNamespace(decision=PlanGain(reason="no mooring"), verdict="explained", causes=())
     assert plan_words(none) == []
     (section,) = plan_section(none)
     assert section.heading == "No plans to compare"

@@ -75,6 +75,8 @@ def test_a_cause_that_is_not_the_same_all_along_is_no_order():
     words = told(found, verdict="partly-explained", not_constant=("compass-bias",), measurements=("a swing",))
     assert "swing it" not in words
     assert words.endswith("But the record does not agree on its size: correct nothing yet, first a swing.")
+    words = told(found, verdict="partly-explained", not_constant=("compass-bias",))
+    assert words.endswith("correct nothing yet, first take more data.")
 
 
 def test_a_law_of_the_errors_beside_a_cause_in_doubt_is_no_order_and_a_cause_beside_it_that_all_have_is_one():

@@ -19,7 +19,7 @@ def test_the_box_has_its_topics_and_says_why_each_matters_here(transit_mission):
     found = box(transit_mission)
     assert list(found) == TOPICS
     assert not any(each.held for each in found.values())
-    assert "8 km" in found["coast"].why
+    assert found["coast"].why == "straight ways cross whatever lies between (site.land)"
     assert "27 m" in found["wind"].why  # 3 % of 10 m/s for 90 s
     assert "8 times" in found["traffic"].why
 

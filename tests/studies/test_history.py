@@ -145,7 +145,9 @@ def test_a_report_of_other_code_is_named(tmp_path: Path) -> None:
         parts = {"version": "0.1", "code": code, "plugins": {}, "libraries": {}}
         file.write_text(json.dumps({**json.loads(file.read_text()), "identity_parts": parts}))
     (notice,) = missionplan.history(tmp_path).provenance.notices
-    assert notice == "a was made by other code than c: code of missionplan: was 111111111111, now 222222222222"
+    assert (
+        notice == "the report a was made by other code than c: code of missionplan: was 111111111111, now 222222222222"
+    )
 
 
 def test_what_is_no_report_is_named_and_the_rest_is_told(tmp_path: Path) -> None:

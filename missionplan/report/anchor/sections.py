@@ -210,7 +210,7 @@ def drag(sizing: AnchorSizing) -> PageSection:
 
 def all_numbers(sizing: AnchorSizing) -> PageSection:
     """Tabulate every number of the anchors."""
-    return PageSection("All numbers", [Table(*numbers_table(sizing))], is_reference=True)
+    return PageSection("All numbers", [Table(*numbers_table(sizing))])
 
 
 @dataclass(frozen=True)

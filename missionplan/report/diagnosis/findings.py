@@ -68,7 +68,7 @@ def _find_out(diagnosis: Diagnosis, disputed: frozenset[str], *, is_all: bool) -
     if _may_have_no_name(diagnosis):
         rivals.append("something that no effect of the catalogue explains")
     until = next((entry.measurement for entry in diagnosis.next_measurements), "")
-    tells = f"first {until}" if until else "first take data that tell them apart"
+    tells = f"first {until or ('take data that tell them apart' if rivals else 'take more data')}"
     else_it_is = (
         f"But it may as well be {' or '.join(rivals)}" if rivals else "But the record does not agree on its size"
     )

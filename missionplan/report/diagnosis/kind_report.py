@@ -1,6 +1,6 @@
 """What a report says and draws for one kind of data; what the causes of a diagnosis are, as the catalogue has them."""
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -124,8 +124,6 @@ class KindReport:
 
 
 _DESCRIBED = 5
-_MOST_DRAWN = 4
-"""Explanations that the extended mission draws and the page names; its file has them all."""
 MOST_CERTAIN = 0.999
 """Probability beyond which it is not told more exactly: the models are approximate."""
 
@@ -163,21 +161,15 @@ def enumerated(words: Sequence[str]) -> str:
     return listed(words) or "no cause"
 
 
-def explanations_in_words(diagnosis: Diagnosis) -> str:
-    """Write what is in doubt, with its probabilities; empty where nothing is."""
-    given = any(each.prior is not None for each in diagnosis.explanations)
-    none = "none of them" if given else "no further effect"
-    told = [
-        f"{names(each.causes) if each.causes else none} {percent(each.probability)}"
-        + ("" if each.prior is None else f" (was {percent(each.prior)})")
-        for each in diagnosis.explanations
-    ]
-    if not told:
-        return ""
-    if given:
-        return f"Of the mission's explanations the probabilities are now: {', '.join(told)}."
-    rarer = f", and {len(told) - _MOST_DRAWN} rarer" if len(told) > _MOST_DRAWN else ""
-    return f"It carries the doubt, each trial drawing which explanation holds: {', '.join(told[:_MOST_DRAWN])}{rarer}."
+def explanations_in_words(diagnosis: Diagnosis) -> Iterator[str]:
+    """Write how probable the explanations are now that the mission had in doubt; nothing where it had none."""
+    if any(each.prior is not None for each in diagnosis.explanations):
+        told = [
+            f"{names(each.causes) if each.causes else 'none of them'} {percent(each.probability)}"
+            + ("" if each.prior is None else f" (was {percent(each.prior)})")
+            for each in diagnosis.explanations
+        ]
+        yield f"Of the mission's explanations the probabilities are now: {', '.join(told)}."
 
 
 def percent(probability: float) -> str:

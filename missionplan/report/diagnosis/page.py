@@ -20,6 +20,7 @@ from missionplan.report.diagnosis.evidence import (
 )
 from missionplan.report.diagnosis.findings import (
     WORTH_TELLING,
+    disputed_causes,
     finding_in_words,
     how_sure,
     intervals_that_miss,
@@ -101,7 +102,7 @@ def _sections(diagnosis: Diagnosis) -> list[PageSection]:
         *last_part_sections(diagnosis),
         discrepancy_section(diagnosis),
         distinction_section(diagnosis),
-        PageSection("How the data were treated", _treatment(diagnosis), is_reference=True),
+        PageSection("How the data were treated", _treatment(diagnosis)),
     ]
 
 
@@ -137,7 +138,7 @@ def _verdict_words(diagnosis: Diagnosis) -> str:
         words += _not_constant(diagnosis)
     if any(CATALOGUE[cause].tier != "physical" for cause in diagnosis.causes):
         words += " Part of this describes the errors statistically; its physical cause is not identified."
-    return words
+    return words.strip()
 
 
 def _without_cause(diagnosis: Diagnosis) -> str:
@@ -165,11 +166,16 @@ def _without_cause(diagnosis: Diagnosis) -> str:
 def _claim(diagnosis: Diagnosis) -> str:
     """Write what is claimed, and how far."""
     named = found_causes(diagnosis.causes, claimed_parameters(diagnosis))
+    is_told = bool(disputed_causes(diagnosis) and finding_in_words(diagnosis))  # and what else it may be
     if diagnosis.verdict == "partly-explained":
         is_left = diagnosis.discrepancy.axis is not None
-        left = f": what is left {resemblance(diagnosis.discrepancy)}." if is_left else "."
-        return f"The largest share of the misfit resembles {named}, but not all of it{left}"
+        left = f"what is left {resemblance(diagnosis.discrepancy)}." if is_left else ""
+        if is_told:
+            return _sentence(left)
+        return f"The largest share of the misfit resembles {named}, but not all of it{f': {left}' if left else '.'}"
     if diagnosis.verdict == "ambiguous":
+        if is_told:
+            return ""
         others = [names(causes) for causes in diagnosis.rivals[:3]]
         rest = f"; {' or '.join(others)} would do nearly as well" if others else "; so few numbers prove nothing"
         return f"The data fit {named}{rest}."
@@ -242,18 +248,13 @@ def _mission_words(diagnosis: Diagnosis) -> Iterator[str]:
         file = diagnosis.provenance.file or "the mission as it was"
         yield f"Plan with {file}. The extended mission, mission.yaml in this folder, is what the next diagnosis needs."
     elif diagnosis.causes:
-        yield (
-            "The extended mission, mission.yaml in this folder, draws from posterior.npz beside it what may be behind "
-            "the data, with its uncertainties. simulate, size-anchor and sweep-dmax run it as it is."
-        )
+        doubt = ", in each trial one of the explanations" if diagnosis.explanations else ""
+        yield f"mission.yaml in this folder plans with what was found{doubt}: simulate, size-anchor, sweep-dmax run it."
 
 
 def _next_words(diagnosis: Diagnosis) -> list[str]:
-    words = list(_mission_words(diagnosis))
-    if told := explanations_in_words(diagnosis):
-        words.append(told)
-    if diagnosis.causes and diagnosis.readings.plan_with is not False:
-        words += plan_words(diagnosis)
+    words = plan_words(diagnosis) if diagnosis.causes and diagnosis.readings.plan_with is not False else []
+    words += [*_mission_words(diagnosis), *explanations_in_words(diagnosis)]
     words += next_trial_pointer(diagnosis.next_trial)
     if diagnosis.next_trial is None or diagnosis.next_trial.best is None:
         words += [_measurement_words(entry) for entry in diagnosis.next_measurements]

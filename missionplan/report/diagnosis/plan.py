@@ -34,12 +34,15 @@ _SERVES = 0.9
 
 
 def plan_section(diagnosis: Diagnosis) -> list[PageSection]:
-    """Show the plans side by side, or the reason why there are none."""
+    """Show the plans side by side, or the reason why there are none; nothing where nothing asks for another plan."""
     gain = diagnosis.decision
+    if gain.after and not diagnosis.causes:
+        return []
     if not gain.after:
         return [PageSection("No plans to compare", [gain.reason])] if gain.reason else []
     if gain.as_written_under_extended is not None:
-        plans = {"The mission as it is": gain.as_written_under_extended, "Planned anew": gain.after}
+        anew = "Planned anew" if diagnosis.verdict == "explained" else "Planned anew, if that is what it was"
+        plans = {"The mission as it is": gain.as_written_under_extended, anew: gain.after}
     else:
         plans = {
             "Plan with the mission's model, as it expects": gain.before,

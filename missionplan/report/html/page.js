@@ -109,8 +109,5 @@
       move();
     }
   }
-  const unfold = () => document.getElementById(location.hash.slice(1))?.querySelector("details.reference")?.setAttribute("open", "");
-  addEventListener("hashchange", unfold);
-  addEventListener("beforeprint", () => document.querySelectorAll("details.reference").forEach(each => { each.open = true; }));
-  unfold();
+  addEventListener("beforeprint", () => document.querySelectorAll("details.folded").forEach(each => { each.open = true; }));
 })();

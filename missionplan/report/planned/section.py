@@ -148,13 +148,17 @@ def planned_sections(provenance: Provenance, *, mapped: bool = False) -> list[Pa
     drawn = None if mapped and "chart" not in mapping(data.get("site")) else site_map(data)
     blocks: list[Block] = [*([drawn] if drawn else []), *([table] if rows else [])]
     heading = "The starter mission" if provenance.command == "import" else "What was planned"
-    planned = [PageSection(heading, blocks, is_reference=provenance.command != "import")] if blocks else []
+    planned = [PageSection(heading, blocks, is_summary=provenance.command == "import")] if blocks else []
     return [*not_held(provenance), *planned, *where_checked(provenance)]
+
+
+_OF_NO_MISSION = ("diagnose", "score", "sweep-transition")
+"""Commands whose answer is not whether a mission succeeds, which may fail of more."""
 
 
 def not_held(provenance: Provenance) -> list[PageSection]:
     """Show what an answer holds of the world, and what not."""
-    if not provenance.holds:
+    if not provenance.holds or provenance.command in _OF_NO_MISSION:
         return []
     rows = [(each.what, each.why) for each in provenance.holds if not each.held]
     held = [f"{each.what} ({each.why})" for each in provenance.holds if each.held]
@@ -197,7 +201,7 @@ def where_checked(provenance: Provenance) -> list[PageSection]:
     listed = f"It rests on these rows of docs/validation: {', '.join(provenance.rests_on)}."
     caption = f"At the means. Outside a range nothing is known to be wrong; nothing was compared there. {listed}"
     table = Table(("", "this mission", "checked", ""), rows, caption, text_columns=4)
-    return [PageSection(heading, [table if rows else listed], is_reference=True)]
+    return [PageSection(heading, [table if rows else listed])]
 
 
 def _from_to(low: float, high: float, unit: str) -> str:

@@ -204,8 +204,14 @@ def name_goals(axes: Axes, data: Mapping[str, object]) -> None:
         _write_names(axes, list(_names(goals)), np.array([goal.place for goal in goals]).T)
 
 
+def room_for_names(data: Mapping[str, object]) -> Iterator[np.ndarray]:
+    """Points that must lie on a map of a mission, so that no name below a place runs into its axis."""
+    goals = list(_goals(data))
+    if goals:
+        yield from _room_for_names(list(_names(goals)), np.array([goal.place for goal in goals]).T)
+
+
 def _room_for_names(named: list[tuple[str, Point]], way: np.ndarray) -> Iterator[np.ndarray]:
-    """Points that must lie on the map too, so that no name below a place runs into the axis."""
     room = _NAME_BELOW * float(np.ptp(way, axis=1).max())
     for _, (east, north) in named:
         if not _runs_below(way, (east, north)):

@@ -28,7 +28,7 @@ from missionplan.report.plan_view import (
     rings,
     track,
 )
-from missionplan.report.planned.site_map import name_goals
+from missionplan.report.planned.site_map import name_goals, room_for_names
 from missionplan.report.quantities import Unit, quantity, si_per_unit, span, unit_for
 from missionplan.report.simulation.quantities import requirement_on, unit_of
 from missionplan.report.wording import in_words, number, percent
@@ -39,7 +39,7 @@ from missionplan.results.simulation import Attrition, Histogram, Outcome, PhaseO
 def waterfall(outcome: Outcome) -> Figure:
     """Draw P(success) after each thing that can go wrong."""
     steps = _losing(outcome)
-    figure = MatplotlibFigure(figsize=(WIDTH, 0.55 + 0.42 * (len(steps) + 2)))
+    figure = MatplotlibFigure(figsize=(WIDTH, 0.55 + 0.42 * (len(steps) + 1)))
     draw_waterfall(figure.add_subplot(), outcome)
     losses = "; ".join(f"{step.step}, {100.0 * step.lost.value:.1f} %" for step in steps) or "nothing is lost"
     return to_figure(
@@ -58,9 +58,8 @@ def _losing(outcome: Outcome) -> list[Attrition]:
 def draw_waterfall(axes: Axes, outcome: Outcome) -> None:
     """Draw the trials that are left after each step at which some are lost."""
     steps = _losing(outcome)
-    labels = ["all trials", *(step.step for step in steps), "mission succeeds"]
-    axes.barh(0, 100.0, color=SKY, height=0.62)
-    for row, step in enumerate(steps, start=1):
+    labels = [*(step.step for step in steps), "mission succeeds"]
+    for row, step in enumerate(steps):
         _draw_loss(axes, row, step)
     _draw_success(axes, len(labels) - 1, outcome.total.events["success"])
     axes.set(yticks=range(len(labels)), xlim=(0.0, 100.0), xlabel="trials still good (%)")
@@ -284,7 +283,7 @@ def _circles(outcome: Outcome) -> list[Array]:
 
 
 def _frame(outcome: Outcome) -> Frame:
-    return frame(_lines(outcome), _circles(outcome))
+    return frame(_lines(outcome), [*_circles(outcome), *room_for_names(outcome.provenance.data)])
 
 
 def draw_tracks(axes: Axes, outcome: Outcome) -> None:

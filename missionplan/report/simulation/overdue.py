@@ -182,8 +182,8 @@ def _areas(outcome: Outcome, found: Overdue) -> Table:
     columns = ["way to fail", "overdue", "begin at", "half axes", "area"]
     caption = (
         "Overdue: hours after the time at which to worry. Begin at: where the vehicle is most likely. Half axes: of "
-        "the ellipse that is like the area, and the course of the longer. Areas hold 95 %; search-areas.csv and the "
-        "GeoJSON have those of 50 and 90 % too."
+        "the ellipse that is like the area, and the course of the longer. Areas hold 95 % of the trials; "
+        "search-areas.csv and the GeoJSON have those of 50 and 90 % too."
     )
     if found.searches:
         columns.append("missed by searches")
@@ -210,12 +210,18 @@ def _size(area: SearchArea) -> str:
     return f"{length} × {width}{unit.suffix}, {math.degrees(area.toward):.0f}°"
 
 
+_AREAS = {
+    "": (("m²", 1.0), ("km²", 1e6)),
+    "nautical": (("m²", 1.0), ("nmi²", 1852.0**2)),
+    "imperial": (("ft²", 0.3048**2), ("mi²", 1609.344**2)),
+}
+"""Units of small and of large areas by the reader's system, and their sizes [m²]."""
+
+
 def _area(area: SearchArea) -> str:
     """Write an area in squares of the reader's unit of distance."""
-    if reader_system() in ("nautical", "imperial"):
-        unit, size = ("nmi²", 1852.0**2) if reader_system() == "nautical" else ("mi²", 1609.344**2)
-    else:
-        unit, size = ("m²", 1.0) if area.area < 1e4 else ("km²", 1e6)
+    small, large = _AREAS.get(reader_system(), _AREAS[""])
+    unit, size = small if area.area < 1e4 else large
     return f"{number(area.area / size, 0.05 * area.area / size)}\u00a0{unit}"
 
 

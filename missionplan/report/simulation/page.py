@@ -106,19 +106,18 @@ def _medians(outcome: Outcome) -> str:
     return " and ".join(parts)
 
 
-def attrition_section(outcome: Outcome) -> PageSection:
+def attrition_section(outcome: Outcome) -> Iterator[PageSection]:
     """Draw and tabulate what is lost at each step at which any trial is; the others are named."""
     worst = worst_step(outcome)
+    if worst is None:
+        return
     losing = [step for step in outcome.attrition if step.lost.value > 0.0]
     spared = [failure_in_words(step.step) for step in outcome.attrition if step.lost.value == 0.0]
-    none = f"No trial of {number(outcome.provenance.trials)} fails by {listed(spared, 'or')}" if spared else ""
-    most = f": each {percent(outcome.attrition[0].lost).partition('(')[2].rstrip(')')}" if spared and not losing else ""
-    if worst is None:
-        return PageSection("No trial failed", [f"{none}{most}."] if spared else [])
+    none = [f"No trial fails by {listed(spared, 'or')}."] if spared else []
     rows = [(step.step, percent(step.lost), percent(step.surviving)) for step in losing]
-    table = Table(("step", "lost here", "still good"), rows, "Shares of all trials.")
+    table = [Table(("step", "lost here", "still good"), rows, "Shares of all trials.")] if len(rows) > 1 else []
     heading = f"{capitalised(failure_in_words(worst.step))} cost {percent(worst.lost)} of the trials"
-    return PageSection(heading, [waterfall(outcome), table, *([f"{none}."] if spared else [])], is_summary=True)
+    yield PageSection(heading, [waterfall(outcome), *table, *none], is_summary=True)
 
 
 def quantities_section(outcome: Outcome) -> PageSection:
@@ -132,7 +131,7 @@ def quantities_section(outcome: Outcome) -> PageSection:
             rows.append((in_words(f"{phase.name}.{key}"), *span(statistic, unit), unit.name, reached))
     columns = ("quantity", "5 %", "50 %", "95 %", "", "trials that reached it")
     caption = "Of the trials that reached it; means, their errors and standard deviations are in quantities.csv."
-    return PageSection("Every quantity, phase by phase", [Table(columns, rows, caption)], is_reference=True)
+    return PageSection("Every quantity, phase by phase", [Table(columns, rows, caption)])
 
 
 def page(outcome: Outcome) -> Page:
@@ -147,7 +146,7 @@ def page(outcome: Outcome) -> Page:
             *requirements_section(outcome),
             *explanation_sections(outcome),
             *member_sections(outcome),
-            attrition_section(outcome),
+            *attrition_section(outcome),
             *ends_section(outcome),
             *overdue_section(outcome),
             *(hold_section(held, alone=len(outcome.held) == 1) for held in outcome.held),

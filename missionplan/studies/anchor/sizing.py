@@ -32,7 +32,6 @@ from missionplan.scenario.anchors import anchor_problem, design_current
 from missionplan.scenario.phases import dive_of, start_of
 from missionplan.scenario.scenario import STILL_WATER, Scenario
 from missionplan.studies.anchor.lightest_anchor import Demand, lightest_anchor
-from missionplan.studies.held_vehicle import flooding_notice
 from missionplan.studies.simulation.block_statistics import bound_of, requirement_flags, requirement_key
 from missionplan.studies.simulation.mooring_trials import mooring_trials
 from missionplan.studies.simulation.outcome_builder import requirement_outcome
@@ -274,8 +273,8 @@ class AnchorSizer:
         if anchor.profile.record.parted[0]:
             load = anchor.snatch["snatch_tension_n"]
             notes = (*notes, f"The line parts in the nominal dive: the snatch loads it with {load:.0f} N.")
-        if words := flooding_notice(self.means, self.moor, anchor.wet_weight):
-            notes = (*notes, words)
+        if self.means.mooring.anchor.flooding_time is None:
+            notes = (*notes, "The anchor is taken as full of water when it separates (anchor.flooding_time).")
         buoyancy = float(self.means.mooring.vehicle.net_buoyancy)
         if anchor.wet_weight > buoyancy:
             return notes

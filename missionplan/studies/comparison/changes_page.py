@@ -9,7 +9,7 @@ from matplotlib.figure import Figure as MatplotlibFigure
 
 from missionplan.mission.checks.sections import QUANTITIES
 from missionplan.report.page import BLUE, INK, ORANGE, Cells, Figure, Page, PageSection, Table, to_figure
-from missionplan.report.quantities import PERCENT, Unit, as_written, reader_unit, unit_for, with_error
+from missionplan.report.quantities import PERCENT, Unit, as_written, reader_system, reader_unit, unit_for, with_error
 from missionplan.report.wording import has_spread, in_words, number
 from missionplan.results.entries import mapping
 from missionplan.studies.comparison.choices_page import limit_in_words, requirements_of, task_in_words
@@ -81,12 +81,17 @@ def _requirement(comparison: Comparison, difference: ComparedNumber) -> str:
 
 def _in_si(quantity: str, limit: str) -> str:
     """Write the limit of a requirement, as the comparison's keys have it, with its SI unit."""
-    units = {name: unit for kind in QUANTITIES.values() for name, unit in kind.items()}
-    unit = units.get(quantity.partition(".")[2], "")
+    unit = _si_unit(quantity)
     if not unit:
         return limit
     words, _, value = limit.rpartition(" ")
     return f"{words} {with_error(float(value), 0.0, reader_unit(unit, float(value)))}".strip()
+
+
+def _si_unit(quantity: str) -> str:
+    """SI unit of a quantity by its name in a mission: ``moor.offset``; empty where there is none."""
+    units = {name: unit for kind in QUANTITIES.values() for name, unit in kind.items()}
+    return units.get(quantity.partition(".")[2]) or ""
 
 
 def _mission(comparison: Comparison, difference: ComparedNumber) -> Mapping[str, object]:
@@ -97,8 +102,10 @@ def _mission(comparison: Comparison, difference: ComparedNumber) -> Mapping[str,
 def _unit(comparison: Comparison, difference: ComparedNumber) -> Unit:
     if difference.kind == "probability" or difference.key == "cost":
         return PERCENT
-    typical = difference.first if difference.first is not None else difference.second
-    return unit_for(difference.group, difference.key, _mission(comparison, difference), typical=abs(typical or 0.0))
+    typical = abs((difference.first if difference.first is not None else difference.second) or 0.0)
+    if difference.group == "requirement" and (unit := _si_unit(difference.key.partition(", ")[0])):
+        return reader_unit(unit, typical, reader_system() or "metric") if unit != "J" else Unit("W h", 3600.0)
+    return unit_for(difference.group, difference.key, _mission(comparison, difference), typical=typical)
 
 
 def shown_change(comparison: Comparison, difference: ComparedNumber) -> str:
@@ -232,7 +239,7 @@ def _count(items: Sequence[object], noun: str) -> str:
 
 
 def changes_figure(comparison: Comparison) -> Figure | None:
-    """Draw the changes in standard errors, the clearest first; None where no number is noisy."""
+    """Draw the changes in standard errors, the clearest first; None where none is noisy."""
     shown = _noisy(comparison)
     if not shown:
         return None
@@ -249,7 +256,7 @@ def changes_figure(comparison: Comparison) -> Figure | None:
 
 
 def _noisy(comparison: Comparison) -> list[ComparedNumber]:
-    noisy = [item for item in comparison.differences if item.change is not None and noise_of(item)]
+    noisy = [item for item in comparison.differences if item.change and noise_of(item)]
     return sorted(noisy, key=importance, reverse=True)[:_MOST_DOTS]
 
 
@@ -321,7 +328,7 @@ def _rest(comparison: Comparison) -> Iterator[PageSection]:
     if not comparison.alike:
         rest = [item for item in rest if item.change is not None]
     if rest:
-        yield PageSection("What did not change, or cannot be judged", [_table(comparison, rest)], is_reference=True)
+        yield PageSection("What did not change, or cannot be judged", [_table(comparison, rest)])
 
 
 def _table(comparison: Comparison, items: Sequence[ComparedNumber]) -> Table:

@@ -313,7 +313,7 @@ def _front(found: Exploration) -> Iterator[PageSection]:
 def _all(found: Exploration) -> Iterator[PageSection]:
     shown_above = all(cell.as_good for cell in found.cells)
     if len(found.axes) == 1 and len(found.cells) <= 5 * _MOST_ROWS and not shown_above:
-        yield PageSection("All that was tried", [_table(found, found.cells)], is_reference=True)
+        yield PageSection("All that was tried", [_table(found, found.cells)])
 
 
 def _invalid(found: Exploration) -> Iterator[PageSection]:

@@ -126,7 +126,7 @@ def _other_programs(reports: Sequence[_Report]) -> Iterator[str]:
     programs = [(report, program_part(parts)) for report, parts in stated if parts]
     for report, program in programs[:-1]:
         if unlike := differences(program, programs[-1][1]):
-            yield f"{report.place} was made by other code than {programs[-1][0].place}: {'; '.join(unlike)}"
+            yield f"the report {report.place} was made by other code than {programs[-1][0].place}: {'; '.join(unlike)}"
 
 
 def _reports(root: Path, *, needed: bool) -> tuple[list[_Report], tuple[str, ...]]:

@@ -42,7 +42,6 @@ def page(history: History) -> Page:
             PageSection(
                 "All values",
                 [Table(COLUMNS, _rows(history), f"In the order of {order}.", 2)],
-                is_reference=True,
             ),
         ],
         verdict="",

@@ -55,7 +55,7 @@ def page(sweep: Sweep) -> Page:
             *_arrival_section(sweep),
             _close_up_section(sweep),
             PageSection(_surfacings_heading(sweep), [surfacings_figure(sweep), "The surfacing on arrival is counted."]),
-            PageSection("The numbers behind the curves", [cost_table(sweep)], is_reference=True),
+            PageSection("The numbers behind the curves", [cost_table(sweep)]),
         ],
         verdict=_verdict(sweep),
         table=lambda: _chosen_rows(sweep),
@@ -155,13 +155,11 @@ def _verdict(sweep: Sweep) -> str:
 def _numbers(sweep: Sweep) -> list[tuple[str, str]]:
     curve = sweep.middle
     chosen = curve.recommended
-    saved = with_error(curve.saving(chosen), _saving_error(sweep, curve), MINUTES)
     what = "Recommended d_max" if curve.reaches(chosen) else "d_max that is likeliest to arrive"
     return [
         (what, f"{length_in_words(chosen.d_max)} ({number(chosen.d_max_over_distance)} of the distance)"),
         ("Trials that arrive with it", percent(chosen.arrived)),
         ("Mean cost of those that arrive", with_error(chosen.cost, chosen.standard_error, PERCENT)),
-        *([("Time saved against one leg", saved)] if curve.reaches(curve.one_leg) else []),
     ]
 
 

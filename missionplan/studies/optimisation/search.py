@@ -38,6 +38,8 @@ _CANDIDATES = 3000
 _DOUBT = 2.0
 """Standard errors by which few trials may fall short and a choice still be looked at with more."""
 _NEIGHBOURED = 5
+_GROWN = 1.1
+"""Growth of the choices known after which lengths and nugget of a surface are fitted again."""
 _AT_ONCE = 8
 """Choices that are run with many trials before the winner is looked at again."""
 _DOUBTFUL = 4
@@ -55,6 +57,8 @@ class Search:
     """Of the first choices and of the candidates."""
     fits: dict[int, Kriging] = field(default_factory=dict)
     """The last surface of each margin, and under −1 that of the cost: the next fit starts from it."""
+    fitted: dict[int, int] = field(default_factory=dict)
+    """Of how many choices lengths and nugget of each were fitted last."""
 
     def widely(self) -> None:
         """Search the whole lattice with few trials."""
@@ -177,22 +181,25 @@ class Search:
         candidates = [point for point in self._candidates(known, demands, rng) if point not in tried]
         if not candidates:
             return []
-        places = self._places(candidates)
-        chance = np.zeros(len(candidates))
-        for number, demand in enumerate(demands):
-            margins = np.array([demand.margin(each) for each in known])
-            chance += _log_chance(self._surface(number, known, margins), places)
         judged = [each for each in known if each.point in fine] if fine else known
         costs = [each.cost(self.aim) for each in judged if is_feasible(demands, each)]
         low = min(costs, default=np.inf)
+        places, hope, least = self._places(candidates), np.ones(len(candidates)), 0.0
+        if np.isfinite(low):
+            own, least = self._with_common_noise(known), _ENOUGH * abs(low)
+            costly = np.isfinite(own)
+            surface = self._surface(-1, [each for each, has in zip(known, costly, strict=True) if has], own[costly])
+            hope = expected_improvement(low, *surface.at(places))
+            hopeful = hope > least  # a chance makes it less
+            candidates = [each for each, is_it in zip(candidates, hopeful, strict=True) if is_it]
+            places, hope = places[hopeful], hope[hopeful]
+        chance = np.zeros(len(candidates))
+        for number, demand in enumerate(demands if candidates else ()):
+            margins = np.array([demand.margin(each) for each in known])
+            chance += _log_chance(self._surface(number, known, margins), places)
         if not np.isfinite(low):
-            hope = np.exp(chance - chance.max())
-            return self._apart(candidates, places, hope, count, least=0.0)
-        own = self._with_common_noise(known)
-        with_cost = np.isfinite(own)
-        surface = self._surface(-1, [each for each, has in zip(known, with_cost, strict=True) if has], own[with_cost])
-        hope = expected_improvement(low, *surface.at(places)) * np.exp(chance)
-        return self._apart(candidates, places, hope, count, least=_ENOUGH * abs(low))
+            chance -= chance.max()
+        return self._apart(candidates, places, hope * np.exp(chance), count, least=least)
 
     def _with_common_noise(self, known: Sequence[Evaluation]) -> Array:
         """Costs of choices, those with few trials moved by what more trials changed of the others, on average."""
@@ -224,9 +231,13 @@ class Search:
         return chosen
 
     def _surface(self, number: int, known: Sequence[Evaluation], values: Array) -> Kriging:
-        """Draw a surface through a value of some choices, from where the last fit of the same value ended."""
+        """Draw a surface through a value of some choices; lengths and nugget stay until there are many more of them."""
         places, axis = self.evaluations.lattice.places([each.point for each in known])
-        self.fits[number] = Kriging.fitted(places, axis, values, self.fits.get(number))
+        last = self.fits.get(number)
+        if last is None or len(known) >= _GROWN * self.fitted.get(number, 0):
+            self.fits[number], self.fitted[number] = Kriging.fitted(places, axis, values, last), len(known)
+        else:
+            self.fits[number] = last.through(places, values)
         return self.fits[number]
 
     def _places(self, points: Sequence[Point]) -> Array:

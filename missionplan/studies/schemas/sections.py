@@ -2,6 +2,7 @@
 
 import inspect
 import math
+import re
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from datetime import date, datetime
@@ -14,6 +15,7 @@ from pydantic_core import PydanticUndefined
 
 from missionplan.effects import CATALOGUE
 from missionplan.effects.info import EffectInfo
+from missionplan.mission.quantity_paths import default_of
 from missionplan.mission.reading.validation_errors import keys_of, meaning_of
 from missionplan.mission.schema.effect_list import ONE_OF
 from missionplan.mission.schema.quantity_parser import OrWord, QuantityParser
@@ -175,6 +177,9 @@ class Sections:
         words = [each for each in (meaning_of(info), schema.get("description")) if each]
         if words and "$ref" not in schema:
             schema["description"] = ": ".join(map(str, words))
+        default = default_of(info)
+        if isinstance(default, str | int | float) and not re.match("nan|$", str(default)) and "$ref" not in schema:
+            schema["default"] = default
         return schema
 
     def _annotated(self, annotation: object, metadata: list[object]) -> Schema:

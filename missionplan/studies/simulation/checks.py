@@ -23,7 +23,7 @@ from missionplan.results.simulation import MooringAnchor
 from missionplan.results.whereabouts import HeldVehicle
 from missionplan.scenario.anchors import anchor_problem, wet_weight_of
 from missionplan.scenario.scenario import Scenario
-from missionplan.studies.held_vehicle import flooding_notice, held_vehicle
+from missionplan.studies.held_vehicle import held_vehicle
 
 if TYPE_CHECKING:
     from missionplan.montecarlo.statistics import Probability
@@ -233,7 +233,6 @@ def input_notices(mission: Mission, means: Scenario) -> tuple[str, ...]:
         *_effect_notices(mission),
         *_anchor_notices(mission),
         *_datum_notice(mission),
-        *(words for phase in means.drawn.moors if (words := flooding_notice(means, phase))),
     )
 
 

@@ -125,3 +125,12 @@ def test_every_schema_says_its_version():
     assert {kind: schema(kind)["version"].rpartition("/")[0] for kind in KINDS} == {
         kind: f"missionplan/{kind}" for kind in KINDS
     }
+
+
+def test_a_key_states_its_meaning_and_its_default() -> None:
+    keys = schema("mission")["definitions"]["Navigation"]["properties"]
+    assert keys["fix_error"]["default"] == "0 m"
+    assert keys["max_legs"]["default"] == 400
+    assert keys["surfacing_time"]["description"].startswith("time at the surface for a fix: a quantity in s")
+    assert "default" not in keys["surfacing_time"]
+    assert "default" not in schema("mission")["definitions"]["TransitPhase"]["properties"]["speed"]
