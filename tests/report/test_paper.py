@@ -75,7 +75,7 @@ def paper(browser, tmp_path) -> list[Paper]:
 
 @pytest.mark.parametrize("name", ["simulate", "sweep", "anchor", "compare"])
 def test_a_report_prints_well(browser, reports, tmp_path, name):
-    show(browser, reports[name], width=1280)
+    show(browser, reports[name], width=1280, unfolded=False)
     headings = browser.execute_script("return [...document.querySelectorAll('h2')].map(each => each.textContent)")
     pages = paper(browser, tmp_path)
     assert len(pages) <= (8 if name == "simulate" else 6)
@@ -92,7 +92,7 @@ def test_a_report_prints_well(browser, reports, tmp_path, name):
 
 @pytest.mark.parametrize("name", ["simulate", "sweep", "anchor"])
 def test_the_summary_is_two_pages(browser, reports, tmp_path, name):
-    show(browser, reports[name], width=1280)
+    show(browser, reports[name], width=1280, unfolded=False)
     browser.execute_script("document.querySelector('.details').remove()")
     pages = paper(browser, tmp_path)
     assert len(pages) <= 2
@@ -102,7 +102,7 @@ def test_the_summary_is_two_pages(browser, reports, tmp_path, name):
 
 
 def test_the_sheet_for_the_boat_is_one_page(browser, reports, tmp_path):
-    show(browser, reports["simulate"], width=1280)
+    show(browser, reports["simulate"], width=1280, unfolded=False)
     browser.execute_script(
         "const sheet = document.querySelector('.sheet');document.querySelector('main').replaceChildren(sheet);"
     )
