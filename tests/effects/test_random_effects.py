@@ -26,7 +26,7 @@ def test_sampled_covariance_is_the_one_of_the_diagnosis(effect):
         path.append(velocity)
     east, north = np.stack(path).transpose(1, 0, 2)
     between = np.append(np.nan, TIMES[1:] - (TIMES + DURATIONS)[:-1])
-    expected = MarkovCovariance(DURATIONS, TIMES, between, np.zeros(len(TIMES))).process_covariance(effect)
+    expected = MarkovCovariance(DURATIONS, TIMES, between, np.zeros(len(TIMES))).dense(np.zeros(2), 0.0, effect)[0]
     spread = np.sqrt((np.outer(np.diag(expected), np.diag(expected)) + expected**2) / DRAWS)
     assert np.all(np.abs(np.cov(east) - expected) <= 4.5 * spread + 1e-15)
     assert np.all(np.abs(np.cov(north) - expected) <= 4.5 * spread + 1e-15)

@@ -14,6 +14,7 @@ from missionplan.diagnosis.dives.likelihood import DescentLikelihood, NoiseGridL
 from missionplan.diagnosis.dives.linearised import DIFFERENCE, DiveLinearisation
 from missionplan.diagnosis.dives.noise import FORM_SD, NOMINAL_NOISE, noise_grid
 from missionplan.diagnosis.given.effects import RecordPosterior, held, tied
+from missionplan.diagnosis.inference.block_covariance import BlockCovariance
 from missionplan.diagnosis.inference.gauss_newton import GaussNewtonOptions, LeastSquares, Start, gauss_newton
 from missionplan.diagnosis.inference.marginal_likelihood import Marginal
 from missionplan.diagnosis.inference.model import CauseFit, FailedFit, FitRequest
@@ -163,9 +164,9 @@ class DescentFitting(DescentLikelihood):
     """The likelihood of dive logs, with fits of sets of causes."""
 
     @cached_property
-    def _nominal_covariance(self) -> Array:
-        """Covariance for the search, the same for all sets so that their objectives compare, shape (N, N) [m²]."""
-        return self.total_covariance(self.base, NOMINAL_NOISE, self.nuisance_sd(()))
+    def _nominal_covariance(self) -> BlockCovariance:
+        """Covariance for the search, the same for all sets so that their objectives compare [m²]."""
+        return self.covariance(self.base, NOMINAL_NOISE, self.nuisance_sd(()))
 
     def start(self, causes: Causes, at: Array, group: int = 0, rows: NDArray[np.int_] | None = None) -> Start:
         """Start of a search for the best coordinates of a set; those that are not searched are at their prior means."""

@@ -11,7 +11,7 @@ from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import block_diag, lapack, solve_triangular
+from scipy.linalg import block_diag, lapack
 
 from missionplan.arrays import Array
 from missionplan.diagnosis.dives.linearised import DiveLinearisation, LinearisedDescent
@@ -22,14 +22,8 @@ from missionplan.diagnosis.dives.noise import (
     sensor_and_turbulence_covariance,
     shape_error_covariance,
 )
-from missionplan.diagnosis.inference.marginal_likelihood import (
-    LOG_2PI,
-    Marginal,
-    gaussian_marginal,
-    standardised,
-    standardised_gram,
-)
-from missionplan.diagnosis.inference.residual_tests import InnerProducts
+from missionplan.diagnosis.inference.block_covariance import BlockCovariance, InnerProducts
+from missionplan.diagnosis.inference.marginal_likelihood import Marginal, gaussian_marginal, standardised
 
 ALL_DIVES = slice(None)
 
@@ -113,14 +107,11 @@ class DescentLikelihood(LinearisedDescent):
     def _known_fixed_covariances(self) -> dict[tuple[Noise, ...], list[Array]]:
         return {}
 
-    def total_covariance(self, linear: DiveLinearisation, noise: Noise, prior_sd: Array) -> Array:
-        """Covariance of all readings with the coordinates' priors, shape (N, N) [m²]."""
+    def covariance(self, linear: DiveLinearisation, noise: Noise, prior_sd: Array) -> BlockCovariance:
+        """Covariance of all readings with the coordinates' priors [m²]."""
         own = standardised(linear.columns, prior_sd)
-        scaled = np.concatenate([own, noise.scatter * linear.curvature[:, None]], axis=1)
-        total = scaled @ scaled.T
-        for rows, block in zip(self.parts, self.covariances(linear, (noise,)), strict=True):
-            total[np.ix_(rows, rows)] += block[0]
-        return np.asarray(total)
+        root = np.concatenate([own, noise.scatter * linear.curvature[:, None]], axis=1)
+        return BlockCovariance(self.parts, tuple(block[0] for block in self.covariances(linear, (noise,))), root)
 
     def likelihood(self, linear: DiveLinearisation) -> NoiseGridLikelihood:
         """Likelihood of a linearisation at every noise of the grid.
@@ -131,53 +122,26 @@ class DescentLikelihood(LinearisedDescent):
             When a covariance is not positive definite.
         """
         both = np.concatenate([linear.columns, linear.curvature[:, None], linear.y[:, None]], axis=1)
-        grams, log_determinants = zip(*self._inner_products(linear, both, noise_grid()), strict=True)
+        of_dives = zip(self.parts, self.covariances(linear, noise_grid()), strict=True)
+        grams, log_determinants = zip(*(inner_products(block, both[rows]) for rows, block in of_dives), strict=True)
         counts = np.array([len(rows) for rows in self.parts])
         return NoiseGridLikelihood(np.stack(grams, axis=1), np.stack(log_determinants, axis=1), counts)
 
     def products(
         self, linear: DiveLinearisation, prior_sd: Array, columns: Array, noises: tuple[Noise, ...] | None = None
-    ) -> list[InnerProducts]:
+    ) -> Iterator[InnerProducts]:
         """Inner products of columns, shape (N, m), and the data, the coordinates integrated out, at noises."""
-        wanted = noise_grid() if noises is None else noises
-        both = np.concatenate([linear.columns, linear.curvature[:, None], columns, linear.y[:, None]], axis=1)
-        dives = self._inner_products(linear, both, wanted)
-        gram, log_determinant = next(dives)
-        for more, further in dives:  # added in place: one dive's alone are some tens of megabytes
-            gram += more
-            log_determinant += further
-        return marginalised_products(gram, log_determinant, prior_sd, wanted)
+        for noise in noise_grid() if noises is None else noises:
+            yield self.covariance(linear, noise, prior_sd).products(columns, linear.y, noise.log_prior)
 
     def log_densities(
         self, linear: DiveLinearisation, prior_sd: Array, residuals: Array, noises: tuple[Noise, ...]
     ) -> Array:
         """Log density of residuals, shape (N, s), by a linearisation's covariance at each noise, shape (g, s)."""
         finite = np.all(np.isfinite(residuals), axis=0)
-        columns = np.concatenate([linear.columns, linear.curvature[:, None]], axis=1)
-        both, inner = np.concatenate([columns, np.where(finite, residuals, 0.0)], axis=1), columns.shape[1]
-        gram = np.zeros((len(noises), inner, both.shape[1]))
-        squared, determinants = np.zeros((len(noises), residuals.shape[1])), np.zeros(len(noises))
-        for rows, covariance in zip(self.parts, self.covariances(linear, noises), strict=True):
-            for index, factor in enumerate(np.linalg.cholesky(covariance)):
-                white, _ = lapack.dtrtrs(factor.T, both[rows], trans=1)
-                gram[index] += white[:, :inner].T @ white
-                squared[index] += np.sum(white[:, inner:] ** 2, axis=0)
-                determinants[index] += 2.0 * np.log(np.diag(factor)).sum()
-        for index, noise in enumerate(noises):
-            prior = _with_shared(prior_sd, noise)
-            factor = np.linalg.cholesky(standardised_gram(gram[index, :, :inner], prior) + np.eye(inner))
-            known = solve_triangular(factor, standardised(gram[index, :, inner:].T, prior).T, lower=True)
-            squared[index] -= np.sum(known**2, axis=0)
-            determinants[index] += 2.0 * np.log(np.diag(factor)).sum()
-        logs = -0.5 * (squared + determinants[:, None] + len(residuals) * LOG_2PI)
+        known = np.where(finite, residuals, 0.0)
+        logs = np.stack([self.covariance(linear, noise, prior_sd).log_densities(known) for noise in noises])
         return np.where(finite, logs, -np.inf)
-
-    def _inner_products(
-        self, linear: DiveLinearisation, columns: Array, noises: tuple[Noise, ...]
-    ) -> Iterator[tuple[Array, Array]]:
-        """Inner products of columns over each dive, and ln |covariance|, at each of the noises."""
-        for rows, covariance in zip(self.parts, self.covariances(linear, noises), strict=True):
-            yield inner_products(covariance, columns[rows])
 
 
 def _with_shared(prior_sd: Array, noise: Noise) -> Array:
@@ -200,29 +164,3 @@ def inner_products(covariance: Array, columns: Array) -> tuple[Array, Array]:
     factor = np.linalg.cholesky(covariance)
     white = np.stack([lapack.dtrtrs(one.T, columns, trans=1)[0] for one in factor])
     return np.swapaxes(white, 1, 2) @ white, 2.0 * np.log(np.diagonal(factor, axis1=1, axis2=2)).sum(axis=1)
-
-
-def marginalised_products(
-    grams: Array, log_determinants: Array, prior_sd: Array, noises: tuple[Noise, ...]
-) -> list[InnerProducts]:
-    """Integrate the coordinates out of the inner products of other columns and the data, at each noise.
-
-    Parameters
-    ----------
-    grams : array, shape (g, c, c)
-        Of k coordinates' columns, what the dives share beside them, other columns and the data.
-    log_determinants : array, shape (g,)
-        Of the covariance.
-    prior_sd : array, shape (k,)
-        Of the coordinates.
-    noises : tuple of Noise, length g
-    """
-    found, inner = [], len(prior_sd) + 1
-    for noise, gram, log_determinant in zip(noises, grams, log_determinants, strict=True):
-        prior = _with_shared(prior_sd, noise)
-        own, others = gram[:inner, :inner], gram[:inner, inner:]
-        factor = np.linalg.cholesky(standardised_gram(own, prior) + np.eye(inner))
-        known = solve_triangular(factor, standardised(others.T, prior).T, lower=True)
-        total = float(log_determinant + 2.0 * np.log(np.diag(factor)).sum())
-        found.append(InnerProducts(noise.log_prior, total, gram[inner:, inner:] - known.T @ known))
-    return found

@@ -6,7 +6,6 @@ from functools import partial
 
 import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
-from scipy.linalg import solve_triangular
 from scipy.special import logsumexp
 
 from missionplan.arrays import Array
@@ -24,6 +23,7 @@ from missionplan.diagnosis.dives.supersets import log_gains
 from missionplan.diagnosis.given.effects import GivenEffect
 from missionplan.diagnosis.given.priors import check_together, given_effects, given_priors
 from missionplan.diagnosis.inference.axes import Axis
+from missionplan.diagnosis.inference.block_covariance import BlockCovariance
 from missionplan.diagnosis.inference.importance_sampling import DRAWS, SampledEvidence, sampled_evidence
 from missionplan.diagnosis.inference.marginal_likelihood import QUANTILE_95
 from missionplan.diagnosis.inference.model import CauseFit, HeldOutScore
@@ -116,10 +116,9 @@ class DescentModel(DescentFitting):
             products_by_noise=partial(self.products, linear, prior_sd),
         )
 
-    def _covariance(self, fit: CauseFit) -> Array:
-        """Covariance of all readings under a fit, at its most likely noise, shape (N, N) [m²]."""
-        noise = noise_grid()[fit.state.best_noise]
-        return self.total_covariance(fit.state.linear, noise, fit.state.prior_sd)
+    def _covariance(self, fit: CauseFit) -> BlockCovariance:
+        """Covariance of all readings under a fit, at its most likely noise [m²]."""
+        return self.covariance(fit.state.linear, noise_grid()[fit.state.best_noise], fit.state.prior_sd)
 
     def axes(self, linear: DiveLinearisation) -> Sequence[Axis]:
         """Axes along which a discrepancy is sought."""
@@ -132,8 +131,7 @@ class DescentModel(DescentFitting):
 
     def innovations(self, fit: CauseFit) -> Array:
         """One-step-ahead errors of the readings over their standard deviations, dive after dive, shape (N,)."""
-        factor = np.linalg.cholesky(self._covariance(fit))
-        return np.asarray(solve_triangular(factor, fit.state.linear.y, lower=True, check_finite=False))
+        return self._covariance(fit).innovations(fit.state.linear.y)
 
     def held_out(self, fits: Sequence[CauseFit]) -> list[list[HeldOutScore]]:
         """Predict each dive from the others under several fits: causes and noise fitted to the others alone.

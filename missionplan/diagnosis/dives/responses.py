@@ -17,8 +17,8 @@ from missionplan.arrays import Array
 from missionplan.diagnosis.dives.fitting import log_joint_with_noise
 from missionplan.diagnosis.dives.noise import NOMINAL_NOISE, Noise, noise_grid
 from missionplan.diagnosis.inference.axes import Axis
+from missionplan.diagnosis.inference.block_covariance import InnerProducts
 from missionplan.diagnosis.inference.model import CauseFit
-from missionplan.diagnosis.inference.residual_tests import InnerProducts
 from missionplan.diagnosis.inference.set_evidence import log_slab_factor
 from missionplan.diagnosis.inference.weighing import NeutralResponses
 
@@ -49,7 +49,9 @@ def responses_beside(model: "DescentModel", fits: Sequence[CauseFit]) -> Neutral
     parts = [[next(places) for _ in axis] for axis in columns]
     in_some = [axis.in_some_runs for axis in axes]
     gains = [
-        _log_gains(model.products(fit.state.linear, fit.state.prior_sd, joined, _likely_noises(fit)), parts, in_some)
+        _log_gains(
+            list(model.products(fit.state.linear, fit.state.prior_sd, joined, _likely_noises(fit))), parts, in_some
+        )
         for fit in fits
     ]
     return NeutralResponses([(axis.name, axis.description) for axis in axes], np.array(gains))
@@ -112,7 +114,7 @@ def _log_gains(
 ) -> Array:
     """What each response adds to the log evidence of a fit, averaged over noises, sizes and its alternatives."""
     grams = np.stack([each.gram for each in products])
-    plain = np.array([each.log_weight - 0.5 * (each.log_determinant + float(each.gram[-1, -1])) for each in products])
+    plain = np.array([each.log_density for each in products])
     plain -= logsumexp(plain)
 
     def gain(part: NDArray[np.intp]) -> float:

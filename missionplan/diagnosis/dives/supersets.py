@@ -17,9 +17,9 @@ from missionplan.arrays import Array
 from missionplan.diagnosis.dives.likelihood import DescentLikelihood
 from missionplan.diagnosis.dives.linearised import DIFFERENCE
 from missionplan.diagnosis.dives.noise import noise_grid
+from missionplan.diagnosis.inference.block_covariance import InnerProducts
 from missionplan.diagnosis.inference.model import CauseFit
 from missionplan.diagnosis.inference.prior import log_normal_mass
-from missionplan.diagnosis.inference.residual_tests import InnerProducts
 from missionplan.diagnosis.inference.set_evidence import SCALES, log_slab_factor
 from missionplan.results.learned.evidence import Causes
 
@@ -115,14 +115,14 @@ def _gains(model: DescentLikelihood, fit: CauseFit, sets: Sequence[Causes], colu
     known = {each.effect for each in model.given}
     changed = [tuple(name for name in causes if name in known and name not in fit.causes) for causes in sets]
     products = {own: _products(model, fit, own, columns.values) for own in {(), *changed}}
-    plain = _log_density(products[()])
+    plain = products[()].log_density
     prior = model.prior(model.candidates)
     slabs = _Slabs(model.slab, prior.centre, *prior.bounds, prior.log_masses)
     gains = []
     for causes, own in zip(sets, changed, strict=True):
         more = set(causes) - set(fit.causes)
         strengths = np.array([i for i, c in enumerate(model.coordinates) if c.effect in more and c.kind != "shape"])
-        gains.append(_gain(strengths, columns, products[own].gram, slabs) + _log_density(products[own]))
+        gains.append(_gain(strengths, columns, products[own].gram, slabs) + products[own].log_density)
     return np.array(gains) - plain
 
 
@@ -148,11 +148,6 @@ def _products(model: DescentLikelihood, fit: CauseFit, changed: Causes, columns:
         linear = replace(linear, y=linear.y - linear.columns[:, own] @ (centre - linear.centre)[own])
     (found,) = model.products(linear, prior_sd, columns, (noise_grid()[fit.state.best_noise],))
     return found
-
-
-def _log_density(products: InnerProducts) -> float:
-    """Log density of the data without further causes, up to what all have in common."""
-    return -0.5 * (products.log_determinant + float(products.gram[-1, -1]))
 
 
 def _gain(strengths: NDArray[np.int_], columns: _FurtherColumns, gram: Array, slabs: _Slabs) -> float:

@@ -15,7 +15,8 @@ from scipy.special import logsumexp
 
 from missionplan.arrays import Array
 from missionplan.diagnosis.inference.axes import Axis
-from missionplan.diagnosis.inference.residual_tests import InnerProducts, Residuals, rejects, residual_tests
+from missionplan.diagnosis.inference.block_covariance import InnerProducts
+from missionplan.diagnosis.inference.residual_tests import Residuals, rejects, residual_tests
 from missionplan.results.learned.evidence import Discrepancy, DiscrepancyShape
 
 THRESHOLD = 3.0
@@ -61,22 +62,24 @@ def along_each_axis(residuals: Residuals) -> list[tuple[Axis, float]]:
     if not axes:
         return []
     plain: list[float] = []
-    with_it: list[list[float]] = []
+    with_it: list[float] = []
     for batch in _batches(axes):
         ends = np.cumsum([axis.response.shape[1] for axis in batch])
         parts = [slice(end - axis.response.shape[1], end) for axis, end in zip(batch, ends, strict=True)]
         bases = [_bases(axis, residuals) for axis in batch]
-        products = residuals.inner_products(np.concatenate([axis.response for axis in batch], axis=1))
-        plain, with_it = [], with_it or [[] for _ in products]
-        for found, by_axis in zip(products, with_it, strict=True):
+        plain, by_noise = [], []
+        for found in residuals.inner_products(np.concatenate([axis.response for axis in batch], axis=1)):
             total, count = float(found.gram[-1, -1]), len(residuals.values)
             known = found.log_weight - 0.5 * found.log_determinant
             plain.append(known + float(logsumexp(_log_likelihoods(np.zeros(0), np.zeros(0), total, count))))
-            by_axis += [
-                known + _averaged(found.gram[part, part], found.gram[part, -1], basis, total, count)
-                for part, basis in zip(parts, bases, strict=True)
-            ]
-    logs = logsumexp(with_it, axis=0) - logsumexp(plain)
+            by_noise.append(
+                [
+                    known + _averaged(found.gram[part, part], found.gram[part, -1], basis, total, count)
+                    for part, basis in zip(parts, bases, strict=True)
+                ]
+            )
+        with_it += logsumexp(by_noise, axis=0).tolist()
+    logs = np.array(with_it) - logsumexp(plain)
     order = np.argsort(-logs, kind="stable")
     return [(axes[index], float(logs[index])) for index in order]
 
@@ -119,7 +122,7 @@ def _function_posterior(products: InnerProducts, basis: Array, size: float) -> t
 
 def _bases(axis: Axis, residuals: Residuals) -> list[Array]:
     """Columns of smooth functions of each length, scaled so that their mean variance in the data is the typical one."""
-    typical = float(np.sqrt(np.median(np.diag(residuals.covariance))))
+    typical = float(np.sqrt(np.median(residuals.covariance.variances)))
     inner, size = axis.response.T @ axis.response, len(axis.places)
     bases = []
     for length in LENGTHS:

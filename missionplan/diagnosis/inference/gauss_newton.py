@@ -14,9 +14,9 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import solve_triangular
 
 from missionplan.arrays import Array
+from missionplan.diagnosis.inference.block_covariance import BlockCovariance
 from missionplan.diagnosis.inference.prior import Prior
 
 COMPARED_AFTER, ABANDONED_BEYOND = 3, 3.0
@@ -37,8 +37,8 @@ class LeastSquares:
     """f, of m settings of the coordinates at once: (k, m) → (N, m)."""
     y: Array
     """Data, shape (N,)."""
-    noise: Array
-    """Standard deviations of independent noise, or the covariance of the noise, shape (N,) or (N, N)."""
+    noise: Array | BlockCovariance
+    """Standard deviations of independent noise, shape (N,), or the covariance of the noise."""
     centre: Array
     prior_sd: Array
     noise_factors: tuple[float, float] = (1.0, 1.0)
@@ -160,8 +160,7 @@ class _Evaluator:
 
     def __init__(self, problem: LeastSquares, starts: Sequence[Start], options: GaussNewtonOptions) -> None:
         self._problem, self._options = problem, options
-        rows = {_key(start): start.rows for start in starts}
-        self._factors = {key: _cholesky(problem.noise, own) for key, own in rows.items() if problem.noise.ndim == 2}
+        self._noises: dict[bytes, BlockCovariance] = {}
 
     def __call__(self, wanted: Sequence[tuple[Start, Array]]) -> list[_Point]:
         """Evaluate searches, given by their starts, at coordinates."""
@@ -202,10 +201,15 @@ class _Evaluator:
 
     def _whitened(self, start: Start, columns: Array) -> Array:
         """Rows of the data that are fitted, over the noise."""
-        rows = slice(None) if start.rows is None else start.rows
-        if self._problem.noise.ndim == 1:
-            return np.asarray(columns[rows] / self._problem.noise[rows, None])
-        return np.asarray(solve_triangular(self._factors[_key(start)], columns[rows], lower=True, check_finite=False))
+        rows, noise = slice(None) if start.rows is None else start.rows, self._problem.noise
+        if not isinstance(noise, BlockCovariance):
+            return np.asarray(columns[rows] / noise[rows, None])
+        if start.rows is None:
+            return noise.whitened(columns)
+        key = start.rows.tobytes()
+        if key not in self._noises:
+            self._noises[key] = noise.restricted(start.rows)
+        return self._noises[key].whitened(columns[rows])
 
     def step(self, start: Start, point: _Point) -> Array:
         """Gauss–Newton step, shape (k,): the solution of the normal equations in scaled coordinates, bounded."""
@@ -258,17 +262,6 @@ def _abandon(searches: Sequence[_Search]) -> None:
     for search in searches:
         if search.point.objective >= best[search.start.group] + ABANDONED_BEYOND:
             search.running = False
-
-
-def _key(start: Start) -> bytes:
-    """What starts with the same data have in common."""
-    return b"" if start.rows is None else start.rows.tobytes()
-
-
-def _cholesky(covariance: Array, rows: NDArray[np.int_] | None) -> Array:
-    """Lower Cholesky factor of the covariance of some of the data."""
-    chosen = np.arange(len(covariance)) if rows is None else rows
-    return np.asarray(np.linalg.cholesky(covariance[np.ix_(chosen, chosen)]), dtype=float)
 
 
 def _likeliest_factor(white: Array, factors: tuple[float, float]) -> float:

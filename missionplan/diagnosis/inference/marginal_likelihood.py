@@ -10,7 +10,7 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.linalg import lapack, solve_triangular
+from scipy.linalg import lapack
 from scipy.special import gammaln
 
 from missionplan.arrays import Array
@@ -158,24 +158,3 @@ def _curvature(hessian: Array, columns: Array, residual: Array, weight: Array, d
     """Negative second derivatives of the log density, whose first part, `hessian`, takes the weights as given."""
     along = (residual[:, None] * columns).reshape(2, len(weight), -1).sum(axis=0)
     return np.asarray(hessian - along.T @ (along * (2.0 * weight**2 / (dof + 2.0))[:, None]))
-
-
-def expected_log_ratio(truth: Normal, first: Normal, second: Normal) -> float:
-    """Return the mean of ln p₁(y) − ln p₂(y) over y from the truth, all normal: an expected log Bayes factor.
-
-    The difference of two Kullback–Leibler divergences between normals (Rasmussen & Williams 2006, Eq. A.23).
-
-    Parameters
-    ----------
-    truth, first, second : tuple of array
-        Mean, shape (N,), and covariance, shape (N, N), of the data.
-    """
-    mean, covariance = truth
-    spread = np.linalg.cholesky(covariance)
-    total = 0.0
-    for sign, (centre, own) in ((-1.0, first), (1.0, second)):
-        factor = np.linalg.cholesky(own)
-        both = np.concatenate([spread, (mean - centre)[:, None]], axis=1)
-        white = solve_triangular(factor, both, lower=True, check_finite=False)
-        total += sign * (0.5 * float(np.sum(white**2)) + float(np.log(np.diag(factor)).sum()))
-    return total

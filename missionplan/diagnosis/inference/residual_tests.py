@@ -1,29 +1,16 @@
 """What a model leaves: residuals of its fit, and tests of them."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
-from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import solve_triangular
 from scipy.special import chdtrc, ndtri
 
 from missionplan.arrays import Array
 from missionplan.diagnosis.inference.axes import Axis
+from missionplan.diagnosis.inference.block_covariance import BlockCovariance, InnerProducts
 from missionplan.results.learned.evidence import ResidualTest
-
-
-@dataclass(frozen=True)
-class InnerProducts:
-    """Inner products xᵀW⁻¹y of columns and residuals, W the residuals' covariance at one level of the model's noise."""
-
-    log_weight: float
-    """Log prior weight of that noise."""
-    log_determinant: float
-    """ln |W|."""
-    gram: Array
-    """Of m columns and, last, the residuals, shape (m + 1, m + 1)."""
 
 
 @dataclass(frozen=True)
@@ -32,8 +19,8 @@ class Residuals:
 
     values: Array
     """Data less the prior mean of the (linearised) model, in the order of the record, shape (N,)."""
-    covariance: Array
-    """Of the values under the model, uncertain parameters included, shape (N, N)."""
+    covariance: BlockCovariance
+    """Of the values under the model, uncertain parameters included."""
     series: NDArray[np.int_]
     """Which series each value belongs to: runs and components, shape (N,)."""
     axes: Sequence[Axis]
@@ -42,29 +29,19 @@ class Residuals:
     """Runs, which the search for outlying groups leaves out in turn, shape (N,)."""
     quantised: bool = False
     """Whether the residual tests ignore what alternates, as readings of a coarse sensor in quick succession do."""
-    products_by_noise: Callable[[Array], Sequence[InnerProducts]] | None = None
+    products_by_noise: Callable[[Array], Iterable[InnerProducts]] | None = None
     """From columns, shape (N, m), to their inner products at every noise over which the test for a discrepancy
     averages; default the one noise of the covariance."""
 
-    @cached_property
-    def _factor(self) -> Array:
-        return np.asarray(np.linalg.cholesky(self.covariance), dtype=float)
-
     def innovations(self) -> Array:
-        """Return one-step-ahead errors over their standard deviations, shape (N,): white noise if all is well.
+        """Return one-step-ahead errors over their standard deviations, shape (N,)."""
+        return self.covariance.innovations(self.values)
 
-        L⁻¹ r with W = L Lᵀ: the prediction-error decomposition (Harvey 1989, *Forecasting, Structural Time Series
-        Models and the Kalman Filter*, section 3.4).
-        """
-        return np.asarray(solve_triangular(self._factor, self.values, lower=True, check_finite=False))
-
-    def inner_products(self, columns: Array) -> Sequence[InnerProducts]:
+    def inner_products(self, columns: Array) -> Iterable[InnerProducts]:
         """Return inner products of columns, shape (N, m), and the values at every noise over which to average."""
         if self.products_by_noise is not None:
             return self.products_by_noise(columns)
-        both = np.concatenate([columns, self.values[:, None]], axis=1)
-        white = solve_triangular(self._factor, both, lower=True, check_finite=False)
-        return [InnerProducts(0.0, 2.0 * float(np.log(np.diag(self._factor)).sum()), white.T @ white)]
+        return [self.covariance.products(columns, self.values)]
 
 
 OUTLYING = 0.01
@@ -155,19 +132,14 @@ def rejects(tests: tuple[ResidualTest, ...]) -> bool:
 def outlying_groups(residuals: Residuals) -> tuple[tuple[str, float], ...]:
     """Return groups that the others do not predict, with their p-values (Bonferroni over groups).
 
-    With the precision P = W⁻¹ a group's error of prediction from all others is (P_gg)⁻¹(P r)_g, with covariance
-    (P_gg)⁻¹: its squared Mahalanobis length is χ² with as many degrees of freedom as the group has values. For groups
-    of one these are the leave-one-out formulas of Dubrule (1983, *Math. Geol.* 15); Rasmussen & Williams (2006, Eq.
-    5.12).
+    The squared Mahalanobis length of a group's error is χ² with as many degrees of freedom as the group has values.
     """
     names = list(dict.fromkeys(residuals.groups.tolist()))
-    precision = np.linalg.inv(residuals.covariance)
-    pulled = precision @ residuals.values
+    groups = [np.flatnonzero(residuals.groups == name) for name in names]
     found = []
-    for name in names:
-        own = np.flatnonzero(residuals.groups == name)
-        squared = float(pulled[own] @ np.linalg.solve(precision[np.ix_(own, own)], pulled[own]))
-        p_value = min(1.0, float(chdtrc(len(own), squared)) * len(names))
+    for name, (error, covariance) in zip(names, residuals.covariance.left_out(residuals.values, groups), strict=True):
+        squared = float(error @ np.linalg.solve(covariance, error))
+        p_value = min(1.0, float(chdtrc(len(error), squared)) * len(names))
         if p_value < OUTLYING and len(names) > 1:
             found.append((name, p_value))
     return tuple(found)

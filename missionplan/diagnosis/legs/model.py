@@ -5,11 +5,11 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import solve_triangular
 
 from missionplan.arrays import Array
 from missionplan.datasets.records import TransitData
-from missionplan.diagnosis.inference.marginal_likelihood import QUANTILE_95, Normal, expected_log_ratio
+from missionplan.diagnosis.inference.block_covariance import BlockCovariance
+from missionplan.diagnosis.inference.marginal_likelihood import QUANTILE_95, Normal
 from missionplan.diagnosis.inference.model import CauseFit, FailedFit, FitRequest, HeldOutScore
 from missionplan.diagnosis.inference.residual_tests import Residuals
 from missionplan.diagnosis.inference.selection import Progress, Selection, no_progress
@@ -18,6 +18,7 @@ from missionplan.diagnosis.legs.designs import DESIGNS, designs_for, with_furthe
 from missionplan.diagnosis.legs.fitting import TransitFitting
 from missionplan.diagnosis.legs.likelihood.covariance import ALL_LEGS
 from missionplan.diagnosis.legs.likelihood.linearised import LinearisedLegs
+from missionplan.diagnosis.legs.likelihood.markov_covariance import LegSelection
 from missionplan.diagnosis.legs.posterior import infer, with_forms
 from missionplan.diagnosis.legs.set_density import LegInference
 from missionplan.diagnosis.legs.terms import terms_of
@@ -54,31 +55,23 @@ class TransitModel(TransitFitting):
     def residuals(self, fit: CauseFit) -> Residuals:
         """Velocity errors leg by leg (first axis, second axis, next leg) and their covariance under a fit."""
         return Residuals(
-            *self._leg_by_leg(fit),
+            leg_by_leg(fit.state.linear.y),
+            self.error_covariance(fit, fit.state.linear),
             np.tile([0, 1], self.data.n),
             transit_axes(self.data, self.leg, self.axes),
             np.repeat(self.data.labels, 2),
         )
 
-    def _leg_by_leg(self, fit: CauseFit) -> Normal:
-        """Velocity errors leg by leg, shape (2n,), and their covariance under a fit, shape (2n, 2n)."""
-        order = np.arange(2 * self.data.n).reshape(2, -1).T.ravel()
-        covariance = self._total_covariance(fit, fit.state.linear)
-        return fit.state.linear.y.ravel()[order], covariance[np.ix_(order, order)]
-
-    def _total_covariance(self, fit: CauseFit, linear: LinearisedLegs) -> Array:
-        """Covariance of all errors under a fit's noise and the coefficients' priors, first axis then second."""
+    def error_covariance(self, fit: CauseFit, linear: LinearisedLegs, rows: LegSelection = ALL_LEGS) -> BlockCovariance:
+        """Covariance of errors leg by leg under a fit's noise and the coefficients' priors: axes are independent."""
         values = fit.state.values
-        noise = self.noise(values)
-        n = self.data.n
-        columns = (linear.columns * linear.prior_sd(values)).reshape(2 * n, -1)
-        total = columns @ columns.T
-        total[:n, :n] += noise[0]
-        total[n:, n:] += noise[1]
-        return total
+        noise = self.noise(values, rows)
+        both = 2 * np.arange(noise.shape[1])
+        columns = linear.columns[:, rows] * linear.prior_sd(values)
+        return BlockCovariance((both, both + 1), (noise[0], noise[1]), leg_by_leg(columns))
 
     def predicted(self, fit: CauseFit, seen: NDArray[np.int_], wanted: NDArray[np.int_]) -> Normal:
-        """Predict legs from others under a fit, by the precision of all of them (Rue & Held 2005, Theorem 2.5).
+        """Predict legs from others under a fit.
 
         Parameters
         ----------
@@ -90,38 +83,21 @@ class TransitModel(TransitFitting):
         Returns
         -------
         tuple of array
-            Mean, shape (2, m), and covariance, shape (2m, 2m), first axis then second, of the velocity errors beyond
-            the base model's mean [m/s].
+            Mean, shape (2, m), and covariance, shape (2m, 2m), leg by leg, of the velocity errors beyond the base
+            model's mean [m/s].
         """
-        linear, noise = fit.state.linear, self.noise_components(fit.state.values)
-        rows = np.union1d(seen, wanted)
-        legs, own = self.markov_covariance(rows), np.searchsorted(rows, wanted)
-        ones = np.zeros((2, len(rows), 2, len(own)))
-        for axis in (0, 1):
-            ones[axis, own, axis, np.arange(len(own))] = 1.0
-        columns = linear.columns[:, rows] * linear.prior_sd(fit.state.values)
-        joined = [columns, ones.reshape(2, len(rows), -1), linear.y[:, rows, None]]
-        independent = noise.independent(legs.under_way)
-        gram, _ = legs.gram(np.concatenate(joined, axis=2), independent, noise.fix_sd, noise.process)
-        k = columns.shape[2]
-        factor = np.linalg.cholesky(gram[:k, :k] + np.eye(k))
-        half = solve_triangular(factor, gram[:k, k:], lower=True, check_finite=False)
-        precision = gram[k:, k:] - half.T @ half
-        covariance = np.linalg.inv(precision[:-1, :-1])
-        mean = linear.y[:, wanted] - (covariance @ precision[:-1, -1]).reshape(2, -1)
-        return mean + (self.y - linear.y)[:, wanted], covariance
+        linear, rows = fit.state.linear, np.union1d(seen, wanted)
+        own = np.searchsorted(rows, wanted)
+        places = np.stack([2 * own, 2 * own + 1], axis=1).ravel()
+        found = self.error_covariance(fit, linear, rows).left_out(leg_by_leg(linear.y[:, rows]), [places])
+        error, covariance = next(found)
+        return self.y[:, wanted] - error.reshape(-1, 2).T, covariance
 
     def one_step_errors(self, fit: CauseFit) -> Array:
-        """Error of each leg's prediction from the legs before it, on the principal axes, shape (2, n) [m/s].
-
-        From the Cholesky factor of the covariance (Durbin & Koopman 2012, Section 4.13).
-        """
-        values, covariance = self._leg_by_leg(fit)
-        factor = np.linalg.cholesky(covariance)
-        innovations = solve_triangular(factor, values, lower=True, check_finite=False).reshape(-1, 2)
-        places = 2 * np.arange(self.data.n)
-        blocks = np.stack([[factor[places + i, places + j] for j in (0, 1)] for i in (0, 1)])
-        return np.asarray(np.einsum("ijn,nj->in", blocks, innovations))
+        """Error of each leg's prediction from the legs before it, on the principal axes, shape (2, n) [m/s]."""
+        linear = fit.state.linear
+        errors = self.error_covariance(fit, linear).errors_ahead(leg_by_leg(linear.y), 2)
+        return errors.reshape(-1, 2).T
 
     def blocks(self) -> list[NDArray[np.int_]]:
         """Blocks of consecutive legs to hold out: neighbours' errors are correlated (Roberts et al. 2017)."""
@@ -146,7 +122,7 @@ class TransitModel(TransitFitting):
         )
         log_score = whole.log_density - seen.log_density
         mean, covariance = model.predicted(trained, others, block)
-        error = (self.y[:, block] - mean).ravel()
+        error = leg_by_leg(self.y[:, block] - mean)
         standardised = error / np.sqrt(np.diag(covariance))
         name = f"legs {self.data.labels[block[0]]} to {self.data.labels[block[-1]]}"
         inside = int((np.abs(standardised) <= QUANTILE_95).sum())
@@ -158,7 +134,7 @@ class TransitModel(TransitFitting):
         return [DESIGNS[index][0] for index in designs_for(self.data)]
 
     def discrimination(self, first: CauseFit, second: CauseFit, entry: int | None) -> float:
-        """Expected log Bayes factor of the first fit over the second, were the first true; see `expected_log_ratio`.
+        """Expected log Bayes factor of the first fit over the second, were the first true.
 
         Parameters
         ----------
@@ -168,17 +144,18 @@ class TransitModel(TransitFitting):
             Of `designs`, added to the log; None for the log alone.
         """
         model = self if entry is None else self._with_design(entry)
-        truth = model.with_term(first.state.term)
-        own = np.array([coordinate.effect in first.causes for coordinate in truth.coordinates])
-        columns = truth.columns_at(first).reshape(2 * model.data.n, -1)
-        signal = columns @ np.where(own, first.state.mean - truth.expected, 0.0)
-        predictive = []
+        acting = model.with_term(first.state.term)
+        own = np.array([coordinate.effect in first.causes for coordinate in acting.coordinates])
+        signal = acting.columns_at(first) @ np.where(own, first.state.mean - acting.expected, 0.0)
+        truth = model.error_covariance(first, model.linearised(()))
+        entropies = []
         for fit in (first, second):
             acting = model.with_term(fit.state.term)
             linear = acting.linearised(fit.causes, fit.state.linear.about, fit.state.forms)
-            usual = acting.columns_at(fit).reshape(2 * model.data.n, -1) @ (linear.prior.mean - acting.expected)
-            predictive.append((usual, acting._total_covariance(fit, linear)))
-        return max(expected_log_ratio((signal, model._total_covariance(first, model.linearised(()))), *predictive), 0.0)
+            usual = acting.columns_at(fit) @ (linear.prior.mean - acting.expected)
+            covariance = acting.error_covariance(fit, linear)
+            entropies.append(covariance.cross_entropy(truth, leg_by_leg(signal - usual)))
+        return max(entropies[1] - entropies[0], 0.0)
 
     def columns_at(self, fit: CauseFit) -> Array:
         """Columns of the coordinates, where a term has to be linearised about a fit as this has it, shape (2, n, k)."""
@@ -197,3 +174,8 @@ class TransitModel(TransitFitting):
         )
         base = np.concatenate([self.base, added], axis=1)
         return replace(self, data=data, base=base, site_current=current, only=self.with_term(None).coordinates)
+
+
+def leg_by_leg(values: Array) -> Array:
+    """Values on both axes, shape (2, n, …), leg by leg: (2n, …)."""
+    return values.swapaxes(0, 1).reshape(-1, *values.shape[2:])

@@ -82,7 +82,7 @@ def _prediction(model: DescentModel, each: Believed, linear: DiveLinearisation, 
     own = replace(linear, shaped=np.zeros_like(added))
     spikes = np.array([coordinate.spike for coordinate in model.coordinates])
     noises, shares = _noises(each.fit.state)
-    covariances = [model.total_covariance(own, noise, spikes) + shared for noise in noises]
+    covariances = [model.covariance(own, noise, spikes).dense() + shared for noise in noises]
     centre = linear.readings - model.release_delay_shift(linear)
     return Prediction(centre, linear.columns[:, each.posterior.places], np.stack(covariances), shares)
 

@@ -100,7 +100,7 @@ def _part(data: PreparedDives, mission: Mission, share: float, seed: int) -> Par
     spread = model.nuisance_sd(())  # nil for the mission's own effects: those are drawn
     noises = []
     for noise in noise_grid():
-        covariance = model.total_covariance(model.base, noise, spread)
+        covariance = model.covariance(model.base, noise, spread).dense()
         noises.append(Noise(float(np.exp(noise.log_prior)), covariance, np.ones(1), np.zeros(len(covariance))))
     return Part(share, expected, tuple(noises))
 

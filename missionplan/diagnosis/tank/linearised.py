@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from scipy.linalg import solve_triangular
 
 from missionplan.arrays import Array
+from missionplan.diagnosis.inference.block_covariance import BlockCovariance
 from missionplan.diagnosis.inference.marginal_likelihood import LOG_2PI, QUANTILE_95, Marginal
 
 
@@ -57,35 +58,6 @@ def fitted_root(columns: Array, prior: Array, sd: Array) -> Array:
 
 
 @dataclass(frozen=True)
-class _Whitening:
-    """Inverse root of I + effects·effectsᵀ, by the singular values of the effects.
-
-    Attributes
-    ----------
-    directions : array, shape (N, m)
-    values : array, shape (m,)
-    """
-
-    directions: Array
-    values: Array
-
-    @classmethod
-    def of(cls, effects: Array) -> "_Whitening":
-        directions, values, _ = np.linalg.svd(effects, full_matrices=False)
-        return cls(directions, values)
-
-    def __call__(self, data: Array) -> Array:
-        """Whiten vectors, shape (N,) or (N, k)."""
-        shrunk = 1.0 - 1.0 / np.hypot(1.0, self.values)
-        return np.asarray(data - (self.directions * shrunk) @ (self.directions.T @ data))
-
-    @property
-    def log_root(self) -> float:
-        """Log determinant of the root."""
-        return float(np.log(np.hypot(1.0, self.values)).sum())
-
-
-@dataclass(frozen=True)
 class GroupPrediction:
     """A group as the others predict it."""
 
@@ -130,18 +102,18 @@ class LinearData:
         alike, and no set would gain, however far it lies outside its spike.
         """
         rows = [self.groups == name for name in dict.fromkeys(self.groups.tolist())]
-        scaled = self.columns * self.prior / self.sd[:, None]
-        whitenings = [_Whitening.of(scaled[own][:, ~self.shared]) for own in rows]
-        columns = [white(scaled[own][:, self.shared]) for own, white in zip(rows, whitenings, strict=True)]
-        values = [white((self.y / self.sd)[own]) for own, white in zip(rows, whitenings, strict=True)]
+        both = np.concatenate([(self.columns * self.prior)[:, self.shared], self.y[:, None]], axis=1)
+        random = (self.columns * self.prior)[:, ~self.shared]
+        errors = [BlockCovariance.independent(self.sd[own], random[own]) for own in rows]
+        white = [each.whitened(both[own]) for own, each in zip(rows, errors, strict=True)]
         found = []
         for k, own in enumerate(rows):
-            seen_columns, seen = (np.concatenate(each[:k] + each[k + 1 :]) for each in (columns, values))
-            _, mean, root = _posterior(seen, seen_columns)
-            expected = _Whitening.of(columns[k] @ root)
-            left = expected(values[k] - columns[k] @ mean)
-            log_score = -0.5 * float(left @ left) - 0.5 * LOG_2PI * len(left) - float(np.log(self.sd[own]).sum())
-            log_score -= expected.log_root + whitenings[k].log_root
+            seen = np.concatenate(white[:k] + white[k + 1 :])
+            _, mean, root = _posterior(seen[:, -1], seen[:, :-1])
+            columns, values = white[k][:, :-1], white[k][:, -1]
+            expected = BlockCovariance.independent(np.ones(len(values)), columns @ root)
+            log_score = float(expected.log_densities((values - columns @ mean)[:, None])[0])
+            log_score -= 0.5 * errors[k].log_determinant
             inside = self._inside(own, mean, root)
             found.append(GroupPrediction(own, self.prior[self.shared] * mean, log_score, inside))
         return found

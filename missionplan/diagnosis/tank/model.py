@@ -8,6 +8,7 @@ from scipy.special import logsumexp
 
 from missionplan.arrays import Array
 from missionplan.diagnosis.inference.axes import Axis, pointwise, scaled
+from missionplan.diagnosis.inference.block_covariance import BlockCovariance
 from missionplan.diagnosis.inference.importance_sampling import SampledEvidence, sampled_evidence
 from missionplan.diagnosis.inference.marginal_likelihood import LOG_2PI
 from missionplan.diagnosis.inference.model import CauseFit, HeldOutScore
@@ -106,7 +107,7 @@ class TankModel(TankFitting):
         state, count = fit.state, len(fit.state.residuals)
         sd = state.factor * self.forward.sd
         known = fitted_root(state.columns, state.prior_sd, sd)
-        covariance = np.diag(sd**2) + COVARIANCE_INFLATION * known @ known.T
+        covariance = BlockCovariance.independent(sd, np.sqrt(COVARIANCE_INFLATION) * known)
         # rows of a table are no series: only a record in time is tested for errors that follow one another
         series = np.zeros(count, dtype=int) if "time" in self.forward.axes else np.arange(count)
         return Residuals(state.residuals, covariance, series, self._axes, self.forward.groups)

@@ -7,8 +7,8 @@ import pytest
 
 from missionplan.diagnosis.dives.discrepancy_axes import FORCE_STEP, force_axes
 from missionplan.diagnosis.dives.noise import noise_grid
+from missionplan.diagnosis.inference.block_covariance import InnerProducts
 from missionplan.diagnosis.inference.discrepancy import discrepancy
-from missionplan.diagnosis.inference.residual_tests import InnerProducts
 from missionplan.phases.hooks import DescentEffect
 
 
@@ -105,10 +105,10 @@ def test_products_are_those_of_the_whole_covariance(measured):
     (fit,) = model.fit_all([(("drag-bias",), ())])
     columns = np.random.default_rng(3).normal(size=(len(model.y), 2))
     residuals = model.residuals(fit)
-    found = residuals.inner_products(columns)
+    found = list(residuals.inner_products(columns))
     assert [each.log_weight for each in found] == [noise.log_prior for noise in noise_grid()]
     best: InnerProducts = found[fit.state.best_noise]
     both = np.column_stack([columns, residuals.values])
-    whole = both.T @ np.linalg.solve(residuals.covariance, both)
+    whole = both.T @ np.linalg.solve(residuals.covariance.dense(), both)
     np.testing.assert_allclose(best.gram, whole, rtol=1e-6, atol=1e-6 * np.abs(whole).max())
-    assert best.log_determinant == pytest.approx(np.linalg.slogdet(residuals.covariance)[1], abs=1e-6)
+    assert best.log_determinant == pytest.approx(np.linalg.slogdet(residuals.covariance.dense())[1], abs=1e-6)

@@ -72,7 +72,7 @@ def test_the_base_model_is_the_density_of_the_mission_as_it_stands(measured, car
     others[drag] = 0.0
     logs = []
     for noise in noise_grid():
-        density = stats.multivariate_normal(np.zeros(len(model.y)), model.total_covariance(linear, noise, others))
+        density = stats.multivariate_normal(np.zeros(len(model.y)), model.covariance(linear, noise, others).dense())
         logs.append(noise.log_prior + density.logpdf(residuals.T))
     prior = stats.norm(0.3, sd_here).logpdf(fractions)
     quadrature = logsumexp(logsumexp(logs, axis=0) + prior) + np.log(fractions[1] - fractions[0])

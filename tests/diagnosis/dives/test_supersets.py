@@ -43,7 +43,7 @@ def test_what_a_response_adds_is_that_of_the_whole_covariance(measured):
     (columns,) = responses._columns(model, fit, axes)[chosen]
     plain, beside = [], []
     for noise in noises:
-        total = model.total_covariance(linear, noise, prior_sd)
+        total = model.covariance(linear, noise, prior_sd).dense()
         plain.append(noise.log_prior + stats.multivariate_normal(cov=total).logpdf(linear.y))
         for scale, share in zip(SCALES, SCALE_PRIOR, strict=True):
             wider = total + scale**2 * columns @ columns.T

@@ -7,8 +7,9 @@ from scipy.special import logsumexp
 from scipy.stats import multivariate_normal
 
 from missionplan.diagnosis.inference.axes import Axis, AxisScale, around, pointwise
+from missionplan.diagnosis.inference.block_covariance import BlockCovariance, InnerProducts
 from missionplan.diagnosis.inference.discrepancy import LENGTHS, SCALE_SPREAD, SCALES, SIZES, discrepancy
-from missionplan.diagnosis.inference.residual_tests import InnerProducts, Residuals, outlying_groups
+from missionplan.diagnosis.inference.residual_tests import Residuals, outlying_groups
 
 N = 80
 
@@ -16,7 +17,7 @@ N = 80
 def residuals(values, axis=None, **others):
     axis = axis or pointwise("time", "values against time", np.linspace(0.0, 1.0, N)[:, None])
     groups = np.repeat([f"dive-{k + 1}" for k in range(4)], N // 4)
-    return Residuals(values, np.eye(N), np.zeros(N, dtype=int), [axis], groups, **others)
+    return Residuals(values, BlockCovariance.of(np.eye(N)), np.zeros(N, dtype=int), [axis], groups, **others)
 
 
 def test_white_residuals_leave_nothing():
@@ -33,7 +34,7 @@ def test_the_bayes_factor_is_that_of_normal_densities(strength):
     noise = np.diag(np.linspace(0.5, 1.5, 20) ** 2)
     values = rng.multivariate_normal(np.zeros(20), noise) + strength * np.sin(6.0 * where[:, 0])
     axis = pointwise("time", "values against time", where)
-    given = Residuals(values, noise, np.zeros(20, dtype=int), [axis], np.repeat("dive-1", 20))
+    given = Residuals(values, BlockCovariance.of(noise), np.zeros(20, dtype=int), [axis], np.repeat("dive-1", 20))
     prior = np.exp(-0.5 * (np.log(SCALES) / SCALE_SPREAD) ** 2)
     typical = np.median(np.diag(noise))
 

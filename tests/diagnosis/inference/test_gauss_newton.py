@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from missionplan.diagnosis.inference.block_covariance import BlockCovariance
 from missionplan.diagnosis.inference.gauss_newton import (
     GaussNewtonOptions,
     LeastSquares,
@@ -41,7 +42,9 @@ def test_a_linear_model_reaches_its_closed_form(options):
 
 def test_a_diagonal_covariance_is_independent_noise():
     _, plain = linear()
-    dense = LeastSquares(plain.predict, plain.y, np.diag(plain.noise**2), plain.centre, plain.prior_sd)
+    dense = LeastSquares(
+        plain.predict, plain.y, BlockCovariance.of(np.diag(plain.noise**2)), plain.centre, plain.prior_sd
+    )
     rows = np.array([0, 2, 3, 5, 8])
     starts = [Start(plain.centre, np.array([0, 2]), 0), Start(plain.centre, np.array([0, 2]), 1, rows)]
     for one, other in zip(*(gauss_newton(problem, starts, FINE) for problem in (plain, dense)), strict=True):
@@ -81,7 +84,7 @@ def test_a_start_beside_a_cliff_is_given_up(start, end):
         assert np.all(np.isfinite(values))
         return np.where(values[0] <= 1.0, values[0], np.nan) * np.ones((3, 1))
 
-    problem = LeastSquares(predict, np.full(3, 0.5), 1e-4 * np.eye(3), np.zeros(1), np.ones(1))
+    problem = LeastSquares(predict, np.full(3, 0.5), BlockCovariance.of(1e-4 * np.eye(3)), np.zeros(1), np.ones(1))
     (found,) = gauss_newton(problem, [Start(np.array([start]), ONE, 0)], COARSE)
     if np.isfinite(end):
         assert found.at[0] == pytest.approx(end, abs=1e-3)

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from scipy import stats
 
+from missionplan.diagnosis.inference.block_covariance import BlockCovariance
 from missionplan.diagnosis.inference.residual_tests import (
     OUTLYING,
     TEST_LEVEL,
@@ -48,7 +49,7 @@ def groups(count: int, off: float) -> Residuals:
     values = np.zeros(count)
     values[0] = off
     names = np.array([f"dive-{k}" for k in range(count)])
-    return Residuals(values, np.eye(count), np.zeros(count, dtype=int), (), names)
+    return Residuals(values, BlockCovariance.of(np.eye(count)), np.zeros(count, dtype=int), (), names)
 
 
 def test_an_outlying_groups_p_value_allows_for_their_number():

@@ -82,6 +82,11 @@ def test_persistence_is_the_effects_own_covariance(folder, transit_mission, legs
     assert with_it[0, 2, 5] == pytest.approx(0.01 * first * second * np.exp(-apart / 3000.0), rel=1e-6)
 
 
+def pairs(legs):
+    """Places of both components of legs where they stand leg by leg."""
+    return np.stack([2 * legs, 2 * legs + 1], axis=1).ravel()
+
+
 @pytest.mark.parametrize("rows", [slice(None), np.array([0, 1, 2, 9, 10, 11, 30, 47])], ids=["all legs", "some legs"])
 @pytest.mark.parametrize("causes", [(), ("persistent-error",), ("inertial-current", "random-walk")])
 def test_marginal_is_the_density_of_the_total_covariance(folder, transit_mission, legs, causes, rows):
@@ -90,10 +95,9 @@ def test_marginal_is_the_density_of_the_total_covariance(folder, transit_mission
     table.loc[1:, ["x_start_m", "y_start_m"]] = table[["x_end_m", "y_end_m"]].to_numpy()[:-1]
     bound = model(folder, transit_mission, table)
     fit = bound.fit(causes)
-    order = np.concatenate([np.arange(bound.data.n)[rows], bound.data.n + np.arange(bound.data.n)[rows]])
-    linear = fit.state.linear
-    total = bound._total_covariance(fit, linear)[np.ix_(order, order)]
-    expected = multivariate_normal(np.zeros(len(order)), total).logpdf(linear.y.ravel()[order])
+    linear, places = fit.state.linear, pairs(np.arange(bound.data.n)[rows])
+    total = bound.error_covariance(fit, linear).dense()[np.ix_(places, places)]
+    expected = multivariate_normal(np.zeros(len(places)), total).logpdf(linear.y[:, rows].T.ravel())
     found = bound.marginal(fit.state.hyperparameters, fit.state.posterior.mode, linear, rows)
     assert found.log_density == pytest.approx(expected, abs=1e-6)
 
@@ -106,11 +110,11 @@ def test_legs_are_predicted_by_the_conditional_normal_law(folder, transit_missio
     bound = model(folder, transit_mission, table)
     fit, n = bound.fit(causes), bound.data.n
     seen, wanted = np.setdiff1d(np.arange(5, n - 3), np.arange(20, 25)), np.arange(20, 25)
-    total, y = bound._total_covariance(fit, fit.state.linear), fit.state.linear.y
-    given, new = (np.concatenate([legs, legs + n]) for legs in (seen, wanted))
+    total, y = bound.error_covariance(fit, fit.state.linear).dense(), fit.state.linear.y
+    given, new = pairs(seen), pairs(wanted)
     weights = np.linalg.solve(total[np.ix_(given, given)], total[np.ix_(given, new)]).T
     mean, covariance = bound.predicted(fit, seen, wanted)
-    expected = (weights @ y.ravel()[given]).reshape(2, -1) + (bound.y - y)[:, wanted]
+    expected = (weights @ y.T.ravel()[given]).reshape(-1, 2).T + (bound.y - y)[:, wanted]
     np.testing.assert_allclose(mean, expected, atol=1e-9)
     np.testing.assert_allclose(covariance, total[np.ix_(new, new)] - weights @ total[np.ix_(given, new)], atol=1e-9)
 

@@ -161,20 +161,13 @@ class TransitCovariance(TransitMean):
         walk = sum(float(effect.position_variance_rate()) for effect in effects)
         return NoiseComponents(white, walk, math.hypot(values["", "fix_sd"], math.sqrt(extra)), process, dof)
 
-    def noise(self, values: HyperparameterValues) -> Array:
+    def noise(self, values: HyperparameterValues, rows: LegSelection = ALL_LEGS) -> Array:
         """Covariance of the velocity errors, causes of the mean apart, on each axis, shape (2, n, n) [m²/s²]."""
-        parts = self.noise_components(values)
-        fix, process = parts.fix_sd, parts.process
-        legs, n = self._all_legs, self.data.n
-        total = np.zeros((n, n)) if process is None else legs.process_covariance(process)
-        here, after = np.arange(n), np.flatnonzero(legs.in_common)
-        total[here, here] += fix**2 * legs.fix_variance()
-        start, end = self._fix_scales
-        times = legs.under_way[after - 1] * legs.under_way[after]
-        shared = fix**2 * legs.in_common[after] * start[after] * end[after - 1] / times
-        total[after - 1, after] -= shared
-        total[after, after - 1] -= shared
-        return np.asarray(total + parts.independent(legs.under_way)[:, :, None] * np.eye(n))
+        parts, legs = (
+            self.noise_components(values),
+            self._all_legs if rows is ALL_LEGS else self.markov_covariance(rows),
+        )
+        return legs.dense(parts.independent(legs.under_way), parts.fix_sd, parts.process)
 
     def marginal(
         self,

@@ -145,7 +145,18 @@ class MarkovCovariance:
     def _shares_any_fix(self) -> bool:
         return bool(self.in_common.any())
 
-    def process_covariance(self, process: MarkovProcess) -> Array:
+    def dense(self, white: Array, fix_sd: float, process: MarkovProcess | None) -> Array:
+        """Return Σ of each axis written out, shape (2, n, n) [m²/s²]; arguments of `whitened`."""
+        n = len(self.under_way)
+        total = np.zeros((n, n)) if process is None else self._of_process(process)
+        total[np.diag_indices(n)] += fix_sd**2 * self.fix_variance()
+        start, end = (fix_sd * np.broadcast_to(each, n) / self.under_way for each in (self.start_scale, self.end_scale))
+        after, shared = np.arange(1, n), self.in_common[1:] * start[1:] * end[:-1]
+        total[after - 1, after] -= shared
+        total[after, after - 1] -= shared
+        return np.asarray(total + np.broadcast_to(white.reshape(2, -1), (2, n))[:, :, None] * np.eye(n))
+
+    def _of_process(self, process: MarkovProcess) -> Array:
         """Covariance of one component of the legs' errors by a process alone, shape (n, n) [m²/s²]."""
         prior = _ProcessStates.of(self, process)
         n = len(self.under_way)
