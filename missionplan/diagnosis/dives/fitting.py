@@ -12,13 +12,13 @@ from missionplan.arrays import Array
 from missionplan.diagnosis.coordinates import Coordinate, estimates, is_approximate, is_possible
 from missionplan.diagnosis.dives.likelihood import DescentLikelihood, NoiseGridLikelihood
 from missionplan.diagnosis.dives.linearised import DIFFERENCE, DiveLinearisation
-from missionplan.diagnosis.dives.noise import FORM_SD, NOMINAL_NOISE, noise_grid
+from missionplan.diagnosis.dives.noise import FORM_SD, NOMINAL_NOISE, Noise, noise_grid
 from missionplan.diagnosis.given.effects import RecordPosterior, held, tied
 from missionplan.diagnosis.inference.block_covariance import BlockCovariance
 from missionplan.diagnosis.inference.gauss_newton import GaussNewtonOptions, LeastSquares, Start, gauss_newton
 from missionplan.diagnosis.inference.marginal_likelihood import Marginal
 from missionplan.diagnosis.inference.model import CauseFit, FailedFit, FitRequest
-from missionplan.diagnosis.inference.prior import inside_range, likeliest_scales
+from missionplan.diagnosis.inference.prior import integrated
 from missionplan.effects import CATALOGUE
 from missionplan.phases.hooks import DescentEffect
 from missionplan.results.learned.evidence import Causes, ParameterEstimate
@@ -138,6 +138,8 @@ RELINEARISE_BEYOND = 0.5
 """Distance from the linearisation to the posterior's mean that calls for another [posterior standard deviations]."""
 RELINEARISATIONS, RELINEARISE_WITHIN = 2, 15.0
 """Further linearisations, of fits whose evidence is so near the best of those fitted together [nats]."""
+LEAST_LIKELY = 0.01
+"""Probability from which a noise is considered beside a response."""
 STEP_REDUCTION = 0.25
 """Factor on the next step of a fit when a linearisation was no improvement."""
 
@@ -210,40 +212,28 @@ class DescentFitting(DescentLikelihood):
         return [self.integrated(causes, linear) for (causes, _), linear in zip(points, linears, strict=True)]
 
     def integrated(self, causes: Causes, linear: DiveLinearisation) -> CauseFit | FailedFit:
-        """Evidence of a set in a linearisation, and the posterior of its parameters.
-
-        Coordinates are integrated out exactly, the noise by a sum over its grid, the slabs' scales by Laplace's method
-        at the likeliest noise.
-        """
+        """Evidence of a set in a linearisation, and the posterior of its parameters."""
         if not np.all(np.isfinite(linear.y)) or not np.all(np.isfinite(linear.columns)):
             return FailedFit(causes, "the descent does not go down with these parameters")
+        prior, grid = self.prior(causes), np.array([noise.log_prior for noise in noise_grid()])
         try:
             likelihood = self.likelihood(linear)
-            prior = self.prior(causes)
-            best = int(np.argmax(log_joint_with_noise(likelihood.marginals(prior.root(prior.sd)))))
-            scales = likeliest_scales(partial(likelihood.marginal, best), prior)
-            prior_sd = prior.root(scales.sd)
-            marginals = likelihood.marginals(prior_sd)
+            whole = integrated(likelihood.marginal, grid, prior)
         except np.linalg.LinAlgError as error:
             return FailedFit(causes, str(error))
-        logs = log_joint_with_noise(marginals) + scales.log_factor
-        best = int(np.argmax(logs))
-        free, marginal = self.free(causes), marginals[best]
-        inside = inside_range(linear.centre + marginal.mean, marginal.covariance, *prior.bounds)
-        covariance, mean = inside.covariance, inside.mean
-        reported = self._spread(causes, covariance, mean)
+        free, marginal, mean = self.free(causes), whole.marginal, whole.inside.mean
+        reported = self._spread(causes, whole.inside.covariance, mean)
         found = estimates([self.coordinates[i] for i in free], mean[free], reported[np.ix_(free, free)])
         own = tied(held(self.given, causes))
-        state = DescentState(linear, likelihood, best, prior_sd, marginal)
+        state = DescentState(linear, likelihood, whole.noise, whole.prior_sd, marginal)
         given: list[ParameterEstimate] = []
         for each in own:
             places = self.places(each)
             given += each.posterior(mean[places], reported[np.ix_(places, places)])
-        whole = linear.centre + marginal.mean  # draws of it are cut, and so must not be of what is cut already
-        record = RecordPosterior(self.coordinates, whole, self._spread(causes, marginal.covariance, whole))
-        together = record.afterwards(own, self.places, free.tolist())
-        evidence = float(logsumexp(logs)) + inside.log_mass - prior.log_mass
-        return CauseFit(causes, evidence, found, _calibration(best), is_possible(found), state, tuple(given), together)
+        uncut = linear.centre + marginal.mean  # draws of it are cut, and so must not be of what is cut already
+        record = RecordPosterior(self.coordinates, uncut, self._spread(causes, marginal.covariance, uncut))
+        together, noise = record.afterwards(own, self.places, free.tolist()), _calibration(whole.noise)
+        return CauseFit(causes, whole.log_evidence, found, noise, is_possible(found), state, tuple(given), together)
 
     def _spread(self, causes: Causes, covariance: Array, mean: Array) -> Array:
         """Covariance of the coordinates as they are reported, shape (k, k).
@@ -332,3 +322,14 @@ def _calibration(best: int) -> dict[str, float]:
 def log_joint_with_noise(marginals: Sequence[Marginal]) -> Array:
     """Log density of the data at each noise of the grid, plus the log prior of the noise, shape (g,)."""
     return np.array([noise.log_prior + found.log_density for noise, found in zip(noise_grid(), marginals, strict=True)])
+
+
+def likely_noises(state: DescentState) -> tuple[Noise, ...]:
+    """Return noises that are likely under a fit, and those with the usual scatter: they may be beside a response."""
+    logs = log_joint_with_noise(state.likelihood.marginals(state.prior_sd))
+    likely = logs - logsumexp(logs) > np.log(LEAST_LIKELY)
+    return tuple(
+        noise
+        for noise, kept in zip(noise_grid(), likely, strict=True)
+        if kept or (noise.scatter == NOMINAL_NOISE.scatter and noise.diffusion == NOMINAL_NOISE.diffusion)
+    )

@@ -1,6 +1,6 @@
 """Model of dive logs: fits of sets of causes, what they leave, and how well they predict dives held out or to come."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 
@@ -13,22 +13,22 @@ from missionplan.datasets.records import DescentData, MeasuredDive
 from missionplan.diagnosis.dives import designs as dive_designs
 from missionplan.diagnosis.dives.consistency import EXCHANGED, ExchangedLabels, exchanged_labels
 from missionplan.diagnosis.dives.discrepancy_axes import descent_axes, drag_of_each_dive
-from missionplan.diagnosis.dives.fitting import DescentFitting, log_joint_with_noise
+from missionplan.diagnosis.dives.fitting import DescentFitting, likely_noises, log_joint_with_noise
 from missionplan.diagnosis.dives.forward import DescentForward
 from missionplan.diagnosis.dives.linearised import DiveLinearisation
 from missionplan.diagnosis.dives.noise import noise_grid
 from missionplan.diagnosis.dives.preparation import PreparedDives
-from missionplan.diagnosis.dives.responses import responses_beside
 from missionplan.diagnosis.dives.supersets import log_gains
 from missionplan.diagnosis.given.effects import GivenEffect
 from missionplan.diagnosis.given.priors import check_together, given_effects, given_priors
 from missionplan.diagnosis.inference.axes import Axis
-from missionplan.diagnosis.inference.block_covariance import BlockCovariance
+from missionplan.diagnosis.inference.block_covariance import BlockCovariance, InnerProducts
 from missionplan.diagnosis.inference.importance_sampling import DRAWS, SampledEvidence, sampled_evidence
 from missionplan.diagnosis.inference.marginal_likelihood import QUANTILE_95
 from missionplan.diagnosis.inference.model import CauseFit, HeldOutScore
 from missionplan.diagnosis.inference.prior import inside_range
 from missionplan.diagnosis.inference.residual_tests import Residuals
+from missionplan.diagnosis.inference.responses import Responses
 from missionplan.diagnosis.inference.selection import Progress, Selection, no_progress
 from missionplan.diagnosis.inference.weighing import NeutralResponses, weigh
 from missionplan.effects import effects_of
@@ -68,13 +68,22 @@ class DescentModel(DescentFitting):
 
         Labels may be exchanged beside nothing.
         """
-        found = responses_beside(self, fits)
+        first = fits[0]
+        axes, linear = self.response_axes(first.state.linear), first.state.linear
+        named = (linear.columns * self.slab)[:, self.searched(first.causes)]
+        responses = Responses.of(axes, self._covariance(first), named)
+        gains = np.array([responses.log_gains(list(self._likely_products(fit, responses.joined))) for fit in fits])
+        described = [(axis.name, axis.description) for axis in axes]
         base = next((fit for fit in fits if not fit.causes), None)
         exchanged = self.exchanged_labels(base) if base is not None else None
         if exchanged is None:
-            return found
-        gains = np.array([exchanged.log_gain if fit is base else -np.inf for fit in fits])
-        return NeutralResponses([*found.described, ("run", EXCHANGED)], np.column_stack([found.log_gains, gains]))
+            return NeutralResponses(described, gains)
+        added = np.array([exchanged.log_gain if fit is base else -np.inf for fit in fits])
+        return NeutralResponses([*described, ("run", EXCHANGED)], np.column_stack([gains, added]))
+
+    def _likely_products(self, fit: CauseFit, columns: Array) -> Iterator[InnerProducts]:
+        """Inner products of columns and data at the noises that may be beside a fit."""
+        return self.products(fit.state.linear, fit.state.prior_sd, columns, likely_noises(fit.state))
 
     def exchanged_labels(self, base: CauseFit) -> ExchangedLabels | None:
         """Return the likeliest exchange of labels beside the base model."""

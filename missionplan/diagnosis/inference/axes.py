@@ -4,6 +4,7 @@ from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.linalg import lapack
 
 from missionplan.arrays import Array
@@ -52,6 +53,9 @@ class Axis:
     """Usual size of the functions, in their unit."""
     in_some_runs: bool = False
     """Whether some of the functions act, and none knows which."""
+    at: NDArray[np.int_] | None = None
+    """Shape (N,). The one place to which each value responds, where that is so: `response` is then to p functions
+    there, shape (N, p)."""
 
     def smooth(self, length: float) -> Array:
         """Return columns B, shape (m, r), with B Bᵀ ≈ exp(−½(d/length)²) between places (m, m).
@@ -62,6 +66,18 @@ class Axis:
         """
         return _smooth(self.places.tobytes(), self.places.shape, length)
 
+    @property
+    def functions(self) -> int:
+        """Number of its functions, p."""
+        return int(self.response.shape[1]) // (len(self.places) if self.at is None else 1)
+
+    def smooth_columns(self, length: float) -> Array:
+        """Return responses to smooth functions for standard normal coefficients, function by function, (N, p·r)."""
+        smooth, count = self.smooth(length), len(self.response)
+        if self.at is not None:
+            return np.asarray((self.response[:, :, None] * smooth[self.at][:, None]).reshape(count, -1))
+        return np.asarray((self.response.reshape(count, self.functions, -1) @ smooth).reshape(count, -1))
+
 
 @lru_cache(maxsize=64)
 def _smooth(places: bytes, shape: tuple[int, int], length: float) -> Array:
@@ -71,6 +87,22 @@ def _smooth(places: bytes, shape: tuple[int, int], length: float) -> Array:
     basis = np.empty((shape[0], rank))
     basis[pivots - 1] = np.tril(factor)[:, :rank]
     return basis
+
+
+def principal_components(columns: Array, most: int, least: float) -> Array:
+    """Principal components of columns, shape (N, c), as columns: (N, q).
+
+    Parameters
+    ----------
+    columns : array, shape (N, c)
+    most : int
+        So many at most.
+    least : float
+        Share of the first one's variance that each has at least, well above rounding.
+    """
+    values, vectors = np.linalg.eigh(columns.T @ columns)
+    kept = np.flatnonzero(values > least * values[-1])[::-1][:most]
+    return np.asarray(columns @ vectors[:, kept])
 
 
 def pointwise(name: str, description: str, inputs: Array, directions: Array | None = None) -> Axis:
@@ -85,8 +117,12 @@ def pointwise(name: str, description: str, inputs: Array, directions: Array | No
     directions : array, shape (N, p), optional
         Response of each value to each of p functions; default one function, to which all respond alike.
     """
-    places, weights = _between_nodes(inputs[:, 0]) if inputs.shape[1] == 1 else _unique(inputs)
-    return Axis(name, description, places, weights if directions is None else directed(weights, directions))
+    own = np.ones((len(inputs), 1)) if directions is None else directions
+    if inputs.shape[1] > 1:
+        places, at = np.unique(inputs, axis=0, return_inverse=True)
+        return Axis(name, description, places, own, at=at.ravel())
+    places, weights = _between_nodes(inputs[:, 0])
+    return Axis(name, description, places, directed(weights, own))
 
 
 def around(name: str, description: str, angles: Array, directions: Array) -> Axis:
@@ -128,11 +164,6 @@ def _between_nodes(inputs: Array) -> tuple[Array, Array]:
 def hat_basis(inputs: Array, nodes: Array) -> Array:
     """Return the values at inputs, shape (N,), of the hat functions of increasing nodes, shape (m,): (N, m)."""
     return np.stack([np.interp(inputs, nodes, one) for one in np.eye(len(nodes))], axis=1)
-
-
-def _unique(inputs: Array) -> tuple[Array, Array]:
-    places, index = np.unique(inputs, axis=0, return_inverse=True)
-    return places, np.asarray(np.eye(len(places))[index.ravel()])
 
 
 def scaled(values: Array) -> Array:

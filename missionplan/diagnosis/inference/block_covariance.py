@@ -90,17 +90,24 @@ class BlockCovariance:
         """Lower Cholesky factor L of each block."""
         return tuple(np.asarray(np.linalg.cholesky(block), dtype=float) for block in self.blocks)
 
-    def _in_blocks(self, values: Array) -> Array:
-        """L⁻¹ times values, shape (N, c)."""
+    def in_blocks(self, values: Array) -> Array:
+        """Whiten values, shape (N, c), by the blocks alone: L⁻¹ times them."""
         found = np.empty(values.shape)
         for own, factor in zip(self.rows, self._factors, strict=True):
             found[own] = lapack.dtrtrs(factor.T, values[own], trans=1)[0]  # as it lies in memory, an upper triangle
         return found
 
+    def coloured(self, values: Array) -> Array:
+        """Return L times values, shape (N, c)."""
+        found = np.empty(values.shape)
+        for own, factor in zip(self.rows, self._factors, strict=True):
+            found[own] = factor @ values[own]
+        return found
+
     @cached_property
     def _white_root(self) -> Array:
         """V, shape (N, m)."""
-        return self._in_blocks(self.root)
+        return self.in_blocks(self.root)
 
     @cached_property
     def _triangle(self) -> Array:
@@ -116,7 +123,7 @@ class BlockCovariance:
 
     def gram(self, values: Array) -> Array:
         """Inner products xᵀW⁻¹y of columns, shape (N, c) → (c, c)."""
-        white = self._in_blocks(values)
+        white = self.in_blocks(values)
         known = solve_triangular(self._triangle, self._white_root.T @ white, trans=1, check_finite=False)
         return np.asarray(white.T @ white - known.T @ known)
 
@@ -127,7 +134,7 @@ class BlockCovariance:
 
     def log_densities(self, values: Array) -> Array:
         """Log density of data of mean nil, shape (N, s) → (s,)."""
-        white = self._in_blocks(values)
+        white = self.in_blocks(values)
         known = solve_triangular(self._triangle, self._white_root.T @ white, trans=1, check_finite=False)
         squared = np.sum(white**2, axis=0) - np.sum(known**2, axis=0)
         return np.asarray(-0.5 * (squared + self.log_determinant + len(values) * LOG_2PI))
@@ -135,7 +142,7 @@ class BlockCovariance:
     def whitened(self, values: Array) -> Array:
         """Whiten columns, shape (N, c), by the symmetric root of 1 + V Vᵀ: xᵀW⁻¹y are then inner products."""
         directions, sizes = self._directions
-        white = self._in_blocks(values)
+        white = self.in_blocks(values)
         return np.asarray(white - directions @ ((1.0 - 1.0 / np.hypot(1.0, sizes))[:, None] * (directions.T @ white)))
 
     @cached_property
@@ -171,7 +178,7 @@ class BlockCovariance:
         The coefficients are estimated from the data before by QR decompositions, a square-root information filter
         (Bierman 1977, *Factorization Methods for Discrete Sequential Estimation*).
         """
-        both = np.concatenate([self._white_root, self._in_blocks(values[:, None])], axis=1)
+        both = np.concatenate([self._white_root, self.in_blocks(values[:, None])], axis=1)
         count = self.root.shape[1]
         known = np.eye(count, count + 1)
         for first in range(0, len(values), AT_ONCE):

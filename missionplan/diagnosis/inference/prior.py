@@ -8,10 +8,11 @@ Data Analysis*, section 17.2): given the λ a linear model stays linear and Gaus
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.special import gammaln, log_ndtr, stdtr
+from scipy.special import gammaln, log_ndtr, logsumexp, stdtr
 
 from missionplan.arrays import Array
 from missionplan.diagnosis.inference.marginal_likelihood import LOG_2PI, Marginal, normal_log_pdf
@@ -167,6 +168,61 @@ def likeliest_scales(marginal_of: Callable[[Array], Marginal], prior: Prior) -> 
     log_prior = 0.5 * DOF * (math.log(0.5 * DOF) - np.log(before) - 1.0 / before) - gammaln(0.5 * DOF)
     each = 0.5 * LOG_2PI + LAPLACE_ERROR
     return SlabScales(sd, float(log_prior.sum()) + len(own) * each - 0.5 * log_determinant)
+
+
+@dataclass(frozen=True)
+class Integrated:
+    """A linear model integrated over its coordinates, the scales of its slabs and its noise.
+
+    Attributes
+    ----------
+    log_evidence : float
+    """
+
+    log_evidence: float
+    noise: int
+    """Most likely noise of the grid."""
+    prior_sd: Array
+    """Prior of the coordinates, the slabs at their likeliest scales; see `Prior.root`."""
+    marginal: Marginal
+    """Posterior of the coordinates at that noise, counted from the prior's centre, whatever their ranges."""
+    inside: "InsideRange"
+    """Posterior of the coordinates themselves, cut to their ranges."""
+
+
+def integrated(marginal_of: Callable[[int, Array], Marginal], noise_log_prior: Array, prior: Prior) -> Integrated:
+    """Integrate a linear model: coordinates exactly, the noise by a sum over a grid, the scales by Laplace's method.
+
+    The scales are those at the likeliest noise.
+
+    Parameters
+    ----------
+    marginal_of : callable
+        Of the number of a noise and of `Prior.root`: the model with its coordinates integrated out.
+    noise_log_prior : array, shape (g,)
+        Log prior of each noise.
+    prior : Prior
+        Of the coordinates; those of `Marginal` are counted from its centre.
+
+    Raises
+    ------
+    numpy.linalg.LinAlgError
+        When the coordinates have no posterior.
+    """
+
+    def at_all(root: Array) -> tuple[Array, list[Marginal]]:
+        found = [marginal_of(index, root) for index in range(len(noise_log_prior))]
+        return noise_log_prior + np.array([each.log_density for each in found]), found
+
+    likely = int(np.argmax(at_all(prior.root(prior.sd))[0]))
+    scales = likeliest_scales(partial(marginal_of, likely), prior)
+    root = prior.root(scales.sd)
+    logs, found = at_all(root)
+    noise = int(np.argmax(logs))
+    own = found[noise]
+    inside = inside_range(prior.centre + own.mean, own.covariance, *prior.bounds)
+    evidence = float(logsumexp(logs)) + scales.log_factor + inside.log_mass - prior.log_mass
+    return Integrated(evidence, noise, root, own, inside)
 
 
 def _curvature(mean: Array, covariance: Array) -> Array:

@@ -17,7 +17,7 @@ import numpy as np
 
 from missionplan.arrays import Array, Scalars
 from missionplan.diagnosis.coordinates import Coordinate
-from missionplan.diagnosis.inference.axes import Axis
+from missionplan.diagnosis.inference.axes import Axis, principal_components
 from missionplan.diagnosis.legs.axes import paired_axes, transit_axes
 from missionplan.diagnosis.legs.fitting import TransitFitting
 from missionplan.diagnosis.legs.likelihood.mean import ActingTerm
@@ -243,10 +243,6 @@ def _smooth(model: TransitFitting) -> list[LegTerm]:
 
 
 def _along(axis: Axis, length: float) -> LegTerm:
-    smooth = axis.smooth(length)
-    functions = axis.response.shape[1] // len(smooth)
-    left, sizes, _ = np.linalg.svd(axis.response @ np.kron(np.eye(functions), smooth), full_matrices=False)
-    kept = np.flatnonzero(sizes**2 > LEAST_SHARE * sizes[0] ** 2)[:MOST_COLUMNS]
-    columns = SIZE * left[:, kept] * sizes[kept]
-    by_leg = np.moveaxis(columns.reshape(len(left) // 2, 2, -1), 1, 0)
+    columns = SIZE * principal_components(axis.smooth_columns(length), MOST_COLUMNS, LEAST_SHARE)
+    by_leg = np.moveaxis(columns.reshape(len(columns) // 2, 2, -1), 1, 0)
     return LegTerm("", axis.name, axis.description, by_leg, 0.0, length=length)

@@ -32,7 +32,7 @@ from missionplan.diagnosis.inference.model import (
     FailedFit,
     FitRequest,
 )
-from missionplan.diagnosis.inference.prior import Prior, inside_range, likeliest_scales
+from missionplan.diagnosis.inference.prior import Prior, integrated
 from missionplan.diagnosis.tank.forward import TankForward, build_effects
 from missionplan.diagnosis.tank.linearised import marginal
 from missionplan.effects import CATALOGUE
@@ -154,18 +154,25 @@ class TankFitting:
         best = min(self._search(causes, starts), key=lambda result: result.objective)
         if not np.isfinite(best.objective):
             return FailedFit(causes, "the model has no value at any of its starts")
-        logs, sd, marginals = self._marginals(prior.of(active), active, best)
-        likely = int(np.argmax(logs))
-        residuals, factor = self.forward.y - best.prediction, float(self.noise_factors[likely])
-        own = marginals[likely]
-        state = TankState(best.at, residuals, best.jacobian, active, factor, sd, own)
-        inside = inside_range(own.mean, own.covariance, *prior.of(active).bounds)
-        cut = Marginal(own.log_density, inside.mean, inside.covariance)
+        chosen = prior.of(active)
+        y = self.forward.y - best.prediction + best.jacobian @ (best.at[active] - chosen.centre)
+
+        def of_noise(index: int, root: Array) -> Marginal:
+            return marginal(y, best.jacobian, root, self.noise_factors[index] * self.forward.sd)
+
+        try:
+            whole = integrated(of_noise, self.noise_log_prior, chosen)
+        except np.linalg.LinAlgError as error:
+            return FailedFit(causes, str(error))
+        residuals, factor = self.forward.y - best.prediction, float(self.noise_factors[whole.noise])
+        own = replace(whole.marginal, mean=chosen.centre + whole.marginal.mean)
+        state = TankState(best.at, residuals, best.jacobian, active, factor, whole.prior_sd, own)
+        cut = replace(own, mean=whole.inside.mean, covariance=whole.inside.covariance)
         reported = self._posterior(causes, replace(state, marginal=cut))
         found = estimates(reported.coordinates, reported.mean, reported.covariance)
-        evidence = float(logsumexp(logs)) + inside.log_mass - prior.log_mass
         possible, (given, together) = is_possible(found), self._after(causes, state)
-        return CauseFit(causes, evidence, found, self._calibration(state), possible, state, given, together)
+        calibration = self._calibration(state)
+        return CauseFit(causes, whole.log_evidence, found, calibration, possible, state, given, together)
 
     def _search(self, causes: Causes, starts: Sequence[Start]) -> list[GaussNewtonResult]:
         """Search from every start; each is a group of its own, so that none is abandoned."""
@@ -214,34 +221,6 @@ class TankFitting:
         """Log prior weight of each noise factor, normalised, shape (g,)."""
         log_prior = -0.5 * (np.log(self.noise_factors) / self._noise_log_sd) ** 2
         return np.asarray(log_prior - logsumexp(log_prior))
-
-    def _marginals(
-        self, prior: Prior, active: NDArray[np.int_], best: GaussNewtonResult
-    ) -> tuple[Array, Array, list[Marginal]]:
-        """Integrate out the active coordinates at each noise factor, the slabs' scales at the likeliest factor.
-
-        Returns
-        -------
-        logs : array, shape (g,)
-            Log evidence at each noise factor, its prior included.
-        sd : array, shape (a,)
-            Prior standard deviations with the slabs at their likeliest scales.
-        marginals : list of Marginal
-            Posterior of the coordinates at each noise factor.
-        """
-        y = self.forward.y - best.prediction + best.jacobian @ (best.at[active] - prior.centre)
-
-        def of_noise(factor: float, sd: Array) -> Marginal:
-            return marginal(y, best.jacobian, sd, factor * self.forward.sd)
-
-        def of_all(sd: Array) -> tuple[Array, list[Marginal]]:
-            found = [of_noise(factor, sd) for factor in self.noise_factors]
-            return self.noise_log_prior + np.array([each.log_density for each in found]), found
-
-        likely = self.noise_factors[np.argmax(of_all(prior.sd)[0])]
-        scales = likeliest_scales(partial(of_noise, likely), prior)
-        logs, found = of_all(scales.sd)
-        return logs + scales.log_factor, scales.sd, [replace(each, mean=prior.centre + each.mean) for each in found]
 
     def _posterior(self, causes: Causes, state: TankState) -> JointPosterior:
         """Joint posterior of the causes' coordinates."""

@@ -8,14 +8,14 @@ from scipy.special import logsumexp
 
 from missionplan.arrays import Array
 from missionplan.diagnosis.inference.axes import Axis, pointwise, scaled
-from missionplan.diagnosis.inference.block_covariance import BlockCovariance
+from missionplan.diagnosis.inference.block_covariance import BlockCovariance, InnerProducts
 from missionplan.diagnosis.inference.importance_sampling import SampledEvidence, sampled_evidence
 from missionplan.diagnosis.inference.marginal_likelihood import LOG_2PI
 from missionplan.diagnosis.inference.model import CauseFit, HeldOutScore
 from missionplan.diagnosis.inference.prior import inside_range
 from missionplan.diagnosis.inference.residual_tests import Residuals
+from missionplan.diagnosis.inference.responses import Responses
 from missionplan.diagnosis.inference.selection import Progress, Selection, no_progress
-from missionplan.diagnosis.inference.set_evidence import SCALE_PRIOR, SCALES
 from missionplan.diagnosis.inference.weighing import NeutralResponses, weigh
 from missionplan.diagnosis.tank.fitting import TankFitting
 from missionplan.diagnosis.tank.linearised import LinearData, fitted_root
@@ -23,8 +23,8 @@ from missionplan.results.learned.evidence import Causes
 
 COVARIANCE_INFLATION = 9.0
 """Factor on the posterior covariance with which fitted coordinates enter the residuals: as good as unknown there."""
-USUAL_SHARE, LENGTH = 0.2, 0.3
-"""Usual size of a smooth error, of the data's root mean square, and its correlation length, of the axis' extent."""
+USUAL_SHARE = 0.2
+"""Usual size of a smooth error, of the data's root mean square."""
 SAME = 1e-9
 """Size of a combination of the coordinates, over the greatest, below which the data do not show it."""
 
@@ -61,28 +61,22 @@ class TankModel(TankFitting):
         is that of the catalogue's effects.
         """
         size = USUAL_SHARE * float(np.sqrt(np.mean(self.forward.y**2)))
-        axes = self._axes
-        columns = [size * axis.response @ axis.smooth(LENGTH) for axis in axes]
-        gains = np.array([[self._gain(fit, own) for own in columns] for fit in fits])
+        axes = [replace(axis, size=size) for axis in self._axes]
+        sensor = BlockCovariance.independent(self.forward.sd, np.zeros((len(self.forward.sd), 0)))
+        responses = Responses.of(axes, sensor, sensor.root)
+        gains = np.array([responses.log_gains(self._products(fit, responses.joined)) for fit in fits])
         return NeutralResponses([(axis.name, axis.description) for axis in axes], gains)
 
-    def _gain(self, fit: CauseFit, columns: Array) -> float:
-        """What a response with standard normal coefficients adds, averaged over its sizes and the noise."""
+    def _products(self, fit: CauseFit, columns: Array) -> list[InnerProducts]:
+        """Inner products of columns and residuals at each noise, beside all that the fit's coordinates could do."""
         state, sd = fit.state, self.forward.sd
         left, sizes, _ = np.linalg.svd(state.columns * state.prior_sd / sd[:, None], full_matrices=False)
         span = left[:, sizes > SAME * max(float(sizes.max(initial=0.0)), 1e-300)]
         both = np.concatenate([columns, state.residuals[:, None]], axis=1) / sd[:, None]
         free = both - span @ (span.T @ both)
-        directions, values, _ = np.linalg.svd(free[:, :-1], full_matrices=False)
-        along, total = (directions.T @ free[:, -1]) ** 2, float(free[:, -1] @ free[:, -1])
-        count = len(sd) - span.shape[1]
-        noise = self.noise_factors[:, None, None] ** 2
-        spread = noise + np.square(SCALES)[:, None] * values**2
-        rest = (count - len(values)) * np.log(noise[..., 0]) + (total - along.sum()) / noise[..., 0]
-        logs = -0.5 * (rest + np.sum(np.log(spread) + along / spread, axis=2))
-        plain = -0.5 * (count * np.log(noise[:, 0, 0]) + total / noise[:, 0, 0])
-        averaged = logsumexp(logs + self.noise_log_prior[:, None] + np.log(SCALE_PRIOR))
-        return float(averaged - logsumexp(plain + self.noise_log_prior))
+        gram, count = free.T @ free, len(sd) - span.shape[1]
+        noises = zip(self.noise_log_prior.tolist(), self.noise_factors.tolist(), strict=True)
+        return [InnerProducts(prior, 2.0 * count * np.log(factor), gram / factor**2) for prior, factor in noises]
 
     def sampled_evidence(self, fit: CauseFit) -> SampledEvidence:
         """Evidence by importance sampling of nuisance parameters and causes with the model itself, not linearised."""

@@ -8,8 +8,10 @@ from scipy.stats import multivariate_normal
 
 from missionplan.diagnosis.inference.axes import Axis, AxisScale, around, pointwise
 from missionplan.diagnosis.inference.block_covariance import BlockCovariance, InnerProducts
-from missionplan.diagnosis.inference.discrepancy import LENGTHS, SCALE_SPREAD, SCALES, SIZES, discrepancy
+from missionplan.diagnosis.inference.discrepancy import USUAL, discrepancy
 from missionplan.diagnosis.inference.residual_tests import Residuals, outlying_groups
+from missionplan.diagnosis.inference.responses import LENGTHS, MOST_COLUMNS
+from missionplan.diagnosis.inference.set_evidence import SCALE_PRIOR, SCALES
 
 N = 80
 
@@ -28,23 +30,26 @@ def test_white_residuals_leave_nothing():
 
 @pytest.mark.parametrize("strength", [0.0, 1.0])
 def test_the_bayes_factor_is_that_of_normal_densities(strength):
-    """Densities of the data under scale²·W + size²·K, K of the mean variance in the data that W has, averaged."""
+    """Densities under W + size²·K, K of the leading components of mean variance 1 in the data, averaged."""
     rng = np.random.default_rng(14)
     where = np.linspace(0.0, 1.0, 20)[:, None]
     noise = np.diag(np.linspace(0.5, 1.5, 20) ** 2)
     values = rng.multivariate_normal(np.zeros(20), noise) + strength * np.sin(6.0 * where[:, 0])
     axis = pointwise("time", "values against time", where)
     given = Residuals(values, BlockCovariance.of(noise), np.zeros(20, dtype=int), [axis], np.repeat("dive-1", 20))
-    prior = np.exp(-0.5 * (np.log(SCALES) / SCALE_SPREAD) ** 2)
-    typical = np.median(np.diag(noise))
+    usual = USUAL * np.sqrt(np.median(np.diag(noise)))
+    sd = np.sqrt(np.diag(noise))
 
-    def density(scale, smooth):
-        return multivariate_normal.logpdf(values, cov=scale**2 * noise + smooth)
+    def kernel(length):
+        variance, along = np.linalg.eigh(np.exp(-0.5 * ((where - where.T) / length) ** 2) / np.outer(sd, sd))
+        leading = (along[:, -MOST_COLUMNS:] * variance[-MOST_COLUMNS:]) @ along[:, -MOST_COLUMNS:].T * np.outer(sd, sd)
+        return leading / np.mean(np.diag(leading))
 
-    without = [density(scale, 0.0) for scale in SCALES]
-    kernels = [np.exp(-0.5 * ((where - where.T) / length) ** 2) for length in LENGTHS]
-    parts = [[density(scale, size**2 * typical * kernel) for scale in SCALES] for kernel in kernels for size in SIZES]
-    expected = logsumexp(parts, b=prior) - np.log(len(parts)) - logsumexp(without, b=prior)
+    def density(smooth):
+        return multivariate_normal.logpdf(values, cov=noise + smooth)
+
+    parts = [[density((scale * usual) ** 2 * kernel(length)) for scale in SCALES] for length in LENGTHS]
+    expected = logsumexp(parts, b=np.array(SCALE_PRIOR) / len(LENGTHS)) - density(0.0)
     assert discrepancy(given).log_bayes_factor == pytest.approx(expected, abs=0.001)
 
 
@@ -152,7 +157,7 @@ def test_smooth_functions_have_the_squared_exponential_covariance():
     places = np.array([[0.0], [0.2], [0.2], [0.7], [1.0]])
     directions = np.array([[1.0], [2.0], [-1.0], [0.5], [1.0]])
     axis = pointwise("time", "values against time", places, directions)
-    basis = axis.response @ axis.smooth(0.4)
+    basis = axis.smooth_columns(0.4)
     covariance = np.exp(-0.5 * ((places - places.T) / 0.4) ** 2) * (directions @ directions.T)
     np.testing.assert_allclose(basis @ basis.T, covariance, atol=1e-6)
 
@@ -161,7 +166,7 @@ def test_smooth_functions_have_the_squared_exponential_covariance():
 def test_nodes_stand_for_the_places_between_them(length):
     inputs = np.sort(np.random.default_rng(9).uniform(size=200))[:, None]
     axis = pointwise("depth", "values against depth", inputs)
-    basis = axis.response @ axis.smooth(length)
+    basis = axis.smooth_columns(length)
     covariance = np.exp(-0.5 * ((inputs - inputs.T) / length) ** 2)
     np.testing.assert_allclose(basis @ basis.T, covariance, atol=0.005 * (0.25 / length) ** 2 + 0.001)
 
@@ -169,13 +174,10 @@ def test_nodes_stand_for_the_places_between_them(length):
 def test_functions_in_two_dimensions_are_given_at_every_place():
     inputs = np.random.default_rng(10).normal(size=(40, 2))
     axis = pointwise("place", "values against place", inputs, np.ones((40, 2)))
-    assert axis.response.shape == (40, 80)
-    smooth = axis.smooth(0.5)
-    np.testing.assert_allclose(
-        smooth @ smooth.T,
-        np.exp(-2.0 * ((inputs[:, None] - inputs) ** 2).sum(2))[np.ix_(*2 * [np.lexsort(inputs.T[::-1])])],
-        atol=2e-4,
-    )
+    assert axis.functions == 2
+    smooth = axis.smooth_columns(0.5)
+    expected = 2.0 * np.exp(-2.0 * ((inputs[:, None] - inputs) ** 2).sum(2))
+    np.testing.assert_allclose(smooth @ smooth.T, expected, atol=4e-4)
 
 
 def test_functions_of_an_angle_go_on_where_the_circle_closes():
@@ -186,5 +188,5 @@ def test_functions_of_an_angle_go_on_where_the_circle_closes():
     many = np.concatenate([angles, np.linspace(-3.0, 3.0, 60)])
     between = around("heading", "", many[:, None], np.ones((len(many), 1)))
     for axis, allowed in ((few, 1e-3), (between, 0.03)):
-        smooth = (axis.response @ axis.smooth(0.4))[:4]
+        smooth = axis.smooth_columns(0.4)[:4]
         np.testing.assert_allclose(smooth @ smooth.T, np.exp(-0.5 * (chords / 0.4) ** 2), atol=allowed)
