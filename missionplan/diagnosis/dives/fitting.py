@@ -21,7 +21,7 @@ from missionplan.diagnosis.inference.model import CauseFit, FailedFit, FitReques
 from missionplan.diagnosis.inference.prior import integrated
 from missionplan.effects import CATALOGUE
 from missionplan.phases.hooks import DescentEffect
-from missionplan.results.learned.evidence import Causes, ParameterEstimate
+from missionplan.results.learned.evidence import Causes
 
 INITIAL_STRENGTH = 0.5
 """Strength at a fresh start of an effect of approximate form, in prior standard deviations."""
@@ -226,14 +226,11 @@ class DescentFitting(DescentLikelihood):
         found = estimates([self.coordinates[i] for i in free], mean[free], reported[np.ix_(free, free)])
         own = tied(held(self.given, causes))
         state = DescentState(linear, likelihood, whole.noise, whole.prior_sd, marginal)
-        given: list[ParameterEstimate] = []
-        for each in own:
-            places = self.places(each)
-            given += each.posterior(mean[places], reported[np.ix_(places, places)])
+        given = RecordPosterior(self.coordinates, mean, reported).known(own)
         uncut = linear.centre + marginal.mean  # draws of it are cut, and so must not be of what is cut already
         record = RecordPosterior(self.coordinates, uncut, self._spread(causes, marginal.covariance, uncut))
-        together, noise = record.afterwards(own, self.places, free.tolist()), _calibration(whole.noise)
-        return CauseFit(causes, whole.log_evidence, found, noise, is_possible(found), state, tuple(given), together)
+        together, noise = record.afterwards(own, free.tolist()), _calibration(whole.noise)
+        return CauseFit(causes, whole.log_evidence, found, noise, is_possible(found), state, given, together)
 
     def _spread(self, causes: Causes, covariance: Array, mean: Array) -> Array:
         """Covariance of the coordinates as they are reported, shape (k, k).

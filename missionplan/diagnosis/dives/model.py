@@ -68,18 +68,21 @@ class DescentModel(DescentFitting):
 
         Labels may be exchanged beside nothing.
         """
-        first = fits[0]
-        axes, linear = self.response_axes(first.state.linear), first.state.linear
-        named = (linear.columns * self.slab)[:, self.searched(first.causes)]
-        responses = Responses.of(axes, self._covariance(first), named)
+        responses = self.responses(fits[0])
         gains = np.array([responses.log_gains(list(self._likely_products(fit, responses.joined))) for fit in fits])
-        described = [(axis.name, axis.description) for axis in axes]
+        described = [(axis.name, axis.description) for axis in responses.axes]
         base = next((fit for fit in fits if not fit.causes), None)
         exchanged = self.exchanged_labels(base) if base is not None else None
         if exchanged is None:
             return NeutralResponses(described, gains)
         added = np.array([exchanged.log_gain if fit is base else -np.inf for fit in fits])
         return NeutralResponses([*described, ("run", EXCHANGED)], np.column_stack([gains, added]))
+
+    def responses(self, fit: CauseFit) -> Responses:
+        """Return responses along the axes of a fit, less what its causes do."""
+        linear = fit.state.linear
+        named = (linear.columns * self.slab)[:, self.searched(fit.causes)]
+        return Responses.of(self.response_axes(linear), self._covariance(fit), named)
 
     def _likely_products(self, fit: CauseFit, columns: Array) -> Iterator[InnerProducts]:
         """Inner products of columns and data at the noises that may be beside a fit."""

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from missionplan.arrays import Array
 from missionplan.diagnosis.coordinates import Coordinate, coordinates_of
 from missionplan.diagnosis.dives.forward import DescentForward
-from missionplan.diagnosis.given.effects import GivenEffect, held, tied
+from missionplan.diagnosis.given.effects import GivenEffect, coordinate_prior, held, places_in
 from missionplan.diagnosis.inference.prior import Prior
 from missionplan.effects import effects_of, named_effects
 from missionplan.results.learned.evidence import Causes
@@ -75,30 +75,8 @@ class DescentPriors:
         return self.prior(()).centre
 
     def prior(self, causes: Causes) -> Prior:
-        """Prior of the coordinates.
-
-        A slab with heavy tails for a cause, what the mission knows of its own effects, else a spike (0 for a shape
-        parameter).
-        """
-        centre = self.centre.copy()
-        sd = np.array([c.slab if c.effect in causes else c.spike for c in self.coordinates])
-        joint = []
-        for each in tied(held(self.given, causes)):
-            own = self.places(each)
-            centre[own], sd[own] = each.mean, np.sqrt(np.diag(each.here))
-            if np.any(each.here != np.diag(np.diag(each.here))):
-                joint.append((np.array(own), each.here))
-        is_cause = np.array([c.effect in causes for c in self.coordinates])
-        low, high = (
-            np.where(is_cause, end, beyond) for end, beyond in zip(self._ranges, (-np.inf, np.inf), strict=True)
-        )
-        return Prior(centre, sd, is_cause, tuple(joint), low, high)
-
-    @cached_property
-    def _ranges(self) -> tuple[Array, Array]:
-        """Physical ranges of the coordinates, shape (k,) each."""
-        low, high = zip(*(coordinate.range for coordinate in self.coordinates), strict=True)
-        return np.array(low), np.array(high)
+        """Prior of the coordinates."""
+        return coordinate_prior(self.coordinates, causes, self.given)
 
     def prior_sd(self, causes: Causes) -> Array:
         """Prior standard deviations, those of the slabs at their usual scale, shape (k,)."""
@@ -116,13 +94,8 @@ class DescentPriors:
 
     def searched(self, causes: Causes) -> NDArray[np.int_]:
         """Coordinates of the causes and of the mission's own effects, about whose best values a fit is linearised."""
-        own = [i for each in held(self.given, causes) for i in self.places(each)]
+        own = [i for each in held(self.given, causes) for i in places_in(self.coordinates, each)]
         return np.union1d(self.free(causes), np.array(own, dtype=int))
-
-    def places(self, given: GivenEffect) -> list[int]:
-        """Indices of a given effect's coordinates among all."""
-        index = {(c.effect, c.name, c.kind): i for i, c in enumerate(self.coordinates)}
-        return [index[c.effect, c.name, c.kind] for c in given.coordinates]
 
     def index(self, effect: str) -> int:
         """First coordinate of an effect."""

@@ -7,8 +7,9 @@ effect that persists.
 """
 
 import copy
+import itertools
 import math
-from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -16,6 +17,7 @@ from scipy.linalg import block_diag
 
 from missionplan.arrays import Array
 from missionplan.diagnosis.coordinates import Coordinate, JointPosterior, estimates
+from missionplan.diagnosis.inference.prior import Prior
 from missionplan.effects import CATALOGUE, EffectInfo
 from missionplan.mission import Mission
 from missionplan.mission.schema.site import CurrentFile, TidalCurrent
@@ -134,6 +136,32 @@ def _joined(group: Sequence[GivenEffect]) -> GivenEffect:
     )
 
 
+def places_in(coordinates: Iterable[Coordinate], given: GivenEffect) -> list[int]:
+    """Return the indices of a given effect's coordinates among others."""
+    index = {coordinate.key: i for i, coordinate in enumerate(coordinates)}
+    return [index[coordinate.key] for coordinate in given.coordinates]
+
+
+def coordinate_prior(coordinates: Sequence[Coordinate], causes: Causes, given: Iterable[GivenEffect]) -> Prior:
+    """Return the prior of coordinates: of causes, of what the mission knows of its own effects, and of all else.
+
+    A slab with heavy tails inside its physical range for a cause, what the mission knows of effects that have not
+    changed, else a spike (0 for a shape parameter).
+    """
+    centre = np.array([coordinate.centre for coordinate in coordinates])
+    is_cause = np.array([coordinate.effect in causes for coordinate in coordinates], dtype=bool)
+    sd = np.array([c.slab if c.effect in causes else c.spike for c in coordinates])
+    joint = []
+    for each in tied(held(given, causes)):
+        own = places_in(coordinates, each)
+        centre[own], sd[own] = each.mean, np.sqrt(np.diag(each.here))
+        if np.any(each.here != np.diag(np.diag(each.here))):
+            joint.append((np.array(own), each.here))
+    ranges = np.array([coordinate.range for coordinate in coordinates]).reshape(-1, 2).T
+    low, high = (np.where(is_cause, end, beyond) for end, beyond in zip(ranges, (-np.inf, np.inf), strict=True))
+    return Prior(centre, sd, is_cause, tuple(joint), low, high)
+
+
 @dataclass(frozen=True)
 class RecordPosterior:
     """Posterior of k coordinates in one record.
@@ -149,23 +177,28 @@ class RecordPosterior:
     mean: Array
     covariance: Array
 
-    def afterwards(
-        self, given: Sequence[GivenEffect], places: Callable[[GivenEffect], list[int]], causes: Sequence[int]
-    ) -> JointPosterior:
+    def known(self, given: Iterable[GivenEffect]) -> tuple[ParameterEstimate, ...]:
+        """Return what is known after the record of the mission's own effects, in the long run."""
+        found: list[ParameterEstimate] = []
+        for each in given:
+            own = places_in(self.coordinates, each)
+            found += each.posterior(self.mean[own], self.covariance[np.ix_(own, own)])
+        return tuple(found)
+
+    def afterwards(self, given: Sequence[GivenEffect], causes: Sequence[int]) -> JointPosterior:
         """Return what is known after the record: of the mission's own effects in the long run, and of the causes.
 
         Parameters
         ----------
         given : sequence of GivenEffect
             The mission's own effects, those that are tied as one.
-        places : callable
-            Indices of a given effect's coordinates.
         causes : sequence of int
             Coordinates of the causes, known after the record as they are in it.
         """
-        own = [index for each in given for index in places(each)]
-        chosen = [*own, *causes]
-        mean = np.concatenate([*(each.long_run(self.mean[places(each)]) for each in given), self.mean[causes]])
+        places = [places_in(self.coordinates, each) for each in given]
+        chosen = [*itertools.chain(*places), *causes]
+        long_run = (each.long_run(self.mean[own]) for each, own in zip(given, places, strict=True))
+        mean = np.concatenate([*long_run, self.mean[list(causes)]])
         gain = block_diag(*(each.gain for each in given), np.eye(len(causes)))
         left_over = block_diag(*(each.left_over for each in given), np.zeros((len(causes), len(causes))))
         covariance = gain @ self.covariance[np.ix_(chosen, chosen)] @ gain.T + left_over

@@ -80,6 +80,16 @@ class Prior:
         low, high = (None if end is None else end[chosen] for end in (self.low, self.high))
         return Prior(self.centre[chosen], self.sd[chosen], heavy, tied, low, high)
 
+    def preceded(self, centre: Array, sd: Array) -> "Prior":
+        """Return the prior of these with other coordinates before them, of independent normal distributions."""
+        more = len(sd)
+        heavy = None if self.heavy is None else np.concatenate([np.zeros(more, dtype=bool), self.heavy])
+        low, high = (
+            np.concatenate([np.full(more, sign * np.inf), own]) for sign, own in zip((-1, 1), self.bounds, strict=True)
+        )
+        tied = tuple((places + more, covariance) for places, covariance in self.tied)
+        return Prior(np.concatenate([centre, self.centre]), np.concatenate([sd, self.sd]), heavy, tied, low, high)
+
     def root(self, sd: Array) -> Array:
         """Return a factor R of the covariance R Rᵀ, shape (k, k); the standard deviations, (k,), where nothing is tied.
 

@@ -1,5 +1,6 @@
 """Fits of sets of causes to a navigation log: hyperparameters by Laplace's method, coefficients exactly."""
 
+import itertools
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
@@ -215,7 +216,7 @@ class TransitFitting(TransitCovariance):
         place = [h.key for h in state.hyperparameters].index(("", "sigma_v"))
         calibration["sigma_v_factor"] = math.exp(math.sqrt(state.posterior.covariance[place, place]))
         together = RecordPosterior(self.coordinates, state.mean, covariance).afterwards(
-            tied(held(self.given_in_mean, causes)), self.places, chosen
+            tied(held(self.given_in_mean, causes)), chosen
         )
         random = (*causes, *(each.effect for each in held(self.given_in_covariance, causes)))
         together = together.joined(state.noise(random)).joined(wandering)
@@ -258,13 +259,9 @@ class TransitFitting(TransitCovariance):
 
     def _given_estimates(self, causes: Causes, state: TransitState, spread: Array) -> tuple[ParameterEstimate, ...]:
         """What is known of the mission's own effects after this record, those that changed left out."""
-        found: list[ParameterEstimate] = []
-        for each in tied(held(self.given_in_mean, causes)):
-            own = self.places(each)
-            found += each.posterior(state.mean[own], spread[np.ix_(own, own)])
-        for each in held(self.given_in_covariance, causes):
-            found += state.estimates((each.effect,))
-        return tuple(found)
+        found = RecordPosterior(self.coordinates, state.mean, spread).known(tied(held(self.given_in_mean, causes)))
+        random = (state.estimates((each.effect,)) for each in held(self.given_in_covariance, causes))
+        return found + tuple(itertools.chain.from_iterable(random))
 
 
 def _likeliest(states: Sequence[TransitState]) -> TransitState:

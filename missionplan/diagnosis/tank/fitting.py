@@ -12,13 +12,12 @@ from scipy.special import logsumexp
 from missionplan.arrays import Array
 from missionplan.diagnosis.coordinates import (
     Coordinate,
-    JointPosterior,
     coordinates_of,
     estimates,
     is_possible,
     parameters_from,
 )
-from missionplan.diagnosis.given.effects import GivenEffect, held
+from missionplan.diagnosis.given.effects import GivenEffect, RecordPosterior, coordinate_prior, held
 from missionplan.diagnosis.inference.gauss_newton import (
     GaussNewtonOptions,
     GaussNewtonResult,
@@ -36,7 +35,7 @@ from missionplan.diagnosis.inference.prior import Prior, integrated
 from missionplan.diagnosis.tank.forward import TankForward, build_effects
 from missionplan.diagnosis.tank.linearised import marginal
 from missionplan.effects import CATALOGUE
-from missionplan.results.learned.evidence import Causes, ParameterEstimate
+from missionplan.results.learned.evidence import Causes
 
 SEARCH = GaussNewtonOptions(
     iterations=40,
@@ -103,27 +102,10 @@ class TankFitting:
         return len(self.forward.nuisances)
 
     def prior(self, causes: Causes) -> Prior:
-        """Prior of the coordinates.
-
-        A slab with heavy tails for a cause, what the mission knows of its own effects, else a spike (0 for a shape
-        parameter).
-        """
-        nuisances, slabs = self.forward.nuisances, [c.slab if c.effect in causes else c.spike for c in self.coordinates]
-        centre = np.array([n.centre for n in nuisances] + [c.centre for c in self.coordinates])
-        sd = np.array([n.sd for n in nuisances] + slabs)
-        for each in held(self.given, causes):
-            own = self.places(each)
-            centre[own], sd[own] = each.mean, np.sqrt(np.diag(each.here))
-        is_cause = np.array([False] * len(nuisances) + [c.effect in causes for c in self.coordinates])
-        low, high = (np.full(len(sd), end) for end in (-np.inf, np.inf))
-        for index in np.flatnonzero(is_cause):
-            low[index], high[index] = self.coordinates[index - len(nuisances)].range
-        return Prior(centre, sd, is_cause, (), low, high)
-
-    def places(self, given: GivenEffect) -> list[int]:
-        """Indices of a given effect's coordinates among all."""
-        index = {(c.effect, c.name, c.kind): i for i, c in enumerate(self.coordinates, self.fixed)}
-        return [index[c.effect, c.name, c.kind] for c in given.coordinates]
+        """Prior of the coordinates; what the mission knows of several together it knows of each."""
+        own = replace(coordinate_prior(self.coordinates, causes, self.given), tied=())
+        nuisances = self.forward.nuisances
+        return own.preceded(np.array([n.centre for n in nuisances]), np.array([n.sd for n in nuisances]))
 
     def is_of(self, causes: Causes, index: int) -> bool:
         """Whether a coordinate is one of the causes'."""
@@ -167,10 +149,12 @@ class TankFitting:
         residuals, factor = self.forward.y - best.prediction, float(self.noise_factors[whole.noise])
         own = replace(whole.marginal, mean=chosen.centre + whole.marginal.mean)
         state = TankState(best.at, residuals, best.jacobian, active, factor, whole.prior_sd, own)
-        cut = replace(own, mean=whole.inside.mean, covariance=whole.inside.covariance)
-        reported = self._posterior(causes, replace(state, marginal=cut))
-        found = estimates(reported.coordinates, reported.mean, reported.covariance)
-        possible, (given, together) = is_possible(found), self._after(causes, state)
+        cut = self._posterior(active, whole.inside.mean, whole.inside.covariance)
+        record = self._posterior(active, own.mean, own.covariance)
+        rows = [k for k, coordinate in enumerate(cut.coordinates) if coordinate.effect in causes]
+        found = estimates([cut.coordinates[k] for k in rows], cut.mean[rows], cut.covariance[np.ix_(rows, rows)])
+        known = held(self.given, causes)
+        given, together, possible = record.known(known), record.afterwards(known, rows), is_possible(found)
         calibration = self._calibration(state)
         return CauseFit(causes, whole.log_evidence, found, calibration, possible, state, given, together)
 
@@ -222,27 +206,11 @@ class TankFitting:
         log_prior = -0.5 * (np.log(self.noise_factors) / self._noise_log_sd) ** 2
         return np.asarray(log_prior - logsumexp(log_prior))
 
-    def _posterior(self, causes: Causes, state: TankState) -> JointPosterior:
-        """Joint posterior of the causes' coordinates."""
-        rows = [k for k, index in enumerate(state.active) if self.is_of(causes, int(index))]
-        chosen = tuple(self.coordinates[int(state.active[k]) - self.fixed] for k in rows)
-        return JointPosterior(chosen, state.marginal.mean[rows], state.marginal.covariance[np.ix_(rows, rows)])
-
-    def _after(self, causes: Causes, state: TankState) -> tuple[tuple[ParameterEstimate, ...], JointPosterior]:
-        """What is known after these data of the effects that the mission knew, but for those that changed, and of all.
-
-        Strengths of the causes are independent of what the mission knew of others.
-        """
-        row = {int(index): k for k, index in enumerate(state.active)}
-        given: list[ParameterEstimate] = []
-        together = self._posterior(causes, state)
-        for each in held(self.given, causes):
-            rows = [row[index] for index in self.places(each)]
-            mean, covariance = state.marginal.mean[rows], state.marginal.covariance[np.ix_(rows, rows)]
-            given += each.posterior(mean, covariance)
-            spread = each.left_over + each.gain @ covariance @ each.gain.T
-            together = together.joined(JointPosterior(each.coordinates, each.long_run(mean), spread))
-        return tuple(given), together
+    def _posterior(self, active: NDArray[np.int_], mean: Array, covariance: Array) -> RecordPosterior:
+        """Posterior of the active coordinates without the nuisance parameters."""
+        rows = np.flatnonzero(active >= self.fixed)
+        coordinates = [self.coordinates[index - self.fixed] for index in active[rows]]
+        return RecordPosterior(coordinates, mean[rows], covariance[np.ix_(rows, rows)])
 
     def _calibration(self, state: TankState) -> dict[str, float]:
         """Constants of the base model, and the noise, as fitted."""

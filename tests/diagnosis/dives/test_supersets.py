@@ -5,7 +5,7 @@ import pytest
 from scipy import stats
 from scipy.special import logsumexp
 
-from missionplan.diagnosis.dives import responses
+from missionplan.diagnosis.dives.fitting import likely_noises
 from missionplan.diagnosis.dives.noise import noise_grid
 from missionplan.diagnosis.inference.set_evidence import SCALE_PRIOR, SCALES
 
@@ -34,13 +34,13 @@ def test_what_a_response_adds_is_that_of_the_whole_covariance(measured):
     fouled = np.array([0.0, 0.16, 0.32, 0.48])
     model = measured("drag-bias", weights=np.array([16.0, 9.0, 20.0, 12.0]), fraction=fouled)
     (fit,) = model.fit_all([((), ())])
-    found = responses.responses_beside(model, [fit])
+    found = model.responses_beside([fit])
     linear, prior_sd = fit.state.linear, fit.state.prior_sd
-    axes = model.response_axes(linear)
-    noises = responses._likely_noises(fit)
+    responses = model.responses(fit)
+    noises = likely_noises(fit.state)
     assert set(noises) <= set(noise_grid())
-    chosen = [axis.description for axis in axes].index("drag that grows or falls from dive to dive")
-    (columns,) = responses._columns(model, fit, axes)[chosen]
+    chosen = [axis.description for axis in responses.axes].index("drag that grows or falls from dive to dive")
+    (columns,) = responses.columns[chosen]
     plain, beside = [], []
     for noise in noises:
         total = model.covariance(linear, noise, prior_sd).dense()

@@ -11,7 +11,7 @@ import numpy as np
 from missionplan.arrays import Array, Scalars
 from missionplan.datasets.records import TransitData
 from missionplan.diagnosis.coordinates import Coordinate, coordinates_of, parameters_from
-from missionplan.diagnosis.given.effects import GivenEffect, held, tied
+from missionplan.diagnosis.given.effects import GivenEffect, held, places_in, tied
 from missionplan.diagnosis.legs.likelihood.fix_gaps import FixGaps, fix_gaps
 from missionplan.diagnosis.legs.likelihood.linearised import CoordinatePrior, HeldEffect, LinearisedLegs
 from missionplan.diagnosis.legs.likelihood.modulation import (
@@ -129,17 +129,12 @@ class TransitMean:
             if info.part == "mean"
         )
 
-    def places(self, given: GivenEffect) -> list[int]:
-        """Indices of a given effect's coordinates among all."""
-        index = {(c.effect, c.name, c.kind): i for i, c in enumerate(self.coordinates)}
-        return [index[c.effect, c.name, c.kind] for c in given.coordinates]
-
     @cached_property
     def expected(self) -> Array:
         """Coordinates that the mission expects: those of its own effects, zero for the others, shape (k,)."""
         values = np.zeros(len(self.coordinates))
         for each in self.given_in_mean:
-            values[self.places(each)] = each.mean
+            values[places_in(self.coordinates, each)] = each.mean
         return values
 
     def _limited(self, coordinate: Coordinate) -> Coordinate:
@@ -284,7 +279,7 @@ class TransitMean:
                 spread[index] = math.hypot(spread[index], self.current_sd[coordinate.name == "north"])
         mean, factor = np.zeros(len(spread)), np.diag(spread)
         for each in tied(held(self.given_in_mean, causes)):
-            own = self.places(each)
+            own = places_in(self.coordinates, each)
             mean[own] = each.mean
             factor[np.ix_(own, own)] = _square_root(each.here)
         return CoordinatePrior(mean, factor)
