@@ -70,14 +70,10 @@ class NoiseGridLikelihood:
         dives : array of int or slice
             Dives to use; default all.
         """
-        found = self.with_curvature(index, prior_sd, dives)
-        return Marginal(found.log_density, found.mean[:-1], found.covariance[:-1, :-1])
-
-    def with_curvature(self, index: int, prior_sd: Array, dives: NDArray[np.int_] | slice = ALL_DIVES) -> Marginal:
-        """Return the same, the curvature's coefficient after those of the coordinates."""
         gram, log_determinant = self.grams[index, dives].sum(axis=0), float(self.log_determinants[index, dives].sum())
         prior = _with_shared(prior_sd, noise_grid()[index])
-        return gaussian_marginal(gram, prior, log_determinant, int(self.counts[dives].sum()))
+        found = gaussian_marginal(gram, prior, log_determinant, int(self.counts[dives].sum()))
+        return Marginal(found.log_density, found.mean[:-1], found.covariance[:-1, :-1])
 
 
 @dataclass(frozen=True)
@@ -128,10 +124,10 @@ class DescentLikelihood(LinearisedDescent):
         return NoiseGridLikelihood(np.stack(grams, axis=1), np.stack(log_determinants, axis=1), counts)
 
     def products(
-        self, linear: DiveLinearisation, prior_sd: Array, columns: Array, noises: tuple[Noise, ...] | None = None
+        self, linear: DiveLinearisation, prior_sd: Array, columns: Array, noises: tuple[Noise, ...]
     ) -> Iterator[InnerProducts]:
         """Inner products of columns, shape (N, m), and the data, the coordinates integrated out, at noises."""
-        for noise in noise_grid() if noises is None else noises:
+        for noise in noises:
             yield self.covariance(linear, noise, prior_sd).products(columns, linear.y, noise.log_prior)
 
     def log_densities(

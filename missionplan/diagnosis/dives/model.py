@@ -117,15 +117,15 @@ class DescentModel(DescentFitting):
 
     def residuals_along(self, fit: CauseFit, axes: Sequence[Axis]) -> Residuals:
         """Return the residuals with other axes to look along."""
-        linear, logs, prior_sd = fit.state.linear, self.forward.logs, fit.state.prior_sd
+        logs = self.forward.logs
         return Residuals(
-            linear.y,
+            fit.state.linear.y,
             self._covariance(fit),
             np.concatenate([np.full(len(log.t), k) for k, log in enumerate(logs)]),
             axes,
             np.concatenate([np.full(len(log.t), log.name) for log in logs]),
             quantised=True,
-            products_by_noise=partial(self.products, linear, prior_sd),
+            products_by_noise=partial(self._likely_products, fit),
         )
 
     def _covariance(self, fit: CauseFit) -> BlockCovariance:
@@ -175,14 +175,10 @@ class DescentModel(DescentFitting):
         others = np.delete(np.arange(len(self.parts)), dive)
         seen = log_joint_with_noise(likelihood.marginals(prior, others))
         log_score = float(logsumexp(log_joint_with_noise(likelihood.marginals(prior))) - logsumexp(seen))
-        own, best = self.parts[dive], int(np.argmax(seen))
-        columns = np.concatenate([linear.columns, linear.curvature[:, None]], axis=1)[own]
-        shared = likelihood.with_curvature(best, prior, others)
-        error = linear.y[own] - columns @ shared.mean
+        own, best = self.parts[dive], noise_grid()[int(np.argmax(seen))]
+        error, covariance = next(self.covariance(linear, best, prior).left_out(linear.y, [own]))
         scaled = error / self.units[own]
-        noise = self.covariances(linear, (noise_grid()[best],))[dive][0]
-        variance = np.diag(noise) + np.sum(columns @ shared.covariance * columns, axis=1)
-        inside = int((np.abs(error) <= QUANTILE_95 * np.sqrt(variance)).sum())
+        inside = int((np.abs(error) <= QUANTILE_95 * np.sqrt(np.diag(covariance))).sum())
         return HeldOutScore(self.forward.logs[dive].name, log_score, float(scaled @ scaled), inside, len(error))
 
     @property

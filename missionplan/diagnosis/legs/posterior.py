@@ -398,7 +398,7 @@ def _modulated_sets(posterior: LegPosterior) -> list[Causes]:
     names = [name for name in model.candidates if CATALOGUE[name].is_modulated and name not in given]
     if not names or float(np.ptp(model.data.middle)) < SHORTEST:
         return []
-    likely = [causes for causes in posterior.probabilities if set(causes) <= set(model.candidates)][:BESIDE]
+    likely = [causes for causes in posterior.named if set(causes) <= set(model.candidates)][:BESIDE]
     order = {name: index for index, name in enumerate(model.candidates)}
     found = {tuple(sorted({*causes, name}, key=order.__getitem__)) for causes in [(), *likely] for name in names}
     return sorted(found)
