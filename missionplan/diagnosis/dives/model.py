@@ -125,7 +125,7 @@ class DescentModel(DescentFitting):
             axes,
             np.concatenate([np.full(len(log.t), log.name) for log in logs]),
             quantised=True,
-            products_by_noise=partial(self._likely_products, fit),
+            products_by_noise=partial(self.products, fit.state.linear, fit.state.prior_sd, noises=noise_grid()),
         )
 
     def _covariance(self, fit: CauseFit) -> BlockCovariance:

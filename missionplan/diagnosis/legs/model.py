@@ -5,6 +5,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.linalg import solve_triangular
 
 from missionplan.arrays import Array
 from missionplan.datasets.records import TransitData
@@ -18,7 +19,6 @@ from missionplan.diagnosis.legs.designs import DESIGNS, designs_for, with_furthe
 from missionplan.diagnosis.legs.fitting import TransitFitting
 from missionplan.diagnosis.legs.likelihood.covariance import ALL_LEGS
 from missionplan.diagnosis.legs.likelihood.linearised import LinearisedLegs
-from missionplan.diagnosis.legs.likelihood.markov_covariance import LegSelection
 from missionplan.diagnosis.legs.posterior import infer, with_forms
 from missionplan.diagnosis.legs.set_density import LegInference
 from missionplan.diagnosis.legs.terms import terms_of
@@ -62,16 +62,15 @@ class TransitModel(TransitFitting):
             np.repeat(self.data.labels, 2),
         )
 
-    def error_covariance(self, fit: CauseFit, linear: LinearisedLegs, rows: LegSelection = ALL_LEGS) -> BlockCovariance:
+    def error_covariance(self, fit: CauseFit, linear: LinearisedLegs) -> BlockCovariance:
         """Covariance of errors leg by leg under a fit's noise and the coefficients' priors: axes are independent."""
         values = fit.state.values
-        noise = self.noise(values, rows)
-        both = 2 * np.arange(noise.shape[1])
-        columns = linear.columns[:, rows] * linear.prior_sd(values)
+        noise, both = self.noise(values), 2 * np.arange(self.data.n)
+        columns = linear.columns * linear.prior_sd(values)
         return BlockCovariance((both, both + 1), (noise[0], noise[1]), leg_by_leg(columns))
 
     def predicted(self, fit: CauseFit, seen: NDArray[np.int_], wanted: NDArray[np.int_]) -> Normal:
-        """Predict legs from others under a fit.
+        """Predict legs from others under a fit, by the precision of all of them (Rue & Held 2005, Theorem 2.5).
 
         Parameters
         ----------
@@ -86,12 +85,21 @@ class TransitModel(TransitFitting):
             Mean, shape (2, m), and covariance, shape (2m, 2m), leg by leg, of the velocity errors beyond the base
             model's mean [m/s].
         """
-        linear, rows = fit.state.linear, np.union1d(seen, wanted)
-        own = np.searchsorted(rows, wanted)
-        places = np.stack([2 * own, 2 * own + 1], axis=1).ravel()
-        found = self.error_covariance(fit, linear, rows).left_out(leg_by_leg(linear.y[:, rows]), [places])
-        error, covariance = next(found)
-        return self.y[:, wanted] - error.reshape(-1, 2).T, covariance
+        linear, noise = fit.state.linear, self.noise_components(fit.state.values)
+        rows = np.union1d(seen, wanted)
+        legs, own = self.markov_covariance(rows), np.searchsorted(rows, wanted)
+        ones = np.zeros((2, len(rows), 2 * len(own)))
+        for axis in (0, 1):
+            ones[axis, own, 2 * np.arange(len(own)) + axis] = 1.0
+        columns = linear.columns[:, rows] * linear.prior_sd(fit.state.values)
+        joined = np.concatenate([columns, ones, linear.y[:, rows, None]], axis=2)
+        gram, _ = legs.gram(joined, noise.independent(legs.under_way), noise.fix_sd, noise.process)
+        k = columns.shape[2]
+        factor = np.linalg.cholesky(gram[:k, :k] + np.eye(k))
+        half = solve_triangular(factor, gram[:k, k:], lower=True, check_finite=False)
+        precision = gram[k:, k:] - half.T @ half
+        covariance = np.asarray(np.linalg.inv(precision[:-1, :-1]), dtype=float)
+        return self.y[:, wanted] - (covariance @ precision[:-1, -1]).reshape(-1, 2).T, covariance
 
     def one_step_errors(self, fit: CauseFit) -> Array:
         """Error of each leg's prediction from the legs before it, on the principal axes, shape (2, n) [m/s]."""

@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 from missionplan.diagnosis.dives.discrepancy_axes import FORCE_STEP, force_axes
-from missionplan.diagnosis.dives.fitting import likely_noises
 from missionplan.diagnosis.dives.noise import noise_grid
 from missionplan.diagnosis.inference.block_covariance import InnerProducts
 from missionplan.diagnosis.inference.discrepancy import discrepancy
@@ -107,9 +106,8 @@ def test_products_are_those_of_the_whole_covariance(measured):
     columns = np.random.default_rng(3).normal(size=(len(model.y), 2))
     residuals = model.residuals(fit)
     found = list(residuals.inner_products(columns))
-    noises = likely_noises(fit.state)
-    assert [each.log_weight for each in found] == [noise.log_prior for noise in noises]
-    best: InnerProducts = found[noises.index(noise_grid()[fit.state.best_noise])]
+    assert [each.log_weight for each in found] == [noise.log_prior for noise in noise_grid()]
+    best: InnerProducts = found[fit.state.best_noise]
     both = np.column_stack([columns, residuals.values])
     whole = both.T @ np.linalg.solve(residuals.covariance.dense(), both)
     np.testing.assert_allclose(best.gram, whole, rtol=1e-6, atol=1e-6 * np.abs(whole).max())

@@ -161,12 +161,9 @@ class TransitCovariance(TransitMean):
         walk = sum(float(effect.position_variance_rate()) for effect in effects)
         return NoiseComponents(white, walk, math.hypot(values["", "fix_sd"], math.sqrt(extra)), process, dof)
 
-    def noise(self, values: HyperparameterValues, rows: LegSelection = ALL_LEGS) -> Array:
+    def noise(self, values: HyperparameterValues) -> Array:
         """Covariance of the velocity errors, causes of the mean apart, on each axis, shape (2, n, n) [m²/s²]."""
-        parts, legs = (
-            self.noise_components(values),
-            self._all_legs if rows is ALL_LEGS else self.markov_covariance(rows),
-        )
+        parts, legs = self.noise_components(values), self._all_legs
         return legs.dense(parts.independent(legs.under_way), parts.fix_sd, parts.process)
 
     def marginal(

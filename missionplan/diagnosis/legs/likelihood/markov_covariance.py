@@ -15,7 +15,7 @@ from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import lapack, solveh_banded
+from scipy.linalg import lapack
 
 from missionplan.arrays import Array, Scalars
 from missionplan.phases.hooks import MarkovProcess
@@ -158,13 +158,18 @@ class MarkovCovariance:
 
     def _of_process(self, process: MarkovProcess) -> Array:
         """Covariance of one component of the legs' errors by a process alone, shape (n, n) [m²/s²]."""
-        prior = _ProcessStates.of(self, process)
-        n = len(self.under_way)
-        loads = np.zeros((2 * n, n))
-        loads[::2][np.diag_indices(n)] = prior.present[::2] * prior.share
-        loads[1::2][np.diag_indices(n)] = prior.present[1::2] * prior.share
-        band = np.stack([prior.diagonal, np.append(prior.off_diagonal, 0.0)])
-        return np.asarray(loads.T @ solveh_banded(band, loads, lower=True) + np.diag(prior.rest))
+        kept, added = _transitions(self, process)
+        share, rest = process.mean_over(self.under_way)
+        total, with_state, variance = np.zeros((len(share), len(share))), np.zeros(len(share)), 0.0
+        for leg in range(len(share)):  # the mean over each leg with those before, by way of the values at its ends
+            start = kept[2 * leg] * with_state
+            at_start = kept[2 * leg] ** 2 * variance + added[2 * leg]
+            across, with_state = kept[2 * leg + 1] * at_start, kept[2 * leg + 1] * start
+            variance = kept[2 * leg + 1] * across + added[2 * leg + 1]
+            total[leg, :leg] = total[:leg, leg] = (share[leg] * (start + with_state))[:leg]
+            total[leg, leg] = share[leg] ** 2 * (at_start + 2.0 * across + variance)
+            with_state[leg] = share[leg] * (across + variance)
+        return total + np.diag(rest)
 
     def _states(self, weighted: Array, variance: Array, fix_sd: float, prior: "_ProcessStates | None") -> "_States":
         """States of both axes: the process at both ends of each leg, the fix after it over its standard deviation.
@@ -237,6 +242,18 @@ LEAST_ELAPSED = 1.0
 """Least time between two legs [s], so that the values at the end of one and at the start of the next are two states."""
 
 
+def _transitions(legs: MarkovCovariance, process: MarkovProcess) -> tuple[Array, Array]:
+    """Shares that a process keeps from each of its 2n values to the next, and variances that are added on the way."""
+    begins, n = np.isnan(legs.elapsed), len(legs.under_way)
+    kept, variance = np.empty(2 * n), np.empty(2 * n)
+    kept[::2], variance[::2] = process.transition(np.where(begins, legs.since, np.maximum(legs.elapsed, LEAST_ELAPSED)))
+    kept[1::2], variance[1::2] = process.transition(legs.under_way)
+    variance[::2] += np.where(begins, kept[::2] ** 2 * process.first_variance, 0.0)
+    kept[::2] *= ~begins
+    kept[1:] *= variance[:-1] > 0.0
+    return kept, variance
+
+
 @dataclass(frozen=True)
 class _ProcessStates:
     """A process at the starts and ends of n legs, in turn: tridiagonal precision, and the legs' means of it.
@@ -260,15 +277,8 @@ class _ProcessStates:
 
     @classmethod
     def of(cls, legs: MarkovCovariance, process: MarkovProcess) -> "_ProcessStates":
-        begins, n = np.isnan(legs.elapsed), len(legs.under_way)
-        before = np.where(begins, legs.since, np.maximum(legs.elapsed, LEAST_ELAPSED))
-        kept, variance = np.empty(2 * n), np.empty(2 * n)
-        kept[::2], variance[::2] = process.transition(before)
-        kept[1::2], variance[1::2] = process.transition(legs.under_way)
-        variance[::2] += np.where(begins, kept[::2] ** 2 * process.first_variance, 0.0)
+        kept, variance = _transitions(legs, process)
         present = (variance > 0.0).astype(float)
-        kept[::2] *= ~begins
-        kept[1:] *= present[:-1]
         precision = 1.0 / np.where(present > 0.0, variance, 1.0)
         diagonal = precision.copy()
         diagonal[:-1] += kept[1:] ** 2 * precision[1:]
