@@ -9,7 +9,7 @@ import numpy as np
 from missionplan.diagnosis.inference.cross_validation import HeldOutComparison, compare_held_out
 from missionplan.diagnosis.inference.discrepancy import discrepancy
 from missionplan.diagnosis.inference.model import CauseFit, FailedFit, Model, fitted
-from missionplan.diagnosis.inference.residual_tests import outlying_groups
+from missionplan.diagnosis.inference.residual_tests import Residuals, outlying_groups
 from missionplan.diagnosis.inference.selection import LIKELY, Candidate, Progress, Selection, WeighsAllSets, no_progress
 from missionplan.effects import CATALOGUE
 from missionplan.errors import RunError
@@ -189,5 +189,8 @@ def _contends(candidate: Candidate, selection: Selection) -> bool:
 
 def _tested_residuals(model: Model, fits: Sequence[CauseFit]) -> list[tuple[Discrepancy, OutlyingGroups]]:
     """For each fit, the discrepancy of what it leaves and its outlying groups."""
-    residuals = [model.residuals(fit) for fit in fits]
-    return [(discrepancy(each), outlying_groups(each)) for each in residuals]
+    return [_tested(model.residuals(fit)) for fit in fits]
+
+
+def _tested(residuals: Residuals) -> tuple[Discrepancy, OutlyingGroups]:
+    return discrepancy(residuals), outlying_groups(residuals)

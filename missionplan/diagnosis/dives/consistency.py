@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from scipy.special import logsumexp
 
-from missionplan.diagnosis.dives.fitting import DescentFitting, log_joint_with_noise
+from missionplan.diagnosis.dives.fitting import DescentFitting
 from missionplan.diagnosis.dives.likelihood import NoiseGridLikelihood
 from missionplan.diagnosis.inference.axes import differing
 from missionplan.diagnosis.inference.discrepancy import THRESHOLD, along_each_axis
@@ -70,10 +70,10 @@ def exchanged_labels(model: DescentFitting, base: CauseFit) -> ExchangedLabels |
         return None
     own: Labels = tuple(weights.index(log.wet_weight) for log in logs)
     likelihoods, found, reached, prior = _labelled(model, base, weights), own, -math.inf, FURTHER
-    whole, gains = base.state.likelihood.as_one, list[float]()
+    whole, gains = base.state.likelihood, list[float]()
     while others := sorted(set(_exchanges(found)) - {own}):
-        exchanged = [_changed(whole, likelihoods, labels, own).marginals(base.state.prior_sd) for labels in others]
-        evidence = [float(logsumexp(log_joint_with_noise(each))) - base.log_evidence for each in exchanged]
+        exchanged = (_changed(whole, likelihoods, labels, own) for labels in others)
+        evidence = [float(logsumexp(each.log_joint(base.state.prior_sd))) - base.log_evidence for each in exchanged]
         first = int(np.argmax(evidence))
         if evidence[first] < reached + FURTHER:
             break

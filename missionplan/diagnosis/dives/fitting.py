@@ -151,7 +151,7 @@ class DescentState:
     linear: DiveLinearisation
     """The model, linearised about the best coordinates."""
     likelihood: NoiseGridLikelihood
-    """Its likelihood."""
+    """Its likelihood, all dives as one."""
     best_noise: int
     """Most likely noise of the grid."""
     prior_sd: Array
@@ -217,7 +217,7 @@ class DescentFitting(DescentLikelihood):
             return FailedFit(causes, "the descent does not go down with these parameters")
         prior, grid = self.prior(causes), np.array([noise.log_prior for noise in noise_grid()])
         try:
-            likelihood = self.likelihood(linear)
+            likelihood = self.likelihood(linear).as_one  # of each dive they are too large to keep with every fit
             whole = integrated(likelihood.marginal, grid, prior)
         except np.linalg.LinAlgError as error:
             return FailedFit(causes, str(error))
@@ -316,14 +316,9 @@ def _calibration(best: int) -> dict[str, float]:
     return {"dive_scatter": noise.scatter, "depth_walk_m2_s": noise.diffusion, "eddy_time_s": noise.eddy_time}
 
 
-def log_joint_with_noise(marginals: Sequence[Marginal]) -> Array:
-    """Log density of the data at each noise of the grid, plus the log prior of the noise, shape (g,)."""
-    return np.array([noise.log_prior + found.log_density for noise, found in zip(noise_grid(), marginals, strict=True)])
-
-
 def likely_noises(state: DescentState) -> tuple[Noise, ...]:
     """Return noises that are likely under a fit, and those with the usual scatter: they may be beside a response."""
-    logs = log_joint_with_noise(state.likelihood.marginals(state.prior_sd))
+    logs = state.likelihood.log_joint(state.prior_sd)
     likely = logs - logsumexp(logs) > np.log(LEAST_LIKELY)
     return tuple(
         noise

@@ -23,7 +23,12 @@ from missionplan.diagnosis.dives.noise import (
     shape_error_covariance,
 )
 from missionplan.diagnosis.inference.block_covariance import BlockCovariance, InnerProducts
-from missionplan.diagnosis.inference.marginal_likelihood import Marginal, gaussian_marginal, standardised
+from missionplan.diagnosis.inference.marginal_likelihood import (
+    Marginal,
+    gaussian_log_density,
+    gaussian_marginal,
+    standardised,
+)
 
 ALL_DIVES = slice(None)
 
@@ -46,34 +51,28 @@ class NoiseGridLikelihood:
         grams, log_determinants = (each.sum(axis=1, keepdims=True) for each in (self.grams, self.log_determinants))
         return NoiseGridLikelihood(grams, log_determinants, self.counts.sum(keepdims=True))
 
-    def marginals(self, prior_sd: Array, dives: NDArray[np.int_] | slice = ALL_DIVES) -> list[Marginal]:
-        """Marginalise all coordinates at each noise of the grid.
+    def log_joint(self, prior_sd: Array, dives: NDArray[np.int_] | slice = ALL_DIVES) -> Array:
+        """Log density of the data at each noise of the grid, plus the log prior of the noise, shape (g,).
 
         Parameters
         ----------
         prior_sd : array, shape (k,)
-            Of the coordinates.
+            Of the coordinates, which are integrated out.
         dives : array of int or slice
             Dives to use; default all.
         """
-        return [self.marginal(index, prior_sd, dives) for index in range(len(self.grams))]
+        noises = enumerate(noise_grid())
+        return np.array([noise.log_prior + gaussian_log_density(*self._at(i, prior_sd, dives)) for i, noise in noises])
 
-    def marginal(self, index: int, prior_sd: Array, dives: NDArray[np.int_] | slice = ALL_DIVES) -> Marginal:
-        """Marginalise all coordinates, and the curvature, at one noise of the grid.
-
-        Parameters
-        ----------
-        index : int
-            Of the noise.
-        prior_sd : array, shape (k,)
-            Of the coordinates.
-        dives : array of int or slice
-            Dives to use; default all.
-        """
-        gram, log_determinant = self.grams[index, dives].sum(axis=0), float(self.log_determinants[index, dives].sum())
-        prior = _with_shared(prior_sd, noise_grid()[index])
-        found = gaussian_marginal(gram, prior, log_determinant, int(self.counts[dives].sum()))
+    def marginal(self, index: int, prior_sd: Array) -> Marginal:
+        """Marginalise all coordinates, shape (k,), and the curvature, at one noise of the grid."""
+        found = gaussian_marginal(*self._at(index, prior_sd, ALL_DIVES))
         return Marginal(found.log_density, found.mean[:-1], found.covariance[:-1, :-1])
+
+    def _at(self, index: int, prior_sd: Array, dives: NDArray[np.int_] | slice) -> tuple[Array, Array, float, int]:
+        """Inner products of some dives at one noise, prior, ln |covariance|, and number of readings."""
+        gram, log_determinant = self.grams[index, dives].sum(axis=0), float(self.log_determinants[index, dives].sum())
+        return gram, _with_shared(prior_sd, noise_grid()[index]), log_determinant, int(self.counts[dives].sum())
 
 
 @dataclass(frozen=True)

@@ -13,8 +13,9 @@ from missionplan.datasets.records import DescentData, MeasuredDive
 from missionplan.diagnosis.dives import designs as dive_designs
 from missionplan.diagnosis.dives.consistency import EXCHANGED, ExchangedLabels, exchanged_labels
 from missionplan.diagnosis.dives.discrepancy_axes import descent_axes, drag_of_each_dive
-from missionplan.diagnosis.dives.fitting import DescentFitting, likely_noises, log_joint_with_noise
+from missionplan.diagnosis.dives.fitting import DescentFitting, likely_noises
 from missionplan.diagnosis.dives.forward import DescentForward
+from missionplan.diagnosis.dives.likelihood import NoiseGridLikelihood
 from missionplan.diagnosis.dives.linearised import DiveLinearisation
 from missionplan.diagnosis.dives.noise import noise_grid
 from missionplan.diagnosis.dives.preparation import PreparedDives
@@ -152,7 +153,11 @@ class DescentModel(DescentFitting):
         """
         count = len(self.parts)
         if count > MOST_REFITTED:
-            return [[self._score(fit, fit.state.linear, dive) for dive in range(count)] for fit in fits]
+            found = []
+            for fit in fits:
+                likelihood = self.likelihood(fit.state.linear)
+                found.append([self._score(fit, fit.state.linear, likelihood, dive) for dive in range(count)])
+            return found
         others = [np.setdiff1d(np.arange(len(self.y)), rows) for rows in self.parts]
         folds = [(fit, dive) for fit in fits for dive in range(len(self.parts))]
         starts = [
@@ -160,21 +165,24 @@ class DescentModel(DescentFitting):
         ]
         points = self.best_coordinates(starts, REFIT_ITERATIONS)
         linears = self.linearise([(fit.causes, at) for (fit, _), at in zip(folds, points, strict=True)])
-        scores = [self._score(fit, linear, dive) for (fit, dive), linear in zip(folds, linears, strict=True)]
+        scores = [
+            self._score(fit, linear, self.likelihood(linear), dive)
+            for (fit, dive), linear in zip(folds, linears, strict=True)
+        ]
         return [scores[k * count : (k + 1) * count] for k in range(len(fits))]
 
-    def _score(self, fit: CauseFit, linear: DiveLinearisation, dive: int) -> HeldOutScore:
+    def _score(
+        self, fit: CauseFit, linear: DiveLinearisation, likelihood: NoiseGridLikelihood, dive: int
+    ) -> HeldOutScore:
         """Predict one dive from the others.
 
         Its log score (Gneiting & Raftery 2007) is averaged over the noises by their posterior from the other dives.
         Its errors are those of the mean that the others leave of the coordinates at their most likely noise.
         """
-        state = fit.state
-        prior = state.prior_sd
-        likelihood = state.likelihood if linear is state.linear else self.likelihood(linear)
+        prior = fit.state.prior_sd
         others = np.delete(np.arange(len(self.parts)), dive)
-        seen = log_joint_with_noise(likelihood.marginals(prior, others))
-        log_score = float(logsumexp(log_joint_with_noise(likelihood.marginals(prior))) - logsumexp(seen))
+        seen = likelihood.log_joint(prior, others)
+        log_score = float(logsumexp(likelihood.log_joint(prior)) - logsumexp(seen))
         own, best = self.parts[dive], noise_grid()[int(np.argmax(seen))]
         error, covariance = next(self.covariance(linear, best, prior).left_out(linear.y, [own]))
         scaled = error / self.units[own]

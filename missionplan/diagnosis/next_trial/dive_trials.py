@@ -12,7 +12,7 @@ import numpy as np
 from missionplan.arrays import Array
 from missionplan.diagnosis.data_kind import DataKind
 from missionplan.diagnosis.dives.designs import stretched_dives, with_depths
-from missionplan.diagnosis.dives.fitting import DescentState, log_joint_with_noise
+from missionplan.diagnosis.dives.fitting import DescentState
 from missionplan.diagnosis.dives.kind import DescentKind
 from missionplan.diagnosis.dives.linearised import DiveLinearisation
 from missionplan.diagnosis.dives.model import DescentModel
@@ -89,7 +89,7 @@ def _prediction(model: DescentModel, each: Believed, linear: DiveLinearisation, 
 
 def _noises(state: DescentState) -> tuple[list[Noise], Array]:
     """The likeliest noise at each scatter from dive to dive, and their probabilities by the dives so far."""
-    grid, logs = noise_grid(), log_joint_with_noise(state.likelihood.marginals(state.prior_sd))
+    grid, logs = noise_grid(), state.likelihood.log_joint(state.prior_sd)
     shares = np.exp(logs - np.logaddexp.reduce(logs))
     found = []
     for scatter in SCATTER_FACTORS:

@@ -154,7 +154,9 @@ class MarkovCovariance:
         after, shared = np.arange(1, n), self.in_common[1:] * start[1:] * end[:-1]
         total[after - 1, after] -= shared
         total[after, after - 1] -= shared
-        return np.asarray(total + np.broadcast_to(white.reshape(2, -1), (2, n))[:, :, None] * np.eye(n))
+        both = np.stack([total, total])
+        both[:, np.arange(n), np.arange(n)] += white.reshape(2, -1)
+        return both
 
     def _of_process(self, process: MarkovProcess) -> Array:
         """Covariance of one component of the legs' errors by a process alone, shape (n, n) [m²/s²]."""
