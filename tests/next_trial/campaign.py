@@ -11,7 +11,6 @@ import numpy as np
 from missionplan.datasets.legs import read_transit
 from missionplan.diagnosis.explanations import weighed
 from missionplan.diagnosis.inference.trials import Experiment, choice_after
-from missionplan.diagnosis.judgement import judge
 from missionplan.diagnosis.next_trial.leg_trials import LegTrials
 from missionplan.diagnosis.next_trial.next_trial import Valuation, valuation
 from missionplan.diagnosis.pipeline import run_pipeline
@@ -100,7 +99,7 @@ def made(seed: int) -> list[Campaign]:
         explanations = weighed(loaded, write_log(Path(folder) / "first", VEHICLE, rows), seed, 1)
         bound = explanations[0].bound
         found = run_pipeline(bound.model)
-        value = valuation(explanations, found, judge(bound, found), 1.0, seed)
+        value = valuation(explanations, found, 1.0, seed)
         result = value.result()
         offered = [each for each in value.candidates() if each.trial is not None]
         chosen = offered[int(rng.integers(len(offered)))]

@@ -24,7 +24,6 @@ from missionplan.diagnosis.dives.preparation import DiveLog, prepare_dives
 from missionplan.diagnosis.explanations import weighed
 from missionplan.diagnosis.inference.trial_prediction import Explanation, Prediction
 from missionplan.diagnosis.inference.trials import Experiment, choice_after, drawn, value_of_information
-from missionplan.diagnosis.judgement import judge
 from missionplan.diagnosis.next_trial.belief import Believed, believe, possible_fits
 from missionplan.diagnosis.next_trial.dive_trials import DiveTrials
 from missionplan.diagnosis.next_trial.next_trial import Valuation
@@ -179,7 +178,7 @@ def made(seed: int) -> list[Campaign]:
     bound = explanations[0].bound
     found = run_pipeline(bound.model)
     kind = DiveTrials(bound)
-    believed = _comparable(believe(possible_fits(explanations, found, judge(bound, found)), kind.posterior, 1.0))
+    believed = _comparable(believe(possible_fits(explanations, found), kind.posterior, 1.0))
     truth = next((index for index, each in enumerate(believed) if each.causes == sea.names), None)
     if truth is None:
         return [Campaign(seed, _words(sea.names), "none made", False, *[math.nan] * 5, sea.weight)]

@@ -95,7 +95,7 @@ def diagnosed(case: Hidden, base: Mission) -> Diagnosis:
 def regrets(case: Hidden, base: Mission, diagnosis: Diagnosis) -> dict[str, dict[str, Any]]:
     """Regret and outcome of each way to plan; none where not even the truth leaves a choice."""
     averaged = Mission.from_data(diagnosis.extended)
-    best = next(each.mission for each in explained_missions(averaged) if each.causes == diagnosis.causes)
+    best = explained_missions(averaged)[0].mission
     choose: Any = AnchorChoice.of if case.kind == "dives" else LegChoice.of
     trials = TRIALS[case.kind]
     truth = choose(with_truth(case.mission, case.truth), trials)

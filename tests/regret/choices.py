@@ -10,7 +10,7 @@ import numpy as np
 from missionplan.mission import Mission
 from missionplan.scenario.anchors import worst_case_weight
 from missionplan.scenario.scenario import Scenario
-from missionplan.studies.anchor.lightest_anchor import lightest_anchor
+from missionplan.studies.anchor.lightest_anchor import Demand, lightest_anchor
 from missionplan.studies.anchor.sizing import AnchorTrials
 from missionplan.studies.leg_length.sweep_dmax import sweep_dmax
 
@@ -70,7 +70,8 @@ class AnchorChoice:
         study = AnchorTrials(mission, moor.name, None, trials, 3)
         start = worst_case_weight(means, moor)
         line = float(moor.line_length)
-        found = lightest_anchor(study.probabilities, REQUIRED, start, line).weight
+        asked = Demand("dives that succeed", REQUIRED, lambda found: found.good.value, is_hill=True)
+        found = lightest_anchor(study.probabilities, [asked], start, line).weight
         if found is not None:
             return cls(found, True, study)
         tried = start * TRIED
