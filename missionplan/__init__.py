@@ -23,19 +23,19 @@ if TYPE_CHECKING:
     from missionplan.studies.anchor.size_anchor import size_anchor
     from missionplan.studies.comparison.compare_missions import compare, compare_missions
     from missionplan.studies.exploration.explore import explore
+    from missionplan.studies.export import export
     from missionplan.studies.history.find_history import history
     from missionplan.studies.identification.identify import identify
     from missionplan.studies.init import init
     from missionplan.studies.leg_length.plan_legs import plan_legs
     from missionplan.studies.leg_length.sweep_dmax import sweep_dmax
-    from missionplan.studies.mission_plan.export import export
     from missionplan.studies.optimisation.optimise import optimise
     from missionplan.studies.rare_failure.find_rare_failure import find_rare_failure
-    from missionplan.studies.schemas.schema import schema
+    from missionplan.studies.schema import schema
     from missionplan.studies.simulation.simulate import simulate
+    from missionplan.studies.sweep_transition import sweep_transition
     from missionplan.studies.tide.find_tide import tide
-    from missionplan.studies.transition.sweep_transition import sweep_transition
-    from missionplan.studies.validation.validate import validate
+    from missionplan.studies.validate import validate
     from missionplan.verification import verify
 
 __version__ = version("missionplan")
@@ -81,7 +81,7 @@ _MODULES = {
     "diagnose": "missionplan.diagnosis.diagnose",
     "diagnose_campaign": "missionplan.diagnosis.campaign",
     "explore": "missionplan.studies.exploration.explore",
-    "export": "missionplan.studies.mission_plan.export",
+    "export": "missionplan.studies.export",
     "find_rare_failure": "missionplan.studies.rare_failure.find_rare_failure",
     "history": "missionplan.studies.history.find_history",
     "identify": "missionplan.studies.identification.identify",
@@ -91,14 +91,14 @@ _MODULES = {
     "reports": "missionplan.store.reports",
     "optimise": "missionplan.studies.optimisation.optimise",
     "plan_legs": "missionplan.studies.leg_length.plan_legs",
-    "schema": "missionplan.studies.schemas.schema",
+    "schema": "missionplan.studies.schema",
     "score": "missionplan.diagnosis.scoring.score",
     "simulate": "missionplan.studies.simulation.simulate",
     "size_anchor": "missionplan.studies.anchor.size_anchor",
     "sweep_dmax": "missionplan.studies.leg_length.sweep_dmax",
-    "sweep_transition": "missionplan.studies.transition.sweep_transition",
+    "sweep_transition": "missionplan.studies.sweep_transition",
     "tide": "missionplan.studies.tide.find_tide",
-    "validate": "missionplan.studies.validation.validate",
+    "validate": "missionplan.studies.validate",
     "verify": "missionplan.verification",
     "why": "missionplan.diagnosis.why",
 }

@@ -186,7 +186,7 @@ class _Made:
         """Compute some blocks of a simulation again; returns how many values there are and those that differ."""
         from missionplan.scenario.scenario import Scenario
         from missionplan.scenario.site_current import recorded_current
-        from missionplan.studies.mission_plan.export import executions, mission_plan
+        from missionplan.studies.export import executions, mission_plan
         from missionplan.studies.simulation.block_sequence import BlockResult, BlockTask
 
         mission = self.mission()
@@ -264,7 +264,7 @@ def _drawn(made: _Made) -> "Result":
 
 
 def _sweep_transition(made: _Made) -> "Result":
-    from missionplan.studies.transition.sweep_transition import sweep_transition
+    from missionplan.studies.sweep_transition import sweep_transition
 
     chosen = {name: made.options[name] for name in ("phase", "time_step") if name in made.options}
     return sweep_transition(made.mission(), progress=made.progress, **chosen)

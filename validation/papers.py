@@ -18,7 +18,7 @@ from missionplan.scenario.phases import dive_of
 from missionplan.scenario.scenario import Scenario
 from missionplan.studies.identification.identify import identify
 from missionplan.studies.simulation.simulate import simulate
-from missionplan.studies.transition.sweep_transition import FORCE, PAIR, SUCTION, TransitionSweep, sweep_transition
+from missionplan.studies.sweep_transition import FORCE, PAIR, SUCTION, TransitionSweep, sweep_transition
 from tests.acceptance import test_avila as avila
 from tests.acceptance import test_briggs_table1 as table_1
 from tests.phases.transit.test_expectation import FIG8, HIGH_PRECISION

@@ -15,8 +15,8 @@ from missionplan.report.drawn import style
 from missionplan.report.page import BLUE, GREEN, GREY, ORANGE, Figure, to_figure
 from missionplan.studies.identification import page as pictures
 from missionplan.studies.identification.identify import identify
-from missionplan.studies.transition.page import all_figures
-from missionplan.studies.transition.sweep_transition import sweep_transition
+from missionplan.studies.transition_page import all_figures
+from missionplan.studies.sweep_transition import sweep_transition
 from tests.physics import avila_example as avila
 from tests.physics import propeller_example as example
 

@@ -65,7 +65,6 @@ _Strict = Annotated[bool, typer.Option("--strict", help="Stop at a damaged file 
 _Explain = Annotated[
     list[int] | None, typer.Option(metavar="LEG", help="Tell and draw what a leg rests on; may be repeated.")
 ]
-_Force = Annotated[bool, typer.Option("--force", help="Overwrite files in a folder that is not empty.")]
 
 
 @dataclass(frozen=True)
@@ -136,7 +135,7 @@ def import_(
     out: _Out,
     *,
     reading: ImportOptions,
-    force: _Force = False,
+    force: o.Force = False,
     as_json: o.Json = False,
     quiet: o.Quiet = False,
 ) -> None:
@@ -276,7 +275,7 @@ def export(
     """Write the plan as a vehicle takes it: waypoints, depth, speed, time-outs, surfacings, release of the anchor."""
     from missionplan.mission import load
     from missionplan.report.wording import typeset
-    from missionplan.studies.mission_plan.export import export
+    from missionplan.studies.export import export
 
     written = export(load(mission, allow_outside=allow_outside), to.value, out=out, seed=seed, force=force)
     if quiet:

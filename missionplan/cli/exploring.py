@@ -51,7 +51,6 @@ _Quantities = Annotated[
     ),
 ]
 _OnlyBest = Annotated[bool, typer.Option("--only-best", help="Few trials of what cannot be the best; no windows.")]
-_Resume = Annotated[bool, typer.Option("--resume", help="Go on with the finished blocks of a run cut short.")]
 
 
 def explore(
@@ -62,7 +61,7 @@ def explore(
     quantity: _Quantities = None,
     *,
     run: o.MonteCarloOptions,
-    resume: _Resume = False,
+    resume: o.Resume = False,
     output: o.OutputOptions,
     allow_outside: o.AllowOutside = False,
 ) -> None:
@@ -122,7 +121,7 @@ def optimise(
     seed: o.Seed = None,
     jobs: o.Jobs = 0,
     *,
-    resume: _Resume = False,
+    resume: o.Resume = False,
     output: o.OutputOptions,
     allow_outside: o.AllowOutside = False,
 ) -> None:

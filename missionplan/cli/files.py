@@ -16,7 +16,7 @@ from missionplan.errors import InputError, Problem, did_you_mean, shown
 
 if TYPE_CHECKING:
     from missionplan.store.reports import ReportEntry
-    from missionplan.studies.validation.validate import Validated
+    from missionplan.studies.validate import Validated
 
 
 def init(
@@ -100,7 +100,7 @@ def validate(
     files: _Files, allow_outside: o.AllowOutside = False, as_json: o.Json = False, quiet: o.Quiet = False
 ) -> None:
     """Check missions and data sets without running anything, and list which commands each is ready for."""
-    from missionplan.studies.validation.validate import validate
+    from missionplan.studies.validate import validate
 
     found = validate(files, allow_outside=allow_outside)
     if as_json and not any(each.problems for each in found):
@@ -221,7 +221,7 @@ def schema(kind: _Kind) -> None:
     """
     import json
 
-    from missionplan.studies.schemas.schema import KINDS, schema
+    from missionplan.studies.schema import KINDS, schema
 
     if kind not in KINDS:
         hint = did_you_mean(kind, KINDS)

@@ -1,6 +1,7 @@
 """Commands that learn from measurements: diagnose, identify, score, history, tide."""
 
 from collections.abc import Sequence
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -97,20 +98,10 @@ def diagnosed(
             from missionplan.diagnosis.campaign import diagnose_campaign
             from missionplan.diagnosis.diagnose import diagnose
 
-            if len(datasets) > 1:
-                return diagnose_campaign(
-                    mission_loaded,
-                    datasets,
-                    seed=seed,
-                    jobs=processes,
-                    next_trial=next_trial,
-                    holdout=holdout,
-                    allow_outside=allow_outside,
-                    progress=progress,
-                )
-            return diagnose(
+            several = len(datasets) > 1
+            study = partial(diagnose_campaign, datasets=datasets) if several else partial(diagnose, dataset=datasets[0])
+            return study(
                 mission_loaded,
-                datasets[0],
                 seed=seed,
                 jobs=processes,
                 next_trial=next_trial,

@@ -95,7 +95,8 @@ _Units = Annotated[
         UnitSystem, "--units", help="Units of the report; default: as in the file. Files are in SI.", show_default=False
     ),
 ]
-_Force = Annotated[bool, typer.Option("--force", help="Overwrite files in a folder that is not empty.")]
+Force = Annotated[bool, typer.Option("--force", help="Overwrite files in a folder that is not empty.")]
+Resume = Annotated[bool, typer.Option("--resume", help="Go on with the finished blocks of a run cut short.")]
 Json = Annotated[
     bool, typer.Option("--json", help="Print the summary as JSON on standard output, and nothing else there.")
 ]
@@ -142,7 +143,7 @@ class OutputOptions:
     """Where a command's result goes, and what is printed."""
 
     out: _Out = None
-    force: _Force = False
+    force: Force = False
     as_json: Json = False
     quiet: Quiet = False
     units: _Units = None

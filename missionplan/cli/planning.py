@@ -135,7 +135,6 @@ _Precision = Annotated[
         show_default=False,
     ),
 ]
-_Resume = Annotated[bool, typer.Option("--resume", help="Go on with the finished blocks of a run cut short.")]
 _KeepTrials = Annotated[bool, typer.Option("--keep-trials", help="Write trials.parquet, one row per trial.")]
 _Assumptions = Annotated[
     bool, typer.Option(help="Say what each assumption of the mission is worth: some hundred trials without each.")
@@ -204,7 +203,7 @@ def simulate(
     run: o.MonteCarloOptions,
     rare: _Rare = None,
     precision: _Precision = None,
-    resume: _Resume = False,
+    resume: o.Resume = False,
     keep_trials: _KeepTrials = False,
     searched: _Searched = None,
     assumptions: _Assumptions = True,
@@ -276,7 +275,7 @@ def sweep_transition(
     """Compute depth, pitch and energy of slowing down to hover, over the grid of a transition phase."""
 
     def study(loaded: "Mission", progress: Progress) -> "Result":
-        from missionplan.studies.transition.sweep_transition import sweep_transition
+        from missionplan.studies.sweep_transition import sweep_transition
 
         return sweep_transition(loaded, phase=phase, progress=progress)
 

@@ -65,7 +65,7 @@ def loaded(path: Path, datasets: Sequence[Path], folder: Path, *, allow_outside:
     files = [] if mission is None else [*mission.sources]
     for dataset in datasets:
         from missionplan.datasets.reading import dataset_files
-        from missionplan.studies.validation.data_sets import check_dataset
+        from missionplan.studies.data_sets import check_dataset
 
         found = attempted(partial(dataset_files, dataset), problems)
         if found is not None:

@@ -24,13 +24,12 @@ from missionplan.diagnosis.plan_gain import with_urgency
 from missionplan.mission import Mission, MissionOrPath
 from missionplan.montecarlo.parallel.blocks import parallel_map
 from missionplan.results.base import Provenance
-from missionplan.results.learned.diagnosis import Diagnosis, PlanGain
+from missionplan.results.learned.diagnosis import Diagnosis, ParameterLevels, PlanGain
 from missionplan.results.learned.evidence import GroupScore, RankedSet
-from missionplan.results.learned.levels import ParameterLevels
 from missionplan.results.learned.next_trial import NextTrial
 from missionplan.results.score import DatasetScore
 from missionplan.store.folder import as_path
-from missionplan.studies.history.levels import parameter_levels
+from missionplan.studies.history.find_history import parameter_levels
 from missionplan.studies.run import Run, check_arguments
 
 Progress = Callable[[int, int], None]

@@ -11,8 +11,7 @@ from missionplan.mission.schema.phases import MoorPhase
 from missionplan.montecarlo.distributions import mean_of
 from missionplan.montecarlo.parallel.blocks import parallel_map
 from missionplan.montecarlo.posterior import NOWHERE
-from missionplan.results.learned.diagnosis import Plan, PlanGain
-from missionplan.results.learned.levels import ParameterLevels
+from missionplan.results.learned.diagnosis import ParameterLevels, Plan, PlanGain
 from missionplan.studies.leg_length.sweep_result import SweepCurve, SweepPoint
 
 Choice = Callable[[Mission, Mission, int, int], PlanGain]

@@ -53,15 +53,7 @@ class Spread(Record):
 
 @dataclass(frozen=True)
 class Prediction(Record):
-    """Predictions of all values of a record, scored.
-
-    Attributes
-    ----------
-    inside_50, inside_90 : int
-        Values inside their central intervals.
-    mean, sd, z, pit : array, shape (v,)
-        Of each value: expected, its standard deviation, error over it, probability of less.
-    """
+    """Predictions of all values of a record, scored."""
 
     rmse: Annotated[
         float, Entry("root mean square error: of a leg in two dimensions, of a reading of the depth", "m", ending=False)
@@ -70,6 +62,7 @@ class Prediction(Record):
     crps: Annotated[float, Entry("mean continuous ranked probability score, less is better", "m", ending=False)]
     inside_50: int
     inside_90: int
+    """Values inside their central intervals."""
     chance_90: tuple[float, float]
     """Coverages of the 90 % intervals that chance allows, were the mission true."""
     p_value: Annotated[
@@ -80,6 +73,7 @@ class Prediction(Record):
     sd: Array
     z: Array
     pit: Array
+    """Of each value: expected, its standard deviation, error over it, probability of less, shape (v,)."""
     yardsticks: Mapping[str, Yardstick]
     """By name."""
 
@@ -158,20 +152,14 @@ USES = {
 
 @dataclass(frozen=True)
 class DatasetScore(Record):
-    """How one data set was predicted.
-
-    Attributes
-    ----------
-    labels, places : array, shape (v,)
-        Group of each value, and which of its values it is: ``east``, ``north``, or the time [s].
-    one_step, whole : Prediction
-    """
+    """How one data set was predicted."""
 
     name: Annotated[str, Entry("of the data set")]
     kind: Annotated[str, Entry("of the data set")]
     groups: Annotated[int, Entry("legs or dives")]
     labels: Array
     places: Array
+    """Group of each value, and which of its values it is: ``east``, ``north``, or the time [s], shape (v,)."""
     measured: Array
     """Position error of a leg, or depth, shape (v,) [m]."""
     one_step: Prediction
@@ -215,20 +203,11 @@ class DatasetScore(Record):
 
     def residuals(self) -> pd.DataFrame:
         """One row a value."""
-        columns: dict[str, object] = {
-            "dataset": self.name,
-            "kind": self.kind,
-            "group": self.labels,
-            "value": self.places,
-            "measured_m": self.measured,
-        }
+        columns: dict[str, object] = {"dataset": self.name, "kind": self.kind, "group": self.labels}
+        columns |= {"value": self.places, "measured_m": self.measured}
         for name, each in self.predictions.items():
-            columns |= {
-                f"{name}_mean_m": each.mean,
-                f"{name}_sd_m": each.sd,
-                f"{name}_z": each.z,
-                f"{name}_pit": each.pit,
-            }
+            told = {"mean_m": each.mean, "sd_m": each.sd, "z": each.z, "pit": each.pit}
+            columns |= {f"{name}_{part}": values for part, values in told.items()}
         return pd.DataFrame(columns)
 
 

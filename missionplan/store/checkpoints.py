@@ -15,11 +15,12 @@ import io
 import json
 import logging
 import zlib
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Generator, Iterable, Mapping, Sequence
+from contextlib import closing
 from importlib import import_module
 from io import BytesIO
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeVar
 from zipfile import BadZipFile
 
 import numpy as np
@@ -145,6 +146,43 @@ class Checkpoints:
 
     def _path(self, block: int, size: int) -> Path:
         return _block_file(self._folder, block, size)
+
+
+Item = TypeVar("Item", bound=tuple[int, ...])
+Block = TypeVar("Block")
+
+
+def kept_or_run(
+    items: Sequence[Item],
+    run: Callable[[Sequence[Item]], Generator[Block, None, None]],
+    store: Checkpoints | None,
+    number: Callable[[Item], tuple[int, int]],
+    form: tuple[Callable[[Block], Arrays | None], Callable[[Arrays], Block]],
+    progress: Callable[[int, int], None] | None = None,
+) -> Generator[tuple[Item, Block], None, None]:
+    """Yield the blocks of a run in their order: as they are kept, where they are intact, else run and kept.
+
+    `items`: the blocks, with the trials of each last. `run`: yields those that it is given. `number`: of a block in the
+    store, and its size. `form`: turns a block into arrays, None where it is not to be kept, and back. `progress`: told
+    the trials done of all.
+    """
+    kept = store.intact(map(number, items)) if store is not None else set()
+    done, total = 0, sum(item[-1] for item in items)
+    tell = progress or (lambda *_: None)
+    tell(done, total)
+    with closing(run([item for item in items if number(item) not in kept])) as fresh:
+        for item in items:
+            place = number(item)
+            known = store.read(*place) if store is not None and place in kept else None
+            if known is not None:
+                block = form[1](known)
+            else:  # one that was kept has been damaged or taken away meanwhile
+                block = next(run([item]) if place in kept else fresh)
+                if store is not None and (arrays := form[0](block)) is not None:
+                    store.write(*place, arrays)
+            done += item[-1]
+            tell(done, total)
+            yield item, block
 
 
 def read_block(folder: Path, block: int, size: int) -> dict[str, NDArray[np.generic]] | None:

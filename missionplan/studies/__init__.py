@@ -1,5 +1,6 @@
-"""Questions asked of a mission or of data: one folder a question, the study named as its command.
+"""Questions asked of a mission or of data: a folder a question, or one or two modules, the study named as its command.
 
-`simulation` (will it work?), `leg_length`, `anchor`, `transition`, `identification` (tank data), `comparison` (of two
-reports), and `init` (the starter folder).
+Beside the folders lie `run` (arguments, workers, provenance of every study), `judgement`, `coverage`, `held_vehicle`,
+which several ask, and the small studies: `validate` (of missions, and lazily of `data_sets`), `export` (the plan, of
+`planned_phases`), `sweep_transition`, `schema` (JSON, by `schema_sections`) and `init` (the starter folder).
 """

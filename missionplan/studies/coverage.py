@@ -95,7 +95,8 @@ def _rows(mission: Mission) -> Iterator[tuple[str, bool, str]]:
     yield ("coast", *_coast(site, length))
     yield ("wind", *_wind(site, afloat))
     yield "waves", False, _waves(mission, afloat)
-    yield ("traffic", *_traffic(site, length, _leg(mission), afloat))
+    legs = [mean_of(phase.d_max) for phase in mission.transits if not hasattr(phase.d_max, "table")]
+    yield ("traffic", *_traffic(site, length, max(legs, default=0.0), afloat))
     yield ("equipment", *_equipment(mission, time))
     yield "biofouling", False, f"drag and weight stay those of a clean hull; {_growth(time)}"
     yield "operators", False, "ballast, settings and launch are as in the file: a check-list holds slips, this does not"
@@ -111,13 +112,10 @@ def _ground(mission: Mission, site: Site) -> tuple[bool, str]:
     if site.depth is None:
         runs = f"it runs {_m(deepest)} deep over" if mission.transits else "below is"
         return False, f"no depth is known: {runs} whatever there is (site.bathymetry)"
+    depth = _m(mean_of(site.depth))
     if not mission.transits:
-        return (
-            False,
-            f"{_m(mean_of(site.depth))} wherever the anchor comes down: steps and holes are not in (site.bathymetry)",
-        )
-    everywhere = f"{_m(mean_of(site.depth))} everywhere, running {_m(deepest)} deep"
-    return False, f"{everywhere}: a shoal on the way is not in (site.bathymetry)"
+        return False, f"{depth} wherever the anchor comes down: steps and holes are not in (site.bathymetry)"
+    return False, f"{depth} everywhere, running {_m(deepest)} deep: a shoal on the way is not in (site.bathymetry)"
 
 
 def _coast(site: Site, length: float) -> tuple[bool, str]:
@@ -188,11 +186,6 @@ def _way(mission: Mission) -> tuple[float, float]:
     speed = float(np.nanmean(speeds)) if speeds and not np.isnan(speeds).all() else np.inf
     stays = [(phase.hold, phase.galvanic_release, phase.release_time) for phase in mission.moors]
     return length, length / speed + sum(mean_of(time) for stay in stays for time in stay)
-
-
-def _leg(mission: Mission) -> float:
-    """Longest leg of the transits; 0 where tables give them [m]."""
-    return max((mean_of(p.d_max) for p in mission.transits if not hasattr(p.d_max, "table")), default=0.0)
 
 
 def _m(length: float) -> str:

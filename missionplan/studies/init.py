@@ -20,7 +20,7 @@ from missionplan.montecarlo.streams import stream
 from missionplan.results.base import to_csv, to_json
 from missionplan.scenario.scenario import Scenario
 from missionplan.store.folder import as_path, vacant, write_atomically
-from missionplan.studies.schemas.schema import READ, Kind, schema
+from missionplan.studies.schema import READ, Kind, schema
 
 _START = "2026-05-01T08:00:00Z"
 
@@ -186,21 +186,15 @@ def init(folder: str | Path = ".", *, loop: bool = False) -> tuple[Path, ...]:
         When the folder cannot be written.
     """
     folder = as_path(folder, "folder")
-    if loop:
-        return _second_round(folder)
-    paths = vacant(folder, (*_TEXTS.values(), _LOG, *_SCHEMAS))
-    for source, name in _TEXTS.items():
+    texts = {f"loop/{name}": name for name in _LOOP} if loop else _TEXTS
+    paths = vacant(folder, tuple(texts.values()) if loop else (*texts.values(), _LOG, *_SCHEMAS))
+    for source, name in texts.items():
         write_atomically(folder / name, (files("missionplan") / "starter" / source).read_text(encoding="utf-8"))
+    if loop:
+        return tuple(paths)
     write_atomically(folder / _LOG, to_csv(sea_trial(load(folder / "mission.yaml"))))
     for name, kind in _SCHEMAS.items():
         write_atomically(folder / name, to_json(schema(kind)))
-    return tuple(paths)
-
-
-def _second_round(folder: Path) -> tuple[Path, ...]:
-    paths = vacant(folder, _LOOP)
-    for name, path in zip(_LOOP, paths, strict=True):
-        write_atomically(path, (files("missionplan") / "starter" / "loop" / name).read_text(encoding="utf-8"))
     return tuple(paths)
 
 

@@ -11,7 +11,7 @@ import pytest
 from scipy.stats import spearmanr
 
 import missionplan
-from missionplan.studies.transition.sweep_transition import FORCE, PAIR, SUCTION, sweep_transition
+from missionplan.studies.sweep_transition import FORCE, PAIR, SUCTION, sweep_transition
 
 MISSION = Path(__file__).parents[2] / "missions" / "autosub-transition.yaml"
 GENTLE = [0.10, 0.15, 0.20, 0.30]

@@ -201,7 +201,7 @@ def test_validate_imports_only_what_a_mission_needs() -> None:
         str(MISSIONS / f"{name}.yaml") for name in ("anchor-design", "autosub-transition", "chesapeake", "fig8")
     ]
     imported = imported_by("validate", *missions)
-    assert {"numpy", "missionplan.studies.validation.validate"} <= imported
+    assert {"numpy", "missionplan.studies.validate"} <= imported
     unwanted = HEAVY | {"missionplan.studies.simulation.simulate"}
     assert not imported & (unwanted - {"rich"})  # which typer 0.15 imports by itself
 

@@ -66,7 +66,7 @@ def test_files_are_written_here_and_named(name, monkeypatch, tmp_path, capsys) -
 
 
 def plan_of(mission: str):
-    from missionplan.studies.mission_plan.export import mission_plan
+    from missionplan.studies.export import mission_plan
 
     return mission_plan(missionplan.load(mission))
 

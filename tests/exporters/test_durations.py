@@ -10,7 +10,7 @@ from missionplan.mission.reading.validation_errors import keys_of, parsers_of
 from missionplan.mission.schema.phases import MoorPhase
 from missionplan.montecarlo.distributions import mean_of
 from missionplan.results.plan import PlannedMooring
-from missionplan.studies.mission_plan.export import mission_plan
+from missionplan.studies.export import mission_plan
 
 DURATIONS = tuple(
     key for key, field in keys_of(MoorPhase).items() if any(parser.unit == "s" for parser in parsers_of(field))

@@ -21,8 +21,8 @@ from missionplan.mission import Mission
 from missionplan.results.base import to_yaml
 from missionplan.results.plan import time_out
 from missionplan.results.plan_states import GUARDS, states_of
+from missionplan.studies.export import mission_plan
 from missionplan.studies.leg_length.sweep_dmax import sweep_dmax
-from missionplan.studies.mission_plan.export import mission_plan
 from missionplan.studies.simulation.simulate import simulate, simulate_block
 
 SCHEMA = missionplan.schema("plan")

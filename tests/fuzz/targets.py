@@ -21,7 +21,7 @@ from missionplan.errors import InputError
 from missionplan.mission.schema.site import Geographic
 from missionplan.scenario.currents.area import Area
 from missionplan.scenario.currents.field import read_field
-from missionplan.studies.validation.validate import validate
+from missionplan.studies.validate import validate
 
 from . import examples, mutations
 from .hostile_names import NAMES, ODD, named

@@ -17,7 +17,7 @@ from missionplan.mission.schema.phases import MoorPhase, TransitPhase
 from missionplan.mission.schema.quantity_parser import Limit
 from missionplan.mission.schema.vehicle import Vehicle
 from missionplan.studies.exploration.variation import known_keys
-from missionplan.studies.schemas.schema import schema
+from missionplan.studies.schema import schema
 
 MISSIONS = Path(__file__).parents[2] / "missions"
 FORMATS = (TRANSIT, DESCENT, SUMMARY, *TANK_FORMATS.values())

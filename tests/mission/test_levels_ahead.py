@@ -14,7 +14,7 @@ from missionplan.montecarlo.levels import Seen
 from missionplan.montecarlo.posterior import NOWHERE, WeightedDraws
 from missionplan.montecarlo.posterior_file import DamagedPosteriorError, PosteriorFile
 from missionplan.report.diagnosis.findings import trends_in_words
-from missionplan.studies.history.levels import parameter_levels
+from missionplan.studies.history.find_history import parameter_levels
 
 SPEED, DAY, START = ("speed-scale", "fraction", "strength"), 86400.0, 1.78e9
 

@@ -16,7 +16,7 @@ from missionplan.mission.reading.validation_errors import keys_of, section_in
 from missionplan.mission.schema.vehicle import Vehicle
 from missionplan.report.planned.section import planned_sections
 from missionplan.studies.simulation.simulate import simulate, simulate_block
-from missionplan.studies.validation.validate import validate
+from missionplan.studies.validate import validate
 
 MISSIONS = Path(__file__).parents[2] / "missions"
 CHESAPEAKE = dict(missionplan.load(MISSIONS / "chesapeake.yaml").raw)

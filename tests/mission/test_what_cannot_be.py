@@ -12,7 +12,7 @@ from test_limits import altered
 from missionplan import validate
 from missionplan.errors import InputError
 from missionplan.mission import Mission
-from missionplan.studies.validation.data_sets import validated_dataset
+from missionplan.studies.data_sets import validated_dataset
 
 ROOT = Path(__file__).parents[2]
 _SPEC = importlib.util.spec_from_file_location("silly_datasets", ROOT / "tests" / "datasets" / "silly_datasets.py")

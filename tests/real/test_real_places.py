@@ -12,7 +12,7 @@ from missionplan.mission import load
 from missionplan.scenario.scenario import Scenario
 from missionplan.studies.simulation.block_statistics import failures_by_step
 from missionplan.studies.simulation.simulate import simulate_block
-from missionplan.studies.validation.validate import check_place
+from missionplan.studies.validate import check_place
 
 shapely = pytest.importorskip("shapely")
 

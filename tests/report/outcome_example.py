@@ -18,7 +18,7 @@ from missionplan.results.simulation import (
     Sensitivity,
     Tracks,
 )
-from missionplan.studies.mission_plan.export import mission_plan
+from missionplan.studies.export import mission_plan
 
 MISSIONS = Path(__file__).parents[2] / "missions"
 TRIALS = 4000

@@ -18,7 +18,7 @@ from missionplan.studies.identification.identify import identify
 from missionplan.studies.leg_length.plan_legs import plan_legs
 from missionplan.studies.leg_length.sweep_dmax import sweep_dmax
 from missionplan.studies.simulation.simulate import simulate
-from missionplan.studies.transition.sweep_transition import sweep_transition
+from missionplan.studies.sweep_transition import sweep_transition
 
 pytestmark = pytest.mark.usefixtures("drawn")
 

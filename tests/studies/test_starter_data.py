@@ -7,7 +7,7 @@ from missionplan.errors import InputError
 from missionplan.mission import load
 from missionplan.studies.identification.identify import identify
 from missionplan.studies.init import DATA_KINDS, init, init_data
-from missionplan.studies.validation.validate import validate
+from missionplan.studies.validate import validate
 
 TANK = ("drag", "free-oscillation", "thruster", "propeller-transient")
 

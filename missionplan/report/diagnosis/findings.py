@@ -10,9 +10,8 @@ from missionplan.report.diagnosis.evidence import claimed_parameters, sized
 from missionplan.report.diagnosis.kind_report import names, part, percent
 from missionplan.report.diagnosis.kinds import REPORTS
 from missionplan.report.wording import capitalised, parameter_in_words
-from missionplan.results.learned.diagnosis import Diagnosis
+from missionplan.results.learned.diagnosis import Diagnosis, ParameterLevels
 from missionplan.results.learned.evidence import Coverage, ParameterEstimate
-from missionplan.results.learned.levels import ParameterLevels
 
 _PERCENT, _HOUR = 100.0, 3600.0
 UNLIKELY = 0.05

@@ -2,13 +2,14 @@
 
 from collections import Counter
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import asdict, dataclass, field
 from pathlib import Path
-from typing import ClassVar
+from typing import Annotated, ClassVar
 
 import pandas as pd
 
 from missionplan.results.base import Provenance, Result, mission_files, to_csv, to_json
+from missionplan.results.entries import Entry, Record
 from missionplan.results.learned.evidence import (
     Causes,
     Coverage,
@@ -21,9 +22,54 @@ from missionplan.results.learned.evidence import (
     Readings,
     Verdict,
 )
-from missionplan.results.learned.levels import ParameterLevels
 from missionplan.results.learned.next_trial import NextTrial
 from missionplan.results.score import DatasetScore
+
+LIKELY, SDS, FEWEST = 0.9, 3.0, 3
+"""Probability of a trend from which it is told, standard deviations that it has at least, and missions."""
+LIKELY_JUMP = 0.5
+"""Probability of a jump from which it is told."""
+
+
+@dataclass(frozen=True)
+class Level(Record):
+    """A parameter in one mission, by all missions together."""
+
+    record: Annotated[str, Entry("hash of the mission's legs, dives or runs; of the history the report's folder")]
+    date: Annotated[float | None, Entry("of the data, since 1970", "s")]
+    value: Annotated[float, Entry("of the parameter, in its unit")]
+    sd: Annotated[float, Entry("standard deviation")]
+    jumped: Annotated[float, Entry("probability that it jumped since the mission before")]
+
+
+@dataclass(frozen=True)
+class ParameterLevels(Record):
+    """How one parameter of the vehicle goes from mission to mission."""
+
+    effect: Annotated[str, Entry("whose parameter it is")]
+    name: Annotated[str, Entry("of the parameter")]
+    unit: Annotated[str, Entry("of the parameter")]
+    missions: Annotated[tuple[Level, ...], Entry("in the order of time")]
+    trend: Annotated[float, Entry("change a mission, if there is a trend")]
+    trend_sd: Annotated[float, Entry("standard deviation of it")]
+    trend_probability: Annotated[float, Entry("that there is a trend of this sign")]
+    next_value: Annotated[float, Entry("mean in the next mission")]
+    next_sd: Annotated[float, Entry("standard deviation in the next mission, with the drift")]
+    matters_in: Annotated[
+        int | None, Entry("missions until success falls by 1 % by the trend; none: not soon, or not asked")
+    ] = None
+
+    @property
+    def has_trend(self) -> Annotated[bool, Entry()]:
+        """Whether the trend is told as one."""
+        likely = self.trend_probability >= LIKELY and abs(self.trend) >= SDS * self.trend_sd
+        return likely and len(self.missions) >= FEWEST
+
+    @property
+    def jumps(self) -> tuple[Level, ...]:
+        """Missions before which it jumped."""
+        return tuple(each for each in self.missions if each.jumped >= LIKELY_JUMP)
+
 
 Plan = Mapping[str, float | None]
 """What is chosen, and how it fares; keys end with their units."""
@@ -31,16 +77,11 @@ Plan = Mapping[str, float | None]
 
 @dataclass(frozen=True)
 class PlanGain:
-    """What the planner would choose before and after a diagnosis.
-
-    Attributes
-    ----------
-    before, after : mapping
-        Plans with the base and with the extended mission; empty where there is none.
-    """
+    """What the planner would choose before and after a diagnosis."""
 
     before: Plan = field(default_factory=dict)
     after: Plan = field(default_factory=dict)
+    """Plans with the base and with the extended mission; empty where there is none."""
     base_choice_under_extended: Plan | None = None
     """How the base mission's choice fares when the extended mission is true."""
     reason: str | None = None
@@ -50,29 +91,12 @@ class PlanGain:
 
     def summary(self) -> dict[str, object]:
         """Return the entry of ``decision``."""
-        found: dict[str, object] = {"before": dict(self.before), "after": dict(self.after)}
-        if self.base_choice_under_extended is not None:
-            found["base_choice_under_extended"] = dict(self.base_choice_under_extended)
-        if self.as_written_under_extended is not None:
-            found["as_written_under_extended"] = dict(self.as_written_under_extended)
-        if self.reason is not None:
-            found["reason"] = self.reason
-        return found
+        return {name: value for name, value in asdict(self).items() if value is not None}
 
 
 @dataclass(frozen=True)
 class Diagnosis(Result):
-    """What the simulation gets wrong, why, the extended model, the gain.
-
-    Attributes
-    ----------
-    kind, data, source : str
-        Of the data set.
-    discrepancy, base_discrepancy : Discrepancy
-        What the claimed model leaves, and the base model.
-    untestable, failures : mapping
-        Effects that the data could not show and sets that could not be fitted, and why.
-    """
+    """What the simulation gets wrong, why, the extended model, the gain."""
 
     report: ClassVar[str] = "missionplan.report.diagnosis.page"
 
@@ -80,6 +104,7 @@ class Diagnosis(Result):
     kind: str
     data: str
     source: str
+    """Of the data set."""
     verdict: Verdict
     causes: Causes
     """The claimed set; empty if none."""
@@ -105,6 +130,7 @@ class Diagnosis(Result):
     """Of the 90 % intervals on data held out, where it is known."""
     discrepancy: Discrepancy
     base_discrepancy: Discrepancy
+    """What the claimed model leaves, and the base model."""
     scores: tuple[GroupScore, ...]
     """Held-out scores of the best set, group by group; empty where there are none."""
     outlying_groups: tuple[tuple[str, float], ...]
@@ -118,6 +144,7 @@ class Diagnosis(Result):
     """Nuisance parameters of the base model as fitted."""
     untestable: Mapping[str, str]
     failures: Mapping[str, str]
+    """Effects that the data could not show and sets that could not be fitted, and why."""
     residuals: pd.DataFrame
     """Row by row: data, base model, extended model, residuals."""
     extended: Mapping[str, object]
@@ -220,22 +247,22 @@ class Diagnosis(Result):
         return pd.DataFrame(rows, columns=columns)
 
     def files(self) -> dict[str, str | bytes]:
-        """``diagnosis.json``, ``residuals.csv``, ``ranking.csv`` and the extended mission as ``mission.yaml``."""
+        """Return ``diagnosis.json``, ``residuals.csv``, ``ranking.csv``, the extended mission as ``mission.yaml``.
+
+        Where a part was held out, ``score.json`` and ``score-residuals.csv`` of it too.
+        """
+        last_part: dict[str, str | bytes] = {}
+        if self.last_part is not None:
+            named = {"command": "score", "mission": self.provenance.mission, "datasets": [self.last_part.summary()]}
+            last_part = {"score.json": to_json(named), "score-residuals.csv": to_csv(self.last_part.residuals())}
         return {
             "diagnosis.json": to_json(self.diagnosis()),
             "residuals.csv": to_csv(self.residuals),
             "ranking.csv": to_csv(self.to_frame()),
             **mission_files(self.extended),
             **(self.next_trial.files() if self.next_trial is not None else {}),
-            **self._last_part_files(),
+            **last_part,
         }
-
-    def _last_part_files(self) -> dict[str, str | bytes]:
-        """``score.json`` and ``score-residuals.csv`` of the part that was held out."""
-        if self.last_part is None:
-            return {}
-        named = {"command": "score", "mission": self.provenance.mission, "datasets": [self.last_part.summary()]}
-        return {"score.json": to_json(named), "score-residuals.csv": to_csv(self.last_part.residuals())}
 
 
 @dataclass(frozen=True)

@@ -30,37 +30,21 @@ class ParameterEstimate:
 
 @dataclass(frozen=True)
 class GroupScore:
-    """How one held-out run or block of legs was predicted by the base model and by the extended one.
-
-    Attributes
-    ----------
-    log_score_base, log_score_extended : float
-        ln p(group | the others).
-    rmse_base, rmse_extended : float
-        [m] for depths, [m/s] for velocity errors.
-    """
+    """How one held-out run or block of legs was predicted by the base model and by the extended one."""
 
     group: str
     """Run, or first and last leg."""
     log_score_base: float
     log_score_extended: float
+    """ln p(group | the others)."""
     rmse_base: float
     rmse_extended: float
+    """[m] for depths, [m/s] for velocity errors."""
 
 
 @dataclass(frozen=True)
 class HeldOutGain:
-    """Held-out scores of an extended model beside the base model's, as in ``diagnosis.json``.
-
-    Attributes
-    ----------
-    groups_improved, groups : int
-        How many groups the extended model predicts better, of how many.
-    rmse_base, rmse_extended : float
-        Root mean square error of the predictions [units of the data].
-    coverage_90_base, coverage_90_extended : float
-        Share of values inside their 90 % prediction intervals.
-    """
+    """Held-out scores of an extended model beside the base model's, as in ``diagnosis.json``."""
 
     log_score_gain: float
     """Sum over groups of the difference in ln p(group | the others)."""
@@ -68,10 +52,13 @@ class HeldOutGain:
     """Standard error of that sum, from the groups' differences."""
     groups_improved: int
     groups: int
+    """How many groups the extended model predicts better, of how many."""
     rmse_base: float
     rmse_extended: float
+    """Root mean square error of the predictions [units of the data]."""
     coverage_90_base: float
     coverage_90_extended: float
+    """Share of values inside their 90 % prediction intervals."""
 
     def __str__(self) -> str:
         """Gain and its standard error, which a single group does not have."""
@@ -81,16 +68,11 @@ class HeldOutGain:
 
 @dataclass(frozen=True)
 class Coverage:
-    """How many held-out values lie inside their 90 % prediction intervals.
-
-    Attributes
-    ----------
-    inside, count : int
-        Values inside, of how many.
-    """
+    """How many held-out values lie inside their 90 % prediction intervals."""
 
     inside: int
     count: int
+    """Values inside, of how many."""
     scale: float
     """Factor on the random errors with which 90 % would have been inside; 1 where chance allows the difference."""
     inside_scaled: int
@@ -121,12 +103,7 @@ class ExplanationOdds:
 
 @dataclass(frozen=True)
 class Alias:
-    """An effect that does to these data what a claimed cause does, but not on the way back.
-
-    Attributes
-    ----------
-    claimed, other : str
-    """
+    """An effect that does to these data what a claimed cause does, but not on the way back."""
 
     claimed: str
     other: str
@@ -138,12 +115,7 @@ class Alias:
 
 @dataclass(frozen=True)
 class Readings:
-    """What else the posterior says.
-
-    Attributes
-    ----------
-    aliases : tuple of Alias
-    """
+    """What else the posterior says."""
 
     inclusion: Mapping[str, float] = field(default_factory=dict)
     """Probability of each effect."""
@@ -171,13 +143,7 @@ class Readings:
 
 @dataclass(frozen=True)
 class RankedSet:
-    """A set of causes in the ranking.
-
-    Attributes
-    ----------
-    causes : tuple of str
-    parameters : tuple of ParameterEstimate
-    """
+    """A set of causes in the ranking."""
 
     causes: Causes
     log_bayes_factor: float
@@ -215,21 +181,15 @@ class ResidualTest:
 
 @dataclass(frozen=True)
 class DiscrepancyShape:
-    """A discrepancy along its axis, to first order: the likeliest smooth function and its uncertainty.
-
-    Attributes
-    ----------
-    place, value : str
-        Labels with units.
-    at, mean, sd : array, shape (m,)
-        Places on the axis, the function's posterior mean there and its standard deviation.
-    """
+    """A discrepancy along its axis, to first order: the likeliest smooth function and its uncertainty."""
 
     place: str
     value: str
+    """Labels with units."""
     at: Array
     mean: Array
     sd: Array
+    """Places on the axis, the function's posterior mean there and its standard deviation, shape (m,)."""
 
 
 @dataclass(frozen=True)

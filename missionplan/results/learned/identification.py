@@ -97,11 +97,12 @@ class FitPanel:
     y_label: str
     x: Array
     y: Array
-    y_sd: Array
     fitted: Array
     curves: tuple[FitCurve, ...]
     alt: str
     ticks: tuple[str, ...] = ()
+    y_sd: Array | float | None = None
+    """Of the data, nan or None where it is not known."""
 
     def residuals(self) -> pd.DataFrame:
         """Data, preferred model and residuals, one row per point."""

@@ -16,13 +16,7 @@ MORE_RIGHT, NEARLY_RIGHT = 0.05, 0.03
 
 @dataclass(frozen=True)
 class ValuedDesign:
-    """A trial that could be made.
-
-    Attributes
-    ----------
-    saving, saving_error : float
-        Expected reduction of a mission's loss by the choice made after it, and its standard error [the loss's unit].
-    """
+    """A trial that could be made."""
 
     name: str
     """In words."""
@@ -35,6 +29,7 @@ class ValuedDesign:
     """Expected gain in information about the causes and their sizes [nats]."""
     saving: float
     saving_error: float
+    """Expected reduction of a mission's loss by the choice made after it, and its standard error [the loss's unit]."""
     right: float
     """Probability that what the crew then does about the vehicle is right: swing, calibrate, clean, or nothing."""
 
@@ -54,17 +49,12 @@ class TrialOutcome:
 
 @dataclass(frozen=True)
 class OutcomeRule:
-    """The simplest rule that tells from the trial's diagnosis whether another choice is right.
-
-    Attributes
-    ----------
-    effect, name, unit : str
-        Parameter whose estimate decides.
-    """
+    """The simplest rule that tells from the trial's diagnosis whether another choice is right."""
 
     effect: str
     name: str
     unit: str
+    """Parameter whose estimate decides."""
     threshold: float
     """Threshold [unit]."""
     above: bool
@@ -80,13 +70,7 @@ class OutcomeRule:
 
 @dataclass(frozen=True)
 class NextTrial:
-    """Which trial, if any, is worth making next.
-
-    Attributes
-    ----------
-    choice, loss : float
-        Best choice with what is known now [m or N], and its expected loss [unit].
-    """
+    """Which trial, if any, is worth making next."""
 
     decides: str = ""
     """Key of what is chosen: ``d_max_m`` or ``anchor_wet_weight_n``."""
@@ -94,6 +78,7 @@ class NextTrial:
     """Of the loss."""
     choice: float = 0.0
     loss: float = 0.0
+    """Best choice with what is known now [m or N], and its expected loss [unit]."""
     tried: tuple[float, float] = (0.0, 0.0)
     """Least and greatest choice of those tried [m or N]."""
     success: float = 0.0
@@ -173,12 +158,10 @@ class NextTrial:
     def files(self) -> dict[str, str | bytes]:
         """``next-trials.csv``, and the recommended trial as ``next-trial.yaml``, with what its outcomes would mean."""
         found: dict[str, str | bytes] = {"next-trials.csv": to_csv(self.to_frame())} if self.designs else {}
-        return found | ({"next-trial.yaml": self._trial_file()} if self.trial is not None else {})
-
-    def _trial_file(self) -> str:
-        """The recommended trial's mission, headed by comments for who sails it."""
-        told = "".join(f"# {line}\n" for line in self._notes())
-        return told + to_yaml(self.trial or {})
+        if self.trial is not None:
+            told = "".join(f"# {line}\n" for line in self._notes())  # for who sails it
+            found["next-trial.yaml"] = told + to_yaml(self.trial)
+        return found
 
     def _notes(self) -> list[str]:
         made, unit = self.recommended, "m" if self.decides == "d_max_m" else "N"

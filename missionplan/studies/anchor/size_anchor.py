@@ -23,10 +23,10 @@ from missionplan.scenario.scenario import Scenario
 from missionplan.scenario.site_current import recorded_current
 from missionplan.studies.anchor.lightest_anchor import Demand, lightest_anchor
 from missionplan.studies.anchor.sizing import AnchorSizer, AnchorTrials
-from missionplan.studies.held_vehicle import check_dives, held_vehicle
+from missionplan.studies.held_vehicle import held_vehicle
 from missionplan.studies.judgement import doubted, judged
-from missionplan.studies.run import Run
-from missionplan.studies.simulation.checks import check_cover
+from missionplan.studies.run import Run, RunArguments
+from missionplan.studies.simulation.checks import checked_means
 
 HEAVIER = (1.005, 1.01, 1.02, 1.03, 1.05)
 """Factors by which an anchor is made heavier where fresh draws do not agree with those on which it was found."""
@@ -63,24 +63,13 @@ def size_anchor(
     InputError
         When the mission lacks what a descent needs, or the probability is not between 0 and 1.
     """
-    run = Run.begun(
-        "size-anchor",
-        mission,
-        trials=trials,
-        seed=seed,
-        jobs=jobs,
-        backend=backend,
-        scheduler=scheduler,
-        progress=progress,
-    )
+    asked = RunArguments(trials=trials, seed=seed, jobs=jobs, backend=backend, scheduler=scheduler, progress=progress)
+    run = Run.begun("size-anchor", mission, **asked)
     mission = run.mission
     moor = MooringMission.of(mission).mooring(phase)
     _check_probability(probability)
-    recorded = recorded_current(mission)
-    check_cover(mission, Scenario.at_means(mission, recorded))
-    check_dives(Scenario.at_means(mission, recorded))
-    dives = AnchorTrials(mission, moor.name, recorded, run.trials, run.seed, run.workers)
-    means = Scenario.at_means(mission, recorded)
+    means = checked_means(mission)
+    dives = AnchorTrials(mission, moor.name, means.recorded, run.trials, run.seed, run.workers)
     means = laden(means, means.moor(moor.name))
     sizer = AnchorSizer(means.moor(moor.name), means, dives)
     try:

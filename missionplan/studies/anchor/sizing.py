@@ -289,12 +289,9 @@ class AnchorSizer:
             return None
         return solve_anchor(anchor_problem(self.means), weight)
 
-    def _steady(self, speed: float) -> SteadyDescent:
-        return SteadyDescent.at(speed, self._hooks, float(self.means.mooring.depth), self.line_length)
-
     def _drag(self, speed: float) -> DragBuildUp:
         """Drag by its sources at a speed through the water, with the effects' factor."""
-        descent = self._steady(speed)
+        descent = SteadyDescent.at(speed, self._hooks, float(self.means.mooring.depth), self.line_length)
         parts = self.means.vehicle_drag.build_up(speed, self._anchor_drag)
         factor = float(descent.drag_factor)
         return replace(parts, **{name: float(value) * factor for name, value in vars(parts).items()})
@@ -324,7 +321,6 @@ class AnchorSizer:
 
 
 def _clear(found: DiveProbabilities) -> float:
-    """Share of the dives that do not strike."""
     return 1.0 - found.struck.value
 
 

@@ -35,11 +35,8 @@ _OF_SWEEP = {
 
 def importance(difference: ComparedNumber) -> float:
     """Size of the change against its noise, or, without noise, against the number."""
-    change = abs(difference.change or 0.0)
-    noise = noise_of(difference)
-    if noise:
-        return change / noise
-    return change / max(abs(difference.first or 0.0), abs(difference.second or 0.0), 1e-300)
+    size = max(abs(difference.first or 0.0), abs(difference.second or 0.0), 1e-300)
+    return abs(difference.change or 0.0) / (noise_of(difference) or size)
 
 
 def noise_of(difference: ComparedNumber) -> float:
@@ -172,14 +169,13 @@ def answer(comparison: Comparison) -> str:
 def _unlike(comparison: Comparison) -> str:
     """Write in one line that the missions have unlike tasks, or little in common; nothing where they are alike."""
     first, second = (", ".join(names) or "no phases" for names in comparison.phases)
-    if first != second:
-        what = f"the first has {first}, the second {second}"
-        return f"The two missions are not alike: {what}; only what both have is compared."
-    if comparison.task_differs:
+    if first == second and comparison.task_differs:
         return f"The missions have unlike tasks: they differ {task_in_words(comparison.task_differs)}."
     if comparison.alike:
         return ""
     what = f"{len(comparison.mission_changes)} values of their files differ"
+    if first != second:
+        what = f"the first has {first}, the second {second}"
     return f"The two missions are not alike: {what}; only what both have is compared."
 
 
@@ -266,18 +262,14 @@ def draw_changes(axes: Axes, comparison: Comparison) -> None:
     axes.axvspan(-1.96, 1.96, color=BLUE, alpha=0.15, linewidth=0.0)
     axes.axvline(0.0, color=INK, linewidth=0.8)
     scores = [(item.change or 0.0) / noise_of(item) for item in shown]
-    _draw_scores(axes, scores, [(name_of(comparison, item), item.verdict == "changed") for item in shown])
+    for row, (score, item) in enumerate(zip(scores, shown, strict=True)):
+        axes.plot(score, row, "o", color=ORANGE if item.verdict == "changed" else BLUE, markersize=6)
+        name, across = name_of(comparison, item), axes.get_yaxis_transform()
+        axes.text(0.01, row - 0.22, name, transform=across, va="bottom", fontsize=9)
     reach = 1.1 * max(3.0, *(abs(score) for score in scores))
     axes.set(yticks=[], ylim=(len(shown) - 0.5, -0.8), xlim=(-reach, reach))
     axes.set_xlabel("second − first, in standard errors of the difference")
     axes.grid(visible=False, axis="y")
-
-
-def _draw_scores(axes: Axes, scores: Sequence[float], labels: Sequence[tuple[str, bool]]) -> None:
-    """Draw a dot per score, labelled; orange where the second of its label says that it is more than noise."""
-    for row, (score, (name, changed)) in enumerate(zip(scores, labels, strict=True)):
-        axes.plot(score, row, "o", color=ORANGE if changed else BLUE, markersize=6)
-        axes.text(0.01, row - 0.22, name, transform=axes.get_yaxis_transform(), va="bottom", fontsize=9)
 
 
 def _runs(comparison: Comparison) -> Iterator[PageSection]:
@@ -296,13 +288,8 @@ def _changes(comparison: Comparison) -> Iterator[PageSection]:
     for noun, whole, changes in groups:
         if changes:
             heading = f"{_count(changes, noun)} of the {whole} {'differs' if len(changes) == 1 else 'differ'}"
-            yield PageSection(
-                heading, [Table(("key", "first", "second"), [_change(item) for item in changes], text_columns=3)]
-            )
-
-
-def _change(change: ChangedValue) -> tuple[str, str, str]:
-    return change.path, change.first or "–", change.second or "–"
+            rows = [(each.path, each.first or "–", each.second or "–") for each in changes]
+            yield PageSection(heading, [Table(("key", "first", "second"), rows, text_columns=3)])
 
 
 def _deciding(comparison: Comparison) -> Iterator[PageSection]:

@@ -24,35 +24,26 @@ from missionplan.report.wording import (
 )
 from missionplan.results.entries import mapping, mappings
 from missionplan.results.simulation import RequirementOutcome
-from missionplan.studies.comparison.result import Alternative, Alternatives, TriedCell
+from missionplan.studies.comparison.result import Alternative, Alternatives
 
 _WORDS = {
-    "phases": "in their phases",
-    "place": "in the place",
-    "depth": "in the depth of the water",
-    "requirements": "in what is required",
+    "phases": "their phases",
+    "place": "the place",
+    "depth": "the depth of the water",
+    "requirements": "what is required",
+    **{"from": "where {} begins", "to": "where {} leads", "hold": "how long {} holds"},
 }
-
-
-_OF_PHASES = {"from": "where {} begins", "to": "where {} leads", "hold": "how long {} holds"}
+_OF_SEVERAL = {"from": "where {} begin", "to": "where {} lead", "hold": "how long {} hold"}
 
 
 def task_in_words(differs: Mapping[str, Sequence[str]]) -> str:
     """Write ``in where ingress leads, in the depth of the water and in what is required``."""
-    parts = [_part(part, paths) for part, paths in differs.items()]
-    return listed(parts)
-
-
-def _part(part: str, paths: Sequence[str]) -> str:
-    if part in _WORDS:
-        return _WORDS[part]
-    names = list(dict.fromkeys(path.partition(".")[0] for path in paths))
-    plural = {"begins": "begin", "leads": "lead", "holds": "hold"}
-    words = _OF_PHASES[part]
-    if len(names) > 1:
-        verb = words.rpartition(" ")[2]
-        words = words.removesuffix(verb) + plural[verb]
-    return "in " + words.format(" and ".join(names))
+    parts = []
+    for part, paths in differs.items():
+        names = list(dict.fromkeys(path.partition(".")[0] for path in paths))
+        several = len(names) > 1 and part in _OF_SEVERAL
+        parts.append((_OF_SEVERAL if several else _WORDS)[part].format(" and ".join(names)))
+    return listed([f"in {words}" for words in parts])
 
 
 def requirements_of(mission: Mapping[str, object]) -> list[Mapping[str, object]]:
@@ -202,7 +193,10 @@ def cells_section(found: Alternatives) -> Iterator[PageSection]:
     if not common:
         return
     rows = [
-        [*(_shown(found, value) for value in values), *(_cell(each[values]) for each in tried)]
+        [
+            *(_shown(found, value) for value in values),
+            *(f"{share(each[values].success)}{' ✓' if each[values].meets_all else ''}" for each in tried),
+        ]
         for values in common[:_MOST_ROWS]
     ]
     columns = [*map(_name, _keys(found)), *(each.name for each in found.alternatives)]
@@ -211,10 +205,6 @@ def cells_section(found: Alternatives) -> Iterator[PageSection]:
         caption += f" The first {_MOST_ROWS} of {len(common)}; each report has all of its own in explore.csv."
     heading = f"P(success) of the {len(common)} that {'both' if len(tried) == 2 else 'all'} have tried"
     yield PageSection(heading, [Table(columns, rows, caption, text_columns=len(_keys(found)))])
-
-
-def _cell(cell: TriedCell) -> str:
-    return f"{share(cell.success)}{' ✓' if cell.meets_all else ''}"
 
 
 def _keys(found: Alternatives) -> list[str]:

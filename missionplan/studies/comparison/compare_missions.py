@@ -75,23 +75,8 @@ def compare_missions(
 ) -> Alternatives:
     """Compare missions, which are run on common random numbers, and reports of `simulate`; or reports of choices.
 
-    Parameters
-    ----------
-    *alternatives : Mission, str or Path
-        Two or more missions, mission files or report folders; or report folders of `explore` alone, all of the same
-        keys, or of `optimise` alone.
-    trials, seed : int, optional
-        Of the missions; default: the first mission's.
-    jobs : int
-        Processes.
-    allow_outside : bool
-        Whether missions may name files outside their folders.
-    progress : callable, optional
-
-    Raises
-    ------
-    InputError
-        When something is neither, a mission cannot be run, or reports are of unlike kinds.
+    `alternatives`: two or more missions, mission files or report folders; or report folders of `explore` alone, all of
+    the same keys, or of `optimise` alone. The rest, and what is raised, is as of `compare`.
     """
     began = time.perf_counter()
     sources = _sources(alternatives, allow_outside=allow_outside)
@@ -291,7 +276,7 @@ def compare(
     Raises
     ------
     InputError
-        When something is neither a mission nor a report, or the reports cannot be compared.
+        When something is neither a mission nor a report, a mission cannot be run, or the reports cannot be compared.
     """
     if len(compared) == 2 and not any(_is_mission(each) for each in compared):
         first, second = (as_path(each, "compared") for each in compared if not isinstance(each, Mission))

@@ -4,7 +4,7 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import get_args
+from typing import Literal, get_args
 
 from missionplan.errors import InputError, Problem
 from missionplan.montecarlo.statistics import Probability
@@ -12,20 +12,6 @@ from missionplan.results.decision import Aim
 from missionplan.results.entries import mapping, mappings, real, whole
 from missionplan.results.simulation import RequirementOutcome
 from missionplan.studies.comparison.result import Alternative, Chosen, Estimate, TriedCell
-
-
-def reported(name: str, folder: Path, summary: Mapping[str, object]) -> Alternative:
-    """Read what a report's `summary.json` says of success, duration, energy and requirements.
-
-    Raises InputError when it is not a report of `simulate`.
-    """
-    if summary.get("command") != "simulate" or not isinstance(mapping(summary.get("total")).get("events"), Mapping):
-        message = (
-            f"was made by {summary.get('command')}; of more than two, missions and reports of simulate are compared, "
-            "or reports of explore, or of optimise"
-        )
-        raise InputError([Problem(message, str(folder))])
-    return _alternative(name, folder, summary, _whole_mission(summary))
 
 
 def _whole_mission(summary: Mapping[str, object]) -> dict[str, object]:
@@ -44,17 +30,12 @@ def _alternative(
         source=str(folder),
         success=probability_of(cell.get("success")),
         quantities=estimates_of(cell.get("quantities")),
-        requirements=requirements_of(cell.get("requirements"), trials),
+        requirements=tuple(_requirement(item, trials) for item in mappings(cell.get("requirements"))),
         trials=trials,
         seed=whole(summary.get("seed")),
         contrasts={},
         chosen=chosen,
     )
-
-
-def requirements_of(entries: object, trials: int) -> tuple[RequirementOutcome, ...]:
-    """Read the requirements of a summary."""
-    return tuple(_requirement(item, trials) for item in mappings(entries))
 
 
 def probability_of(entry: object) -> Probability:
@@ -73,11 +54,12 @@ def estimates_of(entries: object) -> dict[str, Estimate]:
 
 
 def _requirement(item: Mapping[str, object], trials: int) -> RequirementOutcome:
-    bound: tuple[str, ...] = tuple(side for side in ("at_most", "at_least") if side in item)
+    sides: tuple[Literal["at_most", "at_least"], ...] = ("at_most", "at_least")
+    bound = next((side for side in sides if side in item), None)
     return RequirementOutcome(
         quantity=str(item.get("quantity")),
-        bound=None if not bound else "at_most" if bound[0] == "at_most" else "at_least",
-        limit=real(item[bound[0]]) if bound else None,
+        bound=bound,
+        limit=None if bound is None else real(item[bound]),
         unit="",
         required=real(item.get("required")),
         probability=probability_of(item.get("probability")),
@@ -96,7 +78,12 @@ def reported_alternative(name: str, folder: Path, summary: Summary) -> Alternati
     command = summary.get("command")
     if command == "explore":
         return _of_exploration(name, folder, summary)
-    return _of_optimisation(name, folder, summary) if command == "optimise" else reported(name, folder, summary)
+    if command == "optimise":
+        return _of_optimisation(name, folder, summary)
+    if command == "simulate" and isinstance(mapping(summary.get("total")).get("events"), Mapping):
+        return _alternative(name, folder, summary, _whole_mission(summary))
+    others = "missions and reports of simulate are compared, or reports of explore, or of optimise"
+    raise InputError([Problem(f"was made by {command}; of more than two, {others}", str(folder))])
 
 
 def check_kinds(sources: Sequence[tuple[Path, Summary]]) -> str:
@@ -154,12 +141,12 @@ def _of_exploration(name: str, folder: Path, summary: Summary) -> Alternative:
         _texts(entry.get("values")),
         len(cells),
         tuple((str(each.get("from")), str(each.get("to"))) for each in mappings(summary.get("windows"))),
-        tuple(map(_cell, cells)),
+        tuple(map(_tried_cell, cells)),
     )
     return _alternative(name, folder, summary, {**entry, "quantities": of_total}, chosen)
 
 
-def _cell(entry: Summary) -> TriedCell:
+def _tried_cell(entry: Summary) -> TriedCell:
     required = mappings(entry.get("requirements"))
     met = bool(required) and all(item.get("met") for item in required)
     return TriedCell(tuple(_texts(entry.get("values")).values()), met, probability_of(entry.get("success")))
@@ -168,14 +155,10 @@ def _cell(entry: Summary) -> TriedCell:
 def _of_optimisation(name: str, folder: Path, summary: Summary) -> Alternative:
     chosen = Chosen(_texts(summary.get("chosen")), whole(summary.get("combinations")))
     found = _alternative(name, folder, summary, _whole_mission(summary), chosen)
-    obstacles = tuple(_obstacle(each, found.trials) for each in mappings(summary.get("obstacles")))
-    return replace(found, requirements=found.requirements or obstacles)
-
-
-def _obstacle(entry: Summary, trials: int) -> RequirementOutcome:
-    """Return the requirement that no choice meets, with the most that is reached of it."""
-    (found,) = requirements_of([{**entry, "probability": entry.get("reached"), "met": False}], trials)
-    return replace(found, undecided=False)
+    # requirements that no choice meets, with the most that is reached of each
+    obstacles = mappings(summary.get("obstacles"))
+    unmet = [{**each, "probability": each.get("reached"), "met": False, "undecided": False} for each in obstacles]
+    return replace(found, requirements=found.requirements or tuple(_requirement(each, found.trials) for each in unmet))
 
 
 def _texts(value: object) -> dict[str, str]:

@@ -21,7 +21,14 @@ from missionplan.results.base import Provenance, without_run
 from missionplan.results.entries import mapping, mappings, real, whole
 from missionplan.store.folder import as_path
 from missionplan.studies.comparison.reported_choices import CHOOSING
-from missionplan.studies.comparison.result import ChangedValue, ComparedNumber, ComparedRun, Comparison, DifferingValue
+from missionplan.studies.comparison.result import (
+    ChangedValue,
+    ChangeVerdict,
+    ComparedNumber,
+    ComparedRun,
+    Comparison,
+    DifferingValue,
+)
 from missionplan.studies.coverage import coverage_of
 
 _TRAILING_UNIT = re.compile(r"\s*[+-]?[\d.]+(?:[eE][+-]?\d+)?\s*(\S.*?)\s*")
@@ -63,16 +70,12 @@ def _leaves(value: object, path: str) -> Iterator[tuple[str, object]]:
 def _same(first: object, second: object) -> bool:
     if first == second:
         return True
-    if not (isinstance(first, str) and isinstance(second, str)):
-        return False
-    match = _TRAILING_UNIT.fullmatch(second)
-    if match is None:
+    if not (isinstance(first, str) and isinstance(second, str) and (match := _TRAILING_UNIT.fullmatch(second))):
         return False
     try:
-        one, two = (parse_number_with_unit(text, match[1]) for text in (first, second))
+        return math.isclose(*(parse_number_with_unit(text, match[1]) for text in (first, second)), rel_tol=1e-12)
     except QuantityError:
         return False
-    return math.isclose(one, two, rel_tol=1e-12)
 
 
 def _value_shown(value: object) -> str:
@@ -241,8 +244,8 @@ def compare_reports(first: str | Path, second: str | Path) -> Comparison:
         ),
         compared=command,
         runs=runs,
-        mission_changes=changed_values(missions[0], missions[1]),
-        option_changes=changed_values(_options(summaries[0]), _options(summaries[1])),
+        mission_changes=changed_values(*missions),
+        option_changes=changed_values(*map(_options, summaries)),
         differences=_with_verdicts(list(_differences(one, two, (runs[0].trials, runs[1].trials)))),
         requirement_changes=changed_values(*map(_requirements_met, summaries)),
     )
@@ -307,28 +310,25 @@ def _differences(
         if one is not None and two is not None:
             error, p_value = standard_error_and_p_value(one, two, trials)
             yield ComparedNumber(*place, one.kind, one.value, two.value, error, p_value, "not judged")
-        elif one is not None:
-            yield ComparedNumber(*place, one.kind, one.value, None, None, None, "only first")
-        elif two is not None:
-            yield ComparedNumber(*place, two.kind, None, two.value, None, None, "only second")
+        elif known := one or two:
+            values = one and one.value, two and two.value
+            yield ComparedNumber(*place, known.kind, *values, None, None, "only first" if one else "only second")
 
 
 def _with_verdicts(differences: Sequence[ComparedNumber]) -> tuple[ComparedNumber, ...]:
     """Add the verdicts: exact where there is no noise, by Holm's correction over all numbers that have some."""
-    noisy = [difference for difference in differences if difference.standard_error and difference.p_value is not None]
-    adjusted = dict(zip(map(id, noisy), holm([difference.p_value or 0.0 for difference in noisy]), strict=True))
-    return tuple(_with_verdict(difference, adjusted.get(id(difference))) for difference in differences)
+    noisy = [each for each in differences if each.standard_error and each.p_value is not None]
+    adjusted = dict(zip(map(id, noisy), holm([each.p_value or 0.0 for each in noisy]), strict=True))
 
+    def verdict(each: ComparedNumber) -> ChangeVerdict:
+        if each.change == 0.0:
+            return "same"
+        if each.p_value is None:
+            return each.verdict
+        changed = adjusted.get(id(each), each.p_value) < LEVEL
+        return "changed" if changed else "within noise" if id(each) in adjusted else "same"
 
-def _with_verdict(difference: ComparedNumber, adjusted: float | None) -> ComparedNumber:
-    if difference.p_value is None:
-        same = difference.verdict == "not judged" and difference.change == 0.0
-        return replace(difference, verdict="same") if same else difference
-    if difference.change == 0.0:
-        return replace(difference, verdict="same")
-    if adjusted is not None:
-        return replace(difference, verdict="changed" if adjusted < LEVEL else "within noise")
-    return replace(difference, verdict="changed" if difference.p_value < LEVEL else "same")
+    return tuple(replace(each, verdict=verdict(each)) for each in differences)
 
 
 def _requirements_met(summary: Mapping[str, object]) -> dict[str, str]:

@@ -1,17 +1,17 @@
 """Cells of an exploration: the mission with other values, blocks of its trials, and the run of all of them."""
 
-import contextlib
 import math
-from collections.abc import Callable, Generator, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from contextlib import closing
 from dataclasses import dataclass
 from datetime import datetime, timedelta
-from functools import cached_property
+from functools import cached_property, partial
 from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
-from missionplan.errors import InputError, MissionplanError, Problem
+from missionplan.errors import InputError, MissionplanError
 from missionplan.identity import Identity
 from missionplan.mission import Mission
 from missionplan.montecarlo.parallel.blocks import Workers
@@ -21,7 +21,7 @@ from missionplan.phases.recorded_currents import RecordedCurrent
 from missionplan.results.decision import Axis
 from missionplan.scenario.scenario import Scenario
 from missionplan.scenario.site_current import current_source, is_netcdf, recorded_current
-from missionplan.store.checkpoints import Checkpoints
+from missionplan.store.checkpoints import Checkpoints, kept_or_run
 from missionplan.studies.exploration.variation import with_values
 from missionplan.studies.held_vehicle import check_dives
 from missionplan.studies.run import identified
@@ -52,7 +52,8 @@ class SharedCurrent:
         if mission.start is None or first is None:
             return cls(recorded_current(mission), _place(mission), mission.start, moves=False)
         hour = timedelta(hours=1)
-        early, later = (_with_start(mission, start) for start in (first, first + hour))
+        starts = ({"start": moment.isoformat()} for moment in (first, first + hour))
+        early, later = (Mission.from_data(with_values(mission.raw, each), file=mission.file) for each in starts)
         current = recorded_current(early)
         if _is_field(mission):
             return cls(current, _place(mission), early.start, moves=True)
@@ -85,10 +86,6 @@ def _place(mission: Mission) -> dict[str, object]:
     site, goes = mission.raw.get("site"), [(phase.start, phase.to) for phase in mission.transits]
     keys = ("current", "origin", "depth")
     return {"goes": goes} | ({key: site.get(key) for key in keys} if isinstance(site, Mapping) else {})
-
-
-def _with_start(mission: Mission, start: datetime) -> Mission:
-    return Mission.from_data(with_values(mission.raw, {"start": start.isoformat()}), file=mission.file)
 
 
 CellItem = tuple[int, int, int]
@@ -169,7 +166,9 @@ def run_checked(
         means, source = means_of(cell), streams.of_block(block)
         trials = run_trials(means.sampled_from(source, size), source, size, inputs=False)
     except InputError as error:
-        return InvalidCell("; ".join(_in_short(problem) for problem in error.problems))
+        # without the file, which is that of every cell
+        reasons = (f"{each.key}: {each.message}" if each.key else each.message for each in error.problems)
+        return InvalidCell("; ".join(reasons))
     except MissionplanError:
         raise
     except Exception as error:
@@ -180,11 +179,6 @@ def run_checked(
     if left and means.current is not None and means.current.is_binding:
         flags[LEFT_RECORD] = np.any(left, axis=0)
     return CellBlock(flags | {name: columns[name] for name in quantities})
-
-
-def _in_short(problem: Problem) -> str:
-    """Return a problem without the file, which is that of every cell."""
-    return f"{problem.key}: {problem.message}" if problem.key else problem.message
 
 
 MAX_BLOCKS = 100_000
@@ -210,48 +204,24 @@ def cell_trials(
     `store`: where finished blocks are kept.
     """
     gathered: dict[int, list[CellBlock | InvalidCell]] = {cell: [] for cell in cells}
-    total, done = sum(size for _, _, size in items), 0
-    tell = workers.progress or (lambda *_: None)
-    with contextlib.closing(_Blocks(task, items, store).run(workers.quiet)) as blocks:
-        tell(0, total)
+    run, form = partial(workers.quiet.run, task), (_arrays_of, _from_arrays)
+    with closing(kept_or_run(items, run, store, _numbered, form, workers.progress)) as blocks:
         for item, block in blocks:
             gathered[item[0]].append(block)
-            done += item[2]
-            tell(done, total)
     return [_joined(gathered[cell]) for cell in cells]
 
 
-@dataclass(frozen=True)
-class _Blocks:
-    """Blocks of cells, from the checkpoint or from the workers."""
+def _numbered(item: CellItem) -> tuple[int, int]:
+    cell, block, size = item
+    return cell * MAX_BLOCKS + block, size
 
-    task: RunCell
-    items: Sequence[CellItem]
-    store: Checkpoints | None
 
-    def run(self, workers: Workers) -> Generator[tuple[CellItem, CellBlock | InvalidCell], None, None]:
-        numbered = {item: (item[0] * MAX_BLOCKS + item[1], item[2]) for item in self.items}
-        kept = self.store.intact(numbered.values()) if self.store is not None else set()
-        todo = [item for item in self.items if numbered[item] not in kept]
-        with contextlib.closing(workers.run(self.task, todo)) as fresh:
-            for item in self.items:
-                block = self._stored(numbered[item]) if numbered[item] in kept else None
-                if block is None:
-                    block = self.task(item) if numbered[item] in kept else next(fresh)
-                    self._keep(numbered[item], block)
-                yield item, block
+def _arrays_of(block: CellBlock | InvalidCell) -> Columns:
+    return block.columns if isinstance(block, CellBlock) else {_REASON: np.array(block.reason)}
 
-    def _stored(self, number: tuple[int, int]) -> CellBlock | InvalidCell | None:
-        """Return a finished block; None where it has been damaged or taken away."""
-        arrays = self.store.read(*number) if self.store is not None else None
-        if arrays is None:
-            return None
-        return InvalidCell(str(arrays[_REASON])) if _REASON in arrays else CellBlock(arrays)
 
-    def _keep(self, number: tuple[int, int], block: CellBlock | InvalidCell) -> None:
-        if self.store is not None:
-            arrays = block.columns if isinstance(block, CellBlock) else {_REASON: np.array(block.reason)}
-            self.store.write(*number, arrays)
+def _from_arrays(arrays: Columns) -> CellBlock | InvalidCell:
+    return InvalidCell(str(arrays[_REASON])) if _REASON in arrays else CellBlock(arrays)
 
 
 def _joined(blocks: Sequence[CellBlock | InvalidCell]) -> CellTrials:

@@ -5,6 +5,7 @@ import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import get_args
 
 from missionplan.errors import InputError, Problem
 from missionplan.mission import Mission, MissionOrPath
@@ -31,7 +32,7 @@ from missionplan.studies.exploration.result import (
     rank,
 )
 from missionplan.studies.exploration.variation import OPTION, first_start, read_axes
-from missionplan.studies.run import Run
+from missionplan.studies.run import Run, RunArguments
 from missionplan.studies.simulation.block_statistics import requirement_key
 from missionplan.studies.simulation.checks import check_complete, input_notices
 
@@ -83,15 +84,11 @@ def race(
         if size == trials and (again := _to_run_after_all(judged, left)):
             left = again
         elif size == trials:
-            whole = {cell for cell in dropped if _size(known[cell]) == trials}
+            whole = {cell for cell in dropped if judged[cell].trials == trials}
             return Race(known, dropped - whole, spent)
         else:
             left = _last(judged, known, left, aim)
             size = min(size * FACTOR, trials)
-
-
-def _size(found: CellTrials) -> int:
-    return next((values.size for values in found.columns.values()), 0)
 
 
 def _to_run_after_all(cells: Sequence[Cell], left: Sequence[int]) -> list[int]:
@@ -116,13 +113,9 @@ def _last(cells: Sequence[Cell], known: Sequence[CellTrials], left: Sequence[int
     best = min(good, key=lambda index: rank(cells[index], column))
     values = [known[index].columns[column] for index in may]
     as_good = compare_with_best(values, may.index(best), most=column == SUCCESS).as_good
-    pairs = zip(may, as_good, strict=True)
-    return [index for index, stays in pairs if stays or _is_better(cells, index, best, column)]
-
-
-def _is_better(cells: Sequence[Cell], index: int, best: int, column: str) -> bool:
-    """Whether a cell that may not meet all looks better than the best of those that do."""
-    return rank(cells[index], column) < rank(cells[best], column)
+    # a cell that may not meet all may look better than the best of those that do
+    order = rank(cells[best], column)
+    return [index for index, stays in zip(may, as_good, strict=True) if stays or rank(cells[index], column) < order]
 
 
 def _misses(cell: Cell) -> bool:
@@ -180,17 +173,8 @@ def explore(
     RunError
         When a worker dies, or the checkpoint cannot be written.
     """
-    run = Run.begun(
-        "explore",
-        mission,
-        one_of={"aim": (aim, ("success", "energy", "duration"))},
-        trials=trials,
-        seed=seed,
-        jobs=jobs,
-        backend=backend,
-        scheduler=scheduler,
-        progress=progress,
-    )
+    asked = RunArguments(trials=trials, seed=seed, jobs=jobs, backend=backend, scheduler=scheduler, progress=progress)
+    run = Run.begun("explore", mission, one_of={"aim": (aim, get_args(Aim))}, **asked)
     mission, trials, seed = run.mission, run.trials, run.seed
     axes = read_axes(mission, [vary] if isinstance(vary, str) else list(vary))
     columns = _columns(mission, quantities)
@@ -285,7 +269,6 @@ def _run(
     *,
     only_best: bool,
 ) -> Race:
-    """Run all cells with all trials, or a race."""
     if only_best:
         return race(mission, len(plan.places), trials, aim, run)
     blocks = range(block_count(trials))

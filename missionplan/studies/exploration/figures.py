@@ -154,7 +154,6 @@ def _outline_met(axes: Axes, found: Exploration, x: Array, y: Array, shape: tupl
 
 
 def _edges(at: Array) -> Array:
-    """Edges of cells about their middles."""
     between = 0.5 * (at[1:] + at[:-1])
     return np.concatenate(([1.5 * at[0] - 0.5 * at[1]], between, [1.5 * at[-1] - 0.5 * at[-2]]))
 
@@ -175,7 +174,6 @@ def positions(axis: Axis) -> Array:
 
 
 def _mark_axis(axes: Axes, axis: Axis, at: Array, *, vertical: bool = False) -> None:
-    """Write ticks and label of an axis."""
     side = axes.yaxis if vertical else axes.xaxis
     words = capitalised(name_of(axis))
     if axis.unit:

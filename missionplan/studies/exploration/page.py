@@ -2,11 +2,12 @@
 
 import math
 import shlex
+from collections import Counter
 from collections.abc import Iterator, Sequence
 from operator import attrgetter
 
 from missionplan.report.explained import members_in_words, members_section
-from missionplan.report.page import Cells, Figure, Page, PageSection, Table
+from missionplan.report.page import Cells, Page, PageSection, Table
 from missionplan.report.quantities import range_on, unit_for, value_on, with_error
 from missionplan.report.wording import capitalised, in_words, listed, number, percent, share
 from missionplan.results.decision import Aim, Axis
@@ -43,9 +44,12 @@ def answer(found: Exploration) -> str:
         members_in_words(found.members, "succeeds"),
         _as_good(found),
         _windows(found),
-        _not_run(found),
-        _dropped(found),
     ]
+    unrun, dropped = len(found.cells) - len(found.valid), sum(cell.dropped for cell in found.cells)
+    if unrun:
+        sentences.append(f"{unrun} of the {len(found.cells)} {tried(found)} cannot be run; the report says why.")
+    if dropped:
+        sentences.append(f"{dropped} {tried(found)} that cannot be the best were run with fewer trials.")
     return " ".join(filter(None, sentences))
 
 
@@ -145,18 +149,7 @@ def ranges_in_words(axis: Axis, windows: Sequence[Window]) -> str:
     return listed(parts)
 
 
-def _dropped(found: Exploration) -> str:
-    count = sum(cell.dropped for cell in found.cells)
-    return f"{count} {tried(found)} that cannot be the best were run with fewer trials." if count else ""
-
-
-def _not_run(found: Exploration) -> str:
-    count = len(found.cells) - len(found.valid)
-    if not count:
-        return ""
-    return f"{count} of the {len(found.cells)} {tried(found)} cannot be run; the report says why."
-
-
+_SAILED = "The best, in the trials that sail in each member."
 _MOST_ROWS = 40
 _MOST_REASONS = 12
 _MOST_NARROW = 3
@@ -183,7 +176,14 @@ def page(found: Exploration) -> Page:
         answer=answer(found),
         draw=lambda: curves_figure(found) if len(found.axes) == 1 else maps_figure(found, "success"),
         numbers=_numbers(found),
-        write=lambda: [section for part in (_maps, _good, _sailed, _front, _all, _invalid) for section in part(found)],
+        write=lambda: [
+            *_maps(found),
+            *_good(found),
+            *members_section(found.members, "mission", "success (95 % interval)", _SAILED),
+            *_front(found),
+            *_all(found),
+            *_invalid(found),
+        ],
         verdict=_verdict(found),
         rerun=_rerun(found),
         table=lambda: _cells(found),
@@ -257,10 +257,9 @@ def _table(found: Exploration, cells: Sequence[Cell]) -> Table:
 
 
 def _maps(found: Exploration) -> Iterator[PageSection]:
-    if len(found.axes) == 2:
-        figures: list[Figure] = [maps_figure(found, key) for key in quantities_shown(found)]
-        if figures:
-            yield PageSection("What it costs", figures)
+    keys = quantities_shown(found) if len(found.axes) == 2 else []
+    if keys:
+        yield PageSection("What it costs", [maps_figure(found, key) for key in keys])
 
 
 def _good(found: Exploration) -> Iterator[PageSection]:
@@ -269,15 +268,13 @@ def _good(found: Exploration) -> Iterator[PageSection]:
         axis = found.axes[0]
         rows = [
             (
-                value_on(axis, window.first)
-                if window.first == window.last
-                else range_on(axis, window.first, window.last),
-                str(window.last - window.first + 1),
+                value_on(axis, each.first) if each.first == each.last else range_on(axis, each.first, each.last),
+                str(each.last - each.first + 1),
                 percent(
-                    min((found.cells[i].success for i in range(window.first, window.last + 1)), key=attrgetter("value"))
+                    min((cell.success for cell in found.cells[each.first : each.last + 1]), key=attrgetter("value"))
                 ),
             )
-            for window in found.windows
+            for each in found.windows
         ]
         heading = f"All requirements are met {ranges_in_words(axis, found.windows)}"
         caption = "Between the values that were tried nothing is known: a finer step shows where a window ends."
@@ -293,11 +290,6 @@ def _good(found: Exploration) -> Iterator[PageSection]:
 def _good_in_words(found: Exploration, good: Sequence[Cell]) -> str:
     best = place_in_words(found, good[0]) if found.best_cell is None else place_in_words(found, found.best_cell)
     return f"{best} is the best" if len(good) == 1 else f"{best} is the best; {len(good) - 1} more are as good"
-
-
-def _sailed(found: Exploration) -> Iterator[PageSection]:
-    note = "The best, in the trials that sail in each member."
-    yield from members_section(found.members, "mission", "success (95 % interval)", note)
 
 
 def _front(found: Exploration) -> Iterator[PageSection]:
@@ -317,18 +309,13 @@ def _all(found: Exploration) -> Iterator[PageSection]:
 
 
 def _invalid(found: Exploration) -> Iterator[PageSection]:
-    by_reason: dict[str, list[Cell]] = {}
-    for cell in found.cells:
-        if cell.reason:
-            by_reason.setdefault(cell.reason, []).append(cell)
-    if by_reason:
-        count = sum(map(len, by_reason.values()))
-        rows = [
-            (place_in_words(found, cells[0]), str(len(cells)), reason)
-            for reason, cells in list(by_reason.items())[:_MOST_REASONS]
-        ]
+    unrun = [cell for cell in found.cells if cell.reason]
+    if unrun:
+        first = {cell.reason: cell for cell in reversed(unrun)}
+        count = Counter(cell.reason for cell in unrun)
+        rows = [(place_in_words(found, first[each]), str(count[each]), each) for each in list(count)[:_MOST_REASONS]]
         yield PageSection(
-            f"{count} of {len(found.cells)} {tried(found)} cannot be run",
+            f"{len(unrun)} of {len(found.cells)} {tried(found)} cannot be run",
             [Table(("for instance", tried(found), "reason"), rows, "All reasons are in explore.csv.", text_columns=3)],
         )
 

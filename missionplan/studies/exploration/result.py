@@ -283,27 +283,22 @@ def find_best(cells: Sequence[Cell], trials: Sequence[Trials], aim: Aim) -> Best
     constrained = bool(good)
     unmet = not good and any(cells[index].requirements for index in valid)
     column = AIM_COLUMNS["success" if unmet else aim]
-    compared = [index for index in (good if constrained else valid) if _is_known(cells[index], column)]
+    compared = [
+        index
+        for index in (good if constrained else valid)
+        if column == SUCCESS or cells[index].quantities[column].count > 0
+    ]
     if not compared:
         return Best(_with_front(cells), None, constrained)
     best = min(compared, key=lambda index: rank(cells[index], column))
     found = compare_with_best(
         [trials[index][column] for index in compared], compared.index(best), most=column == SUCCESS
     )
+    told = zip(compared, found.worse.tolist(), found.error.tolist(), found.as_good.tolist(), strict=True)
     judged = {
-        index: replace(
-            cells[index],
-            worse=float(found.worse[number]),
-            worse_error=float(found.error[number]),
-            as_good=bool(found.as_good[number]),
-        )
-        for number, index in enumerate(compared)
+        index: replace(cells[index], worse=worse, worse_error=error, as_good=good) for index, worse, error, good in told
     }
     return Best(_with_front([judged.get(i, cell) for i, cell in enumerate(cells)]), best, constrained)
-
-
-def _is_known(cell: Cell, column: str) -> bool:
-    return column == SUCCESS or cell.quantities[column].count > 0
 
 
 def rank(cell: Cell, column: str) -> tuple[float, float]:

@@ -5,12 +5,13 @@ import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from datetime import UTC, datetime, timedelta
+from functools import partial
 from pathlib import Path
 
 import yaml
 from pydantic import BaseModel
 
-from missionplan.errors import InputError, Problem, did_you_mean, shown
+from missionplan.errors import InputError, Problem, attempted, did_you_mean, shown
 from missionplan.mission import Mission
 from missionplan.mission.changes import UnclearKeyError, changed_data, find_key, value_at
 from missionplan.mission.quantity_paths import name_in_force, overridden, resolved_path
@@ -107,12 +108,8 @@ def read_axes(mission: Mission, texts: Sequence[str]) -> tuple[Axis, ...]:
     if not 1 <= len(texts) <= 2:
         raise InputError([Problem(f"given {len(texts)} times, expected once or twice", key=OPTION, hint=_EXAMPLE)])
     problems: list[Problem] = []
-    axes: list[Axis] = []
-    for text in texts:
-        try:
-            axes.append(read_axis(mission, text))
-        except InputError as error:
-            problems += error.problems
+    found = [attempted(partial(read_axis, mission, text), problems) for text in texts]
+    axes = [axis for axis in found if axis is not None]
     cells = math.prod(len(axis.values) for axis in axes)
     if not problems and cells > MAX_CELLS:
         problems.append(Problem(f"makes {cells} cells, expected at most {MAX_CELLS}", key=OPTION))

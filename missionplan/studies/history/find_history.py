@@ -6,11 +6,16 @@ import time
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from datetime import UTC, datetime
+from functools import partial
 from pathlib import Path
 
-from missionplan.errors import InputError, Problem
+import numpy as np
+
+from missionplan.effects import CATALOGUE
+from missionplan.errors import InputError, Problem, attempted
 from missionplan.identity import differences, digest_of, program_part
 from missionplan.mission import Mission, MissionOrPath, as_mission
+from missionplan.mission.learned import Series, series_of
 from missionplan.mission.reading.documents import load_document, read_text
 from missionplan.mission.reading.includes import hash_of, read_draws
 from missionplan.moments import moment_of
@@ -18,11 +23,42 @@ from missionplan.montecarlo.levels import Seen
 from missionplan.montecarlo.posterior_file import FILE, DamagedPosteriorError
 from missionplan.results.base import Provenance
 from missionplan.results.entries import mapping, mappings, real
-from missionplan.results.learned.levels import ParameterLevels
+from missionplan.results.learned.diagnosis import Level, ParameterLevels
 from missionplan.store.folder import as_path
-from missionplan.studies.history.failure_rates import Row, rates_file, read_counts, updated_rates
-from missionplan.studies.history.levels import parameter_levels
-from missionplan.studies.history.result import History, Learned, State
+from missionplan.studies.history.result import History, Learned, Row, State, rates_file, read_counts, updated_rates
+
+
+def parameter_levels(seen: Sequence[Seen], reports: Mapping[str, str] | None = None) -> tuple[ParameterLevels, ...]:
+    """Return how each parameter that has a level went from mission to mission.
+
+    Parameters
+    ----------
+    seen : sequence of Seen
+        What records have told.
+    reports : mapping, optional
+        Names of the records by their hashes.
+    """
+    found = series_of(seen)
+    return tuple(_told(series, reports or {}) for key, series in found.items() if key[2] == "strength")
+
+
+def _told(series: Series, reports: Mapping[str, str]) -> ParameterLevels:
+    levels, then = series.levels()
+    mean, sd = levels.at(np.append(levels.measured.times, then))
+    missions = tuple(
+        Level(reports.get(each.record, each.record), each.date if math.isfinite(each.date) else None, *numbers)
+        for each, *numbers in zip(
+            series.records[-len(levels.measured.times) :],
+            mean[:-1].tolist(),
+            sd[:-1].tolist(),
+            levels.jumps.tolist(),
+            strict=True,
+        )
+    )
+    effect, name, _ = series.of
+    unit = CATALOGUE[effect].parameters[name].unit
+    return ParameterLevels(effect, name, unit, missions, *levels.trend, float(mean[-1]), float(sd[-1]))
+
 
 MAX_BYTES = 20_000_000
 """Of a summary."""
@@ -102,7 +138,6 @@ def _with_jumps(entries: Sequence[Learned], levels: Sequence[ParameterLevels]) -
 
 
 def _provenance(root: Path, reports: Sequence[_Report], rows: Sequence[Row], planned: Mission | None) -> Provenance:
-    """Return what the history is made from."""
     missions = dict.fromkeys(str(report.summary.get("mission", "")) for report in reports)
     return Provenance(
         command="history",
@@ -141,13 +176,8 @@ def _reports(root: Path, *, needed: bool) -> tuple[list[_Report], tuple[str, ...
     if not places and needed:
         words = "holds no report of diagnose (summary.json beside diagnosis.json) and no reliability.csv"
         raise InputError([Problem(words, str(root))])
-    found: list[_Report | None] = []
     problems: list[Problem] = []
-    for place in places:
-        try:
-            found.append(_read(place, root))
-        except InputError as error:
-            problems += error.problems
+    found = [attempted(partial(_read, place, root), problems) for place in places]
     reports = [report for report in found if report is not None]
     if problems and not reports:
         raise InputError(problems)

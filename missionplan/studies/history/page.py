@@ -44,7 +44,6 @@ def page(history: History) -> Page:
                 [Table(COLUMNS, _rows(history), f"In the order of {order}.", 2)],
             ),
         ],
-        verdict="",
         rerun=f"missionplan history {folder}{f' --mission {shlex.quote(str(given))}' if given else ''}",
         table=lambda: _cells(history),
         plots={"parameter": parameter},
@@ -84,7 +83,6 @@ def _rate_rows(history: History) -> list[list[str]]:
 
 
 def _failure_rates(history: History) -> Iterator[PageSection]:
-    """Tell failure rates with what the mission held of them."""
     if not history.rates:
         return
     caption = (
@@ -97,12 +95,12 @@ def _failure_rates(history: History) -> Iterator[PageSection]:
 
 
 def _learned_in_words(history: History) -> str:
-    count = len(history.reports)
-    many = len(history.parameters)
-    known = f"{many} parameter{'' if many == 1 else 's'}"
-    words = f"{count} {'diagnosis' if count == 1 else 'diagnoses'} {'tells' if count == 1 else 'tell'} of {known}."
-    if not history.parameters:
-        return f"{count} {'diagnosis has' if count == 1 else 'diagnoses have'} learned no parameter."
+    count, many = len(history.reports), len(history.parameters)
+    tells, learned = ("tells", "has") if count == 1 else ("tell", "have")
+    who = f"{count} {'diagnosis' if count == 1 else 'diagnoses'}"
+    if not many:
+        return f"{who} {learned} learned no parameter."
+    words = f"{who} {tells} of {many} parameter{'' if many == 1 else 's'}."
     levels = {(each.effect, each.name) for each in history.levels if each.jumps or each.has_trend}  # which say it
     changes = [each for each in history.changes if (each.effect, each.name) not in levels]
     if changes:

@@ -11,7 +11,7 @@ from missionplan.errors import RunError
 from missionplan.physics.drag import drag_force, reynolds_number
 from missionplan.physics.tank import drag_coefficient, reynolds_drag_coefficient
 from missionplan.results.learned.identification import FitCurve, FitPanel, FittedModel, TankAnalysis
-from missionplan.studies.identification.least_squares import FitParameter, f_test_prefers, fit
+from missionplan.studies.identification.least_squares import FitParameter, fit, preferred_first
 
 BLUFF_REYNOLDS = 1e5
 """Reynolds number above which Avila et al. call the coefficients constant."""
@@ -34,10 +34,9 @@ def identify_drag(data: TankData, settings: DragSettings) -> TankAnalysis:
     """
     towing = _Towing.of(data, settings)
     simple, richer = towing.fits()
-    prefers_richer = f_test_prefers(simple, richer)
-    fits = (richer, simple) if prefers_richer else (simple, richer)
+    fits = preferred_first(simple, richer)
     best = fits[0]["drag_coefficient"]
-    at = f" at Re {towing.middle:.2g}" if prefers_richer else ""
+    at = f" at Re {towing.middle:.2g}" if fits[0] is richer else ""
     compared = _compared(data, settings)
     return TankAnalysis(
         answer=f"The drag coefficient{at} is {best.value:.3f}{best.interval_in_words('.3f')}.",
@@ -72,23 +71,19 @@ def _compared(data: TankData, settings: DragSettings) -> _Compared | None:
 
 @dataclass(frozen=True)
 class _Towing:
-    """Drag against speed.
-
-    Attributes
-    ----------
-    reynolds, coefficients : array, shape (points,)
-    """
+    """Drag against speed."""
 
     speed: Array
     force: Array
     """[m/s, N], shape (points,)."""
-    force_sd: Array | None
-    """Stated errors, shape (points,) [N]."""
+    force_sd: Array | float | None
+    """Stated errors, of all or shape (points,) [N]."""
     area: float
     density: float
     """Reference area and density of the water [m², kg/m³]."""
     reynolds: Array
     coefficients: Array
+    """Shape (points,)."""
     middle: float
     """Reynolds number in the middle of the data, two digits."""
 
@@ -101,7 +96,7 @@ class _Towing:
         return cls(
             speed=speed,
             force=force,
-            force_sd=_force_sd(data, len(force)),
+            force_sd=_force_sd(data),
             area=settings.reference_area,
             density=data.density,
             reynolds=reynolds,
@@ -144,7 +139,7 @@ class _Towing:
             y_label="drag coefficient",
             x=self.reynolds,
             y=self.coefficients,
-            y_sd=self.force_sd * per_force if self.force_sd is not None else np.full_like(self.coefficients, np.nan),
+            y_sd=None if self.force_sd is None else self.force_sd * per_force,
             fitted=fits[0].fitted * per_force,
             curves=tuple(curves),
             alt=f"Measured drag coefficients against Reynolds number with the fit {fits[0].name}.",
@@ -158,20 +153,17 @@ class _Towing:
             y_label="drag [N]",
             x=self.speed,
             y=self.force,
-            y_sd=self.force_sd if self.force_sd is not None else np.full_like(self.force, np.nan),
+            y_sd=self.force_sd,
             fitted=best.fitted,
             curves=(FitCurve(best.name, self.speed, best.fitted),),
             alt="Measured drag against speed with the preferred fit.",
         )
 
 
-def _force_sd(data: TankData, points: int) -> Array | None:
+def _force_sd(data: TankData) -> Array | float | None:
     """Stated errors of the forces: by row, or one for all, or none."""
     given = data.columns.get("force_sd_n")
-    noise = data.settings.noise.force
-    if given is None or np.any(np.isnan(given)) or np.any(given <= 0.0):
-        return None if noise is None else np.full(points, noise)
-    return given
+    return given if given is not None and np.all(given > 0.0) else data.settings.noise.force
 
 
 def _remarks(towing: _Towing, simple: FittedModel, richer: FittedModel, compared: _Compared | None) -> tuple[str, ...]:

@@ -58,8 +58,7 @@ def identify_propeller(data: TankData, settings: PropellerSettings) -> TankAnaly
     geometry = settings.geometry
     run = TransientRun(data, geometry)
     measured = data.columns["thrust_n"]
-    noise = settings.noise.thrust
-    thrust_sd = None if noise is None else np.full_like(measured, noise)
+    thrust_sd = settings.noise.thrust
     steady, dynamic = _fits(run, measured, thrust_sd)
     prefers_dynamic = f_test_prefers(steady, dynamic) and dynamic.residual_sd < steady.residual_sd
     fits = (dynamic, steady) if prefers_dynamic else (steady, dynamic)
@@ -78,8 +77,7 @@ def identify_propeller(data: TankData, settings: PropellerSettings) -> TankAnaly
     )
 
 
-def _fits(run: "TransientRun", measured: Array, thrust_sd: Array | None) -> tuple[FittedModel, FittedModel]:
-    """Fit the quasi-steady model, and axial-flow dynamics."""
+def _fits(run: "TransientRun", measured: Array, thrust_sd: float | None) -> tuple[FittedModel, FittedModel]:
     diameter = run.geometry.diameter
     unit = run.density * diameter**4 / TURN**2
     constants = [
@@ -174,7 +172,7 @@ class TransientRun:
             rate = self.shaft_rate
         return np.asarray(thrust(propeller, rate, propeller.flow_ratio * self.speed))
 
-    def panel(self, measured: Array, thrust_sd: Array | None, fits: tuple[FittedModel, ...]) -> FitPanel:
+    def panel(self, measured: Array, thrust_sd: float | None, fits: tuple[FittedModel, ...]) -> FitPanel:
         """Thrust against time, and both fits."""
         return FitPanel(
             name="thrust",
@@ -182,7 +180,7 @@ class TransientRun:
             y_label="thrust [N]",
             x=self.time,
             y=measured,
-            y_sd=np.full_like(measured, np.nan) if thrust_sd is None else thrust_sd,
+            y_sd=thrust_sd,
             fitted=fits[0].fitted,
             curves=tuple(FitCurve(fitted.name, self.time, fitted.fitted) for fitted in fits),
             alt="Thrust against time with the fits of both models.",
@@ -248,7 +246,6 @@ def _headed(analysis: TankAnalysis) -> TankAnalysis:
 
 
 def _analysis(data: TankData) -> TankAnalysis:
-    """Analyse data by their kind."""
     match data.settings:
         case DragSettings() as settings:
             return identify_drag(data, settings)

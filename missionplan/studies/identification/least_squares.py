@@ -39,7 +39,7 @@ def fit(
     model: Callable[[Array], Array],
     parameters: Sequence[FitParameter],
     data: Array,
-    data_sd: Array | None = None,
+    data_sd: Array | float | None = None,
     *,
     in_sequence: bool = False,
 ) -> FittedModel:
@@ -56,7 +56,7 @@ def fit(
         From parameters, in the given order, to the model at the data, shape (points,).
     data : array, shape (points,)
         Measured.
-    data_sd : array, shape (points,), optional
+    data_sd : array, shape (points,), or float, optional
         Stated standard deviations. Where the scatter is larger, the errors are widened by √(χ²/ν) (Birge 1932, Phys.
         Rev. 40, 207–227); without them the scatter itself is the error.
     in_sequence : bool
@@ -78,7 +78,7 @@ def fit(
     dof = len(data) - len(parameters)
     if dof < 1:
         raise RunError(f"{name}: {len(data)} points do not suffice for {len(parameters)} parameters and an error")
-    scale = np.ones_like(data) if data_sd is None else data_sd
+    scale = 1.0 if data_sd is None else data_sd
     solution = _solution(name, lambda values: (model(values) - data) / scale, parameters)
     covariance = _covariance(name, np.asarray(solution.jac), parameters)
     chi_squared = float(2.0 * solution.cost)
@@ -174,8 +174,13 @@ def scaled_estimate(
     )
 
 
-def f_test_prefers(simple: FittedModel, richer: FittedModel, level: float = 0.01) -> bool:
-    """Whether an F test of the residual sums of squares prefers a richer model to the one nested in it, at a level.
+def preferred_first(simple: FittedModel, richer: FittedModel) -> tuple[FittedModel, FittedModel]:
+    """Put the model first that an F test prefers."""
+    return (richer, simple) if f_test_prefers(simple, richer) else (simple, richer)
+
+
+def f_test_prefers(simple: FittedModel, richer: FittedModel) -> bool:
+    """Whether an F test of the residual sums of squares prefers a richer model to the one nested in it, at 1 %.
 
     Bates & Watts 1988, ch. 3.
     """
@@ -187,4 +192,4 @@ def f_test_prefers(simple: FittedModel, richer: FittedModel, level: float = 0.01
     if sum_richer <= 0.0:
         return sum_simple > 0.0
     ratio = (sum_simple - sum_richer) / extra / (sum_richer / richer.degrees_of_freedom)
-    return bool(fdtrc(extra, richer.degrees_of_freedom, ratio) < level)
+    return bool(fdtrc(extra, richer.degrees_of_freedom, ratio) < 0.01)

@@ -22,8 +22,8 @@ from missionplan.results.learned.identification import (
 from missionplan.studies.identification.least_squares import (
     INTERVAL,
     FitParameter,
-    f_test_prefers,
     fit,
+    preferred_first,
     scaled_estimate,
 )
 
@@ -75,11 +75,10 @@ def _masses_in_words(modes: list[str], estimates: tuple[IdentifiedParameter, ...
     """Write each mode's added mass to two figures of its error, where it has one."""
     words = []
     for mode, each in zip(modes, estimates, strict=True):
-        if not math.isfinite(each.sd) or each.sd <= 0.0:
-            words.append(f"{mode} {each.value:.4g} kg")
-            continue
-        decimals = max(0, 1 - math.floor(math.log10(each.sd)))
-        words.append(f"{mode} {each.value:.{decimals}f} ± {each.sd:.{decimals}f} kg")
+        known = math.isfinite(each.sd) and each.sd > 0.0
+        decimals = max(0, 1 - math.floor(math.log10(each.sd))) if known else 0
+        value = f"{each.value:.{decimals}f} ± {each.sd:.{decimals}f}" if known else f"{each.value:.4g}"
+        words.append(f"{mode} {value} kg")
     return ", ".join(words)
 
 
@@ -154,10 +153,8 @@ def _fragment(modes: list[str], estimates: tuple[IdentifiedParameter, ...], scal
 def _from_record(data: TankData, settings: OscillationSettings) -> TankAnalysis:
     """Fit a decaying oscillation with linear, then linear and quadratic damping, to a record of displacement."""
     time, record = data.columns["t_s"], data.columns["displacement_m"]
-    noise = settings.noise.displacement
-    record_sd = None if noise is None else np.full_like(record, noise)
-    simple, richer = _damped_fits(time, record, record_sd)
-    fits = (richer, simple) if f_test_prefers(simple, richer) else (simple, richer)
+    record_sd = settings.noise.displacement
+    fits = preferred_first(*_damped_fits(time, record, record_sd))
     physical = _physical(fits[0], settings.stiffness, settings.mass)
     added, widened = physical[0], fits[0].widened
     remark = (
@@ -174,8 +171,7 @@ def _from_record(data: TankData, settings: OscillationSettings) -> TankAnalysis:
     )
 
 
-def _damped_fits(time: Array, record: Array, record_sd: Array | None) -> tuple[FittedModel, FittedModel]:
-    """Fit linear damping, and linear and quadratic damping."""
+def _damped_fits(time: Array, record: Array, record_sd: float | None) -> tuple[FittedModel, FittedModel]:
     parameters = starting_values(time, record)
 
     def linear(values: Array) -> Array:
@@ -236,15 +232,14 @@ def _physical(best: FittedModel, stiffness: float, mass: float) -> tuple[Identif
     return tuple(found)
 
 
-def _record_panel(time: Array, record: Array, record_sd: Array | None, fits: tuple[FittedModel, ...]) -> FitPanel:
-    sd = np.full_like(record, np.nan) if record_sd is None else record_sd
+def _record_panel(time: Array, record: Array, record_sd: float | None, fits: tuple[FittedModel, ...]) -> FitPanel:
     return FitPanel(
         name="displacement",
         x_label="time [s]",
         y_label="displacement [m]",
         x=time,
         y=record,
-        y_sd=sd,
+        y_sd=record_sd,
         fitted=fits[0].fitted,
         curves=(FitCurve(fits[0].name, time, fits[0].fitted),),
         alt=f"Displacement against time with the fit {fits[0].name}.",

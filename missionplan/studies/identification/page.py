@@ -76,7 +76,6 @@ def _name_in_words(estimate: IdentifiedParameter) -> str:
 
 
 def _cells(result: Identification) -> Cells:
-    """Tabulate the parameters for a terminal."""
     rows = [
         (_name_in_words(e), significant(e.value, e.sd), _standard_error(e), _interval(e), e.unit)
         for e in result.estimates
@@ -102,7 +101,7 @@ def panel_figure(panel: FitPanel) -> Figure:
 
 def _is_plain(panel: FitPanel) -> bool:
     """Whether the readings are drawn without their errors: they are many, or have none."""
-    return len(panel.x) > _MANY or bool(np.all(np.isnan(panel.y_sd)))
+    return len(panel.x) > _MANY or panel.y_sd is None or bool(np.all(np.isnan(panel.y_sd)))
 
 
 def draw_fit(axes: Axes, panel: FitPanel) -> None:

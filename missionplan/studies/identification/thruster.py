@@ -11,7 +11,7 @@ from missionplan.errors import RunError
 from missionplan.physics import tunnel_thruster as tt
 from missionplan.physics.tunnel_thruster import bollard_pull
 from missionplan.results.learned.identification import FitCurve, FitPanel, FittedModel, TankAnalysis
-from missionplan.studies.identification.least_squares import FitParameter, f_test_prefers, fit
+from missionplan.studies.identification.least_squares import FitParameter, fit, preferred_first
 
 
 def identify_tunnel_thruster(
@@ -33,10 +33,11 @@ def identify_tunnel_thruster(
     turning = data.columns["rpm"] != 0.0
     run = TunnelThrusterRun(geometry, data.density, data.columns["rpm"][turning] / 60.0, speed[turning])
     force, moments = data.columns["thrust_n"][turning], data.columns.get("moment_n_m")
-    fits: tuple[FittedModel, ...] = (_force_fit(run, force, settings.noise.thrust),)
+    noise = settings.noise
+    fits: tuple[FittedModel, ...] = (fit("force under way", run.force, run.parameters(force), force, noise.thrust),)
     measured = None if moments is None or np.all(np.isnan(moments)) else moments[turning]
     if measured is not None:
-        fits = _moment_fits(run, fits[0], force, measured, settings.noise)
+        fits = _moment_fits(run, fits[0], force, measured, noise)
     best = fits[0]
     return TankAnalysis(
         answer=f"The static constant is {best['thrust_constant'].value:.4g} N s², and speed takes thrust away with c = "
@@ -89,11 +90,6 @@ class TunnelThrusterRun:
             suction_offset=offset,
         )
         return tt.thruster_load(thruster, self.revolutions, self.speed, self.density)
-
-
-def _force_fit(run: TunnelThrusterRun, force: Array, noise: float | None) -> FittedModel:
-    force_sd = None if noise is None else np.full_like(force, noise)
-    return fit("force under way", run.force, run.parameters(force), force, force_sd)
 
 
 def _moment_fits(
@@ -163,7 +159,6 @@ def _force_panel(run: TunnelThrusterRun, best: FittedModel, force: Array) -> Fit
         y_label="K_F",
         x=ratio,
         y=force / static,
-        y_sd=np.full_like(force, np.nan),
         fitted=best.fitted[: len(force)] / static,
         curves=(FitCurve("exp(-c (u/u_j)²)", line, factor),),
         alt="Share of the static force that the vehicle feels against speed ratio, falling to little as speed rises.",
@@ -182,7 +177,6 @@ def _moment_panel(run: TunnelThrusterRun, best: FittedModel, moments: Array) -> 
         y_label="K_N",
         x=ratio,
         y=moments / at_rest,
-        y_sd=np.full_like(moments, np.nan),
         fitted=best.fitted[len(moments) :] / at_rest,
         curves=(FitCurve(best.name, line, np.asarray(tt.moment_factor(factor, centre / geometry.position))),),
         alt="Moment over the static moment against speed ratio.",
@@ -239,10 +233,8 @@ def _static(data: TankData, at_rest: NDArray[np.bool_]) -> TankAnalysis:
     thrust = data.columns["thrust_n"][at_rest]
     if not np.any(command):
         raise RunError(f"thrust: no row at rest has a {name} other than 0")
-    noise = data.settings.noise.thrust
-    thrust_sd = None if noise is None else np.full_like(thrust, noise)
-    simple, richer = _static_fits(command, thrust, thrust_sd, unit)
-    fits = (richer, simple) if f_test_prefers(simple, richer) else (simple, richer)
+    thrust_sd = data.settings.noise.thrust
+    fits = preferred_first(*_static_fits(command, thrust, thrust_sd, unit))
     return TankAnalysis(
         answer=_constants_in_words(fits[0]),
         fits=fits,
@@ -252,7 +244,7 @@ def _static(data: TankData, at_rest: NDArray[np.bool_]) -> TankAnalysis:
     )
 
 
-def _static_fits(command: Array, thrust: Array, thrust_sd: Array | None, unit: str) -> tuple[FittedModel, FittedModel]:
+def _static_fits(command: Array, thrust: Array, thrust_sd: float | None, unit: str) -> tuple[FittedModel, FittedModel]:
     """Fit the constants of the directions that were measured, without and with the deadband."""
     squared = "N/V^2" if unit == "V" else "N*s^2"
     sides = [("ahead", command > 0.0), ("astern", command < 0.0)]
@@ -304,7 +296,7 @@ def _static_fragment(best: FittedModel) -> dict[str, object]:
     return fragment
 
 
-def _static_panel(command: Array, thrust: Array, thrust_sd: Array | None, best: FittedModel, unit: str) -> FitPanel:
+def _static_panel(command: Array, thrust: Array, thrust_sd: float | None, best: FittedModel, unit: str) -> FitPanel:
     line = np.linspace(command.min(), command.max(), 200)
     ahead = best["ahead"].value if "ahead" in best else 0.0
     astern = best["astern"].value if "astern" in best else 0.0
@@ -315,7 +307,7 @@ def _static_panel(command: Array, thrust: Array, thrust_sd: Array | None, best: 
         y_label="thrust [N]",
         x=command,
         y=thrust,
-        y_sd=np.full_like(thrust, np.nan) if thrust_sd is None else thrust_sd,
+        y_sd=thrust_sd,
         fitted=best.fitted,
         curves=(FitCurve(best.name, line, np.asarray(bollard_pull(line, ahead, astern, deadband))),),
         alt="Static thrust against the command with the preferred fit.",

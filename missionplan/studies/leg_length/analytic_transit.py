@@ -147,7 +147,6 @@ def fit_leg_spread(scenario: SweepScenario, seed: int) -> LegSpread:
 
 
 def _non_negative(terms: Array, values: Array) -> Array:
-    """Least squares with coefficients that are not negative."""
     try:
         return np.asarray(nnls(terms, values)[0])
     except ValueError:  # early versions of nnls in Python stop so where nothing is left to free
@@ -239,32 +238,6 @@ class _Policy:
     table: LegTable
 
 
-@dataclass
-class _Search:
-    """Best plans on the pilot trials, with a count of the trials for a progress bar."""
-
-    transit: AnalyticTransit
-    objective: Objective
-    seed: int
-    progress: Progress | None
-    work: int
-    workers: Workers
-    done: int = 0
-
-    def best_of(self, policies: Sequence[_Policy]) -> tuple[Score, _Policy]:
-        """Find the best of some policies, with its score."""
-        plans = [LegsAtSpeed(policy.table, self.transit.speed_factor) for policy in policies]
-        index, least = best_plan(
-            self.transit.scenario, plans, self.objective, self.seed, advance=self._advance, workers=self.workers
-        )
-        return least, policies[index]
-
-    def _advance(self, trials: int) -> None:
-        self.done += trials
-        if self.progress is not None:
-            self.progress(self.done, self.work)
-
-
 def search_policies(
     transit: AnalyticTransit,
     family: PolicyFamily,
@@ -285,28 +258,36 @@ def search_policies(
     swept = [round(float(length), 1) for length in transit.scenario.d_max]
     radius = np.array([transit.scenario.arrival_radius])
     fixed = [_Policy(1.0, LegTable(radius, np.array([length]))) for length in sorted({*lengths, *swept})]
-    variants = len(lengths) + 1
-    work = sum(
-        pilot_work(plans)
-        for plans in (len(fixed), variants * len(family.spread_factors), variants * len(family.surfacing_factors))
-    )
-    search = _Search(transit, objective, seed, progress, work, workers)
+    tried = (1 + len(lengths)) * np.array([len(family.spread_factors), len(family.surfacing_factors)])
+    work, done = sum(map(pilot_work, (len(fixed), *tried.tolist()))), 0
+
+    def advance(trials: int) -> None:
+        nonlocal done
+        done += trials
+        if progress is not None:
+            progress(done, work)
+
+    def best_of(policies: Sequence[_Policy]) -> tuple[Score, _Policy]:
+        plans = [LegsAtSpeed(policy.table, transit.speed_factor) for policy in policies]
+        index, least = best_plan(transit.scenario, plans, objective, seed, advance=advance, workers=workers)
+        return least, policies[index]
 
     def best_variant(policies: Sequence[_Policy]) -> tuple[Score, _Policy]:
-        return search.best_of([variant for policy in policies for variant in _variants(policy, distance, lengths)])
+        """The best of some policies, each with its own first leg and with every other."""
+        return best_of(
+            [
+                _Policy(policy.spread_factor, table)
+                for policy in policies
+                for table in (policy.table, *(replace_first_leg(policy.table, distance, each) for each in lengths))
+            ]
+        )
 
-    fixed_value, constant = search.best_of(fixed)
+    fixed_value, constant = best_of(fixed)
     value, policy = best_variant(_policies(transit, [(factor, 1.0) for factor in family.spread_factors], workers))
     if family.surfacing_factors:
         others = _policies(transit, [(policy.spread_factor, factor) for factor in family.surfacing_factors], workers)
         value, policy = min((value, policy), best_variant(others), key=lambda found: found[0])
     return float(constant.table.leg[0]), policy.table if value < fixed_value else constant.table
-
-
-def _variants(policy: _Policy, distance: float, lengths: Sequence[float]) -> list[_Policy]:
-    """A policy, and the same with every first leg."""
-    changed = [_Policy(policy.spread_factor, replace_first_leg(policy.table, distance, length)) for length in lengths]
-    return [policy, *changed]
 
 
 def replace_first_leg(table: LegTable, distance: float, length: float) -> LegTable:

@@ -27,9 +27,13 @@ def saving_unit(plan: LegPlan) -> tuple[str, Unit]:
 
 
 def policy_figure(plan: LegPlan) -> Figure:
-    """Draw leg length, and where the legs of a table aim, against distance left."""
+    """Draw leg length, and where the legs of a table aim, against distance left; a fixed d_max aims at the target."""
     if not plan.recommended:
-        return _fixed_figure(plan)
+        figure = MatplotlibFigure(figsize=(6.0, 2.9))
+        draw_lengths(figure.subplots(), plan)
+        fixed = quantity(plan.fixed_d_max, "m", ".0f")
+        alt = f"Leg length against distance left: {fixed}, or what is left where that is less"
+        return to_figure(figure, "policy", alt, "The fixed d_max, which aims at the target itself when it can.")
     figure = MatplotlibFigure(figsize=(6.0, 5.4))
     legs, aims = figure.subplots(2, 1)
     draw_lengths(legs, plan)
@@ -45,21 +49,6 @@ def policy_figure(plan: LegPlan) -> Figure:
             "Blue: the table, dots its knots; grey: the best fixed d_max, which aims at the target itself when it can. "
             "Above, leg length; below, how far short of the target a leg is aimed."
         ),
-    )
-
-
-def _fixed_figure(plan: LegPlan) -> Figure:
-    """Draw the leg length of a fixed d_max; it aims at the target itself, so that there is no more to show."""
-    figure = MatplotlibFigure(figsize=(6.0, 2.9))
-    draw_lengths(figure.subplots(), plan)
-    return to_figure(
-        figure,
-        "policy",
-        alt=(
-            f"Leg length against distance left: {quantity(plan.fixed_d_max, 'm', '.0f')}, or what is left "
-            "where that is less"
-        ),
-        caption="The fixed d_max, which aims at the target itself when it can.",
     )
 
 

@@ -8,8 +8,10 @@
   speed.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import Literal, get_args
+from operator import attrgetter
+from typing import Literal
 
 import numpy as np
 from scipy.optimize import minimize_scalar
@@ -39,7 +41,6 @@ from missionplan.studies.leg_length.paired_trials import (
 from missionplan.studies.leg_length.sweep_scenario import SweepScenario
 
 Aim = Literal["mean", "p95", "energy"]
-AIMS: tuple[Aim, ...] = get_args(Aim)
 
 
 @dataclass(frozen=True)
@@ -61,6 +62,16 @@ MEAN_FAMILY = PolicyFamily(SPREAD_FACTORS[:3], ())
 """Tables tried where a mean is least."""
 DEADLINE_FAMILY = PolicyFamily()
 """Tables tried for a deadline."""
+
+
+@dataclass(frozen=True)
+class _Pilot:
+    """Pilot trials: seed, progress bar, whether legs must be chosen on them, not by the equation alone, and workers."""
+
+    seed: int
+    progress: Progress | None
+    is_needed: bool
+    workers: Workers
 
 
 @dataclass(frozen=True)
@@ -119,38 +130,40 @@ def optimise_legs(
         if obstacle:
             transit = replace(transit, spread=spread or fit_leg_spread(scenario, seed))
         if aim.name == "energy":
-            return _for_energy(transit, pilot)
+            how_found = _EXACTLY_FOR_ENERGY
+            return _least_mean(_at_best_speed(transit), pilot, attrgetter("energy"), how_found, how_found)
         if aim.name == "p95":
             return _for_deadline(transit, aim.deadline, pilot)
-        return _for_mean_time(transit, pilot)
+        return _least_mean(transit, pilot, attrgetter("cost"), _EXACTLY, _ON_TRIALS)
     except ValueError as error:
         raise InputError([Problem(str(error), scenario.mission.file, key=scenario.phase.name)]) from error
 
 
-@dataclass(frozen=True)
-class _Pilot:
-    """Pilot trials: seed, progress bar, whether legs must be chosen on them, not by the equation alone, and workers."""
+_EXACTLY = "Dynamic programming over the distance left: exact for isotropic errors drawn anew for each leg."
+_ON_TRIALS = (
+    "Dynamic programming with the spread of legs that a pilot of the mission's own trials shows, and such legs for "
+    "other spreads and with other first legs, chosen on common trials."
+)
+_EXACTLY_FOR_ENERGY = (
+    "Dynamic programming with prices of a metre and of a surfacing in joules, and a search over the speed from "
+    f"{SPEED_RANGE[0]:g} to {SPEED_RANGE[1]:g} times the mission's."
+)
 
-    seed: int
-    progress: Progress | None
-    is_needed: bool
-    workers: Workers
 
-
-def _for_mean_time(transit: AnalyticTransit, pilot: _Pilot) -> OptimisedLegs:
-    """Least expected time."""
+def _least_mean(
+    transit: AnalyticTransit, pilot: _Pilot, values: Callable[[PlanTrials], Array], exactly: str, on_trials: str
+) -> OptimisedLegs:
+    """Least mean of a cost: by the equation alone where it holds and the legs arrive as often as required in trials."""
     if not pilot.is_needed:
-        found = _analytic(
-            transit, "Dynamic programming over the distance left: exact for isotropic errors drawn anew for each leg."
-        )
+        found = _optimised(transit, transit.best_fixed(), transit.best_table(), exactly)
         if _arrive(transit.scenario, found, pilot.seed):
             return found
-    how_found = (
-        "Dynamic programming with the spread of legs that a pilot of the mission's own trials shows, and such "
-        "legs for other spreads and with other first legs, chosen on common trials."
-    )
-    required = transit.scenario.required_arrival
-    return _on_trials(transit, MEAN_FAMILY, lambda trials: _mean(trials, trials.cost, required), pilot, how_found)
+
+    def score(trials: PlanTrials) -> Score:
+        mean = float(np.mean(values(trials)[trials.arrived])) if trials.arrived.any() else float("inf")
+        return arrival_shortfall(trials, transit.scenario.required_arrival), mean
+
+    return _on_trials(transit, MEAN_FAMILY, score, pilot, on_trials)
 
 
 def _for_deadline(transit: AnalyticTransit, deadline: float, pilot: _Pilot) -> OptimisedLegs:
@@ -173,8 +186,8 @@ def _for_deadline(transit: AnalyticTransit, deadline: float, pilot: _Pilot) -> O
     return _on_trials(transit, family, lateness, pilot, how_found)
 
 
-def _for_energy(transit: AnalyticTransit, pilot: _Pilot) -> OptimisedLegs:
-    """Least expected energy: a surfacing costs joules, a metre costs joules, and the speed is chosen too.
+def _at_best_speed(transit: AnalyticTransit) -> AnalyticTransit:
+    """Count a surfacing as the time under way that takes as much energy, at the speed of least expected energy.
 
     The speed by Brent's method, golden sections with parabolic interpolation (Brent 1973, Algorithms for Minimization
     without Derivatives, ch. 5).
@@ -193,17 +206,7 @@ def _for_energy(transit: AnalyticTransit, pilot: _Pilot) -> OptimisedLegs:
     low = max(slowest * scenario.speed, 1.5 * transit.spread.sigma)
     bounds = (low, fastest * scenario.speed)
     found = minimize_scalar(energy, bounds=bounds, method="bounded", options={"xatol": 0.02 * low, "maxiter": 12})
-    best, _ = at_speed(float(found.x))
-    how_found = (
-        "Dynamic programming with prices of a metre and of a surfacing in joules, and a search over the speed "
-        f"from {slowest:g} to {fastest:g} times the mission's."
-    )
-    if not pilot.is_needed:
-        analytic = _analytic(best, how_found)
-        if _arrive(scenario, analytic, pilot.seed):
-            return analytic
-    required = scenario.required_arrival
-    return _on_trials(best, MEAN_FAMILY, lambda trials: _mean(trials, trials.energy, required), pilot, how_found)
+    return at_speed(float(found.x))[0]
 
 
 def _energy_rates(scenario: SweepScenario, speed: float) -> tuple[float, float]:
@@ -220,12 +223,6 @@ def _energy_rates(scenario: SweepScenario, speed: float) -> tuple[float, float]:
     return under_way, surfacing
 
 
-def _mean(trials: PlanTrials, values: Array, required: float) -> Score:
-    """Score of a mean over the trials that arrive."""
-    mean = float(np.mean(values[trials.arrived])) if trials.arrived.any() else float("inf")
-    return arrival_shortfall(trials, required), mean
-
-
 def _arrive(scenario: SweepScenario, found: OptimisedLegs, seed: int) -> bool:
     """Whether both plans arrive as often as required in the pilot trials: the integral equation has no `max_legs`."""
     pilots = run_plans(scenario, (found.fixed, found.adaptive), seed, PILOT_BLOCK)
@@ -237,10 +234,6 @@ def _on_trials(
 ) -> OptimisedLegs:
     d_max, table = search_policies(transit, family, objective, pilot.seed, pilot.progress, pilot.workers)
     return _optimised(transit, d_max, table, how_found)
-
-
-def _analytic(transit: AnalyticTransit, how_found: str) -> OptimisedLegs:
-    return _optimised(transit, transit.best_fixed(), transit.best_table(), how_found)
 
 
 def _optimised(transit: AnalyticTransit, d_max: float, table: LegTable, how_found: str) -> OptimisedLegs:

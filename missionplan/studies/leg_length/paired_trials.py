@@ -191,7 +191,6 @@ def run_plans(
 def _run(
     plan: TransitPlan, state: TrialState, normals: TransitNormals, environment: Environment, tracked: int = 0
 ) -> PlanTrials:
-    """Run trials, each by its plan."""
     _, record = transit(plan, state, normals, environment, tracked=tracked)
     nominal = plan.nominal_time(state.position)
     return PlanTrials(

@@ -39,7 +39,7 @@ from missionplan.studies.leg_length.plan_result import (
     SampledCost,
 )
 from missionplan.studies.leg_length.sweep_scenario import SweepScenario
-from missionplan.studies.run import Run
+from missionplan.studies.run import Run, RunArguments
 
 TRACKED_TRIALS = 6
 """Trials whose tracks are kept."""
@@ -228,17 +228,8 @@ def plan_legs(
     InputError
         When the mission has no transit, or no legs can be planned for it.
     """
-    run = Run.begun(
-        "plan-legs",
-        mission,
-        one_of={"aim": (aim, get_args(Aim))},
-        trials=trials,
-        seed=seed,
-        jobs=jobs,
-        backend=backend,
-        scheduler=scheduler,
-        progress=progress,
-    )
+    asked = RunArguments(trials=trials, seed=seed, jobs=jobs, backend=backend, scheduler=scheduler, progress=progress)
+    run = Run.begun("plan-legs", mission, one_of={"aim": (aim, get_args(Aim))}, **asked)
     scenario, seed = replace(SweepScenario.of(run.mission), sigmas=(None,)), run.seed
     wanted = LegAim(aim, _deadline(scenario)) if aim == "p95" else LegAim(aim)
     best = optimise_legs(scenario, wanted, seed, progress=progress, workers=run.workers.quiet)

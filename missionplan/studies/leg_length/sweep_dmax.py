@@ -1,13 +1,12 @@
 """What maximum leg length? The cost of each d_max for each velocity error (Briggs et al., section IV.B, Fig. 8)."""
 
+import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
-from typing import Literal, get_args
+from typing import Any, Literal, get_args
 
 import numpy as np
-from numpy.typing import NDArray
 
-from missionplan.arrays import Array
 from missionplan.errors import InputError, Problem
 from missionplan.mission import MissionOrPath
 from missionplan.montecarlo.parallel.blocks import Backend, Progress
@@ -19,10 +18,12 @@ from missionplan.studies.judgement import judged
 from missionplan.studies.leg_length.analytic_transit import analytic_curve, analytic_obstacle
 from missionplan.studies.leg_length.sweep_result import ExplainedSweep, Sweep, SweepCurve, SweepPoint
 from missionplan.studies.leg_length.sweep_scenario import CellTotals, SweepScenario, run_cells
-from missionplan.studies.run import Run
+from missionplan.studies.run import Run, RunArguments
 
 Method = Literal["both", "analytic", "monte-carlo"]
 Analytic = Sequence[TransitExpectation]
+Columns = dict[str, list[Any]]
+"""Of the points of a curve, by the fields of `SweepPoint`."""
 
 
 def sweep_dmax(
@@ -54,17 +55,8 @@ def sweep_dmax(
         When the mission has no transit, the mean drift is as fast as the vehicle, or the analytic form is requested
         where it does not apply.
     """
-    run = Run.begun(
-        "sweep-dmax",
-        mission,
-        one_of={"method": (method, (None, *get_args(Method)))},
-        trials=trials,
-        seed=seed,
-        jobs=jobs,
-        backend=backend,
-        scheduler=scheduler,
-        progress=progress,
-    )
+    asked = RunArguments(trials=trials, seed=seed, jobs=jobs, backend=backend, scheduler=scheduler, progress=progress)
+    run = Run.begun("sweep-dmax", mission, one_of={"method": (method, (None, *get_args(Method)))}, **asked)
     scenario = SweepScenario.of(run.mission)
     used = _method(scenario, method)
     run = replace(run, trials=0) if used == "analytic" else run
@@ -153,84 +145,51 @@ class SweepTask:
         return run_cells(plan, state, normals, environment, scenario.d_max, scenario.table)
 
 
-@dataclass(frozen=True)
-class _Costs:
-    """Costs of a curve's cells, from trials or else from the integral equation; arrays of shape (k,)."""
+def _of_trials(totals: CellTotals, grid: int) -> tuple[int, Columns]:
+    """The best of the first cells, which are the grid's d_max, and what trials tell of all; nan where none arrived."""
+    cost, reached = totals.cost, totals.cost.count > 0
+    swept = totals.first(grid)
+    best = swept.best()
+    known = {"cost": cost.mean, "standard_error": cost.standard_error, "surfacings": totals.surfacings.mean}
+    return best, {
+        **{name: np.where(reached, values, np.nan).tolist() for name, values in known.items()},
+        "sd": [value**0.5 for value in np.where(reached, cost.variance, np.nan).tolist()],
+        "arrived": [wilson(int(n), int(n) + int(lost)) for n, lost in zip(cost.count, cost.missing, strict=True)],
+        "excess_error": totals.difference_error(best).tolist(),
+        "as_good": swept.as_good_as(best).tolist() + [False] * (len(reached) - grid),
+    }
 
-    best: int
-    """Index of the best d_max of the grid."""
-    cost: Array
-    standard_error: Array
-    variance: Array
-    surfacings: Array
-    """nan where no trial arrived."""
-    arrived: tuple[Probability, ...]
-    excess_error: Array
-    """Standard error of the cost less the best one."""
-    as_good: NDArray[np.bool_]
-    """Whether the cost is as good as the best one."""
 
-    @classmethod
-    def of_trials(cls, totals: CellTotals, grid: int) -> "_Costs":
-        """Costs of trials; the first `grid` cells are the grid's d_max."""
-        swept, count, missing = totals.first(grid), totals.cost.count, totals.cost.missing
-        best, reached = swept.best(), count > 0
-        return cls(
-            best=best,
-            cost=np.where(reached, totals.cost.mean, np.nan),
-            standard_error=np.where(reached, totals.cost.standard_error, np.nan),
-            variance=np.where(reached, totals.cost.variance, np.nan),
-            surfacings=np.where(reached, totals.surfacings.mean, np.nan),
-            arrived=tuple(wilson(int(n), int(n) + int(lost)) for n, lost in zip(count, missing, strict=True)),
-            excess_error=totals.difference_error(best),
-            as_good=np.append(swept.as_good_as(best), np.zeros(len(count) - grid, dtype=bool)),
-        )
-
-    @classmethod
-    def of_expectations(cls, expectations: Analytic, grid: int) -> "_Costs":
-        """Costs of the integral equation; the first `grid` cells are the grid's d_max."""
-        cost = np.array([expectation.cost for expectation in expectations])
-        best, zeros = int(np.argmin(cost[:grid])), np.zeros(len(cost))
-        return cls(
-            best=best,
-            cost=cost,
-            standard_error=zeros,
-            variance=np.full(len(cost), np.nan),
-            surfacings=np.array([expectation.surfacings for expectation in expectations]),
-            arrived=(Probability(1.0, 1.0, 1.0),) * len(cost),
-            excess_error=zeros,
-            as_good=cost <= cost[best],
-        )
+def _of_expectations(expectations: Analytic, grid: int) -> tuple[int, Columns]:
+    """The same from the integral equation."""
+    costs, count = [each.cost for each in expectations], len(expectations)
+    best = int(np.argmin(costs[:grid]))
+    return best, {
+        "cost": costs,
+        "standard_error": [0.0] * count,
+        "surfacings": [each.surfacings for each in expectations],
+        "sd": [math.nan] * count,
+        "arrived": [Probability(1.0, 1.0, 1.0)] * count,
+        "excess_error": [0.0] * count,
+        "as_good": [cost <= costs[best] for cost in costs],
+    }
 
 
 def _curve(scenario: SweepScenario, index: int, sampled: CellTotals | None, analytic: Analytic) -> SweepCurve:
     """Curve of one σ_v; after the grid follow the whole distance in one leg, and the table where there is one."""
     grid = len(scenario.d_max) - 1
-    costs = _Costs.of_expectations(analytic, grid) if sampled is None else _Costs.of_trials(sampled, grid)
-    points = [_point(scenario, number, costs, analytic) for number in range(len(costs.cost))]
-    table = points[-1] if scenario.table is not None else None
+    best, columns = _of_expectations(analytic, grid) if sampled is None else _of_trials(sampled, grid)
+    lengths = [*scenario.d_max.tolist(), *([] if scenario.table is None else [math.nan])]
+    columns["d_max"] = lengths
+    columns["d_max_over_distance"] = [length / scenario.distance for length in lengths]
+    columns["cost_analytic"] = [each.cost for each in analytic] or [None] * len(lengths)
+    points = [SweepPoint(**dict(zip(columns, values, strict=True))) for values in zip(*columns.values(), strict=True)]
     return SweepCurve(
         sigma=scenario.sigma(index),
         points=tuple(points[:grid]),
-        best_index=costs.best,
+        best_index=best,
         one_leg=points[grid],
-        table=table,
+        table=points[-1] if scenario.table is not None else None,
         required_arrival=scenario.required_arrival,
         nominal_time=scenario.distance / scenario.speed,
-    )
-
-
-def _point(scenario: SweepScenario, number: int, costs: _Costs, analytic: Analytic) -> SweepPoint:
-    d_max = float(scenario.d_max[number]) if number < len(scenario.d_max) else float("nan")
-    return SweepPoint(
-        d_max=d_max,
-        d_max_over_distance=d_max / scenario.distance,
-        cost=float(costs.cost[number]),
-        standard_error=float(costs.standard_error[number]),
-        sd=float(costs.variance[number]) ** 0.5,
-        surfacings=float(costs.surfacings[number]),
-        arrived=costs.arrived[number],
-        cost_analytic=analytic[number].cost if analytic else None,
-        excess_error=float(costs.excess_error[number]),
-        as_good=bool(costs.as_good[number]),
     )

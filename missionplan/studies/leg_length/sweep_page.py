@@ -243,7 +243,6 @@ def _table_section(sweep: Sweep) -> list[PageSection]:
 
 
 def _arrival_section(sweep: Sweep) -> list[PageSection]:
-    """Warn where some trials never arrive."""
     worst = min((p for c in sweep.curves for p in c.points), key=lambda point: point.arrived.value)
     if worst.arrived.value >= 1.0:
         return []

@@ -238,10 +238,8 @@ def violations(demands: Sequence[Demand], evaluation: Evaluation) -> list[float]
 
 def is_feasible(demands: Sequence[Demand], evaluation: Evaluation, *, doubt: float = 0.0) -> bool:
     """Whether a choice meets all demands, or may, by so many standard errors of what is required."""
-    return not evaluation.reason and all(
-        demand.slack(evaluation) >= -doubt * _error(demand.required, evaluation.trials) for demand in demands
-    )
-
-
-def _error(required: float, trials: int) -> float:
-    return math.sqrt(required * (1.0 - required) / max(trials, 1))
+    if evaluation.reason:
+        return False
+    variances = (demand.required * (1.0 - demand.required) / max(evaluation.trials, 1) for demand in demands)
+    pairs = zip(demands, variances, strict=True)
+    return all(demand.slack(evaluation) >= -doubt * math.sqrt(variance) for demand, variance in pairs)

@@ -8,7 +8,7 @@ from typing import Literal
 import numpy as np
 
 from missionplan.errors import InputError, Problem
-from missionplan.mission import Mission, MissionOrPath
+from missionplan.mission import MissionOrPath
 from missionplan.montecarlo.paired import paired_difference, pareto_front
 from missionplan.results.optimisation import Obstacle, Optimised, Relaxation, Tried
 from missionplan.results.simulation import Outcome
@@ -84,7 +84,8 @@ def optimise(
     lattice, demands = read_lattice(mission, choose), demands_of(mission)
     if not demands:
         raise InputError([Problem("missing; what every choice must meet", mission.file, key="requirements")])
-    least = aim or _own_aim(mission)
+    # without a vehicle there is no energy, and it is the time
+    least = aim or (mission.optimise.aim if mission.vehicle is not None else "duration")
     current = SharedCurrent.of(mission, first_start(lattice.axes))
     task = ChoiceTask(mission.raw, lattice, current, seed, columns_needed(mission), mission.file)
     folder = as_path(checkpoint, "checkpoint") if checkpoint is not None else None
@@ -93,15 +94,8 @@ def optimise(
     return problem.solved({"aim": least, "choose": list(choose), "jobs": jobs})
 
 
-def _own_aim(mission: Mission) -> Literal["energy", "duration"]:
-    """What the mission asks to be least; without a vehicle there is no energy, and it is the time."""
-    return mission.optimise.aim if mission.vehicle is not None else "duration"
-
-
 @dataclass
 class _Problem:
-    """One problem and its search."""
-
     evaluations: Evaluations
     demands: tuple[Demand, ...]
     aim: Literal["energy", "duration"]
@@ -193,7 +187,6 @@ class _Problem:
         return checked, fresh if is_good(fresh) else None
 
     def _nearest(self) -> Evaluation:
-        """Return the choice that comes nearest to meeting all requirements."""
         known = [each for each in self.evaluations.best_known() if not each.reason]
         return min(known, key=lambda each: (sum(violations(self.demands, each)), each.cost(self.aim)))
 
@@ -236,7 +229,8 @@ class _Problem:
 
     def _tried(self) -> tuple[Tried, ...]:
         known = [each for each in self.evaluations.best_known() if not each.reason]
-        costs = np.array([[-_share(each), each.cost("energy"), each.cost("duration")] for each in known])
+        shares = [each.columns[SUCCESS].astype(float).mean() for each in known]
+        costs = np.array([[-s, e.cost("energy"), e.cost("duration")] for s, e in zip(shares, known, strict=True)])
         many = max((each.trials for each in known), default=0)
         costs[[each.trials < many for each in known]] = np.nan  # few trials would put luck on the front
         costs[~np.isfinite(costs)] = np.nan
@@ -266,10 +260,6 @@ def _obstacle(demand: Demand, nearest: Evaluation, *, alone: bool) -> Obstacle:
         would_do=demand.would_do(nearest),
         alone=alone,
     )
-
-
-def _share(each: Evaluation) -> float:
-    return float(each.columns[SUCCESS].astype(float).mean())
 
 
 def _change(demand: Demand) -> str:

@@ -145,7 +145,6 @@ class Search:
             self.evaluations.of(todo, COARSE)
 
     def _separate_best(self) -> list[Point]:
-        """Return the best few choices that have no better known beside them."""
         found: list[Point] = []
         better: set[Point] = set()
         for each in sorted(self.evaluations.best_known(), key=self._by_rank):
@@ -160,7 +159,8 @@ class Search:
         Of a hole in flat ground a surface through its rim does not tell the depth.
         """
         while True:
-            around = [other for other in self.evaluations.lattice.neighbours(point) if _is_one_step(point, other)]
+            neighbours = list(self.evaluations.lattice.neighbours(point))
+            around = [other for other in neighbours if np.count_nonzero(np.subtract(other, point)) == 1]
             best = min(self.evaluations.of([point, *around], COARSE), key=self._by_rank)
             if best.point == point:
                 return
@@ -217,7 +217,6 @@ class Search:
     def _apart(
         self, candidates: Sequence[Point], places: Array, hope: Array, count: int, *, least: float
     ) -> list[Point]:
-        """Return the most hopeful candidates, each unlike those before it."""
         chosen: list[Point] = []
         surface = self.fits.get(-1) or next(iter(self.fits.values()), None)
         for _ in range(min(count, len(candidates))):
@@ -262,12 +261,7 @@ class Search:
         return sum(violations(demands, each)) + 1e-12, each.cost(self.aim)
 
 
-def _is_one_step(point: Point, other: Point) -> bool:
-    return sum(a != b for a, b in zip(point, other, strict=True)) == 1
-
-
 def _log_chance(margin: Kriging, places: Array) -> Array:
-    """Logarithm of the probability that a margin is positive."""
     mean, spread = margin.at(places)
     return np.asarray(scipy.special.log_ndtr(mean / np.maximum(spread, 1e-3)))
 

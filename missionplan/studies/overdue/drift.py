@@ -91,12 +91,7 @@ _PLACE_ERROR = 0.05
 
 @dataclass(frozen=True)
 class Drift:
-    """What carries each trial of a block while it is afloat.
-
-    Attributes
-    ----------
-    current : Current
-    """
+    """What carries each trial of a block while it is afloat."""
 
     current: Current
     effects: tuple[TransitEffect, ...]

@@ -302,17 +302,16 @@ def _surfacings(scenario: Scenario, trials: MissionTrials) -> Iterator[ExpectedT
 
 def _time(name: str, trials: MissionTrials, scenario: Scenario, clock: Array) -> ExpectedTime:
     reached = np.isfinite(clock)
-    p50, p95, p99, p999 = (_time_of(share, clock[reached]) for share in (0.5, 0.95, 0.99, 0.999))
+    there = clock[reached]
+    p50, p95, p99, p999 = (
+        float(np.quantile(there, share)) if share**there.size <= 1.0 - CONFIDENCE else np.nan  # too few can tell it
+        for share in (0.5, 0.95, 0.99, 0.999)
+    )
     left = scenario.capacity / JOULES_PER_WATT_HOUR - _spent(trials, clock)
     known = left[reached & np.isfinite(left)]
     return ExpectedTime(
         name, float(np.mean(reached)), p50, p95, p99, p999, float(np.quantile(known, 0.05)) if known.size else np.nan
     )
-
-
-def _time_of(share: float, clock: Array) -> float:
-    """Time by which a share of the trials is there; nan where so few cannot tell it."""
-    return float(np.quantile(clock, share)) if share**clock.size <= 1.0 - CONFIDENCE else np.nan
 
 
 def _spent(trials: MissionTrials, clock: Array) -> Array:

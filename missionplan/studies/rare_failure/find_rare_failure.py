@@ -20,8 +20,6 @@ from missionplan.montecarlo.streams import stream
 from missionplan.results.base import Provenance, Result, to_csv
 from missionplan.results.entries import MET, Entry, Failure, Record
 from missionplan.scenario.scenario import Scenario
-from missionplan.scenario.site_current import recorded_current
-from missionplan.studies.held_vehicle import check_dives
 from missionplan.studies.rare_failure.driven_trials import (
     FAILS,
     DrivenMission,
@@ -32,9 +30,9 @@ from missionplan.studies.rare_failure.driven_trials import (
     margins,
     variation_asked,
 )
-from missionplan.studies.run import Run
+from missionplan.studies.run import Run, RunArguments
 from missionplan.studies.simulation.block_statistics import failures_by_step
-from missionplan.studies.simulation.checks import check_complete, check_cover, input_notices
+from missionplan.studies.simulation.checks import check_complete, checked_means, input_notices
 from missionplan.studies.simulation.trial_block import MissionTrials
 
 
@@ -211,24 +209,13 @@ def find_rare_failure(
     RunError
         When a trial cannot be computed, or a worker dies.
     """
-    run = Run.begun(
-        "simulate",
-        mission,
-        text={"event": event},
-        trials=trials,
-        seed=seed,
-        jobs=jobs,
-        backend=backend,
-        scheduler=scheduler,
-        precision=precision,
-        progress=progress,
-    )
+    asked = RunArguments(trials=trials, seed=seed, jobs=jobs, backend=backend, scheduler=scheduler, progress=progress)
+    asked["precision"] = precision
+    run = Run.begun("simulate", mission, text={"event": event}, **asked)
     mission, seed = run.mission, run.seed
     check_complete(mission)
     wanted, aim = RareEvent.parse(event, mission), variation_asked(precision)
-    means = Scenario.at_means(mission, recorded_current(mission))
-    check_cover(mission, means)
-    check_dives(means)
+    means = checked_means(mission)
     if means.place is not None and not wanted.is_quantity:
         means = replace(means, place=replace(means.place, is_measured=True))
     driven, indices, usual = _with_ways(means, wanted, seed)

@@ -29,7 +29,6 @@ def page(found: RareFailure) -> Page:
 
 
 def _cells(found: RareFailure) -> Cells:
-    """Tabulate the ways to fail, for a terminal."""
     rows = [(_way(mode), _percent(mode.share)) for mode in found.modes]
     is_failure = any(mode.step for mode in found.modes)
     return ("way to fail" if is_failure else "in", "of all of these"), rows
@@ -42,8 +41,11 @@ def answer(found: RareFailure) -> str:
             f"No {event_in_words(found.event)} was found, in {number(found.provenance.trials)} trials led towards each "
             f"way to fail by its own margin. By plain trials alone it is at most {_power(found.probability.high)}."
         )
-    chance = f"{_power(found.probability.value)} ({_power(found.probability.low)} to {_power(found.probability.high)})"
-    words = f"{_event(found)} with probability {chance}: {_one_in(found.probability.value)}."
+    value = found.probability.value
+    chance = f"{_power(value)} ({_power(found.probability.low)} to {_power(found.probability.high)})"
+    event = f"{capitalised(event_in_words(found.event))} comes about"
+    often = f"about one mission in {number(float(f'{1.0 / value:.1e}'))}" if value < 0.5 else "more often than not"
+    words = f"{'This mission fails' if found.event == _FAILS else event} with probability {chance}: {often}."
     if not found.modes:
         return words
     commonest = found.modes[0]
@@ -52,10 +54,6 @@ def answer(found: RareFailure) -> str:
         return f"{words} It comes with {causes}." if causes else words
     how = f" with {causes}" if causes else ""
     return f"{words} {_percent(commonest.share)} of these are {failure_in_words(commonest.step)}{how}."
-
-
-def _event(found: RareFailure) -> str:
-    return "This mission fails" if found.event == _FAILS else f"{capitalised(event_in_words(found.event))} comes about"
 
 
 def event_in_words(event: str) -> str:
@@ -105,25 +103,17 @@ def _how(found: RareFailure) -> Iterator[PageSection]:
     """Say of each way to fail how often it is, and what is not as usual in it."""
     if not found.modes:
         return
-    blocks: list[Block] = []
     is_failure = any(mode.step for mode in found.modes)
     of_these = "the failures" if is_failure else "these missions"
-    for mode in found.modes:
-        causes = _causes_in_words(mode)
-        blocks.append(
-            f"{_percent(mode.share)} of {of_these} are {_way(mode)}"
-            + (f", with {causes}." if causes else "; no input is far from usual in them.")
-        )
-    rows = [
-        (
-            _way(mode),
-            in_words(cause.source),
-            _value(cause, cause.mean),
-            _value(cause, cause.usual),
-            f"{cause.shift:+.1f}",
-        )
+    blocks: list[Block] = [
+        f"{_percent(mode.share)} of {of_these} are {_way(mode)}"
+        + (f", with {causes}." if (causes := _causes_in_words(mode)) else "; no input is far from usual in them.")
         for mode in found.modes
-        for cause in mode.causes
+    ]
+    rows = [
+        (_way(mode), in_words(each.source), _value(each, each.mean), _value(each, each.usual), f"{each.shift:+.1f}")
+        for mode in found.modes
+        for each in mode.causes
     ]
     if rows:
         columns = ("way to fail" if is_failure else "in", "input", "mean then", "usual mean", "shift (sd)")
@@ -212,10 +202,6 @@ def _power(value: float) -> str:
         return f"{value:.2g}" if value < 100.0 else f"{value:.0f}"
     digits, exponent = f"{value:.1e}".split("e")
     return f"{digits}·10{str(int(exponent)).translate(_SUPERSCRIPTS)}"
-
-
-def _one_in(value: float) -> str:
-    return f"about one mission in {number(float(f'{1.0 / value:.1e}'))}" if value < 0.5 else "more often than not"
 
 
 def _percent(share: float) -> str:

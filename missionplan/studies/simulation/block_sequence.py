@@ -1,8 +1,8 @@
 """Blocks of a run, run anywhere, merged in their order and kept; ended where the result is as precise as required."""
 
-import contextlib
 import math
-from collections.abc import Callable, Generator, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Generator, Mapping, Sequence
+from contextlib import closing
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
@@ -17,7 +17,7 @@ from missionplan.montecarlo.parallel.blocks import Progress
 from missionplan.montecarlo.streams import BLOCK
 from missionplan.scenario.currents.building import members_of
 from missionplan.scenario.scenario import Scenario
-from missionplan.store.checkpoints import Checkpoints
+from missionplan.store.checkpoints import Checkpoints, kept_or_run
 from missionplan.studies.simulation.block_statistics import (
     SAMPLED_BLOCKS,
     SCALES,
@@ -135,6 +135,10 @@ RunBlocks = Callable[[Sequence[BlockItem]], Generator[BlockOutcome, None, None]]
 """Runs blocks and yields their outcomes in the order given."""
 
 
+def _arrays_of(block: BlockOutcome) -> Mapping[str, NDArray[np.generic]] | None:
+    return block.to_arrays() if isinstance(block, BlockResult) else None
+
+
 @dataclass(frozen=True)
 class MergedBlocks:
     """All blocks of a run."""
@@ -169,8 +173,9 @@ class BlockSequence:
         """
         merged: MergedBlocks | None = None
         failures: list[str] = []
-        with contextlib.closing(self._blocks(run_blocks)) as blocks:
-            for item, block in self._counted(blocks, progress):
+        form = _arrays_of, BlockResult.from_arrays
+        with closing(kept_or_run(self.items, run_blocks, self.store, lambda item: item, form, progress)) as blocks:
+            for item, block in blocks:
                 if isinstance(block, FailedBlock):
                     failures.append(block.reason)
                     continue
@@ -184,41 +189,6 @@ class BlockSequence:
         if merged is None:
             raise RunError("\n".join(["every block of trials failed:", *failures[:10]]))
         return replace(merged, failures=tuple(failures))
-
-    def _counted(
-        self, blocks: Iterable[tuple[BlockItem, BlockOutcome]], progress: Progress | None
-    ) -> Iterator[tuple[BlockItem, BlockOutcome]]:
-        """Report the trials that are done."""
-        done, trials = 0, sum(size for _, size in self.items)
-        if progress is not None:
-            progress(0, trials)
-        for item, block in blocks:
-            done += item[1]
-            if progress is not None:
-                progress(done, trials)
-            yield item, block
-
-    def _blocks(self, run_blocks: RunBlocks) -> Generator[tuple[BlockItem, BlockOutcome], None, None]:
-        kept = self.store.intact(self.items) if self.store is not None else set()
-        todo = [item for item in self.items if item not in kept]
-        with contextlib.closing(run_blocks(todo)) as fresh:
-            for item in self.items:
-                block: BlockOutcome | None = self._stored(item) if item in kept else None
-                if block is None and item in kept:  # it has been damaged or taken away meanwhile
-                    block = next(run_blocks([item]))
-                    self._keep(item, block)
-                elif block is None:
-                    block = next(fresh)
-                    self._keep(item, block)
-                yield item, block
-
-    def _stored(self, item: BlockItem) -> BlockResult | None:
-        arrays = self.store.read(*item) if self.store is not None else None
-        return None if arrays is None else BlockResult.from_arrays(arrays)
-
-    def _keep(self, item: BlockItem, block: BlockOutcome) -> None:
-        if self.store is not None and isinstance(block, BlockResult):
-            self.store.write(*item, block.to_arrays())
 
 
 TRACKED_TRIALS = 300

@@ -96,26 +96,10 @@ class BlockStatistics:
         ends = np.cumsum(flat["sketch/sizes"])[:-1]
         bins, held = (np.split(flat[f"sketch/{name}"], ends) for name in ("bins", "counts"))
         sketches = tuple(map(QuantileSketch.from_bins, bins, held))
-        statistics = RunningStatistics(tuple(flat["statistic/names"].tolist()), _moments(flat), sketches)
+        moments = Moments(**with_prefix(flat, "moments/"))  # type: ignore[arg-type]
+        statistics = RunningStatistics(tuple(flat["statistic/names"].tolist()), moments, sketches)
         sample = {name: np.asarray(values, dtype=float) for name, values in with_prefix(flat, "sample/").items()}
         return cls(statistics, counts, sample, np.asarray(flat["contacts"], dtype=float))
-
-
-def _moments(flat: Mapping[str, NDArray[np.generic]]) -> Moments:
-    def numbers(name: str) -> Array:
-        return np.asarray(flat[f"moments/{name}"], dtype=float)
-
-    def integers(name: str) -> NDArray[np.int64]:
-        return np.asarray(flat[f"moments/{name}"], dtype=np.int64)
-
-    return Moments(
-        count=integers("count"),
-        missing=integers("missing"),
-        mean=numbers("mean"),
-        squares=numbers("squares"),
-        low=numbers("low"),
-        high=numbers("high"),
-    )
 
 
 def with_prefix(named: Mapping[str, Value], prefix: str) -> dict[str, Value]:

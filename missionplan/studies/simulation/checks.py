@@ -23,12 +23,12 @@ from missionplan.results.simulation import MooringAnchor
 from missionplan.results.whereabouts import HeldVehicle
 from missionplan.scenario.anchors import anchor_problem, wet_weight_of
 from missionplan.scenario.scenario import Scenario
-from missionplan.studies.held_vehicle import held_vehicle
+from missionplan.scenario.site_current import recorded_current
+from missionplan.studies.held_vehicle import check_dives, held_vehicle
 
 if TYPE_CHECKING:
     from missionplan.montecarlo.statistics import Probability
     from missionplan.studies.simulation.block_sequence import MergedBlocks, Precision
-    from missionplan.studies.simulation.phase_trials import PhaseTrials
 
 
 _TIMES_LOOKED_AT = 500
@@ -138,7 +138,7 @@ def _nominal(mission: Mission, means: Scenario, current: RecordedCurrent, lasts:
 
     held = replace(means, recorded=replace(current, outside="hold"))
     try:
-        phases = run_block(held, mission.monte_carlo.seed, 0, 1, inputs=False).phases if _is_complete(mission) else ()
+        phases = () if _lacking(mission) else run_block(held, mission.monte_carlo.seed, 0, 1, inputs=False).phases
     except (MissionplanError, ArithmeticError):
         return []  # said by whoever runs the mission
     outside = [phase for phase in phases if np.any(phase.limits.get("left_record", False))]
@@ -149,19 +149,9 @@ def _nominal(mission: Mission, means: Scenario, current: RecordedCurrent, lasts:
         until = f"ends at {_moment(mission, ends[-1])}" if mission.start else f"takes {ends[-1]:.0f} s"
         message = f"{lasts}; the nominal mission {until}"
     else:
-        message = f"the nominal {_names(outside)} leaves the record, which {_extent(mission, current)}"
+        names = " and ".join(phase.name for phase in outside)
+        message = f"the nominal {names} leaves the record, which {_extent(mission, current)}"
     return [_problem(mission, message)]
-
-
-def _names(phases: "list[PhaseTrials]") -> str:
-    return " and ".join(phase.name for phase in phases)
-
-
-def _is_complete(mission: Mission) -> bool:
-    missing = missing_for_transits(mission) if mission.transits else []
-    missing += missing_for_moorings(mission) if mission.moors else []
-    missing += missing_for_transitions(mission) if mission.transitions else []
-    return bool(mission.phases) and not missing
 
 
 def _extent(mission: Mission, current: RecordedCurrent) -> str:
@@ -203,15 +193,20 @@ def _places(means: Scenario) -> Iterator[tuple[str, Array]]:
                 yield f"{phase.name}.{key}", means.position(place)
 
 
+def _lacking(mission: Mission) -> list[Problem]:
+    """Sections that the mission's phases need and that are missing."""
+    problems = [] if mission.phases else [_missing(mission, "phases", "a mission to simulate has at least one phase")]
+    problems += missing_for_transits(mission) if mission.transits else []
+    problems += missing_for_moorings(mission) if mission.moors else []
+    return problems + (missing_for_transitions(mission) if mission.transitions else [])
+
+
 def check_complete(mission: Mission) -> None:
     """Refuse a mission that lacks a section which its phases need.
 
     Raises InputError with everything that is missing.
     """
-    problems = [] if mission.phases else [_missing(mission, "phases", "a mission to simulate has at least one phase")]
-    problems += missing_for_transits(mission) if mission.transits else []
-    problems += missing_for_moorings(mission) if mission.moors else []
-    problems += missing_for_transitions(mission) if mission.transitions else []
+    problems = _lacking(mission)
     if mission.transits and (mission.site is None or mission.site.origin is None):
         turning = [entry.effect for entry in mission.effects if CATALOGUE[entry.effect].needs_latitude]
         problems += [_missing(mission, "site.origin", f"{effect} needs its latitude") for effect in turning[:1]]
@@ -221,6 +216,14 @@ def check_complete(mission: Mission) -> None:
 
 def _missing(mission: Mission, key: str, reason: str) -> Problem:
     return Problem(f"missing; {reason}", mission.file, key=key)
+
+
+def checked_means(mission: Mission) -> Scenario:
+    """Return a mission at its means; raises InputError where its current does not cover it, or a dive is impossible."""
+    means = Scenario.at_means(mission, recorded_current(mission))
+    check_cover(mission, means)
+    check_dives(means)
+    return means
 
 
 def input_notices(mission: Mission, means: Scenario) -> tuple[str, ...]:
@@ -237,7 +240,6 @@ def input_notices(mission: Mission, means: Scenario) -> tuple[str, ...]:
 
 
 def _energy_notices(mission: Mission) -> tuple[str, ...]:
-    """Notice where energy is not computed, or not all of it."""
     if mission.vehicle is None:
         return ("The mission has no vehicle: energy is not computed.",)
     if mission.budget is None:
@@ -266,7 +268,6 @@ def _drift_notice(means: Scenario, phase: TransitPhase[Scalars]) -> str:
 
 
 def _effect_notices(mission: Mission) -> list[str]:
-    """Notices of effects that do not change the plan."""
     found = []
     for entry in mission.effects:
         if not CATALOGUE[entry.effect].changes_plan:
@@ -276,7 +277,6 @@ def _effect_notices(mission: Mission) -> list[str]:
 
 
 def _anchor_notices(mission: Mission) -> list[str]:
-    """Notice of parts of an anchor that are not drawn."""
     uncertain = [path for path in mission.uncertain() if path.startswith("vehicle.anchor.construction")]
     if not uncertain or not _makes_anchors(mission):
         return []
@@ -284,7 +284,6 @@ def _anchor_notices(mission: Mission) -> list[str]:
 
 
 def _datum_notice(mission: Mission) -> list[str]:
-    """Notice of a grid of depths whose datum nobody states."""
     site = mission.site
     if site is None or site.bathymetry is None or site.depth_datum is not None:
         return []

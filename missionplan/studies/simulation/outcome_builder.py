@@ -75,7 +75,7 @@ class OutcomeBuilder:
                 for phase, span in zip(phases, spans, strict=True)
             ),
             total=self._phase("total", "total", clocks[0], clocks[-1]),
-            requirements=self._requirements(),
+            requirements=tuple(self._requirement(*numbered) for numbered in enumerate(self.mission.requirements)),
             attrition=self._attrition(),
             limits={name: count.probability() for name, count in with_prefix(self.totals.counts, LIMIT).items()},
             sensitivities=self._sensitivities(),
@@ -93,7 +93,6 @@ class OutcomeBuilder:
         )
 
     def _contacts(self) -> Iterator[PlaceContact]:
-        """What each phase loses to each cause."""
         rows = self.totals.contacts
         for number, cause in dict.fromkeys((int(row[0]), Cause(int(row[1]))) for row in rows):
             own = rows[(rows[:, 0] == number) & (rows[:, 1] == cause)]
@@ -108,7 +107,6 @@ class OutcomeBuilder:
             )
 
     def _explanations(self) -> Iterator[ExplainedOutcome]:
-        """What the mission does under each explanation."""
         for doubt in self.mission.doubts:
             for number in doubt.told_apart:
                 yield self._explained(doubt.place, number, doubt.causes[number], doubt.probabilities[number])
@@ -139,9 +137,6 @@ class OutcomeBuilder:
             end=end,
             label=name,
         )
-
-    def _requirements(self) -> tuple[RequirementOutcome, ...]:
-        return tuple(self._requirement(*numbered) for numbered in enumerate(self.mission.requirements))
 
     def _requirement(self, index: int, requirement: Requirement) -> RequirementOutcome:
         found = requirement_outcome(self.mission, requirement, self.totals.counts[f"requirement {index}"])
@@ -207,9 +202,7 @@ def histogram_from_sketch(running: RunningStatistic) -> Histogram:
         return Histogram(edges, np.bincount(place, counts, minlength=len(edges) - 1).astype(float))
     margin = max(high - low, 1e-6 * max(abs(low), 1.0)) * 1e-3
     edges = np.linspace(low - margin, high + margin, BINS + 1)
-    below = np.empty(BINS + 1)
-    below[0], below[1:-1], below[-1] = 0.0, running.count_below(edges[1:-1]), running.moments.count
-    return Histogram(edges, below[1:] - below[:-1])
+    return Histogram(edges, np.diff(running.count_below(edges[1:-1]), prepend=0.0, append=running.moments.count))
 
 
 def _integer_counts(running: RunningStatistic) -> tuple[Array, Integers] | None:
@@ -217,11 +210,8 @@ def _integer_counts(running: RunningStatistic) -> tuple[Array, Integers] | None:
     starts, ends = running.sketch.bounds()
     values = 0.5 * (starts + ends)
     rounded = np.round(values)
-    return (
-        (rounded, running.sketch.bins_in_use()[1])
-        if np.all(np.abs(values - rounded) <= 1e-3 * np.abs(rounded))
-        else None
-    )
+    are_integers = np.all(np.abs(values - rounded) <= 1e-3 * np.abs(rounded))
+    return (rounded, running.sketch.bins_in_use()[1]) if are_integers else None
 
 
 def simulation_tracks(mission: Mission, tracks: MapTracks) -> Tracks:

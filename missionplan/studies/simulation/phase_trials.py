@@ -100,11 +100,8 @@ def margins_met(contact: Contact | None) -> dict[Failure, Array]:
 
 def limit_events(current: Current | None, **happened: Flags) -> dict[str, Flags]:
     """Events of the limits of the current; `left_record` only where the current is a record."""
-    return {
-        name: values
-        for name, values in happened.items()
-        if name != "left_record" or (current is not None and current.is_record)
-    }
+    is_record = current is not None and current.is_record
+    return {name: values for name, values in happened.items() if name != "left_record" or is_record}
 
 
 def end_exhausted(state: TrialState, capacity: Scalars) -> tuple[TrialState, Flags]:

@@ -12,7 +12,7 @@ from missionplan.mission import Mission, MissionOrPath
 from missionplan.montecarlo.parallel.blocks import Backend, Progress
 from missionplan.montecarlo.statistics import Probability
 from missionplan.montecarlo.streams import BLOCK, block_count, block_size
-from missionplan.results.decision import Assumption, SeaChart
+from missionplan.results.decision import SeaChart
 from missionplan.results.plan import Plan
 from missionplan.results.simulation import Outcome
 from missionplan.results.whereabouts import Overdue
@@ -20,17 +20,16 @@ from missionplan.scenario.scenario import Scenario
 from missionplan.scenario.site_current import recorded_current
 from missionplan.store.checkpoints import Checkpoints, TrialsTable
 from missionplan.store.folder import as_path
-from missionplan.studies.held_vehicle import check_dives
-from missionplan.studies.mission_plan.export import executions, mission_plan, plan_if_any
+from missionplan.studies.export import executions, mission_plan, plan_if_any
 from missionplan.studies.overdue.losses import Search, read_searches
 from missionplan.studies.overdue.overdue import overdue
-from missionplan.studies.run import Run, identified
+from missionplan.studies.run import Run, RunArguments, identified
 from missionplan.studies.simulation.block_sequence import BlockItem, BlockSequence, BlockTask, MergedBlocks, Precision
 from missionplan.studies.simulation.block_statistics import LIMIT
 from missionplan.studies.simulation.checks import (
     check_complete,
-    check_cover,
     check_trials,
+    checked_means,
     held_vehicles,
     input_notices,
     mooring_anchors,
@@ -102,24 +101,17 @@ def simulate(
     RunError
         When every block fails, a worker dies, or the checkpoint cannot be written.
     """
-    run = Run.begun(
-        "simulate",
-        mission,
-        trials=trials,
-        seed=seed,
-        jobs=jobs,
-        backend=backend,
-        scheduler=scheduler,
-        precision=precision,
-        progress=progress,
-        one_of={"as_exported": (as_exported, (None, *VEHICLES))},
-    )
+    from missionplan.studies import judgement  # which runs missions by this module
+
+    asked = RunArguments(trials=trials, seed=seed, jobs=jobs, backend=backend, scheduler=scheduler, progress=progress)
+    asked["precision"] = precision
+    run = Run.begun("simulate", mission, one_of={"as_exported": (as_exported, (None, *VEHICLES))}, **asked)
     mission, seed = run.mission, run.seed
     folder = as_path(checkpoint, "checkpoint") if checkpoint is not None else None
     check_complete(mission)
     searches = read_searches(as_path(searched, "searched"), mission) if searched is not None else ()
     goal = Precision.parse(precision, mission) if precision else None
-    means = _checked_means(mission)
+    means = checked_means(mission)
     notices = input_notices(mission, means)
     exported = (as_exported, mission_plan(mission, means=means, to=as_exported)) if as_exported is not None else None
     if exported is not None:
@@ -134,7 +126,9 @@ def simulate(
         notices = (*notices, *_loss(mission, exported, merged, seed))
     tracks = merged.tracks or task.tracks(*merged.first)  # block 0 has them, unless it failed
     options: dict[str, object] = {"jobs": jobs, "backend": backend, "precision": precision, "keep_trials": keep_trials}
-    options |= _uncommon_options(searched, as_exported, assumptions=assumptions)
+    options |= {} if searched is None else {"searched": digest_of_files([as_path(searched, "searched")])}
+    options |= {} if as_exported is None else {"as_exported": as_exported}
+    options["assumptions"] = assumptions
     provenance = run.provenance(options, (*notices, *run_notices(merged, goal)), trials=merged.totals.trials)
     table = sequence.table.parquet() if sequence.table else None
     anchors, held = mooring_anchors(mission, means), held_vehicles(means)
@@ -145,24 +139,8 @@ def simulate(
         plan=plan_if_any(mission, means, seed),
         overdue=_overdue(task, merged.first, searches) if sheet else None,
         chart=_chart(means, tracks),
-        assumptions=_ledger(mission, seed) if assumptions else (),
+        assumptions=judgement.ledger(mission, seed) if assumptions else (),
     )
-
-
-def _uncommon_options(searched: str | Path | None, as_exported: str | None, *, assumptions: bool) -> dict[str, object]:
-    """Return the options that stand in a provenance only where they were given."""
-    options: dict[str, object] = {}
-    if searched is not None:
-        options["searched"] = digest_of_files([as_path(searched, "searched")])
-    if as_exported is not None:
-        options["as_exported"] = as_exported
-    return {**options, "assumptions": assumptions}
-
-
-def _ledger(mission: Mission, seed: int) -> tuple[Assumption, ...]:
-    from missionplan.studies.judgement import ledger  # which runs missions by this module
-
-    return ledger(mission, seed)
 
 
 def _chart(means: Scenario, tracks: MapTracks) -> SeaChart | None:
@@ -192,19 +170,11 @@ def event_probabilities(mission: Mission, *, trials: int, seed: int) -> dict[str
     Raises InputError and RunError as `simulate` does.
     """
     check_complete(mission)
-    means = _checked_means(mission)
+    means = checked_means(mission)
     task = BlockTask(means, seed)
     merged = BlockSequence(_items(trials)).run(lambda items: (task(item) for item in items))
     _check_record(means, merged)
     return {name: count.probability() for name, count in merged.totals.counts.items()}
-
-
-def _checked_means(mission: Mission) -> Scenario:
-    """Return a complete mission at its means, its current's cover and its dives checked."""
-    means = Scenario.at_means(mission, recorded_current(mission))
-    check_cover(mission, means)
-    check_dives(means)
-    return means
 
 
 def _check_record(means: Scenario, merged: MergedBlocks) -> None:

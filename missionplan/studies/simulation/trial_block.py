@@ -4,7 +4,7 @@ Equipment that fails: when, in which phase, and what is left of the vehicle then
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -155,15 +155,7 @@ class MapTracks:
     @classmethod
     def from_arrays(cls, flat: Mapping[str, NDArray[np.generic]]) -> "MapTracks":
         """Read the fields from arrays of their names."""
-        return cls(
-            position=np.asarray(flat["position"], dtype=float),
-            time=np.asarray(flat["time"], dtype=float),
-            points=np.asarray(flat["points"], dtype=np.int64),
-            anchors=np.asarray(flat["anchors"], dtype=float),
-            goals=np.asarray(flat["goals"], dtype=float),
-            profile=np.asarray(flat["profile"], dtype=float),
-            success=np.asarray(flat["success"], dtype=bool),
-        )
+        return cls(**{each.name: flat[each.name] for each in fields(cls)})  # type: ignore[arg-type]
 
     @classmethod
     def of(cls, trials: MissionTrials) -> "MapTracks":

@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Collection, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import scipy
@@ -243,13 +243,10 @@ def _with_errors(waves: Sequence[Constituent], variances: Array) -> tuple[Consti
     known = []
     for wave, variance in zip(waves, variances, strict=True):
         axis, angle = ellipse_errors(wave.major, wave.minor, float(variance))
-        errors = (math.nan,) * 4 if wave.inferred_from else (axis, axis, angle, angle)
-        known.append(Constituent(*_ellipse(wave), *errors, inferred_from=wave.inferred_from))
+        if not wave.inferred_from:
+            wave = replace(wave, major_error=axis, minor_error=axis, toward_error=angle, phase_error=angle)
+        known.append(wave)
     return tuple(sorted(known, key=lambda wave: -math.hypot(wave.major, wave.minor)))
-
-
-def _ellipse(wave: Constituent) -> tuple[str, float, float, float, float]:
-    return wave.name, wave.major, wave.minor, wave.toward, wave.phase
 
 
 def _without_outliers(samples: Samples, fit: HarmonicFit) -> Samples:

@@ -31,6 +31,7 @@ from missionplan.report.page import (
 )
 from missionplan.report.quantities import Unit, quantity, reader_unit, with_error
 from missionplan.report.wording import number
+from missionplan.studies.tide.harmonic_analysis import ellipse_velocity
 from missionplan.studies.tide.result import Constituent, DepthTide, TideResult
 
 _COLOURS = (BLUE, ORANGE, GREEN, PINK, YELLOW, SKY)
@@ -42,7 +43,7 @@ def draw_ellipses(axes: Axes, result: TideResult) -> None:
     tide = result.shown
     angle = np.linspace(0.0, 2.0 * np.pi, 121)
     for wave, colour in zip(tide.constituents[:_DRAWN], _COLOURS, strict=False):
-        east, north = _ellipse(wave, angle)
+        east, north = ellipse_velocity(wave, angle)
         axes.plot(east, north, color=colour, label=f"{wave.name}{' (inferred)' if wave.inferred_from else ''}")
         axes.plot([0.0, east[0]], [0.0, north[0]], color=colour, linewidth=0.8)
     axes.plot([0.0, tide.east], [0.0, tide.north], color=GREY, linewidth=2.0, label="mean")
@@ -75,7 +76,9 @@ def draw_record(axes: Axes, result: TideResult, component: Literal["east", "nort
     axes.plot(_moments(result), result.measured[row], color=GREY, linewidth=0.7, label="measured")
     axes.plot(_moments(result), result.fitted[row], color=BLUE, linewidth=0.9, label="tide and mean")
     name_axis(axes.yaxis, component, "m/s")
-    _date(axes)
+    locator = AutoDateLocator(minticks=3, maxticks=7)  # type: ignore[no-untyped-call]
+    axes.xaxis.set_major_locator(locator)
+    axes.xaxis.set_major_formatter(ConciseDateFormatter(locator))  # type: ignore[no-untyped-call]
 
 
 def record_figure(result: TideResult) -> Figure:
@@ -107,18 +110,6 @@ def _moments(result: TideResult) -> Array:
     return np.asarray(result.time / 86400.0)
 
 
-def _date(axes: Axes) -> None:
-    locator = AutoDateLocator(minticks=3, maxticks=7)  # type: ignore[no-untyped-call]
-    axes.xaxis.set_major_locator(locator)
-    axes.xaxis.set_major_formatter(ConciseDateFormatter(locator))  # type: ignore[no-untyped-call]
-
-
-def _ellipse(wave: Constituent, angle: Array) -> tuple[Array, Array]:
-    along, across = wave.major * np.cos(angle - wave.phase), wave.minor * np.sin(angle - wave.phase)
-    sine, cosine = math.sin(wave.toward), math.cos(wave.toward)
-    return along * sine - across * cosine, along * cosine + across * sine
-
-
 _NINETY = 1.645
 _AS_IT_IS = Unit("", 1.0)
 
@@ -143,7 +134,6 @@ def page(result: TideResult) -> Page:
 
 
 def _cells(result: TideResult) -> Cells:
-    """Tabulate the constituents for a terminal."""
     shown = result.shown
     rows = [_row(wave) for wave in shown.constituents]
     speed = reader_unit("m/s", 0.0)
@@ -181,7 +171,7 @@ def _numbers(tide: DepthTide) -> list[tuple[str, str]]:
     return [
         ("Mean, east and north", _mean_in_words(tide)),
         ("What is left, each component", quantity(tide.residual, "m/s", ".3f")),
-        ("What is left lasts", _lasting(tide.residual_time)),
+        ("What is left lasts", f"{_hours(tide)} h".replace("<", "less than")),
     ]
 
 
@@ -191,9 +181,9 @@ def _mean_in_words(tide: DepthTide) -> str:
     return f"{number(east, error)} and {number(north, error)}{unit.suffix}, each ± {error:.2g}"
 
 
-def _lasting(seconds: float) -> str:
+def _hours(tide: DepthTide) -> str:
     """Write how long an error is remembered; less than six minutes is not told."""
-    return f"{seconds / 3600.0:.1f} h" if seconds >= 360.0 else "less than 0.1 h"
+    return f"{tide.residual_time / 3600.0:.1f}" if tide.residual_time >= 360.0 else "< 0.1"
 
 
 def _how_far(result: TideResult) -> PageSection:
@@ -206,7 +196,7 @@ def _how_far(result: TideResult) -> PageSection:
             number(speed(tide.east), speed(tide.mean_error)),
             number(speed(tide.north), speed(tide.mean_error)),
             speed.cell(tide.residual, ".3f"),
-            f"{tide.residual_time / 3600.0:.1f}" if tide.residual_time >= 360.0 else "< 0.1",
+            _hours(tide),
             f"{100.0 * tide.held_out.coverage:.0f}" if tide.held_out else "–",
         )
         for tide in result.depths
@@ -260,13 +250,13 @@ def _row(wave: Constituent) -> tuple[str, ...]:
         (math.degrees(wave.phase), math.degrees(wave.phase_error)),
     )
     name = f"{wave.name} (from {wave.inferred_from})" if wave.inferred_from else wave.name
-    return (name, *(_with_error(value, error) for value, error in pairs))
-
-
-def _with_error(value: float, error: float) -> str:
-    if math.isnan(error):
-        return number(value, max(0.01 * abs(value), 0.0001))
-    return with_error(value, error, _AS_IT_IS)
+    return (
+        name,
+        *(
+            number(value, max(0.01 * abs(value), 0.0001)) if math.isnan(error) else with_error(value, error, _AS_IT_IS)
+            for value, error in pairs
+        ),
+    )
 
 
 def _rerun(result: TideResult) -> str:

@@ -4,7 +4,7 @@ Constituents at each depth, a mean, what is left, and how well it forecasts its 
 """
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from datetime import datetime
 from pathlib import Path
@@ -146,25 +146,25 @@ class TideResult(Result):
             "# Phases are lags at Greenwich. In a mission:\n"
             f"# site: {{current: {{tide: tide.yaml, error: {self.forecast_error}}}}}\n"
         )
-        return head + to_yaml({"depths": [_of_mission(each) for each in self.depths]})
-
-
-def _of_mission(tide: DepthTide) -> Mapping[str, object]:
-    return {
-        "depth": f"{tide.depth:g} m",
-        "east": f"{tide.east:.4f} m/s",
-        "north": f"{tide.north:.4f} m/s",
-        "constituents": [
+        depths = [
             {
-                "name": wave.name,
-                "major": f"{wave.major:.4f} m/s",
-                "minor": f"{wave.minor:.4f} m/s",
-                "toward": f"{math.degrees(wave.toward):.2f} deg",
-                "phase": f"{math.degrees(wave.phase):.2f} deg",
+                "depth": f"{tide.depth:g} m",
+                "east": f"{tide.east:.4f} m/s",
+                "north": f"{tide.north:.4f} m/s",
+                "constituents": [
+                    {
+                        "name": wave.name,
+                        "major": f"{wave.major:.4f} m/s",
+                        "minor": f"{wave.minor:.4f} m/s",
+                        "toward": f"{math.degrees(wave.toward):.2f} deg",
+                        "phase": f"{math.degrees(wave.phase):.2f} deg",
+                    }
+                    for wave in tide.constituents
+                ],
             }
-            for wave in tide.constituents
-        ],
-    }
+            for tide in self.depths
+        ]
+        return head + to_yaml({"depths": depths})
 
 
 MAX_BYTES = 200_000_000
@@ -221,15 +221,13 @@ def read_current_record(path: Path, start: datetime | None = None) -> CurrentRec
     times = _times(cells["t_s"], start, path)
     numbers = {name: pd.to_numeric(cells[name], errors="coerce") for name in COLUMNS[1:]}
     _check_cells(path, cells, times, numbers)
-    if times.duplicated().any() and pd.DataFrame({"t": times, "z": numbers["depth_m"]}).duplicated().any():
-        row = int(pd.DataFrame({"t": times, "z": numbers["depth_m"]}).duplicated().to_numpy().nonzero()[0][0])
-        raise InputError([Problem("this row has the time and depth of an earlier one", str(path), row + 2)])
-    table = pd.DataFrame({"t": times, **numbers}).pivot(index="t", columns="depth_m")
+    rows = pd.DataFrame({"t": times, **numbers})
+    if (twice := rows.duplicated(["t", "depth_m"]).to_numpy().nonzero()[0]).size:
+        raise InputError([Problem("this row has the time and depth of an earlier one", str(path), int(twice[0]) + 2)])
+    table = rows.pivot(index="t", columns="depth_m").astype(float)
+    east, north = table["east_m_s"], table["north_m_s"]
     return CurrentRecord(
-        table.index.to_numpy(dtype=float),
-        table["east_m_s"].columns.to_numpy(dtype=float),
-        table["east_m_s"].to_numpy(dtype=float),
-        table["north_m_s"].to_numpy(dtype=float),
+        table.index.to_numpy(dtype=float), east.columns.to_numpy(dtype=float), east.to_numpy(), north.to_numpy()
     )
 
 

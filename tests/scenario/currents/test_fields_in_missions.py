@@ -9,7 +9,7 @@ from missionplan.errors import InputError
 from missionplan.mission import load
 from missionplan.scenario.site_current import recorded_current
 from missionplan.studies.simulation.simulate import simulate
-from missionplan.studies.validation.validate import validate
+from missionplan.studies.validate import validate
 
 
 def mission(folder, depth="4 m", to=("1200 m", "300 m"), **current):

@@ -14,7 +14,7 @@ import missionplan
 from missionplan.effects import CATALOGUE
 from missionplan.errors import InputError
 from missionplan.mission import Mission
-from missionplan.studies.schemas.schema import KINDS, schema
+from missionplan.studies.schema import KINDS, schema
 
 MISSIONS = Path(__file__).parents[3] / "missions"
 VALIDATORS = {kind: jsonschema.Draft7Validator(missionplan.schema(kind)) for kind in ("mission", "vehicle", "dataset")}

@@ -12,7 +12,7 @@ from missionplan.mission import load
 from missionplan.scenario.scenario import Scenario, leg_spread
 from missionplan.studies.simulation.block_statistics import failures_by_step
 from missionplan.studies.simulation.simulate import simulate, simulate_block
-from missionplan.studies.validation.validate import check_place, tracks_lost
+from missionplan.studies.validate import check_place, tracks_lost
 
 shapely = pytest.importorskip("shapely")
 

@@ -25,7 +25,7 @@ from missionplan.studies.leg_length.plan_page import page as plan_page
 from missionplan.studies.leg_length.sweep_dmax import sweep_dmax
 from missionplan.studies.optimisation.optimise import optimise
 from missionplan.studies.simulation.simulate import simulate, simulate_block
-from missionplan.studies.validation.validate import validated_mission
+from missionplan.studies.validate import validated_mission
 
 SPEEDS = (0.0, 0.1, 1.2)
 WEIGHTS = (5.0, 3.0, 2.0)

@@ -8,7 +8,7 @@ import pytest
 import missionplan
 from missionplan.errors import InputError
 from missionplan.studies.simulation.simulate import simulate, simulate_block
-from missionplan.studies.transition.sweep_transition import sweep_transition
+from missionplan.studies.sweep_transition import sweep_transition
 
 MISSION = Path(__file__).parents[3] / "missions" / "autosub-transition.yaml"
 

@@ -11,7 +11,7 @@ from missionplan.datasets.summaries import SummaryData, read_summary
 from missionplan.datasets.tank import TANK_FORMATS, read_tank_data
 from missionplan.errors import InputError, Problem
 from missionplan.mission import Mission
-from missionplan.studies.validation.validate import Readiness, Validated
+from missionplan.studies.validate import Readiness, Validated
 
 _Read = Callable[[Path, Mission], TransitData | DescentData | SummaryData]
 DIAGNOSED: dict[str, _Read] = {"transit": read_transit, "descent": read_descent, "summary": read_summary}

@@ -22,7 +22,7 @@ from missionplan.results.plan import Fence, Plan
 from missionplan.scenario.scenario import Scenario
 from missionplan.scenario.site_current import recorded_current
 from missionplan.store.folder import as_path, exists, is_file, is_folder, write_atomically
-from missionplan.studies.mission_plan.phases import PhaseBuilder
+from missionplan.studies.planned_phases import PhaseBuilder
 from missionplan.studies.run import check_arguments
 from missionplan.studies.simulation.checks import check_complete, check_cover
 
@@ -179,27 +179,22 @@ def export(
 
 
 def _places(written: dict[str, str | bytes], to: str, stem: str, out: Path | None) -> list[Path]:
-    """Return the path of each file."""
-    if len(written) > 1:
-        folder = out or Path(f"{stem}-{to}")
-        return [folder / name for name in written]
-    (name,) = written
-    if out is None:
-        return [Path(name)]
-    return [out / name if is_folder(out) else out]
+    if len(written) == 1 and out is not None and not is_folder(out):
+        return [out]
+    folder = out or Path(f"{stem}-{to}" if len(written) > 1 else "")
+    return [folder / name for name in written]
 
 
 def _check(places: list[Path], mission: Mission, *, force: bool) -> None:
     """Refuse places that hold what is not to be lost."""
     sources = {path.resolve() for path in mission.sources}
-    problems = [
-        Problem("is read by this command and is not replaced", str(path), hint="name another place with out")
-        for path in places
-        if path.resolve() in sources
-    ]
+    problems = []
     for path in places:
         folder = path.parent
-        if exists(path) and not is_file(path):
+        if path.resolve() in sources:
+            hint = "name another place with out"
+            problems.append(Problem("is read by this command and is not replaced", str(path), hint=hint))
+        elif exists(path) and not is_file(path):
             problems.append(Problem("is no file that could be written over", str(path)))
         elif exists(path) and not force:
             problems.append(Problem("is there already", str(path), hint="force=True writes over it"))

@@ -12,7 +12,7 @@ from missionplan.arrays import Array
 from missionplan.report.axes import name_axis
 from missionplan.report.page import BLUE, GREEN, GREY, ORANGE, Cells, Figure, Page, PageSection, Table, to_figure
 from missionplan.report.quantities import as_written, quantity, span_of
-from missionplan.studies.transition.sweep_transition import FORCE, PAIR, SUCTION, TimeHistory, TransitionSweep
+from missionplan.studies.sweep_transition import FORCE, PAIR, SUCTION, TimeHistory, TransitionSweep
 
 _SHOWN_UNTIL = 260.0
 """End of the histories, after the deceleration began [s]."""
@@ -42,7 +42,6 @@ def unassisted_figure(result: TransitionSweep) -> Figure:
 
 
 def _mark_saturation(angles: Axes, depth: Axes, result: TransitionSweep) -> None:
-    """Draw where the sternplane comes to its limit."""
     track = result.unassisted
     crossing = track.time[np.argmax(track.speed < result.saturation_speed)]
     for axes in (angles, depth):
@@ -57,14 +56,6 @@ def _mark_saturation(angles: Axes, depth: Axes, result: TransitionSweep) -> None
     )
 
 
-def _histories(
-    tracks: Sequence[TimeHistory], name: str, alt: str, caption: str, y: Callable[[TimeHistory], Array], label: str
-) -> Figure:
-    figure = MatplotlibFigure()
-    draw_histories(figure.subplots(), tracks, y, label)
-    return to_figure(figure, name, alt, caption)
-
-
 def draw_histories(axes: Axes, tracks: Sequence[TimeHistory], y: Callable[[TimeHistory], Array], label: str) -> None:
     """Draw a line against time for each run."""
     colours = mpl.colormaps["viridis"](np.linspace(0.0, 0.85, len(tracks)))
@@ -76,6 +67,35 @@ def draw_histories(axes: Axes, tracks: Sequence[TimeHistory], y: Callable[[TimeH
     axes.legend(ncols=2)
 
 
+_HISTORIES = {
+    6: ("depth", "mid_speed", "Rise above the target depth against time: larger for lower mid-transition speeds."),
+    7: ("depth", "steepness", "Rise above the target depth against time for each steepness of the interchange."),
+    8: ("pitch", "mid_speed", "Pitch against time: lower mid-transition speeds pitch further and swing more at hover."),
+    9: ("pitch", "steepness", "Pitch against time for each steepness of the interchange."),
+}
+"""What is drawn against time, for what, and the alternative text, by the number of the paper's figure."""
+_VARIED = {"mid_speed": "mid-transition speed u*", "steepness": "steepness of the interchange"}
+
+
+def history_figure(result: TransitionSweep, number: int) -> Figure:
+    """Draw rise or pitch against time for each mid-transition speed or steepness (Figs. 6 to 9)."""
+    what, varied, alt = _HISTORIES[number]
+    figure = MatplotlibFigure()
+    draw = rise if what == "depth" else pitch
+    draw(figure.subplots(), result, varied)
+    return to_figure(figure, f"fig-{number}-{what}", alt, f"By {_VARIED[varied]} (the paper's Fig. {number}).")
+
+
+def rise(axes: Axes, result: TransitionSweep, varied: str = "mid_speed") -> None:
+    """Draw the rise above the target depth for each mid-transition speed or steepness."""
+    draw_histories(axes, getattr(result, f"by_{varied}"), rise_of, "rise above target (m)")
+
+
+def pitch(axes: Axes, result: TransitionSweep, varied: str = "mid_speed") -> None:
+    """Draw the pitch for each mid-transition speed or steepness."""
+    draw_histories(axes, getattr(result, f"by_{varied}"), pitch_of, "pitch (°)")
+
+
 def rise_of(track: TimeHistory) -> Array:
     """Height above the target depth [m]."""
     return -track.depth
@@ -84,34 +104,6 @@ def rise_of(track: TimeHistory) -> Array:
 def pitch_of(track: TimeHistory) -> Array:
     """Pitch [deg]."""
     return np.degrees(track.pitch)
-
-
-def depth_by_mid_speed(result: TransitionSweep) -> Figure:
-    """Draw rise against time for each mid-transition speed (Fig. 6)."""
-    alt = "Rise above the target depth against time: the lower the mid-transition speed, the larger."
-    caption = "By mid-transition speed u* (the paper's Fig. 6)."
-    return _histories(result.by_mid_speed, "fig-6-depth", alt, caption, rise_of, "rise above target (m)")
-
-
-def depth_by_steepness(result: TransitionSweep) -> Figure:
-    """Draw rise against time for each steepness (Fig. 7)."""
-    alt = "Rise above the target depth against time for each steepness of the interchange."
-    caption = "By steepness of the interchange (the paper's Fig. 7)."
-    return _histories(result.by_steepness, "fig-7-depth", alt, caption, rise_of, "rise above target (m)")
-
-
-def pitch_by_mid_speed(result: TransitionSweep) -> Figure:
-    """Draw pitch against time for each mid-transition speed (Fig. 8)."""
-    alt = "Pitch against time: lower mid-transition speeds pitch further and swing more at hover."
-    caption = "By mid-transition speed u* (the paper's Fig. 8)."
-    return _histories(result.by_mid_speed, "fig-8-pitch", alt, caption, pitch_of, "pitch (°)")
-
-
-def pitch_by_steepness(result: TransitionSweep) -> Figure:
-    """Draw pitch against time for each steepness (Fig. 9)."""
-    alt = "Pitch against time for each steepness of the interchange."
-    caption = "By steepness of the interchange (the paper's Fig. 9)."
-    return _histories(result.by_steepness, "fig-9-pitch", alt, caption, pitch_of, "pitch (°)")
 
 
 def energy_figure(result: TransitionSweep, option: str) -> Figure:
@@ -163,10 +155,7 @@ def all_figures(result: TransitionSweep) -> list[Figure]:
     """Every figure of the page, in its order."""
     return [
         unassisted_figure(result),
-        depth_by_mid_speed(result),
-        depth_by_steepness(result),
-        pitch_by_mid_speed(result),
-        pitch_by_steepness(result),
+        *(history_figure(result, number) for number in _HISTORIES),
         energy_figure(result, "a"),
         energy_figure(result, "b"),
         pitch_by_variant(result),
@@ -190,7 +179,6 @@ def page(result: TransitionSweep) -> Page:
 
 
 def _cells(result: TransitionSweep) -> Cells:
-    """Tabulate the sweep for a terminal."""
     cells = result.shown(FORCE)
     cells = cells[cells["steepness_m_s"] == cells["steepness_m_s"].median()]
     names = ("mid_speed_m_s", "depth_excursion_m", "pitch_excursion_rad", "energy_common_wh", "energy_to_hover_wh")
@@ -212,11 +200,9 @@ def answer(result: TransitionSweep) -> str:
     """Write below which speed the vehicle needs thrusters, and the speed at which they take least energy."""
     best = result.best
     slowest = result.saturation_speed
-    alone = (
-        f"cannot hold depth below {quantity(slowest, 'm/s', '.2f')}"
-        if np.isfinite(slowest)
-        else "holds depth at all speeds tried"
-    )
+    alone = "holds depth at all speeds tried"
+    if np.isfinite(slowest):
+        alone = f"cannot hold depth below {quantity(slowest, 'm/s', '.2f')}"
     return (
         f"Without thrusters the vehicle {alone}. One tunnel thruster takes it to hover with least energy, "
         f"{best['energy_common_wh']:.1f} W h, at a mid-transition speed of "
@@ -238,10 +224,9 @@ def _numbers(result: TransitionSweep) -> list[tuple[str, str]]:
 def _sections(result: TransitionSweep) -> list[PageSection]:
     energy = result.shown(FORCE)["energy_common_wh"]
     return [
-        PageSection("Lower mid-transition speeds cost depth", [depth_by_mid_speed(result), depth_by_steepness(result)]),
+        PageSection("Lower mid-transition speeds cost depth", [history_figure(result, number) for number in (6, 7)]),
         PageSection(
-            "Pitch grows likewise, and keeps swinging at hover",
-            [pitch_by_mid_speed(result), pitch_by_steepness(result)],
+            "Pitch grows likewise, and keeps swinging at hover", [history_figure(result, number) for number in (8, 9)]
         ),
         PageSection(
             f"Slowing down takes {energy.min():.1f} to {energy.max():.1f} W h",
@@ -277,27 +262,16 @@ def energy_table(result: TransitionSweep) -> Table:
 
 def variant_table(result: TransitionSweep) -> Table:
     """Tabulate means over the grid at the shown deceleration, for each variant."""
-    rows = []
-    for variant in (FORCE, SUCTION, PAIR):
-        cells = result.shown(variant)
-        rows.append(
-            (
-                variant,
-                quantity(cells["depth_excursion_m"].mean(), "m", ".2f"),
-                f"{np.degrees(cells['pitch_excursion_rad']).mean():.1f}°",
-                f"{np.degrees(cells['hover_pitch_rad']).mean():.3f}°",
-                f"{cells['energy_common_wh'].mean():.2f} W h",
-            )
+    rows = [
+        (
+            variant,
+            quantity(cells["depth_excursion_m"].mean(), "m", ".2f"),
+            f"{np.degrees(cells['pitch_excursion_rad']).mean():.1f}°",
+            f"{np.degrees(cells['hover_pitch_rad']).mean():.3f}°",
+            f"{cells['energy_common_wh'].mean():.2f} W h",
         )
+        for variant in (FORCE, SUCTION, PAIR)
+        for cells in (result.shown(variant),)
+    ]
     columns = ("variant", "depth excursion", "pitch excursion", "pitch swing at hover", "energy, all hover")
     return Table(columns, rows, "Means over mid-transition speeds and steepnesses.")
-
-
-def rise(axes: Axes, result: TransitionSweep) -> None:
-    """Draw the rise above the target depth for each mid-transition speed."""
-    draw_histories(axes, result.by_mid_speed, rise_of, "rise above target (m)")
-
-
-def pitch(axes: Axes, result: TransitionSweep) -> None:
-    """Draw the pitch for each mid-transition speed."""
-    draw_histories(axes, result.by_mid_speed, pitch_of, "pitch (°)")

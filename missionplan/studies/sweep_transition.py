@@ -52,7 +52,7 @@ class TimeHistory:
 class TransitionSweep(Result):
     """Result of `sweep-transition`."""
 
-    report: ClassVar[str] = "missionplan.studies.transition.page"
+    report: ClassVar[str] = "missionplan.studies.transition_page"
     provenance: Provenance
     cells: pd.DataFrame
     """One run per row: `variant`, `deceleration_m_s2`, `steepness_m_s`, `mid_speed_m_s`, `depth_excursion_m`,
@@ -252,7 +252,6 @@ def _unassisted(vehicle: TransitionVehicle, planned: Manoeuvre, grid: Transition
 
 
 def _at_shown(grid: TransitionGrid) -> TransitionGrid:
-    """The grid with the shown deceleration alone."""
     return grid.model_copy(update={"deceleration": (grid.shown_deceleration,)})
 
 
@@ -285,7 +284,6 @@ def saturation_speed(vehicle: TransitionVehicle, start_speed: float) -> float:
 
 
 def _hover(vehicle: TransitionVehicle) -> dict[str, float]:
-    """Thrust, shaft rate and power at hover, of one thruster and of a pair."""
     thruster, force = vehicle.thrusters[0], float(vehicle.body.excess_buoyancy)
     density = vehicle.body.density
     return {

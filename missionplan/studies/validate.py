@@ -1,14 +1,18 @@
-"""`validate`: what missions, data sets and folders are good for, and every problem of theirs at once."""
+"""`validate`: what missions, data sets and folders are good for, and every problem of theirs at once.
+
+`data_sets` is imported when there is one: `validate` of a mission imports neither pandas nor scipy's larger parts.
+"""
 
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
+from functools import partial
 from itertools import pairwise
 from pathlib import Path, PurePath
 
 import numpy as np
 
 from missionplan.arrays import Array, Scalars
-from missionplan.errors import InputError, Problem
+from missionplan.errors import InputError, Problem, attempted
 from missionplan.mission import Mission, MissionOrPath, load
 from missionplan.mission.quantity_paths import ValueInForce
 from missionplan.mission.schema.phases import MoorPhase, TransitPhase
@@ -18,14 +22,12 @@ from missionplan.scenario.anchors import design_current
 from missionplan.scenario.phases import moor_plan, room_in_depth
 from missionplan.scenario.place.ways import blocked
 from missionplan.scenario.scenario import Scenario, leg_spread
-from missionplan.scenario.site_current import recorded_current
 from missionplan.store.folder import as_path, is_folder
-from missionplan.studies.held_vehicle import check_dives
 from missionplan.studies.leg_length.sweep_scenario import SweepScenario
 from missionplan.studies.optimisation.choosable import read_lattice
 from missionplan.studies.simulation.checks import (
     check_complete,
-    check_cover,
+    checked_means,
     cover_in_words,
     input_notices,
     vehicle_notices,
@@ -88,9 +90,7 @@ def validated_mission(path: Path, mission: Mission) -> Validated:
     """
     wrong = _wrong_choices(mission)
     try:
-        means = Scenario.at_means(mission, recorded_current(mission))
-        check_cover(mission, means)
-        check_dives(means)
+        means = checked_means(mission)
         check_place(means)
     except InputError as error:
         raise InputError([*error.problems, *wrong]) from None
@@ -112,7 +112,11 @@ def validated_mission(path: Path, mission: Mission) -> Validated:
         Readiness("plan-legs", legs),
         Readiness("size-anchor", needs(lambda: _sizable(means)), _construction(mission)),
         Readiness("sweep-transition", needs(lambda: TransitionMission.of(mission))),
-        Readiness("optimise", simulation or (() if mission.requirements else ("requirements",)), _choices(mission)),
+        Readiness(
+            "optimise",
+            simulation or (() if mission.requirements else ("requirements",)),
+            "" if mission.optimise.choose else "optimise.choose in the mission, or --choose",
+        ),
     )
     summary = f"valid. Phases: {kinds}; {len(mission.uncertain())} quantities are distributions."
     summary += cover_in_words(mission, means.recorded)
@@ -125,7 +129,6 @@ def _origin(mission: Mission) -> str:
 
 
 def _sizable(means: Scenario) -> None:
-    """Refuse a mission whose anchors cannot be sized."""
     for phase in means.mooring.moors:
         design_current(means, phase)
 
@@ -138,16 +141,10 @@ def _construction(mission: Mission) -> str:
 
 def _wrong_choices(mission: Mission) -> list[Problem]:
     """Everything wrong with what the mission says may be chosen."""
-    try:
-        if mission.optimise.choose:
-            read_lattice(mission, ())
-    except InputError as error:
-        return list(error.problems)
-    return []
-
-
-def _choices(mission: Mission) -> str:
-    return "" if mission.optimise.choose else "optimise.choose in the mission, or --choose"
+    problems: list[Problem] = []
+    if mission.optimise.choose:
+        attempted(partial(read_lattice, mission, ()), problems)
+    return problems
 
 
 def validate(paths: MissionOrPath | Iterable[MissionOrPath], *, allow_outside: bool = False) -> tuple[Validated, ...]:
@@ -185,7 +182,7 @@ def validate(paths: MissionOrPath | Iterable[MissionOrPath], *, allow_outside: b
             valid.append(mission)
     if datasets:
         from missionplan.datasets.reading import files_outside
-        from missionplan.studies.validation.data_sets import validated_dataset
+        from missionplan.studies.data_sets import validated_dataset
 
         with files_outside(allowed=allow_outside):
             done += [validated_dataset(path, valid) for path in datasets]
@@ -277,7 +274,6 @@ def _at(place: Place, point: Array, depth: float) -> Cause:
 
 
 def _ways(means: Scenario, place: Place, phase: TransitPhase[Scalars], points: list[Array]) -> Iterator[Problem]:
-    """Ways along which no water joins both ends."""
     import shapely
 
     width, depth = max(_REACH * leg_spread(means, phase), 1.0), float(phase.depth)

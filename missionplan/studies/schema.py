@@ -39,9 +39,9 @@ from missionplan.studies.history.result import History
 from missionplan.studies.leg_length.plan_result import LegPlan
 from missionplan.studies.leg_length.sweep_result import Sweep
 from missionplan.studies.rare_failure.find_rare_failure import RareFailure
-from missionplan.studies.schemas.sections import TEXT_OR_NUMBER, Schema, Sections, effects
+from missionplan.studies.schema_sections import TEXT_OR_NUMBER, Schema, Sections, effects
+from missionplan.studies.sweep_transition import TransitionSweep
 from missionplan.studies.tide.result import TideResult
-from missionplan.studies.transition.sweep_transition import TransitionSweep
 
 _RESULTS: Mapping[str, tuple[type[Result], ...]] = {
     "compare": (Comparison, Alternatives),
@@ -249,7 +249,6 @@ def _of_model(model: type[BaseModel]) -> Schema:
 
 
 def _or_name(section: object, key: str, meaning: str) -> None:
-    """Let a section's key take the name of what is put in its place."""
     if isinstance(section, dict) and isinstance(properties := section["properties"], dict):
         properties[key] = {"anyOf": [{"type": "string", "description": meaning}, properties[key]]}
 
