@@ -15,7 +15,7 @@ from missionplan.errors import InputError, Problem
 from missionplan.identity import differences, digest_of, leaves, program_part, running_program
 from missionplan.mission import Mission, load
 from missionplan.montecarlo.parallel.blocks import Progress, run_blocks
-from missionplan.montecarlo.streams import block_count, block_size
+from missionplan.montecarlo.streams import sized_blocks
 from missionplan.results.base import OF_THE_RUN, to_json
 from missionplan.results.entries import mapping, whole
 from missionplan.store.checkpoints import read_block
@@ -176,7 +176,7 @@ class _Made:
     def blocks(self) -> list[tuple[int, int]]:
         """Return the blocks of the report that are there and whole, by number and size."""
         trials = whole(self.summary.get("trials"))
-        all_blocks = [(block, block_size(trials, block)) for block in range(block_count(trials))]
+        all_blocks = sized_blocks(trials)
         return [item for item in all_blocks if read_block(self.folder / "blocks", *item) is not None]
 
     def stored(self, item: tuple[int, int]) -> Arrays:

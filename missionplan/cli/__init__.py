@@ -1,6 +1,6 @@
 """The command line: load → one study → render → exit status. Heavy imports wait until a command needs them.
 
-`planning`, `exploring`, `measurements`, `exchange` and `files` have the commands, `options` what they share,
+`planning`, `measurements`, `exchange` and `files` have the commands, `options` what they share,
 `running` what is done around a study.
 """
 
@@ -16,7 +16,7 @@ from typing import Annotated
 
 import typer
 
-from missionplan.cli import exchange, exploring, files, measurements, options, planning
+from missionplan.cli import exchange, files, measurements, options, planning
 from missionplan.cli.options import answering, note, prepare_streams
 from missionplan.errors import OUT_OF_FILES, MissionplanError, Problem, out_of_files
 
@@ -41,8 +41,8 @@ PANELS: Mapping[str, Mapping[str, Callable[..., None]]] = {
         "export": exchange.export,
     },
     "Choose: begin with optimise": {
-        "optimise": exploring.optimise,
-        "explore": exploring.explore,
+        "optimise": planning.optimise,
+        "explore": planning.explore,
         "compare": files.compare,
     },
     "Learn from logs: begin with why": {

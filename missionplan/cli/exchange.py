@@ -2,12 +2,12 @@
 
 import re
 from dataclasses import dataclass, replace
-from enum import StrEnum
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Literal, get_args
 
 import typer
 
+import missionplan
 from missionplan.cli import options as o
 from missionplan.cli.measurements import NextTrial, diagnosed
 from missionplan.cli.options import remark
@@ -230,26 +230,15 @@ def _place(text: str | None) -> tuple[float, float] | None:
     )
 
 
-class PlanFormat(StrEnum):
-    """Formats that a plan is written in; the names are those of `missionplan.exporters.formats`."""
-
-    CSV = "csv"
-    JSON = "json"
-    SVG = "svg"
-    GPX = "gpx"
-    GEOJSON = "geojson"
-    KML = "kml"
-    GPKG = "gpkg"
-    SLOCUM = "slocum"
-    MOOS = "moos"
-    NEPTUS = "neptus"
-    IVER = "iver"
-    QGC = "qgc"
-
-
+PlanFormat = Literal[
+    "csv", "json", "svg", "gpx", "geojson", "kml", "gpkg", "slocum", "moos", "neptus", "iver", "qgc"
+]  # fmt: skip
+"""Formats that a plan is written in; the names are those of `missionplan.exporters.formats`."""
 _To = Annotated[
     PlanFormat,
-    o.choice(PlanFormat, "--to", metavar="FORMAT", help=f"One of {', '.join(PlanFormat)}.", show_default=False),
+    o.choice(
+        PlanFormat, "--to", metavar="FORMAT", help=f"One of {', '.join(get_args(PlanFormat))}.", show_default=False
+    ),
 ]
 _PlanFile = Annotated[
     Path | None,
@@ -273,11 +262,10 @@ def export(
     quiet: o.Quiet = False,
 ) -> None:
     """Write the plan as a vehicle takes it: waypoints, depth, speed, time-outs, surfacings, release of the anchor."""
-    from missionplan.mission import load
     from missionplan.report.wording import typeset
-    from missionplan.studies.export import export
 
-    written = export(load(mission, allow_outside=allow_outside), to.value, out=out, seed=seed, force=force)
+    loaded = missionplan.load(mission, allow_outside=allow_outside)
+    written = missionplan.export(loaded, to, out=out, seed=seed, force=force)
     if quiet:
         return
     for path in written.files:

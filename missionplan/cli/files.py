@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+import missionplan
 from missionplan.cli import options as o
 from missionplan.cli.options import note
 from missionplan.cli.running import deliver, progress_bar, report_folder
@@ -75,11 +76,10 @@ def compare(
     simulate, of explore, or of optimise. Example: missionplan compare slow.yaml fast.yaml faster.yaml --trials 2000
     """
     read = [each / "summary.json" if each.is_dir() else each for each in compared]
-    from missionplan.studies.comparison.compare_missions import compare
 
     with report_folder(output, compared[-1].resolve().stem, "compare", read) as folder:
         with progress_bar("compare", shown=not output.quiet) as progress:
-            found = compare(
+            found = missionplan.compare(
                 *compared,
                 trials=trials,
                 seed=seed,
@@ -100,9 +100,7 @@ def validate(
     files: _Files, allow_outside: o.AllowOutside = False, as_json: o.Json = False, quiet: o.Quiet = False
 ) -> None:
     """Check missions and data sets without running anything, and list which commands each is ready for."""
-    from missionplan.studies.validate import validate
-
-    found = validate(files, allow_outside=allow_outside)
+    found = missionplan.validate(files, allow_outside=allow_outside)
     if as_json and not any(each.problems for each in found):
         typer.echo(json.dumps({"errors": [], "files": [_valid(each) for each in found]}, indent=1))
     elif not quiet and not as_json:
@@ -155,9 +153,7 @@ def reports(number: _Number = None, root: _Root = Path("reports")) -> None:
 
     missionplan reports 1 opens the newest.
     """
-    from missionplan.store.reports import reports
-
-    found = reports(root)
+    found = missionplan.reports(root)
     if number is None:
         for place, entry in enumerate(found, start=1):
             typer.echo("\n".join(_lines(place, entry)))
@@ -189,15 +185,10 @@ def verify(
 
     Reports of studies that keep no blocks are computed again as a whole. Exit status 3: other bits come out.
     """
-    from missionplan.verification import verify
-
     with progress_bar("verify", shown=not quiet) as progress:
-        found = verify(
-            report,
-            all_blocks=all_blocks,
-            jobs=o.worker_count(jobs),
-            allow_outside=allow_outside,
-            progress=progress,
+        processes = o.worker_count(jobs)
+        found = missionplan.verify(
+            report, all_blocks=all_blocks, jobs=processes, allow_outside=allow_outside, progress=progress
         )
     if as_json:
         from missionplan.results.base import to_json

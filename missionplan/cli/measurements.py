@@ -7,12 +7,14 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+import missionplan
 from missionplan.cli import options as o
 from missionplan.cli.running import Progress, deliver, loaded, progress_bar, report_folder, run_study
 
 if TYPE_CHECKING:
     from missionplan.mission import Mission
     from missionplan.results.base import Result
+    from missionplan.results.score import Score
 
 
 OUTSIDE_CHANCE = 3
@@ -95,11 +97,8 @@ def diagnosed(
     with preloaded_pool(min(processes, MAX_PROCESSES) - 1, *_WORKERS_NEED):
         mission_loaded = loaded(mission, datasets, folder, allow_outside=allow_outside)
         with progress_bar("diagnose", shown=not quiet) as progress:
-            from missionplan.diagnosis.campaign import diagnose_campaign
-            from missionplan.diagnosis.diagnose import diagnose
-
-            several = len(datasets) > 1
-            study = partial(diagnose_campaign, datasets=datasets) if several else partial(diagnose, dataset=datasets[0])
+            several = partial(missionplan.diagnose_campaign, datasets=datasets)
+            study = several if len(datasets) > 1 else partial(missionplan.diagnose, dataset=datasets[0])
             return study(
                 mission_loaded,
                 seed=seed,
@@ -114,10 +113,9 @@ def diagnosed(
 def identify(dataset: o.DatasetFolder, *, output: o.OutputOptions, allow_outside: o.AllowOutside = False) -> None:
     """Identify hydrodynamic or thruster parameters from tank data, with errors, for a vehicle file."""
     from missionplan.datasets.reading import dataset_files
-    from missionplan.studies.identification.identify import identify
 
     with report_folder(output, dataset.resolve().name, "identify", dataset_files(dataset)) as folder:
-        deliver(identify(dataset, allow_outside=allow_outside), folder, output)
+        deliver(missionplan.identify(dataset, allow_outside=allow_outside), folder, output)
 
 
 def score(
@@ -133,15 +131,11 @@ def score(
     Example: missionplan score mission.yaml sea-trial
     """
 
-    def study(loaded: "Mission", progress: Progress) -> "Result":
-        from missionplan.diagnosis.scoring.score import score
-
-        return score(loaded, *datasets, seed=seed, allow_outside=allow_outside, progress=progress)
-
-    from missionplan.results.score import Score
+    def study(loaded: "Mission", progress: Progress) -> "Score":
+        return missionplan.score(loaded, *datasets, seed=seed, allow_outside=allow_outside, progress=progress)
 
     result = run_study(mission, "score", study, output, allow_outside=allow_outside, datasets=datasets)
-    if isinstance(result, Score) and not result.is_within_chance:
+    if not result.is_within_chance:
         raise typer.Exit(OUTSIDE_CHANCE)
 
 
@@ -163,10 +157,8 @@ def history(
 
     Example: missionplan history reports
     """
-    from missionplan.studies.history.find_history import history
-
     with report_folder(output, folder.resolve().name, "history") as report:
-        deliver(history(folder, mission=mission), report, output)
+        deliver(missionplan.history(folder, mission=mission), report, output)
 
 
 _Record = Annotated[
@@ -187,9 +179,7 @@ def tide(record: _Record, latitude: _Latitude = None, start: _Start = None, *, o
 
     Example: missionplan tide mooring.csv --latitude '37.2 deg'
     """
-    from missionplan.studies.tide.find_tide import tide as find_tide
-
     with report_folder(output, record.stem, "tide", [record]) as folder:
         with progress_bar("tide", shown=not output.quiet) as progress:
-            result = find_tide(record, latitude=latitude, start=start, progress=progress)
+            result = missionplan.tide(record, latitude=latitude, start=start, progress=progress)
         deliver(result, folder, output)

@@ -12,48 +12,44 @@ import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass, fields, is_dataclass
-from enum import StrEnum
 from functools import wraps
 from io import TextIOWrapper
 from pathlib import Path
-from typing import Annotated, Any, Literal, TypedDict, get_type_hints
+from typing import Annotated, Any, Literal, TypedDict, get_args, get_type_hints
 
 import typer
 
 from missionplan.errors import InputError, Problem, RunError, did_you_mean, shown
 
 
-def choice(kind: type[StrEnum], flag: str, **settings: Any) -> Any:
+def choice(kind: Any, flag: str, **settings: Any) -> Any:
     """Make an option that takes one of some words: it refuses another one with the nearest, whatever typer's version.
 
     Parameters
     ----------
-    kind : type
+    kind : Literal
         The words.
     flag : str
         As ``--units``.
     **settings
         As of ``typer.Option``.
     """
+    words = get_args(kind)
 
-    def chosen(word: str) -> StrEnum:
-        if word not in list(kind):
-            message = f"given {shown(word)}, expected one of {', '.join(kind)}"
-            raise InputError([Problem(message, key=flag.removeprefix("--"), hint=did_you_mean(word, kind))])
-        return kind(word)
+    def chosen(word: str) -> str:
+        if word not in words:
+            message = f"given {shown(word)}, expected one of {', '.join(words)}"
+            raise InputError([Problem(message, key=flag.removeprefix("--"), hint=did_you_mean(word, words))])
+        return word
 
-    metavar = f"<{'|'.join(kind)}>"
+    metavar = f"<{'|'.join(words)}>"
     return typer.Option(
-        flag, **{"metavar": metavar, "parser": chosen, "autocompletion": lambda: list(kind), **settings}
+        flag, **{"metavar": metavar, "parser": chosen, "autocompletion": lambda: list(words), **settings}
     )
 
 
-class ParallelBackend(StrEnum):
-    """How blocks of trials are run in parallel."""
-
-    LOKY = "loky"
-    THREADING = "threading"
-    DASK = "dask"
+ParallelBackend = Literal["loky", "threading", "dask"]
+UnitSystem = Literal["metric", "nautical", "imperial"]
 
 
 MissionFile = Annotated[Path, typer.Argument(metavar="MISSION", help="Mission file (YAML).", show_default=False)]
@@ -81,14 +77,6 @@ _Out = Annotated[
 ]
 
 
-class UnitSystem(StrEnum):
-    """Units of a report."""
-
-    METRIC = "metric"
-    NAUTICAL = "nautical"
-    IMPERIAL = "imperial"
-
-
 _Units = Annotated[
     UnitSystem | None,
     choice(
@@ -108,7 +96,7 @@ class MonteCarloArguments(TypedDict):
     trials: int | None
     seed: int | None
     jobs: int
-    backend: Literal["loky", "threading", "dask"]
+    backend: ParallelBackend
     scheduler: str | None
 
 
@@ -119,7 +107,7 @@ class MonteCarloOptions:
     trials: Trials = None
     seed: Seed = None
     jobs: Jobs = 0
-    backend: _Backend = ParallelBackend.LOKY
+    backend: _Backend = "loky"
     scheduler: _Scheduler = None
 
     def arguments(self) -> MonteCarloArguments:
@@ -128,14 +116,14 @@ class MonteCarloOptions:
             "trials": self.trials,
             "seed": self.seed,
             "jobs": worker_count(self.jobs),
-            "backend": self.backend.value,
+            "backend": self.backend,
             "scheduler": self.scheduler,
         }
 
     @property
     def other_processes(self) -> int:
         """Processes of the pool beside this one; 0 where it is not used."""
-        return worker_count(self.jobs) - 1 if self.backend is ParallelBackend.LOKY else 0
+        return worker_count(self.jobs) - 1 if self.backend == "loky" else 0
 
 
 @dataclass(frozen=True)
@@ -147,11 +135,6 @@ class OutputOptions:
     as_json: Json = False
     quiet: Quiet = False
     units: _Units = None
-
-    @property
-    def system(self) -> str | None:
-        """System of units for the report; None: the mission's."""
-        return self.units.value if self.units else None
 
 
 def worker_count(jobs: int) -> int:

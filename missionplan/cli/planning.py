@@ -1,37 +1,25 @@
-"""Commands that plan: sweep-dmax, plan-legs, size-anchor, simulate, sweep-transition."""
+"""Commands that plan, from simulate to sweep-transition, and that choose: explore, optimise."""
 
 from collections.abc import Mapping, Sequence
-from enum import StrEnum
+from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Literal, get_args
 
 import typer
 
+import missionplan
 from missionplan.cli import options as o
-from missionplan.cli.running import Progress, run_resumable, run_study
+from missionplan.cli.running import run_resumable, run_study
 
 if TYPE_CHECKING:
-    from missionplan.mission import Mission
-    from missionplan.results.base import Result
-    from missionplan.results.simulation import Outcome
+    from missionplan.studies.leg_length.plan_result import LegPlan
+    from missionplan.studies.leg_length.sweep_result import Sweep
 
 REQUIREMENT_NOT_MET = 3
-
-
-class CostMethod(StrEnum):
-    """How the cost of a d_max is computed."""
-
-    BOTH = "both"
-    ANALYTIC = "analytic"
-    MONTE_CARLO = "monte-carlo"
-
-
-class LegObjective(StrEnum):
-    """What legs are chosen for."""
-
-    MEAN = "mean"
-    P95 = "p95"
-    ENERGY = "energy"
+CostMethod = Literal["both", "analytic", "monte-carlo"]
+LegObjective = Literal["mean", "p95", "energy"]
+VehicleFormat = Literal["slocum", "moos", "neptus", "iver", "qgc"]
+"""Formats that a vehicle carries out; the names are those of `missionplan.exporters.formats`."""
 
 
 _Method = Annotated[
@@ -49,12 +37,7 @@ def sweep_dmax(
     allow_outside: o.AllowOutside = False,
 ) -> None:
     """Compute the cost of each maximum leg length d_max, and find the best, for each velocity error."""
-
-    def study(loaded: "Mission", progress: Progress) -> "Result":
-        from missionplan.studies.leg_length.sweep_dmax import sweep_dmax
-
-        return sweep_dmax(loaded, method=method.value if method else None, progress=progress, **run.arguments())
-
+    study = partial(missionplan.sweep_dmax, method=method, **run.arguments())
     _exit_as_judged(run_study(mission, "sweep-dmax", study, output, allow_outside=allow_outside))
 
 
@@ -71,26 +54,20 @@ _Aim = Annotated[
 
 def plan_legs(
     mission: o.MissionFile,
-    aim: _Aim = LegObjective.MEAN,
+    aim: _Aim = "mean",
     *,
     run: o.MonteCarloOptions,
     output: o.OutputOptions,
     allow_outside: o.AllowOutside = False,
 ) -> None:
     """Find leg lengths that adapt to the distance left, and what they save against the best fixed d_max."""
-
-    def study(loaded: "Mission", progress: Progress) -> "Result":
-        from missionplan.studies.leg_length.plan_legs import plan_legs
-
-        return plan_legs(loaded, aim=aim.value, progress=progress, **run.arguments())
-
+    study = partial(missionplan.plan_legs, aim=aim, **run.arguments())
     _exit_as_judged(run_study(mission, "plan-legs", study, output, allow_outside=allow_outside))
 
 
-def _exit_as_judged(result: "Result | None") -> None:
+def _exit_as_judged(result: "Sweep | LegPlan") -> None:
     """Exit with 3 where the mission with what is recommended misses a requirement."""
-    judged = getattr(result, "judged", None)
-    if judged is not None and not judged.requirements_met:
+    if result.judged is not None and not result.judged.requirements_met:
         raise typer.Exit(REQUIREMENT_NOT_MET)
 
 
@@ -115,15 +92,8 @@ def size_anchor(
     allow_outside: o.AllowOutside = False,
 ) -> None:
     """Size the anchor that takes the vehicle down within the radius: weight, length, trim ring, and its dive."""
-    from missionplan.results.anchor_sizing import AnchorSizing
-
-    def study(loaded: "Mission", progress: Progress) -> AnchorSizing:
-        from missionplan.studies.anchor.size_anchor import size_anchor
-
-        return size_anchor(loaded, probability=probability, phase=phase, progress=progress, **run.arguments())
-
-    sizing = run_study(mission, "size-anchor", study, output, allow_outside=allow_outside)
-    if isinstance(sizing, AnchorSizing) and not sizing.succeeds:
+    study = partial(missionplan.size_anchor, probability=probability, phase=phase, **run.arguments())
+    if not run_study(mission, "size-anchor", study, output, allow_outside=allow_outside).succeeds:
         raise typer.Exit(REQUIREMENT_NOT_MET)
 
 
@@ -150,23 +120,13 @@ _Searched = Annotated[
 ]
 
 
-class VehicleFormat(StrEnum):
-    """Formats that a vehicle carries out; the names are those of `missionplan.exporters.formats`."""
-
-    SLOCUM = "slocum"
-    MOOS = "moos"
-    NEPTUS = "neptus"
-    IVER = "iver"
-    QGC = "qgc"
-
-
 _AsExported = Annotated[
     VehicleFormat | None,
     o.choice(
         VehicleFormat,
         "--as-exported",
         metavar="FORMAT",
-        help=f"Run what the vehicle does with the files of `export`, one of {', '.join(VehicleFormat)}.",
+        help=f"Run what the vehicle does with the files of `export`, one of {', '.join(get_args(VehicleFormat))}.",
         show_default=False,
     ),
 ]
@@ -216,33 +176,19 @@ def simulate(
         given = {"resume": resume, "keep_trials": keep_trials, "searched": searched is not None}
         _refuse_with_rare({**given, "as_exported": as_exported is not None})
 
-        def study(loaded: "Mission", progress: Progress) -> "Result":
-            from missionplan.studies.rare_failure.find_rare_failure import find_rare_failure
-
-            return find_rare_failure(loaded, event=rare, precision=precision, progress=progress, **run.arguments())
-
-        run_study(mission, "simulate", study, output, allow_outside=allow_outside)
+        search = partial(missionplan.find_rare_failure, event=rare, precision=precision, **run.arguments())
+        run_study(mission, "simulate", search, output, allow_outside=allow_outside)
         return
-
-    def outcome_of(loaded: "Mission", kept: "Path", progress: Progress) -> "Outcome":
-        from missionplan.studies.simulation.simulate import simulate
-
-        return simulate(
-            loaded,
-            precision=precision,
-            checkpoint=kept,
-            resume=resume,
-            keep_trials=keep_trials,
-            searched=searched,
-            assumptions=assumptions,
-            as_exported=as_exported.value if as_exported else None,
-            progress=progress,
-            **run.arguments(),
-        )
-
-    outcome = run_resumable(
-        mission, "simulate", outcome_of, output, allow_outside=allow_outside, resume=resume, keep=True
+    study = partial(
+        missionplan.simulate,
+        precision=precision,
+        keep_trials=keep_trials,
+        searched=searched,
+        assumptions=assumptions,
+        as_exported=as_exported,
+        **run.arguments(),
     )
+    outcome = run_resumable(mission, "simulate", study, output, allow_outside=allow_outside, resume=resume, keep=True)
     if not outcome.requirements_met or not outcome.can_be_built:
         raise typer.Exit(REQUIREMENT_NOT_MET)
 
@@ -273,10 +219,116 @@ def sweep_transition(
     allow_outside: o.AllowOutside = False,
 ) -> None:
     """Compute depth, pitch and energy of slowing down to hover, over the grid of a transition phase."""
-
-    def study(loaded: "Mission", progress: Progress) -> "Result":
-        from missionplan.studies.sweep_transition import sweep_transition
-
-        return sweep_transition(loaded, phase=phase, progress=progress)
-
+    study = partial(missionplan.sweep_transition, phase=phase)
     run_study(mission, "sweep-transition", study, output, allow_outside=allow_outside)
+
+
+_CELLS_NEED = "missionplan.studies.exploration.cells"
+ExplorationAim = Literal["success", "energy", "duration"]
+Least = Literal["energy", "duration"]
+
+
+_Vary = Annotated[
+    list[str],
+    typer.Option(
+        metavar="KEY=FROM:TO:STEP",
+        help="What to vary, once or twice: ingress.speed=0.8:2:0.1 m/s; start=04:00:12:00:10 min; "
+        "vehicle=a.yaml,b.yaml; KEY+KEY=… for keys that take the same value.",
+        show_default=False,
+    ),
+]
+_BestBy = Annotated[
+    ExplorationAim,
+    o.choice(
+        ExplorationAim,
+        "--aim",
+        help="Best of those that meet all requirements: most often successful, least energy, least time.",
+    ),
+]
+_Quantities = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--quantity", metavar="NAME", help="Report this too, such as moor.offset; repeatable.", show_default=False
+    ),
+]
+_OnlyBest = Annotated[bool, typer.Option("--only-best", help="Few trials of what cannot be the best; no windows.")]
+
+
+def explore(
+    mission: o.MissionFile,
+    vary: _Vary,
+    aim: _BestBy = "success",
+    only_best: _OnlyBest = False,
+    quantity: _Quantities = None,
+    *,
+    run: o.MonteCarloOptions,
+    resume: o.Resume = False,
+    output: o.OutputOptions,
+    allow_outside: o.AllowOutside = False,
+) -> None:
+    """Vary one or two keys of a mission: when to go, how fast, with which line, and what is as good as the best.
+
+    Example: missionplan explore missions/chesapeake.yaml --vary "ingress.speed=1:2:0.25m/s" --trials 2000
+    """
+    from missionplan.montecarlo.parallel.pool import preloaded_pool
+
+    with preloaded_pool(run.other_processes, _CELLS_NEED):  # they import while this process does
+        study = partial(
+            missionplan.explore,
+            vary=vary,
+            aim=aim,
+            only_best=only_best,
+            quantities=quantity or (),
+            **run.arguments(),
+        )
+        found = run_resumable(mission, "explore", study, output, allow_outside=allow_outside, resume=resume)
+    if not found.any_meets_all:
+        raise typer.Exit(REQUIREMENT_NOT_MET)
+
+
+_Choose = Annotated[
+    list[str] | None,
+    typer.Option(
+        metavar="KEY=FROM:TO:STEP",
+        help="What may be chosen, as explore's --vary; repeatable. Default: the mission's section optimise.",
+        show_default=False,
+    ),
+]
+_Least = Annotated[
+    Least | None,
+    o.choice(Least, "--aim", help="What is to be least; default: the mission's, or energy.", show_default=False),
+]
+
+
+def optimise(
+    mission: o.MissionFile,
+    choose: _Choose = None,
+    aim: _Least = None,
+    trials: o.Trials = None,
+    seed: o.Seed = None,
+    jobs: o.Jobs = 0,
+    *,
+    resume: o.Resume = False,
+    output: o.OutputOptions,
+    allow_outside: o.AllowOutside = False,
+) -> None:
+    """Choose anchor, line, legs, speed and start together, so that all requirements hold at the least energy or time.
+
+    Example: missionplan optimise missions/chesapeake.yaml --choose "ingress.d_max=200:1000:200m"
+    """
+    from missionplan.montecarlo.parallel.pool import preloaded_pool
+
+    processes = o.worker_count(jobs)
+
+    with preloaded_pool(processes - 1, _CELLS_NEED):
+        study = partial(
+            missionplan.optimise,
+            choose=choose or (),
+            aim=aim,
+            trials=trials,
+            seed=seed,
+            jobs=processes,
+        )
+        found = run_resumable(mission, "optimise", study, output, allow_outside=allow_outside, resume=resume)
+    if not found.feasible:
+        raise typer.Exit(REQUIREMENT_NOT_MET)

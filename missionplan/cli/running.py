@@ -23,10 +23,11 @@ if TYPE_CHECKING:
     from missionplan.results.base import Result
 
 
+_Result = TypeVar("_Result", bound="Result")
 Progress = Callable[[int, int], None] | None
 """Called by a study with (done, total); None where no progress is shown."""
-Study = Callable[["Mission", Progress], "Result"]
-"""A study of a loaded mission."""
+Study = Callable[..., _Result]
+"""A study of a loaded mission, to which `progress` is given besides, and where it is kept its blocks."""
 _COLOURS = {"good": "green", "bad": "red", "undecided": "yellow"}
 """Colour of the answer on a terminal, by verdict."""
 
@@ -34,17 +35,17 @@ _COLOURS = {"good": "green", "bad": "red", "undecided": "yellow"}
 def run_study(
     path: Path,
     command: str,
-    study: Study,
+    study: Study[_Result],
     output: OutputOptions,
     *,
     allow_outside: bool,
     datasets: Sequence[Path] = (),
-) -> "Result":
+) -> _Result:
     """Load a mission, run a study of it, save the report, print and return the result; data sets are read besides."""
     with report_folder(output, path.stem, command) as folder:
         mission = loaded(path, datasets, folder, allow_outside=allow_outside)
         with progress_bar(command, shown=not output.quiet) as progress:
-            result = study(mission, progress)
+            result = study(mission, progress=progress)
         deliver(result, folder, output)
     return result
 
@@ -93,7 +94,7 @@ def deliver(result: "Result", folder: Path, output: OutputOptions) -> None:
     drawing = _drawing_in_parallel(result.provenance.options.get("jobs"))
     from missionplan.report.quantities import using_units
 
-    with using_units(output.system):
+    with using_units(output.units):
         with drawing:
             result.save(folder, force=output.force)
         with answering(f"; the report is saved in {folder}"):
@@ -195,7 +196,6 @@ def _bar(label: str, *, shown: bool) -> Iterator[Progress]:
         yield lambda done, total: bar.update(task, completed=done, total=total)
 
 
-_Result = TypeVar("_Result", bound="Result")
 BLOCKS = "blocks"
 """Folder of finished blocks inside a report folder."""
 
@@ -249,7 +249,7 @@ def resume_hint(folder: Path, *, resumed: bool) -> Iterator[None]:
 def run_resumable(
     path: Path,
     command: str,
-    study: Callable[["Mission", Path, Progress], _Result],
+    study: Study[_Result],
     output: OutputOptions,
     *,
     allow_outside: bool,
@@ -271,7 +271,7 @@ def run_resumable(
         if output.force and not resume:
             discard_blocks(folder)
         with resume_hint(folder, resumed=resume), progress_bar(command, shown=not output.quiet) as progress:
-            result = study(mission, folder / BLOCKS, progress)
+            result = study(mission, checkpoint=folder / BLOCKS, resume=resume, progress=progress)
         if not keep:
             discard_blocks(folder)  # of thousands of cells or choices
         deliver(result, folder, replace(output, force=True))

@@ -71,6 +71,11 @@ def block_size(trials: int, block: int) -> int:
     return max(0, min(BLOCK, trials - block * BLOCK))
 
 
+def sized_blocks(trials: int) -> list[tuple[int, int]]:
+    """Blocks of a run of `trials` trials, each with the trials in use."""
+    return [(block, block_size(trials, block)) for block in range(block_count(trials))]
+
+
 class LegNormals:
     """Standard normals of a quantity that is drawn anew for each leg: drawn on first use, then kept.
 

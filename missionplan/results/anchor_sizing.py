@@ -8,7 +8,6 @@ import numpy as np
 import pandas as pd
 
 from missionplan.montecarlo.statistics import Probability
-from missionplan.phases.mooring.profile import DescentProfile
 from missionplan.physics.anchor_remedies import TrimState
 from missionplan.results.base import Provenance, Result, to_csv
 from missionplan.results.decision import MemberOutcome
@@ -195,6 +194,10 @@ class AnchorSizing(Result):
     def descent_frame(self) -> pd.DataFrame:
         """The nominal dive against time since the last fix."""
         profile = self.anchor.profile
+        stages = np.array(
+            ["release", "pay-out wait", "free fall", "pull-down", "coasting", "rise to the line's length"]
+        )
+        begun = np.searchsorted(np.array(list(profile.stages.values())), profile.time, side="right")
         return pd.DataFrame(
             {
                 "t_s": profile.time,
@@ -205,16 +208,10 @@ class AnchorSizing(Result):
                 "anchor_north_m": profile.anchor_track[1],
                 "vehicle_east_m": profile.vehicle_track[0],
                 "vehicle_north_m": profile.vehicle_track[1],
-                "stage": _stage_names(profile),
+                "stage": np.take(stages, begun),
             }
         )
 
     def files(self) -> dict[str, str | bytes]:
         """Return ``anchor.csv`` and ``descent.csv``."""
         return {"anchor.csv": to_csv(self.to_frame()), "descent.csv": to_csv(self.descent_frame().round(6))}
-
-
-def _stage_names(profile: DescentProfile) -> list[str]:
-    starts = np.array(list(profile.stages.values()))
-    names = ["release", "pay-out wait", "free fall", "pull-down", "coasting", "rise to the line's length"]
-    return [names[index] for index in np.searchsorted(starts, profile.time, side="right")]

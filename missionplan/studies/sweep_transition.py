@@ -219,8 +219,10 @@ def sweep_transition(
     grid, planned = transition.sweep, manoeuvre(transition)
     variants = _variants(vehicle, grid.pair_spacing)
 
+    at_shown = grid.model_copy(update={"deceleration": (grid.shown_deceleration,)})
+
     def run_variant(name: str) -> GridRuns:
-        return GridRuns(grid if name == FORCE else _at_shown(grid), variants[name], planned, time_step)
+        return GridRuns(grid if name == FORCE else at_shown, variants[name], planned, time_step)
 
     runs = dict(zip(variants, run.workers.run(run_variant, list(variants)), strict=True))
     unassisted = _unassisted(vehicle, planned, grid, time_step)
@@ -249,10 +251,6 @@ def _unassisted(vehicle: TransitionVehicle, planned: Manoeuvre, grid: Transition
         sample=SAMPLE,
     )
     return time_history(record, 0, "no thrusters")
-
-
-def _at_shown(grid: TransitionGrid) -> TransitionGrid:
-    return grid.model_copy(update={"deceleration": (grid.shown_deceleration,)})
 
 
 def _variants(vehicle: TransitionVehicle, spacing: float | None) -> dict[str, TransitionVehicle]:

@@ -27,8 +27,8 @@ from missionplan.studies.leg_length.sweep_scenario import SweepScenario
 from missionplan.studies.optimisation.choosable import read_lattice
 from missionplan.studies.simulation.checks import (
     check_complete,
-    checked_means,
     cover_in_words,
+    covered_means,
     input_notices,
     vehicle_notices,
 )
@@ -90,7 +90,7 @@ def validated_mission(path: Path, mission: Mission) -> Validated:
     """
     wrong = _wrong_choices(mission)
     try:
-        means = checked_means(mission)
+        means = covered_means(mission)
         check_place(means)
     except InputError as error:
         raise InputError([*error.problems, *wrong]) from None
@@ -102,6 +102,10 @@ def validated_mission(path: Path, mission: Mission) -> Validated:
         check_complete(mission)
         notices.extend((*vehicle_notices(mission, means), *input_notices(mission, means), *tracks_lost(means)))
 
+    def sizable() -> None:
+        for phase in means.mooring.moors:
+            design_current(means, phase)
+
     simulation = needs(simulable)
     kinds = ", ".join(phase.kind for phase in mission.phases) or "none"
     legs = needs(lambda: SweepScenario.of(mission, means))
@@ -110,7 +114,7 @@ def validated_mission(path: Path, mission: Mission) -> Validated:
         Readiness("export", needs(lambda: TransitMission.of(mission)), _origin(mission)),
         Readiness("sweep-dmax", legs),
         Readiness("plan-legs", legs),
-        Readiness("size-anchor", needs(lambda: _sizable(means)), _construction(mission)),
+        Readiness("size-anchor", needs(sizable), _construction(mission)),
         Readiness("sweep-transition", needs(lambda: TransitionMission.of(mission))),
         Readiness(
             "optimise",
@@ -126,11 +130,6 @@ def validated_mission(path: Path, mission: Mission) -> Validated:
 def _origin(mission: Mission) -> str:
     placed = mission.site is not None and mission.site.origin is not None
     return "" if placed else "site.origin for formats with positions on Earth"
-
-
-def _sizable(means: Scenario) -> None:
-    for phase in means.mooring.moors:
-        design_current(means, phase)
 
 
 def _construction(mission: Mission) -> str:

@@ -3,6 +3,7 @@
 import re
 import sys
 from pathlib import Path
+from typing import get_args
 
 import pytest
 import yaml
@@ -43,7 +44,7 @@ def run(monkeypatch: pytest.MonkeyPatch, *arguments: str) -> int:
 
 
 def test_the_command_knows_every_format() -> None:
-    assert {str(each) for each in PlanFormat} == set(FORMATS)
+    assert set(get_args(PlanFormat)) == set(FORMATS)
     for name in FORMATS:
         form = format_named(name)
         assert form.TITLE

@@ -26,7 +26,7 @@ from missionplan.studies.anchor.sizing import AnchorSizer, AnchorTrials
 from missionplan.studies.held_vehicle import held_vehicle
 from missionplan.studies.judgement import doubted, judged
 from missionplan.studies.run import Run, RunArguments
-from missionplan.studies.simulation.checks import checked_means
+from missionplan.studies.simulation.checks import covered_means
 
 HEAVIER = (1.005, 1.01, 1.02, 1.03, 1.05)
 """Factors by which an anchor is made heavier where fresh draws do not agree with those on which it was found."""
@@ -68,7 +68,7 @@ def size_anchor(
     mission = run.mission
     moor = MooringMission.of(mission).mooring(phase)
     _check_probability(probability)
-    means = checked_means(mission)
+    means = covered_means(mission)
     dives = AnchorTrials(mission, moor.name, means.recorded, run.trials, run.seed, run.workers)
     means = laden(means, means.moor(moor.name))
     sizer = AnchorSizer(means.moor(moor.name), means, dives)

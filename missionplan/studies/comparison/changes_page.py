@@ -138,7 +138,7 @@ def page(comparison: Comparison) -> Page:
         answer=answer(comparison),
         draw=lambda: changes_figure(comparison),
         numbers=_numbers(comparison),
-        write=lambda: [section for part in _PARTS for section in part(comparison)],
+        write=lambda: list(_sections(comparison)),
         rerun=f"missionplan compare {' '.join(folders)}",
         table=lambda: _cells(comparison),
         plots={"changes": draw_changes},
@@ -292,28 +292,23 @@ def _changes(comparison: Comparison) -> Iterator[PageSection]:
             yield PageSection(heading, [Table(("key", "first", "second"), rows, text_columns=3)])
 
 
-def _deciding(comparison: Comparison) -> Iterator[PageSection]:
-    if comparison.deciding:
-        yield PageSection("What decides", [_table(comparison, comparison.deciding)])
-
-
 def _others_changed(comparison: Comparison) -> list[ComparedNumber]:
     """Numbers that changed, besides those that decide, the clearest first."""
     others = [item for item in comparison.changed if item not in comparison.deciding]
     return sorted(others, key=importance, reverse=True)
 
 
-def _changed(comparison: Comparison) -> Iterator[PageSection]:
-    changed = _others_changed(comparison)
+def _sections(comparison: Comparison) -> Iterator[PageSection]:
+    """Yield the sections, what decides first."""
+    deciding, changed = comparison.deciding, _others_changed(comparison)
+    if deciding:
+        yield PageSection("What decides", [_table(comparison, deciding)])
     if changed:
         yield PageSection(f"{_count(changed, 'number')} changed, the clearest first", [_table(comparison, changed)])
-
-
-def _rest(comparison: Comparison) -> Iterator[PageSection]:
-    shown = comparison.deciding
-    rest = [item for item in comparison.differences if item.verdict != "changed" and item not in shown]
-    if not comparison.alike:
-        rest = [item for item in rest if item.change is not None]
+    yield from _runs(comparison)
+    yield from _changes(comparison)
+    rest = [item for item in comparison.differences if item.verdict != "changed" and item not in deciding]
+    rest = [item for item in rest if comparison.alike or item.change is not None]
     if rest:
         yield PageSection("What did not change, or cannot be judged", [_table(comparison, rest)])
 
@@ -322,7 +317,3 @@ def _table(comparison: Comparison, items: Sequence[ComparedNumber]) -> Table:
     many = f"The first {_MOST_ROWS} of {len(items)}; all are in differences.csv." if len(items) > _MOST_ROWS else ""
     columns = ("number", "verdict", "first", "second", "change ± standard error")
     return Table(columns, [row_of(comparison, item) for item in items[:_MOST_ROWS]], many, text_columns=2)
-
-
-_PARTS = (_deciding, _changed, _runs, _changes, _rest)
-"""Parts of the page, what decides first."""

@@ -3,7 +3,6 @@
 import time
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
 from pathlib import Path
 
 import numpy as np
@@ -14,10 +13,9 @@ from missionplan.mission import Mission, MissionOrPath, load
 from missionplan.mission.reading.documents import load_document
 from missionplan.montecarlo.paired import LEVEL, paired_difference
 from missionplan.montecarlo.parallel.blocks import Progress, Workers
-from missionplan.montecarlo.streams import CommonStreams, block_count, block_size
+from missionplan.montecarlo.streams import sized_blocks
 from missionplan.results.base import Provenance
 from missionplan.results.decision import Aim
-from missionplan.scenario.scenario import Scenario
 from missionplan.store.folder import as_path, is_folder
 from missionplan.studies.comparison.reported_choices import CHOOSING, aim_of, check_kinds, reported_alternative
 from missionplan.studies.comparison.result import DECIDES, Alternative, Alternatives, Comparison, Contrast, Estimate
@@ -30,39 +28,15 @@ from missionplan.studies.comparison.two_reports import (
 )
 from missionplan.studies.coverage import coverage_of
 from missionplan.studies.exploration.cells import (
-    CellBlock,
-    CellItem,
     CellTrials,
-    InvalidCell,
+    MissionTask,
     SharedCurrent,
     cell_trials,
-    checked_means,
-    run_checked,
 )
 from missionplan.studies.exploration.result import DURATION, ENERGY, cell_of
 from missionplan.studies.run import check_arguments, identified
 
 _COLUMNS = {"success": "total.success", "energy_wh": ENERGY, "duration_s": DURATION}
-
-
-@dataclass(frozen=True, eq=False)
-class MissionTask:
-    """Runs a block of one of several missions; see `CellTask`."""
-
-    missions: Sequence[Mission]
-    currents: Sequence[SharedCurrent]
-    seed: int
-
-    def __call__(self, item: CellItem) -> CellBlock | InvalidCell:
-        """Run one block."""
-        return run_checked(self._means, self._streams, item, (DURATION, ENERGY))
-
-    def _means(self, number: int) -> Scenario:
-        return checked_means(self.missions[number], self.currents[number])
-
-    @cached_property
-    def _streams(self) -> CommonStreams:
-        return CommonStreams(self.seed)
 
 
 def compare_missions(
@@ -176,12 +150,8 @@ def _paths(alternatives: Sequence[MissionOrPath]) -> list[Path]:
 def _run(missions: Sequence[Mission], trials: int, seed: int, jobs: int, progress: Progress | None) -> list[CellTrials]:
     if not missions:
         return []
-    task = MissionTask(missions, [SharedCurrent.of(mission) for mission in missions], seed)
-    items = [
-        (number, block, block_size(trials, block))
-        for number in range(len(missions))
-        for block in range(block_count(trials))
-    ]
+    task = MissionTask(missions, [SharedCurrent.of(mission) for mission in missions], seed, (DURATION, ENERGY))
+    items = [(number, *block) for number in range(len(missions)) for block in sized_blocks(trials)]
     found = cell_trials(task, items, range(len(missions)), Workers(jobs, progress=progress))
     problems = [
         Problem(each.reason, mission.file) for mission, each in zip(missions, found, strict=True) if each.reason

@@ -55,7 +55,8 @@ class SharedCurrent:
         starts = ({"start": moment.isoformat()} for moment in (first, first + hour))
         early, later = (Mission.from_data(with_values(mission.raw, each), file=mission.file) for each in starts)
         current = recorded_current(early)
-        if _is_field(mission):
+        written = current_source(mission)
+        if written is not None and all(is_netcdf(name) for name in written.members):  # a field
             return cls(current, _place(mission), early.start, moves=True)
         shifted = recorded_current(later)
         if not isinstance(current, RecordedCurrent) or not isinstance(shifted, RecordedCurrent):
@@ -74,11 +75,6 @@ class SharedCurrent:
             return current
         later = (mission.start - self.start).total_seconds()
         return current.later(later) if later else current
-
-
-def _is_field(mission: Mission) -> bool:
-    written = current_source(mission)
-    return written is not None and all(is_netcdf(name) for name in written.members)
 
 
 def _place(mission: Mission) -> dict[str, object]:
@@ -110,21 +106,59 @@ class CellBlock:
 
 
 @dataclass(frozen=True, eq=False)  # hashed by identity, as Dask asks for
-class CellTask:
-    """Runs a block of a cell, in this process or another."""
+class MissionTask:
+    """Runs a block of one of several missions, in this process or another."""
 
-    COMMAND: ClassVar[str] = "explore"
-    data: Mapping[str, object]
-    """The base mission's, with included files in their places."""
-    cells: Sequence[Mapping[str, object]]
-    """Values by key path that each cell puts in their places."""
-    current: SharedCurrent
+    missions: Sequence[Mission]
+    currents: Sequence[SharedCurrent]
     seed: int
-    """The same for all cells: common random numbers."""
+    """The same for all: common random numbers."""
     quantities: tuple[str, ...]
     """Columns to return besides success and requirements, such as ``total.energy_wh``."""
-    file: str
-    """How messages name the mission."""
+
+    def scenario(self, cell: int) -> Scenario:
+        """Return one of the missions at its means, checked; raises InputError where it is not valid."""
+        return checked_means(self.missions[cell], self.currents[cell])
+
+    @cached_property
+    def _streams(self) -> CommonStreams:
+        return CommonStreams(self.seed)
+
+    def __call__(self, item: CellItem) -> CellBlock | InvalidCell:
+        """Run one block; what is wrong with its mission is returned, not raised, so that others go on."""
+        cell, block, size = item
+        try:
+            means, source = self.scenario(cell), self._streams.of_block(block)
+            trials = run_trials(means.sampled_from(source, size), source, size, inputs=False)
+        except InputError as error:
+            # without the file, which is that of every cell
+            reasons = (f"{each.key}: {each.message}" if each.key else each.message for each in error.problems)
+            return InvalidCell("; ".join(reasons))
+        except MissionplanError:
+            raise
+        except Exception as error:
+            return InvalidCell(f"block {block}: {type(error).__name__}: {error}")
+        columns = trials.columns()
+        flags = {SUCCESS: trials.success, **requirement_flags(means.mission, columns)}
+        left = [phase.limits[LEFT_RECORD] for phase in trials.phases if LEFT_RECORD in phase.limits]
+        if left and means.current is not None and means.current.is_binding:
+            flags[LEFT_RECORD] = np.any(left, axis=0)
+        return CellBlock(flags | {name: columns[name] for name in self.quantities})
+
+
+@dataclass(frozen=True, eq=False)
+class CellTask(MissionTask):
+    """Runs a block of a cell: of one mission with other values at some key paths."""
+
+    COMMAND: ClassVar[str] = "explore"
+
+    cells: Sequence[Mapping[str, object]]
+    """Values by key path that each cell puts in their places."""
+
+    @property
+    def current(self) -> SharedCurrent:
+        """Record of the current that the cells share."""
+        return self.currents[0]
 
     def identity(self, mission: Mission, axes: Sequence[Axis]) -> Identity:
         """Everything that a finished block depends on; not how many trials there are."""
@@ -134,19 +168,12 @@ class CellTask:
 
     def mission(self, cell: int) -> Mission:
         """Return the mission of a cell; raises InputError where it is not valid."""
-        return Mission.from_data(with_values(self.data, self.cells[cell]), file=self.file)
+        base = self.missions[0]
+        return Mission.from_data(with_values(base.raw, self.cells[cell]), file=base.file)
 
     def scenario(self, cell: int) -> Scenario:
         """Return the mission of a cell at its means, checked."""
         return checked_means(self.mission(cell), self.current)
-
-    @cached_property
-    def _streams(self) -> CommonStreams:
-        return CommonStreams(self.seed)
-
-    def __call__(self, item: CellItem) -> CellBlock | InvalidCell:
-        """Run one block of a cell; what is wrong with its mission is returned, not raised, so that others go on."""
-        return run_checked(self.scenario, self._streams, item, self.quantities)
 
 
 def checked_means(mission: Mission, current: SharedCurrent) -> Scenario:
@@ -155,30 +182,6 @@ def checked_means(mission: Mission, current: SharedCurrent) -> Scenario:
     means = Scenario.at_means(mission, current.for_mission(mission))
     check_dives(means)
     return means
-
-
-def run_checked(
-    means_of: Callable[[int], Scenario], streams: CommonStreams, item: CellItem, quantities: Sequence[str]
-) -> CellBlock | InvalidCell:
-    """Run one block of a mission; what is wrong with it is returned, not raised."""
-    cell, block, size = item
-    try:
-        means, source = means_of(cell), streams.of_block(block)
-        trials = run_trials(means.sampled_from(source, size), source, size, inputs=False)
-    except InputError as error:
-        # without the file, which is that of every cell
-        reasons = (f"{each.key}: {each.message}" if each.key else each.message for each in error.problems)
-        return InvalidCell("; ".join(reasons))
-    except MissionplanError:
-        raise
-    except Exception as error:
-        return InvalidCell(f"block {block}: {type(error).__name__}: {error}")
-    columns = trials.columns()
-    flags = {SUCCESS: trials.success, **requirement_flags(means.mission, columns)}
-    left = [phase.limits[LEFT_RECORD] for phase in trials.phases if LEFT_RECORD in phase.limits]
-    if left and means.current is not None and means.current.is_binding:
-        flags[LEFT_RECORD] = np.any(left, axis=0)
-    return CellBlock(flags | {name: columns[name] for name in quantities})
 
 
 MAX_BLOCKS = 100_000

@@ -14,7 +14,7 @@ from missionplan.mission.units import QuantityError
 from missionplan.montecarlo.paired import compare_with_best
 from missionplan.montecarlo.parallel.blocks import Backend, Progress
 from missionplan.montecarlo.statistics import Count
-from missionplan.montecarlo.streams import block_count, block_size
+from missionplan.montecarlo.streams import sized_blocks
 from missionplan.results.decision import Aim, Axis, MemberOutcome
 from missionplan.scenario.currents.building import members_drawn, members_of
 from missionplan.scenario.scenario import Scenario
@@ -74,8 +74,7 @@ def race(
     known: list[CellTrials] = [CellTrials({})] * cells
     spent, size = 0, min(FIRST, trials)
     while True:
-        items = [(cell, block, block_size(size, block)) for cell in left for block in range(block_count(size))]
-        found = run(items)
+        found = run([(cell, *block) for cell in left for block in sized_blocks(size)])
         spent += size * len(left)
         for cell in left:
             known[cell] = found[cell]
@@ -239,7 +238,7 @@ class CellPlan:
             for place in places
         ]
         current = SharedCurrent.of(mission, first_start(axes))
-        return cls(CellTask(mission.raw, values, current, seed, columns, mission.file), places, axes)
+        return cls(CellTask([mission], [current], seed, columns, values), places, axes)
 
     @property
     def cells(self) -> range:
@@ -271,8 +270,7 @@ def _run(
 ) -> Race:
     if only_best:
         return race(mission, len(plan.places), trials, aim, run)
-    blocks = range(block_count(trials))
-    found = run([(cell, block, block_size(trials, block)) for cell in plan.cells for block in blocks])
+    found = run([(cell, *block) for cell in plan.cells for block in sized_blocks(trials)])
     return Race(found, frozenset(), trials * len(plan.places))
 
 

@@ -269,7 +269,8 @@ def _learned(report: _Report, moment: str) -> Iterator[Learned]:
     best = mappings(summary.get("ranking"))[:1] if summary.get("causes") else []
     likely = _probability(summary)
     for parameter in [each for entry in best for each in mappings(entry.get("parameters"))]:
-        changed = bool(summary.get("changed")) and _was_known(summary, str(parameter["effect"]))
+        known = summary.get("changed_effects")  # older reports do not name them
+        changed = bool(summary.get("changed")) and (not isinstance(known, list) or parameter["effect"] in known)
         entry = _entry(report, moment, parameter, parameter, "changed" if changed else "found")
         yield replace(entry, probability=likely)
     for each in mappings(summary.get("confirmed")):
@@ -281,12 +282,6 @@ def _probability(summary: Mapping[str, object]) -> float:
     doubt = mappings(summary.get("explanations"))
     own = [real(each.get("probability")) for each in doubt if each.get("causes") == summary.get("causes")]
     return own[0] if own else 1.0
-
-
-def _was_known(summary: Mapping[str, object], effect: str) -> bool:
-    """Whether the mission that was diagnosed had an effect."""
-    known = summary.get("changed_effects")
-    return effect in known if isinstance(known, list) else True
 
 
 def _entry(

@@ -93,10 +93,11 @@ class _Towing:
         if np.any(speed <= 0.0):
             raise RunError("drag coefficient: each row needs a speed above 0")
         reynolds = np.asarray(reynolds_number(speed, settings.reference_length, data.viscosity))
+        given = data.columns.get("force_sd_n")  # by row, or else one for all, or none
         return cls(
             speed=speed,
             force=force,
-            force_sd=_force_sd(data),
+            force_sd=given if given is not None and np.all(given > 0.0) else data.settings.noise.force,
             area=settings.reference_area,
             density=data.density,
             reynolds=reynolds,
@@ -158,12 +159,6 @@ class _Towing:
             curves=(FitCurve(best.name, self.speed, best.fitted),),
             alt="Measured drag against speed with the preferred fit.",
         )
-
-
-def _force_sd(data: TankData) -> Array | float | None:
-    """Stated errors of the forces: by row, or one for all, or none."""
-    given = data.columns.get("force_sd_n")
-    return given if given is not None and np.all(given > 0.0) else data.settings.noise.force
 
 
 def _remarks(towing: _Towing, simple: FittedModel, richer: FittedModel, compared: _Compared | None) -> tuple[str, ...]:

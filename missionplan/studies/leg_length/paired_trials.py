@@ -91,7 +91,7 @@ def error_scenarios(scenario: SweepScenario) -> tuple[ErrorScenario, ...]:
 
 def _mean_errors(scenario: SweepScenario) -> tuple[ErrorScenario, ErrorScenario]:
     """Mean drift that is not as planned; a current that is larger or smaller is so at the surface too."""
-    drift, surface, sigma = scenario.mean_drift, scenario.mean_surface_drift, scenario.sigma(0)
+    (drift, surface), sigma = scenario.mean_drifts, scenario.sigma(0)
     if np.any(drift) or np.any(surface):
         return (
             ErrorScenario("mean drift half as large", mean=_pair(-0.5 * drift), surface=_pair(-0.5 * surface)),

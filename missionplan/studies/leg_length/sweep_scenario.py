@@ -197,14 +197,10 @@ class SweepScenario:
         return self.means.mission
 
     @property
-    def mean_drift(self) -> Array:
-        """Mean velocity that carries the vehicle under way at the start, shape (2,) [m/s]."""
-        return _mean_drift(self.means, self.phase, self.means.position(start_of(self.means.drawn, self.phase)))
-
-    @property
-    def mean_surface_drift(self) -> Array:
-        """Mean velocity of the current at the surface at the start, shape (2,) [m/s]."""
-        return _mean_current(self.means, 0.0, self.means.position(start_of(self.means.drawn, self.phase)))
+    def mean_drifts(self) -> tuple[Array, Array]:
+        """Mean velocity that carries the vehicle at the start, under way and at the surface, shape (2,) each [m/s]."""
+        start = self.means.position(start_of(self.means.drawn, self.phase))
+        return _mean_drift(self.means, self.phase, start), _mean_current(self.means, 0.0, start)
 
     @property
     def required_arrival(self) -> float:

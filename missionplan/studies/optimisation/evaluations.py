@@ -17,7 +17,7 @@ from missionplan.errors import InputError, Problem
 from missionplan.mission import Mission
 from missionplan.montecarlo.parallel.blocks import Workers
 from missionplan.montecarlo.statistics import Count, Probability, successes_to_decide
-from missionplan.montecarlo.streams import block_count, block_size
+from missionplan.montecarlo.streams import sized_blocks
 from missionplan.results.decision import Aim
 from missionplan.scenario.scenario import Scenario
 from missionplan.store.checkpoints import Checkpoints
@@ -89,7 +89,7 @@ class Evaluations:
         """Return the trials of some points, run where they have not been."""
         todo = [point for point in dict.fromkeys(points) if (point, trials) not in self.kept]
         cells = [self.lattice.number(point) for point in todo]
-        items = [(cell, block, block_size(trials, block)) for cell in cells for block in range(block_count(trials))]
+        items = [(cell, *block) for cell in cells for block in sized_blocks(trials)]
         found = cell_trials(self.task, items, cells, self.workers, self.store)
         for point, each in zip(todo, found, strict=True):
             self.kept[point, trials] = Evaluation(point, each.columns, each.reason)

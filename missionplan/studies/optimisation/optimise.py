@@ -87,7 +87,7 @@ def optimise(
     # without a vehicle there is no energy, and it is the time
     least = aim or (mission.optimise.aim if mission.vehicle is not None else "duration")
     current = SharedCurrent.of(mission, first_start(lattice.axes))
-    task = ChoiceTask(mission.raw, lattice, current, seed, columns_needed(mission), mission.file)
+    task = ChoiceTask([mission], [current], seed, columns_needed(mission), lattice)
     folder = as_path(checkpoint, "checkpoint") if checkpoint is not None else None
     store = Checkpoints(folder, task.identity(mission, lattice.axes), resume=resume) if folder else None
     problem = _Problem(Evaluations(mission, lattice, task, run.workers.quiet, store), demands, least, run)
@@ -121,6 +121,7 @@ class _Problem:
         relaxations = () if choice is None else self._relaxations(search, choice)
         self._report(4)
         shown = self._nearest() if choice is None else choice
+        settings = {"monte_carlo.trials": self.run.trials, "monte_carlo.seed": self.run.seed}  # as it was checked
         return Optimised(
             provenance=self.run.provenance(options, self.run.mission.notices()),
             aim=self.aim,
@@ -128,7 +129,7 @@ class _Problem:
             combinations=len(self.lattice),
             chosen=self._values(shown.point),
             feasible=choice is not None,
-            mission=self._mission_data(shown.point),
+            mission=with_values(self.evaluations.mission.raw, {**self.lattice.values_at(shown.point), **settings}),
             checked=checked,
             fresh=fresh,
             tried=self._tried(),
@@ -151,12 +152,6 @@ class _Problem:
 
     def _values(self, point: Point) -> dict[str, str]:
         return {axis.name: axis.exact(index) for axis, index in zip(self.lattice.axes, point, strict=True)}
-
-    def _mission_data(self, point: Point) -> dict[str, object]:
-        """The mission with a choice, as `simulate` takes it: with the trials and the seed that it was checked with."""
-        values = self.lattice.values_at(point)
-        settings = {"monte_carlo.trials": self.run.trials, "monte_carlo.seed": self.run.seed}
-        return with_values(self.evaluations.mission.raw, {**values, **settings})
 
     def _check(self, search: Search) -> tuple[Evaluation | None, Outcome | None, Outcome | None]:
         """Simulate the best choice with all trials, on the same random numbers and on fresh ones, until one does."""

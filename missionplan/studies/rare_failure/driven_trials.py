@@ -156,18 +156,14 @@ def _of_phase(
     for reason, values in done.margins.items():
         yield reason, _each(values, done)
     if isinstance(phase, TransitPhase):
-        yield from _of_transit(done, scenario)
+        # legs left on arrival, less the share of the arrival radius used up: a trial just inside nearly needed another
+        used = done.quantities["surfacings"] + np.minimum(done.quantities["arrival_error_m"] / done.radius, 1.0)
+        yield _NOT_ARRIVED, scenario.navigation.max_legs + 1.0 - used
     elif isinstance(phase, MoorPhase):
         yield from _of_mooring(phase, done)
     left = scenario.capacity / JOULES_PER_WATT_HOUR - spent
     if np.all(np.isfinite(scenario.capacity)):
         yield Failure.OUT_OF_ENERGY, _each(left, done)
-
-
-def _of_transit(done: PhaseTrials, scenario: Scenario) -> Iterator[tuple[str, Array]]:
-    """Legs left on arrival, less the share of the arrival radius used up: a trial just inside nearly needed another."""
-    used = done.quantities["surfacings"] + np.minimum(done.quantities["arrival_error_m"] / done.radius, 1.0)
-    yield _NOT_ARRIVED, scenario.navigation.max_legs + 1.0 - used
 
 
 def _of_mooring(phase: MoorPhase[Scalars], done: PhaseTrials) -> Iterator[tuple[str, Array]]:

@@ -32,7 +32,7 @@ from missionplan.studies.rare_failure.driven_trials import (
 )
 from missionplan.studies.run import Run, RunArguments
 from missionplan.studies.simulation.block_statistics import failures_by_step
-from missionplan.studies.simulation.checks import check_complete, checked_means, input_notices
+from missionplan.studies.simulation.checks import check_complete, covered_means, input_notices
 from missionplan.studies.simulation.trial_block import MissionTrials
 
 
@@ -215,7 +215,7 @@ def find_rare_failure(
     mission, seed = run.mission, run.seed
     check_complete(mission)
     wanted, aim = RareEvent.parse(event, mission), variation_asked(precision)
-    means = checked_means(mission)
+    means = covered_means(mission)
     if means.place is not None and not wanted.is_quantity:
         means = replace(means, place=replace(means.place, is_measured=True))
     driven, indices, usual = _with_ways(means, wanted, seed)

@@ -27,7 +27,7 @@ from missionplan.scenario.site_current import recorded_current
 from missionplan.studies.held_vehicle import check_dives, held_vehicle
 
 if TYPE_CHECKING:
-    from missionplan.montecarlo.statistics import Probability
+    from missionplan.montecarlo.statistics import Count
     from missionplan.studies.simulation.block_sequence import MergedBlocks, Precision
 
 
@@ -60,16 +60,16 @@ def check_cover(mission: Mission, means: Scenario) -> None:
         raise InputError(problems)
 
 
-def check_trials(mission: Mission, current: object, left: "Probability | None") -> None:
+def check_trials(means: Scenario, left: "Count | None") -> None:
     """Refuse a run of which more than 1 % of the trials left the record of the current.
 
     Raises InputError with the remedy.
     """
-    if not isinstance(current, RecordedCurrent) or not current.is_binding or left is None:
-        return
-    if left.value > TOLERATED:
-        share = f"{100.0 * left.value:.3g} % of the trials leave the record of the current"
-        message = f"{share}, which {_extent(mission, current)}; at most {100.0 * TOLERATED:g} % may"
+    mission, current = means.mission, means.recorded
+    share = left.probability().value if left is not None else 0.0
+    if isinstance(current, RecordedCurrent) and current.is_binding and share > TOLERATED:
+        words = f"{100.0 * share:.3g} % of the trials leave the record of the current"
+        message = f"{words}, which {_extent(mission, current)}; at most {100.0 * TOLERATED:g} % may"
         raise InputError([_problem(mission, message)])
 
 
@@ -218,7 +218,7 @@ def _missing(mission: Mission, key: str, reason: str) -> Problem:
     return Problem(f"missing; {reason}", mission.file, key=key)
 
 
-def checked_means(mission: Mission) -> Scenario:
+def covered_means(mission: Mission) -> Scenario:
     """Return a mission at its means; raises InputError where its current does not cover it, or a dive is impossible."""
     means = Scenario.at_means(mission, recorded_current(mission))
     check_cover(mission, means)

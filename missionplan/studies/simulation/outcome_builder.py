@@ -85,7 +85,11 @@ class OutcomeBuilder:
             held=self.held,
             failed_blocks=self.failed_blocks,
             trials_table=self.trials_table,
-            explanations=tuple(self._explanations()),
+            explanations=tuple(
+                self._explained(doubt.place, number, doubt.causes[number], doubt.probabilities[number])
+                for doubt in self.mission.doubts
+                for number in doubt.told_apart
+            ),
             contacts=tuple(self._contacts()),
             members=tuple(
                 self._explained(MEMBER, number, (name,), weight) for number, (name, weight) in enumerate(self.members)
@@ -105,11 +109,6 @@ class OutcomeBuilder:
                 east=float(east / count),
                 north=float(north / count),
             )
-
-    def _explanations(self) -> Iterator[ExplainedOutcome]:
-        for doubt in self.mission.doubts:
-            for number in doubt.told_apart:
-                yield self._explained(doubt.place, number, doubt.causes[number], doubt.probabilities[number])
 
     def _explained(self, place: str, number: int, causes: Causes, share: float) -> ExplainedOutcome:
         name = explained_name(place, number)

@@ -11,7 +11,7 @@ from missionplan.identity import Identity, digest_of_files
 from missionplan.mission import Mission, MissionOrPath
 from missionplan.montecarlo.parallel.blocks import Backend, Progress
 from missionplan.montecarlo.statistics import Probability
-from missionplan.montecarlo.streams import BLOCK, block_count, block_size
+from missionplan.montecarlo.streams import BLOCK, sized_blocks
 from missionplan.results.decision import SeaChart
 from missionplan.results.plan import Plan
 from missionplan.results.simulation import Outcome
@@ -29,7 +29,7 @@ from missionplan.studies.simulation.block_statistics import LIMIT
 from missionplan.studies.simulation.checks import (
     check_complete,
     check_trials,
-    checked_means,
+    covered_means,
     held_vehicles,
     input_notices,
     mooring_anchors,
@@ -42,6 +42,7 @@ MAX_TRIALS = 10_000_000
 """Trials after which a run to a given precision ends, unless the number of trials is given."""
 
 
+_LEFT = f"{LIMIT}left_record"
 CHART_NODES = 150
 """Of the depths on maps, along each side."""
 
@@ -111,17 +112,17 @@ def simulate(
     check_complete(mission)
     searches = read_searches(as_path(searched, "searched"), mission) if searched is not None else ()
     goal = Precision.parse(precision, mission) if precision else None
-    means = checked_means(mission)
+    means = covered_means(mission)
     notices = input_notices(mission, means)
     exported = (as_exported, mission_plan(mission, means=means, to=as_exported)) if as_exported is not None else None
     if exported is not None:
         means = replace(means, executions=executions(mission, *exported))
     task = BlockTask(means, seed, keep_trials)
-    items = _items(trials or (MAX_TRIALS if goal else mission.monte_carlo.trials))
+    items = sized_blocks(trials or (MAX_TRIALS if goal else mission.monte_carlo.trials))
     store = Checkpoints(folder, _identity(task, as_exported), resume=resume) if folder else None
     sequence = BlockSequence(items, store, goal, TrialsTable() if keep_trials else None)
     merged = sequence.run(lambda todo: run.workers.quiet.run(task, todo), progress)
-    _check_record(means, merged)
+    check_trials(means, merged.totals.counts.get(_LEFT))
     if exported is not None:
         notices = (*notices, *_loss(mission, exported, merged, seed))
     tracks = merged.tracks or task.tracks(*merged.first)  # block 0 has them, unless it failed
@@ -170,17 +171,11 @@ def event_probabilities(mission: Mission, *, trials: int, seed: int) -> dict[str
     Raises InputError and RunError as `simulate` does.
     """
     check_complete(mission)
-    means = checked_means(mission)
+    means = covered_means(mission)
     task = BlockTask(means, seed)
-    merged = BlockSequence(_items(trials)).run(lambda items: (task(item) for item in items))
-    _check_record(means, merged)
+    merged = BlockSequence(sized_blocks(trials)).run(lambda items: (task(item) for item in items))
+    check_trials(means, merged.totals.counts.get(_LEFT))
     return {name: count.probability() for name, count in merged.totals.counts.items()}
-
-
-def _check_record(means: Scenario, merged: MergedBlocks) -> None:
-    """Refuse a run whose trials leave the record of the current."""
-    left = merged.totals.counts.get(f"{LIMIT}left_record")
-    check_trials(means.mission, means.recorded, left.probability() if left else None)
 
 
 def _overdue(task: BlockTask, first: BlockItem, searches: Sequence[Search]) -> Overdue | None:
@@ -189,10 +184,6 @@ def _overdue(task: BlockTask, first: BlockItem, searches: Sequence[Search]) -> O
     scenario = task.means.sampled(seed=task.seed, block=block, size=size)
     trials = run_block(scenario, task.seed, block, size, tracked=size, inputs=False)
     return overdue(scenario, trials, task.seed, searches)
-
-
-def _items(trials: int) -> list[BlockItem]:
-    return [(block, block_size(trials, block)) for block in range(block_count(trials))]
 
 
 def simulate_block(mission: Mission, *, seed: int, block: int, trials: int = BLOCK) -> MissionTrials:

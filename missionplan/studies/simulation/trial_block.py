@@ -52,13 +52,6 @@ class Part:
         return np.asarray(shape * np.log(np.maximum(self.age, _TINY) / np.maximum(exposure, _TINY)))
 
 
-def parts_of(block: TrialBlock, trials: int) -> tuple[Part, ...]:
-    """Draw when each part of the vehicle fails; none where its file gives no reliability."""
-    vehicle = block.scenario.drawn.vehicle
-    hazards = vehicle.reliability if vehicle is not None else ()
-    return tuple(_drawn(block, number, hazard, trials) for number, hazard in enumerate(hazards))
-
-
 def _drawn(block: TrialBlock, number: int, hazard: "Hazard[Scalars]", trials: int) -> Part:
     stream = f"vehicle.reliability[{number}]"
     normals = block.source.once(f"{stream}.age")[:trials]
@@ -199,7 +192,9 @@ def _run(block: TrialBlock, trials: int) -> MissionTrials:
     state = _deployed(block, trials)
     goal = state.position
     done: list[PhaseTrials] = []
-    parts, exposure = parts_of(block, trials), Exposure()
+    vehicle, exposure = scenario.drawn.vehicle, Exposure()
+    hazards = vehicle.reliability if vehicle is not None else ()
+    parts = [_drawn(block, number, hazard, trials) for number, hazard in enumerate(hazards)]
     for phase in scenario.drawn.phases:
         begun = state
         if isinstance(phase, TransitPhase):

@@ -168,17 +168,14 @@ def _forecast_in_words(tide: DepthTide, days: float) -> str:
 
 
 def _numbers(tide: DepthTide) -> list[tuple[str, str]]:
+    unit = reader_unit("m/s", max(abs(tide.east), abs(tide.north)))
+    east, north, error = unit(tide.east), unit(tide.north), unit(tide.mean_error)
+    mean = f"{number(east, error)} and {number(north, error)}{unit.suffix}, each ± {error:.2g}"
     return [
-        ("Mean, east and north", _mean_in_words(tide)),
+        ("Mean, east and north", mean),
         ("What is left, each component", quantity(tide.residual, "m/s", ".3f")),
         ("What is left lasts", f"{_hours(tide)} h".replace("<", "less than")),
     ]
-
-
-def _mean_in_words(tide: DepthTide) -> str:
-    unit = reader_unit("m/s", max(abs(tide.east), abs(tide.north)))
-    east, north, error = unit(tide.east), unit(tide.north), unit(tide.mean_error)
-    return f"{number(east, error)} and {number(north, error)}{unit.suffix}, each ± {error:.2g}"
 
 
 def _hours(tide: DepthTide) -> str:
