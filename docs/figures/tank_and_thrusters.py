@@ -15,8 +15,8 @@ from missionplan.report.drawn import style
 from missionplan.report.page import BLUE, GREEN, GREY, ORANGE, Figure, to_figure
 from missionplan.studies.identification import page as pictures
 from missionplan.studies.identification.identify import identify
-from missionplan.studies.transition_page import all_figures
 from missionplan.studies.sweep_transition import sweep_transition
+from missionplan.studies.transition_page import all_figures
 from tests.physics import avila_example as avila
 from tests.physics import propeller_example as example
 
@@ -98,7 +98,7 @@ def main() -> None:
     with style():
         figures = [("", figure) for figure in (*blanke(), avila_step_response(), tunnel_factors())]
         for name in ("avila-drag", "avila-added-mass"):
-            analysis = identify(MISSIONS / "measured" / name).analysis
+            analysis = identify(MISSIONS / "measured" / name)
             figures += [("avila-", pictures.panel_figure(panel)) for panel in analysis.panels]
         sweep = sweep_transition(missionplan.load(MISSIONS / "autosub-transition.yaml"))
         figures += [("transition-", figure) for figure in all_figures(sweep)]

@@ -68,7 +68,7 @@ def test_tank_lies_ten_percent_below_cfd(surge):
     assert 1.0 - TABLE_1_COEFFICIENT.mean() / TABLE_6_COEFFICIENT.mean() == pytest.approx(0.104, abs=5e-4)
     assert 1.0 - (TABLE_1_FORCE / TABLE_6_FORCE).mean() == pytest.approx(0.102, abs=5e-4)
     assert TABLE_6_COEFFICIENT.mean() / TABLE_1_COEFFICIENT.mean() - 1.0 == pytest.approx(0.116, abs=5e-4)
-    assert any("10.3 % below that of CFD" in remark for remark in surge.analysis.remarks)
+    assert any("10.3 % below that of CFD" in remark for remark in surge.remarks)
 
 
 def test_added_mass_of_table_3():

@@ -34,7 +34,7 @@ def adaptive(tmp_path_factory):
 @pytest.fixture(scope="module")
 def fixed(adaptive):
     own, knot = np.array([693.25]), np.array([20.0])
-    return replace(adaptive, left=knot, leg=own, fixed_d_max=693.25, speed=0.845, mission_speed=1.0)
+    return replace(adaptive, left=knot, leg=own, fixed_d_max=693.25, speed_factor=0.845, mission_speed=1.0)
 
 
 def blocks(plan, kind):

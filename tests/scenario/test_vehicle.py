@@ -37,7 +37,7 @@ def mission_with(tmp_path, **extra):
 
 @pytest.mark.parametrize("name", ["avila-drag", "avila-added-mass"])
 def test_a_fragment_loads_as_it_stands(tmp_path, name):
-    fragment = dict(identify(MISSIONS / "measured" / name).analysis.fragment)
+    fragment = dict(identify(MISSIONS / "measured" / name).fragment)
     mission = mission_with(tmp_path, **fragment)
     assert any(path.startswith(("vehicle.drag", "vehicle.added_mass")) for path in mission.uncertain())
 

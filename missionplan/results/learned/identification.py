@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Annotated, ClassVar
 
 import pandas as pd
@@ -112,23 +112,21 @@ class FitPanel:
 
 
 @dataclass(frozen=True)
-class TankAnalysis:
+class TankAnalysis(Record):
     """Analysis of one data set: the answer in words, fitted models (the preferred one first), and their figures."""
 
     answer: str
     """The main finding in a sentence."""
-    fits: tuple[FittedModel, ...]
+    fits: Annotated[tuple[FittedModel, ...], Entry("fitted models, the preferred one first")]
     panels: tuple[FitPanel, ...]
-    remarks: tuple[str, ...]
-    """On the quality of the data and the fits, in sentences."""
-    fragment: Mapping[str, object]
-    """Keys of a vehicle file."""
+    remarks: Annotated[tuple[str, ...], Entry("on the quality of the data and the fits, in sentences")]
+    fragment: Annotated[Mapping[str, object], Entry("keys of a vehicle file", key="vehicle_fragment")]
     derived: tuple[IdentifiedParameter, ...] = ()
     """Parameters that follow from those of the preferred model."""
 
 
-@dataclass(frozen=True)
-class Identification(Result):
+@dataclass(frozen=True, kw_only=True)
+class Identification(TankAnalysis, Result):
     """Result of `identify`."""
 
     report: ClassVar[str] = "missionplan.studies.identification.page"
@@ -137,18 +135,11 @@ class Identification(Result):
     name: Annotated[str, Entry("name of the data set", key="dataset")]
     source: str
     """Of the data set."""
-    analysis: TankAnalysis = field(repr=False)
-    """Fitted models, figures, remarks and vehicle fragment."""
-
-    @property
-    def fits(self) -> Annotated[tuple[FittedModel, ...], Entry()]:
-        """Fitted models, the preferred one first."""
-        return self.analysis.fits
 
     @property
     def estimates(self) -> Annotated[tuple[IdentifiedParameter, ...], Entry(key="parameters")]:
         """Parameters of the preferred model, then those derived from them."""
-        return (*self.fits[0].estimates, *self.analysis.derived)
+        return (*self.fits[0].estimates, *self.derived)
 
     def __getitem__(self, name: str) -> IdentifiedParameter:
         """Parameter of the preferred model, or derived from it, by name."""
@@ -164,30 +155,20 @@ class Identification(Result):
         """Whether the preferred model does not fit."""
         return self.fits[0].does_not_fit
 
-    @property
-    def remarks(self) -> Annotated[tuple[str, ...], Entry()]:
-        """Remarks on the quality of the data and the fits, in sentences."""
-        return self.analysis.remarks
-
-    @property
-    def vehicle_fragment(self) -> Annotated[Mapping[str, object], Entry()]:
-        """Keys of a vehicle file."""
-        return self.analysis.fragment
-
     def to_frame(self) -> pd.DataFrame:
         """Parameters of every fitted model, one per row."""
         rows = [{"model": fit.name, **estimate.summary()} for fit in self.fits for estimate in fit.estimates]
-        rows += [{"model": "derived", **estimate.summary()} for estimate in self.analysis.derived]
+        rows += [{"model": "derived", **estimate.summary()} for estimate in self.derived]
         return pd.DataFrame(rows)
 
     def residuals(self) -> pd.DataFrame:
         """Data, preferred model and residuals of every panel."""
-        return pd.concat([panel.residuals() for panel in self.analysis.panels], ignore_index=True)
+        return pd.concat([panel.residuals() for panel in self.panels], ignore_index=True)
 
     def files(self) -> dict[str, str | bytes]:
         """Return the tables and the vehicle fragment."""
         return {
             "parameters.csv": to_csv(self.to_frame()),
             "residuals.csv": to_csv(self.residuals()),
-            "vehicle-fragment.yaml": to_yaml(self.analysis.fragment),
+            "vehicle-fragment.yaml": to_yaml(self.fragment),
         }

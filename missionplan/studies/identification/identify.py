@@ -222,7 +222,8 @@ def identify(dataset: str | Path, *, allow_outside: bool = False) -> Identificat
         notices=data.notices,
         inputs=identified_datasets([Path(dataset)]),
     )
-    return Identification(provenance, data.settings.kind, data.name, data.source, _headed(analysis))
+    kind, answered = data.settings.kind, vars(_headed(analysis))
+    return Identification(**answered, provenance=provenance, kind=kind, name=data.name, source=data.source)
 
 
 def _headed(analysis: TankAnalysis) -> TankAnalysis:

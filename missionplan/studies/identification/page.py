@@ -42,8 +42,8 @@ def page(result: Identification) -> Page:
     """Build the page of an identification."""
     return Page(
         title=f"Identification: {result.name}",
-        answer=result.analysis.answer,
-        draw=lambda: panel_figure(result.analysis.panels[0]),
+        answer=result.answer,
+        draw=lambda: panel_figure(result.panels[0]),
         numbers=_numbers(result),
         write=lambda: _sections(result),
         rerun=f"missionplan identify {shlex.quote(result.provenance.file)}",
@@ -54,20 +54,18 @@ def page(result: Identification) -> Page:
 
 def _sections(result: Identification) -> list[PageSection]:
     source = [f"The data: {result.source}"] if result.source else []
-    blocks: list[Block] = [parameter_table(result), *result.analysis.remarks, *source]
+    blocks: list[Block] = [parameter_table(result), *result.remarks, *source]
     sections = [PageSection(_fits_heading(result.fits), blocks)]
-    if others := [panel_figure(panel) for panel in result.analysis.panels[1:]]:
+    if others := [panel_figure(panel) for panel in result.panels[1:]]:
         sections.append(PageSection("The fit against the other readings", list[Block](others)))
     fragment = "Paste this into the vehicle file; it is also in vehicle-fragment.yaml."
-    sections.append(
-        PageSection("What to write in the vehicle file", [fragment, Listing(to_yaml(result.analysis.fragment))])
-    )
+    sections.append(PageSection("What to write in the vehicle file", [fragment, Listing(to_yaml(result.fragment))]))
     return sections
 
 
 def _numbers(result: Identification) -> list[tuple[str, str]]:
     """The first parameters, those for the vehicle file where the data are of a model."""
-    shown = (result.analysis.derived or result.estimates)[:4]
+    shown = (result.derived or result.estimates)[:4]
     return [(capitalised(_name_in_words(estimate)), estimate_in_words(estimate)) for estimate in shown]
 
 
@@ -143,7 +141,7 @@ def _draw_residuals(axes: Axes, panel: FitPanel) -> None:
 
 def parameter_table(result: Identification) -> Table:
     """Tabulate the parameters of every fitted model and those derived from the preferred one."""
-    groups = [(fit.name, fit.estimates) for fit in result.fits] + [("derived", result.analysis.derived)]
+    groups = [(fit.name, fit.estimates) for fit in result.fits] + [("derived", result.derived)]
     rows = [
         (
             f"{_name_in_words(e)} ({e.symbol.partition(' ')[0]})",
@@ -196,7 +194,7 @@ def significant(value: float, sd: float) -> str:
 
 def fit(axes: Axes, result: Identification, panel: int = 0) -> None:
     """Draw one panel of data with the models, by its number."""
-    panels = result.analysis.panels
+    panels = result.panels
     if not isinstance(panel, int) or not 0 <= panel < len(panels):
         raise InputError([Problem(f"given {shown(panel)}, expected 0 to {len(panels) - 1}", key="panel")])
     draw_fit(axes, panels[panel])

@@ -7,7 +7,6 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure as MatplotlibFigure
 
 from missionplan.arrays import Array
-from missionplan.phases.transit.plan import LegTable
 from missionplan.report.axes import name_axis
 from missionplan.report.html.readings import Slider
 from missionplan.report.page import BLUE, GREEN, GREY, GRID, ORANGE, PINK, SKY, YELLOW, Figure, to_figure
@@ -59,9 +58,8 @@ def draw_lengths(axes: Axes, plan: LegPlan) -> None:
     colour, width = _fixed_look(plan)
     axes.plot(left / 1000.0, np.minimum(left, plan.fixed_d_max) / 1000.0, color=colour, linewidth=width)
     if plan.recommended:
-        table = LegTable(plan.left, plan.leg)
-        axes.plot(left / 1000.0, table(left) / 1000.0, color=BLUE)
-        axes.plot(knots / 1000.0, table(knots) / 1000.0, ".", color=BLUE, markersize=5)
+        axes.plot(left / 1000.0, plan.table(left) / 1000.0, color=BLUE)
+        axes.plot(knots / 1000.0, plan.table(knots) / 1000.0, ".", color=BLUE, markersize=5)
     axes.set(xlim=(0.0, None), ylim=(0.0, None))
     name_axis(axes.xaxis, "Distance left", "km")
     name_axis(axes.yaxis, "Leg length", "km")
@@ -76,7 +74,7 @@ def draw_aims(axes: Axes, plan: LegPlan) -> None:
     axes.plot(left, short, color=colour, linewidth=width)
     some_stop_short = bool(np.isfinite(short).any())
     if plan.recommended:
-        by_table = _short(left, LegTable(plan.left, plan.leg)(left))
+        by_table = _short(left, plan.table(left))
         axes.plot(left, by_table, color=BLUE)
         some_stop_short |= bool(np.isfinite(by_table).any())
     radius = plan.arrival_radius

@@ -38,6 +38,7 @@ from missionplan.studies.leg_length.paired_trials import (
     arrival_shortfall,
     run_plans,
 )
+from missionplan.studies.leg_length.plan_result import FoundLegs
 from missionplan.studies.leg_length.sweep_scenario import SweepScenario
 
 Aim = Literal["mean", "p95", "energy"]
@@ -74,38 +75,9 @@ class _Pilot:
     workers: Workers
 
 
-@dataclass(frozen=True)
-class OptimisedLegs:
-    """Legs for an aim."""
-
-    d_max: float
-    """Best fixed d_max [m]."""
-    table: LegTable
-    """Legs that adapt to the distance left."""
-    speed_factor: float
-    """Speed of both over the mission's own."""
-    spread: LegSpread
-    """Of the legs' ends, for which they are best."""
-    fixed_cost: float
-    adaptive_cost: float
-    one_leg_cost: float
-    least_cost: float
-    """Expected c (Briggs et al., Eq. 25) at that speed with that spread, from the integral equation; the last of any
-    legs."""
-    surfacings: float
-    """Expected number of the table, the arrival's included."""
-    how_found: str
-    """How the table was found, in a sentence."""
-
-    @property
-    def fixed(self) -> LegsAtSpeed:
-        """The best fixed d_max, at that speed."""
-        return LegsAtSpeed(self.d_max, self.speed_factor)
-
-    @property
-    def adaptive(self) -> LegsAtSpeed:
-        """The table, at that speed."""
-        return LegsAtSpeed(self.table, self.speed_factor)
+def plans_of(found: FoundLegs) -> tuple[LegsAtSpeed, LegsAtSpeed]:
+    """Return the best fixed d_max, and the table, at their speed."""
+    return LegsAtSpeed(found.fixed_d_max, found.speed_factor), LegsAtSpeed(found.table, found.speed_factor)
 
 
 def optimise_legs(
@@ -115,7 +87,7 @@ def optimise_legs(
     spread: LegSpread | None = None,
     progress: Progress | None = None,
     workers: Workers = IN_THIS_PROCESS,
-) -> OptimisedLegs:
+) -> FoundLegs:
     """Find the best legs for an aim, among those that arrive as often as the mission requires; else the likeliest to.
 
     `scenario`: with one σ_v, the mission's own. `seed`: of the pilot trials. `spread`: of legs in the pilot trials,
@@ -152,7 +124,7 @@ _EXACTLY_FOR_ENERGY = (
 
 def _least_mean(
     transit: AnalyticTransit, pilot: _Pilot, values: Callable[[PlanTrials], Array], exactly: str, on_trials: str
-) -> OptimisedLegs:
+) -> FoundLegs:
     """Least mean of a cost: by the equation alone where it holds and the legs arrive as often as required in trials."""
     if not pilot.is_needed:
         found = _optimised(transit, transit.best_fixed(), transit.best_table(), exactly)
@@ -166,7 +138,7 @@ def _least_mean(
     return _on_trials(transit, MEAN_FAMILY, score, pilot, on_trials)
 
 
-def _for_deadline(transit: AnalyticTransit, deadline: float, pilot: _Pilot) -> OptimisedLegs:
+def _for_deadline(transit: AnalyticTransit, deadline: float, pilot: _Pilot) -> FoundLegs:
     """Least 95 % quantile of the time, or greatest probability of meeting a deadline, in a family of policies."""
     required = transit.scenario.required_arrival
 
@@ -223,32 +195,34 @@ def _energy_rates(scenario: SweepScenario, speed: float) -> tuple[float, float]:
     return under_way, surfacing
 
 
-def _arrive(scenario: SweepScenario, found: OptimisedLegs, seed: int) -> bool:
+def _arrive(scenario: SweepScenario, found: FoundLegs, seed: int) -> bool:
     """Whether both plans arrive as often as required in the pilot trials: the integral equation has no `max_legs`."""
-    pilots = run_plans(scenario, (found.fixed, found.adaptive), seed, PILOT_BLOCK)
+    pilots = run_plans(scenario, plans_of(found), seed, PILOT_BLOCK)
     return all(arrival_shortfall(trials, scenario.required_arrival) == 0.0 for trials in pilots)
 
 
 def _on_trials(
     transit: AnalyticTransit, family: PolicyFamily, objective: Objective, pilot: _Pilot, how_found: str
-) -> OptimisedLegs:
+) -> FoundLegs:
     d_max, table = search_policies(transit, family, objective, pilot.seed, pilot.progress, pilot.workers)
     return _optimised(transit, d_max, table, how_found)
 
 
-def _optimised(transit: AnalyticTransit, d_max: float, table: LegTable, how_found: str) -> OptimisedLegs:
+def _optimised(transit: AnalyticTransit, d_max: float, table: LegTable, how_found: str) -> FoundLegs:
     """Add the expected costs, in time."""
     timed = replace(transit, surfacing_time=transit.scenario.surfacing_time)
     adaptive = timed.expected(table)
-    return OptimisedLegs(
-        d_max=d_max,
-        table=table,
-        speed_factor=transit.speed_factor,
-        spread=transit.spread,
-        fixed_cost=timed.expected(d_max).cost,
-        adaptive_cost=adaptive.cost,
-        one_leg_cost=timed.expected(transit.scenario.distance).cost,
-        least_cost=timed.least_cost(),
-        surfacings=adaptive.surfacings,
+    return FoundLegs(
         how_found=how_found,
+        speed_factor=transit.speed_factor,
+        planned_sigma=transit.spread.sigma,
+        base_spread=transit.spread.base,
+        left=table.left,
+        leg=table.leg,
+        expected_cost=adaptive.cost,
+        least_cost=timed.least_cost(),
+        expected_surfacings=adaptive.surfacings,
+        fixed_d_max=d_max,
+        fixed_cost=timed.expected(d_max).cost,
+        one_leg_cost=timed.expected(transit.scenario.distance).cost,
     )

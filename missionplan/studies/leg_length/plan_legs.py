@@ -14,14 +14,14 @@ from missionplan.montecarlo.streams import block_count, block_size
 from missionplan.results.base import Provenance
 from missionplan.results.decision import label
 from missionplan.studies.judgement import judged
-from missionplan.studies.leg_length.analytic_transit import analytic_obstacle
+from missionplan.studies.leg_length.analytic_transit import LegSpread, analytic_obstacle
 from missionplan.studies.leg_length.optimise_legs import (
     DEADLINE_QUANTILE,
     MEAN_TIME,
     Aim,
     LegAim,
-    OptimisedLegs,
     optimise_legs,
+    plans_of,
 )
 from missionplan.studies.leg_length.paired_trials import (
     AS_PLANNED,
@@ -33,6 +33,7 @@ from missionplan.studies.leg_length.paired_trials import (
 from missionplan.studies.leg_length.plan_result import (
     UNKNOWN,
     CandidatePlan,
+    FoundLegs,
     LegCase,
     LegPlan,
     MeanAndError,
@@ -133,27 +134,28 @@ class PlanComparisonTask:
 
 
 def compare_plans(
-    scenario: SweepScenario, aim: LegAim, best: OptimisedLegs, trials: int, seed: int
+    scenario: SweepScenario, aim: LegAim, best: FoundLegs, trials: int, seed: int
 ) -> tuple[CandidatePlan, ...]:
     """The best fixed d_max, the best legs for the mean time at the mission's own speed, and the table."""
-    mean = optimise_legs(scenario, MEAN_TIME, seed, best.spread)
+    mean = optimise_legs(scenario, MEAN_TIME, seed, LegSpread(best.planned_sigma, best.base_spread))
+    (fixed, adaptive), (fixed_for_mean, adaptive_for_mean) = plans_of(best), plans_of(mean)
     plans = {
-        f"fixed d_max for the aim {aim.name}": best.fixed,
-        "fixed d_max for the mean time": mean.fixed,
-        "table for the mean time": mean.adaptive,
-        f"table for the aim {aim.name}": best.adaptive,
+        f"fixed d_max for the aim {aim.name}": fixed,
+        "fixed d_max for the mean time": fixed_for_mean,
+        "table for the mean time": adaptive_for_mean,
+        f"table for the aim {aim.name}": adaptive,
     }
     return _judge(PlanComparisonTask(scenario, tuple(plans.values()), aim.deadline, trials, seed), tuple(plans), aim)
 
 
 def late_gain(
-    scenario: SweepScenario, aim: LegAim, best: OptimisedLegs, case: ErrorScenario, trials: int, seed: int
+    scenario: SweepScenario, aim: LegAim, best: FoundLegs, case: ErrorScenario, trials: int, seed: int
 ) -> MeanAndError:
     """What the table gains on the best fixed d_max by the aim ``p95`` in a case, and its standard error.
 
     Seconds that 95 % of the trials need less; with a deadline, by how much its probability is greater.
     """
-    task = PlanComparisonTask(scenario, (best.fixed, best.adaptive), aim.deadline, trials, seed, case)
+    task = PlanComparisonTask(scenario, plans_of(best), aim.deadline, trials, seed, case)
     fixed, table = _judge(task, ("fixed", "table"), aim)
     gain = table.value - fixed.value if np.isfinite(aim.deadline) else fixed.value - table.value
     return MeanAndError(gain, float(np.hypot(fixed.standard_error, table.standard_error)))
@@ -233,7 +235,7 @@ def plan_legs(
     scenario, seed = replace(SweepScenario.of(run.mission), sigmas=(None,)), run.seed
     wanted = LegAim(aim, _deadline(scenario)) if aim == "p95" else LegAim(aim)
     best = optimise_legs(scenario, wanted, seed, progress=progress, workers=run.workers.quiet)
-    task = PairedPlansTask(scenario, error_scenarios(scenario), best.fixed, best.adaptive, run.trials, seed)
+    task = PairedPlansTask(scenario, error_scenarios(scenario), *plans_of(best), run.trials, seed)
     tasks = [(task, None), *_explained(task, run)]
     cases = [case for each, share in tasks for case in _judged(_cases(each, share, run.workers), each, wanted, best)]
     candidates = compare_plans(scenario, wanted, best, run.trials, seed) if aim != "mean" else ()
@@ -273,7 +275,7 @@ def _cases(task: PairedPlansTask, share: float | None, workers: Workers) -> tupl
     return tuple(replace(case, probability=share) for case in found)
 
 
-def _judged(cases: tuple[LegCase, ...], task: PairedPlansTask, aim: LegAim, best: OptimisedLegs) -> tuple[LegCase, ...]:
+def _judged(cases: tuple[LegCase, ...], task: PairedPlansTask, aim: LegAim, best: FoundLegs) -> tuple[LegCase, ...]:
     """Add what the table gains by the aim ``p95``, where that is the aim."""
     if aim.name != "p95":
         return cases
@@ -285,7 +287,7 @@ def _leg_plan(
     provenance: Provenance,
     scenario: SweepScenario,
     aim: LegAim,
-    best: OptimisedLegs,
+    best: FoundLegs,
     cases: Sequence[LegCase],
     candidates: tuple[CandidatePlan, ...],
     tracks: tuple[Array, Array],
@@ -294,30 +296,19 @@ def _leg_plan(
     """Put together what was planned and what its trials show, with tracks by the fixed d_max and by the table."""
     goal = scenario.means.position(scenario.phase.to)
     return LegPlan(
+        **vars(best),
         provenance=provenance,
         phase=scenario.phase.name,
         phase_index=[phase.name for phase in scenario.mission.phases].index(scenario.phase.name),
         aim=aim.name,
-        how_found=best.how_found,
         deadline=aim.deadline,
         distance=scenario.distance,
-        speed=scenario.speed * best.speed_factor,
         mission_speed=scenario.speed,
         arrival_radius=scenario.arrival_radius,
         required_arrival=scenario.required_arrival,
         surfacing_time=scenario.surfacing_time,
         sigma=scenario.sigma(0),
-        planned_sigma=best.spread.sigma,
-        base_spread=best.spread.base,
         goal=(float(goal[0]), float(goal[1])),
-        left=best.table.left,
-        leg=best.table.leg,
-        expected_cost=best.adaptive_cost,
-        least_cost=best.least_cost,
-        expected_surfacings=best.surfacings,
-        fixed_d_max=best.d_max,
-        fixed_cost=best.fixed_cost,
-        one_leg_cost=best.one_leg_cost,
         cases=tuple(cases),
         candidates=candidates,
         fixed_tracks=tracks[0],

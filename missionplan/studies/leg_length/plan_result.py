@@ -9,6 +9,7 @@ import pandas as pd
 
 from missionplan.arrays import Array
 from missionplan.montecarlo.statistics import Probability, Statistic
+from missionplan.phases.transit.plan import LegTable
 from missionplan.physics.propulsion import JOULES_PER_WATT_HOUR
 from missionplan.results.base import Provenance, Result, to_csv, to_yaml
 from missionplan.results.decision import MemberOutcome
@@ -125,7 +126,35 @@ class LegKnot(Record):
 
 
 @dataclass(frozen=True)
-class LegPlan(Result):
+class FoundLegs(Record):
+    """Legs for an aim: a table that adapts to the distance left, beside the best fixed d_max.
+
+    Costs are c (Briggs et al., Eq. 25) at their speed with that spread, from the integral equation.
+    """
+
+    how_found: Annotated[str, Entry("how the table was found, in a sentence", key="machinery")]
+    speed_factor: float
+    """Speed of both over the mission's own."""
+    planned_sigma: Annotated[float, Entry("of a leg's velocity, planned for", "m/s", "planned.sigma")]
+    base_spread: Annotated[float, Entry("of a leg's end whatever its length, planned for", "m", "planned.base_spread")]
+    left: Array
+    leg: Array
+    """Knots of the table: distance left and leg length, shape (k,) [m]."""
+    expected_cost: Annotated[float, Entry("of the table, from the integral equation", key="adaptive.cost")]
+    least_cost: Annotated[float, Entry("least expected cost of any legs", key="adaptive.least_cost")]
+    expected_surfacings: Annotated[float, Entry("of the table, the arrival's included", key="adaptive.surfacings")]
+    fixed_d_max: Annotated[float, Entry("best fixed d_max", "m", "fixed.d_max")]
+    fixed_cost: Annotated[float, Entry("expected cost with that d_max", key="fixed.cost")]
+    one_leg_cost: Annotated[float, Entry("expected cost of a single leg", key="one_leg.cost")]
+
+    @property
+    def table(self) -> LegTable:
+        """The table."""
+        return LegTable(self.left, self.leg)
+
+
+@dataclass(frozen=True)
+class LegPlan(FoundLegs, Result):
     """Legs that adapt to the distance left, beside the best fixed d_max.
 
     Attributes
@@ -147,10 +176,8 @@ class LegPlan(Result):
             "(or, with a deadline of the mission, the risk of missing it); ``energy``"
         ),
     ]
-    how_found: Annotated[str, Entry("how the table was found, in a sentence", key="machinery")]
     deadline: Annotated[float, Entry("for the end of the transit, for ``p95``; null without one", "s")]
     distance: Annotated[float, Entry("length of the transit", "m")]
-    speed: Annotated[float, Entry("of the transit; chosen for ``energy``", "m/s")]
     mission_speed: float
     """The mission's own [m/s]."""
     arrival_radius: float
@@ -159,19 +186,8 @@ class LegPlan(Result):
     ]
     surfacing_time: float
     sigma: Annotated[float, Entry("velocity error of the transit", "m/s")]
-    planned_sigma: Annotated[float, Entry("of a leg's velocity, planned for", "m/s", "planned.sigma")]
-    base_spread: Annotated[float, Entry("of a leg's end whatever its length, planned for", "m", "planned.base_spread")]
     goal: tuple[float, float]
     """Of the transit, east and north [m]."""
-    left: Array
-    leg: Array
-    """Knots of the table: distance left and leg length, shape (k,) [m]."""
-    expected_cost: Annotated[float, Entry("of the table, from the integral equation", key="adaptive.cost")]
-    least_cost: Annotated[float, Entry("least expected cost of any legs", key="adaptive.least_cost")]
-    expected_surfacings: Annotated[float, Entry("of the table, the arrival's included", key="adaptive.surfacings")]
-    fixed_d_max: Annotated[float, Entry("best fixed d_max", "m", "fixed.d_max")]
-    fixed_cost: Annotated[float, Entry("expected cost with that d_max", key="fixed.cost")]
-    one_leg_cost: Annotated[float, Entry("expected cost of a single leg", key="one_leg.cost")]
     cases: Annotated[tuple[LegCase, ...], Entry("the mission itself, then others for robustness")]
     candidates: Annotated[
         tuple[CandidatePlan, ...],
@@ -187,6 +203,11 @@ class LegPlan(Result):
     members: tuple[LegCase, ...] = ()
     """Both plans in each member of the current's ensemble; empty without one."""
     judged: Annotated[Outcome | None, JUDGED] = None
+
+    @property
+    def speed(self) -> Annotated[float, Entry(unit="m/s")]:
+        """Speed of the transit; chosen for ``energy``."""
+        return self.mission_speed * self.speed_factor
 
     @property
     def nominal_time(self) -> Annotated[float, Entry(unit="s")]:

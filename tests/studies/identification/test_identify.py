@@ -45,7 +45,7 @@ def test_reynolds_dependence_is_found_where_it_is(tmp_path):
     result = identify(write(tmp_path / "drag", DRAG, towing(np.random.default_rng(1), exponent=-0.15)))
     assert "reynolds_exponent" in result.fits[0]
     assert result["reynolds_exponent"].low < -0.15 < result["reynolds_exponent"].high
-    assert result.analysis.fragment["drag"]["exponent"]["mean"] == pytest.approx(-0.15, abs=0.03)
+    assert result.fragment["drag"]["exponent"]["mean"] == pytest.approx(-0.15, abs=0.03)
 
 
 def oscillation(rng, quadratic, noise=2e-4, seconds=8.0, rate=50.0):
@@ -239,7 +239,7 @@ def test_marked_rows_and_unknown_columns_are_reported(tmp_path):
     result = identify(write(tmp_path / "drag", DRAG, data))
     assert any("1 row left out" in note for note in result.provenance.notices)
     assert any("note" in note for note in result.provenance.notices)
-    assert len(result.analysis.panels[0].x) == 19
+    assert len(result.panels[0].x) == 19
 
 
 def test_report_is_one_page_with_its_files(tmp_path):
@@ -274,10 +274,8 @@ def test_a_model_that_does_not_fit_is_said_first_and_has_no_interval(tmp_path):
     residuals = result.residuals().query("panel == 'drag-force'")["residual"].to_numpy()
     stated = 0.02 * towing_with_a_crisis(np.random.default_rng(7), 0.4)["force_sd_n"] / 0.02
     assert best.chi_squared == pytest.approx(np.sum((residuals / stated) ** 2), rel=1e-6)
-    assert result.analysis.answer.startswith(
-        f"The model does not fit ({best.name}): chi-squared is {best.chi_squared:.0f} on "
-    )
-    assert "90 % interval" not in result.analysis.answer
+    assert result.answer.startswith(f"The model does not fit ({best.name}): chi-squared is {best.chi_squared:.0f} on ")
+    assert "90 % interval" not in result.answer
     for estimate in best.estimates:
         assert np.isnan([estimate.low, estimate.high]).all()
         assert estimate.sd > 0.0  # widened: what the fragment carries
@@ -312,13 +310,13 @@ def test_a_force_that_does_not_fit_is_said_though_moments_are_fitted_with_it(tmp
     settings["noise"] = {"thrust": "0.1 N", "moment": "0.1 N*m"}
     result = identify(write(tmp_path / "tunnel", settings, data))
     assert result.fits[0].does_not_fit
-    assert result.analysis.answer.startswith("The model does not fit")
+    assert result.answer.startswith("The model does not fit")
 
 
 def test_an_added_mass_without_an_error_or_below_nil_is_said(tmp_path):
     modes = {"mode": ["surge"], "frequency_hz": [1.77]}
     found = identify(write(tmp_path / "osc", SPRINGS, modes))
-    assert "Without a frequency_sd_hz its error is not known: surge" in found.analysis.answer
+    assert "Without a frequency_sd_hz its error is not known: surge" in found.answer
     assert found.summary()["parameters"][0]["note"] == "the data state no error"
     with pytest.raises(
         RunError, match=r"the added mass of surge would be negative: without water the frequency is 2\.1"
