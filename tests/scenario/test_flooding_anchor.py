@@ -9,8 +9,7 @@ import pytest
 import missionplan
 from missionplan.errors import InputError
 from missionplan.mission import Mission
-from missionplan.scenario.scenario import Scenario
-from missionplan.studies.held_vehicle import flooding_notice
+from missionplan.studies.judgement import doubts_of
 from missionplan.studies.simulation.simulate import simulate_block
 
 MISSIONS = Path(__file__).parents[2] / "missions"
@@ -39,11 +38,12 @@ def test_flooding_takes_time_and_leaves_other_draws_alone():
 
 
 def test_a_vehicle_file_without_a_time_is_told_what_it_would_cost():
-    silent, told = (Scenario.at_means(mission) for mission in (chesapeake(), chesapeake(flooding_time="0 s")))
-    notice = flooding_notice(silent, silent.moor())
-    assert "5 s of flooding" in notice
-    assert "1.4 s longer" in notice
-    assert flooding_notice(told, told.moor()) == ""
+    silent, told = (
+        {doubt.what: doubt.otherwise for doubt in doubts_of(mission)}
+        for mission in (chesapeake(), chesapeake(flooding_time="0 s"))
+    )
+    assert silent.keys() - told.keys() == {"the anchor is full of water at once"}
+    assert silent["the anchor is full of water at once"] == "10 s of flooding"
 
 
 def test_an_anchor_that_floods_early_fails_the_trial_with_its_probability():

@@ -11,7 +11,6 @@ from numpy.typing import NDArray
 from missionplan.arrays import Array
 from missionplan.errors import did_you_mean
 from missionplan.scenario.currents.attributes import FieldAttributeError, counts_up, word
-from missionplan.scenario.currents.field import opened
 from missionplan.scenario.currents.files import FieldFiles
 from missionplan.scenario.currents.regular import LATITUDE, LONGITUDE
 from missionplan.scenario.place.polygons import DEGREES, LOCAL, Chart, features
@@ -54,6 +53,8 @@ class Grid:
 
 def netcdf(chart: Chart) -> Grid:
     """Read GEBCO's layout and CF grids: rows and columns along one axis each."""
+    from missionplan.scenario.currents.field import opened  # pandas: slow
+
     with opened([str(chart.path)], str(chart.path)) as files:
         try:
             return _netcdf(chart, files)
