@@ -1,5 +1,7 @@
 """Navigation logs: units, order, outliers, and every problem of a file at once."""
 
+from dataclasses import replace
+
 import numpy as np
 import pandas as pd
 import pytest
@@ -77,6 +79,8 @@ def test_blank_and_marked_rows_are_left_out_with_a_notice(folder, transit_missio
     assert data.n == 44
     assert any("rows.csv: 3 rows left out as marked" in notice for notice in data.notices)
     assert any("rows.csv: 1 row left out without x_end_m" in notice for notice in data.notices)
+    unmarked = read_transit(folder(KIND, legs().assign(ok=1)), transit_mission)
+    assert not any("left out" in notice for notice in unmarked.notices)
 
 
 def test_legs_out_of_order_are_sorted_aloud(folder, transit_mission, legs):
@@ -185,3 +189,18 @@ def test_the_mean_depth_of_each_leg_is_read(folder, transit_mission, legs):
     table.loc[3, "depth_m"] = 20_000.0
     with pytest.raises(InputError, match="depth_m"):
         read_transit(folder(KIND, table), transit_mission)
+
+
+def test_a_leg_is_known_by_its_triangle_wherever_it_lies_and_whenever_it_began(folder, transit_mission, legs):
+    """Moved, turned and later it is the same leg; its mirror image, a longer or a shorter one is another."""
+    data = read_transit(folder(KIND, legs()), transit_mission)
+
+    def placed(matrix, moved=0.0, **changes):
+        corners = {name: matrix @ getattr(data, name) + moved for name in ("start", "dead_reckoned", "end")}
+        return replace(data, **corners, **changes).identities
+
+    turned = np.array([[np.cos(0.7), -np.sin(0.7)], [np.sin(0.7), np.cos(0.7)]])
+    assert len(set(data.identities)) == data.n
+    assert placed(turned, 1234.5, t_start=data.t_start + 1e6) == data.identities
+    others = [placed(np.diag([-1.0, 1.0])), placed(1.01 * np.eye(2)), placed(np.eye(2), under_way=1.1 * data.under_way)]
+    assert all(set(data.identities).isdisjoint(other) for other in others)

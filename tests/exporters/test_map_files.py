@@ -113,11 +113,15 @@ def is_circle(plan, ring, centre, radius):
 # tables
 
 
+PLACE = ("latitude_deg", "longitude_deg")
+
+
 def test_csv(plan):
     table = pd.read_csv(io.StringIO(content(plan, "csv")), comment="#")
     for row, (point, phase, kind, numbers) in zip(table.to_dict("records"), points(plan), strict=True):
         assert (row.pop("name"), row.pop("phase"), row.pop("kind")) == (point.name, phase, kind)
-        assert off(plan, point, row.pop("latitude_deg"), row.pop("longitude_deg")) < 0.02
+        assert [row[key] for key in PLACE] == [round(row[key], 8) for key in PLACE]  # a millimetre
+        assert off(plan, point, *(row.pop(key) for key in PLACE)) < 0.02
         assert read(row) == pytest.approx(numbers, abs=1e-9)
 
 
