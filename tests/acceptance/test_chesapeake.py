@@ -26,7 +26,7 @@ def mission():
 
 @pytest.fixture(scope="module")
 def outcome(mission):
-    return simulate(mission, trials=8192)
+    return simulate(mission, trials=8192, sheet=False)
 
 
 def test_both_tests_arrived_as_nearly_all_trials_do(outcome):

@@ -58,7 +58,7 @@ def test_every_encoding_can_be_printed(tmp_path, encoding):
 
 
 @NEEDS_FULL
-@pytest.mark.parametrize("more", [(), ("--json",)])
+@pytest.mark.parametrize("more", [(), pytest.param(("--json",), marks=pytest.mark.slow)])
 def test_a_full_output_is_said_after_the_report_is_saved(tmp_path, more):
     with Path("/dev/full").open("wb") as full:
         done = run(simulate(tmp_path / "out", *more), stdout=full)
@@ -77,7 +77,7 @@ def test_other_commands_say_it_too(words):
     assert (done.returncode, b"Traceback" in done.stderr) == (1, False)
 
 
-@pytest.mark.parametrize("more", [(), ("--json",)])
+@pytest.mark.parametrize("more", [pytest.param((), marks=pytest.mark.slow), ("--json",)])
 def test_a_reader_that_has_gone_away_is_no_error(tmp_path, more):
     reading, writing = os.pipe()
     os.close(reading)

@@ -105,7 +105,7 @@ def test_validate_and_the_report_say_what_is_in_force_and_where_it_is_from():
         "energy.surfacing: 0 J (default)",
         "energy.capacity: 60 W*h (vehicle)",
     ]
-    sections = planned_sections(simulate(mission, trials=2, seed=1).provenance)
+    sections = planned_sections(simulate(mission, trials=2, seed=1, sheet=False).provenance)
     planned = next(section for section in sections if section.heading == "What was planned")
     rows = dict(planned.blocks[-1].rows)
     assert rows["Hotel load"] == "9 W (mission, not the vehicle's 8 W)"

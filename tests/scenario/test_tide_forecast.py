@@ -87,9 +87,9 @@ def test_a_tide_known_above_serves_no_transit_far_below(outside, failed):
     mission = mission_with({"depths": shallow}, outside=outside).with_({"ingress.depth": "30 m", "site.depth": "60 m"})
     if failed:
         with pytest.raises(InputError, match="is good down to 6 m"):
-            missionplan.simulate(mission, trials=20, seed=1)
+            missionplan.simulate(mission, trials=20, seed=1, sheet=False)
     else:
-        assert missionplan.simulate(mission, trials=20, seed=1).provenance.trials == 20
+        assert missionplan.simulate(mission, trials=20, seed=1, sheet=False).provenance.trials == 20
 
 
 @pytest.mark.parametrize(
@@ -143,6 +143,6 @@ def test_the_file_that_tide_writes_is_the_current_of_a_mission(tmp_path):
     found = np.hstack([current.velocity(3600.0 * k, 6.0, NOWHERE) for k in range(24)])
     np.testing.assert_allclose(found[0], 0.8 * wave[at : at + 24], atol=0.02)
     deep = mission.with_({"ingress.depth": "6 m", "site.depth": "40 m"})
-    known = missionplan.simulate(deep, trials=40, seed=1)
-    doubted = missionplan.simulate(deep.with_({"site.current.error.sigma": "0.15 m/s"}), trials=40, seed=1)
+    known = missionplan.simulate(deep, trials=40, seed=1, sheet=False)
+    doubted = missionplan.simulate(deep.with_({"site.current.error.sigma": "0.15 m/s"}), trials=40, seed=1, sheet=False)
     assert doubted.total.quantities["duration_s"].sd > 1.2 * known.total.quantities["duration_s"].sd

@@ -33,7 +33,7 @@ def test_the_better_mission_is_named_with_the_difference_and_its_error(files):
     found = missionplan.compare_missions(worse, usual, trials=300)
     assert found.best_one.name == "usual"
     contrast = found.others[0].contrasts["success"]
-    alone = [missionplan.simulate(missionplan.load(path), trials=300) for path in (worse, usual)]
+    alone = [missionplan.simulate(missionplan.load(path), trials=300, sheet=False) for path in (worse, usual)]
     shares = [each.total.events["success"].value for each in alone]
     assert contrast.difference == pytest.approx(shares[0] - shares[1])
     assert contrast.differs
@@ -51,7 +51,7 @@ def test_missions_that_are_alike_cannot_be_told_apart(files):
 
 def test_a_report_and_a_mission_are_compared_as_independent_runs(files, tmp_path):
     usual = files("usual")
-    missionplan.simulate(missionplan.load(usual), trials=100, seed=5).save(tmp_path / "report")
+    missionplan.simulate(missionplan.load(usual), trials=100, seed=5, sheet=False).save(tmp_path / "report")
     found = missionplan.compare_missions(tmp_path / "report", usual, files("other", ingress__speed="1 m/s"), trials=100)
     assert len(found.alternatives) == 3
     kinds = {each.name: each.contrasts.get("success") for each in found.alternatives}

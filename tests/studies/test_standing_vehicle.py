@@ -142,19 +142,19 @@ def test_the_report_says_what_it_assumed():
 
 
 def test_simulate_has_it_in_summary_and_report():
-    outcome = simulate(missionplan.load(MISSIONS / "chesapeake.yaml"), trials=20)
+    outcome = simulate(missionplan.load(MISSIONS / "chesapeake.yaml"), trials=20, sheet=False)
     (hold,) = outcome.summary()["holds"]
     assert hold["phase"] == "moor"
     assert [state["current"] for state in hold["states"]] == ["mean current", "worst current"]
 
 
 def test_an_anchor_that_drags_is_told_where_it_does_not_count():
-    silent = simulate(missionplan.load(MISSIONS / "anchor-design.yaml"), trials=300)
+    silent = simulate(missionplan.load(MISSIONS / "anchor-design.yaml"), trials=300, sheet=False)
     words = answer(silent).replace("\u00a0", " ")
     dragged = 1.0 - silent.phases[0].events["anchor_holds"].value
     assert 0.6 < dragged < 0.9
     assert f"with an assumed holding factor of 0.4 the anchor (moor) drags in {100 * dragged:.0f} % of the" in words
-    assert "drags" not in answer(simulate(missionplan.load(MISSIONS / "chesapeake.yaml"), trials=50))
+    assert "drags" not in answer(simulate(missionplan.load(MISSIONS / "chesapeake.yaml"), trials=50, sheet=False))
 
 
 def test_requirements_may_name_what_the_hold_gives():
@@ -168,6 +168,6 @@ def test_requirements_may_name_what_the_hold_gives():
         "moor.anchor_holds": {},
     }
     data["requirements"] = [{"quantity": name, **bound, "probability": 0.9} for name, bound in wanted.items()]
-    outcome = simulate(Mission.from_data(data), trials=200)
+    outcome = simulate(Mission.from_data(data), trials=200, sheet=False)
     assert outcome.requirements_met
     assert "at most 2\u00a0N" in requirement_in_words(outcome, outcome.requirements[2])

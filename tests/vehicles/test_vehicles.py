@@ -40,7 +40,7 @@ def sail(number: int, voyages: int, tmp_path: Path, climb: float) -> Compared:
     for k in range(voyages):
         voyage = Voyage(sea, np.random.default_rng((number, k)))
         sailed.append(Helm(text, voyage, climb, facts["goal"], (facts["bottom"], facts["galvanic"])).sail())
-    simulated = missionplan.simulate(mission, trials=TRIALS, seed=9, as_exported="moos", keep_trials=True)
+    simulated = missionplan.simulate(mission, trials=TRIALS, seed=9, as_exported="moos", keep_trials=True, sheet=False)
     return Compared(sailed, simulated, data)
 
 
@@ -105,7 +105,9 @@ def sail_other(form: str, number: int, voyages: int, folder: Path) -> None:
         arrived.append(float(np.hypot(*np.subtract(fix, facts["goal"])) < radius))
         legs.append(float(done.legs[0]))
         off.append(float(np.hypot(*np.subtract(true, facts["goal"]))))
-    trials = missionplan.simulate(mission, trials=TRIALS, seed=9, as_exported=form, keep_trials=True).trials
+    trials = missionplan.simulate(
+        mission, trials=TRIALS, seed=9, as_exported=form, keep_trials=True, sheet=False
+    ).trials
     came = np.array(arrived) > 0.0
     agree(np.array(arrived), trials["out.arrived"].to_numpy(dtype=float), at_least=0.02)
     if came.any():

@@ -42,7 +42,7 @@ def test_a_mission_sails_in_a_roms_field_of_several_files(tmp_path):
     (tmp_path / "cache").mkdir()
     roms(tmp_path / "cache" / "a.nc", 2, **calm)
     roms(tmp_path / "cache" / "b.nc", 2, **calm)
-    found = simulate(mission(tmp_path, file="cache/*.nc"), trials=50)
+    found = simulate(mission(tmp_path, file="cache/*.nc"), trials=50, sheet=False)
     assert found.total.events["success"].value == 1.0
     assert len(mission(tmp_path, file="cache/*.nc").sources) == 3
     both = mission(tmp_path, file="cache/*.nc").identified()["site"]["current"]["file"]
@@ -66,7 +66,7 @@ def test_a_mission_sails_in_a_roms_field_of_several_files(tmp_path):
 def test_what_a_field_cannot_serve_is_refused(tmp_path, write, changes, message):
     write(tmp_path / "field.nc", "node" if write is ugrid else True)
     with pytest.raises(InputError, match=message):
-        simulate(mission(tmp_path, **({"file": "field.nc"} | changes)), trials=10)
+        simulate(mission(tmp_path, **({"file": "field.nc"} | changes)), trials=10, sheet=False)
 
 
 def test_a_goal_on_land_is_refused_before_the_run(tmp_path):
@@ -74,7 +74,7 @@ def test_a_goal_on_land_is_refused_before_the_run(tmp_path):
     mask[:, 7:] = 0.0
     roms(tmp_path / "field.nc", 1, mask=mask)
     with pytest.raises(InputError, match=r"out.to: lies on land, or in a gap of the grid"):
-        simulate(mission(tmp_path, file="field.nc", to=("2600 m", "1000 m")), trials=10)
+        simulate(mission(tmp_path, file="field.nc", to=("2600 m", "1000 m")), trials=10, sheet=False)
 
 
 def test_trials_on_land_fail_with_the_reason(tmp_path):
@@ -83,7 +83,7 @@ def test_trials_on_land_fail_with_the_reason(tmp_path):
     mask[3:6, 4:7] = 0.0
     roms(tmp_path / "field.nc", 2, mask=mask, u=np.full((5, 5, 9, 10), 0.2), v=np.zeros((5, 5, 8, 11)))
     with pytest.raises(InputError, match=r"lies on land|leave.* the record"):
-        simulate(mission(tmp_path, file="field.nc"), trials=50)
+        simulate(mission(tmp_path, file="field.nc"), trials=50, sheet=False)
     held = mission(tmp_path, file="field.nc", outside="hold")
     here = np.zeros((2, 1))
     assert np.hypot(*recorded_current(held).velocity(0.0, 4.0, here))[0] > 0.05

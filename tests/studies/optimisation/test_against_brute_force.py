@@ -42,7 +42,7 @@ def mission(minutes, speed="1 m/s", d_max="300 m", arrive=0.6):
 @pytest.fixture(scope="module")
 def alone():
     """Every choice simulated by itself."""
-    return {choice: missionplan.simulate(mission(30.0, *choice)).total for choice in ALL}
+    return {choice: missionplan.simulate(mission(30.0, *choice), sheet=False).total for choice in ALL}
 
 
 def cost(alone, choice, aim):
@@ -60,7 +60,7 @@ def tight(alone):
 
 @lru_cache
 def meets_all(choice, minutes):
-    return missionplan.simulate(mission(minutes, *choice)).requirements_met
+    return missionplan.simulate(mission(minutes, *choice), sheet=False).requirements_met
 
 
 def meeting(choices, minutes):

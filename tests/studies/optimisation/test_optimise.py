@@ -63,7 +63,7 @@ def test_the_choice_is_that_of_the_full_grid(mission, found):
 
 def test_simulate_confirms_the_mission_that_is_written(found, tmp_path):
     found.save(tmp_path / "report")
-    again = missionplan.simulate(missionplan.load(tmp_path / "report" / "mission-optimised.yaml"))
+    again = missionplan.simulate(missionplan.load(tmp_path / "report" / "mission-optimised.yaml"), sheet=False)
     assert again.requirements_met
     assert again.total.quantities == found.checked.total.quantities
     assert found.fresh.requirements_met
@@ -86,7 +86,7 @@ def test_a_requirement_that_rules_out_what_costs_less_is_named_where_one_percent
     quantity, saved, values = found.ruled_out.quantity, found.ruled_out.saves, found.ruled_out.values
     assert quantity == "total.duration", "slower would cost less"
     slower = Mission.from_data(with_values(transit().raw, values))
-    energy = missionplan.simulate(slower).total.quantities["energy_wh"].mean
+    energy = missionplan.simulate(slower, sheet=False).total.quantities["energy_wh"].mean
     assert saved == pytest.approx(found.checked.total.quantities["energy_wh"].mean - energy, rel=0.1)
     assert found.summary()["ruled_out"]["saves"] == saved
     words = answer(replace(found, relaxations=()))
@@ -103,7 +103,7 @@ def test_the_obstacle_is_named_with_how_much_is_reached(tmp_path):
     would_do = hopeless.obstacles[0].would_do
     assert would_do > 12.0 * 60.0
     values = {key: value for name, value in hopeless.chosen.items() for key in name.split("+")}
-    nearest = missionplan.simulate(Mission.from_data(with_values(transit().raw, values)), trials=2000)
+    nearest = missionplan.simulate(Mission.from_data(with_values(transit().raw, values)), trials=2000, sheet=False)
     assert would_do == pytest.approx(nearest.total.quantities["duration_s"].p95, rel=0.1)
     assert "instead of 12\N{NO-BREAK SPACE}min would do" in answer(hopeless)
     hopeless.save(tmp_path / "report")

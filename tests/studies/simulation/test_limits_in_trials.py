@@ -29,7 +29,7 @@ def lost(found):
     ],
 )
 def test_half_of_the_trials_meet_a_limit(tmp_path, changes, reason):
-    found = simulate(chesapeake(tmp_path, changes), trials=400)
+    found = simulate(chesapeake(tmp_path, changes), trials=400, sheet=False)
     assert lost(found)[reason] == pytest.approx(0.5, abs=0.1)
     good = round(400 * (1.0 - sum(lost(found).values())))
     assert found.phases[1].quantities["descent_time_s"].count == good
@@ -42,7 +42,7 @@ def test_a_current_faster_than_the_vehicle_is_a_reason_and_its_share_is_said(tmp
         {"down_to": "20 ft", "speed": {"choices": ["0.2 m/s", "1.8 m/s"]}, "toward": "0 deg"},
         {"down_to": "40 ft", "speed": "0.1 m/s", "toward": "0 deg"},
     ]
-    found = simulate(chesapeake(tmp_path, {"site.current": layers}), trials=400)
+    found = simulate(chesapeake(tmp_path, {"site.current": layers}), trials=400, sheet=False)
     share = found.limits["current_faster"].value
     assert share == pytest.approx(0.5, abs=0.1)
     assert lost(found)["ingress: current faster than the vehicle"] == pytest.approx(share)

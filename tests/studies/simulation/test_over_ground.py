@@ -132,7 +132,7 @@ def test_the_clearance_decides(write):
 
 def test_the_result_says_where_and_on_which_leg(write):
     mission = write(lambda x, y: 40.0 + 0.0 * x, land=[(480.0, -2000.0, 520.0, 2000.0)])
-    outcome = simulate(mission, trials=60, seed=1)
+    outcome = simulate(mission, trials=60, seed=1, sheet=False)
     (contact,) = outcome.summary()["contacts"]
     assert contact["phase"] == "out"
     assert contact["cause"] == "on-land"
@@ -218,7 +218,7 @@ def test_maps_and_exports_hold_depths_and_fences(write, tmp_path):
         land=[(480.0, 300.0, 520.0, 900.0)],
         origin={"latitude": "37 deg", "longitude": "-76 deg"},
     )
-    outcome = simulate(mission, trials=60, seed=1)
+    outcome = simulate(mission, trials=60, seed=1, sheet=False)
     assert outcome.chart.depth.shape == (150, 150)
     assert [kind for kind, _ in outcome.chart.shapes] == ["land"]
     (text,) = geojson.files(outcome.plan, "m").values()

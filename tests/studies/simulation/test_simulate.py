@@ -22,7 +22,7 @@ from missionplan.studies.simulation.simulate import simulate, simulate_block
 
 @pytest.fixture(scope="module")
 def outcome():
-    return simulate(load(MISSIONS / "chesapeake.yaml"), trials=6000)
+    return simulate(load(MISSIONS / "chesapeake.yaml"), trials=6000, sheet=False)
 
 
 def means(outcome, phase):
@@ -32,7 +32,7 @@ def means(outcome, phase):
 
 def test_without_current_or_error_the_durations_are_closed_form(tmp_path):
     mission = chesapeake(tmp_path, EXACT)
-    found = simulate(mission, trials=50)
+    found = simulate(mission, trials=50, sheet=False)
     ingress, moor, egress = (means(found, name) for name in ("ingress", "moor", "egress"))
     legs = math.ceil((1600.0 - 15.0) / 350.0)
     transit = 1600.0 / 1.5 + legs * 90.0
@@ -53,7 +53,7 @@ def test_without_current_or_error_the_durations_are_closed_form(tmp_path):
 
 def test_energy_is_hotel_propulsion_and_surfacings(tmp_path):
     mission = chesapeake(tmp_path, {**EXACT, "vehicle.energy.surfacing": "100 J"})
-    found = simulate(mission, trials=20)
+    found = simulate(mission, trials=20, sheet=False)
     scenario = Scenario.at_means(mission)
     carrying = carried_anchors(scenario, scenario.transit()).lengthened(scenario.vehicle_drag)
     for name, drag in (("ingress", carrying), ("egress", scenario.vehicle_drag)):
@@ -68,7 +68,7 @@ def test_energy_is_hotel_propulsion_and_surfacings(tmp_path):
 
 def test_the_missions_own_energy_section_comes_first(tmp_path):
     mission = chesapeake(tmp_path, {**EXACT, "energy": {"hotel": "20 W", "propulsive_efficiency": 0.9}})
-    moor = means(simulate(mission, trials=5), "moor")
+    moor = means(simulate(mission, trials=5, sheet=False), "moor")
     assert moor["energy_wh"] == pytest.approx(20.0 * moor["duration_s"] / 3600.0)
 
 
@@ -203,12 +203,12 @@ def test_a_vehicle_that_strikes_the_seafloor_is_counted(tmp_path):
 
 
 def test_a_battery_that_runs_out_ends_the_mission_there(tmp_path):
-    found = simulate(chesapeake(tmp_path, {"vehicle.energy.capacity": "26.5 W*h"}), trials=2000)
+    found = simulate(chesapeake(tmp_path, {"vehicle.energy.capacity": "26.5 W*h"}), trials=2000, sheet=False)
     lost = {step.step: step.lost.value for step in found.attrition}
     assert 0.1 < lost["egress: out of energy"] < 0.9
     assert found.phases[2].events["arrived"].value == pytest.approx(1.0 - lost["egress: out of energy"])
     assert found.total.quantities["energy_wh"].p95 <= 26.5
-    early = simulate(chesapeake(tmp_path, {"vehicle.energy.capacity": "5 W*h"}), trials=500)
+    early = simulate(chesapeake(tmp_path, {"vehicle.energy.capacity": "5 W*h"}), trials=500, sheet=False)
     assert early.attrition[1].step == "ingress: out of energy"
     assert early.attrition[1].lost.value == 1.0
     assert early.total.events["success"].value == 0.0
@@ -219,7 +219,7 @@ def test_an_anchor_that_cannot_pull_the_vehicle_down(tmp_path):
     weight = {"choices": ["0.5 N", "11.8 N"]}
     changes = {"phases.1.moor.anchor_wet_weight": weight, "vehicle.anchor.flooded_mass": "2.5 kg"}
     mission = chesapeake(tmp_path, changes)
-    found = simulate(mission, trials=200)
+    found = simulate(mission, trials=200, sheet=False)
     lost = {step.step: step.lost.value for step in found.attrition}["moor: anchor too light to sink the vehicle"]
     assert 0.4 < lost < 0.6
     assert found.phases[1].quantities["terminal_velocity_m_s"].count == round(200 * (1.0 - lost))
@@ -292,16 +292,16 @@ def test_effects_may_be_uncertain(tmp_path):
 
 
 def test_an_effect_on_a_reading_is_reported_not_to_change_the_plan(tmp_path):
-    found = simulate(chesapeake(tmp_path, {"effects": [{"depth-scale": {"fraction": 0.1}}]}), trials=10)
+    found = simulate(chesapeake(tmp_path, {"effects": [{"depth-scale": {"fraction": 0.1}}]}), trials=10, sheet=False)
     assert any("depth-scale" in notice for notice in found.provenance.notices)
 
 
 def test_missions_without_vehicle_or_mooring(tmp_path):
-    fig8 = simulate(load(MISSIONS / "fig8.yaml"), trials=200)
+    fig8 = simulate(load(MISSIONS / "fig8.yaml"), trials=200, sheet=False)
     assert fig8.phases[0].events["arrived"].value == 1.0
     assert any("no vehicle" in notice for notice in fig8.provenance.notices)
     assert fig8.summary()["total"]["quantities"]["energy_wh"]["mean"] is None
-    design = simulate(load(MISSIONS / "anchor-design.yaml"), trials=200)
+    design = simulate(load(MISSIONS / "anchor-design.yaml"), trials=200, sheet=False)
     assert design.phases[0].quantities["duration_s"].count == 200
 
 
@@ -309,8 +309,8 @@ def test_positions_may_be_geographic(tmp_path):
     here = {"latitude": "37.25 deg", "longitude": "-76.38 deg"}
     there = {"latitude": "37.25 deg", "longitude": "-76.3619655 deg"}
     changes = {"phases.0.transit.from": here, "phases.0.transit.to": there, "phases.2.transit.to": here}
-    geographic = simulate(chesapeake(tmp_path, changes | EXACT), trials=10)
-    planar = simulate(chesapeake(tmp_path, EXACT), trials=10)
+    geographic = simulate(chesapeake(tmp_path, changes | EXACT), trials=10, sheet=False)
+    planar = simulate(chesapeake(tmp_path, EXACT), trials=10, sheet=False)
     assert means(geographic, "ingress")["distance_m"] == pytest.approx(means(planar, "ingress")["distance_m"], abs=0.1)
 
 
@@ -367,27 +367,27 @@ def test_a_sized_anchor_has_the_worst_case_weight(tmp_path):
 
 def test_what_is_missing_is_reported_before_any_trial(tmp_path):
     with pytest.raises(InputError, match=r"site\.water.*a mooring needs it"):
-        simulate(chesapeake(tmp_path, {"site.water": GONE}))
+        simulate(chesapeake(tmp_path, {"site.water": GONE}), sheet=False)
     with pytest.raises(InputError, match="at least one phase"):
-        simulate(chesapeake(tmp_path, {"phases": [], "requirements": []}))
+        simulate(chesapeake(tmp_path, {"phases": [], "requirements": []}), sheet=False)
     inertial = {"effects": [{"inertial-current": {"amplitude": "0.1 m/s"}}], "site.origin": GONE}
     with pytest.raises(InputError, match=r"site\.origin"):
-        simulate(chesapeake(tmp_path, inertial))
+        simulate(chesapeake(tmp_path, inertial), sheet=False)
     unsized = {"site.current": GONE, "phases.1.moor.anchor_wet_weight": "sized"}
     with pytest.raises(InputError, match="design_current"):
-        simulate(chesapeake(tmp_path, unsized))
+        simulate(chesapeake(tmp_path, unsized), sheet=False)
 
 
 def test_a_drift_as_fast_as_the_vehicle_is_reported(tmp_path):
     changes = {**EXACT, "navigation.velocity_error": {"mean": ["-1.6 m/s", "0 m/s"], "sigma": "0.01 m/s"}}
-    found = simulate(chesapeake(tmp_path, {**changes, "navigation.max_legs": 20}), trials=10)
+    found = simulate(chesapeake(tmp_path, {**changes, "navigation.max_legs": 20}), trials=10, sheet=False)
     assert found.phases[0].events["arrived"].value == 0.0
     assert any("as fast as the vehicle" in notice for notice in found.provenance.notices)
 
 
 def test_keeping_trials_gives_one_row_each(tmp_path):
     mission = chesapeake(tmp_path, {"navigation.max_legs": 5})
-    found = simulate(mission, trials=5000, keep_trials=True)
+    found = simulate(mission, trials=5000, keep_trials=True, sheet=False)
     frame = pyarrow.parquet.read_table(io.BytesIO(found.trials_table)).to_pandas()
     assert list(frame["trial"]) == list(range(5000))
     assert frame["total.success"].mean() == found.total.events["success"].value
@@ -400,7 +400,7 @@ def test_keeping_trials_gives_one_row_each(tmp_path):
 def test_keeping_trials_without_pyarrow_says_what_to_install_before_any_trial(tmp_path, monkeypatch):
     monkeypatch.setitem(sys.modules, "pyarrow", None)
     with pytest.raises(InputError, match="pip install 'pyarrow>="):
-        simulate(chesapeake(tmp_path), trials=10, keep_trials=True)
+        simulate(chesapeake(tmp_path), trials=10, keep_trials=True, sheet=False)
 
 
 def test_a_block_that_fails_is_reported_and_the_others_kept(tmp_path, monkeypatch):
@@ -432,7 +432,7 @@ def test_a_block_that_fails_can_be_run_alone(tmp_path, monkeypatch):
     mission = chesapeake(tmp_path)
     monkeypatch.setattr(mooring_trials, "moor", failing)
     with pytest.raises(RunError, match="every block of trials failed"):
-        simulate(mission, trials=10)
+        simulate(mission, trials=10, sheet=False)
     with pytest.raises(ZeroDivisionError, match="on purpose"):
         simulate_block(mission, seed=1, block=7)
     monkeypatch.setattr(mooring_trials, "moor", moored.moor)

@@ -127,7 +127,7 @@ def test_a_record_beside_the_mission_in_time_is_refused(tmp_path, start, outside
     changes = ramp(tmp_path, **({"start": start} if start else {}))
     changes["site.current"]["outside"] = outside
     with pytest.raises(InputError, match=message):
-        simulate(chesapeake(tmp_path, STEADY | changes), trials=2)
+        simulate(chesapeake(tmp_path, STEADY | changes), trials=2, sheet=False)
 
 
 def test_dates_in_the_record_need_no_start_beside_them(tmp_path):
@@ -258,10 +258,10 @@ def test_a_field_fills_land_and_places_itself(tmp_path):
 def test_a_field_that_does_not_reach_the_mission_is_refused(tmp_path):
     away = chesapeake(tmp_path, STEADY | netcdf(tmp_path, steady, longitudes=(-76.45, -76.37)))
     with pytest.raises(InputError, match=r"ingress\.to.*the field reaches"):
-        simulate(away, trials=10)
+        simulate(away, trials=10, sheet=False)
     late = chesapeake(tmp_path, STEADY | netcdf(tmp_path, steady) | {"start": "2026-05-03T00:00:00Z"})
     with pytest.raises(InputError, match="does not hold the mission's start"):
-        simulate(late, trials=10)
+        simulate(late, trials=10, sheet=False)
 
 
 def test_a_record_that_ends_as_the_mission_starts_is_said_to_end_then(tmp_path):
@@ -269,13 +269,13 @@ def test_a_record_that_ends_as_the_mission_starts_is_said_to_end_then(tmp_path):
     with pytest.raises(
         InputError, match=r"the record ends at 2026-05-01 17:00 UTC; the nominal mission ends at 2026-05-01 \d\d:"
     ):
-        simulate(spent, trials=10)
+        simulate(spent, trials=10, sheet=False)
 
 
 def test_a_record_that_ends_before_the_nominal_mission_is_refused_with_the_remedy(tmp_path):
     short = chesapeake(tmp_path, STEADY | csv(tmp_path, steady, times=(0, 1800)))
     with pytest.raises(InputError, match=r"0 s to 1800 s .*the nominal mission takes \d{4} s .*outside: hold"):
-        simulate(short, trials=10)
+        simulate(short, trials=10, sheet=False)
 
 
 def test_a_record_that_some_trials_outlast_fails_them_or_the_run(tmp_path):
@@ -295,7 +295,7 @@ def test_a_short_record_may_be_held_or_taken_as_no_current_and_the_share_is_said
     changes = STEADY | csv(tmp_path, steady, times=(0, 600))
     changes["site.current"] |= {"outside": outside}
     mission = chesapeake(tmp_path, changes)
-    found = simulate(mission, trials=20)
+    found = simulate(mission, trials=20, sheet=False)
     assert found.limits["left_record"].value == 1.0
     assert "In 100\u00a0% of the trials the mission leaves the record of the current" in answer(found)
     offset = found.phases[1].quantities["offset_m"].mean  # the dive is after the record's end
@@ -305,7 +305,7 @@ def test_a_short_record_may_be_held_or_taken_as_no_current_and_the_share_is_said
 def test_a_record_that_is_not_deep_enough_is_refused(tmp_path):
     shallow = chesapeake(tmp_path, STEADY | csv(tmp_path, steady, depths=(0.0, 4.0)))
     with pytest.raises(InputError, match=r"the nominal moor leaves the record, .* down to 9 m"):
-        simulate(shallow, trials=10)
+        simulate(shallow, trials=10, sheet=False)
 
 
 @pytest.mark.parametrize(("west", "east"), [(179.8, 180.2), (-180.3, -179.7), (0.0, 359.0)])
@@ -338,7 +338,9 @@ def test_what_the_steps_of_a_record_cost_a_leg_is_said(tmp_path):
         "to: [0 m, 3200 m], depth: 2 m, speed: 1.5 m/s, d_max: 1600 m, arrival_radius: 900 m}\n",
         encoding="utf-8",
     )
-    (notice,) = [n for n in simulate(load(tmp_path / "mission.yaml"), trials=20).provenance.notices if "every" in n]
+    (notice,) = [
+        n for n in simulate(load(tmp_path / "mission.yaml"), trials=20, sheet=False).provenance.notices if "every" in n
+    ]
     assert "every 60 min" in notice
     (off,) = re.findall(r"up to ([\d.]+) m/s: up to 13 m on a leg of 1600 m", notice)
     assert float(off) == pytest.approx(0.4 * (omega * 3600.0) ** 2 / 8.0, abs=1e-3)

@@ -73,7 +73,7 @@ def test_an_ensemble_of_one_and_the_same_is_that_current(tmp_path):
 def test_the_member_that_spoils_the_mission_is_named(tmp_path):
     # the mean of the members would carry the others astray, and those that are would take all legs allowed
     alone = {"navigation.drift_compensation": "last-leg", "navigation.max_legs": 20}
-    found = simulate(ensemble_mission(tmp_path, changes=alone), trials=600)
+    found = simulate(ensemble_mission(tmp_path, changes=alone), trials=600, sheet=False)
     successes = {each.causes[0]: each.success.value for each in found.members}
     assert successes["run-0.csv"] == successes["run-1.csv"] == 1.0
     assert successes["run-2.csv"] == 0.0
@@ -225,7 +225,9 @@ def test_anchors_say_which_member_spoils_them(tmp_path):
 def test_explorations_and_optimisations_say_which_member_spoils_the_best(spoiled):
     found = explore(spoiled, "ingress.speed=1:1.5:0.5 m/s", trials=80)
     best = simulate(
-        Mission.from_data(with_values(spoiled.raw, {"ingress.speed": "1 m/s"}), file=spoiled.file), trials=80
+        Mission.from_data(with_values(spoiled.raw, {"ingress.speed": "1 m/s"}), file=spoiled.file),
+        trials=80,
+        sheet=False,
     )
     assert found.values_of(found.best_cell) == {"ingress.speed": "1 m/s"}
     assert [each.good for each in found.members] == [each.success for each in best.members]

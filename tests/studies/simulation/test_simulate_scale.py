@@ -46,12 +46,12 @@ def whole_mission(tmp_path_factory):
 
 @pytest.fixture(scope="module")
 def reference(mission):
-    return bits(simulate(mission, trials=TRIALS))
+    return bits(simulate(mission, trials=TRIALS, sheet=False))
 
 
 @pytest.mark.parametrize(("jobs", "backend"), [(2, "loky"), (2, "threading")])
 def test_bits_do_not_depend_on_jobs_or_backend(mission, reference, jobs, backend):
-    assert bits(simulate(mission, trials=TRIALS, jobs=jobs, backend=backend)) == reference
+    assert bits(simulate(mission, trials=TRIALS, jobs=jobs, backend=backend, sheet=False)) == reference
 
 
 def test_raising_the_trials_keeps_the_first_ones(mission):
@@ -88,7 +88,7 @@ def test_a_precision_is_reached_below_the_standard_error(share, reached):
 
 
 def test_a_precision_that_is_not_reached_is_reported(whole_mission):
-    found = simulate(whole_mission, trials=500, precision="moor.offset=0.1 mm")
+    found = simulate(whole_mission, trials=500, precision="moor.offset=0.1 mm", sheet=False)
     assert any("was not reached in 500 trials" in notice for notice in found.provenance.notices)
 
 
@@ -122,7 +122,7 @@ def test_precisions_are_read(whole_mission, text, expected):
 )
 def test_precisions_that_cannot_be_read(whole_mission, text, words):
     with pytest.raises(InputError, match=words):
-        simulate(whole_mission, precision=text)
+        simulate(whole_mission, precision=text, sheet=False)
 
 
 def test_finished_blocks_are_not_run_again(mission, reference, tmp_path, monkeypatch):
@@ -136,11 +136,11 @@ def test_finished_blocks_are_not_run_again(mission, reference, tmp_path, monkeyp
         return original(scenario, seed, block, *rest)
 
     monkeypatch.setattr(task, "run_block", spying)
-    found = simulate(mission, trials=TRIALS, checkpoint=folder, resume=True)  # the trials have been raised
+    found = simulate(mission, trials=TRIALS, checkpoint=folder, resume=True, sheet=False)  # the trials have been raised
     assert ran == [1, 2]
     assert bits(found) == reference
     ran.clear()
-    assert bits(simulate(mission, trials=TRIALS, checkpoint=folder, resume=True)) == reference
+    assert bits(simulate(mission, trials=TRIALS, checkpoint=folder, resume=True, sheet=False)) == reference
     assert ran == []
 
 
@@ -174,10 +174,10 @@ def failing_at(failed):
 def test_a_failed_block_is_tried_again_on_resume(mission, tmp_path, monkeypatch):
     original = task.run_block
     monkeypatch.setattr(task, "run_block", failing_at(1))
-    assert len(simulate(mission, trials=2 * BLOCK, checkpoint=tmp_path).failed_blocks) == 1
+    assert len(simulate(mission, trials=2 * BLOCK, checkpoint=tmp_path, sheet=False).failed_blocks) == 1
     monkeypatch.setattr(task, "run_block", original)
-    found = simulate(mission, trials=2 * BLOCK, checkpoint=tmp_path, resume=True)
-    assert bits(found) == bits(simulate(mission, trials=2 * BLOCK))
+    found = simulate(mission, trials=2 * BLOCK, checkpoint=tmp_path, resume=True, sheet=False)
+    assert bits(found) == bits(simulate(mission, trials=2 * BLOCK, sheet=False))
 
 
 def test_the_tracks_are_those_of_the_first_block_that_did_not_fail(mission, monkeypatch):
@@ -190,37 +190,37 @@ def test_the_tracks_are_those_of_the_first_block_that_did_not_fail(mission, monk
 
 def test_a_changed_mission_is_refused_with_the_difference(mission, tmp_path):
     folder = tmp_path / "run"
-    simulate(mission, trials=10, checkpoint=folder)
+    simulate(mission, trials=10, checkpoint=folder, sheet=False)
     changed = chesapeake(tmp_path, {**QUICK, "navigation.surfacing_time": "80 s"})
     with pytest.raises(InputError) as caught:
-        simulate(changed, trials=10, checkpoint=folder, resume=True)
+        simulate(changed, trials=10, checkpoint=folder, resume=True, sheet=False)
     assert "mission.navigation.surfacing_time: was 90 s, now 80 s" in str(caught.value)
     with pytest.raises(InputError, match="seed: was 1, now 2"):
-        simulate(mission, trials=10, seed=2, checkpoint=folder, resume=True)
+        simulate(mission, trials=10, seed=2, checkpoint=folder, resume=True, sheet=False)
     with pytest.raises(InputError, match="resume=True"):
-        simulate(mission, trials=10, checkpoint=folder)
+        simulate(mission, trials=10, checkpoint=folder, sheet=False)
 
 
 def test_another_number_of_trials_in_the_file_is_no_change(tmp_path):
-    simulate(chesapeake(tmp_path, QUICK), trials=10, checkpoint=tmp_path / "run")
+    simulate(chesapeake(tmp_path, QUICK), trials=10, checkpoint=tmp_path / "run", sheet=False)
     more = chesapeake(tmp_path, {**QUICK, "monte_carlo": {"trials": 20, "seed": 1}})
-    assert simulate(more, checkpoint=tmp_path / "run", resume=True).provenance.trials == 20
+    assert simulate(more, checkpoint=tmp_path / "run", resume=True, sheet=False).provenance.trials == 20
 
 
 def test_changed_data_of_the_current_are_a_change(tmp_path):
     rows = "t_s,depth_m,east_m_s,north_m_s\n0,0,{},0\n90000,0,0.1,0\n"
     (tmp_path / "current.csv").write_text(rows.format(0.1))
     mission = chesapeake(tmp_path, {**QUICK, "site.current": {"file": "current.csv"}})
-    simulate(mission, trials=10, checkpoint=tmp_path / "run")
+    simulate(mission, trials=10, checkpoint=tmp_path / "run", sheet=False)
     (tmp_path / "current.csv").write_text(rows.format(0.2))
     with pytest.raises(InputError, match="SHA-256"):
-        simulate(mission, trials=10, checkpoint=tmp_path / "run", resume=True)
+        simulate(mission, trials=10, checkpoint=tmp_path / "run", resume=True, sheet=False)
 
 
 def test_a_checkpoint_that_cannot_be_written_is_one_message(mission, tmp_path, monkeypatch):
     (tmp_path / "file").write_text("")
     with pytest.raises(RunError, match="cannot"):
-        simulate(mission, trials=10, checkpoint=tmp_path / "file" / "run")
+        simulate(mission, trials=10, checkpoint=tmp_path / "file" / "run", sheet=False)
     folder = tmp_path / "run"
 
     def full(*_):
@@ -234,7 +234,7 @@ def test_a_checkpoint_that_cannot_be_written_is_one_message(mission, tmp_path, m
 
     monkeypatch.setattr(module.Checkpoints, "write", filling)
     with pytest.raises(RunError, match="No space left on device"):
-        simulate(mission, trials=10, checkpoint=folder)
+        simulate(mission, trials=10, checkpoint=folder, sheet=False)
 
 
 RUN = """
@@ -261,4 +261,4 @@ def test_a_killed_run_resumes_to_the_same_bits(mission, reference, tmp_path):
         os.killpg(process.pid, signal.SIGKILL)
         process.wait()
         assert len(list(folder.glob("block-*.npz"))) >= blocks
-    assert bits(simulate(mission, trials=TRIALS, checkpoint=folder, resume=True)) == reference
+    assert bits(simulate(mission, trials=TRIALS, checkpoint=folder, resume=True, sheet=False)) == reference
