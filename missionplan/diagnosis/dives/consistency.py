@@ -10,6 +10,7 @@ import itertools
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -17,8 +18,7 @@ from scipy.special import logsumexp
 
 from missionplan.diagnosis.dives.fitting import DescentFitting
 from missionplan.diagnosis.dives.likelihood import NoiseGridLikelihood
-from missionplan.diagnosis.inference.axes import differing
-from missionplan.diagnosis.inference.discrepancy import THRESHOLD, along_each_axis
+from missionplan.diagnosis.inference.discrepancy import differing_causes
 from missionplan.diagnosis.inference.model import CauseFit
 from missionplan.diagnosis.inference.selection import FURTHER
 from missionplan.results.learned.evidence import Causes
@@ -121,10 +121,7 @@ def _changed(
 def not_constant(model: "DescentModel", fit: CauseFit) -> Causes:
     """Return the causes whose strengths differ from dive to dive.
 
-    A strength of each dive beside the common one, independent normals of unknown size, against none: the Bayes factor
-    is averaged over the sizes and over the grid of noises, so that it says more than the scatter from dive to dive that
-    every model allows. A line that jams on its spool in some dives looks like a late clock, but not like the same one
-    in all.
+    A line that jams on its spool in some dives looks like a late clock, but not like the same one in all.
 
     Parameters
     ----------
@@ -134,13 +131,8 @@ def not_constant(model: "DescentModel", fit: CauseFit) -> Causes:
         The claimed set.
     """
     counts = [len(rows) for rows in model.parts]
-    own = np.repeat(np.eye(len(counts)), counts, axis=0)
-    strengths = [
-        differing(coordinate.effect, own * fit.state.linear.columns[:, [index]])
-        for index, coordinate in enumerate(model.coordinates)
-        if coordinate.effect in fit.causes and coordinate.kind != "shape"
-    ]
-    found = {
-        axis.description for axis, value in along_each_axis(model.residuals_along(fit, strengths)) if value > THRESHOLD
-    }
-    return tuple(name for name in fit.causes if name in found)
+    columns = {}
+    for name in fit.causes:
+        own = [i for i, c in enumerate(model.coordinates) if c.effect == name and c.kind != "shape"]
+        columns[name] = fit.state.linear.columns[:, own]
+    return differing_causes(partial(model.residuals_along, fit), columns, [np.repeat(np.eye(len(counts)), counts, 0)])

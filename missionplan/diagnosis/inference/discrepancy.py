@@ -7,18 +7,19 @@ Eq. 2.30), with a covariance of low rank.
 """
 
 import itertools
+from collections.abc import Callable, Mapping, Sequence
 
 import numpy as np
 from scipy.linalg import solve_triangular
 from scipy.special import logsumexp
 
 from missionplan.arrays import Array
-from missionplan.diagnosis.inference.axes import Axis
+from missionplan.diagnosis.inference.axes import Axis, differing
 from missionplan.diagnosis.inference.block_covariance import InnerProducts
 from missionplan.diagnosis.inference.residual_tests import Residuals, rejects, residual_tests
 from missionplan.diagnosis.inference.responses import LENGTHS, Responses
 from missionplan.diagnosis.inference.set_evidence import SCALES
-from missionplan.results.learned.evidence import Discrepancy, DiscrepancyShape
+from missionplan.results.learned.evidence import Causes, Discrepancy, DiscrepancyShape
 
 THRESHOLD = 3.0
 """ln Bayes factor above which there is a discrepancy."""
@@ -54,6 +55,32 @@ def along_each_axis(residuals: Residuals) -> list[tuple[Axis, float]]:
     responses = Responses.of(axes, covariance, np.zeros((len(residuals.values), 0))).in_size(USUAL * typical)
     gains = responses.log_gains(list(residuals.inner_products(responses.joined)))
     return [(axes[index], float(gains[index])) for index in np.argsort(-gains, kind="stable")]
+
+
+def differing_causes(
+    residuals_along: Callable[[Sequence[Axis]], Residuals], columns: Mapping[str, Array], parts: Sequence[Array]
+) -> Causes:
+    """Return the causes whose strengths differ between parts of the data.
+
+    A strength of each part beside the common one, independent normals of unknown size, against none: the Bayes factor
+    is averaged over the sizes and over the noises, so that it says more than the scatter that every model allows.
+
+    Parameters
+    ----------
+    residuals_along : callable
+        Of axes to look along: what the claimed set leaves.
+    columns : mapping
+        Response of the data to the strengths of each cause, shape (N, c).
+    parts : sequence of array, shape (N, p)
+        Divisions of the data: 1 where a datum is of a part.
+    """
+    axes = [
+        differing(name, (part[:, :, None] * own[:, None]).reshape(len(own), -1))
+        for name, own in columns.items()
+        for part in parts
+    ]
+    found = {axis.description for axis, value in along_each_axis(residuals_along(axes)) if value > THRESHOLD}
+    return tuple(name for name in columns if name in found)
 
 
 def _shape(axis: Axis, residuals: Residuals) -> DiscrepancyShape | None:

@@ -2,14 +2,15 @@
 
 import math
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 import pandas as pd
-from scipy.special import chdtrc
 
 from missionplan.arrays import Array
+from missionplan.diagnosis.inference.discrepancy import differing_causes
 from missionplan.diagnosis.inference.model import CauseFit
-from missionplan.diagnosis.legs.model import TransitModel
+from missionplan.diagnosis.legs.model import TransitModel, leg_by_leg
 from missionplan.effects import CATALOGUE
 from missionplan.results.learned.evidence import Causes
 
@@ -23,8 +24,6 @@ REFITS = 8
 """Times, at most, that the hyperparameters are refitted along the record."""
 LEGS_OF_HALF = 10
 """Legs that either half needs."""
-LEVEL = 0.0027
-"""P-value below which the halves differ: three standard deviations of a single parameter."""
 
 
 def transit_residuals(model: TransitModel, best: CauseFit) -> pd.DataFrame:
@@ -131,11 +130,10 @@ def _rms(velocity: Array, duration: Array) -> float:
 
 
 def not_constant(model: TransitModel, fit: CauseFit) -> Causes:
-    """Return the physical causes whose parameters differ between the halves of a log.
+    """Return the physical causes whose strengths differ between the halves of a log.
 
-    The halves are the first and the second, and even and odd blocks of five legs. With independent data and a wide
-    prior the squared Mahalanobis distance of the two estimates is χ²; a modulated oscillation is compared with its
-    modulation in the model. Two comparisons share the level (Bonferroni).
+    The halves are the first and the second, and even and odd blocks of five legs; a modulated oscillation is compared
+    with its modulation in the model.
 
     Parameters
     ----------
@@ -143,19 +141,14 @@ def not_constant(model: TransitModel, fit: CauseFit) -> Causes:
     fit : CauseFit
         The claimed set, fitted to the whole log.
     """
-    count, model = model.data.n, model.with_term(fit.state.term)
-    physical = [name for name in fit.causes if CATALOGUE[name].tier == "physical" and name in model.by_effect]
-    if not physical or count < 2 * LEGS_OF_HALF:
+    count, acting = model.data.n, model.with_term(fit.state.term)
+    physical = [name for name in fit.causes if CATALOGUE[name].tier == "physical" and name in acting.by_effect]
+    if count < 2 * LEGS_OF_HALF:
         return ()
+    columns = acting.columns_at(fit)
+    own = {name: leg_by_leg(columns[:, :, acting.by_effect[name]]) for name in physical}
     legs = np.arange(count)
-    found: set[str] = set()
-    for second in (legs >= count // 2, legs // 5 % 2 == 1):
-        states = [model.refitted(fit, legs[half]).state for half in (~second, second)]
-        for name in physical:
-            own = model.by_effect[name]
-            between = states[1].mean[own] - states[0].mean[own]
-            spread = sum(state.covariance[np.ix_(own, own)] for state in states)
-            squared = float(between @ np.linalg.solve(spread, between))
-            if chdtrc(len(own), squared) < 0.5 * LEVEL:
-                found.add(name)
-    return tuple(name for name in fit.causes if name in found)
+    halves = [np.repeat(half, 2).astype(float) for half in (legs >= count // 2, legs // 5 % 2 == 1)]
+    return differing_causes(
+        partial(acting.residuals_along, fit), own, [np.stack([1.0 - half, half], axis=1) for half in halves]
+    )

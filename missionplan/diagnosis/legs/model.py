@@ -9,6 +9,7 @@ from scipy.linalg import solve_triangular
 
 from missionplan.arrays import Array
 from missionplan.datasets.records import TransitData
+from missionplan.diagnosis.inference.axes import Axis
 from missionplan.diagnosis.inference.block_covariance import BlockCovariance
 from missionplan.diagnosis.inference.marginal_likelihood import QUANTILE_95, Normal
 from missionplan.diagnosis.inference.model import CauseFit, FailedFit, FitRequest, HeldOutScore
@@ -54,13 +55,13 @@ class TransitModel(TransitFitting):
 
     def residuals(self, fit: CauseFit) -> Residuals:
         """Velocity errors leg by leg (first axis, second axis, next leg) and their covariance under a fit."""
-        return Residuals(
-            leg_by_leg(fit.state.linear.y),
-            self.error_covariance(fit, fit.state.linear),
-            np.tile([0, 1], self.data.n),
-            transit_axes(self.data, self.leg, self.axes),
-            np.repeat(self.data.labels, 2),
-        )
+        return self.residuals_along(fit, transit_axes(self.data, self.leg, self.axes))
+
+    def residuals_along(self, fit: CauseFit, axes: Sequence[Axis]) -> Residuals:
+        """Return the residuals with other axes to look along."""
+        series, groups = np.tile([0, 1], self.data.n), np.repeat(self.data.labels, 2)
+        covariance = self.error_covariance(fit, fit.state.linear)
+        return Residuals(leg_by_leg(fit.state.linear.y), covariance, series, axes, groups)
 
     def error_covariance(self, fit: CauseFit, linear: LinearisedLegs) -> BlockCovariance:
         """Covariance of errors leg by leg under a fit's noise and the coefficients' priors: axes are independent."""

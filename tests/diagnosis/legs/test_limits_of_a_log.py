@@ -10,6 +10,7 @@ import yaml
 from missionplan import diagnose
 from missionplan.datasets.legs import read_transit
 from missionplan.diagnosis.legs.extended_mission import widened
+from missionplan.diagnosis.legs.fit_checks import not_constant
 from missionplan.diagnosis.legs.model_factory import transit_model
 from missionplan.mission import Mission
 from missionplan.report.diagnosis.page import answer
@@ -45,6 +46,15 @@ def turned(angle):
         return 1.2 * np.stack([np.sin(actual) - np.sin(heading), np.cos(actual) - np.cos(heading)])
 
     return error
+
+
+@pytest.mark.parametrize(("change", "expected"), [(0.0, ()), (0.06, ("mean-current",))])
+def test_a_current_that_changes_halfway_is_not_constant(change, expected, folder, transit_mission, legs):
+    def error(t, heading):
+        return np.stack([0.1 + np.where(t > np.median(t), change, 0.0), 0.0 * t])
+
+    model = transit_model(read_transit(folder(KIND, legs(error=error)), transit_mission), transit_mission, 1)
+    assert not_constant(model, model.fit(("mean-current",))) == expected
 
 
 @pytest.mark.parametrize("count", [8, *(pytest.param(n, marks=pytest.mark.slow) for n in (14, 19))])
