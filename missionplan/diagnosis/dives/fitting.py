@@ -215,10 +215,9 @@ class DescentFitting(DescentLikelihood):
         """Evidence of a set in a linearisation, and the posterior of its parameters."""
         if not np.all(np.isfinite(linear.y)) or not np.all(np.isfinite(linear.columns)):
             return FailedFit(causes, "the descent does not go down with these parameters")
-        prior, grid = self.prior(causes), np.array([noise.log_prior for noise in noise_grid()])
         try:
             likelihood = self.likelihood(linear).as_one  # of each dive they are too large to keep with every fit
-            whole = integrated(likelihood.marginal, grid, prior)
+            whole = integrated(likelihood.log_joint, likelihood.marginal, self.prior(causes))
         except np.linalg.LinAlgError as error:
             return FailedFit(causes, str(error))
         free, marginal, mean = self.free(causes), whole.marginal, whole.inside.mean

@@ -200,17 +200,19 @@ class Integrated:
     """Posterior of the coordinates themselves, cut to their ranges."""
 
 
-def integrated(marginal_of: Callable[[int, Array], Marginal], noise_log_prior: Array, prior: Prior) -> Integrated:
+def integrated(
+    log_joint: Callable[[Array], Array], marginal_of: Callable[[int, Array], Marginal], prior: Prior
+) -> Integrated:
     """Integrate a linear model: coordinates exactly, the noise by a sum over a grid, the scales by Laplace's method.
 
     The scales are those at the likeliest noise.
 
     Parameters
     ----------
+    log_joint : callable
+        Of `Prior.root`: log density of the data at each noise, its log prior added, shape (g,).
     marginal_of : callable
         Of the number of a noise and of `Prior.root`: the model with its coordinates integrated out.
-    noise_log_prior : array, shape (g,)
-        Log prior of each noise.
     prior : Prior
         Of the coordinates; those of `Marginal` are counted from its centre.
 
@@ -219,17 +221,12 @@ def integrated(marginal_of: Callable[[int, Array], Marginal], noise_log_prior: A
     numpy.linalg.LinAlgError
         When the coordinates have no posterior.
     """
-
-    def at_all(root: Array) -> tuple[Array, list[Marginal]]:
-        found = [marginal_of(index, root) for index in range(len(noise_log_prior))]
-        return noise_log_prior + np.array([each.log_density for each in found]), found
-
-    likely = int(np.argmax(at_all(prior.root(prior.sd))[0]))
+    likely = int(np.argmax(log_joint(prior.root(prior.sd))))
     scales = likeliest_scales(partial(marginal_of, likely), prior)
     root = prior.root(scales.sd)
-    logs, found = at_all(root)
+    logs = log_joint(root)
     noise = int(np.argmax(logs))
-    own = found[noise]
+    own = marginal_of(noise, root)
     inside = inside_range(prior.centre + own.mean, own.covariance, *prior.bounds)
     evidence = float(logsumexp(logs)) + scales.log_factor + inside.log_mass - prior.log_mass
     return Integrated(evidence, noise, root, own, inside)

@@ -142,8 +142,12 @@ class TankFitting:
         def of_noise(index: int, root: Array) -> Marginal:
             return marginal(y, best.jacobian, root, self.noise_factors[index] * self.forward.sd)
 
+        def log_joint(root: Array) -> Array:
+            noises = range(len(self.noise_factors))
+            return np.asarray(self.noise_log_prior + [of_noise(index, root).log_density for index in noises])
+
         try:
-            whole = integrated(of_noise, self.noise_log_prior, chosen)
+            whole = integrated(log_joint, of_noise, chosen)
         except np.linalg.LinAlgError as error:
             return FailedFit(causes, str(error))
         residuals, factor = self.forward.y - best.prediction, float(self.noise_factors[whole.noise])
