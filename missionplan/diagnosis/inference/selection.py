@@ -1,5 +1,6 @@
 """Sets of causes with their probabilities, and what a posterior over all says: single causes, credible set, rivals."""
 
+import itertools
 import math
 from collections.abc import Callable, Hashable, Mapping
 from dataclasses import dataclass, field
@@ -123,7 +124,8 @@ def told_together(posterior: Mapping[Causes, float]) -> dict[Causes, float]:
     """
     found: dict[Causes, float] = {}
     for causes, probability in posterior.items():
-        parts = [other for other in posterior if other and set(other) < set(causes)]
+        smaller = (itertools.combinations(causes, size) for size in range(1, len(causes)))
+        parts = [part for part in itertools.chain.from_iterable(smaller) if part in posterior]
         likeliest = max(parts, key=lambda part: posterior[part], default=causes)
         told = likeliest if probability < posterior[likeliest] * math.exp(-FURTHER) else causes
         found[told] = found.get(told, 0.0) + probability
