@@ -12,6 +12,7 @@ from missionplan.diagnosis.given.effects import GivenEffect
 from missionplan.diagnosis.inference.experiment_design import DirectMeasurement
 from missionplan.diagnosis.inference.model import CauseFit
 from missionplan.diagnosis.inference.selection import Selection, WeighsAllSets
+from missionplan.diagnosis.plan_gain import anchor_choice, plan_gain
 from missionplan.effects import instruments
 from missionplan.mission import Mission
 from missionplan.montecarlo.posterior import NOWHERE, Place
@@ -48,6 +49,15 @@ class Dataset(Protocol):
         ...
 
 
+class BoundModel(WeighsAllSets, Protocol):
+    """Base model and catalogue, bound to a data set."""
+
+    @property
+    def given(self) -> tuple[GivenEffect, ...]:
+        """The mission's own effects, those that the data could show."""
+        ...
+
+
 class DataKind(ABC):
     """A kind of measured data; an instance is one data set of the kind, bound to a mission."""
 
@@ -60,7 +70,7 @@ class DataKind(ABC):
     """The base model."""
     data: Dataset
     """What was read."""
-    model: WeighsAllSets
+    model: BoundModel
     """Base model and catalogue, bound to the data."""
 
     @property
@@ -82,9 +92,9 @@ class DataKind(ABC):
         return ()
 
     @property
-    @abstractmethod
     def given(self) -> tuple[GivenEffect, ...]:
         """The mission's own effects, those that the data could show."""
+        return self.model.given
 
     @property
     def place(self) -> Place:
@@ -138,9 +148,12 @@ class DataKind(ABC):
         """Return the mission file's data with what a fit says of all that belongs to no effect."""
         return dict(self.mission.raw)
 
-    @abstractmethod
     def plan_gain(self, base: Mission, extended: Mapping[str, object], *, seed: int, jobs: int) -> PlanGain:
-        """Return what the planner would choose with the mission given and with the extended one: see `plan_gain`."""
+        """Return what the planner would choose with the mission given and with the extended one: as a rule an anchor.
+
+        See `plan_gain`.
+        """
+        return plan_gain(anchor_choice, base, extended, seed=seed, jobs=jobs)
 
     def calibration(self, best: CauseFit) -> dict[str, float]:
         """Return the base model's nuisance parameters as fitted, and what else the reader may set beside them."""

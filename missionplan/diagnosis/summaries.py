@@ -23,15 +23,12 @@ from missionplan.diagnosis.dives.kind import descent_shares
 from missionplan.diagnosis.dives.linearised import DiveLinearisation
 from missionplan.diagnosis.dives.model import DescentModel, descent_builder, given_on_descent, noise_free_discrimination
 from missionplan.diagnosis.dives.preparation import DiveLog
-from missionplan.diagnosis.given.effects import GivenEffect
 from missionplan.diagnosis.inference.axes import Axis
 from missionplan.diagnosis.inference.model import CauseFit
 from missionplan.diagnosis.learned_data import as_then, unlearned
-from missionplan.diagnosis.plan_gain import anchor_choice, plan_gain
 from missionplan.mission import Mission
 from missionplan.phases.mooring.descent import descend
 from missionplan.phases.mooring.forces import DescentHooks
-from missionplan.results.learned.diagnosis import PlanGain
 from missionplan.results.learned.evidence import Verdict
 from missionplan.scenario.scenario import STILL_WATER
 
@@ -210,11 +207,6 @@ class SummaryKind(DataKind):
         then = as_then(data, mission, data.date)
         return cls(kind, then, data, summary_model(data, then))
 
-    @property
-    def given(self) -> tuple[GivenEffect, ...]:
-        """The mission's own effects that the data could show."""
-        return self.model.given
-
     def residual_table(self, base: CauseFit, best: CauseFit) -> pd.DataFrame:
         """Return one row a number."""
         return summary_residuals(self.model, base, best)
@@ -226,10 +218,6 @@ class SummaryKind(DataKind):
     def shares_explained(self, base: CauseFit, fits: Sequence[CauseFit], residuals: pd.DataFrame) -> list[float]:
         """Return the share of the squared residuals, in standard deviations, that goes with each fit."""
         return descent_shares(self.model, base, fits)
-
-    def plan_gain(self, base: Mission, extended: Mapping[str, object], *, seed: int, jobs: int) -> PlanGain:
-        """Compare the anchors chosen."""
-        return plan_gain(anchor_choice, base, extended, seed=seed, jobs=jobs)
 
     def limited_verdict(self, verdict: Verdict) -> Verdict:
         """Return at most ``ambiguous``: a few numbers, their times shifted by hand, prove no cause."""

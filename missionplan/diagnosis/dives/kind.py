@@ -1,6 +1,6 @@
 """Dive logs as a kind of data, with residuals reading by reading and the misfit in the planner's terms."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Self
@@ -14,13 +14,10 @@ from missionplan.diagnosis.data_kind import DataKind
 from missionplan.diagnosis.dives.consistency import EXCHANGED, not_constant
 from missionplan.diagnosis.dives.model import DescentModel, check_leaves_surface, descent_model
 from missionplan.diagnosis.dives.preparation import PreparedDives, prepare_dives
-from missionplan.diagnosis.given.effects import GivenEffect
 from missionplan.diagnosis.inference.model import CauseFit
 from missionplan.diagnosis.inference.selection import LIKELY, Selection
 from missionplan.diagnosis.learned_data import as_then, unlearned
-from missionplan.diagnosis.plan_gain import anchor_choice, plan_gain
 from missionplan.mission import Mission
-from missionplan.results.learned.diagnosis import PlanGain
 from missionplan.results.learned.evidence import Causes
 
 
@@ -49,11 +46,6 @@ class DescentKind(DataKind):
         """Parameters of all causes as the model fits them."""
         return self.model.coordinates
 
-    @property
-    def given(self) -> tuple[GivenEffect, ...]:
-        """The mission's own effects that the data could show."""
-        return self.model.given
-
     def residual_table(self, base: CauseFit, best: CauseFit) -> pd.DataFrame:
         """Return one row a reading."""
         return descent_residuals(self.model, base, best)
@@ -74,10 +66,6 @@ class DescentKind(DataKind):
         """Say between which dives the labels of the weights look exchanged."""
         is_likely = any(what == EXCHANGED and probability >= LIKELY for _, what, probability in found.responses)
         return str(self.model.exchanged_labels(found.base)) if is_likely else ""
-
-    def plan_gain(self, base: Mission, extended: Mapping[str, object], *, seed: int, jobs: int) -> PlanGain:
-        """Compare the anchors chosen."""
-        return plan_gain(anchor_choice, base, extended, seed=seed, jobs=jobs)
 
 
 LEAST_SPEED = 0.05

@@ -13,7 +13,7 @@ from missionplan.datasets.legs import read_transit
 from missionplan.datasets.records import TransitData
 from missionplan.diagnosis.coordinates import Coordinate
 from missionplan.diagnosis.data_kind import DataKind
-from missionplan.diagnosis.given.effects import GivenEffect, forecast_effect, has_forecast_error, with_forecast_error
+from missionplan.diagnosis.given.effects import forecast_effect, has_forecast_error, with_forecast_error
 from missionplan.diagnosis.inference.model import CauseFit
 from missionplan.diagnosis.learned_data import as_then, unlearned
 from missionplan.diagnosis.legs.aliases import aliases
@@ -87,11 +87,6 @@ class TransitKind(DataKind):
     def model_coordinates(self) -> Sequence[Coordinate]:
         """Parameters of all causes as the model fits them."""
         return self.model.coordinates
-
-    @property
-    def given(self) -> tuple[GivenEffect, ...]:
-        """The mission's own effects that the data could show."""
-        return self.model.given
 
     def residual_table(self, base: CauseFit, best: CauseFit) -> pd.DataFrame:
         """Return one row a leg."""

@@ -24,7 +24,6 @@ from missionplan.diagnosis.given.effects import GivenEffect
 from missionplan.diagnosis.given.priors import check_together, given_priors
 from missionplan.diagnosis.inference.model import CauseFit
 from missionplan.diagnosis.learned_data import as_then, unlearned
-from missionplan.diagnosis.plan_gain import anchor_choice, plan_gain
 from missionplan.diagnosis.tank.experiments import (
     drag_forward,
     drag_reynolds,
@@ -195,11 +194,6 @@ class TankKind(DataKind):
         given = given_in_tank(data, then, forward.candidates)
         return cls(kind, then, data, TankModel(forward, given=given, alternatives=exclusive_groups("tank")))
 
-    @property
-    def given(self) -> tuple[GivenEffect, ...]:
-        """The mission's own effects that the data could show."""
-        return self.model.given
-
     def residual_table(self, base: CauseFit, best: CauseFit) -> pd.DataFrame:
         """Return one row a datum."""
         return tank_residuals(self.model, best)
@@ -225,7 +219,7 @@ class TankKind(DataKind):
         vehicle = self.mission.vehicle
         if not (self.mission.moors and vehicle and vehicle.anchor):
             return PlanGain(reason="no mooring's anchor, whose choice the tank's data could change")
-        return plan_gain(anchor_choice, base, extended, seed=seed, jobs=jobs)
+        return super().plan_gain(base, extended, seed=seed, jobs=jobs)
 
 
 def tank_forward(data: TankData, mission: Mission) -> TankForward:
