@@ -71,3 +71,22 @@ def test_what_goes_by_heading_and_depth_together_is_seen():
 @pytest.mark.slow
 def test_a_named_effect_is_still_named():
     assert "named 4 of 4" in named_figures(4, 7)[0]
+
+
+@pytest.mark.slow
+def test_an_answer_to_the_current_beyond_what_the_effect_knows_is_no_deviation_of_the_compass():
+    """A hull that turns into the current answers along its course with far more than across it."""
+    found = diagnosed(*fossen(Recipe(water=lambda m: CURRENT, along=3.0)), seed=5)
+    assert is_flagged(found)
+    assert "compass-deviation" not in found.causes
+    assert found.none_of_these > 0.95
+
+
+@pytest.mark.slow
+def test_what_is_beside_a_heading_error_by_depth_is_seen():
+    log = drawn(np.random.default_rng(8), 60)
+    log = replace(log, depths=np.random.default_rng(3).uniform(5.0, 150.0, 60))
+    errors = sized(SEEN["heading by the square of depth"], log, 50.0, 5)
+    found = diagnosed(log, errors, seed=5)
+    assert is_flagged(found)
+    assert found.none_of_these > 0.5

@@ -20,7 +20,7 @@ from missionplan.diagnosis.legs.designs import DESIGNS, designs_for, with_furthe
 from missionplan.diagnosis.legs.fitting import TransitFitting
 from missionplan.diagnosis.legs.likelihood.covariance import ALL_LEGS
 from missionplan.diagnosis.legs.likelihood.linearised import LinearisedLegs
-from missionplan.diagnosis.legs.posterior import infer, with_forms
+from missionplan.diagnosis.legs.search import beside_terms, infer, with_forms
 from missionplan.diagnosis.legs.set_density import LegInference
 from missionplan.diagnosis.legs.terms import terms_of
 from missionplan.effects import exclusive_groups
@@ -51,7 +51,7 @@ class TransitModel(TransitFitting):
     def all_sets(self, progress: Progress = no_progress, jobs: int = 1) -> Selection:
         """Return all sets of causes with their probabilities."""
         progress("weighing all sets of causes", 0, 1)
-        return with_forms(infer(LegInference(self, terms_of(self)))).selection()
+        return with_forms(beside_terms(infer(LegInference(self, terms_of(self))))).selection()
 
     def residuals(self, fit: CauseFit) -> Residuals:
         """Velocity errors leg by leg (first axis, second axis, next leg) and their covariance under a fit."""

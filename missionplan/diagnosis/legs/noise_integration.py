@@ -71,6 +71,13 @@ class Law:
         logs = logsumexp(self.log_weights, axis=(0, 2, 3))
         return np.asarray(np.exp(logs - logsumexp(logs)))
 
+    def masses(self) -> dict[tuple[MeanSet, int], float]:
+        """Log evidence times prior of each set that was integrated, without a term (0) and with the number of each."""
+        found: dict[tuple[MeanSet, int], float] = {}
+        for one, logs in zip(self.sets, logsumexp(self.log_weights, axis=(1, 2)), strict=True):
+            found |= {(one, term): float(mass) for term, mass in zip((0, *self.terms), logs, strict=True)}
+        return {key: mass for key, mass in found.items() if mass > -np.inf}
+
     def noise(self) -> Laplace:
         """Mean and covariance of the noise's posterior as drawn."""
         return self.noise_of(self._shares)

@@ -7,91 +7,34 @@ a mixture of Student-t laws about the likeliest noise without a cause and with t
 linear are linearised about the posterior mean of the likeliest set that has them.
 """
 
-import itertools
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
+from copy import copy
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.special import logsumexp
 
 from missionplan.arrays import Array
-from missionplan.diagnosis.coordinates import LOWER, UPPER, Coordinate, JointPosterior, estimates
+from missionplan.diagnosis.coordinates import LOWER, UPPER, Coordinate, JointPosterior, estimates, is_possible
 from missionplan.diagnosis.inference.laplace import Laplace
 from missionplan.diagnosis.inference.model import CauseFit
 from missionplan.diagnosis.inference.selection import FURTHER, Candidate, Selection, credible_set
 from missionplan.diagnosis.inference.set_evidence import SCALES
 from missionplan.diagnosis.legs.fitting import by_quantiles
 from missionplan.diagnosis.legs.likelihood.mean import ActingTerm
-from missionplan.diagnosis.legs.likelihood.modulation import SHORTEST, Forms
-from missionplan.diagnosis.legs.noise_integration import ComparedSets, Law, NoiseSearch
-from missionplan.diagnosis.legs.set_density import MOST_IN_MEAN, LegInference, MeanSet
+from missionplan.diagnosis.legs.noise_integration import Law
+from missionplan.diagnosis.legs.set_density import LegInference, MeanSet
 from missionplan.diagnosis.legs.state import TransitState
-from missionplan.effects import CATALOGUE, effects_of, exclusive_groups
+from missionplan.diagnosis.legs.terms import without_a_name
+from missionplan.effects import CATALOGUE, effects_of
 from missionplan.results.learned.evidence import Causes
 
-KEPT, KEPT_WITH_TERM = 12.0, 9.0
-"""Nats below the likeliest set within which a set is integrated, and one with a term; the others are stated."""
 LISTED = 12
 """Sets, at most, that are fitted for the report."""
-BESIDE = 3
-"""Likeliest sets beside which oscillations that need not be steady are tried."""
 LEAST_SHARE = 1e-6
 """Of a set's probability, below which one of its scales is left out of its moments."""
-WORTH_PAIRING = 3.0
-"""Nats below the likeliest within which a random effect is tried together with another."""
-
-
-def laws_of(random: Causes) -> tuple[list[Causes], list[Causes]]:
-    """Return single random effects, and pairs that describe different errors."""
-    groups = exclusive_groups("transit")
-    pairs: list[Causes] = [p for p in itertools.combinations(random, 2) if not any(len(g & set(p)) > 1 for g in groups)]
-    return [(name,) for name in random], pairs
-
-
-def infer(inference: LegInference) -> "LegPosterior":
-    """Compute the posterior."""
-    nothing, rich = MeanSet(()), MeanSet(inference.in_mean)
-    plain = NoiseSearch(inference, (), nothing)
-    first = plain.likeliest(nothing)
-    full = plain.likeliest(rich, plain.at(first))
-    inference.relinearise(plain.errors, full.mode)
-    levels = plain.levels(first, full)
-    best = plain.likeliest(inference.refine(plain.errors, levels, plain.scores(levels)), plain.at(full))
-    searches: dict[Causes, ComparedSets] = {(): plain.compared(first, best)}
-    top = searches[()].top
-    known = plain.at(plain.likeliest(top, plain.at(best)))
-    singles, pairs = laws_of(inference.random)
-    for law in singles:
-        search = NoiseSearch(inference, law, top)
-        searches[law] = search.compared(search.likeliest(nothing, plain.at(first)), search.likeliest(top, known))
-    highest = max(each.best for each in searches.values())
-    for law in pairs:
-        if any(searches[name,].best > highest - WORTH_PAIRING for name in law):
-            search = NoiseSearch(inference, law, top)
-            searches[law] = search.compared(search.likeliest(nothing, plain.at(first)), search.likeliest(top, known))
-    highest = max(each.best for each in searches.values())
-    whole = float(logsumexp([logsumexp(each.scores) for each in searches.values()]))
-    laws, left = [], np.zeros(1 + len(inference.terms))
-    for each in searches.values():
-        chosen = _chosen(inference, each, highest)
-        left += np.sum(np.where(chosen, 0.0, np.exp(each.scores - whole)), axis=0)
-        if chosen.any():
-            laws.append(each.integrated(chosen))
-    return LegPosterior(inference, tuple(laws), left)
-
-
-def _chosen(inference: LegInference, compared: ComparedSets, best: float) -> NDArray[np.bool_]:
-    """Which sets are integrated, without a term and with which: the likely ones, and parts without their term."""
-    least = np.full(compared.scores.shape[1], best - KEPT_WITH_TERM)
-    least[0] = best - KEPT
-    chosen = compared.scores > least
-    chosen[:, 0] |= chosen.any(axis=1)
-    if not compared.search.effects:
-        chosen[inference.sets.index(MeanSet(())), 0] = True
-    return np.asarray(chosen)
 
 
 @dataclass(frozen=True)
@@ -112,6 +55,8 @@ class LegPosterior:
     """Of `log_masses` where they are not those of the laws."""
     forms: Mapping[Causes, TransitState] = field(default_factory=dict)
     """States of sets with oscillations that are not steady."""
+    beside_terms: Mapping[tuple[Causes, tuple[str, str]], float] = field(default_factory=dict)
+    """Log evidence times prior of sets that have a term with a name, with a neutral one besides, by its words."""
 
     @cached_property
     def log_masses(self) -> Mapping[tuple[Causes, int], float]:
@@ -120,12 +65,13 @@ class LegPosterior:
             return self.masses
         found: dict[tuple[Causes, int], float] = {}
         for law in self.laws:
-            for one, logs in zip(law.sets, logsumexp(law.log_weights, axis=(1, 2)), strict=True):
-                causes = self._in_order((*one.causes, *law.effects))
-                found |= {(causes, term): float(mass) for term, mass in zip((0, *law.terms), logs, strict=True)}
-        return {key: mass for key, mass in found.items() if mass > -np.inf}
+            found |= {
+                (self.in_order((*one.causes, *law.effects)), term): mass for (one, term), mass in law.masses().items()
+            }
+        return found
 
-    def _in_order(self, names: Iterable[str]) -> Causes:
+    def in_order(self, names: Iterable[str]) -> Causes:
+        """A set of causes of some names."""
         return tuple(sorted(names, key=self._order.__getitem__))
 
     @cached_property
@@ -136,7 +82,7 @@ class LegPosterior:
         """A set with the effect of its term, if that is one of an effect."""
         causes, term = key
         effect = self.inference.terms[term - 1].effect if term else ""
-        return self._in_order((*causes, effect)) if effect else causes
+        return self.in_order((*causes, effect)) if effect else causes
 
     @cached_property
     def _by_causes(self) -> dict[Causes, list[tuple[Causes, int]]]:
@@ -148,7 +94,7 @@ class LegPosterior:
 
     @cached_property
     def _total(self) -> float:
-        return float(logsumexp(list(self.log_masses.values())))
+        return float(logsumexp([*self.log_masses.values(), *self.beside_terms.values()]))
 
     @cached_property
     def probabilities(self) -> dict[Causes, float]:
@@ -157,6 +103,8 @@ class LegPosterior:
             causes: sum(math.exp(self.log_masses[key] - self._total) for key in keys)
             for causes, keys in self._by_causes.items()
         }
+        for (causes, _), mass in self.beside_terms.items():
+            found[causes] = found.get(causes, 0.0) + math.exp(mass - self._total)
         return dict(sorted(found.items(), key=lambda item: -item[1]))
 
     @property
@@ -190,6 +138,8 @@ class LegPosterior:
             if term.is_neutral:
                 key = term.axis, term.description
                 found[key] = found.get(key, 0.0) + probability
+        for (_, key), mass in self.beside_terms.items():
+            found[key] = found.get(key, 0.0) + math.exp(mass - self._total)
         return tuple((*key, p) for key, p in sorted(found.items(), key=lambda item: -item[1]))
 
     @property
@@ -318,6 +268,8 @@ class LegPosterior:
         listed = [causes for causes in probabilities if causes][:LISTED]
         listed += [causes for causes in credible_set(self.named) if causes and causes not in listed]
         fits = [self.fit(causes) for causes in listed]
+        if unlike := self._of_impossible_size(fits):
+            return self._without_names(unlike).selection()
         base = self.fit(())
         impossible = [fit for fit in fits if not fit.possible]
         ruled_out = {fit.causes for fit in impossible}
@@ -341,6 +293,29 @@ class LegPosterior:
             self.not_computed,
             tuple(credible_set({c: p for c, p in self.named.items() if c not in ruled_out})),
         )
+
+    def _of_impossible_size(self, fits: Sequence[CauseFit]) -> set[str]:
+        """Effects that act by a term whose size, in the likeliest set that has it, is none of theirs."""
+        found: dict[str, bool] = {}
+        for fit in fits:
+            one, _ = self._parts(fit.causes)
+            effect = self.inference.terms[one.term - 1].effect if one.term else ""
+            if effect and CATALOGUE[effect].tier != "neutral":
+                found.setdefault(effect, is_possible(each for each in fit.estimates if each.effect == effect))
+        return {effect for effect, possible in found.items() if not possible}
+
+    def _without_names(self, effects: set[str]) -> "LegPosterior":
+        """Return the posterior in which terms of some effects are neutral: their size is none of the effect's."""
+        inference = copy(self.inference)
+        inference.terms = without_a_name(inference.terms, effects)
+        masses = dict(self.log_masses)
+        for (causes, number), mass in self.log_masses.items():
+            if number and self.inference.terms[number - 1].effect in effects:
+                price = FURTHER if causes else math.log(inference.catalogue)
+                share = inference.terms[number - 1].log_share - self.inference.terms[number - 1].log_share
+                masses[causes, number] = mass + price + share
+        beside = {key: mass for key, mass in self.beside_terms.items() if effects.isdisjoint(key[0])}
+        return replace(self, inference=inference, masses=masses, beside_terms=beside)
 
     def _families(self, posterior: Mapping[Causes, float]) -> tuple[tuple[Causes, ...], ...]:
         """Sets that differ in a steady or an oscillating current, where the record does not show whether it turns."""
@@ -369,36 +344,3 @@ def _quantiles(values: Array, shares: Array) -> Array:
     order = np.argsort(values)
     weights = shares[order]
     return np.asarray(np.interp((LOWER, 0.5, UPPER), np.cumsum(weights) - 0.5 * weights, values[order]))
-
-
-def with_forms(posterior: LegPosterior) -> LegPosterior:
-    """Weigh oscillations that need not be steady, in records long enough to show them."""
-    masses, forms = dict(posterior.log_masses), {}
-    for causes in _modulated_sets(posterior):
-        law = tuple(name for name in causes if name in posterior.inference.random)
-        mean = MeanSet(tuple(name for name in causes if name not in law))
-        if len(mean.causes) > MOST_IN_MEAN:
-            continue
-        try:
-            evidence, gain, state = posterior.inference.model.over_forms(causes)
-        except np.linalg.LinAlgError:
-            continue
-        steady = masses.get((causes, 0))
-        prior = posterior.inference.log_prior(mean, law)
-        masses[causes, 0] = evidence + prior if steady is None else steady + gain
-        if state.forms != Forms() or steady is None:
-            forms[causes] = state
-    return replace(posterior, masses=masses, forms=forms) if forms or masses != posterior.log_masses else posterior
-
-
-def _modulated_sets(posterior: LegPosterior) -> list[Causes]:
-    """Sets with an oscillation that need not be steady, beside nothing and the likeliest sets."""
-    model = posterior.inference.model
-    given = {each.effect for each in model.given}
-    names = [name for name in model.candidates if CATALOGUE[name].is_modulated and name not in given]
-    if not names or float(np.ptp(model.data.middle)) < SHORTEST:
-        return []
-    likely = [causes for causes in posterior.named if set(causes) <= set(model.candidates)][:BESIDE]
-    order = {name: index for index, name in enumerate(model.candidates)}
-    found = {tuple(sorted({*causes, name}, key=order.__getitem__)) for causes in [(), *likely] for name in names}
-    return sorted(found)

@@ -78,6 +78,7 @@ class LegInference:
 
     def __init__(self, model: TransitFitting, terms: Sequence[LegTerm]) -> None:
         self.model, self.terms = model, tuple(terms)
+        self.always: LegTerm | None = None
         infos = [CATALOGUE[name] for name in model.candidates]
         self.in_mean = tuple(info.id for info in infos if info.part == "mean")
         self.random = tuple(info.id for info in infos if info.part == "covariance")
@@ -91,6 +92,13 @@ class LegInference:
         self._known: dict[tuple[MeanSet, int], tuple[Array, Array]] = {}
         self._groups: dict[Causes, LinearisedGroup] = {}
         self._joined: dict[tuple[tuple[Causes, ...], tuple[int, ...]], JointColumns] = {}
+
+    def beside(self, number: int, sets: Sequence[Causes]) -> "LegInference":
+        """Return the inference of some sets that have the term of a number, with the neutral terms beside it."""
+        found = LegInference(self.model, [each for each in self.terms if each.is_neutral])
+        found.always, found.sets, found._water = self.terms[number - 1], tuple(map(MeanSet, sets)), self._water
+        found._groups = {group: found._linearised(group, one.about) for group, one in self._groups.items()}
+        return found
 
     def refine(self, law: RandomErrors, levels: Sequence[Array], scores: Array) -> MeanSet:
         """Try more moments about the likeliest of those at which something may change, and take the term at its size.
@@ -123,11 +131,9 @@ class LegInference:
 
     def log_prior(self, one: MeanSet, law: Causes) -> float:
         """Log prior odds of a set over none, a term with a name counted as a cause, a share of whose prior it has."""
-        named = len(one.causes) + len(law)
-        if not one.term:
-            return log_prior(named, self.catalogue)
-        term = self.terms[one.term - 1]
-        return log_prior(named + (not term.is_neutral), self.catalogue) + term.log_share
+        own = [each for each in (self.always, self.terms[one.term - 1] if one.term else None) if each is not None]
+        named = len(one.causes) + len(law) + sum(not each.is_neutral for each in own)
+        return log_prior(named, self.catalogue) + sum(each.log_share for each in own)
 
     def log_priors(self, law: Causes) -> Array:
         """Those of all sets without a term and with each, shape (s, 1 + t); none of a set that is full."""
@@ -137,7 +143,8 @@ class LegInference:
         price = np.array([FURTHER if one.causes or law else math.log(self.catalogue) for one in self.sets])[:, None]
         full = np.array([len(one.causes) == MOST_IN_MEAN for one in self.sets])[:, None]
         with_term = plain + shares - price * named
-        nothing_to_answer = ~self._moves_water[:, None] & np.array([term.answers for term in self.terms])
+        answer = np.array([term.answers or (self.always is not None and self.always.answers) for term in self.terms])
+        nothing_to_answer = ~self._moves_water[:, None] & answer
         return np.concatenate([plain, np.where(full | nothing_to_answer, -np.inf, with_term)], axis=1)
 
     @cached_property
@@ -154,7 +161,7 @@ class LegInference:
     @cached_property
     def core(self) -> int:
         """Number of columns that act beside any term."""
-        return int(self.linear(()).linear.columns.shape[2])
+        return int(self.linear(()).columns.shape[2]) - 1
 
     def prior(self, one: MeanSet, scale: int) -> tuple[Array, Array]:
         """Mean and factor of the prior of a set's coefficients, raw coordinates first."""
@@ -167,7 +174,8 @@ class LegInference:
             chosen = [i for name in one.causes for i in self.model.by_effect.get(name, ())]
             own[chosen] *= SCALES[scale]
             factor[: self._k, : self._k] = own
-            factor[self.core :, self.core :] *= SCALES[scale]
+            first = self.core - (self.always.columns.shape[2] if self.always is not None else 0)
+            factor[first:, first:] *= SCALES[scale]
             self._known[one, scale] = mean, factor
         return self._known[one, scale]
 
@@ -189,13 +197,15 @@ class LegInference:
         linear = model.linearised(group, about, model.given_forms)
         raw = model.columns(about) if group else model.columns_as_expected
         y = model.y - (model.mean_error(about) - model.mean_error(model.expected)) + raw @ about
-        return LinearisedGroup(
-            about, linear, np.concatenate([raw, linear.columns[:, :, self._k :], y[:, :, None]], axis=2)
-        )
+        always = self._of([] if self.always is None else [self.always])
+        columns = [raw, linear.columns[:, :, self._k :], *always, y[:, :, None]]
+        return LinearisedGroup(about, linear, np.concatenate(columns, axis=2))
 
     def _of_terms(self, terms: Sequence[int]) -> list[Array]:
-        chosen = (self.terms[term - 1] for term in terms)
-        return [answers(self.model, term, self._water) if term.answers else term.columns for term in chosen]
+        return self._of([self.terms[term - 1] for term in terms])
+
+    def _of(self, terms: Sequence[LegTerm]) -> list[Array]:
+        return [answers(self.model, term, self._water) if term.answers else term.columns for term in terms]
 
     def _joint(self, groups: tuple[Causes, ...], terms: tuple[int, ...]) -> JointColumns:
         """The columns of some groups and terms; those of the last few are kept."""
@@ -214,9 +224,8 @@ class LegInference:
         """Inner products under a noise of each group's columns, those of some terms, and the data."""
         joint, values = self._joint(tuple(groups), tuple(terms)), values_of(law.hyperparameters, logs)
         noise, legs = self.model.noise_components(values), self.model._all_legs
-        scale = np.ones(self.core + 1)
-        if self.core > self._k:
-            scale[self._k : self.core] = self.linear(()).linear.prior_sd(values)[self._k :]
+        scale, modulation = np.ones(self.core + 1), self.linear(()).linear.prior_sd(values)[self._k :]
+        scale[self._k : self._k + len(modulation)] = modulation
         independent = noise.independent(legs.under_way)
         if math.isinf(noise.dof):
             return joint.grams(legs.whitened(joint.values, independent, noise.fix_sd, noise.process), scale)

@@ -9,7 +9,7 @@ the catalogue describe it.
 """
 
 import math
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import cast
 
@@ -106,6 +106,17 @@ def terms_of(model: TransitFitting) -> tuple[LegTerm, ...]:
     return tuple(
         replace(each, log_share=each.log_share - share) if each.is_neutral else each for each in [*found, *smooth]
     )
+
+
+def without_a_name(terms: Sequence[LegTerm], effects: Collection[str]) -> tuple[LegTerm, ...]:
+    """Return terms of which those of some effects are neutral, with the share of the prior that such a one has."""
+    share = max(each.log_share for each in terms if each.is_neutral)
+
+    def neutral(term: LegTerm) -> LegTerm:
+        what = CATALOGUE[term.effect].parameters[term.axis].doc
+        return replace(term, effect="", description=what, log_share=term.log_share + share)
+
+    return tuple(neutral(each) if each.effect in effects else each for each in terms)
 
 
 def refined(model: TransitFitting, likeliest: LegTerm) -> list[LegTerm]:

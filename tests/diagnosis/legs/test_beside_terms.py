@@ -1,0 +1,65 @@
+"""Neutral terms beside a term with a name: their density and prior, and terms whose size is none of their effect's."""
+
+import math
+
+import numpy as np
+import pytest
+from scipy.stats import multivariate_normal
+
+from missionplan.datasets.legs import read_transit
+from missionplan.diagnosis.inference.set_evidence import SCALES
+from missionplan.diagnosis.legs.model_factory import transit_model
+from missionplan.diagnosis.legs.noise_integration import NoiseSearch
+from missionplan.diagnosis.legs.set_density import LegInference, MeanSet
+from missionplan.diagnosis.legs.terms import UNNAMED, terms_of, without_a_name
+
+KIND = {"kind": "transit", "name": "legs", "noise": {"fix": "3 m"}}
+
+
+@pytest.fixture
+def inference(folder, transit_mission, legs):
+    bound = transit_model(read_transit(folder(KIND, legs()), transit_mission), transit_mission, seed=1)
+    return LegInference(bound, terms_of(bound))
+
+
+def jump(inference):
+    return next(i for i, each in enumerate(inference.terms, start=1) if each.effect == "compass-jump")
+
+
+@pytest.mark.parametrize("causes", [(), ("mean-current",)])
+def test_density_of_two_terms_is_that_of_their_covariance_written_out(inference, causes):
+    number, logs = jump(inference), np.log([0.03, 5.0])
+    beside = inference.beside(number, [causes])
+    law = NoiseSearch(beside, (), MeanSet(causes)).errors
+    found = beside.log_densities(law, logs, [MeanSet(causes)], [3, 8])[0]
+    model = inference.model
+    spread = np.array([SCALES[1] * c.slab if c.effect in causes else c.spike for c in model.coordinates])
+    noise = np.tile(0.03**2 + 2.0 * 25.0 / model.data.under_way**2, 2)
+    parts = [model.columns(np.zeros(len(spread))) * spread, SCALES[1] * inference.terms[number - 1].columns]
+    for value, others in zip(found, ([], [beside.terms[2]], [beside.terms[7]]), strict=True):
+        joined = np.concatenate([*parts, *(SCALES[1] * each.columns for each in others)], axis=2)
+        flat = joined.reshape(len(noise), -1)
+        expected = multivariate_normal(np.zeros(len(noise)), flat @ flat.T + np.diag(noise)).logpdf(model.y.ravel())
+        assert value == pytest.approx(expected, abs=1e-5)
+
+
+def test_a_set_beside_a_term_is_charged_for_both(inference):
+    number = jump(inference)
+    beside = inference.beside(number, [("mean-current",)])
+    first = inference.log_prior(MeanSet(("mean-current",), number), ())
+    assert beside.log_prior(MeanSet(("mean-current",)), ()) == pytest.approx(first)
+    with_neutral = beside.log_priors(())[0]
+    assert with_neutral[0] == pytest.approx(first)
+    assert with_neutral[3] == pytest.approx(first + beside.terms[2].log_share)
+    assert all(each.is_neutral for each in beside.terms)
+
+
+def test_a_term_of_no_size_of_its_effect_is_as_probable_as_what_has_no_name(inference):
+    number, terms = jump(inference), without_a_name(inference.terms, {"compass-jump"})
+    own, before = terms[number - 1], inference.terms[number - 1]
+    assert own.is_neutral
+    assert own.columns is before.columns
+    assert own.log_share - before.log_share < math.log(UNNAMED)
+    assert [each.key for each in terms if each.effect] == [
+        each.key for each in inference.terms if each.effect and each.effect != "compass-jump"
+    ]
