@@ -19,37 +19,25 @@ if TYPE_CHECKING:
     from missionplan.results.imported import ImportedData
 
 
-_Sources = Annotated[
-    list[str], typer.Argument(metavar="SOURCE...", help="Log files, and folders of them.", show_default=False)
-]
+_Sources = Annotated[list[str], typer.Argument(metavar="SOURCE...", help="Log files, and folders of them.")]
 _Out = Annotated[Path, typer.Option("--out", "-o", metavar="DATASET", help="Folder of the data set.")]
-_Format = Annotated[str | None, typer.Option(help="Format of the logs; default: as recognised.", show_default=False)]
+_Format = Annotated[str | None, typer.Option(help="Format of the logs; default: as recognised.")]
 _Kind = Annotated[str, typer.Option(help="transit (legs between fixes) or descent (dives).")]
 _Map = Annotated[
     list[str] | None,
     typer.Option("--map", metavar="QUANTITY=NAME[UNIT]", help="Columns, variables, topics; or a YAML file of them."),
 ]
-_Cache = Annotated[
-    Path | None, typer.Option(help="Folder of a Slocum's sensor lists; default: beside the logs.", show_default=False)
-]
-_Name = Annotated[str | None, typer.Option(help="Name of the data set; default: the vehicle's.", show_default=False)]
-_Shift = Annotated[
-    str | None, typer.Option(metavar="LAT,LON", help="Move the first fix to a made-up place.", show_default=False)
-]
+_Cache = Annotated[Path | None, typer.Option(help="Folder of a Slocum's sensor lists; default: beside the logs.")]
+_Name = Annotated[str | None, typer.Option(help="Name of the data set; default: the vehicle's.")]
+_Shift = Annotated[str | None, typer.Option(metavar="LAT,LON", help="Move the first fix to a made-up place.")]
 _Shortest = Annotated[
     str | None,
     typer.Option(
-        metavar="TIME",
-        help="Shortest leg that counts; default: half of a leg as planned or usual, 15 min at most.",
-        show_default=False,
+        metavar="TIME", help="Shortest leg that counts; default: half of a leg as planned or usual, 15 min at most."
     ),
 ]
-_Gap = Annotated[
-    str | None, typer.Option(metavar="TIME", help="Longest gap in a leg; default: 120 s.", show_default=False)
-]
-_DiveDepth = Annotated[
-    str | None, typer.Option(metavar="DEPTH", help="Depth that a dive reaches; default: 5 m.", show_default=False)
-]
+_Gap = Annotated[str | None, typer.Option(metavar="TIME", help="Longest gap in a leg; default: 120 s.")]
+_DiveDepth = Annotated[str | None, typer.Option(metavar="DEPTH", help="Depth that a dive reaches; default: 5 m.")]
 _TakeOut = Annotated[
     bool,
     typer.Option("--take-out-current", help="Take the vehicle's own estimate of the current out of its positions."),
@@ -57,10 +45,8 @@ _TakeOut = Annotated[
 _Mark = Annotated[
     list[str] | None, typer.Option(metavar="TIME", help="When an anchor separated (dives); may be repeated.")
 ]
-_Vehicle = Annotated[str | None, typer.Option(help="Vehicle, where the files are of several.", show_default=False)]
-_Deployment = Annotated[
-    str | None, typer.Option(help="Deployment, where the files are of several: its name or date.", show_default=False)
-]
+_Vehicle = Annotated[str | None, typer.Option(help="Vehicle, where the files are of several.")]
+_Deployment = Annotated[str | None, typer.Option(help="Deployment, where the files are of several: its name or date.")]
 _Strict = Annotated[bool, typer.Option("--strict", help="Stop at a damaged file instead of passing it over.")]
 _Explain = Annotated[
     list[int] | None, typer.Option(metavar="LEG", help="Tell and draw what a leg rests on; may be repeated.")
@@ -150,10 +136,7 @@ def import_(
 _Mission = Annotated[
     Path | None,
     typer.Option(
-        "--mission",
-        metavar="MISSION",
-        help="Mission that the vehicle sailed; default: one that is made of its logs.",
-        show_default=False,
+        "--mission", metavar="MISSION", help="Mission that the vehicle sailed; default: one that is made of its logs."
     ),
 ]
 
@@ -235,19 +218,11 @@ PlanFormat = Literal[
 ]  # fmt: skip
 """Formats that a plan is written in; the names are those of `missionplan.exporters.formats`."""
 _To = Annotated[
-    PlanFormat,
-    o.choice(
-        PlanFormat, "--to", metavar="FORMAT", help=f"One of {', '.join(get_args(PlanFormat))}.", show_default=False
-    ),
+    PlanFormat, o.choice(PlanFormat, "--to", metavar="FORMAT", help=f"One of {', '.join(get_args(PlanFormat))}.")
 ]
 _PlanFile = Annotated[
     Path | None,
-    typer.Option(
-        "--out",
-        "-o",
-        help="File or folder to write; default: MISSION.FORMAT or MISSION-FORMAT here.",
-        show_default=False,
-    ),
+    typer.Option("--out", "-o", help="File or folder to write; default: MISSION.FORMAT or MISSION-FORMAT here."),
 ]
 _WriteOver = Annotated[bool, typer.Option("--force", help="Write over files that are there.")]
 

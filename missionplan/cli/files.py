@@ -22,12 +22,10 @@ if TYPE_CHECKING:
 
 def init(
     folder: Annotated[Path, typer.Argument(metavar="[DIR]", help="Folder to write to.")] = Path(),
-    data: Annotated[
-        str | None, typer.Option(metavar="KIND", help="Write a data set of this kind instead.", show_default=False)
-    ] = None,
+    data: Annotated[str | None, typer.Option(metavar="KIND", help="Write a data set of this kind instead.")] = None,
     loop: Annotated[
         bool,
-        typer.Option("--loop", help="Write the files of the second round of docs/loop.md instead.", show_default=False),
+        typer.Option("--loop", help="Write the files of the second round of docs/loop.md instead."),
     ] = False,
     quiet: o.Quiet = False,
 ) -> None:
@@ -42,7 +40,7 @@ def init(
             typer.echo(str(path))
 
 
-_EffectId = Annotated[str, typer.Argument(metavar="[ID]", help="Effect to show; default all.", show_default=False)]
+_EffectId = Annotated[str, typer.Argument(metavar="[ID]", help="Effect to show; default all.")]
 
 
 def effects(effect: _EffectId = "") -> None:
@@ -56,8 +54,7 @@ def effects(effect: _EffectId = "") -> None:
 
 
 _Compared = Annotated[
-    list[Path],
-    typer.Argument(metavar="A B...", help="Report folders or mission files, two or more.", show_default=False),
+    list[Path], typer.Argument(metavar="A B...", help="Report folders or mission files, two or more.")
 ]
 
 
@@ -90,10 +87,7 @@ def compare(
         deliver(found, folder, output)
 
 
-_Files = Annotated[
-    list[Path],
-    typer.Argument(metavar="FILE...", help="Mission files, data sets, and folders of them.", show_default=False),
-]
+_Files = Annotated[list[Path], typer.Argument(metavar="FILE...", help="Mission files, data sets, and folders of them.")]
 
 
 def validate(
@@ -142,9 +136,7 @@ _WIDTH = 80
 _LINES = 3
 """Of an answer."""
 
-_Number = Annotated[
-    int | None, typer.Argument(metavar="[NUMBER]", help="Report to open, as listed.", show_default=False)
-]
+_Number = Annotated[int | None, typer.Argument(metavar="[NUMBER]", help="Report to open, as listed.")]
 _Root = Annotated[Path, typer.Option(metavar="DIR", help="Folder of the reports.")]
 
 
@@ -168,7 +160,7 @@ def reports(number: _Number = None, root: _Root = Path("reports")) -> None:
         note("No browser could be started: open that file in one.")
 
 
-_Report = Annotated[Path, typer.Argument(metavar="REPORT", help="Report folder.", show_default=False)]
+_Report = Annotated[Path, typer.Argument(metavar="REPORT", help="Report folder.")]
 _All = Annotated[bool, typer.Option("--all", help="All blocks of simulate, and every number that follows from them.")]
 _Json = Annotated[bool, typer.Option("--json", help="Print the answer as JSON on standard output.")]
 
@@ -200,9 +192,7 @@ def verify(
         raise typer.Exit(OTHER_BITS)
 
 
-_Kind = Annotated[
-    str, typer.Argument(metavar="KIND", help="mission, vehicle, dataset, summary or plan.", show_default=False)
-]
+_Kind = Annotated[str, typer.Argument(metavar="KIND", help="mission, vehicle, dataset, summary or plan.")]
 
 
 def schema(kind: _Kind) -> None:

@@ -33,18 +33,13 @@ _Holdout = Annotated[
         max=1.0,
         metavar="LAST",
         help="Keep this last share of each record away from the diagnosis, and score the extended mission on it.",
-        show_default=False,
     ),
 ]
 NextTrial = Annotated[
     bool, typer.Option("--next-trial", help="Value the trials that could be made next: a few seconds more.")
 ]
-_Diagnosed = Annotated[
-    list[Path], typer.Argument(metavar="DATASET...", help="Data sets: folders with dataset.yaml.", show_default=False)
-]
-_Datasets = Annotated[
-    list[Path], typer.Argument(metavar="DATASET...", help="Data sets of legs or dives.", show_default=False)
-]
+_Diagnosed = Annotated[list[Path], typer.Argument(metavar="DATASET...", help="Data sets: folders with dataset.yaml.")]
+_Datasets = Annotated[list[Path], typer.Argument(metavar="DATASET...", help="Data sets of legs or dives.")]
 
 
 def diagnose(
@@ -142,14 +137,12 @@ def score(
 def history(
     folder: Annotated[
         Path,
-        typer.Argument(
-            metavar="FOLDER", help="Holds reports of diagnose, and reliability.csv, at any depth.", show_default=False
-        ),
+        typer.Argument(metavar="FOLDER", help="Holds reports of diagnose, and reliability.csv, at any depth."),
     ],
     *,
     mission: Annotated[
         Path | None,
-        typer.Option(metavar="MISSION", help="Whose failure rates the counts of a fleet update.", show_default=False),
+        typer.Option(metavar="MISSION", help="Whose failure rates the counts of a fleet update."),
     ] = None,
     output: o.OutputOptions,
 ) -> None:
@@ -161,16 +154,12 @@ def history(
         deliver(missionplan.history(folder, mission=mission), report, output)
 
 
-_Record = Annotated[
-    Path, typer.Argument(metavar="RECORD", help="Record of a current: CSV or NetCDF.", show_default=False)
-]
+_Record = Annotated[Path, typer.Argument(metavar="RECORD", help="Record of a current: CSV or NetCDF.")]
 _Latitude = Annotated[
-    str | None,
-    typer.Option(metavar="ANGLE", help="Where it was measured; default: as the file says.", show_default=False),
+    str | None, typer.Option(metavar="ANGLE", help="Where it was measured; default: as the file says.")
 ]
 _Start = Annotated[
-    str | None,
-    typer.Option(metavar="TIME", help="From which seconds in a CSV file count (ISO 8601, UTC).", show_default=False),
+    str | None, typer.Option(metavar="TIME", help="From which seconds in a CSV file count (ISO 8601, UTC).")
 ]
 
 

@@ -52,36 +52,25 @@ ParallelBackend = Literal["loky", "threading", "dask"]
 UnitSystem = Literal["metric", "nautical", "imperial"]
 
 
-MissionFile = Annotated[Path, typer.Argument(metavar="MISSION", help="Mission file (YAML).", show_default=False)]
-DatasetFolder = Annotated[
-    Path, typer.Argument(metavar="DATASET", help="Data set: a folder with dataset.yaml.", show_default=False)
-]
+MissionFile = Annotated[Path, typer.Argument(metavar="MISSION", help="Mission file (YAML).")]
+DatasetFolder = Annotated[Path, typer.Argument(metavar="DATASET", help="Data set: a folder with dataset.yaml.")]
 AllowOutside = Annotated[
     bool, typer.Option("--allow-outside", help="Allow files outside the folder of the mission or data set.")
 ]
-Seed = Annotated[int | None, typer.Option(min=0, help="Random seed; default: the mission's.", show_default=False)]
+Seed = Annotated[int | None, typer.Option(min=0, help="Random seed; default: the mission's.")]
 Jobs = Annotated[int, typer.Option("--jobs", "-j", help="Number of processes; 0: one per core.", min=0)]
 Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="Show no progress and no table.")]
-Trials = Annotated[
-    int | None, typer.Option(min=1, help="Number of trials; default: the mission's.", show_default=False)
-]
+Trials = Annotated[int | None, typer.Option(min=1, help="Number of trials; default: the mission's.")]
 _Backend = Annotated[
     ParallelBackend, choice(ParallelBackend, "--backend", help="How blocks of trials are run in parallel.")
 ]
-_Scheduler = Annotated[
-    str | None, typer.Option(metavar="ADDRESS", help="Dask scheduler, tcp://host:port.", show_default=False)
-]
-_Out = Annotated[
-    Path | None,
-    typer.Option("--out", "-o", help="Report folder; default: reports/MISSION/COMMAND-TIME.", show_default=False),
-]
+_Scheduler = Annotated[str | None, typer.Option(metavar="ADDRESS", help="Dask scheduler, tcp://host:port.")]
+_Out = Annotated[Path | None, typer.Option("--out", "-o", help="Report folder; default: reports/MISSION/COMMAND-TIME.")]
 
 
 _Units = Annotated[
     UnitSystem | None,
-    choice(
-        UnitSystem, "--units", help="Units of the report; default: as in the file. Files are in SI.", show_default=False
-    ),
+    choice(UnitSystem, "--units", help="Units of the report; default: as in the file. Files are in SI."),
 ]
 Force = Annotated[bool, typer.Option("--force", help="Overwrite files in a folder that is not empty.")]
 Resume = Annotated[bool, typer.Option("--resume", help="Go on with the finished blocks of a run cut short.")]

@@ -23,8 +23,7 @@ VehicleFormat = Literal["slocum", "moos", "neptus", "iver", "qgc"]
 
 
 _Method = Annotated[
-    CostMethod | None,
-    o.choice(CostMethod, "--method", help="Default: both where the analytic form applies.", show_default=False),
+    CostMethod | None, o.choice(CostMethod, "--method", help="Default: both where the analytic form applies.")
 ]
 
 
@@ -75,11 +74,10 @@ _Probability = Annotated[
     float | None,
     typer.Option(
         help="Also find the lightest anchor whose dives stay within the radius with this probability; "
-        "default: what the mission requires.",
-        show_default=False,
+        "default: what the mission requires."
     ),
 ]
-_Mooring = Annotated[str | None, typer.Option(help="Name of the mooring; default: the first.", show_default=False)]
+_Mooring = Annotated[str | None, typer.Option(help="Name of the mooring; default: the first.")]
 
 
 def size_anchor(
@@ -102,7 +100,6 @@ _Precision = Annotated[
     typer.Option(
         metavar="TARGET",
         help="Stop when the standard error is below it: 0.5% (of P(success)), total.duration=0.5%, moor.offset=0.1m.",
-        show_default=False,
     ),
 ]
 _KeepTrials = Annotated[bool, typer.Option("--keep-trials", help="Write trials.parquet, one row per trial.")]
@@ -115,7 +112,6 @@ _Searched = Annotated[
         metavar="GEOJSON",
         help="Areas that were searched in vain: polygons with the properties probability_of_detection and time. The "
         "search areas are those of what is left.",
-        show_default=False,
     ),
 ]
 
@@ -127,7 +123,6 @@ _AsExported = Annotated[
         "--as-exported",
         metavar="FORMAT",
         help=f"Run what the vehicle does with the files of `export`, one of {', '.join(get_args(VehicleFormat))}.",
-        show_default=False,
     ),
 ]
 
@@ -139,7 +134,6 @@ _Rare = Annotated[
         help="Estimate the probability of a rare failure instead, and how it comes about: 'not total.success' "
         "(where no event is given), moor.struck_seafloor, 'moor.offset > 30 m'. --trials: at most; --precision: "
         "coefficient of variation, default 10%.",
-        show_default=False,
     ),
 ]
 
@@ -206,9 +200,7 @@ def _refuse_with_rare(given: Mapping[str, bool]) -> None:
         raise InputError(problems)
 
 
-_Transition = Annotated[
-    str | None, typer.Option(metavar="NAME", help="Name of the transition; default: the first.", show_default=False)
-]
+_Transition = Annotated[str | None, typer.Option(metavar="NAME", help="Name of the transition; default: the first.")]
 
 
 def sweep_transition(
@@ -234,7 +226,6 @@ _Vary = Annotated[
         metavar="KEY=FROM:TO:STEP",
         help="What to vary, once or twice: ingress.speed=0.8:2:0.1 m/s; start=04:00:12:00:10 min; "
         "vehicle=a.yaml,b.yaml; KEY+KEY=… for keys that take the same value.",
-        show_default=False,
     ),
 ]
 _BestBy = Annotated[
@@ -247,9 +238,7 @@ _BestBy = Annotated[
 ]
 _Quantities = Annotated[
     list[str] | None,
-    typer.Option(
-        "--quantity", metavar="NAME", help="Report this too, such as moor.offset; repeatable.", show_default=False
-    ),
+    typer.Option("--quantity", metavar="NAME", help="Report this too, such as moor.offset; repeatable."),
 ]
 _OnlyBest = Annotated[bool, typer.Option("--only-best", help="Few trials of what cannot be the best; no windows.")]
 
@@ -291,12 +280,10 @@ _Choose = Annotated[
     typer.Option(
         metavar="KEY=FROM:TO:STEP",
         help="What may be chosen, as explore's --vary; repeatable. Default: the mission's section optimise.",
-        show_default=False,
     ),
 ]
 _Least = Annotated[
-    Least | None,
-    o.choice(Least, "--aim", help="What is to be least; default: the mission's, or energy.", show_default=False),
+    Least | None, o.choice(Least, "--aim", help="What is to be least; default: the mission's, or energy.")
 ]
 
 

@@ -149,10 +149,6 @@ def export(
     force : bool
         Write over files of the same names; never over a file that the mission was read from.
 
-    Returns
-    -------
-    ExportedPlan
-
     Raises
     ------
     InputError

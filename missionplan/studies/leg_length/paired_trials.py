@@ -129,15 +129,8 @@ class PlanTrials:
 
     def take(self, trials: slice) -> "PlanTrials":
         """Select trials; without tracks."""
-        return PlanTrials(
-            cost=self.cost[trials],
-            duration=self.duration[trials],
-            energy=self.energy[trials],
-            surfacings=self.surfacings[trials],
-            arrived=self.arrived[trials],
-            nominal=self.nominal[trials],
-            track=np.empty((2, 0, 0)),
-        )
+        chosen = {name: values[trials] for name, values in vars(self).items() if name != "track"}
+        return PlanTrials(**chosen, track=np.empty((2, 0, 0)))
 
 
 Score = tuple[float, float]

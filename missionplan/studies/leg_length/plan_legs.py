@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
+from functools import reduce
 from typing import get_args
 
 import numpy as np
@@ -267,12 +268,11 @@ def _members(task: PairedPlansTask, run: Run) -> Iterator[tuple[PairedPlansTask,
 
 def _cases(task: PairedPlansTask, share: float | None, workers: Workers) -> tuple[LegCase, ...]:
     """Run every block of each case, and merge its blocks."""
-    items = [(number, block) for block in range(block_count(task.trials)) for number in range(len(task.cases))]
-    totals: dict[int, Moments] = {}
-    for (number, _), moments in zip(items, workers.run(task, items), strict=True):
-        totals[number] = totals[number].merge(moments) if number in totals else moments
-    found = (leg_case(task.scenario, case, totals[number]) for number, case in enumerate(task.cases))
-    return tuple(replace(case, probability=share) for case in found)
+    count = len(task.cases)
+    blocks = list(workers.run(task, [(n, block) for block in range(block_count(task.trials)) for n in range(count)]))
+    totals = (reduce(Moments.merge, blocks[number::count]) for number in range(count))
+    pairs = zip(task.cases, totals, strict=True)
+    return tuple(replace(leg_case(task.scenario, case, each), probability=share) for case, each in pairs)
 
 
 def _judged(cases: tuple[LegCase, ...], task: PairedPlansTask, aim: LegAim, best: FoundLegs) -> tuple[LegCase, ...]:

@@ -52,10 +52,6 @@ def tide(
     progress : callable, optional
         Called with (done, total) depths.
 
-    Returns
-    -------
-    TideResult
-
     Raises
     ------
     InputError
