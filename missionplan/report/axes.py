@@ -1,10 +1,11 @@
 """Axes in the units of the reader: labels and round ticks; what is drawn stays in the units it was given."""
 
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
+from matplotlib.figure import Figure
 from matplotlib.ticker import (
     AutoLocator,
     FixedLocator,
@@ -127,3 +128,26 @@ def round_length(length: float) -> tuple[float, str]:
     power = 10.0 ** math.floor(math.log10(length / unit.size))
     number = max(step * power for step in _ROUND if step * power <= length / unit.size)
     return number * unit.size, f"{number:g} {unit.name}"
+
+
+def grid_of_panels(
+    rows: int,
+    columns: int,
+    size: tuple[float, float],
+    margins: tuple[float, float, float, float],
+    gaps: tuple[float, float],
+) -> tuple[Figure, "Sequence[Axes]"]:
+    """Return a figure with panels in rows: where their places are known nothing need be laid out.
+
+    `size`: width and height. `margins`: left, right, bottom and top; `gaps`: between columns and rows [in].
+    """
+    figure = Figure(figsize=size)
+    figure.set_layout_engine("none")
+    left, right, bottom, top = margins
+    wide, high = ((size[0] - left - right + gaps[0]) / columns, (size[1] - bottom - top + gaps[1]) / rows)
+    places = [
+        (left + column * wide, bottom + row * high, wide - gaps[0], high - gaps[1])
+        for row in reversed(range(rows))
+        for column in range(columns)
+    ]
+    return figure, [figure.add_axes(tuple(np.array(place) / (*size, *size))) for place in places]

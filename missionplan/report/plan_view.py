@@ -14,7 +14,7 @@ from matplotlib.path import Path
 
 from missionplan.arrays import Array
 from missionplan.exporters.maps.geometry import COLOURS, circle
-from missionplan.report.axes import name_axis, round_length
+from missionplan.report.axes import grid_of_panels, name_axis, round_length
 from missionplan.report.page import BLUE, GREEN, INK, PINK, SKY, YELLOW, Figure, to_figure
 from missionplan.report.quantities import quantity
 from missionplan.report.wording import phase_in_words
@@ -305,9 +305,10 @@ def _panels(count: int) -> tuple[MatplotlibFigure, Sequence[Axes], Sequence[Axes
     """Return a figure with so many panels, two in a row, and the panel that is left over, for the legend."""
     columns = min(2, count)
     rows = math.ceil(count / columns) if count > 1 else 2
-    figure = MatplotlibFigure(figsize=(WIDTH, 2.5 * rows if count % 2 else 2.5 * rows + 0.7))
-    axes = list(figure.subplots(rows, columns, squeeze=False).ravel())
-    return figure, axes[:count], axes[count:]
+    below = 0.0 if count % 2 else 0.7
+    margins, gaps = (0.7, 0.15, 0.55 + below, 0.3), (0.85, 0.85)
+    figure, panels = grid_of_panels(rows, columns, (WIDTH, 2.5 * rows + below), margins, gaps)
+    return figure, panels[:count], panels[count:]
 
 
 def _legend(figure: MatplotlibFigure, spare: Sequence[Axes], kinds: set[str]) -> None:
@@ -319,7 +320,7 @@ def _legend(figure: MatplotlibFigure, spare: Sequence[Axes], kinds: set[str]) ->
         axes.axis("off")
         axes.legend(handles=handles, loc="center")
     if not spare:
-        figure.legend(handles=handles, loc="outside lower center", ncols=2)
+        figure.legend(handles=handles, loc="lower center", ncols=2)
 
 
 def _close_up(axes: Axes, outcome: Outcome, name: str) -> None:

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from missionplan.arrays import Array
 from missionplan.exporters.maps.geometry import COLOURS
 from missionplan.montecarlo.statistics import Probability
-from missionplan.report.axes import name_axis
+from missionplan.report.axes import grid_of_panels, name_axis
 from missionplan.report.page import BLUE, GREY, INK, ORANGE, SKY, Figure, to_figure
 from missionplan.report.plan_view import (
     WIDTH,
@@ -146,9 +146,9 @@ def _time_unit(outcome: Outcome) -> Unit:
 
 def histograms(outcome: Outcome, shown: Sequence[tuple[PhaseOutcome, str]]) -> Figure:
     """Draw the distributions of quantities, one under the other, with the requirements on them."""
-    figure = MatplotlibFigure(figsize=(WIDTH, 1.5 * len(shown) + 0.1))
+    figure, panels = grid_of_panels(len(shown), 1, (WIDTH, 1.5 * len(shown) + 0.1), (0.6, 0.2, 0.5, 0.1), (0.0, 0.55))
     words = []
-    for axes, (phase, key) in zip(figure.subplots(len(shown), 1, squeeze=False).ravel(), shown, strict=True):
+    for axes, (phase, key) in zip(panels, shown, strict=True):
         draw_histogram(axes, outcome, phase, key)
         unit = unit_of(outcome, phase, key)
         low, middle, high = span(phase.quantities[key], unit)

@@ -3,15 +3,11 @@
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
-from itertools import chain, groupby
-
-from matplotlib.axes import Axes
-from matplotlib.figure import Figure as MatplotlibFigure
+from itertools import groupby
 
 from missionplan.montecarlo.statistics import Statistic
-from missionplan.report.page import BLUE, GREY, INK, ORANGE, Figure, PageSection, Table, to_figure
-from missionplan.report.plan_view import WIDTH
-from missionplan.report.quantities import Unit, si_per_unit, unit_for
+from missionplan.report.page import PageSection, Table
+from missionplan.report.quantities import PERCENT, Unit, si_per_unit, unit_for, with_error
 from missionplan.report.wording import capitalised, in_words, listed, number, percent, phase_in_words
 from missionplan.results.entries import Failure
 from missionplan.results.simulation import Attrition, Outcome, PhaseOutcome, RequirementOutcome, Sensitivity
@@ -223,7 +219,7 @@ InputsOf = tuple[str, Sequence[Sensitivity]]
 
 
 def sensitivity_sections(outcome: Outcome) -> Iterator[PageSection]:
-    """Draw and tabulate the inputs with a detectable influence, where there are any."""
+    """Tabulate the inputs with a detectable influence, where there are any."""
     influential = [group for group in _influential(_told_once(outcome)) if _spread(outcome, group[0]) > LEAST_SPREAD]
     if not influential:
         return
@@ -233,7 +229,7 @@ def sensitivity_sections(outcome: Outcome) -> Iterator[PageSection]:
         [
             "What to measure better: the share of a key figure's variance that would go if an input were known. "
             "summary.json has those of every quantity.",
-            sensitivity_figure(drawn),
+            _sensitivity_table(drawn),
         ],
     )
 
@@ -260,16 +256,16 @@ def _influential(sensitivities: Sequence[Sensitivity]) -> list[InputsOf]:
 
 
 def _most_relevant(outcome: Outcome, groups: Sequence[InputsOf]) -> list[InputsOf]:
-    """Choose the key figures to draw: first what the mission is judged by, then what it costs as a whole."""
+    """Choose the key figures to tell of: first what the mission is judged by, then what it costs as a whole."""
     required = tuple(item.quantity for item in outcome.requirements)
 
     def rank(group: InputsOf) -> tuple[bool, bool]:
         return not group[0].startswith(required), not group[0].startswith("total")
 
-    return [(output, _worth_drawing(found)) for output, found in sorted(groups, key=rank)[:_MOST_FIGURES]]
+    return [(output, _worth_telling(found)) for output, found in sorted(groups, key=rank)[:_MOST_FIGURES]]
 
 
-def _worth_drawing(found: Sequence[Sensitivity]) -> Sequence[Sensitivity]:
+def _worth_telling(found: Sequence[Sensitivity]) -> Sequence[Sensitivity]:
     return [influence for influence in found if influence.first_order > _LEAST_SHOWN] or found[:1]
 
 
@@ -295,49 +291,24 @@ def _has_order(influence: Sensitivity) -> bool:
     return not influence.source.endswith((".member", ".one-of", "posterior"))
 
 
-def sensitivity_figure(groups: Sequence[InputsOf]) -> Figure:
-    """Draw the share of each key figure's variance that each input explains."""
-    sizes = [len(found) + 0.9 for _, found in groups]
-    figure = MatplotlibFigure(figsize=(WIDTH, 0.5 + 0.5 * sum(sizes)))
-    panels = figure.subplots(len(groups), 1, sharex=True, squeeze=False, height_ratios=sizes).ravel()
-    for axes, (output, found) in zip(panels, groups, strict=True):
-        _draw_shares(axes, output, found)
-    panels[-1].set_xlabel("share of the variance explained alone (%)")
-    unordered = "" if all(map(_has_order, chain.from_iterable(found for _, found in groups))) else "; grey: neither"
-    words = "; ".join(f"{in_words(output)}: mostly {in_words(found[0].source)}" for output, found in groups)
-    return to_figure(
-        figure,
-        "sensitivity",
-        f"Bars: the share of the key figures' variance that each uncertain input explains. {words}.",
-        "First-order Sobol indices with 95 % intervals; blue: a larger input makes the figure larger, orange: smaller "
-        f"(sign of the rank correlation){unordered}.",
-    )
-
-
-def _draw_shares(axes: Axes, output: str, found: Sequence[Sensitivity]) -> None:
-    for row, influence in enumerate(found):
-        share, error = 100.0 * max(influence.first_order, 0.0), 100.0 * influence.standard_error
-        axes.barh(row, share, color=_colour(influence), height=0.4)
-        axes.errorbar(share, row, xerr=1.96 * error, color=INK, capsize=2.5, linewidth=1.0)
-        axes.annotate(
-            _label(influence),
-            (0.0, row - 0.24),
-            (2, 1),
-            textcoords="offset points",
-            va="bottom",
-            ha="left",
-            fontsize=9,
+def _sensitivity_table(groups: Sequence[InputsOf]) -> Table:
+    """Tabulate the share of each key figure's variance that each input explains."""
+    rows = [
+        (
+            in_words(output),
+            in_words(each.source),
+            with_error(each.first_order, each.standard_error, PERCENT),
+            _direction(each),
         )
-    axes.set(yticks=[], ylim=(len(found) - 0.6, -0.85), xlim=(0.0, 105.0), title=in_words(output))
-    axes.grid(visible=False, axis="y")
+        for output, found in groups
+        for each in found
+    ]
+    columns = ("of the", "input", "share of the variance", "a larger input makes it")
+    return Table(columns, rows, "First-order Sobol indices and their standard errors.", text_columns=2)
 
 
-def _colour(influence: Sensitivity) -> str:
+def _direction(influence: Sensitivity) -> str:
+    """Whether a larger input makes the figure larger, by the sign of the rank correlation."""
     if not _has_order(influence):
-        return GREY
-    return BLUE if influence.rank_correlation >= 0.0 else ORANGE
-
-
-def _label(influence: Sensitivity) -> str:
-    share = number(100.0 * influence.first_order, 100.0 * influence.standard_error)
-    return f"{in_words(influence.source)}  {share} %"
+        return ""
+    return "larger" if influence.rank_correlation >= 0.0 else "smaller"
