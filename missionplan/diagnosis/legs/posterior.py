@@ -1,10 +1,7 @@
 """One posterior of a navigation log over all sets of causes, their sizes, the noise and neutral responses.
 
 A set is some effects in the mean, one term at most (`terms`), and at most two effects that are random. Given a noise,
-the model is linear and Gaussian, and all sets share the inner products of its columns (`inference.set_evidence`). The
-noise is integrated over by importance sampling (Owen 2013, *Monte Carlo Theory, Methods and Examples*, chapter 9) from
-a mixture of Student-t laws about the likeliest noise without a cause and with the likeliest ones. Effects that are not
-linear are linearised about the posterior mean of the likeliest set that has them.
+the model is linear and Gaussian (`set_density`); the noise is integrated over (`noise_integration`).
 """
 
 import math

@@ -44,24 +44,22 @@ def infer(inference: LegInference) -> LegPosterior:
     searches: dict[Causes, ComparedSets] = {(): plain.compared(first, best)}
     top = searches[()].top
     known = plain.at(plain.likeliest(top, plain.at(best)))
-    singles, pairs = laws_of(inference.random)
-    for law in singles:
-        search = NoiseSearch(inference, law, top)
-        searches[law] = search.compared(search.likeliest(nothing, plain.at(first)), search.likeliest(top, known))
-    highest = max(each.best for each in searches.values())
-    for law in pairs:
-        if any(searches[name,].best > highest - WORTH_PAIRING for name in law):
+    for laws in laws_of(inference.random):
+        highest = max(each.best for each in searches.values())
+        for law in laws:
+            if len(law) > 1 and all(searches[name,].best <= highest - WORTH_PAIRING for name in law):
+                continue
             search = NoiseSearch(inference, law, top)
             searches[law] = search.compared(search.likeliest(nothing, plain.at(first)), search.likeliest(top, known))
     highest = max(each.best for each in searches.values())
     whole = float(logsumexp([logsumexp(each.scores) for each in searches.values()]))
-    laws, left = [], np.zeros(1 + len(inference.terms))
+    integrated, left = [], np.zeros(1 + len(inference.terms))
     for each in searches.values():
         chosen = _chosen(inference, each, highest)
         left += np.sum(np.where(chosen, 0.0, np.exp(each.scores - whole)), axis=0)
         if chosen.any():
-            laws.append(each.integrated(chosen))
-    return LegPosterior(inference, tuple(laws), left)
+            integrated.append(each.integrated(chosen))
+    return LegPosterior(inference, tuple(integrated), left)
 
 
 def _chosen(inference: LegInference, compared: ComparedSets, best: float) -> NDArray[np.bool_]:
