@@ -35,16 +35,11 @@ Leaves = dict[tuple[str, ...], object]
 
 @dataclass(frozen=True)
 class Verification:
-    """What came out when a report was computed again.
-
-    Attributes
-    ----------
-    report, command : str
-        The folder, and what had made it.
-    """
+    """What came out when a report was computed again."""
 
     report: str
     command: str
+    """The folder, and what had made it."""
     computed: str
     """What was computed again, in words."""
     values: int

@@ -26,23 +26,17 @@ LOWER, UPPER = 0.05, 0.95
 
 @dataclass(frozen=True)
 class Coordinate:
-    """One fitted coordinate.
-
-    Attributes
-    ----------
-    effect, name : str
-        Effect and parameter (of a polar pair: the amplitude).
-    centre, slab, spike : float
-        Prior mean, and prior standard deviation as a cause and otherwise; a shape has no spike.
-    """
+    """One fitted coordinate."""
 
     effect: str
     name: str
+    """Effect and parameter (of a polar pair: the amplitude)."""
     kind: Literal["strength", "shape", "cosine", "sine"]
     """Its relation to the parameter: the parameter itself, its logarithm, or one of a·cos φ and a·sin φ."""
     centre: float
     slab: float
     spike: float
+    """Prior mean, and prior standard deviation as a cause and otherwise; a shape has no spike."""
 
     @property
     def key(self) -> tuple[str, str, str]:
@@ -154,18 +148,13 @@ def estimates(coordinates: Sequence[Coordinate], mean: Array, covariance: Array)
 
 @dataclass(frozen=True)
 class JointPosterior:
-    """What is known of k coordinates together, as a normal distribution: for a record to come.
-
-    Attributes
-    ----------
-    coordinates : tuple of Coordinate, length k
-    mean : array, shape (k,)
-    covariance : array, shape (k, k)
-    """
+    """What is known of k coordinates together, as a normal distribution: for a record to come."""
 
     coordinates: tuple[Coordinate, ...]
     mean: Array
+    """Shape (k,)."""
     covariance: Array
+    """Shape (k, k)."""
 
     def joined(self, other: "JointPosterior") -> "JointPosterior":
         """Join with another one that is independent of it."""

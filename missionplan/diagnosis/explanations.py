@@ -44,12 +44,7 @@ class Explained:
 
 @dataclass(frozen=True)
 class Weighed:
-    """An explanation of a mission laid against a data set.
-
-    Attributes
-    ----------
-    explained : Explained
-    """
+    """An explanation of a mission laid against a data set."""
 
     explained: Explained
     bound: DataKind

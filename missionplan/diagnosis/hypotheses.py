@@ -20,12 +20,7 @@ TELLS = 1e-3
 
 @dataclass(frozen=True)
 class Hypothesis:
-    """What may hold after a diagnosis.
-
-    Attributes
-    ----------
-    probability : float
-    """
+    """What may hold after a diagnosis."""
 
     causes: Causes
     """Effects of the mission's explanation, and those found beyond it."""

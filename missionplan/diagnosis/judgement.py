@@ -12,12 +12,7 @@ from missionplan.results.learned.evidence import Causes, Coverage, Readings, Ver
 
 @dataclass(frozen=True)
 class Judgement:
-    """What may be said.
-
-    Attributes
-    ----------
-    verdict : str
-    """
+    """What may be said."""
 
     verdict: Verdict
     credible_set: tuple[Causes, ...]

@@ -81,13 +81,7 @@ OutlyingGroups = tuple[tuple[str, float], ...]
 
 @dataclass(frozen=True)
 class PipelineResult:
-    """Everything that was found.
-
-    Attributes
-    ----------
-    discrepancy, base_discrepancy : Discrepancy
-        What the claimed model leaves, and the base model.
-    """
+    """Everything that was found."""
 
     reading: Reading
     """What the posterior says."""
@@ -99,6 +93,7 @@ class PipelineResult:
     """Predictions of held-out data by the best sets, beside the base model's."""
     discrepancy: Discrepancy
     base_discrepancy: Discrepancy
+    """What the claimed model leaves, and the base model."""
     outlying_groups: OutlyingGroups
     """Groups that the best model cannot explain, with p-values."""
 

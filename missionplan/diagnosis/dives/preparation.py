@@ -45,22 +45,15 @@ NORMAL_QUARTILE = 0.6745
 
 @dataclass(frozen=True)
 class DiveLog:
-    """One dive as it is fitted.
-
-    Attributes
-    ----------
-    t, depth, sd : array, shape (m,)
-        Time since the separation by the log's clock [s], reading [m], and its noise's standard deviation [m], each
-        of a bin of consecutive readings.
-    wet_weight, line_length, site_depth : float
-        Of this dive [N, m, m].
-    """
+    """One dive as it is fitted."""
 
     name: str
     """Of the run."""
     t: Array
     depth: Array
     sd: Array
+    """Time since the separation by the log's clock [s], reading [m], and its noise's standard deviation [m], each of a
+    bin of consecutive readings, shape (m,)."""
     fine: Array
     """Times within the bins [s]: a model is averaged over them as the readings were, shape (f,)."""
     bins: NDArray[np.int_]
@@ -70,22 +63,18 @@ class DiveLog:
     wet_weight: float
     line_length: float
     site_depth: float
+    """Of this dive [N, m, m]."""
     identity: str = ""
     """Hash of the dive as it was logged."""
 
 
 @dataclass(frozen=True)
 class PreparedDives:
-    """Dives of a data set, ready to be fitted.
-
-    Attributes
-    ----------
-    name, source : str
-        Of the data set.
-    """
+    """Dives of a data set, ready to be fitted."""
 
     name: str
     source: str
+    """Of the data set."""
     dives: tuple[DiveLog, ...]
     """In the order of the file."""
     notices: tuple[str, ...]

@@ -164,18 +164,13 @@ def coordinate_prior(coordinates: Sequence[Coordinate], causes: Causes, given: I
 
 @dataclass(frozen=True)
 class RecordPosterior:
-    """Posterior of k coordinates in one record.
-
-    Attributes
-    ----------
-    coordinates : sequence of Coordinate, length k
-    mean : array, shape (k,)
-    covariance : array, shape (k, k)
-    """
+    """Posterior of k coordinates in one record."""
 
     coordinates: Sequence[Coordinate]
     mean: Array
+    """Shape (k,)."""
     covariance: Array
+    """Shape (k, k)."""
 
     def known(self, given: Iterable[GivenEffect]) -> tuple[ParameterEstimate, ...]:
         """Return what is known after the record of the mission's own effects, in the long run."""

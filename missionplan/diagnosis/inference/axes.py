@@ -17,20 +17,14 @@ NEGLIGIBLE = 1e-4
 
 @dataclass(frozen=True)
 class AxisScale:
-    """Ends and labels of an axis of one dimension, for a figure.
-
-    Attributes
-    ----------
-    low, high : float
-        Its ends [unit].
-    place, value : str
-        Labels of the axis and of the function, with units.
-    """
+    """Ends and labels of an axis of one dimension, for a figure."""
 
     low: float
     high: float
+    """Its ends [unit]."""
     place: str
     value: str
+    """Labels of the axis and of the function, with units."""
     factor: float = 1.0
     """From a value of the function to the value shown."""
 

@@ -20,18 +20,13 @@ from missionplan.results.learned.evidence import Coverage, HeldOutGain
 
 @dataclass(frozen=True)
 class HeldOutComparison:
-    """Two models' predictions of the same held-out groups.
-
-    Attributes
-    ----------
-    base, extended : tuple of HeldOutScore
-        Group by group.
-    """
+    """Two models' predictions of the same held-out groups."""
 
     gain: HeldOutGain
     """Of the extended model over the base model, all groups together."""
     base: tuple[HeldOutScore, ...]
     extended: tuple[HeldOutScore, ...]
+    """Group by group."""
 
 
 def compare_held_out(base: Sequence[HeldOutScore], extended: Sequence[HeldOutScore]) -> HeldOutComparison:

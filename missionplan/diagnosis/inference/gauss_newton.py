@@ -25,13 +25,7 @@ COMPARED_AFTER, ABANDONED_BEYOND = 3, 3.0
 
 @dataclass(frozen=True)
 class LeastSquares:
-    """Objective ½|L⁻¹(y − f(θ))|²/φ² + N ln φ + ½Σ((θ − μ)/s)², with LLᵀ the covariance of the noise.
-
-    Attributes
-    ----------
-    centre, prior_sd : array, shape (k,)
-        Prior means μ and standard deviations s. Steps and differences are measured in these standard deviations.
-    """
+    """Objective ½|L⁻¹(y − f(θ))|²/φ² + N ln φ + ½Σ((θ − μ)/s)², with LLᵀ the covariance of the noise."""
 
     predict: Callable[[Array], Array]
     """f, of m settings of the coordinates at once: (k, m) → (N, m)."""
@@ -41,6 +35,8 @@ class LeastSquares:
     """Standard deviations of independent noise, shape (N,), or the covariance of the noise."""
     centre: Array
     prior_sd: Array
+    """Prior means μ and standard deviations s. Steps and differences are measured in these standard deviations, shape
+    (k,)."""
     noise_factors: tuple[float, float] = (1.0, 1.0)
     """Range of φ. At each θ it takes its likeliest value, the root mean square of the whitened residuals (concentrated
     likelihood; Seber & Wild 1989, *Nonlinear Regression*, chapter 2)."""

@@ -30,24 +30,18 @@ coordinate is known, and 0.055 at a = 3/2, where nothing is."""
 
 @dataclass(frozen=True)
 class Prior:
-    """Distributions of k coordinates, independent but for those that are tied.
-
-    Attributes
-    ----------
-    centre, sd : array, shape (k,)
-        Means and standard deviations; of a Student-t distribution its scale.
-    low, high : array, shape (k,), optional
-        Ends of the ranges outside which a coordinate cannot lie; default none.
-    """
+    """Distributions of k coordinates, independent but for those that are tied."""
 
     centre: Array
     sd: Array
+    """Means and standard deviations; of a Student-t distribution its scale, shape (k,)."""
     heavy: NDArray[np.bool_] | None = None
     """Shape (k,). Whether a coordinate's is a Student-t distribution; default none."""
     tied: tuple[tuple[NDArray[np.int_], Array], ...] = ()
     """Coordinates of joint normal distributions, shape (m,), and their covariances, shape (m, m); default none."""
     low: Array | None = None
     high: Array | None = None
+    """Ends of the ranges outside which a coordinate cannot lie; default none, shape (k,)."""
 
     @property
     def bounds(self) -> tuple[Array, Array]:
@@ -182,12 +176,7 @@ def likeliest_scales(marginal_of: Callable[[Array], Marginal], prior: Prior) -> 
 
 @dataclass(frozen=True)
 class Integrated:
-    """A linear model integrated over its coordinates, the scales of its slabs and its noise.
-
-    Attributes
-    ----------
-    log_evidence : float
-    """
+    """A linear model integrated over its coordinates, the scales of its slabs and its noise."""
 
     log_evidence: float
     noise: int
@@ -247,18 +236,13 @@ def _curvature(mean: Array, covariance: Array) -> Array:
 
 @dataclass(frozen=True)
 class InsideRange:
-    """A normal distribution cut to ranges of its coordinates.
-
-    Attributes
-    ----------
-    mean, covariance : array, shape (k,) and (k, k)
-        Moments inside them.
-    """
+    """A normal distribution cut to ranges of its coordinates."""
 
     log_mass: float
     """Log probability of the ranges."""
     mean: Array
     covariance: Array
+    """Moments inside them, shape (k,)."""
 
 
 def inside_range(mean: Array, covariance: Array, low: Array, high: Array) -> InsideRange:

@@ -187,16 +187,11 @@ class DecisionProblem:
 
 @dataclass(frozen=True)
 class Saving:
-    """What knowing more saves.
-
-    Attributes
-    ----------
-    mean, error : float
-        Expected saving over the choice of now, and its standard error [of the losses].
-    """
+    """What knowing more saves."""
 
     mean: float
     error: float
+    """Expected saving over the choice of now, and its standard error [of the losses]."""
     chosen: NDArray[np.int_]
     """Alternative chosen for each draw, shape (n,)."""
 

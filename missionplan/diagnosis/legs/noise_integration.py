@@ -38,13 +38,7 @@ BESIDE = 5.0
 
 @dataclass(frozen=True)
 class Law:
-    """Random effects with sets in the mean, integrated over the noise.
-
-    Attributes
-    ----------
-    effects : tuple of str
-    hyperparameters : tuple of Hyperparameter
-    """
+    """Random effects with sets in the mean, integrated over the noise."""
 
     effects: Causes
     hyperparameters: tuple[Hyperparameter, ...]
@@ -203,18 +197,12 @@ class NoiseSearch:
 
 @dataclass(frozen=True)
 class ComparedSets:
-    """Sets compared under some random effects.
-
-    Attributes
-    ----------
-    search : NoiseSearch
-    plain, rich : Laplace
-        The likeliest noise without causes in the mean, and with many.
-    """
+    """Sets compared under some random effects."""
 
     search: NoiseSearch
     plain: Laplace
     rich: Laplace
+    """The likeliest noise without causes in the mean, and with many."""
     scores: Array
     """Log density and prior of all sets at their likeliest noises, without a term and with each, shape (s, 1 + t)."""
 

@@ -36,13 +36,7 @@ LEAST_SHARE = 1e-6
 
 @dataclass(frozen=True)
 class LegPosterior:
-    """The posterior of a log over all sets.
-
-    Attributes
-    ----------
-    inference : LegInference
-    laws : tuple of Law
-    """
+    """The posterior of a log over all sets."""
 
     inference: LegInference
     laws: tuple[Law, ...]

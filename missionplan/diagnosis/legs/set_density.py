@@ -38,12 +38,7 @@ Noise = dict[tuple[str, str], float]
 
 @dataclass(frozen=True)
 class MeanSet:
-    """A set's effects in the mean with a term, or none.
-
-    Attributes
-    ----------
-    causes : tuple of str
-    """
+    """A set's effects in the mean with a term, or none."""
 
     causes: Causes
     term: int = 0
@@ -52,13 +47,7 @@ class MeanSet:
 
 @dataclass(frozen=True)
 class RandomErrors:
-    """Random effects with the hyperparameters of all noise.
-
-    Attributes
-    ----------
-    effects : tuple of str
-    hyperparameters : tuple of Hyperparameter
-    """
+    """Random effects with the hyperparameters of all noise."""
 
     effects: Causes
     hyperparameters: tuple[Hyperparameter, ...]

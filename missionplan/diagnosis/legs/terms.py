@@ -51,18 +51,13 @@ STEP = 1e-3
 
 @dataclass(frozen=True)
 class LegTerm:
-    """Columns that act together, under one prior.
-
-    Attributes
-    ----------
-    axis, description : str
-        What it follows.
-    """
+    """Columns that act together, under one prior."""
 
     effect: str
     """Whose term it is; empty for a smooth error."""
     axis: str
     description: str
+    """What it follows."""
     columns: Array
     """Velocity errors for standard normal coefficients, on the principal axes, shape (2, n, q) [m/s]."""
     log_share: float

@@ -36,13 +36,7 @@ class Posterior:
 
 @dataclass(frozen=True)
 class Believed:
-    """What may hold: a set of causes beside what the mission knows.
-
-    Attributes
-    ----------
-    fit : CauseFit
-    posterior : Posterior
-    """
+    """What may hold: a set of causes beside what the mission knows."""
 
     causes: Causes
     """Effects of the mission's own explanation, where it is in doubt, and those found."""

@@ -74,12 +74,7 @@ class Component:
 
 @dataclass(frozen=True)
 class Ensemble:
-    """A mission's distribution of all values of a record.
-
-    Attributes
-    ----------
-    parts : tuple of Part
-    """
+    """A mission's distribution of all values of a record."""
 
     values: Array
     """As measured, group by group, shape (v,)."""

@@ -27,17 +27,12 @@ EXACT_PAIRS = 100
 
 @dataclass(frozen=True)
 class Mixture:
-    """A mixture of c normal distributions for each of v values.
-
-    Attributes
-    ----------
-    weights, means, sds : array, shape (c, v)
-        The weights of each value add up to 1.
-    """
+    """A mixture of c normal distributions for each of v values."""
 
     weights: Array
     means: Array
     sds: Array
+    """The weights of each value add up to 1, shape (c, v)."""
 
     def of(self, rows: slice) -> "Mixture":
         """Return the distributions of some of the values."""
@@ -115,12 +110,7 @@ def _mean_absolute(shift: Array, sd: Array) -> Array:
 
 @dataclass(frozen=True)
 class OneStep:
-    """Predictions of each group from those before it.
-
-    Attributes
-    ----------
-    mixture : Mixture
-    """
+    """Predictions of each group from those before it."""
 
     mixture: Mixture
     roots: list[list[Array]]

@@ -120,18 +120,13 @@ MIN_MASS_FACTOR = 0.05
 
 @dataclass(frozen=True)
 class OscillationModel:
-    """Mass in air and added mass of the vehicle file on its springs, with linear damping (Avila et al., section 4.2).
-
-    Attributes
-    ----------
-    stiffness, mass : float
-        Of the springs [N/m], and oscillating [kg].
-    """
+    """Mass in air and added mass of a vehicle file on its springs, with linear damping (Avila et al., section 4.2)."""
 
     time: Array
     """[s], shape (N,)."""
     stiffness: float
     mass: float
+    """Of the springs [N/m], and oscillating [kg]."""
     release_factor: float
     """Factor on displacement and velocity at the release, for a further measurement."""
 
@@ -249,16 +244,11 @@ AT_REST = 0.01
 
 @dataclass(frozen=True)
 class ThrusterModel:
-    """Thrust cV|V| with one constant c for both directions, whatever the vehicle's speed.
-
-    Attributes
-    ----------
-    command, speed : array, shape (N,)
-        Shaft rate [1/s] or voltage [V], and the vehicle's speed [m/s].
-    """
+    """Thrust cV|V| with one constant c for both directions, whatever the vehicle's speed."""
 
     command: Array
     speed: Array
+    """Shaft rate [1/s] or voltage [V], and the vehicle's speed [m/s], shape (N,)."""
     area: float
     """Cross-section of the tunnel [m²]; nan where it is not known."""
     density: float

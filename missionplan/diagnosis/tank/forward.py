@@ -37,13 +37,7 @@ class Nuisance:
 
 @dataclass(frozen=True)
 class TankForward:
-    """A kind of tank data with its base model.
-
-    Attributes
-    ----------
-    y, sd : array, shape (N,)
-        Data and the sensor's standard deviation [SI].
-    """
+    """A kind of tank data with its base model."""
 
     kind: TankKind
     """Kind of the data."""
@@ -53,6 +47,7 @@ class TankForward:
     """Column that is explained."""
     y: Array
     sd: Array
+    """Data and the sensor's standard deviation [SI], shape (N,)."""
     stated: bool
     """Whether that deviation was stated; else its size is fitted, from a rough guess."""
     nuisances: tuple[Nuisance, ...]

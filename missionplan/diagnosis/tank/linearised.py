@@ -73,16 +73,11 @@ class GroupPrediction:
 
 @dataclass(frozen=True)
 class LinearData:
-    """Data as a fitted set of causes predicts them, linear about the fit.
-
-    Attributes
-    ----------
-    y, sd : array, shape (N,)
-        Data less the prediction at the prior means, and the standard deviation of their noise.
-    """
+    """Data as a fitted set of causes predicts them, linear about the fit."""
 
     y: Array
     sd: Array
+    """Data less the prediction at the prior means, and the standard deviation of their noise, shape (N,)."""
     columns: Array
     """Derivatives along the coordinates, shape (N, a)."""
     prior: Array

@@ -27,20 +27,14 @@ current of 4 cm/s, 1.6 to 10 cm/s in two of three records."""
 
 @dataclass(frozen=True)
 class Hyperparameter:
-    """A hyperparameter by its logarithm.
-
-    Attributes
-    ----------
-    effect, name : str
-        Effect and parameter; no effect for the base model's own.
-    centre, spread : float
-        Of the prior.
-    """
+    """A hyperparameter by its logarithm."""
 
     effect: str
     name: str
+    """Effect and parameter; no effect for the base model's own."""
     centre: float
     spread: float
+    """Of the prior."""
     law: Law = "normal"
     """``normal``; ``student``, a Student-t distribution with `inference.prior.DOF` degrees of freedom; ``reciprocal``,
     the value's reciprocal uniform from nil to twice that at the centre, where `spread` is a scale for searches; or
@@ -91,12 +85,7 @@ def wandering_scale(effect: str) -> Hyperparameter:
 
 @dataclass(frozen=True)
 class HyperparameterPrior:
-    """Prior of h hyperparameters, some of which the mission's correlations tie to each other.
-
-    Attributes
-    ----------
-    hyperparameters : tuple of Hyperparameter
-    """
+    """Prior of h hyperparameters, some of which the mission's correlations tie to each other."""
 
     hyperparameters: tuple[Hyperparameter, ...]
     precision: Array | None = None

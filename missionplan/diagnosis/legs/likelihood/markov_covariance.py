@@ -57,13 +57,7 @@ def _of_blocks(columns: Array, size: int) -> Array:
 
 @dataclass(frozen=True)
 class MarkovCovariance:
-    """Covariance of the velocity errors of consecutive legs, never written out.
-
-    Attributes
-    ----------
-    start_scale, end_scale : array, shape (n,), or float
-        Standard deviation of the fix before and after each leg, over the typical one.
-    """
+    """Covariance of the velocity errors of consecutive legs, never written out."""
 
     under_way: Array
     """Time under way, shape (n,) [s]."""
@@ -76,6 +70,7 @@ class MarkovCovariance:
     is the same fix, shape (n,)."""
     start_scale: Scalars = 1.0
     end_scale: Scalars = 1.0
+    """Standard deviation of the fix before and after each leg, over the typical one, shape (n,)."""
 
     def fix_variance(self) -> Array:
         """Variance of a leg's velocity error for independent fix errors, 1 m typically, shape (n,) [1/s²]."""
@@ -258,24 +253,18 @@ def _transitions(legs: MarkovCovariance, process: MarkovProcess) -> tuple[Array,
 
 @dataclass(frozen=True)
 class _ProcessStates:
-    """A process at the starts and ends of n legs, in turn: tridiagonal precision, and the legs' means of it.
-
-    Attributes
-    ----------
-    diagonal, off_diagonal : array, shapes (2n,) and (2n - 1,)
-        Of the precision [s²/m²].
-    share, rest : array, shape (n,)
-        The mean over a leg is a share of the sum of both values, and a rest of this variance [m²/s²].
-    """
+    """A process at the starts and ends of n legs, in turn: tridiagonal precision, and the legs' means of it."""
 
     diagonal: Array
     off_diagonal: Array
+    """Of the precision [s²/m²]."""
     present: Array
     """1 where the process has a variance, else 0: a random walk is zero where a run begins, shape (2n,)."""
     log_determinant: float
     """ln |precision|."""
     share: Array
     rest: Array
+    """The mean over a leg is a share of the sum of both values, and a rest of this variance [m²/s²], shape (n,)."""
 
     @classmethod
     def of(cls, legs: MarkovCovariance, process: MarkovProcess) -> "_ProcessStates":

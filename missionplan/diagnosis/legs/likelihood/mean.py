@@ -33,12 +33,7 @@ DIFFERENCE_STEP = 1e-3
 
 @dataclass(frozen=True)
 class ActingTerm:
-    """A term of an effect as it acts on a log: its strengths are fitted, its shape is one of those tried.
-
-    Attributes
-    ----------
-    effect : str
-    """
+    """A term of an effect as it acts on a log: its strengths are fitted, its shape is one of those tried."""
 
     effect: str
     coordinates: tuple[Coordinate, ...]
