@@ -17,6 +17,7 @@ from conftest import TRANSIT
 import missionplan
 from missionplan import InputError, Mission, simulate
 from missionplan import identity as module
+from missionplan.cli import main
 from missionplan.identity import Identity, differences, digest_of, running_program
 
 PACKAGE = Path(missionplan.__file__).parent
@@ -151,22 +152,21 @@ def test_blocks_of_other_code_are_refused_and_stay(monkeypatch, tmp_path, study,
     assert {path: path.read_bytes() for path in (tmp_path / "blocks").iterdir()} == before
 
 
-def test_a_resumed_run_of_a_copy_with_another_gravity_is_refused_and_overwrites_nothing(tmp_path):
+def test_a_resumed_run_of_a_copy_with_another_gravity_is_refused_and_overwrites_nothing(tmp_path, monkeypatch):
     copy = tmp_path / "other" / "missionplan"
     shutil.copytree(PACKAGE, copy, ignore=shutil.ignore_patterns("__pycache__"))
     gravity = copy / "physics" / "water.py"
     gravity.write_text(gravity.read_text().replace("9.80665", "9.9"))
-    words = [sys.executable, "-m", "missionplan", "simulate", str(CHESAPEAKE), "--jobs", "1", "--out", "out", "--quiet"]
-
-    def run(path, *more):
-        environment = {**os.environ, "PYTHONPATH": str(path)}
-        return subprocess.run(
-            [*words, *more], cwd=tmp_path, env=environment, capture_output=True, text=True, check=False
-        )
-
-    assert run(PACKAGE.parent, "--trials", "50").returncode in (0, 3)
+    words = ["missionplan", "simulate", str(CHESAPEAKE), "--jobs", "1", "--out", "out", "--quiet", "--trials"]
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(sys, "argv", [*words, "50"])
+    with pytest.raises(SystemExit) as ended:
+        main()
+    assert ended.value.code in (0, 3)
     before = {path: path.read_bytes() for path in (tmp_path / "out").rglob("*") if path.is_file()}
-    refused = run(copy.parent, "--trials", "100", "--resume")
+    other = [sys.executable, "-m", *words, "100", "--resume"]
+    environment = {**os.environ, "PYTHONPATH": str(copy.parent)}
+    refused = subprocess.run(other, env=environment, capture_output=True, text=True, check=False)
     assert refused.returncode == 2
     assert "code of missionplan: was " in refused.stderr
     assert {path: path.read_bytes() for path in (tmp_path / "out").rglob("*") if path.is_file()} == before

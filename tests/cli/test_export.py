@@ -75,12 +75,10 @@ def plan_of(mission: str):
 def test_out_names_a_file_or_a_folder(monkeypatch, tmp_path) -> None:
     assert run(monkeypatch, CHESAPEAKE, "--to", "gpx", "--out", str(tmp_path / "route.gpx"), "-q") == 0
     assert run(monkeypatch, CHESAPEAKE, "--to", "csv", "--out", str(tmp_path), "-q") == 0
-    (tmp_path / "given").mkdir()
-    mission = for_format("slocum", tmp_path / "given")
-    assert run(monkeypatch, mission, "--to", "slocum", "--out", str(tmp_path / "glider"), "-q") == 0
+    assert run(monkeypatch, CHESAPEAKE, "--to", "iver", "--out", str(tmp_path / "boat"), "-q") == 0
     assert (tmp_path / "route.gpx").read_text().startswith("<?xml")
     assert (tmp_path / "chesapeake.csv").exists()
-    assert (tmp_path / "glider" / "goto_l10.ma").exists()
+    assert list((tmp_path / "boat").glob("*.mis"))
 
 
 def test_nothing_is_overwritten_unless_forced(monkeypatch, tmp_path, capsys) -> None:
