@@ -205,6 +205,8 @@ def of_gpx(plan, point, planned, kind, numbers):
 
 
 def extensions(point):
+    texts = [element.text for element in point.extensions]
+    assert texts == [f"{float(text):.10g}" for text in texts]  # no digits that say nothing
     return {element.tag.split("}")[-1]: float(element.text) for element in point.extensions}
 
 
