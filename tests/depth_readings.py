@@ -6,8 +6,8 @@ import numpy as np
 
 from missionplan.arrays import Array
 from missionplan.phases.hooks import DescentEffect
-from missionplan.phases.mooring.depth_sensor import sensor_history
 from missionplan.phases.mooring.forces import Dive
+from missionplan.phases.mooring.profile import sensor_history
 from missionplan.phases.mooring.vertical_motion import STEP
 
 

@@ -15,7 +15,7 @@ from missionplan.phases.transit.analytic.expectation import expected_cost, expec
 from missionplan.phases.transit.analytic.policy import best_legs
 from missionplan.physics.held_line import CROSSFLOW_COEFFICIENT, HeldLine
 from missionplan.physics.line_statics import held_pose
-from missionplan.physics.snatch import peak_tension
+from missionplan.physics.vehicle_dynamics import peak_tension
 from missionplan.physics.water import lamb_axial_coefficient, lamb_lateral_coefficient
 from tests.montecarlo import test_rare_events, test_ways_to_fail
 from tests.phases.mooring import test_descent as dives

@@ -3,16 +3,16 @@
 Files of tables, plain or compressed: what is unpacked is limited, for a small file may unpack to any size.
 """
 
-import bz2
 import csv
-import gzip
-import lzma
 import zlib
-from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
-from io import BytesIO, TextIOWrapper
+from bz2 import BZ2File
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import AbstractContextManager, contextmanager
+from gzip import GzipFile
+from io import BufferedIOBase, BytesIO, TextIOWrapper
+from lzma import LZMAError, LZMAFile
 from pathlib import Path
-from typing import IO, Protocol
+from typing import IO, cast
 from zipfile import BadZipFile, ZipFile
 
 import numpy as np
@@ -26,17 +26,23 @@ MAX_UNPACKED = 30_000_000
 _CHUNK = 1_000_000
 
 
-class _Reader(Protocol):
-    """What all of them can do."""
+@contextmanager
+def _only_member(path: Path) -> Iterator[BufferedIOBase]:
+    with ZipFile(path) as archive:
+        if len(archive.namelist()) != 1:
+            raise BadZipFile("expected one file inside")
+        with archive.open(archive.namelist()[0]) as member:
+            yield cast("BufferedIOBase", member)
 
-    def read(self, size: int, /) -> bytes:
-        """Read some bytes."""
-        ...
 
-
-_KINDS = (".gz", ".bz2", ".xz", ".zip")
-"""Endings of compressed files; all others are plain."""
-_BROKEN = (EOFError, BadZipFile, lzma.LZMAError, zlib.error, NotImplementedError, RuntimeError)
+_KINDS: Mapping[str, Callable[[Path], AbstractContextManager[BufferedIOBase]]] = {
+    ".gz": GzipFile,
+    ".bz2": BZ2File,
+    ".xz": LZMAFile,
+    ".zip": _only_member,
+}
+"""What opens compressed files, by their endings; all others are plain."""
+_BROKEN = (EOFError, BadZipFile, LZMAError, zlib.error, NotImplementedError, RuntimeError)
 
 
 @contextmanager
@@ -58,7 +64,7 @@ def open_table(path: Path) -> Iterator[IO[bytes]]:
 def _unpacked(path: Path) -> bytes:
     kind, content = path.suffix.lower(), bytearray()
     try:
-        with _opened(path, kind) as stream:
+        with _KINDS[kind](path) as stream:
             while chunk := stream.read(_CHUNK):
                 content += chunk
                 if len(content) > MAX_UNPACKED:
@@ -69,25 +75,6 @@ def _unpacked(path: Path) -> bytes:
     except OSError as error:
         raise InputError([Problem(f"cannot be unpacked as {kind}: {error.strerror or error}", str(path))]) from None
     return bytes(content)
-
-
-@contextmanager
-def _opened(path: Path, kind: str) -> Iterator[_Reader]:
-    if kind == ".zip":
-        with ZipFile(path) as archive:
-            if len(archive.namelist()) != 1:
-                raise BadZipFile("expected one file inside")
-            with archive.open(archive.namelist()[0]) as member:
-                yield member
-    elif kind == ".gz":
-        with gzip.open(path) as packed:
-            yield packed
-    elif kind == ".bz2":
-        with bz2.open(path) as packed_by_bzip2:
-            yield packed_by_bzip2
-    else:
-        with lzma.open(path) as packed_by_lzma:
-            yield packed_by_lzma
 
 
 BLANKS = ("", "nan", "NaN", "NA", "N/A", "null")

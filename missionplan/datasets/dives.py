@@ -22,12 +22,11 @@ from missionplan.datasets.table import Columns, problems_at
 from missionplan.errors import Problem, counted, did_you_mean
 from missionplan.mission import Mission
 from missionplan.mission.schema import quantity_parser as q
-from missionplan.mission.schema.quantity_parser import QuantityParser
-from missionplan.mission.schema.section import FileSection, Moment, ReadBy
+from missionplan.mission.schema.section import FileSection, Moment
 from missionplan.moments import EPOCH_SCALE
 from missionplan.montecarlo.distributions import mean_of
 
-Weight = Annotated[float, ReadBy(QuantityParser("N", low=0.0, open_low=True, fixed=True))]
+Weight = Annotated[float, q.fixed("N", open_low=True)]
 
 
 _CONDITIONS = ("anchor_wet_weight", "line_length", "depth")

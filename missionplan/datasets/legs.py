@@ -19,10 +19,9 @@ from missionplan.datasets.records import TransitData, as_other, listed, repeated
 from missionplan.datasets.table import Columns, problems_at
 from missionplan.errors import InputError, Problem, counted
 from missionplan.mission import Mission
-from missionplan.mission.geodesy import to_plane
 from missionplan.mission.schema import quantity_parser as q
+from missionplan.mission.schema.place import Geographic, to_plane
 from missionplan.mission.schema.section import FileSection
-from missionplan.mission.schema.site import Geographic
 from missionplan.moments import EPOCH_SCALE
 
 MIN_LEGS = 8

@@ -36,15 +36,15 @@ from missionplan.store.folder import as_path
 
 MAX_TABLE_BYTES = 50_000_000
 
-Area = Annotated[float, ReadBy(QuantityParser("m^2", low=0.0, open_low=True, fixed=True))]
-Inertia = Annotated[float, ReadBy(QuantityParser("kg*m^2", low=0.0, open_low=True, fixed=True))]
-FlowDamping = Annotated[float, ReadBy(QuantityParser("kg/m", low=0.0, open_low=True, fixed=True))]
-Lever = Annotated[float, ReadBy(QuantityParser("m", fixed=True))]
-ForceNoise = Annotated[float, ReadBy(QuantityParser("N", low=0.0, open_low=True, fixed=True))]
-MomentNoise = Annotated[float, ReadBy(QuantityParser("N*m", low=0.0, open_low=True, fixed=True))]
-Number = Annotated[float, ReadBy(QuantityParser("", low=0.0, open_low=True, fixed=True))]
-Fraction = Annotated[float, ReadBy(QuantityParser("", low=0.0, high=0.99, fixed=True))]
-Slope = Annotated[float, ReadBy(QuantityParser("", fixed=True))]
+Area = Annotated[float, q.fixed("m^2", open_low=True)]
+Inertia = Annotated[float, q.fixed("kg*m^2", open_low=True)]
+FlowDamping = Annotated[float, q.fixed("kg/m", open_low=True)]
+Lever = Annotated[float, q.fixed("m", -math.inf)]
+ForceNoise = Annotated[float, q.fixed("N", open_low=True)]
+MomentNoise = Annotated[float, q.fixed("N*m", open_low=True)]
+Number = Annotated[float, q.fixed("", open_low=True)]
+Fraction = Annotated[float, q.fixed("", high=0.99)]
+Slope = Annotated[float, q.fixed("", -math.inf)]
 
 
 class NoiseLevels(FileSection):

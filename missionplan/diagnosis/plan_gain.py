@@ -11,6 +11,7 @@ from missionplan.mission.schema.phases import MoorPhase
 from missionplan.montecarlo.distributions import mean_of
 from missionplan.montecarlo.parallel.blocks import parallel_map
 from missionplan.montecarlo.posterior import NOWHERE
+from missionplan.results.entries import SUCCESS, Counted
 from missionplan.results.learned.diagnosis import ParameterLevels, Plan, PlanGain
 from missionplan.studies.leg_length.sweep_result import SweepCurve, SweepPoint
 
@@ -121,9 +122,9 @@ def _anchor_plan(mission: Mission, weight: float, seed: int) -> Plan:
     found, phase = event_probabilities(anchored, trials=TRIALS, seed=seed), mission.moors[0].name
     return {
         "anchor_wet_weight_n": weight,
-        "within_radius": found[f"{phase}.within_radius"].value,
-        "struck_seafloor": found[f"{phase}.struck_seafloor"].value,
-        "success": found["total.success"].value,
+        "within_radius": found[Counted.event(f"{phase}.within_radius")].value,
+        "struck_seafloor": found[Counted.event(f"{phase}.struck_seafloor")].value,
+        "success": found[SUCCESS].value,
     }
 
 
@@ -134,7 +135,7 @@ def with_urgency(levels: Sequence[ParameterLevels], mission: Mission, seed: int)
     first: float | None = None
     for ahead in AHEAD if any(each.has_trend for each in levels) else ():
         then = mission.at_place(NOWHERE, missions=float(ahead))
-        success = event_probabilities(then, trials=TRIALS_AHEAD, seed=seed)["total.success"].value
+        success = event_probabilities(then, trials=TRIALS_AHEAD, seed=seed)[SUCCESS].value
         first = success if first is None else first
         if success < first - MATTERS:
             return tuple(replace(each, matters_in=ahead) if each.has_trend else each for each in levels)

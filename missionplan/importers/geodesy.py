@@ -17,8 +17,7 @@ from missionplan.arrays import Array, Scalars
 from missionplan.errors import InputError, Problem, shown
 from missionplan.importers.mapping import MappedName
 from missionplan.importers.track import Fixes, Positions, Series, Track, positions
-from missionplan.mission.geodesy import to_geographic, to_plane
-from missionplan.mission.schema.site import Geographic
+from missionplan.mission.schema.place import Geographic, to_geographic, to_plane
 from missionplan.packages import how_to_install
 
 

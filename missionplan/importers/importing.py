@@ -22,8 +22,7 @@ from missionplan.importers.mapping import read_mapping
 from missionplan.importers.sources import Reading, Sources, find_sources, of_one
 from missionplan.importers.starter import LegNumbers, mission_text, numbers_of, prospects
 from missionplan.importers.track import Fixes, Positions, Track
-from missionplan.mission.geodesy import to_plane
-from missionplan.mission.schema.site import Geographic
+from missionplan.mission.schema.place import Geographic, to_plane
 from missionplan.results.imported import ImportedData, SourceEntry, TrackLines
 from missionplan.store.folder import as_path
 

@@ -2,7 +2,7 @@
 
 Read first `sections` and `mission`, then `schema` (each section), `reading` (YAML, included files, problems with their
 lines) and `checks` (between sections). `views` are missions with all that one kind of phase needs; `units` and
-`geodesy` convert.
+`schema.place` convert.
 """
 
 from pathlib import Path, PurePath

@@ -9,8 +9,9 @@ from missionplan.errors import InputError, Problem
 from missionplan.mission.mission import Mission
 from missionplan.mission.schema.manoeuvring import Manoeuvring, TransitionPhase
 from missionplan.mission.schema.phases import MoorPhase, Navigation, Phase, TransitPhase
+from missionplan.mission.schema.place import Geographic
 from missionplan.mission.schema.section import V
-from missionplan.mission.schema.site import CurrentFile, ForecastError, Geographic, Site, TidalCurrent, WaterSection
+from missionplan.mission.schema.site import CurrentFile, ForecastError, Site, TidalCurrent, WaterSection
 from missionplan.mission.schema.vehicle import Anchor, Vehicle
 
 _Phase = TypeVar("_Phase", bound="Phase[object]")

@@ -11,7 +11,7 @@ from dataclasses import dataclass, fields, is_dataclass, replace
 from enum import StrEnum
 from functools import cache
 from inspect import cleandoc
-from typing import Annotated, Any, get_args, get_origin
+from typing import Annotated, Any, NamedTuple, get_args, get_origin
 
 from missionplan.phases.place.place import Cause
 
@@ -175,6 +175,46 @@ def real(value: object) -> float:
         return math.nan
 
 
+class CountedKind(StrEnum):
+    """What trials are counted for."""
+
+    EVENT = "event"
+    FAILURE = "failure"
+    LIMIT = "limit"
+    REQUIREMENT = "requirement"
+    EXPLANATION = "explained"
+
+
+class Counted(NamedTuple):
+    """What trials are counted by."""
+
+    kind: CountedKind
+    of: str
+    """Phase, or ``total``; place of a list of explanations; empty of limits and requirements."""
+    name: str
+    """Event, `Failure`, limit, or number of a requirement or an explanation."""
+
+    @classmethod
+    def event(cls, key: str) -> "Counted":
+        """Return the event of a key such as ``moor.within_radius``."""
+        phase, _, name = key.rpartition(".")
+        return cls(CountedKind.EVENT, phase, name)
+
+    @classmethod
+    def requirement(cls, number: int) -> "Counted":
+        """Return the requirement of a number, from 0: that it is met."""
+        return cls(CountedKind.REQUIREMENT, "", str(number))
+
+    def __str__(self) -> str:
+        """Write it as results do: ``moor.within_radius``, ``moor: anchor dragged``, ``requirement 0``."""
+        if self.kind is CountedKind.EVENT:
+            return f"{self.of}.{self.name}"
+        return f"{self.of}: {self.name}" if self.kind is CountedKind.FAILURE else f"{self.kind} {self.name}"
+
+
+SUCCESS = Counted.event("total.success")
+
+
 class Failure(StrEnum):
     """Why a phase ends a trial."""
 
@@ -207,7 +247,7 @@ MET = {
     Cause.UNCHARTED: Failure.UNCHARTED,
 }
 """Failures by what a trial has met."""
-LIMITS = (
+LIMITS: tuple[Failure, ...] = (
     Failure.EQUIPMENT,
     Failure.LEFT_RECORD,
     Failure.OUTRUN,

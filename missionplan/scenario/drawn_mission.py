@@ -11,10 +11,10 @@ import numpy as np
 from missionplan.arrays import Array, Scalars
 from missionplan.effects import CATALOGUE, Effect
 from missionplan.mission import Mission
-from missionplan.mission.geodesy import to_plane
 from missionplan.mission.schema.effect_list import LIKELY, EffectEntry
 from missionplan.mission.schema.phases import MoorPhase, Navigation, TransitPhase
-from missionplan.mission.schema.site import Geographic, Position, SlopeSection
+from missionplan.mission.schema.place import Geographic, Position, to_plane
+from missionplan.mission.schema.site import SlopeSection
 from missionplan.mission.schema.vehicle import EnergyBudget
 from missionplan.mission.views import MooringMission, TransitMission, required, required_origin
 from missionplan.phases.hooks import DescentEffect, TransitEffect

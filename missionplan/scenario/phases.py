@@ -25,9 +25,8 @@ from missionplan.physics.held_line import (
     line_drag_factor,
 )
 from missionplan.physics.seafloor import FRICTION, ROUGHNESS, LyingAnchor, Slope, lateral_coefficient
-from missionplan.physics.snatch import LineSpring, PitchingBody, mass_at_nose
 from missionplan.physics.tunnel_thruster import TunnelThruster
-from missionplan.physics.vehicle_dynamics import Body, Derivatives
+from missionplan.physics.vehicle_dynamics import Body, Derivatives, LineSpring, PitchingBody, mass_at_nose
 from missionplan.physics.water import STANDARD_GRAVITY, anchor_added_mass, lamb_lateral_coefficient
 from missionplan.scenario.anchors import anchor_flooded_mass, anchor_length, laden, wet_weight_of
 from missionplan.scenario.propulsion import surge_added_mass, sway_added_mass

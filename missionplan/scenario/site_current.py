@@ -2,32 +2,30 @@
 
 The tide of a mission's site at its date: constituents with Greenwich phases as waves from the mission's start.
 
+The current of a block of trials: a recorded one or a member of an ensemble, with the error expected of it; and the
+members one by one: what is expected stays, and all trials sail in one of them.
+
 The wind of a mission and, trial by trial, the leeway that it gives.
 """
 
 import math
+from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import NDArray
 
 from missionplan.arrays import Array, Scalars
 from missionplan.errors import InputError, Problem
 from missionplan.mission import Mission
-from missionplan.mission.geodesy import to_plane
 from missionplan.mission.reading.includes import REMOTE
-from missionplan.mission.schema.site import (
-    CurrentFile,
-    Geographic,
-    LeewaySection,
-    TidalConstituent,
-    TidalCurrent,
-    WindFile,
-)
-from missionplan.mission.views import required_origin
-from missionplan.montecarlo.streams import NormalSource
+from missionplan.mission.schema.place import Geographic, to_plane
+from missionplan.mission.schema.site import CurrentFile, LeewaySection, TidalConstituent, TidalCurrent, WindFile
+from missionplan.mission.views import forecast_error, required_origin
+from missionplan.montecarlo.streams import BLOCK, CommonStreams, NormalSource, block_count, block_size
 from missionplan.phases.currents import Current, Leeway, layers
-from missionplan.phases.fields.ensemble import Ensemble
+from missionplan.phases.fields.ensemble import NORMALS, WAVES, Ensemble, ErringCurrent, ErrorWaves, Statistics
 from missionplan.phases.recorded_currents import EVER, RecordedCurrent, SeriesCurrent, TidalStream
 from missionplan.physics.tides import angular_frequencies, nodal_state
 from missionplan.store.folder import matching
@@ -229,3 +227,64 @@ def leeway(drawn: Mission[Scalars], recorded: Current | None, source: NormalSour
     along, across = section.scatter * source.legs(STREAM).leg(0)[:, :size]
     side = np.sign(source.legs(STREAM).leg(1)[0, :size])
     return Leeway(wind, section.downwind, side * section.crosswind, section.downwind_offset + along, across)
+
+
+ERROR = "site.current.error"
+"""Key path of the error, and name of its stream."""
+MEMBER = "site.current.member"
+"""Name of which member of an ensemble a trial sails in, and of its stream."""
+
+
+def error_statistics(mission: Mission[Scalars]) -> Statistics | None:
+    """Return the statistics of a forecast's error, as drawn; None where the mission expects none."""
+    error = forecast_error(mission)
+    return None if error is None else Statistics(error.sigma, error.time, error.length)
+
+
+def with_member(recorded: Current, source: NormalSource, size: int) -> Current:
+    """Return an ensemble with a member drawn for each trial; any other current as it is."""
+    if not isinstance(recorded, Ensemble):
+        return recorded
+    return recorded.drawn(source.legs(MEMBER).leg(0)[0, :size])
+
+
+def with_error(forecast: Current, statistics: Statistics | None, source: NormalSource, size: int) -> Current:
+    """Return a forecast with an error drawn for each trial; itself where there is none."""
+    if statistics is None:
+        return forecast
+    stream = source.legs(ERROR)
+    pairs = NORMALS // 2
+    normals = np.concatenate([stream.leg(number)[:, :size] for number in range(pairs * WAVES)])
+    waves = normals.reshape(WAVES, NORMALS, size).transpose(1, 0, 2)
+    return ErringCurrent(forecast, ErrorWaves.drawn(statistics, waves))
+
+
+def members_of(recorded: Current | None) -> tuple[tuple[str, float], ...]:
+    """Names and probabilities of the members of an ensemble; none where the current is none."""
+    if not isinstance(recorded, Ensemble):
+        return ()
+    return tuple(zip(recorded.names, recorded.weights.tolist(), strict=True))
+
+
+def under_each_member(recorded: Current | None) -> Iterator[tuple[str, float, Ensemble]]:
+    """Yield name and probability of each member, and the ensemble whose trials all sail in it."""
+    if isinstance(recorded, Ensemble):
+        for number, (name, weight) in enumerate(members_of(recorded)):
+            yield name, weight, replace(recorded, given=number)
+
+
+def trials_of_each(trials: int, members: int) -> int:
+    """Trials of each member that together take about as long as the trials of the mission; at least one block."""
+    return min(trials, max(trials // members, BLOCK))
+
+
+def members_drawn(recorded: Current | None, seed: int, trials: int) -> NDArray[np.intp] | None:
+    """Return which member each trial of a run sails in, shape (n,); None where there is no ensemble."""
+    if not isinstance(recorded, Ensemble):
+        return None
+    streams, found = CommonStreams(seed), []
+    for block in range(block_count(trials)):
+        drawn = with_member(recorded, streams.of_block(block), block_size(trials, block))
+        if isinstance(drawn, Ensemble) and drawn.chosen is not None:
+            found.append(drawn.chosen)
+    return np.concatenate(found)

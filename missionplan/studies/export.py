@@ -12,7 +12,7 @@ import numpy as np
 from missionplan.errors import InputError, Problem
 from missionplan.exporters.formats import FORMATS, execution_of, format_named, refusals_of
 from missionplan.mission import Mission, MissionOrPath
-from missionplan.mission.geodesy import to_geographic
+from missionplan.mission.schema.place import to_geographic
 from missionplan.mission.views import TransitMission, required_origin
 from missionplan.montecarlo.distributions import mean_of
 from missionplan.phases.transit.execution import Execution

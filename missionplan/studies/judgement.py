@@ -18,6 +18,7 @@ from missionplan.mission.schema.vehicle import Anchor
 from missionplan.montecarlo.distributions import Distribution
 from missionplan.montecarlo.statistics import Probability
 from missionplan.results.decision import Assumption
+from missionplan.results.entries import SUCCESS, Counted
 from missionplan.results.simulation import Outcome
 from missionplan.studies.simulation.simulate import event_probabilities, simulate
 
@@ -54,14 +55,14 @@ def ledger(mission: Mission, seed: int, trials: int = TRIALS) -> tuple[Assumptio
         missed = tuple(
             requirement.written or requirement.quantity
             for index, requirement in enumerate(mission.requirements)
-            if other[f"requirement {index}"].value < requirement.probability <= base[f"requirement {index}"].value
+            if other[met := Counted.requirement(index)].value < requirement.probability <= base[met].value
         )
-        before, after = base["total.success"].value, other["total.success"].value
+        before, after = base[SUCCESS].value, other[SUCCESS].value
         found.append(Assumption(doubt.what, doubt.otherwise, after - before, after, missed))
     return tuple(sorted(found, key=lambda each: (not each.turns, math.isnan(each.worth), each.worth)))
 
 
-def _judged(mission: Mission, trials: int, seed: int) -> Mapping[str, Probability]:
+def _judged(mission: Mission, trials: int, seed: int) -> Mapping[Counted, Probability]:
     return event_probabilities(mission, trials=trials, seed=seed)
 
 

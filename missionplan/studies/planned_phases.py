@@ -9,8 +9,8 @@ import numpy as np
 from missionplan.arrays import Array, Scalars
 from missionplan.errors import InputError, Problem
 from missionplan.exporters.formats import Executes
-from missionplan.mission.geodesy import to_geographic
 from missionplan.mission.schema.phases import LegTableSection, MoorPhase, TransitPhase
+from missionplan.mission.schema.place import to_geographic
 from missionplan.montecarlo.distributions import Distribution, Quantity, mean_of
 from missionplan.montecarlo.streams import BlockStreams
 from missionplan.phases.transit.execution import Execution

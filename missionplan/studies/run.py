@@ -13,7 +13,7 @@ from missionplan.mission.views import ExplainedMission, under_each_explanation
 from missionplan.montecarlo.parallel.blocks import IN_THIS_PROCESS, Backend, Progress, Workers
 from missionplan.phases.currents import Current
 from missionplan.results.base import Provenance
-from missionplan.scenario.currents.building import members_of, trials_of_each, under_each_member
+from missionplan.scenario.site_current import members_of, trials_of_each, under_each_member
 from missionplan.studies.coverage import checked_ranges, probability_holds
 
 MAX_JOBS = 10_000

@@ -325,12 +325,7 @@ def tracks_lost(means: Scenario) -> tuple[str, ...]:
     seed = means.mission.monte_carlo.seed
     ahead = run_block(means.sampled(seed=seed, block=0, size=AHEAD), seed, 0, AHEAD, inputs=False)
     steps = failures_by_step(ahead)
-    lost = {
-        f"{phase.name}: {reason}": float(np.mean(steps[f"{phase.name}: {reason}"]))
-        for phase in ahead.phases
-        for reason in MET.values()
-        if f"{phase.name}: {reason}" in steps
-    }
+    lost = {step: float(np.mean(failed)) for step, failed in steps.items() if step.name in MET.values()}
     words = ", ".join(f"{100.0 * share:.3g} % {step}" for step, share in lost.items() if share > 0.0)
     if not words:
         return (f"Of {AHEAD} tracks drawn ahead none meets ground, coast or a zone kept out of.",)

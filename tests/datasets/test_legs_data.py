@@ -26,7 +26,7 @@ def test_reads_legs(folder, transit_mission, legs):
 
 
 def test_latitude_and_longitude_become_the_same_metres(folder, transit_mission, legs):
-    from missionplan.mission.geodesy import to_geographic
+    from missionplan.mission.schema.place import to_geographic
 
     table = legs()
     origin = transit_mission.site.origin

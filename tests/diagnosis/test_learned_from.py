@@ -16,7 +16,7 @@ from missionplan.diagnosis.extended_mission import having_learned
 from missionplan.diagnosis.learned_data import unlearned
 from missionplan.errors import InputError
 from missionplan.mission import Mission, load
-from missionplan.mission.geodesy import to_geographic
+from missionplan.mission.schema.place import to_geographic
 from missionplan.mission.sections import MOST_LEARNED
 from missionplan.report.diagnosis.page import answer
 from missionplan.report.scoring import answer as told_of_score

@@ -32,8 +32,8 @@ def names_known(source: str) -> list[str]:
     "source",
     [
         "if name == 'compass-bias':\n    pass",
-        "from missionplan.effects.course import CompassBias",
-        "from missionplan.effects import course",
+        "from missionplan.effects.course_and_speed import CompassBias",
+        "from missionplan.effects import course_and_speed",
         "import missionplan.effects.tidal_current as tides",
     ],
 )

@@ -6,10 +6,17 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.integrate import quad, solve_ivp
 
-from missionplan.effects.course import CompassBias, CompassDeviation, CompassJump, Sideslip
+from missionplan.effects.course_and_speed import (
+    CompassBias,
+    CompassDeviation,
+    CompassJump,
+    CurrentResponse,
+    Sideslip,
+    SpeedLoss,
+    SpeedScale,
+)
 from missionplan.effects.currents import CurrentShear, InertialCurrent, MeanCurrent, SurfaceDrift
 from missionplan.effects.response import Response
-from missionplan.effects.speed import CurrentResponse, SpeedLoss, SpeedScale
 from missionplan.effects.tidal_current import PERIODS, TidalCurrent, resolvable_constituents
 from missionplan.phases.hooks import Leg, velocity_error
 from missionplan.physics.tides import angular_frequencies

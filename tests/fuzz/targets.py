@@ -18,7 +18,7 @@ import yaml
 import missionplan
 from missionplan.cli import main
 from missionplan.errors import InputError
-from missionplan.mission.schema.site import Geographic
+from missionplan.mission.schema.place import Geographic
 from missionplan.scenario.currents.area import Area
 from missionplan.scenario.currents.field import read_field
 from missionplan.studies.validate import validate

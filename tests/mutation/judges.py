@@ -37,7 +37,7 @@ TABLE = {
     "studies/overdue": ["studies/overdue/test_times_of_the_sheet.py", "studies/overdue"],
     "studies/held_vehicle.py": ["scenario/test_held_vehicle.py", "studies/test_standing_vehicle.py"],
     "phases/fields": ["phases/test_field_lookups.py", "scenario/currents"],
-    "mission/geodesy.py": ["exporters", "mission"],
+    "mission/schema/place.py": ["exporters", "mission"],
 }
 """By the beginning of a module's path, the longest that fits; folders and files of `tests`, the quickest first."""
 

@@ -4,7 +4,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 
-from missionplan.physics.snatch import mass_at_nose, peak_tension
+from missionplan.physics.vehicle_dynamics import mass_at_nose, peak_tension
 
 
 def test_a_uniform_rod_weighs_a_quarter_at_its_end():

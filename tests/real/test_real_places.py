@@ -45,7 +45,7 @@ def mission(folder, origin, goal, **site):
 
 def reasons(loaded):
     steps = failures_by_step(simulate_block(loaded, seed=1, block=0, trials=1))
-    return [step.removeprefix("transit: ") for step, failed in steps.items() if failed.any()]
+    return [step.name for step, failed in steps.items() if failed.any()]
 
 
 def is_refused(loaded):

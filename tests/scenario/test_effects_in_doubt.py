@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 
 import missionplan
+from missionplan.diagnosis.dives.forward import SubsetEffect
 from missionplan.effects import CATALOGUE
 from missionplan.effects.info import EffectInfo
 from missionplan.mission import Mission
 from missionplan.phases.hooks import DescentEffect, TransitEffect
-from missionplan.phases.mooring.subset_effect import SubsetEffect
 from missionplan.studies.simulation.simulate import simulate_block
 
 MISSIONS = Path(__file__).parents[2] / "missions"

@@ -29,8 +29,7 @@ from missionplan.diagnosis.legs.model import TransitModel
 from missionplan.diagnosis.legs.model_factory import transit_model
 from missionplan.diagnosis.plan_gain import leg_length_choice, plan_gain
 from missionplan.mission import Mission
-from missionplan.mission.geodesy import to_geographic
-from missionplan.mission.schema.site import Geographic
+from missionplan.mission.schema.place import Geographic, to_geographic
 from missionplan.montecarlo.posterior import Place
 from missionplan.results.learned.diagnosis import PlanGain
 from missionplan.results.learned.evidence import Alias, Causes

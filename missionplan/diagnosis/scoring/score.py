@@ -27,7 +27,7 @@ from missionplan.errors import InputError
 from missionplan.mission import Mission, MissionOrPath
 from missionplan.mission.views import MooringMission
 from missionplan.phases.hooks import DescentEffect
-from missionplan.phases.mooring.depth_sensor import sensor_history
+from missionplan.phases.mooring.profile import sensor_history
 from missionplan.phases.transit.compensation import CompletedLeg, PlannedLeg
 from missionplan.phases.transit.kalman_filter import DriftFilter
 from missionplan.results.score import STATED, DatasetScore, Prediction, Score, Yardstick

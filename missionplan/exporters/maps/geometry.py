@@ -7,8 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from missionplan.arrays import Array
-from missionplan.mission.geodesy import to_geographic
-from missionplan.mission.schema.site import Geographic
+from missionplan.mission.schema.place import Geographic, to_geographic
 from missionplan.results.plan import Fence, PlannedMooring, Waypoint
 
 Origin = tuple[float, float]

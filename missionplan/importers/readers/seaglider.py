@@ -18,7 +18,7 @@ from missionplan.arrays import Array
 from missionplan.importers.geodesy import moved
 from missionplan.importers.importer import Identity, Importer, ReadOptions, SourceLog
 from missionplan.importers.judging import judge_fixes
-from missionplan.importers.netcdf import MAGIC, Variables, opened, variable_names
+from missionplan.importers.readers.netcdf import MAGIC, Variables, opened, variable_names
 from missionplan.importers.track import Fixes, Positions, Series, Track, fixes, positions, series
 
 _SEAGLIDER = {"log_gps_lat", "log_gps_lon"}

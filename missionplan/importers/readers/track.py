@@ -31,7 +31,7 @@ from missionplan.importers.importer import (
     unpacked,
 )
 from missionplan.importers.mapping import QUANTITIES, MappedName, angles, quantities, times
-from missionplan.importers.netcdf import MAGIC, Variables, mapped_parts, opened
+from missionplan.importers.readers.netcdf import MAGIC, Variables, mapped_parts, opened
 from missionplan.importers.track import Fixes, Positions, Series, Track, fixes, positions, series
 from missionplan.moments import utc
 

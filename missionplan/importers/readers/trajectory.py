@@ -15,7 +15,7 @@ import numpy as np
 from missionplan.errors import InputError, Problem, shown
 from missionplan.importers.importer import ColumnStore, Importer, ReadOptions, SourceLog
 from missionplan.importers.mapping import QUANTITIES, MappedName
-from missionplan.importers.netcdf import MAGIC, Variables, opened, variable_names
+from missionplan.importers.readers.netcdf import MAGIC, Variables, opened, variable_names
 from missionplan.importers.readers.track import split_track
 from missionplan.importers.track import Track
 

@@ -8,9 +8,9 @@ import numpy as np
 from missionplan.errors import KeyPath, LocalProblem
 from missionplan.mission.checks.ranges import Findings, four_digits
 from missionplan.mission.checks.sections import phase_path
-from missionplan.mission.geodesy import to_plane
 from missionplan.mission.schema.phases import LegTableSection, MoorPhase, Navigation, Phase, TransitPhase
-from missionplan.mission.schema.site import Geographic, Position, Site
+from missionplan.mission.schema.place import Geographic, Position, to_plane
+from missionplan.mission.schema.site import Site
 from missionplan.mission.schema.vehicle import EnergyBudget, Vehicle
 from missionplan.montecarlo.distributions import mean_of
 from missionplan.physics.held_line import LINE_MATERIALS

@@ -10,8 +10,9 @@ from typing import NamedTuple
 from missionplan.errors import KeyPath, LocalProblem, did_you_mean, shown
 from missionplan.mission.schema.effect_list import Learned, OneOf
 from missionplan.mission.schema.phases import MoorPhase, Navigation, Phase, TransitPhase
+from missionplan.mission.schema.place import Geographic
 from missionplan.mission.schema.quantity_parser import QuantityParser
-from missionplan.mission.schema.site import CurrentLayer, Geographic, Site, TidalCurrent
+from missionplan.mission.schema.site import CurrentLayer, Site, TidalCurrent
 from missionplan.mission.schema.sweep import CorrelationSection, Requirement, SweepSection
 from missionplan.mission.schema.vehicle import Vehicle
 from missionplan.mission.units import QuantityError

@@ -10,20 +10,15 @@ from missionplan.mission.schema import quantity_parser as q
 from missionplan.mission.schema.quantity_parser import Limit, QuantityParser
 from missionplan.mission.schema.section import FileSection, PhaseSection, ReadBy, V, invalid
 
-
-def _fixed(unit: str, low: float = 0.0, high: float = math.inf, *, open_low: bool = False) -> ReadBy:
-    return ReadBy(QuantityParser(unit, low, high, open_low, fixed=True))
-
-
-_Plain = Annotated[float, _fixed("", -math.inf)]
-_Positive = Annotated[float, _fixed("", open_low=True)]
-_Time = Annotated[float, _fixed("s")]
-_PositiveTime = Annotated[float, _fixed("s", open_low=True)]
-_Rate = Annotated[float, _fixed("1/s", open_low=True)]
-_Deflection = Annotated[float, _fixed("rad", open_low=True, high=1.5)]
-_Lever = Annotated[float, _fixed("m", -math.inf)]
-_Fraction = Annotated[float, _fixed("", high=0.99)]
-_Speeds = tuple[Annotated[float, _fixed("m/s", open_low=True)], ...]
+_Plain = Annotated[float, q.fixed("", -math.inf)]
+_Positive = Annotated[float, q.fixed("", open_low=True)]
+_Time = Annotated[float, q.fixed("s")]
+_PositiveTime = Annotated[float, q.fixed("s", open_low=True)]
+_Rate = Annotated[float, q.fixed("1/s", open_low=True)]
+_Deflection = Annotated[float, q.fixed("rad", open_low=True, high=1.5)]
+_Lever = Annotated[float, q.fixed("m", -math.inf)]
+_Fraction = Annotated[float, q.fixed("", high=0.99)]
+_Speeds = tuple[Annotated[float, q.fixed("m/s", open_low=True)], ...]
 Deceleration = ReadBy(QuantityParser("m/s^2", low=0.0, open_low=True))
 _Exponent = Annotated[V, ReadBy(QuantityParser("", low=-2.0, high=2.0))]
 _Negative = Annotated[V, ReadBy(QuantityParser("", high=0.0))]
@@ -39,7 +34,7 @@ class MeasuredDrag(FileSection, Generic[V]):
         Doc("drag coefficient on `area`"),
         Limit((1e-6, 100.0), (1e-3, 3.0), "streamlined 0.1, bluff 1"),
     ]
-    area: Annotated[float, _fixed("m^2", open_low=True), Doc("area to which the coefficient refers")]
+    area: Annotated[float, q.fixed("m^2", open_low=True), Doc("area to which the coefficient refers")]
     exponent: Annotated[_Exponent[V], Doc("power of the Reynolds number with which the coefficient goes")] = q.default(
         0.0
     )
@@ -135,15 +130,15 @@ class CentreOfGravity(FileSection, Generic[V]):
     """Centre of gravity from the centre of buoyancy."""
 
     ahead: Annotated[q.Length[V], Doc("distance ahead of the centre of buoyancy")] = q.default(0.0)
-    below: Annotated[float, _fixed("m", open_low=True), Doc("distance below the centre of buoyancy")]
+    below: Annotated[float, q.fixed("m", open_low=True), Doc("distance below the centre of buoyancy")]
 
 
 class Sternplanes(FileSection):
     """Controller of Palmer et al., Fig. 2: depth error to pitch demand, pitch error to deflection."""
 
     limit: Annotated[_Deflection, Doc("greatest deflection")] = 0.3490658503988659
-    depth_gain: Annotated[float, _fixed("rad/m", open_low=True), Doc("pitch asked for a metre of depth error")]
-    depth_integral: Annotated[float, _fixed("rad/m/s", open_low=True), Doc("the same for its integral over time")]
+    depth_gain: Annotated[float, q.fixed("rad/m", open_low=True), Doc("pitch asked for a metre of depth error")]
+    depth_integral: Annotated[float, q.fixed("rad/m/s", open_low=True), Doc("the same for its integral over time")]
     pitch_limit: Annotated[_Deflection, Doc("greatest pitch that is asked for")]
     pitch_gain: Annotated[_Positive, Doc("deflection for a radian of pitch error")]
     rate_gain: Annotated[_Time, Doc("deflection for a radian a second of pitch rate")]
@@ -152,9 +147,9 @@ class Sternplanes(FileSection):
 class ThrusterController(FileSection):
     """Controller of section 5.1: depth error to shaft rate; and the allocation to a pair of section 7.2."""
 
-    depth_gain: Annotated[float, _fixed("1/s/m", open_low=True), Doc("revolutions for a metre of depth error")]
-    depth_integral: Annotated[float, _fixed("1/s/m/s"), Doc("the same for its integral over time")]
-    depth_rate: Annotated[float, _fixed("1/m"), Doc("revolutions for a metre a second of depth rate")]
+    depth_gain: Annotated[float, q.fixed("1/s/m", open_low=True), Doc("revolutions for a metre of depth error")]
+    depth_integral: Annotated[float, q.fixed("1/s/m/s"), Doc("the same for its integral over time")]
+    depth_rate: Annotated[float, q.fixed("1/m"), Doc("revolutions for a metre a second of depth rate")]
     limit: Annotated[_Rate, Doc("greatest revolutions")]
     pair_steepness: Annotated[_Positive, Doc("how sharply a pair shares its force by the pitch")] = 1.0
     pair_limit: Annotated[_Deflection, Doc("pitch at which one of a pair does all")] = 0.17453292519943295
@@ -164,7 +159,7 @@ class ThrusterController(FileSection):
 class Manoeuvring(FileSection, Generic[V]):
     """Dynamics in the vertical plane, and controls."""
 
-    inertia: Annotated[float, _fixed("kg*m^2", open_low=True), Doc("moment of inertia in pitch")]
+    inertia: Annotated[float, q.fixed("kg*m^2", open_low=True), Doc("moment of inertia in pitch")]
     centre_of_gravity: Annotated[CentreOfGravity[V], Doc("where the mass is")]
     derivatives: Annotated[DerivativesSection, Doc("hydrodynamic derivatives, dimensionless by ½ρ and the length")]
     propeller: Annotated[
@@ -190,7 +185,7 @@ class TunnelThrusterSection(FileSection, Generic[V]):
     decay: Annotated[q.PositiveNumber[V], Doc("how fast thrust goes with the speed ahead")]
     position: Annotated[_Lever, Doc("distance ahead of the centre of buoyancy")] = 0.0
     suction_gradient: Annotated[
-        float, _fixed(""), Doc("k of Eq. 6: the centre of suction lies k D u/u_j aft of the thruster")
+        float, q.fixed(""), Doc("k of Eq. 6: the centre of suction lies k D u/u_j aft of the thruster")
     ] = 0.0
     suction_offset: Annotated[_Lever, Doc("distance of the centre of suction aft of the thruster at any speed")] = 0.0
 
@@ -204,7 +199,7 @@ class TransitionGrid(FileSection):
     """
 
     deceleration: Annotated[
-        tuple[Annotated[float, _fixed("m/s^2", open_low=True)], ...], Doc("decelerations that are tried")
+        tuple[Annotated[float, q.fixed("m/s^2", open_low=True)], ...], Doc("decelerations that are tried")
     ] = (0.005, 0.0075, 0.01, 0.0125, 0.015)
     steepness: Annotated[_Speeds, Doc("widths of the hand-over that are tried")] = (0.01, 0.10, 0.15, 0.20, 0.30)
     mid_speed: Annotated[_Speeds, Doc("mid-transition speeds that are tried")] = (
@@ -218,11 +213,11 @@ class TransitionGrid(FileSection):
         1.25,
     )
     shown_deceleration: Annotated[
-        float, _fixed("m/s^2", open_low=True), Doc("deceleration of which tracks are drawn")
+        float, q.fixed("m/s^2", open_low=True), Doc("deceleration of which tracks are drawn")
     ] = 0.01
-    shown_steepness: Annotated[float, _fixed("m/s", open_low=True), Doc("width of which tracks are drawn")] = 0.10
+    shown_steepness: Annotated[float, q.fixed("m/s", open_low=True), Doc("width of which tracks are drawn")] = 0.10
     shown_mid_speed: Annotated[
-        float, _fixed("m/s", open_low=True), Doc("mid-transition speed of which tracks are drawn")
+        float, q.fixed("m/s", open_low=True), Doc("mid-transition speed of which tracks are drawn")
     ] = 0.75
     pair_spacing: Annotated[q.FixedLength | None, Doc("distance between the two thrusters of a pair")] = None
 
@@ -239,7 +234,7 @@ class TransitionPhase(PhaseSection, Generic[V]):
 
     kind: Literal["transition"] = Field(default="transition", exclude=True)
     name: Annotated[str, Doc("name of the phase, for reports")] = "transition"
-    start_speed: Annotated[float, _fixed("m/s", open_low=True), Doc("speed at which the manoeuvre begins"), q.SPEED]
+    start_speed: Annotated[float, q.fixed("m/s", open_low=True), Doc("speed at which the manoeuvre begins"), q.SPEED]
     deceleration: Annotated[
         V,
         Deceleration,

@@ -1,15 +1,44 @@
-"""What is known of a site's ground, coast and sea level: the files that hold it, and the tide's height."""
+"""Places: positions, in the local east-north plane of the site's origin and by latitude and longitude (WGS 84).
 
-from typing import Annotated, Generic, Literal
+What is known of a site's ground, coast and sea level: the files that hold it, and the tide's height.
+"""
 
+import math
+from functools import lru_cache
+from typing import TYPE_CHECKING, Annotated, Generic, Literal
+
+import numpy as np
 from pydantic import Discriminator, Tag, model_validator
 from typing_extensions import Doc
 
+from missionplan.arrays import Array
 from missionplan.mission.schema import quantity_parser as q
-from missionplan.mission.schema.quantity_parser import Limit
-from missionplan.mission.schema.section import FileSection, V, invalid
+from missionplan.mission.schema.quantity_parser import CoordinateParser, Limit
+from missionplan.mission.schema.section import FileSection, ReadBy, V, invalid
+
+if TYPE_CHECKING:
+    from pyproj import Proj
 
 _TIDES = Limit((-30.0, 30.0), (-10.0, 10.0), "the Bay of Fundy has 16 m between low and high water")
+
+
+Latitude = Annotated[float, ReadBy(CoordinateParser("rad", low=-1.5707964, high=1.5707964, fixed=True))]
+Longitude = Annotated[float, ReadBy(CoordinateParser("rad", fixed=True, signs="EW"))]
+
+
+class Geographic(FileSection):
+    """A point by latitude and longitude, WGS 84 [rad]."""
+
+    latitude: Annotated[Latitude, Doc("latitude, WGS 84")]
+    longitude: Annotated[Longitude, Doc("longitude, WGS 84")]
+
+
+Planar = Annotated[tuple[q.Length[V], q.Length[V]], Tag("<planar>")]
+Position = Annotated[
+    Planar[V] | Annotated[Geographic, Tag("<geographic>")],
+    Discriminator(lambda value: "<geographic>" if isinstance(value, dict | Geographic) else "<planar>"),
+]
+"""East and north of the origin [m], or latitude and longitude."""
 
 
 class PlaceFile(FileSection):
@@ -65,3 +94,32 @@ TideOrHeight = Annotated[
     Annotated[TideHeight[V], Tag("<tide>")] | Annotated[q.Length[V], Tag("<height>")],
     Discriminator(_tide_tag),
 ]
+
+
+_EQUATORIAL_RADIUS, _ECCENTRICITY_SQUARED = 6_378_137.0, 0.006_694_379_990_14
+"""Of WGS 84 [m, 1]."""
+
+
+@lru_cache(maxsize=16)
+def _plane(latitude: float, longitude: float) -> "Proj":
+    from pyproj import Proj
+
+    # Azimuthal equidistant: distances and azimuths from the origin are exact on the ellipsoid.
+    return Proj(proj="aeqd", lat_0=math.degrees(latitude), lon_0=math.degrees(longitude), ellps="WGS84")
+
+
+def to_plane(latitude: Array, longitude: Array, origin: Geographic) -> tuple[Array, Array]:
+    """East and north of `origin` [m], from latitude and longitude [rad]."""
+    east, north = _plane(origin.latitude, origin.longitude)(np.degrees(longitude), np.degrees(latitude))
+    return np.asarray(east, dtype=float), np.asarray(north, dtype=float)
+
+
+def curvature_of_parallel(latitude: float) -> float:
+    """Geodesic curvature of a parallel, tan(latitude [rad]) over the ellipsoid's normal radius, toward north [1/m]."""
+    return math.tan(latitude) * math.sqrt(1.0 - _ECCENTRICITY_SQUARED * math.sin(latitude) ** 2) / _EQUATORIAL_RADIUS
+
+
+def to_geographic(east: Array, north: Array, origin: Geographic) -> tuple[Array, Array]:
+    """Latitude and longitude [rad], from east and north of `origin` [m]."""
+    longitude, latitude = _plane(origin.latitude, origin.longitude)(east, north, inverse=True)
+    return np.radians(latitude), np.radians(longitude)

@@ -276,6 +276,11 @@ Efficiency = Annotated[V, ReadBy(QuantityParser("", low=0.0, high=1.0, open_low=
 Probability = Annotated[float, ReadBy(QuantityParser("", low=0.0, high=1.0, fixed=True))]
 
 
+def fixed(unit: str, low: float = 0.0, high: float = math.inf, *, open_low: bool = False) -> ReadBy:
+    """Return a validator of a quantity in a unit that cannot be a distribution."""
+    return ReadBy(QuantityParser(unit, low, high, open_low, fixed=True))
+
+
 def default(value: float | tuple[float, ...]) -> Any:  # whatever the quantities of a section are
     """Return the field of a quantity that a file may leave out."""
     return Field(default=value)

@@ -12,8 +12,8 @@ from typing_extensions import Doc
 
 from missionplan.errors import LocalProblem
 from missionplan.mission.schema import quantity_parser as q
-from missionplan.mission.schema.place import BathymetryFile, PlaceFile, TideHeight, TideOrHeight
-from missionplan.mission.schema.quantity_parser import CoordinateParser, Limit, QuantityParser
+from missionplan.mission.schema.place import BathymetryFile, Geographic, PlaceFile, TideHeight, TideOrHeight
+from missionplan.mission.schema.quantity_parser import Limit, QuantityParser
 from missionplan.mission.schema.section import FileSection, Moment, ReadBy, V, all_invalid, invalid
 
 _SPEED = Limit((0.0, 90.0), (0.0, 33.0), "force 12 begins at 33 m/s; gusts of 85 m/s have been measured")
@@ -66,28 +66,11 @@ class LeewaySection(FileSection, Generic[V]):
     )
 
 
-_FixedSignedSpeed = Annotated[float, ReadBy(QuantityParser("m/s", low=-12.0, high=12.0, fixed=True))]
-Latitude = Annotated[float, ReadBy(CoordinateParser("rad", low=-1.5707964, high=1.5707964, fixed=True))]
-Longitude = Annotated[float, ReadBy(CoordinateParser("rad", fixed=True, signs="EW"))]
+_FixedSignedSpeed = Annotated[float, q.fixed("m/s", -12.0, 12.0)]
 PositiveDuration = Annotated[V, ReadBy(QuantityParser("s", low=0.0, open_low=True))]
-Weight = Annotated[float, ReadBy(QuantityParser("", low=0.0, fixed=True))]
+Weight = Annotated[float, q.fixed("")]
 SlopeAngle = Annotated[V, ReadBy(QuantityParser("rad", low=0.0, high=1.0))]
 """Steeper than 57° is a cliff, on which nothing lies."""
-
-
-class Geographic(FileSection):
-    """A point by latitude and longitude, WGS 84 [rad]."""
-
-    latitude: Annotated[Latitude, Doc("latitude, WGS 84")]
-    longitude: Annotated[Longitude, Doc("longitude, WGS 84")]
-
-
-Planar = Annotated[tuple[q.Length[V], q.Length[V]], Tag("<planar>")]
-Position = Annotated[
-    Planar[V] | Annotated[Geographic, Tag("<geographic>")],
-    Discriminator(lambda value: "<geographic>" if isinstance(value, dict | Geographic) else "<planar>"),
-]
-"""East and north of the origin [m], or latitude and longitude."""
 
 
 class WaterSection(FileSection, Generic[V]):

@@ -24,8 +24,8 @@ from missionplan.mission.schema.site import LeewaySection
 
 Per = Literal["hour", "km", "surfacing", "dive", "release", "wake-up"]
 Leaves = Literal["adrift", "moored", "sunk", "lost", "beacon"]
-_Count = Annotated[float, ReadBy(QuantityParser("", low=0.0, fixed=True))]
-_Exposure = Annotated[float, ReadBy(QuantityParser("", low=0.0, open_low=True, fixed=True))]
+_Count = Annotated[float, q.fixed("")]
+_Exposure = Annotated[float, q.fixed("", open_low=True)]
 _HourlyRate = Annotated[V, ReadBy(QuantityParser("1/s", low=0.0))]
 _RateByDistance = Annotated[V, ReadBy(QuantityParser("1/m", low=0.0))]
 _Chance = Annotated[V, ReadBy(QuantityParser("", low=0.0, high=1.0))]

@@ -13,8 +13,7 @@ from typing_extensions import override
 from missionplan.arrays import Array, Scalars
 from missionplan.errors import InputError
 from missionplan.phases.currents import Span
-from missionplan.phases.fields.field_water import FieldWater
-from missionplan.phases.fields.grids import Columns, Grid, RegularGrid
+from missionplan.phases.fields.grids import Columns, FieldWater, Grid, RegularGrid
 from missionplan.phases.fields.lattice import Cells, EvenAxes, Indices, Lattice, packed
 from missionplan.phases.recorded_currents import Bracket, RecordedCurrent, bracket, even_step
 

@@ -239,3 +239,30 @@ class TriangleFinder:
         order = np.argsort(cell, kind="stable")
         starts = np.searchsorted(cell[order], np.arange(self._shape[0] * self._shape[1] + 1))
         return starts, kept[triangle[order]]
+
+
+def slopes_by_least_squares(points: Array, beside: Indices) -> Array:
+    """Gradient in each cell that fits the differences to the cells beside it best, as FVCOM computes ``a1u, a2u``.
+
+    Chen, Liu and Beardsley 2003, J. Atmos. Oceanic Technol. 20, 159-186; FVCOM, ``shape_coef_gcn.F``.
+
+    Parameters
+    ----------
+    points : array, shape (2, c)
+        [m]
+    beside : array of int, shape (k, c)
+        -1: none.
+
+    Returns
+    -------
+    array, shape (2, 1 + k, c)
+        See `grids.CellMesh`; zero where the cells beside lie on one line.
+    """
+    there = beside >= 0
+    away = np.where(there, points[:, beside] - points[:, None, :], 0.0)
+    xx, yy, xy = (np.sum(away[i] * away[j], axis=0) for i, j in ((0, 0), (1, 1), (0, 1)))
+    area = xx * yy - xy * xy
+    fits = area > 1e-9 * xx * yy
+    divisor = np.where(fits, area, np.inf)
+    toward = np.stack((away[0] * yy - away[1] * xy, away[1] * xx - away[0] * xy)) / divisor
+    return np.concatenate((-toward.sum(axis=1, keepdims=True), toward), axis=1)

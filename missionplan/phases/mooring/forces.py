@@ -10,7 +10,7 @@ from missionplan.arrays import Array, Scalars
 from missionplan.phases.hooks import DescentEffect
 from missionplan.phases.mooring.horizontal_drift import TiedBodies
 from missionplan.physics.drag import DragLaw
-from missionplan.physics.snatch import LineSpring, PitchingBody
+from missionplan.physics.vehicle_dynamics import LineSpring, PitchingBody
 
 
 @dataclass(frozen=True)

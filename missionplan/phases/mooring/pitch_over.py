@@ -17,7 +17,7 @@ import numpy as np
 from missionplan.arrays import Array, Scalars
 from missionplan.phases.mooring.forces import DescentHooks, Dive, LoneFall, PullDown
 from missionplan.phases.mooring.vertical_motion import Integration, Stage, Stop, integrate_stage
-from missionplan.physics.snatch import PitchingBody, peak_tension
+from missionplan.physics.vehicle_dynamics import PitchingBody, peak_tension
 
 NOSE_DOWN = math.radians(80.0)
 """Pitch from which on the vehicle is taken as nose down, as in the base model."""

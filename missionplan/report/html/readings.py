@@ -12,8 +12,7 @@ from matplotlib.container import BarContainer
 from matplotlib.patches import StepPatch
 
 from missionplan.arrays import Array
-from missionplan.mission.geodesy import to_geographic
-from missionplan.mission.schema.site import Geographic
+from missionplan.mission.schema.place import Geographic, to_geographic
 from missionplan.report.axes import has_numbers, size_of_unit
 from missionplan.report.wording import typeset
 

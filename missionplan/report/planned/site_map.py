@@ -15,9 +15,7 @@ from matplotlib.text import Annotation
 from missionplan.arrays import Array
 from missionplan.errors import InputError
 from missionplan.exporters.maps.geometry import circle
-from missionplan.mission.geodesy import to_plane
-from missionplan.mission.schema.place import BathymetryFile
-from missionplan.mission.schema.site import Geographic
+from missionplan.mission.schema.place import BathymetryFile, Geographic, to_plane
 from missionplan.mission.units import QuantityError, parse_number_with_unit
 from missionplan.report.axes import name_axis
 from missionplan.report.page import BLUE, GREEN, GREY, INK, ORANGE, Figure, to_figure

@@ -10,9 +10,8 @@ import numpy as np
 from missionplan.arrays import Array, Scalars
 from missionplan.errors import InputError, Problem, shown
 from missionplan.mission import Mission
-from missionplan.mission.geodesy import to_plane
-from missionplan.mission.schema.place import BathymetryFile, TideHeight
-from missionplan.mission.schema.site import Geographic, Position, Site
+from missionplan.mission.schema.place import BathymetryFile, Geographic, Position, TideHeight, to_plane
+from missionplan.mission.schema.site import Site
 from missionplan.mission.views import required_origin
 from missionplan.montecarlo.distributions import mean_of
 from missionplan.phases.place.ground import Frame, Ground

@@ -12,9 +12,7 @@ import numpy as np
 
 from missionplan.arrays import Array
 from missionplan.errors import InputError, Problem, shown
-from missionplan.mission.geodesy import to_geographic, to_plane
-from missionplan.mission.schema.place import BathymetryFile
-from missionplan.mission.schema.site import Geographic
+from missionplan.mission.schema.place import BathymetryFile, Geographic, to_geographic, to_plane
 from missionplan.mission.units import QuantityError, parse_number_with_unit
 from missionplan.moments import moment_of, utc
 from missionplan.packages import how_to_install

@@ -27,6 +27,7 @@ from missionplan.physics.anchor import (
 from missionplan.physics.anchor_remedies import buildable_weights, find_remedies
 from missionplan.physics.drag import DragBuildUp, QuadraticDrag, anchor_drag, range_notes, terminal_velocity
 from missionplan.results.anchor_sizing import DesignLayer, Deviation, ProbableAnchor
+from missionplan.results.entries import SUCCESS, Counted, CountedKind
 from missionplan.results.sized_anchor import DiveProbabilities, SizedAnchor
 from missionplan.scenario.anchors import anchor_problem, design_current
 from missionplan.scenario.phases import dive_of, start_of
@@ -42,7 +43,7 @@ from missionplan.studies.simulation.phase_trials import Flags, TrialBlock
 class _Totals:
     """Merged dives: counts by name, and statistics of those that landed."""
 
-    counts: Mapping[str, Count]
+    counts: Mapping[Counted, Count]
     offset: RunningStatistic
     lowest: RunningStatistic
 
@@ -78,16 +79,16 @@ class AnchorTrials:
         """Estimate the probabilities of an anchor of a wet weight [N], with another line [m] if one is given."""
         task = partial(_block, replace(self, workers=IN_THIS_PROCESS), weight, line_length)
         totals = reduce(_Totals.merge, self.workers.run(task, range(block_count(self.trials))))
-        shares = {name: count.probability() for name, count in totals.counts.items()}
+        shares = {counted.name: count.probability() for counted, count in totals.counts.items()}
         return DiveProbabilities(
-            good=shares["good"],
+            good=shares[SUCCESS.name],
             within=shares["within_radius"],
             holds=shares["anchor_holds"] if self.counts_holding else None,
             struck=shares["struck_seafloor"],
             offset=totals.offset.statistic(),
             lowest_altitude=totals.lowest.statistic(),
             requirements=tuple(
-                requirement_outcome(self.mission, item, totals.counts[f"requirement {index}"])
+                requirement_outcome(self.mission, item, totals.counts[Counted.requirement(index)])
                 for index, item in enumerate(self.requirements)
             ),
         )
@@ -115,9 +116,10 @@ def _block(study: AnchorTrials, weight: float, line_length: float | None, block:
     columns: dict[str, Array | Flags] = {f"{phase.name}.{name}": values for name, values in done.quantities.items()}
     columns |= {f"{phase.name}.{name}": values for name, values in done.events.items()}
     flags = requirement_flags(study.mission.model_copy(update={"requirements": study.requirements}), columns)
+    events = {Counted(CountedKind.EVENT, phase.name, name): values for name, values in done.events.items()}
     good = ~np.logical_or.reduce(list(done.failures.values()))
     return _Totals(
-        {name: Count.of(trials) for name, trials in {"good": good, **done.events, **flags}.items()},
+        {counted: Count.of(trials) for counted, trials in {SUCCESS: good, **events, **flags}.items()},
         RunningStatistic.of(done.quantities["offset_m"]),
         RunningStatistic.of(done.quantities["lowest_altitude_m"]),
     )

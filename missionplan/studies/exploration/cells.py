@@ -139,7 +139,8 @@ class MissionTask:
         except Exception as error:
             return InvalidCell(f"block {block}: {type(error).__name__}: {error}")
         columns = trials.columns()
-        flags = {SUCCESS: trials.success, **requirement_flags(means.mission, columns)}
+        met = requirement_flags(means.mission, columns)
+        flags = {SUCCESS: trials.success, **{str(counted): flags for counted, flags in met.items()}}
         left = [phase.limits[LEFT_RECORD] for phase in trials.phases if LEFT_RECORD in phase.limits]
         if left and means.current is not None and means.current.is_binding:
             flags[LEFT_RECORD] = np.any(left, axis=0)

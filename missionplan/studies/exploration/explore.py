@@ -16,8 +16,8 @@ from missionplan.montecarlo.parallel.blocks import Backend, Progress
 from missionplan.montecarlo.statistics import Count
 from missionplan.montecarlo.streams import sized_blocks
 from missionplan.results.decision import Aim, Axis, MemberOutcome
-from missionplan.scenario.currents.building import members_drawn, members_of
 from missionplan.scenario.scenario import Scenario
+from missionplan.scenario.site_current import members_drawn, members_of
 from missionplan.store.checkpoints import Checkpoints
 from missionplan.store.folder import as_path
 from missionplan.studies.exploration.cells import SUCCESS, CellItem, CellTask, CellTrials, SharedCurrent, cell_trials

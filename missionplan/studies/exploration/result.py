@@ -13,7 +13,7 @@ from missionplan.montecarlo.paired import compare_with_best, pareto_front
 from missionplan.montecarlo.statistics import Count, Probability, Statistic
 from missionplan.results.base import Provenance, Result, to_csv, to_grid
 from missionplan.results.decision import Aim, Axis, MemberOutcome
-from missionplan.results.entries import Entry, Record
+from missionplan.results.entries import Counted, Entry, Record
 from missionplan.results.simulation import RequirementOutcome
 from missionplan.studies.exploration.cells import LEFT_RECORD, SUCCESS
 from missionplan.studies.simulation.checks import TOLERATED
@@ -237,14 +237,14 @@ def cell_of(place: tuple[int, ...], mission: Mission, trials: Trials, reason: st
         return Cell(place, reason)
     if LEFT_RECORD in trials and (left := _count(trials[LEFT_RECORD]).probability().value) > TOLERATED:
         return Cell(place, f"{100.0 * left:.3g} % of the trials leave the record of the current")
-    own = {name: values for name, values in trials.items() if name not in (SUCCESS, LEFT_RECORD)}
-    own = {name: values for name, values in own.items() if not name.startswith("requirement ")}
+    met = [str(Counted.requirement(number)) for number in range(len(mission.requirements))]
+    own = {name: values for name, values in trials.items() if name not in (SUCCESS, LEFT_RECORD, *met)}
     return Cell(
         place=place,
         success=_count(trials[SUCCESS]).probability(),
         requirements=tuple(
-            requirement_outcome(mission, each, _count(trials[f"requirement {index}"]))
-            for index, each in enumerate(mission.requirements)
+            requirement_outcome(mission, each, _count(trials[name]))
+            for name, each in zip(met, mission.requirements, strict=True)
         ),
         quantities={name: statistic_of(values) for name, values in own.items() if values.dtype != bool},
         events={name: _count(values).probability() for name, values in own.items() if values.dtype == bool},

@@ -11,8 +11,8 @@ from missionplan.arrays import Array, Scalars
 from missionplan.errors import InputError, Problem
 from missionplan.mission import Mission
 from missionplan.mission.schema.phases import LegTableSection, Navigation, TransitPhase
+from missionplan.mission.schema.place import Position
 from missionplan.mission.schema.section import V
-from missionplan.mission.schema.site import Position
 from missionplan.mission.views import TransitMission
 from missionplan.montecarlo.distributions import mean_of
 from missionplan.montecarlo.statistics import Moments

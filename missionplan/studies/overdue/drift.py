@@ -16,8 +16,8 @@ from missionplan.phases.fields.ensemble import Ensemble, Statistics
 from missionplan.phases.hooks import TransitEffect, surface_velocity
 from missionplan.phases.place.place import Cause, Place, Way
 from missionplan.phases.recorded_currents import RecordedCurrent
-from missionplan.scenario.currents.building import with_error
 from missionplan.scenario.scenario import STILL_WATER, Scenario
+from missionplan.scenario.site_current import with_error
 
 _STAGES = (
     (),

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from missionplan.arrays import Array
 from missionplan.errors import InputError, Problem, shown
 from missionplan.mission import Mission
-from missionplan.mission.geodesy import to_plane
+from missionplan.mission.schema.place import to_plane
 from missionplan.mission.views import required_origin
 from missionplan.moments import moment_of
 from missionplan.results.entries import Failure

@@ -19,10 +19,10 @@ from missionplan.montecarlo.rare_events.strata import DiscreteValue, StrataView,
 from missionplan.montecarlo.rare_events.subset_simulation import Key
 from missionplan.phases.fields.ensemble import Ensemble
 from missionplan.physics.propulsion import JOULES_PER_WATT_HOUR
-from missionplan.results.entries import MET, Failure
-from missionplan.scenario.currents.building import MEMBER
+from missionplan.results.entries import MET, Counted, CountedKind, Failure
 from missionplan.scenario.phases import line_strength
 from missionplan.scenario.scenario import Scenario
+from missionplan.scenario.site_current import MEMBER
 from missionplan.studies.simulation.block_statistics import SCALES, failures_by_step, requirement_key
 from missionplan.studies.simulation.phase_trials import Flags, PhaseTrials
 from missionplan.studies.simulation.trial_block import MissionTrials, run_trials
@@ -143,7 +143,9 @@ def margins(event: RareEvent, trials: MissionTrials, scenario: Scenario) -> dict
         own = dict(_of_phase(phase, done, scenario, spent))
         ends_here = phase.name == event.phase
         chosen = _REASONS.get(event.name, ()) if ends_here else tuple(own) if event.negated else ()
-        found |= {f"{phase.name}: {reason}": own[reason] for reason in chosen if reason in own}
+        found |= {
+            str(Counted(CountedKind.FAILURE, phase.name, reason)): own[reason] for reason in chosen if reason in own
+        }
         if ends_here:
             break
     return found
@@ -308,7 +310,7 @@ def _first_steps(trials: MissionTrials) -> NDArray[np.str_]:
     """Where each trial fails first; empty where it does not."""
     steps = np.full(trials.success.size, "", dtype=object)
     for step, failed in failures_by_step(trials).items():
-        steps[failed] = step
+        steps[failed] = str(step)
     return steps.astype(str)
 
 

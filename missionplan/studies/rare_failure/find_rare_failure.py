@@ -267,9 +267,11 @@ def _without_margin(driven: DrivenMission, trials: MissionTrials) -> dict[str, i
     """
     if driven.event.text != FAILS:
         return {}
-    impossible = {f"{phase.name}: {reason}" for phase in trials.phases for reason in _MARGIN_WHERE_POSSIBLE}
-    left = {*failures_by_step(trials)} - {*driven.ways} - impossible
-    return {step: int(np.count_nonzero(failed)) for step, failed in failures_by_step(trials).items() if step in left}
+    return {
+        str(step): int(np.count_nonzero(failed))
+        for step, failed in failures_by_step(trials).items()
+        if step.name not in _MARGIN_WHERE_POSSIBLE and str(step) not in driven.ways
+    }
 
 
 def _notices(found: Found[FailingTrials], aim: float) -> list[str]:

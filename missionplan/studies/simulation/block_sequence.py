@@ -15,8 +15,9 @@ from missionplan.mission.checks.sections import quantity_unit
 from missionplan.mission.units import QuantityError, parse_number_with_unit
 from missionplan.montecarlo.parallel.blocks import Progress
 from missionplan.montecarlo.streams import BLOCK
-from missionplan.scenario.currents.building import members_of
+from missionplan.results.entries import Counted
 from missionplan.scenario.scenario import Scenario
+from missionplan.scenario.site_current import members_of
 from missionplan.store.checkpoints import Checkpoints, kept_or_run
 from missionplan.studies.simulation.block_statistics import (
     SAMPLED_BLOCKS,
@@ -82,7 +83,7 @@ class Precision:
         place of √(p(1 − p)/n), which is 0 as long as p is 0 or 1.
         """
         if self.is_event:
-            probability = totals.counts[self.key].probability()
+            probability = totals.counts[Counted.event(self.key)].probability()
             return (probability.high - probability.low) / (2.0 * _Z95) < self.error
         statistic = totals.statistics[self.key].moments
         limit = self.error * (abs(float(statistic.mean)) if self.relative else 1.0)

@@ -14,8 +14,8 @@ from missionplan.mission.schema.sweep import Requirement
 from missionplan.montecarlo.quantile_sketch import QuantileSketch
 from missionplan.montecarlo.statistics import Count, Moments, RunningStatistics
 from missionplan.physics.propulsion import JOULES_PER_WATT_HOUR
-from missionplan.results.entries import MET
-from missionplan.scenario.currents.building import MEMBER
+from missionplan.results.entries import MET, SUCCESS, Counted, CountedKind
+from missionplan.scenario.site_current import MEMBER
 from missionplan.studies.simulation.phase_trials import Flags
 from missionplan.studies.simulation.trial_block import MissionTrials
 
@@ -38,10 +38,6 @@ KEY_FIGURES = {
     "total": ("duration_s", "energy_wh", "success"),
 }
 """Quantities and events whose sensitivities are computed, by kind of phase."""
-LIMIT = "limit:"
-"""How the names of counts begin that say how many trials met a limit of the world."""
-EXPLAINED = "explained:"
-"""How the names of counts and statistics begin that are of the trials in which an explanation holds."""
 
 
 @dataclass(frozen=True)
@@ -50,8 +46,8 @@ class BlockStatistics:
 
     statistics: RunningStatistics
     """Of ``phase.quantity``, and of ``phase.end`` but for the last phase, which ends with the mission."""
-    counts: Mapping[str, Count]
-    """Of ``phase.event``, of ``phase: failure`` (those still good until then), and of each requirement met."""
+    counts: Mapping[Counted, Count]
+    """Of a failure those still good until then."""
     sample: Mapping[str, Array]
     """Of the first trials: ``input:…``, ``output:…`` and ``miss:phase``; shape (..., m)."""
     contacts: Array = field(default_factory=lambda: np.empty((0, 6)))
@@ -61,7 +57,7 @@ class BlockStatistics:
     @property
     def trials(self) -> int:
         """Trials in it."""
-        return self.counts["total.success"].trials
+        return self.counts[SUCCESS].trials
 
     def merge(self, other: "BlockStatistics") -> "BlockStatistics":
         """Add the next block."""
@@ -76,7 +72,7 @@ class BlockStatistics:
         """Flatten into named arrays, for a file."""
         flat: dict[str, NDArray[np.generic]] = {f"sample/{name}": values for name, values in self.sample.items()}
         flat["contacts"] = self.contacts
-        flat["count/names"] = np.array(list(self.counts))
+        flat["count/names"] = np.array([[str(part) for part in counted] for counted in self.counts])
         flat["count/numbers"] = np.array([(count.successes, count.trials) for count in self.counts.values()])
         found = self.statistics
         flat["statistic/names"] = np.array(found.names)
@@ -92,7 +88,7 @@ class BlockStatistics:
     def from_arrays(cls, flat: Mapping[str, NDArray[np.generic]]) -> "BlockStatistics":
         """Read what `to_arrays` wrote."""
         numbers = zip(flat["count/names"].tolist(), flat["count/numbers"].tolist(), strict=True)
-        counts = {name: Count(successes, trials) for name, (successes, trials) in numbers}
+        counts = {Counted(CountedKind(kind), of, name): Count(*number) for (kind, of, name), number in numbers}
         ends = np.cumsum(flat["sketch/sizes"])[:-1]
         bins, held = (np.split(flat[f"sketch/{name}"], ends) for name in ("bins", "counts"))
         sketches = tuple(map(QuantileSketch.from_bins, bins, held))
@@ -114,20 +110,28 @@ def statistics_of_block(mission: Mission, trials: MissionTrials, *, sampled: boo
     """
     columns = trials.columns()
     happened = {
-        "total.success": trials.success,
-        **{f"{phase.name}.{name}": trial for phase in trials.phases for name, trial in phase.events.items()},
+        SUCCESS: trials.success,
+        **{
+            Counted(CountedKind.EVENT, phase.name, name): trial
+            for phase in trials.phases
+            for name, trial in phase.events.items()
+        },
         **_limits(trials),
         **failures_by_step(trials),
         **requirement_flags(mission, columns),
     }
     counts = {name: Count.of(trial) for name, trial in happened.items()}
-    held = _held(mission, trials)
-    held |= {explained_name(MEMBER, number): trials.draws[MEMBER] == number for number in range(members)}
+    held = {
+        explanation(doubt.place, number): trials.draws[doubt.place] == number
+        for doubt in mission.doubts
+        for number in doubt.told_apart
+    }
+    held |= {explanation(MEMBER, number): trials.draws[MEMBER] == number for number in range(members)}
     counts |= {name: Count(int((trials.success & where).sum()), int(where.sum())) for name, where in held.items()}
     sample = _sample(trials, columns) if sampled else {}
     explained = {
-        f"{name}.{quantity}": np.where(where, values, np.nan)
-        for name, where in held.items()
+        explained_name(counted, quantity): np.where(where, values, np.nan)
+        for counted, where in held.items()
         for quantity, values in trials.total.items()
     }
     statistics = RunningStatistics.of(_quantities(trials) | explained)
@@ -141,7 +145,7 @@ def _contacts(trials: MissionTrials) -> Array:
         if phase.contact is None:
             continue
         for cause, reason in MET.items():
-            lost = np.flatnonzero(steps[f"{phase.name}: {reason}"] & phase.contact.of(cause))
+            lost = np.flatnonzero(steps[Counted(CountedKind.FAILURE, phase.name, reason)] & phase.contact.of(cause))
             one = np.ones(lost.size)
             known = (phase.contact.leg[lost], one, *phase.contact.where[:, lost])
             rows.append(np.stack((number * one, cause * one, *known), axis=1))
@@ -156,18 +160,14 @@ def _summed(rows: Array) -> Array:
     return np.concatenate((kinds, sums), axis=1)
 
 
-def _held(mission: Mission, trials: MissionTrials) -> dict[str, Flags]:
-    """Trials in which each explanation holds, and in which none does."""
-    return {
-        explained_name(doubt.place, number): trials.draws[doubt.place] == number
-        for doubt in mission.doubts
-        for number in doubt.told_apart
-    }
+def explanation(place: str, number: int) -> Counted:
+    """Return the explanation of a number at a key path, or of none: the trials in which it holds."""
+    return Counted(CountedKind.EXPLANATION, place, str(number))
 
 
-def explained_name(place: str, number: int) -> str:
-    """Name of the counts of an explanation's trials."""
-    return f"{EXPLAINED}{place} {number}"
+def explained_name(explanation: Counted, quantity: str) -> str:
+    """Name of the statistics of the mission's quantity in an explanation's trials."""
+    return f"{explanation.kind}:{explanation.of} {explanation.name}.{quantity}"
 
 
 def _quantities(trials: MissionTrials) -> dict[str, Array]:
@@ -177,12 +177,12 @@ def _quantities(trials: MissionTrials) -> dict[str, Array]:
     return {**total, **phases, **{f"{phase.name}.end": phase.end for phase in trials.phases[:-1]}}
 
 
-def requirement_flags(mission: Mission, columns: Mapping[str, Array | Flags]) -> dict[str, Flags]:
-    """Trials that meet each requirement, by ``requirement`` and its number."""
+def requirement_flags(mission: Mission, columns: Mapping[str, Array | Flags]) -> dict[Counted, Flags]:
+    """Trials that meet each requirement."""
     found = {}
     for index, requirement in enumerate(mission.requirements):
         key, unit = requirement_key(mission, requirement.quantity)
-        found[f"requirement {index}"] = _meets(columns[key], bound_of(requirement), unit)
+        found[Counted.requirement(index)] = _meets(columns[key], bound_of(requirement), unit)
     return found
 
 
@@ -212,22 +212,22 @@ def _meets(values: Array | Flags, bound: tuple[Side, float] | None, unit: str | 
     return np.asarray(values <= scaled if side == "at_most" else values >= scaled)
 
 
-def _limits(trials: MissionTrials) -> dict[str, Flags]:
+def _limits(trials: MissionTrials) -> dict[Counted, Flags]:
     """Trials that met each limit of the world in any phase."""
     found = {}
     for limit in sorted({limit for phase in trials.phases for limit in phase.limits}):
         met = [phase.limits[limit] for phase in trials.phases if limit in phase.limits]
-        found[f"{LIMIT}{limit}"] = np.any(met, axis=0)
+        found[Counted(CountedKind.LIMIT, "", limit)] = np.any(met, axis=0)
     return found
 
 
-def failures_by_step(trials: MissionTrials) -> dict[str, Flags]:
+def failures_by_step(trials: MissionTrials) -> dict[Counted, Flags]:
     """Trials that fail at each step of the mission and at none before it."""
     good = np.ones(trials.success.size, dtype=bool)
     steps = {}
     for phase in trials.phases:
         for failure, failed in phase.failures.items():
-            steps[f"{phase.name}: {failure}"] = good & failed
+            steps[Counted(CountedKind.FAILURE, phase.name, failure)] = good & failed
             good = good & ~failed
     return steps
 

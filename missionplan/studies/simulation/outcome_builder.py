@@ -11,11 +11,11 @@ from missionplan.arrays import Array
 from missionplan.mission import Mission
 from missionplan.mission.schema.sweep import Requirement
 from missionplan.montecarlo.sensitivity import sensitivities
-from missionplan.montecarlo.statistics import Count, Integers, RunningStatistic, Statistic
+from missionplan.montecarlo.statistics import Count, Integers, Probability, RunningStatistic, Statistic
 from missionplan.phases.place.place import Cause
 from missionplan.results.base import Provenance
 from missionplan.results.decision import Causes, ExplainedOutcome, PlaceContact
-from missionplan.results.entries import LIMITS, MET
+from missionplan.results.entries import LIMITS, MET, Counted, CountedKind
 from missionplan.results.simulation import (
     Attrition,
     Histogram,
@@ -27,14 +27,14 @@ from missionplan.results.simulation import (
     Tracks,
 )
 from missionplan.results.whereabouts import HeldVehicle
-from missionplan.scenario.currents.building import MEMBER
+from missionplan.scenario.site_current import MEMBER
 from missionplan.studies.simulation.block_statistics import (
-    LIMIT,
     SCALES,
     BlockStatistics,
     Side,
     bound_of,
     explained_name,
+    explanation,
     requirement_key,
     with_prefix,
 )
@@ -77,7 +77,7 @@ class OutcomeBuilder:
             total=self._phase("total", "total", clocks[0], clocks[-1]),
             requirements=tuple(self._requirement(*numbered) for numbered in enumerate(self.mission.requirements)),
             attrition=self._attrition(),
-            limits={name: count.probability() for name, count in with_prefix(self.totals.counts, LIMIT).items()},
+            limits=self._counted(CountedKind.LIMIT, ""),
             sensitivities=self._sensitivities(),
             tracks=simulation_tracks(self.mission, self.tracks),
             arrivals=self._sampled("miss:"),
@@ -111,9 +111,10 @@ class OutcomeBuilder:
             )
 
     def _explained(self, place: str, number: int, causes: Causes, share: float) -> ExplainedOutcome:
-        name = explained_name(place, number)
-        count, statistics = self.totals.counts[name], self.totals.statistics
-        duration, energy = (statistics[f"{name}.{key}"].statistic() for key in ("duration_s", "energy_wh"))
+        counted = explanation(place, number)
+        count, statistics = self.totals.counts[counted], self.totals.statistics
+        names = (explained_name(counted, quantity) for quantity in ("duration_s", "energy_wh"))
+        duration, energy = (statistics[name].statistic() for name in names)
         return ExplainedOutcome(place, number, causes, share, count.probability(), duration, energy, count.trials)
 
     def _clocks(self) -> Iterator[Statistic]:
@@ -130,15 +131,20 @@ class OutcomeBuilder:
             name=name,
             kind=kind,
             quantities={quantity: _statistic(quantity, running) for quantity, running in own.items()},
-            events={event: count.probability() for event, count in with_prefix(self.totals.counts, f"{name}.").items()},
+            events=self._counted(CountedKind.EVENT, name),
             histograms={quantity: histogram_from_sketch(running) for quantity, running in own.items()},
             start=start,
             end=end,
             label=name,
         )
 
+    def _counted(self, kind: CountedKind, of: str) -> dict[str, Probability]:
+        """Probabilities by name of what is counted of one kind."""
+        counts = self.totals.counts.items()
+        return {each.name: count.probability() for each, count in counts if (each.kind, each.of) == (kind, of)}
+
     def _requirement(self, index: int, requirement: Requirement) -> RequirementOutcome:
-        found = requirement_outcome(self.mission, requirement, self.totals.counts[f"requirement {index}"])
+        found = requirement_outcome(self.mission, requirement, self.totals.counts[Counted.requirement(index)])
         key, unit = requirement_key(self.mission, requirement.quantity)
         reached = self._reached(key, unit or "", found.bound, found.required, found.trials)
         return replace(found, reached=reached)
@@ -156,10 +162,9 @@ class OutcomeBuilder:
     def _attrition(self) -> tuple[Attrition, ...]:
         steps, left, trials = [], self.totals.trials, self.totals.trials
         for step, count in self.totals.counts.items():
-            reason = step.rpartition(": ")[2]
-            if ": " in step and (count.successes or reason not in LIMITS):
+            if step.kind is CountedKind.FAILURE and (count.successes or step.name not in LIMITS):
                 left -= count.successes
-                steps.append(Attrition(step, count.probability(), Count(left, trials).probability()))
+                steps.append(Attrition(str(step), count.probability(), Count(left, trials).probability()))
         return tuple(steps)
 
     def _sensitivities(self) -> tuple[Sensitivity, ...]:

@@ -13,6 +13,7 @@ from missionplan.montecarlo.parallel.blocks import Backend, Progress
 from missionplan.montecarlo.statistics import Probability
 from missionplan.montecarlo.streams import BLOCK, sized_blocks
 from missionplan.results.decision import SeaChart
+from missionplan.results.entries import SUCCESS, Counted, CountedKind
 from missionplan.results.plan import Plan
 from missionplan.results.simulation import Outcome
 from missionplan.results.whereabouts import Overdue
@@ -25,7 +26,6 @@ from missionplan.studies.overdue.losses import Search, read_searches
 from missionplan.studies.overdue.overdue import overdue
 from missionplan.studies.run import Run, RunArguments, identified
 from missionplan.studies.simulation.block_sequence import BlockItem, BlockSequence, BlockTask, MergedBlocks, Precision
-from missionplan.studies.simulation.block_statistics import LIMIT
 from missionplan.studies.simulation.checks import (
     check_complete,
     check_trials,
@@ -42,7 +42,7 @@ MAX_TRIALS = 10_000_000
 """Trials after which a run to a given precision ends, unless the number of trials is given."""
 
 
-_LEFT = f"{LIMIT}left_record"
+_LEFT = Counted(CountedKind.LIMIT, "", "left_record")
 CHART_NODES = 150
 """Of the depths on maps, along each side."""
 
@@ -165,8 +165,8 @@ def _chart(means: Scenario, tracks: MapTracks) -> SeaChart | None:
     return SeaChart(east, north, depth if place.ground is not None else None, tuple(shapes))
 
 
-def event_probabilities(mission: Mission, *, trials: int, seed: int) -> dict[str, Probability]:
-    """Return the probabilities of ``total.success`` and of each phase's events, as `simulate` does and nothing else.
+def event_probabilities(mission: Mission, *, trials: int, seed: int) -> dict[Counted, Probability]:
+    """Return the probabilities of success and of each phase's events, as `simulate` does and nothing else.
 
     Raises InputError and RunError as `simulate` does.
     """
@@ -175,7 +175,7 @@ def event_probabilities(mission: Mission, *, trials: int, seed: int) -> dict[str
     task = BlockTask(means, seed)
     merged = BlockSequence(sized_blocks(trials)).run(lambda items: (task(item) for item in items))
     check_trials(means, merged.totals.counts.get(_LEFT))
-    return {name: count.probability() for name, count in merged.totals.counts.items()}
+    return {counted: count.probability() for counted, count in merged.totals.counts.items()}
 
 
 def _overdue(task: BlockTask, first: BlockItem, searches: Sequence[Search]) -> Overdue | None:
@@ -202,10 +202,10 @@ def _loss(mission: Mission, exported: tuple[str, Plan], merged: MergedBlocks, se
     trials = min(merged.totals.trials, BLOCK)
     meant = event_probabilities(mission, trials=trials, seed=seed)
     parts = [
-        f"{name.replace('.', ' ')} {merged.totals.counts[name].probability().value:.1%} of trials, "
-        f"as the mission means it {meant[name].value:.1%}"
-        for name in meant
-        if name == "total.success" or name.endswith(".arrived")
+        f"{each.of} {each.name} {merged.totals.counts[each].probability().value:.1%} of trials, "
+        f"as the mission means it {meant[each].value:.1%}"
+        for each in meant
+        if each == SUCCESS or each.name == "arrived"
     ]
     lost = (f"Not in its files: {words}." for words in format_named(as_exported).lost(plan))
     return (f"As the vehicle carries out its {as_exported} files: {'; '.join(parts)}.", *lost)

@@ -14,7 +14,7 @@ from missionplan.phases.mooring.horizontal_drift import CrossFlowBody, TiedBodie
 from missionplan.phases.mooring.pitch_over import NOSE_DOWN, pitch_over
 from missionplan.phases.mooring.vertical_motion import Integration, Stop, integrate_stage
 from missionplan.physics.drag import QuadraticDrag
-from missionplan.physics.snatch import PitchingBody
+from missionplan.physics.vehicle_dynamics import PitchingBody
 from tests.depth_readings import simulate_readings
 
 BODY = PitchingBody(

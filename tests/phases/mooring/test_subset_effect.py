@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from test_depth_sensor import DIVE
 
+from missionplan.diagnosis.dives.forward import SubsetEffect
 from missionplan.effects import CATALOGUE, effects_of
 from missionplan.phases.hooks import DescentEffect
-from missionplan.phases.mooring.subset_effect import SubsetEffect
 from tests.depth_readings import simulate_readings
 
 TRIALS = np.array([1, 4])

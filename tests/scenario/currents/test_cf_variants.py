@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from missionplan.errors import InputError
-from missionplan.mission.schema.site import Geographic
+from missionplan.mission.schema.place import Geographic
 from missionplan.scenario.currents.area import Area
 from missionplan.scenario.currents.field import read_field
 

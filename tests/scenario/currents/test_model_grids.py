@@ -8,8 +8,7 @@ from model_files import HOURS, bent_grid, fvcom, mesh_nodes, roms, split, ugrid
 from pyproj import Transformer
 
 from missionplan.errors import InputError
-from missionplan.mission.geodesy import curvature_of_parallel, to_geographic, to_plane
-from missionplan.mission.schema.site import Geographic
+from missionplan.mission.schema.place import Geographic, curvature_of_parallel, to_geographic, to_plane
 from missionplan.phases.currents import Span
 from missionplan.phases.fields.grids import RegularGrid
 from missionplan.scenario.currents.area import Area

@@ -8,8 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from missionplan.mission.geodesy import to_plane
-from missionplan.mission.schema.site import Geographic
+from missionplan.mission.schema.place import Geographic, to_plane
 from missionplan.phases.currents import Span
 from missionplan.scenario.currents.area import Area
 from missionplan.scenario.currents.field import read_field

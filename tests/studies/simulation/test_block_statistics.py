@@ -6,6 +6,7 @@ from hypothesis.extra.numpy import arrays
 from simulate_missions import chesapeake
 
 from missionplan.montecarlo.statistics import Count, RunningStatistic, RunningStatistics
+from missionplan.results.entries import SUCCESS, Counted, CountedKind, Failure
 from missionplan.studies.simulation.block_statistics import BlockStatistics, requirement_key, statistics_of_block
 from missionplan.studies.simulation.outcome_builder import histogram_from_sketch
 from missionplan.studies.simulation.simulate import simulate_block
@@ -14,7 +15,8 @@ VALUES = arrays(np.float64, st.integers(1, 60), elements=st.floats(-1e6, 1e6) | 
 
 
 def statistics_of(values):
-    counts = {"total.success": Count.of(values > 0.0), "a: lost": Count.of(values < 0.0)}
+    lost = Counted(CountedKind.FAILURE, "a", Failure.NOT_ARRIVED)
+    counts = {SUCCESS: Count.of(values > 0.0), lost: Count.of(values < 0.0)}
     return BlockStatistics(RunningStatistics.of({"a.x_m": values}), counts, {"input:x": values})
 
 
@@ -69,8 +71,8 @@ def test_steps_lose_each_trial_once(tmp_path):
     mission = chesapeake(tmp_path, changes)
     trials = simulate_block(mission, seed=1, block=0, trials=1000)
     found = statistics_of_block(mission, trials, sampled=False)
-    lost = sum(count.successes for step, count in found.counts.items() if ": " in step)
-    assert lost == 1000 - found.counts["total.success"].successes
+    lost = sum(count.successes for step, count in found.counts.items() if step.kind == "failure")
+    assert lost == 1000 - found.counts[SUCCESS].successes
     assert found.sample == {}
 
 

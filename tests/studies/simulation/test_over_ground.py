@@ -63,7 +63,7 @@ def write(tmp_path):
 
 
 def failing(block):
-    return {step: int(failed.sum()) for step, failed in failures_by_step(block).items() if failed.any()}
+    return {str(step): int(failed.sum()) for step, failed in failures_by_step(block).items() if failed.any()}
 
 
 def test_the_anchor_goes_down_to_the_depth_where_it_lands(write):

@@ -13,9 +13,8 @@ from missionplan.phases.fields.ensemble import Ensemble
 from missionplan.phases.recorded_currents import SeriesCurrent
 from missionplan.report.render import terminal_view
 from missionplan.report.simulation.page import answer
-from missionplan.scenario.currents.building import under_each_member
 from missionplan.scenario.scenario import Scenario
-from missionplan.scenario.site_current import recorded_current
+from missionplan.scenario.site_current import recorded_current, under_each_member
 from missionplan.studies.anchor.size_anchor import size_anchor
 from missionplan.studies.exploration.explore import explore
 from missionplan.studies.exploration.variation import with_values
