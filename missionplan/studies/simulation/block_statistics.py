@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, fields
+from enum import StrEnum
 from typing import Literal, TypeVar
 
 import numpy as np
@@ -40,6 +41,14 @@ KEY_FIGURES = {
 """Quantities and events whose sensitivities are computed, by kind of phase."""
 
 
+class Sampled(StrEnum):
+    """What is kept of the first trials, one by one."""
+
+    INPUT = "input"
+    OUTPUT = "output"
+    MISS = "miss"
+
+
 @dataclass(frozen=True)
 class BlockStatistics:
     """Reduced blocks."""
@@ -48,8 +57,9 @@ class BlockStatistics:
     """Of ``phase.quantity``, and of ``phase.end`` but for the last phase, which ends with the mission."""
     counts: Mapping[Counted, Count]
     """Of a failure those still good until then."""
-    sample: Mapping[str, Array]
-    """Of the first trials: ``input:…``, ``output:…`` and ``miss:phase``; shape (..., m)."""
+    sample: Mapping[tuple[Sampled, str], Array]
+    """Of the first trials: inputs and outputs by their names, and where each phase misses by the phase's; shape
+    (..., m)."""
     contacts: Array = field(default_factory=lambda: np.empty((0, 6)))
     """Trials lost to ground, coast and zones: number of the phase, `Cause`, leg, how many, sums of east and north;
     shape (m, 6) [m]."""
@@ -70,7 +80,9 @@ class BlockStatistics:
 
     def to_arrays(self) -> dict[str, NDArray[np.generic]]:
         """Flatten into named arrays, for a file."""
-        flat: dict[str, NDArray[np.generic]] = {f"sample/{name}": values for name, values in self.sample.items()}
+        flat: dict[str, NDArray[np.generic]] = {
+            f"sample/{kind}/{name}": values for (kind, name), values in self.sample.items()
+        }
         flat["contacts"] = self.contacts
         flat["count/names"] = np.array([[str(part) for part in counted] for counted in self.counts])
         flat["count/numbers"] = np.array([(count.successes, count.trials) for count in self.counts.values()])
@@ -94,7 +106,11 @@ class BlockStatistics:
         sketches = tuple(map(QuantileSketch.from_bins, bins, held))
         moments = Moments(**with_prefix(flat, "moments/"))  # type: ignore[arg-type]
         statistics = RunningStatistics(tuple(flat["statistic/names"].tolist()), moments, sketches)
-        sample = {name: np.asarray(values, dtype=float) for name, values in with_prefix(flat, "sample/").items()}
+        sample = {
+            (kind, name): np.asarray(values, dtype=float)
+            for kind in Sampled
+            for name, values in with_prefix(flat, f"sample/{kind}/").items()
+        }
         return cls(statistics, counts, sample, np.asarray(flat["contacts"], dtype=float))
 
 
@@ -232,14 +248,14 @@ def failures_by_step(trials: MissionTrials) -> dict[Counted, Flags]:
     return steps
 
 
-def _sample(trials: MissionTrials, columns: Mapping[str, Array | Flags]) -> dict[str, Array]:
+def _sample(trials: MissionTrials, columns: Mapping[str, Array | Flags]) -> dict[tuple[Sampled, str], Array]:
     inputs = dict(trials.draws)
     for phase in trials.phases:
         inputs |= {f"{phase.name}.{name}": values for name, values in phase.inputs.items()}
     kinds = [(phase.name, phase.kind) for phase in trials.phases] + [("total", "total")]
     figures = [f"{phase}.{name}" for phase, kind in kinds for name in KEY_FIGURES[kind]]
     return (
-        {f"input:{name}": values for name, values in inputs.items()}
-        | {f"output:{name}": np.asarray(columns[name], dtype=float) for name in figures}
-        | {f"miss:{phase.name}": phase.miss for phase in trials.phases}
+        {(Sampled.INPUT, name): values for name, values in inputs.items()}
+        | {(Sampled.OUTPUT, name): np.asarray(columns[name], dtype=float) for name in figures}
+        | {(Sampled.MISS, phase.name): phase.miss for phase in trials.phases}
     )

@@ -31,6 +31,7 @@ from missionplan.scenario.site_current import MEMBER
 from missionplan.studies.simulation.block_statistics import (
     SCALES,
     BlockStatistics,
+    Sampled,
     Side,
     bound_of,
     explained_name,
@@ -80,7 +81,7 @@ class OutcomeBuilder:
             limits=self._counted(CountedKind.LIMIT, ""),
             sensitivities=self._sensitivities(),
             tracks=simulation_tracks(self.mission, self.tracks),
-            arrivals=self._sampled("miss:"),
+            arrivals=self._sampled(Sampled.MISS),
             anchors=self.anchors,
             held=self.held,
             failed_blocks=self.failed_blocks,
@@ -169,7 +170,7 @@ class OutcomeBuilder:
 
     def _sensitivities(self) -> tuple[Sensitivity, ...]:
         """Sensitivity of each phase's key figures to what was drawn until its end, of the mission's to everything."""
-        inputs, outputs = self._sampled("input:"), self._sampled("output:")
+        inputs, outputs = self._sampled(Sampled.INPUT), self._sampled(Sampled.OUTPUT)
         names = [phase.name for phase in self.mission.phases]
         found: list[Sensitivity] = []
         for index, name in enumerate([*names, "total"]):
@@ -179,8 +180,8 @@ class OutcomeBuilder:
             found += sensitivities(drawn, figures)
         return tuple(found)
 
-    def _sampled(self, group: str) -> dict[str, Array]:
-        return with_prefix(self.totals.sample, group)
+    def _sampled(self, kind: Sampled) -> dict[str, Array]:
+        return {name: values for (own, name), values in self.totals.sample.items() if own is kind}
 
 
 def _statistic(quantity: str, running: RunningStatistic) -> Statistic:

@@ -7,7 +7,12 @@ from simulate_missions import chesapeake
 
 from missionplan.montecarlo.statistics import Count, RunningStatistic, RunningStatistics
 from missionplan.results.entries import SUCCESS, Counted, CountedKind, Failure
-from missionplan.studies.simulation.block_statistics import BlockStatistics, requirement_key, statistics_of_block
+from missionplan.studies.simulation.block_statistics import (
+    BlockStatistics,
+    Sampled,
+    requirement_key,
+    statistics_of_block,
+)
 from missionplan.studies.simulation.outcome_builder import histogram_from_sketch
 from missionplan.studies.simulation.simulate import simulate_block
 
@@ -17,7 +22,7 @@ VALUES = arrays(np.float64, st.integers(1, 60), elements=st.floats(-1e6, 1e6) | 
 def statistics_of(values):
     lost = Counted(CountedKind.FAILURE, "a", Failure.NOT_ARRIVED)
     counts = {SUCCESS: Count.of(values > 0.0), lost: Count.of(values < 0.0)}
-    return BlockStatistics(RunningStatistics.of({"a.x_m": values}), counts, {"input:x": values})
+    return BlockStatistics(RunningStatistics.of({"a.x_m": values}), counts, {(Sampled.INPUT, "x"): values})
 
 
 def same(one, other):
@@ -44,7 +49,7 @@ def test_merging_restored_statistics_gives_the_same_bits(blocks):
             BlockStatistics.from_arrays(statistics_of(values).to_arrays())
         )
     assert same(direct, stored)
-    assert np.array_equal(direct.sample["input:x"], np.concatenate(blocks), equal_nan=True)
+    assert np.array_equal(direct.sample[Sampled.INPUT, "x"], np.concatenate(blocks), equal_nan=True)
     assert direct.trials == sum(values.size for values in blocks)
 
 
