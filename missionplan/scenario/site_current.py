@@ -160,7 +160,7 @@ def _read(
 
 
 def _series(mission: Mission[object], written: CurrentFile | WindFile, name: str) -> SeriesCurrent:
-    from missionplan.scenario.currents.field import CURRENT_LIMITS, WIND_LIMITS, read_series_csv  # pandas: slow
+    from missionplan.scenario.currents.csv_series import CURRENT_LIMITS, WIND_LIMITS, read_series_csv  # pandas: slow
 
     is_current = isinstance(written, CurrentFile)
     if is_current and "*" in name:
