@@ -31,7 +31,7 @@ class Compared:
     data: dict
 
 
-def sail(number: int, voyages: int, tmp_path: Path, climb: float) -> Compared:
+def sail(number: int, voyages: int, tmp_path: Path, climb: float) -> tuple[list[Sailed], Mission, dict]:
     data, sea, facts = voyage_of(number)
     data["site"].pop("origin")  # points in the mission's own plane: the frame of UTM is tested with the files
     mission = Mission.from_data(data, file="voyage.yaml")
@@ -40,6 +40,11 @@ def sail(number: int, voyages: int, tmp_path: Path, climb: float) -> Compared:
     for k in range(voyages):
         voyage = Voyage(sea, np.random.default_rng((number, k)))
         sailed.append(Helm(text, voyage, climb, facts["goal"], (facts["bottom"], facts["galvanic"])).sail())
+    return sailed, mission, data
+
+
+def compared(number: int, voyages: int, tmp_path: Path) -> Compared:
+    sailed, mission, data = sail(number, voyages, tmp_path, climb=np.tan(np.radians(5.0)))
     simulated = missionplan.simulate(mission, trials=TRIALS, seed=9, as_exported="moos", keep_trials=True, sheet=False)
     return Compared(sailed, simulated, data)
 
@@ -137,21 +142,21 @@ def voyage_goal(found: Compared) -> tuple[float, float]:
 
 @pytest.mark.parametrize("number", FAST)
 def test_moos(number, tmp_path):
-    check(sail(number, 12, tmp_path, climb=np.tan(np.radians(5.0))))
+    check(compared(number, 12, tmp_path))
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("number", [n for n in range(20) if n not in FAST])
 def test_moos_many(number, tmp_path):
-    check(sail(number, 40, tmp_path, climb=np.tan(np.radians(5.0))))
+    check(compared(number, 40, tmp_path))
 
 
 @pytest.mark.parametrize("climb", [0.02, 0.4])
 def test_no_leg_is_longer_and_none_released_before_a_fix_however_the_vehicle_climbs(climb, tmp_path):
-    found = sail(4, 3, tmp_path, climb)
-    longest = float(found.data["phases"][0]["transit"]["d_max"].split()[0])
-    assert all(max(each.legs) <= longest for each in found.sailed)
-    assert all(each.release["fix_off"] < 40.0 and each.release["depth"] == 0.0 for each in found.sailed)
+    sailed, _, data = sail(4, 3, tmp_path, climb)
+    longest = float(data["phases"][0]["transit"]["d_max"].split()[0])
+    assert all(max(each.legs) <= longest for each in sailed)
+    assert all(each.release["fix_off"] < 40.0 and each.release["depth"] == 0.0 for each in sailed)
 
 
 def test_moos_gives_up_where_no_fix_comes_or_the_battery_is_used(tmp_path):

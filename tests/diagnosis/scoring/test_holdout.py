@@ -1,6 +1,7 @@
 """The last share of a record is kept away from the diagnosis, and scored."""
 
 import shutil
+from dataclasses import fields
 from pathlib import Path
 
 import numpy as np
@@ -8,6 +9,7 @@ import pytest
 
 import missionplan
 from missionplan.datasets.legs import read_transit
+from missionplan.diagnosis import diagnose as diagnosing
 from missionplan.diagnosis.scoring.ensemble import Ensemble, Noise, Part
 from missionplan.diagnosis.scoring.score import scored_record
 from missionplan.results.learned.diagnosis import Diagnosis
@@ -45,8 +47,9 @@ def test_the_extended_mission_predicts_what_was_held_out(found: Diagnosis, tmp_p
     assert "the last 13 legs" in (saved / "report.html").read_text()
 
 
-def test_what_is_held_out_changes_nothing_before(found: Diagnosis, trial: Path, tmp_path: Path) -> None:
-    """Scrambled errors in the last legs leave the diagnosis bit for bit."""
+@pytest.fixture
+def scrambled(trial: Path, tmp_path: Path) -> Path:
+    """The sea trial with other errors in its last legs."""
     folder = shutil.copytree(trial / "sea-trial", tmp_path / "sea-trial")
     table = folder / "legs.csv"
     lines = table.read_text().splitlines()
@@ -56,7 +59,33 @@ def test_what_is_held_out_changes_nothing_before(found: Diagnosis, trial: Path, 
         cells[x_end] = str(float(cells[x_end]) + 50.0)
         lines[row] = ",".join(cells)
     table.write_text("\n".join(lines) + "\n")
-    again = missionplan.diagnose(trial / "mission.yaml", folder, plan=False, holdout=0.4)
+    return folder
+
+
+def test_the_diagnosis_is_given_what_comes_before(
+    trial: Path, scrambled: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """All that it learns from: the first 19 legs, whatever the last ones are."""
+    whole, given = diagnosing.weighed, []
+
+    def stopped(*arguments: object) -> None:
+        given.append(whole(*arguments)[0].bound)  # type: ignore[arg-type]
+        raise missionplan.RunError("stopped here")
+
+    monkeypatch.setattr(diagnosing, "weighed", stopped)
+    for folder in (trial / "sea-trial", scrambled):
+        with pytest.raises(missionplan.RunError, match="stopped here"):
+            missionplan.diagnose(trial / "mission.yaml", folder, plan=False, holdout=0.4)
+    first, again = (each.data for each in given)
+    assert first.n == again.n == len(given[0].model.data.labels) == 19
+    for name in {field.name for field in fields(first)} - {"notices"}:  # which tell of the whole record
+        np.testing.assert_array_equal(getattr(again, name), getattr(first, name), name)
+
+
+@pytest.mark.slow
+def test_what_is_held_out_changes_nothing_before(found: Diagnosis, trial: Path, scrambled: Path) -> None:
+    """Scrambled errors in the last legs leave the diagnosis bit for bit."""
+    again = missionplan.diagnose(trial / "mission.yaml", scrambled, plan=False, holdout=0.4)
     assert again.extended == found.extended
     assert np.any(again.last_part.measured != found.last_part.measured)  # type: ignore[union-attr]
 
