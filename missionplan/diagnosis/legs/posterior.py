@@ -285,26 +285,27 @@ class LegPosterior:
             tuple(credible_set({c: p for c, p in self.named.items() if c not in ruled_out})),
         )
 
-    def _of_impossible_size(self, fits: Sequence[CauseFit]) -> set[str]:
-        """Effects that act by a term whose size, in the likeliest set that has it, is none of theirs."""
-        found: dict[str, bool] = {}
+    def _of_impossible_size(self, fits: Sequence[CauseFit]) -> set[int]:
+        """Numbers of named effects' terms whose size, in the likeliest set that has them, is none of the effect's."""
+        found: dict[int, bool] = {}
         for fit in fits:
-            one, _ = self._parts(fit.causes)
-            effect = self.inference.terms[one.term - 1].effect if one.term else ""
+            number = self._parts(fit.causes)[0].term
+            effect = self.inference.terms[number - 1].effect if number else ""
             if effect and CATALOGUE[effect].tier != "neutral":
-                found.setdefault(effect, is_possible(each for each in fit.estimates if each.effect == effect))
-        return {effect for effect, possible in found.items() if not possible}
+                found.setdefault(number, is_possible(each for each in fit.estimates if each.effect == effect))
+        return {number for number, possible in found.items() if not possible}
 
-    def _without_names(self, effects: set[str]) -> "LegPosterior":
-        """Return the posterior in which terms of some effects are neutral: their size is none of the effect's."""
-        inference = copy(self.inference)
-        inference.terms = without_a_name(inference.terms, effects)
+    def _without_names(self, numbers: set[int]) -> "LegPosterior":
+        """Return the posterior in which some terms are neutral: their size is none of their effect's."""
+        inference, named = copy(self.inference), self.inference.terms
+        inference.terms = without_a_name(named, numbers)
         masses = dict(self.log_masses)
-        for (causes, number), mass in self.log_masses.items():
-            if number and self.inference.terms[number - 1].effect in effects:
+        for causes, number in self.log_masses:
+            if number in numbers:
                 price = FURTHER if causes else math.log(inference.catalogue)
-                share = inference.terms[number - 1].log_share - self.inference.terms[number - 1].log_share
-                masses[causes, number] = mass + price + share
+                share = inference.terms[number - 1].log_share - named[number - 1].log_share
+                masses[causes, number] += price + share
+        effects = {named[number - 1].effect for number in numbers}
         beside = {key: mass for key, mass in self.beside_terms.items() if effects.isdisjoint(key[0])}
         return replace(self, inference=inference, masses=masses, beside_terms=beside)
 

@@ -103,15 +103,15 @@ def terms_of(model: TransitFitting) -> tuple[LegTerm, ...]:
     )
 
 
-def without_a_name(terms: Sequence[LegTerm], effects: Collection[str]) -> tuple[LegTerm, ...]:
-    """Return terms of which those of some effects are neutral, with the share of the prior that such a one has."""
+def without_a_name(terms: Sequence[LegTerm], numbers: Collection[int]) -> tuple[LegTerm, ...]:
+    """Return terms of which those of some numbers, from 1, are neutral, with the share of the prior of such a one."""
     share = max(each.log_share for each in terms if each.is_neutral)
 
     def neutral(term: LegTerm) -> LegTerm:
         what = CATALOGUE[term.effect].parameters[term.axis].doc
         return replace(term, effect="", description=what, log_share=term.log_share + share)
 
-    return tuple(neutral(each) if each.effect in effects else each for each in terms)
+    return tuple(neutral(each) if number in numbers else each for number, each in enumerate(terms, start=1))
 
 
 def refined(model: TransitFitting, likeliest: LegTerm) -> list[LegTerm]:

@@ -55,11 +55,10 @@ def test_a_set_beside_a_term_is_charged_for_both(inference):
 
 
 def test_a_term_of_no_size_of_its_effect_is_as_probable_as_what_has_no_name(inference):
-    number, terms = jump(inference), without_a_name(inference.terms, {"compass-jump"})
+    number = jump(inference)
+    terms = without_a_name(inference.terms, {number})
     own, before = terms[number - 1], inference.terms[number - 1]
     assert own.is_neutral
     assert own.columns is before.columns
     assert own.log_share - before.log_share < math.log(UNNAMED)
-    assert [each.key for each in terms if each.effect] == [
-        each.key for each in inference.terms if each.effect and each.effect != "compass-jump"
-    ]
+    assert all(a is b for i, (a, b) in enumerate(zip(terms, inference.terms, strict=True), start=1) if i != number)
