@@ -10,13 +10,14 @@ import numpy as np
 
 from missionplan.datasets.legs import read_transit
 from missionplan.diagnosis.explanations import weighed
-from missionplan.diagnosis.inference.trials import Experiment, choice_after
+from missionplan.diagnosis.inference.trials import Experiment
 from missionplan.diagnosis.next_trial.leg_trials import LegTrials
 from missionplan.diagnosis.next_trial.next_trial import Valuation, valuation
 from missionplan.diagnosis.pipeline import run_pipeline
 from missionplan.mission import Mission
 
 from .sea import Truth, Vehicle, mission, sail, write_log
+from .seen import choice_after, realised_information
 from .voyage import Voyage, first_log_headings, mean_minutes
 
 VEHICLE = Vehicle(sigma=0.02, fix=8.0)
@@ -117,7 +118,7 @@ def made(seed: int) -> list[Campaign]:
     among = causes in sets
     planned = next(each for each in result.designs if each.name == chosen.name)
     parameters = parameters_of(causes, truth)
-    gained = experiment.realised_information(sets.index(causes), parameters, y) if among else float("nan")
+    gained = realised_information(experiment, sets.index(causes), parameters, y) if among else float("nan")
     one = Campaign(
         seed=seed,
         causes="+".join(causes) or "nothing",

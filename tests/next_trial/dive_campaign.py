@@ -23,7 +23,7 @@ from missionplan.datasets.dives import read_descent
 from missionplan.diagnosis.dives.preparation import DiveLog, prepare_dives
 from missionplan.diagnosis.explanations import weighed
 from missionplan.diagnosis.inference.trial_prediction import Explanation, Prediction
-from missionplan.diagnosis.inference.trials import Experiment, choice_after, drawn, value_of_information
+from missionplan.diagnosis.inference.trials import Experiment, drawn, value_of_information
 from missionplan.diagnosis.next_trial.belief import Believed, believe, possible_fits
 from missionplan.diagnosis.next_trial.dive_trials import DiveTrials
 from missionplan.diagnosis.next_trial.next_trial import Valuation
@@ -39,6 +39,7 @@ from tests.hidden_effects.dives.files import measure, mission_files
 from tests.hidden_effects.dives.trials import Nuisances, Plan, conditions_of, draw_nuisances, draw_plan
 
 from .campaign import UNTROUBLED, Campaign
+from .seen import choice_after, realised_information
 
 DIVES, DRAWS, TRIALS = 2, 2000, 1000
 """Dives of the first log; draws of which the expected information is the mean; missions of which the true losses are."""
@@ -125,7 +126,7 @@ class _Known:
         known, y = self._of_strengths(planned), np.concatenate([log.depth for log in logs])
         draws = drawn(known.explanations, [DRAWS // len(self.believed)] * len(self.believed), rng)
         expected = known.expected_information(draws, known.data(draws, rng))
-        gained = self._of_strengths(made_trial).realised_information(self.truth, self._strengths, y)
+        gained = realised_information(self._of_strengths(made_trial), self.truth, self._strengths, y)
         valued = self.seed % VALUED_EVERY == 0
         saving = self._saving(self._experiment(planned), self._experiment(made_trial), y) if valued else [math.nan] * 3
         name = self.kind.designs[design]

@@ -19,7 +19,7 @@ from missionplan.diagnosis.dives.linearised import DIFFERENCE
 from missionplan.diagnosis.dives.noise import noise_grid
 from missionplan.diagnosis.inference.block_covariance import InnerProducts
 from missionplan.diagnosis.inference.model import CauseFit
-from missionplan.diagnosis.inference.prior import log_normal_mass
+from missionplan.diagnosis.inference.prior import Prior, log_normal_mass
 from missionplan.diagnosis.inference.set_evidence import SCALES, log_slab_factor
 from missionplan.results.learned.evidence import Causes
 
@@ -116,25 +116,14 @@ def _gains(model: DescentLikelihood, fit: CauseFit, sets: Sequence[Causes], colu
     changed = [tuple(name for name in causes if name in known and name not in fit.causes) for causes in sets]
     products = {own: _products(model, fit, own, columns.values) for own in {(), *changed}}
     plain = products[()].log_density
-    prior = model.prior(model.candidates)
-    slabs = _Slabs(model.slab, prior.centre, *prior.bounds, prior.log_masses)
-    gains = []
+    prior, gains = replace(model.prior(model.candidates), sd=model.slab), []
+    masses = prior.log_masses
     for causes, own in zip(sets, changed, strict=True):
         more = set(causes) - set(fit.causes)
         strengths = np.array([i for i, c in enumerate(model.coordinates) if c.effect in more and c.kind != "shape"])
-        gains.append(_gain(strengths, columns, products[own].gram, slabs) + products[own].log_density)
+        gain = _gain(strengths, columns, products[own].gram, prior.of(strengths)) - float(masses[strengths].sum())
+        gains.append(gain + products[own].log_density)
     return np.array(gains) - plain
-
-
-@dataclass(frozen=True)
-class _Slabs:
-    """Standard deviations, means, ranges, and log probabilities of these, of all coordinates as causes, shape (k,)."""
-
-    sd: Array
-    centre: Array
-    low: Array
-    high: Array
-    log_masses: Array
 
 
 def _products(model: DescentLikelihood, fit: CauseFit, changed: Causes, columns: Array) -> InnerProducts:
@@ -150,16 +139,15 @@ def _products(model: DescentLikelihood, fit: CauseFit, changed: Causes, columns:
     return found
 
 
-def _gain(strengths: NDArray[np.int_], columns: _FurtherColumns, gram: Array, slabs: _Slabs) -> float:
-    """What further causes add to the log density, a mean over their shapes and slabs."""
+def _gain(strengths: NDArray[np.int_], columns: _FurtherColumns, gram: Array, slabs: Prior) -> float:
+    """What further causes add to the log density, a mean over their shapes and slabs, cut to their ranges."""
     choices = [columns.places(strength) for strength in strengths.tolist()]
     places = np.array(list(itertools.product(*choices)))
     shares = itertools.product(*(NODE_WEIGHTS if len(own) > 1 else (1.0,) for own in choices))
     inner, right = gram[places[:, :, None], places[:, None, :]], gram[places, -1]
     spread = np.linalg.inv(inner + np.eye(len(strengths)) / USUAL**2)
-    mean = slabs.centre[strengths] + slabs.sd[strengths] * (spread @ right[..., None])[..., 0]
-    sd = slabs.sd[strengths] * np.sqrt(np.diagonal(spread, axis1=1, axis2=2))
-    low, high = (slabs.low[strengths] - mean) / sd, (slabs.high[strengths] - mean) / sd
-    inside = np.sum(log_normal_mass(low, high) - slabs.log_masses[strengths], axis=1)
+    mean = slabs.centre + slabs.sd * (spread @ right[..., None])[..., 0]
+    sd = slabs.sd * np.sqrt(np.diagonal(spread, axis1=1, axis2=2))
+    inside = np.sum(log_normal_mass(*((end - mean) / sd for end in slabs.bounds)), axis=1)
     logs = log_slab_factor(inner, right) + np.log([math.prod(own) for own in shares]) + inside
     return float(np.logaddexp.reduce(logs))

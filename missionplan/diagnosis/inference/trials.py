@@ -130,21 +130,6 @@ class Experiment:
             within += each.explanation.probability * each.information(own, data[begin:end])
         return max(which, 0.0) + within
 
-    def realised_information(self, which: int, parameters: Array, data: Array) -> float:
-        """Gain in log density of the truth by one experiment [nats]; its expected value is `expected_information`.
-
-        Parameters
-        ----------
-        which : int
-            The explanation that holds.
-        parameters : array, shape (k,)
-            Its parameters.
-        data : array, shape (N,)
-            What was measured.
-        """
-        likelihood = logsumexp(self._updated[which].log_likelihoods(parameters[None], data[None]))
-        return float(likelihood - logsumexp(self._log_joint(data[None])))
-
 
 def polynomial(changes: Array) -> list[Array]:
     """Columns of a polynomial: 1, every direction, and squares and products of the first few; from shape (n, q)."""
@@ -225,21 +210,6 @@ def value_of_information(problem: DecisionProblem, summaries: Array) -> Saving:
     mean = float(problem.weight @ saved)
     error = float(np.sqrt(np.sum(np.square(problem.weight * (saved - mean)))))
     return Saving(max(mean, 0.0), error, chosen)
-
-
-def choice_after(problem: DecisionProblem, summaries: Array, seen: Array) -> int:
-    """Return the index of the best alternative once data have been seen.
-
-    Parameters
-    ----------
-    problem : DecisionProblem
-    summaries : array, shape (n, q)
-        For each draw, as of `value_of_information`.
-    seen : array, shape (1, q)
-        Of the data.
-    """
-    against = problem.losses - problem.losses[:, [problem.choice]]
-    return int(np.argmin(seen @ _fit(summaries, against, problem.weight)))
 
 
 def _fit(columns: Array, values: Array, weight: Array) -> Array:

@@ -8,6 +8,7 @@ from scipy.stats import norm
 
 from missionplan.diagnosis.inference.trial_prediction import Explanation, Prediction
 from missionplan.diagnosis.inference.trials import DecisionProblem, Experiment, drawn, polynomial, value_of_information
+from tests.next_trial.seen import realised_information
 
 DRAWS = 20_000
 
@@ -118,7 +119,7 @@ def test_gained_information_averages_to_what_was_expected() -> None:
     data = experiment.data(draws, generator)
     truths = [theta for own in draws.parameters for theta in own]
     gained = [
-        experiment.realised_information(int(which), theta, y)
+        realised_information(experiment, int(which), theta, y)
         for which, theta, y in zip(draws.explanation, truths, data, strict=True)
     ]
     error = np.std(gained) / np.sqrt(len(gained))
@@ -168,6 +169,6 @@ def test_information_gained_with_an_unknown_error_averages_to_what_was_expected(
     generator, experiment = np.random.default_rng(6), of_unknown_noise((0.3, 2.0))
     draws = drawn(experiment.explanations, [1200], generator)
     data = experiment.data(draws, generator)
-    gained = [experiment.realised_information(0, theta, y) for theta, y in zip(draws.parameters[0], data, strict=True)]
+    gained = [realised_information(experiment, 0, theta, y) for theta, y in zip(draws.parameters[0], data, strict=True)]
     error = np.std(gained) / np.sqrt(len(gained))
     assert np.mean(gained) == pytest.approx(experiment.expected_information(draws, data), abs=4.0 * error)
