@@ -116,14 +116,24 @@ def _gains(model: DescentLikelihood, fit: CauseFit, sets: Sequence[Causes], colu
     changed = [tuple(name for name in causes if name in known and name not in fit.causes) for causes in sets]
     products = {own: _products(model, fit, own, columns.values) for own in {(), *changed}}
     plain = products[()].log_density
-    prior, gains = replace(model.prior(model.candidates), sd=model.slab), []
-    masses = prior.log_masses
-    for causes, own in zip(sets, changed, strict=True):
-        more = set(causes) - set(fit.causes)
-        strengths = np.array([i for i, c in enumerate(model.coordinates) if c.effect in more and c.kind != "shape"])
-        gain = _gain(strengths, columns, products[own].gram, prior.of(strengths)) - float(masses[strengths].sum())
-        gains.append(gain + products[own].log_density)
-    return np.array(gains) - plain
+    prior = replace(model.prior(model.candidates), sd=model.slab)
+    masses, gains, alike = prior.log_masses, np.empty(len(sets)), dict[tuple[Causes, tuple[int, ...]], list[int]]()
+    strengths = [_strengths(model, set(causes) - set(fit.causes)) for causes in sets]
+    known_places = {strength: columns.places(strength) for strength in set(columns.strengths)}
+    places = [[known_places[strength] for strength in own] for own in strengths]
+    for index, choices in enumerate(places):
+        alike.setdefault((changed[index], tuple(map(len, choices))), []).append(index)
+    for (own, points), chosen in alike.items():
+        which = np.array([strengths[index] for index in chosen])
+        at = np.array([list(itertools.product(*places[index])) for index in chosen])
+        found = _further_gains(at, points, products[own].gram, prior.of(which.ravel()))
+        gains[chosen] = found - masses[which].sum(axis=1) + products[own].log_density
+    return gains - plain
+
+
+def _strengths(model: DescentLikelihood, effects: set[str]) -> list[int]:
+    """Coordinates of the strengths of effects."""
+    return [i for i, c in enumerate(model.coordinates) if c.effect in effects and c.kind != "shape"]
 
 
 def _products(model: DescentLikelihood, fit: CauseFit, changed: Causes, columns: Array) -> InnerProducts:
@@ -139,15 +149,27 @@ def _products(model: DescentLikelihood, fit: CauseFit, changed: Causes, columns:
     return found
 
 
-def _gain(strengths: NDArray[np.int_], columns: _FurtherColumns, gram: Array, slabs: Prior) -> float:
-    """What further causes add to the log density, a mean over their shapes and slabs, cut to their ranges."""
-    choices = [columns.places(strength) for strength in strengths.tolist()]
-    places = np.array(list(itertools.product(*choices)))
-    shares = itertools.product(*(NODE_WEIGHTS if len(own) > 1 else (1.0,) for own in choices))
-    inner, right = gram[places[:, :, None], places[:, None, :]], gram[places, -1]
-    spread = np.linalg.inv(inner + np.eye(len(strengths)) / USUAL**2)
-    mean = slabs.centre + slabs.sd * (spread @ right[..., None])[..., 0]
-    sd = slabs.sd * np.sqrt(np.diagonal(spread, axis1=1, axis2=2))
-    inside = np.sum(log_normal_mass(*((end - mean) / sd for end in slabs.bounds)), axis=1)
+def _further_gains(places: NDArray[np.int_], points: Sequence[int], gram: Array, slabs: Prior) -> Array:
+    """What q further strengths add to the log density in each of s sets, a mean over shapes and slabs cut to ranges.
+
+    Parameters
+    ----------
+    places : array, shape (s, p, q)
+        Of the columns of the strengths, at the points of their shapes.
+    points : sequence of int, length q
+        Points of each.
+    gram : array
+        Inner products of all columns and, last, the data.
+    slabs : Prior
+        Of the strengths of all sets, one after the other.
+    """
+    sets, _, size = places.shape
+    shares = itertools.product(*(NODE_WEIGHTS if count > 1 else (1.0,) for count in points))
+    inner, right = gram[places[..., :, None], places[..., None, :]], gram[places, -1]
+    spread = np.linalg.inv(inner + np.eye(size) / USUAL**2)
+    centre, slab, low, high = (own.reshape(sets, 1, size) for own in (slabs.centre, slabs.sd, *slabs.bounds))
+    mean = centre + slab * (spread @ right[..., None])[..., 0]
+    sd = slab * np.sqrt(np.diagonal(spread, axis1=-2, axis2=-1))
+    inside = np.sum(log_normal_mass((low - mean) / sd, (high - mean) / sd), axis=-1)
     logs = log_slab_factor(inner, right) + np.log([math.prod(own) for own in shares]) + inside
-    return float(np.logaddexp.reduce(logs))
+    return np.asarray(np.logaddexp.reduce(logs, axis=1))
