@@ -27,11 +27,16 @@ def changed(folder, name, **values):
 
 
 @pytest.fixture(scope="module")
-def folder(tmp_path_factory):
+def explored(tmp_path_factory):
+    return missionplan.explore(changed(tmp_path_factory.mktemp("near"), "near"), SPEEDS, trials=60)
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory, explored):
     """Two explorations over speed, one over the length of the line, and two optimisations, one of them hopeless."""
     folder = tmp_path_factory.mktemp("choices")
     near, far = changed(folder, "near"), changed(folder, "far", moor__radius="4 m")
-    missionplan.explore(missionplan.load(near), SPEEDS, trials=60).save(folder / "explored-near")
+    explored.save(folder / "explored-near")
     missionplan.explore(missionplan.load(far), SPEEDS, trials=60).save(folder / "explored-far")
     missionplan.explore(missionplan.load(near), "moor.line_length=4:5:1 m", trials=20).save(folder / "lines")
     hopeless = near.read_text().replace("45 W*h", "2 W*h")
@@ -43,10 +48,10 @@ def folder(tmp_path_factory):
     return folder
 
 
-def test_two_explorations_are_compared_at_their_best_cells(folder):
+def test_two_explorations_are_compared_at_their_best_cells(folder, explored):
     found = missionplan.compare(folder / "explored-far", folder / "explored-near")
     assert isinstance(found, Alternatives)
-    best = missionplan.explore(missionplan.load(folder / "near.yaml"), SPEEDS, trials=60)
+    best = explored
     near = found.alternatives[1]
     assert near.chosen.values == best.values_of(best.best_cell)
     assert near.success == best.best_cell.success

@@ -48,11 +48,13 @@ def test_steps_begin_at_the_first_and_end_at_the_last(first, step, count):
     assert all(math.isclose(b - a, step, rel_tol=1e-6, abs_tol=1e-9) for a, b in itertools.pairwise(found))
 
 
+ESTUARY = missionplan.load(MISSIONS / "estuary.yaml")
+
+
 @given(st.text(max_size=40))
 def test_nonsense_is_refused_in_words(text):
-    mission = missionplan.load(MISSIONS / "estuary.yaml")
     try:
-        read_axis(mission, text)
+        read_axis(ESTUARY, text)
     except InputError as error:
         assert str(error)
 
