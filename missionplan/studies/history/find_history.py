@@ -167,10 +167,7 @@ def _other_programs(reports: Sequence[_Report]) -> Iterator[str]:
 def _reports(root: Path, *, needed: bool) -> tuple[list[_Report], tuple[str, ...]]:
     """Read every report of `diagnose` below a folder; notices name what is none.
 
-    Raises
-    ------
-    InputError
-        When there is none that can be read.
+    Raises InputError when there is none that can be read.
     """
     places = sorted(path.parent for path in root.rglob("diagnosis.json") if (path.parent / "summary.json").is_file())
     if not places and needed:
@@ -208,10 +205,7 @@ def _counted_once(reports: Sequence[_Report]) -> tuple[list[_Report], tuple[str,
 def _read(place: Path, root: Path) -> _Report | None:
     """Read a report; None for one of several data sets, whose diagnoses lie in folders of their own.
 
-    Raises
-    ------
-    InputError
-        When its summary is no JSON of a diagnosis, or its mission cannot be read.
+    Raises InputError when its summary is no JSON of a diagnosis, or its mission cannot be read.
     """
     file = place / "summary.json"
     try:
@@ -230,10 +224,7 @@ def _read(place: Path, root: Path) -> _Report | None:
 def _seen(file: Path) -> tuple[Seen, ...]:
     """Read what a report's draws have seen of levels; nothing where there are none.
 
-    Raises
-    ------
-    InputError
-        When they are damaged.
+    Raises InputError when they are damaged.
     """
     if not file.is_file():
         return ()

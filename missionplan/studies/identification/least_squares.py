@@ -101,10 +101,7 @@ def fit(
 def _solution(name: str, misfit: Callable[[Array], Array], parameters: Sequence[FitParameter]) -> OptimizeResult:
     """Minimise the misfit within the parameters' bounds.
 
-    Raises
-    ------
-    RunError
-        When it cannot start, fails or does not converge.
+    Raises RunError when it cannot start, fails or does not converge.
     """
     start, low, high = (np.array([getattr(p, key) for p in parameters]) for key in ("start", "low", "high"))
     if not (np.all((low <= start) & (start <= high)) and np.all(np.isfinite(misfit(start)))):
@@ -146,10 +143,7 @@ def _widening(chi_squared_per_dof: float, stated: bool, residuals: Array | None)
 def _covariance(name: str, jacobian: Array, parameters: Sequence[FitParameter]) -> Array:
     """Inverse of JᵀJ by a singular value decomposition of J with scaled columns.
 
-    Raises
-    ------
-    RunError
-        With the parameters that are not identifiable.
+    Raises RunError with the parameters that are not identifiable.
     """
     norms = np.linalg.norm(jacobian, axis=0)
     for norm, parameter in zip(norms, parameters, strict=True):

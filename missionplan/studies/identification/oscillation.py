@@ -85,10 +85,7 @@ def _masses_in_words(modes: list[str], estimates: tuple[IdentifiedParameter, ...
 def _added_masses(data: TankData, settings: OscillationSettings) -> FittedModel:
     """Added mass of each mode from its frequency, with the error of the frequency.
 
-    Raises
-    ------
-    RunError
-        When it is negative beyond its error.
+    Raises RunError when it is negative beyond its error.
     """
     frequency = data.columns["frequency_hz"]
     frequency_sd = data.columns.get("frequency_sd_hz", np.full_like(frequency, np.nan))
