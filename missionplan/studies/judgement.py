@@ -16,7 +16,6 @@ from missionplan.mission.schema.phases import MoorPhase
 from missionplan.mission.schema.site import CurrentFile, TidalCurrent
 from missionplan.mission.schema.vehicle import Anchor
 from missionplan.montecarlo.distributions import Distribution
-from missionplan.montecarlo.statistics import Probability
 from missionplan.results.decision import Assumption
 from missionplan.results.entries import SUCCESS, Counted
 from missionplan.results.simulation import Outcome
@@ -44,11 +43,11 @@ def ledger(mission: Mission, seed: int, trials: int = TRIALS) -> tuple[Assumptio
     doubts = tuple(doubts_of(mission))
     if not doubts:
         return ()
-    base = _judged(mission, trials, seed)
+    base = event_probabilities(mission, trials=trials, seed=seed)
     found = []
     for doubt in doubts:
         try:
-            other = _judged(mission.with_(dict(doubt.changes)), trials, seed)
+            other = event_probabilities(mission.with_(dict(doubt.changes)), trials=trials, seed=seed)
         except (MissionplanError, ArithmeticError):  # a plug-in's phase, a key that another forbids
             found.append(Assumption(doubt.what, doubt.otherwise, math.nan, math.nan))
             continue
@@ -60,10 +59,6 @@ def ledger(mission: Mission, seed: int, trials: int = TRIALS) -> tuple[Assumptio
         before, after = base[SUCCESS].value, other[SUCCESS].value
         found.append(Assumption(doubt.what, doubt.otherwise, after - before, after, missed))
     return tuple(sorted(found, key=lambda each: (not each.turns, math.isnan(each.worth), each.worth)))
-
-
-def _judged(mission: Mission, trials: int, seed: int) -> Mapping[Counted, Probability]:
-    return event_probabilities(mission, trials=trials, seed=seed)
 
 
 def doubts_of(mission: Mission) -> Iterator[Doubt]:

@@ -183,9 +183,7 @@ _FORMATS: tuple[DatasetFormat, ...] = (  # type: ignore[type-arg]
     PROPELLER_TRANSIENT,
 )
 VERSIONS: Mapping[Kind, str] = {
-    "mission": f"missionplan/mission/{SCHEMAS['mission']}",
-    "vehicle": f"missionplan/vehicle/{SCHEMAS['vehicle']}",
-    "dataset": f"missionplan/dataset/{SCHEMAS['dataset']}",
+    **{kind: f"missionplan/{kind}/{SCHEMAS[kind]}" for kind in READ},
     "summary": SCHEMA,
     "plan": f"missionplan/plan/{PLAN_FORMAT}",
 }
@@ -239,18 +237,12 @@ def _of_model(model: type[BaseModel]) -> Schema:
     sections = Sections({**_DEPENDENT, **{("Mission", key): each for key, each in own.items()}})
     top = sections.written(model)
     if model is Mission:
-        properties = top["properties"]
-        if isinstance(properties, dict):
-            file: Schema = {"type": "string", "description": "the vehicle's file, relative to this one"}
-            properties["vehicle"] = {"anyOf": [file, sections.of(Vehicle)]}
+        file: Schema = {"type": "string", "description": "the vehicle's file, relative to this one"}
+        top["properties"]["vehicle"] = {"anyOf": [file, sections.of(Vehicle)]}
     vehicle = top if model is Vehicle else sections.definitions["Vehicle"]
-    _or_name(vehicle, "reliability", "a class of vehicle, or a file")
+    name: Schema = {"type": "string", "description": "a class of vehicle, or a file"}
+    vehicle["properties"]["reliability"] = {"anyOf": [name, vehicle["properties"]["reliability"]]}
     return {**top, "definitions": {**sections.definitions, **(definitions if model is Mission else {})}}
-
-
-def _or_name(section: object, key: str, meaning: str) -> None:
-    if isinstance(section, dict) and isinstance(properties := section["properties"], dict):
-        properties[key] = {"anyOf": [{"type": "string", "description": meaning}, properties[key]]}
 
 
 def _of_datasets() -> Schema:
@@ -258,9 +250,7 @@ def _of_datasets() -> Schema:
     kinds: list[Schema] = []
     for form in _FORMATS:
         written = sections.written(form.settings)
-        properties = written["properties"]
-        if isinstance(properties, dict):
-            properties["kind"] = {"const": form.kind}
+        written["properties"]["kind"] = {"const": form.kind}
         kinds.append({"if": {"properties": {"kind": {"const": form.kind}}}, "then": written})
     return {
         "type": "object",

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from datetime import date, datetime
 from types import NoneType, UnionType
-from typing import Annotated, Literal, Union, get_args, get_origin
+from typing import Annotated, Any, Literal, Union, get_args, get_origin
 
 from pydantic import BaseModel
 from pydantic.fields import FieldInfo
@@ -147,7 +147,7 @@ class Sections:
 
     replaced: Mapping[tuple[str, str], Schema]
     """Schemas of keys that no annotation tells, by the section's name and the key."""
-    definitions: dict[str, Schema] = field(default_factory=dict)
+    definitions: dict[str, dict[str, Any]] = field(default_factory=dict)
 
     def of(self, section: type[BaseModel]) -> Schema:
         """Return a reference to a section, which is defined where it is not yet."""
@@ -157,7 +157,7 @@ class Sections:
             self.definitions[name] = self.written(section)
         return {"$ref": f"#/definitions/{name}"}
 
-    def written(self, section: type[BaseModel]) -> Schema:
+    def written(self, section: type[BaseModel]) -> dict[str, Any]:
         """Write a section out."""
         keys = keys_of(section)
         if "kind" in section.model_fields and not section.model_fields["kind"].exclude:

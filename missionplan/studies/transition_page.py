@@ -68,32 +68,34 @@ def draw_histories(axes: Axes, tracks: Sequence[TimeHistory], y: Callable[[TimeH
 
 
 _HISTORIES = {
-    6: ("depth", "mid_speed", "Rise above the target depth against time: larger for lower mid-transition speeds."),
-    7: ("depth", "steepness", "Rise above the target depth against time for each steepness of the interchange."),
-    8: ("pitch", "mid_speed", "Pitch against time: lower mid-transition speeds pitch further and swing more at hover."),
-    9: ("pitch", "steepness", "Pitch against time for each steepness of the interchange."),
+    6: ("depth", False, "Rise above the target depth against time: larger for lower mid-transition speeds."),
+    7: ("depth", True, "Rise above the target depth against time for each steepness of the interchange."),
+    8: ("pitch", False, "Pitch against time: lower mid-transition speeds pitch further and swing more at hover."),
+    9: ("pitch", True, "Pitch against time for each steepness of the interchange."),
 }
-"""What is drawn against time, for what, and the alternative text, by the number of the paper's figure."""
-_VARIED = {"mid_speed": "mid-transition speed u*", "steepness": "steepness of the interchange"}
+"""By the number of the paper's figure: what is drawn, whether for each steepness, and the alternative text."""
 
 
 def history_figure(result: TransitionSweep, number: int) -> Figure:
     """Draw rise or pitch against time for each mid-transition speed or steepness (Figs. 6 to 9)."""
-    what, varied, alt = _HISTORIES[number]
+    what, by_steepness, alt = _HISTORIES[number]
     figure = MatplotlibFigure()
     draw = rise if what == "depth" else pitch
-    draw(figure.subplots(), result, varied)
-    return to_figure(figure, f"fig-{number}-{what}", alt, f"By {_VARIED[varied]} (the paper's Fig. {number}).")
+    draw(figure.subplots(), result, by_steepness=by_steepness)
+    varied = "steepness of the interchange" if by_steepness else "mid-transition speed u*"
+    return to_figure(figure, f"fig-{number}-{what}", alt, f"By {varied} (the paper's Fig. {number}).")
 
 
-def rise(axes: Axes, result: TransitionSweep, varied: str = "mid_speed") -> None:
-    """Draw the rise above the target depth for each mid-transition speed or steepness."""
-    draw_histories(axes, getattr(result, f"by_{varied}"), rise_of, "rise above target (m)")
+def rise(axes: Axes, result: TransitionSweep, *, by_steepness: bool = False) -> None:
+    """Draw the rise above the target depth for each mid-transition speed, or for each steepness."""
+    tracks = result.by_steepness if by_steepness else result.by_mid_speed
+    draw_histories(axes, tracks, rise_of, "rise above target (m)")
 
 
-def pitch(axes: Axes, result: TransitionSweep, varied: str = "mid_speed") -> None:
-    """Draw the pitch for each mid-transition speed or steepness."""
-    draw_histories(axes, getattr(result, f"by_{varied}"), pitch_of, "pitch (°)")
+def pitch(axes: Axes, result: TransitionSweep, *, by_steepness: bool = False) -> None:
+    """Draw the pitch for each mid-transition speed, or for each steepness."""
+    tracks = result.by_steepness if by_steepness else result.by_mid_speed
+    draw_histories(axes, tracks, pitch_of, "pitch (°)")
 
 
 def rise_of(track: TimeHistory) -> Array:
