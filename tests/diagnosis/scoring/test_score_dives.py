@@ -25,6 +25,6 @@ def test_dives_without_an_effect_are_within_chance(tmp_path: Path) -> None:
 
 
 def test_a_drag_that_is_wrong_is_found_out_and_learned_from_the_past(tmp_path: Path) -> None:
-    found = [scored(tmp_path, 72_000 + k, "single", "drag-bias") for k in range(3)]
-    assert sum(not each.is_within_chance for each in found) >= 2
+    found = [scored(tmp_path, 72_000 + k, "single", "drag-bias") for k in range(2)]
+    assert not any(each.is_within_chance for each in found)
     assert all(each.datasets[0].one_step.rmse < each.datasets[0].whole.rmse for each in found)

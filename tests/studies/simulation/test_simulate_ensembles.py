@@ -238,7 +238,7 @@ def test_explorations_and_optimisations_say_which_member_spoils_the_best(spoiled
 
 
 def test_a_mission_without_an_ensemble_names_no_member(tmp_path):
-    alone = chesapeake(tmp_path, STEADY | {"sweep": {"d_max": ["400 m"]}})
+    alone = chesapeake(tmp_path, STEADY | {"sweep": {"d_max": ["400 m"]}, "requirements": []})
     assert sweep_dmax(alone, trials=50).members == ()
     assert "members" not in explore(alone, "ingress.speed=1,1.5 m/s", trials=20).summary()
 
