@@ -1,4 +1,4 @@
-"""A mission with the sections that one kind of phase needs: checked once, so that none of their fields is None."""
+"""The sections of a mission that one kind of phase needs: checked once, so that none of them is None."""
 
 import math
 from collections.abc import Mapping, Sequence
@@ -37,32 +37,24 @@ def forecast_error(mission: Mission[_At]) -> ForecastError[_At] | None:
     return current.error if isinstance(current, CurrentFile | TidalCurrent) else None
 
 
-@dataclass(frozen=True)
-class TransitMission(Generic[V]):
-    """A mission with at least one transit and what transits need."""
+def navigation_of(mission: Mission[_At]) -> Navigation[_At]:
+    """Return how the transits of a mission navigate.
 
-    mission: Mission[V]
-    transits: tuple[TransitPhase[V], ...]
-    """One or more."""
-    navigation: Navigation[V]
+    Raises
+    ------
+    InputError
+        With everything that transits need and the mission lacks.
+    """
+    problems, navigation = missing_for_transits(mission), mission.navigation
+    if problems or navigation is None:
+        raise InputError(problems)
+    return navigation
 
-    @classmethod
-    def of(cls, mission: Mission[_At]) -> "TransitMission[_At]":
-        """Check a mission.
 
-        Raises
-        ------
-        InputError
-            With everything that is missing.
-        """
-        problems, navigation = missing_for_transits(mission), mission.navigation
-        if problems or navigation is None:
-            raise InputError(problems)
-        return TransitMission(mission, mission.transits, navigation)
-
-    def transit(self, name: str | None = None) -> TransitPhase[V]:
-        """Return the transit of that name, by default the first; InputError where there is none."""
-        return _named(self.transits, name, "a transit")
+def transit_of(mission: Mission[_At], name: str | None = None) -> TransitPhase[_At]:
+    """Return the transit of that name, by default the first; raises as `navigation_of`, or where there is none."""
+    navigation_of(mission)
+    return _named(mission.transits, name, "a transit")
 
 
 @dataclass(frozen=True)

@@ -16,7 +16,7 @@ from missionplan.mission.schema.phases import MoorPhase, Navigation, TransitPhas
 from missionplan.mission.schema.place import Geographic, Position, to_plane
 from missionplan.mission.schema.site import SlopeSection
 from missionplan.mission.schema.vehicle import EnergyBudget
-from missionplan.mission.views import MooringMission, TransitMission, required, required_origin
+from missionplan.mission.views import MooringMission, navigation_of, required, required_origin, transit_of
 from missionplan.phases.hooks import DescentEffect, TransitEffect
 from missionplan.phases.transit.plan import VelocityError
 from missionplan.physics.drag import VehicleDrag
@@ -68,7 +68,7 @@ class DrawnMission:
 
     def transit(self, name: str | None = None) -> TransitPhase[Scalars]:
         """Return the transit of that name, by default the first; InputError where there is none."""
-        return TransitMission.of(self.drawn).transit(name)
+        return transit_of(self.drawn, name)
 
     def moor(self, name: str | None = None) -> MoorPhase[Scalars]:
         """Return the mooring of that name, by default the first; InputError where there is none."""
@@ -177,7 +177,7 @@ class DrawnMission:
         InputError
             When the mission has no transit or no such section.
         """
-        return TransitMission.of(self.mission).navigation
+        return navigation_of(self.mission)
 
     @cached_property
     def _effects(self) -> tuple[Effect, ...]:
@@ -215,7 +215,7 @@ class DrawnMission:
     @cached_property
     def velocity_error(self) -> VelocityError:
         """Velocity error of the legs; its mean and a sigma as drawn."""
-        error = TransitMission.of(self.drawn).navigation.velocity_error
+        error = navigation_of(self.drawn).velocity_error
         mean = _vector(*error.mean)
         if error.sigma is None:
             return VelocityError.general(self.navigation.velocity_error.covariance, mean)

@@ -13,7 +13,7 @@ from missionplan.errors import InputError, Problem
 from missionplan.exporters.formats import FORMATS, execution_of, format_named, refusals_of
 from missionplan.mission import Mission, MissionOrPath
 from missionplan.mission.schema.place import to_geographic
-from missionplan.mission.views import TransitMission, required_origin
+from missionplan.mission.views import navigation_of, required_origin
 from missionplan.montecarlo.distributions import mean_of
 from missionplan.phases.transit.execution import Execution
 from missionplan.physics.propulsion import JOULES_PER_WATT_HOUR
@@ -37,7 +37,7 @@ def mission_plan(
     steered for then follow; default: the plan's rules. Raises InputError when the mission has no transit, or lacks what
     transits need, or allows fewer legs than its course has, or the vehicle of the format cannot do it.
     """
-    TransitMission.of(mission)
+    navigation_of(mission)
     builder = PhaseBuilder(
         means or Scenario.at_means(mission, recorded_current(mission)),
         mission.monte_carlo.seed if seed is None else seed,
@@ -158,7 +158,7 @@ def export(
     """
     mission = check_arguments(mission, seed=seed, one_of={"to": (to, tuple(FORMATS))})
     check_complete(mission)
-    TransitMission.of(mission)
+    navigation_of(mission)
     form = format_named(to)
     if form.NEEDS_ORIGIN:
         required_origin(mission, f"positions on Earth, which the format {to} has, need it")

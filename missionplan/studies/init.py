@@ -13,7 +13,7 @@ from missionplan.arrays import Array
 from missionplan.datasets.legs import STAMPS, TIMES
 from missionplan.errors import InputError, Problem, did_you_mean, shown
 from missionplan.mission import Mission, load
-from missionplan.mission.views import TransitMission
+from missionplan.mission.views import navigation_of, transit_of
 from missionplan.moments import moment_of
 from missionplan.montecarlo.distributions import mean_of
 from missionplan.montecarlo.streams import stream
@@ -208,8 +208,7 @@ def sea_trial(mission: Mission, *, legs: int = LEGS, compass_bias: float = COMPA
     `mission`: with a site and navigation; distributions are taken at their means. `compass_bias`: clockwise from the
     course steered to the course made [rad]. Returns: columns of a data set of kind ``transit``.
     """
-    checked = TransitMission.of(mission)
-    transit, navigation = checked.transit(), checked.navigation
+    transit, navigation = transit_of(mission), navigation_of(mission)
     draws = stream(seed, "sea-trial", 0).standard_normal((legs, 3, 2))
     errors = draws[:, 0] @ np.linalg.cholesky(navigation.velocity_error.covariance).T
     fixes = draws[:, 1:] * mean_of(navigation.fix_error)

@@ -16,7 +16,7 @@ from missionplan.errors import InputError, Problem, attempted
 from missionplan.mission import Mission, MissionOrPath, load
 from missionplan.mission.quantity_paths import ValueInForce
 from missionplan.mission.schema.phases import MoorPhase, TransitPhase
-from missionplan.mission.views import TransitionMission, TransitMission
+from missionplan.mission.views import TransitionMission, navigation_of
 from missionplan.phases.place.place import Cause, Contact, Place, Way
 from missionplan.scenario.anchors import design_current
 from missionplan.scenario.phases import moor_plan, room_in_depth
@@ -111,7 +111,7 @@ def validated_mission(path: Path, mission: Mission) -> Validated:
     legs = needs(lambda: SweepScenario.of(mission, means))
     table = (
         Readiness("simulate", simulation),
-        Readiness("export", needs(lambda: TransitMission.of(mission)), _origin(mission)),
+        Readiness("export", needs(lambda: navigation_of(mission)), _origin(mission)),
         Readiness("sweep-dmax", legs),
         Readiness("plan-legs", legs),
         Readiness("size-anchor", needs(sizable), _construction(mission)),

@@ -14,7 +14,7 @@ from missionplan.diagnosis.legs.model import TransitModel
 from missionplan.effects import effects_of
 from missionplan.errors import InputError, Problem
 from missionplan.mission import Mission
-from missionplan.mission.views import TransitMission
+from missionplan.mission.views import navigation_of
 from missionplan.montecarlo.distributions import mean_of
 from missionplan.phases.currents import Current, Span
 from missionplan.phases.hooks import TransitEffect
@@ -41,17 +41,17 @@ def transit_model(data: TransitData, mission: Mission, seed: int) -> TransitMode
     InputError
         When the mission has no transit or no navigation, or its current cannot be read.
     """
-    transits = TransitMission.of(mission)
+    navigation = navigation_of(mission)
     recorded = recorded_current(mission, np.hstack((data.start, data.end)))
     means = Scenario.at_means(mission, recorded)
     drawn = means.sampled(seed=seed, block=0, size=DRAWS)
     if means.current is not None:
         check_cover(data, means.current, float(np.mean(means.transit().depth)), mission)
     current, base, spread = _expected_velocity(data, means, drawn)
-    error = transits.navigation.velocity_error
+    error = navigation.velocity_error
     base = base + np.array([[mean_of(part)] for part in error.mean])
     spread = np.hypot(spread, [np.std(side) for side in drawn.velocity_error.mean])
-    fix_error = float(np.sqrt(max(mean_of(transits.navigation.fix_error) ** 2, 0.0)))
+    fix_error = float(np.sqrt(max(mean_of(navigation.fix_error) ** 2, 0.0)))
     given = given_priors(mission, effects_of("transit"))
     check_together(given, mission, "transit")
     current_sd = (float(spread[0]), float(spread[1]))

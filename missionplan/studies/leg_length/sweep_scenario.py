@@ -13,7 +13,7 @@ from missionplan.mission import Mission
 from missionplan.mission.schema.phases import LegTableSection, Navigation, TransitPhase
 from missionplan.mission.schema.place import Position
 from missionplan.mission.schema.section import V
-from missionplan.mission.views import TransitMission
+from missionplan.mission.views import navigation_of
 from missionplan.montecarlo.distributions import mean_of
 from missionplan.montecarlo.statistics import Moments
 from missionplan.montecarlo.streams import BlockStreams
@@ -173,7 +173,7 @@ class SweepScenario:
         InputError when it has no transit or navigation, or the transit no length, or the mean drift is as fast as the
         vehicle.
         """
-        navigation = TransitMission.of(mission).navigation
+        navigation = navigation_of(mission)
         if means is None:
             means = Scenario.at_means(mission, recorded_current(mission))
             check_cover(mission, means)
