@@ -154,6 +154,15 @@ def reader_unit(unit: str, largest: float, system: str | None = None) -> Unit:
     return Unit(name, FACTORS[si][name] / own)
 
 
+def in_unit_of(was: object, now: object) -> str:
+    """Write a quantity of a mission file in the unit of its former value, in brackets; empty where it has that unit."""
+    (_, own), (value, other) = (str(each).strip().partition(" ")[::2] for each in (was, now))
+    if reader_system() or own == other or own not in DIMENSIONS or DIMENSIONS[own] != DIMENSIONS.get(other):
+        return ""
+    factors = FACTORS[DIMENSIONS[own]]
+    return f" ({float(value) * factors[other] / factors[own]:.4g}\u00a0{own})"
+
+
 def quantity(value: float | None, unit: str, form: str, *, largest: float | None = None) -> str:
     """Write a quantity: ``11.8 N``, or as finely in the reader's unit.
 

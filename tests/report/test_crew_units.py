@@ -14,7 +14,15 @@ from missionplan.errors import InputError
 from missionplan.mission import Mission, load
 from missionplan.report.axes import draw_in_units, name_axis, round_length
 from missionplan.report.page import to_figure
-from missionplan.report.quantities import as_written, quantity, reader_unit, reading_in, span_of, using_units
+from missionplan.report.quantities import (
+    as_written,
+    in_unit_of,
+    quantity,
+    reader_unit,
+    reading_in,
+    span_of,
+    using_units,
+)
 from missionplan.report.render import render_report, terminal_view
 from missionplan.studies.anchor.size_anchor import size_anchor
 from missionplan.studies.leg_length.sweep_dmax import sweep_dmax
@@ -172,3 +180,19 @@ def test_the_page_for_scripts_is_in_the_units_of_the_crew():
 def test_unknown_units_are_refused_with_what_is_known():
     with pytest.raises(InputError, match=r"units.*nautical"):
         Mission.from_data({"units": "naval"})
+
+
+@pytest.mark.parametrize(
+    ("was", "now", "told"),
+    [
+        ("4 nmi", "6741.3 m", " (3.64\u00a0nmi)"),
+        ("2 kn", "1.5 m/s", " (2.916\u00a0kn)"),
+        ("350 m", "1232 m", ""),
+        ("sized", "11.697 N", ""),
+        (None, "3 m", ""),
+        ({"mean": "3 m", "sd": "1 m"}, "3 m", ""),
+        ("4 nmi", "11.7 N", ""),
+    ],
+)
+def test_what_a_key_becomes_is_told_in_the_unit_that_it_had_too(was, now, told):
+    assert in_unit_of(was, now) == told

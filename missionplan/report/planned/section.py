@@ -8,7 +8,7 @@ from pathlib import Path
 from missionplan.mission.quantity_paths import values_in_force
 from missionplan.report.page import Block, PageSection, Table
 from missionplan.report.planned.site_map import site_map
-from missionplan.report.quantities import DIMENSIONS, as_written, reader_system, reader_unit
+from missionplan.report.quantities import DIMENSIONS, as_written, in_unit_of, reader_system, reader_unit
 from missionplan.report.wording import capitalised, in_words, set_number
 from missionplan.results.base import Provenance
 from missionplan.results.decision import changes_of
@@ -169,7 +169,10 @@ def not_held(provenance: Provenance) -> list[PageSection]:
 
 def changed(data: Mapping[str, object], values: Mapping[str, object]) -> list[PageSection]:
     """Show which keys of the mission a result would have changed: was and now; nothing where it changes none."""
-    rows = [(each.key, _table_or_value(each.was), _table_or_value(each.now)) for each in changes_of(data, values)]
+    rows = [
+        (each.key, _table_or_value(each.was), f"{_table_or_value(each.now)}{in_unit_of(each.was, each.now)}")
+        for each in changes_of(data, values)
+    ]
     table = Table(("key", "was", "now"), rows, text_columns=3)
     return [PageSection("What changes in the mission", [table], is_summary=True)] if rows else []
 
