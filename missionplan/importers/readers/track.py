@@ -54,7 +54,7 @@ def read(files: Sequence[Path], options: ReadOptions, log: SourceLog) -> Track:
     InputError
         When tables are given, but not which columns have time and position.
     """
-    store, found = ColumnStore(), empty_fixes()
+    store, found = ColumnStore(), Samples(FIX_COLUMNS)
     for path in log.each(sorted(files)):
         with path.open("rb") as stream:
             head = stream.read(4096)
@@ -273,15 +273,8 @@ def add_gpx(path: Path, found: Samples) -> None:
     points = list(track.walk(only_points=True))
     for point in points or (*track.waypoints, *(each for route in track.routes for each in route.points)):
         if point.time is not None:
-            hdop = point.horizontal_dilution
-            found.add(
-                utc(point.time).timestamp(),
-                point.latitude,
-                point.longitude,
-                _number(hdop),
-                _number(point.satellites),
-                1.0,
-            )
+            quality = _number(point.horizontal_dilution), _number(point.satellites)
+            found.add(utc(point.time).timestamp(), point.latitude, point.longitude, *quality, 1.0)
 
 
 def add_nmea(path: Path, found: Samples) -> None:
@@ -346,11 +339,6 @@ def _number(value: object) -> float:
         return float(str(value))
     except ValueError:
         return math.nan
-
-
-def empty_fixes() -> Samples:
-    """Return a store for fixes."""
-    return Samples(FIX_COLUMNS)
 
 
 IMPORTERS = (Importer("track", "tables and NetCDF with --map, GPX, NMEA", recognises, read),)

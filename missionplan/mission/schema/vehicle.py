@@ -184,11 +184,7 @@ class TrimSection(FileSection, Generic[V]):
     density: Annotated[
         q.Density[V],
         Doc("density of the trim ring"),
-        Limit(
-            (1100.0, 23_000.0),
-            (2000.0, 20_000.0),
-            "a ring lighter than water adds no wet weight; brass 8500",
-        ),
+        Limit((1100.0, 23_000.0), (2000.0, 20_000.0), "a ring lighter than water adds no wet weight; brass 8500"),
     ]
 
 
