@@ -2,10 +2,14 @@
 
 # ruff: noqa: E402
 
+import gc
 import os
 import tempfile
 from dataclasses import replace
 from pathlib import Path
+
+# modules and tests stay until the end: the collector of garbage need not look at them over and over
+gc.disable()
 
 # before numpy is imported, here and in all that tests start: matrices are small, and threads of one worker only take
 # processors from the others
@@ -28,6 +32,12 @@ from missionplan.effects import CATALOGUE
 from missionplan.mission import load
 from missionplan.report.drawn import Drawn, draw, drawing_by
 from tests.depth_readings import simulate_readings
+
+
+def pytest_collection_finish() -> None:
+    gc.freeze()
+    gc.enable()
+
 
 # no time limits: a busy machine is slow
 settings.register_profile("untimed", deadline=None, max_examples=25, suppress_health_check=[HealthCheck.too_slow])
