@@ -95,8 +95,7 @@ def beside_terms(posterior: LegPosterior) -> LegPosterior:
         compared = search.compared(noise, noise)
         chosen = compared.scores > max(compared.best, named[causes, number]) - KEPT_WITH_TERM
         chosen[:, 0] = chosen[:, 1:].any(axis=1)
-        for key, mass in compared.integrated(chosen).masses().items() if chosen.any() else ():
-            one, term = key
+        for (one, term), mass in compared.integrated(chosen).masses().items() if chosen.any() else ():
             regular = posterior.in_order((*one.causes, *random))
             if term and regular in known:
                 words = beside.terms[term - 1].axis, beside.terms[term - 1].description

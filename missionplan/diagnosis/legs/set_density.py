@@ -190,10 +190,7 @@ class LegInference:
         columns = [raw, linear.columns[:, :, self._k :], *always, y[:, :, None]]
         return LinearisedGroup(about, linear, np.concatenate(columns, axis=2))
 
-    def _of_terms(self, terms: Sequence[int]) -> list[Array]:
-        return self._of([self.terms[term - 1] for term in terms])
-
-    def _of(self, terms: Sequence[LegTerm]) -> list[Array]:
+    def _of(self, terms: Iterable[LegTerm]) -> list[Array]:
         return [answers(self.model, term, self._water) if term.answers else term.columns for term in terms]
 
     def _joint(self, groups: tuple[Causes, ...], terms: tuple[int, ...]) -> JointColumns:
@@ -204,7 +201,8 @@ class LegInference:
             same = [self.model.is_the_same_everywhere(coordinate.effect) for coordinate in self.model.coordinates]
             differ = np.append(~np.array(same, dtype=bool), np.ones(self.core - self._k + 1, dtype=bool))
             linear = {group: self.linear(group) for group in groups}
-            self._joined[groups, terms] = JointColumns.of(linear, differ, self._of_terms(terms))
+            further = self._of(self.terms[term - 1] for term in terms)
+            self._joined[groups, terms] = JointColumns.of(linear, differ, further)
         return self._joined[groups, terms]
 
     def grams(
@@ -230,7 +228,7 @@ class LegInference:
         """Bound of errors with heavy tails, by the likeliest set in the columns of a group."""
         mean, factor = self.prior(law.reference, 1)
         columns = self.linear(group).columns * scale
-        own = self._of_terms([law.reference.term] if law.reference.term else [])
+        own = self._of([self.terms[law.reference.term - 1]] if law.reference.term else [])
         design = np.concatenate([columns[:, :, :-1], *own], axis=2)
         return TailBound.at(columns[:, :, -1] - design @ mean, design @ factor, variance, dof)
 
