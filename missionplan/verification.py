@@ -237,7 +237,7 @@ def _simulate(made: _Made, **extra: Any) -> "Result":
         chosen = {"event": options["rare"], "trials": options.get("trials"), "precision": options.get("precision")}
         return find_rare_failure(made.mission(), **chosen, **made.seeded)
     chosen = {name: bool(options.get(name)) for name in ("keep_trials", "assumptions")}
-    chosen |= {"as_exported": options.get("as_exported")}
+    chosen |= {"sheet": bool(options.get("sheet", True)), "as_exported": options.get("as_exported")}
     return simulate(made.mission(), **chosen, **made.drawn, **extra)
 
 

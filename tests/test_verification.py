@@ -22,7 +22,9 @@ TRIALS = 3 * 4096 + 10
 def made(tmp_path_factory):
     folder = tmp_path_factory.mktemp("made") / "report"
     mission = Mission.from_data(TRANSIT)
-    missionplan.simulate(mission, trials=TRIALS, seed=3, checkpoint=folder / "blocks").save(folder, force=True)
+    missionplan.simulate(mission, trials=TRIALS, seed=3, sheet=False, checkpoint=folder / "blocks").save(
+        folder, force=True
+    )
     return folder
 
 
@@ -62,6 +64,16 @@ def test_a_mission_as_exported_comes_out_the_same(tmp_path):
     missionplan.simulate(mission, **run).save(folder, force=True)
     assert verify(folder).same
     assert verify(folder, all_blocks=True).same
+
+
+@pytest.mark.parametrize("option", [{"sheet": False}, {"assumptions": True}, {"precision": "success=0.2"}], ids=str)
+def test_what_a_report_was_asked_for_is_asked_for_again(option, tmp_path):
+    folder = tmp_path / "report"
+    run = {"trials": 50, "seed": 3, "checkpoint": folder / "blocks", **option}
+    missionplan.simulate(Mission.from_data(TRANSIT), **run).save(folder, force=True)
+    found = verify(folder, all_blocks=True)
+    assert found.different == ()
+    assert found.values > 100
 
 
 def test_one_bit_of_a_block_is_found_where_that_block_is_computed(report):

@@ -129,7 +129,7 @@ def simulate(
     options: dict[str, object] = {"jobs": jobs, "backend": backend, "precision": precision, "keep_trials": keep_trials}
     options |= {} if searched is None else {"searched": digest_of_files([as_path(searched, "searched")])}
     options |= {} if as_exported is None else {"as_exported": as_exported}
-    options["assumptions"] = assumptions
+    options |= {"assumptions": assumptions, "sheet": sheet}
     provenance = run.provenance(options, (*notices, *run_notices(merged, goal)), trials=merged.totals.trials)
     table = sequence.table.parquet() if sequence.table else None
     anchors, held = mooring_anchors(mission, means), held_vehicles(means)
