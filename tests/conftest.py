@@ -5,6 +5,7 @@
 import gc
 import os
 import tempfile
+import threading
 from dataclasses import replace
 from pathlib import Path
 
@@ -30,7 +31,9 @@ from missionplan.diagnosis.dives.model import descent_model
 from missionplan.diagnosis.dives.preparation import PreparedDives, binned
 from missionplan.effects import CATALOGUE
 from missionplan.mission import load
+from missionplan.montecarlo import streams
 from missionplan.report.drawn import Drawn, draw, drawing_by
+from missionplan.studies import judgement
 from tests.depth_readings import simulate_readings
 
 
@@ -97,9 +100,36 @@ def descent_mission(mission):
 
 
 @pytest.fixture(scope="session", autouse=True)
+def normals_kept():
+    """Draw the normals of legs once for all tests: they depend on seed, name and block alone, and may not be written."""
+    kept, anew = threading.local(), streams.BlockStreams.legs
+
+    def legs(self, quantity):
+        found = vars(kept).setdefault("legs", {})
+        if sum(each.drawn for each in found.values()) > streams.MOST_KEPT:
+            found.clear()
+        key = (self.seed, quantity, self.block)
+        if key not in found:
+            found[key] = anew(self, quantity)
+        return found[key]
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(streams.BlockStreams, "legs", legs)
+        yield
+
+
+@pytest.fixture(scope="session", autouse=True)
 def undrawn():
     """Write reports without their drawings, which few tests look at."""
     with drawing_by(lambda figure, shown: Drawn("<svg/>")):
+        yield
+
+
+@pytest.fixture(scope="module")
+def unassumed():
+    """Judge without runs for each assumption of a mission: for modules that do not look at assumptions."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(judgement, "ledger", lambda mission, seed: ())
         yield
 
 

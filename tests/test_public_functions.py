@@ -14,6 +14,8 @@ import pytest
 import missionplan
 from missionplan.cli import app
 
+pytestmark = pytest.mark.usefixtures("unassumed")
+
 MISSIONS = Path(__file__).parents[1] / "missions"
 
 
@@ -113,7 +115,7 @@ UNDER_OTHER_NAMES = {"import": "import_log", "effects": "", "simulate --rare": "
 """Commands whose function has another name, or that have none."""
 
 
-LONG = {"why", "score", "diagnose_campaign"}
+LONG = {"why", "score", "diagnose_campaign", "sweep_transition"}
 
 
 @pytest.mark.parametrize("name", sorted(CALLS.keys() - LONG))
@@ -131,6 +133,7 @@ def test_a_long_public_function_is_called_twice(name: str) -> None:
     ("name", "arguments"),
     [
         ("why", ([MISSIONS / "no.gli"], "nowhere")),
+        ("sweep_transition", (MISSIONS / "fig8.yaml",)),
         ("score", (MISSIONS / "fig8.yaml", "nowhere")),
         ("diagnose_campaign", (MISSIONS / "fig8.yaml", ["nowhere"])),
     ],
@@ -165,8 +168,8 @@ def test_every_command_is_a_public_function() -> None:
 
 @pytest.mark.parametrize("path", [str(MISSIONS / "fig8.yaml"), MISSIONS / "fig8.yaml"])
 def test_a_mission_is_given_by_its_path(path: str | Path) -> None:
-    given = missionplan.sweep_dmax(path, trials=20, seed=1)
-    assert given.to_frame().equals(missionplan.sweep_dmax(mission("fig8"), trials=20, seed=1).to_frame())
+    given = missionplan.simulate(path, trials=20, seed=1)
+    assert given.to_frame().equals(missionplan.simulate(mission("fig8"), trials=20, seed=1).to_frame())
 
 
 def test_what_is_neither_a_mission_nor_a_path_is_refused_in_words() -> None:

@@ -16,6 +16,8 @@ from missionplan.studies.anchor.size_anchor import size_anchor
 from missionplan.studies.simulation.simulate import simulate, simulate_block
 from missionplan.studies.simulation.trial_block import run_block
 
+pytestmark = pytest.mark.usefixtures("unassumed")
+
 MISSION = Path(__file__).parents[2] / "missions" / "chesapeake.yaml"
 
 

@@ -22,7 +22,7 @@ TWO_RUNS = """
 import sys
 from missionplan.cli import main
 for more in ([], ["--json"]):
-    sys.argv = ["missionplan", *sys.argv[1:7], "--out", f"out{len(more)}", *more]
+    sys.argv = ["missionplan", *sys.argv[1:8], "--out", f"out{len(more)}", *more]
     try:
         main()
     except SystemExit as ended:
@@ -39,7 +39,7 @@ def run(words, *, stdout=subprocess.PIPE, **more):
 def simulate(folder, *more):
     mission = folder.parent / "small.yaml"
     mission.write_text(SMALL, encoding="utf-8")
-    return ["simulate", str(mission), "--trials", "20", "--jobs", "1", "--out", str(folder), *more]
+    return ["simulate", str(mission), "--trials", "20", "--jobs", "1", "--no-assumptions", "--out", str(folder), *more]
 
 
 @pytest.mark.parametrize(

@@ -11,6 +11,8 @@ import pytest
 import missionplan
 from missionplan.errors import InputError
 
+pytestmark = pytest.mark.usefixtures("unassumed")
+
 MISSIONS = Path(__file__).parents[2] / "missions"
 
 

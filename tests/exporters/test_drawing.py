@@ -3,6 +3,7 @@
 import math
 import xml.etree.ElementTree as ElementTree
 from dataclasses import replace
+from functools import cache
 from itertools import combinations, pairwise
 
 import pytest
@@ -33,11 +34,16 @@ def drawn(request):
     return plan, ElementTree.fromstring(files(plan, "trip")["trip.svg"])
 
 
+@cache
+def width_of(text, weight):
+    """Width of a text, as a wide font sets it."""
+    return TextPath((0, 0), text, size=12, prop={"weight": weight, "family": "DejaVu Sans"}).get_extents().width
+
+
 def extent(text):
-    """Left, top, right and bottom of a text, as a wide font sets it."""
+    """Left, top, right and bottom of a text."""
     x, y = float(text.get("x")), float(text.get("y"))
-    weight = {"weight": text.get("font-weight", "normal"), "family": "DejaVu Sans"}
-    width = TextPath((0, 0), text.text, size=12, prop=weight).get_extents().width
+    width = width_of(text.text, text.get("font-weight", "normal"))
     left = x - width if text.get("text-anchor") == "end" else x
     return left, y - 9.0, left + width, y + 3.0
 

@@ -25,6 +25,8 @@ from missionplan.studies.export import mission_plan
 from missionplan.studies.leg_length.sweep_dmax import sweep_dmax
 from missionplan.studies.simulation.simulate import simulate, simulate_block
 
+pytestmark = pytest.mark.usefixtures("unassumed")
+
 SCHEMA = missionplan.schema("plan")
 
 

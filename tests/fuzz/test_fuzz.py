@@ -23,14 +23,20 @@ COUNTS = {
 }
 
 
-@pytest.mark.parametrize("share", [0.4, pytest.param(1.0, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("share", [0.2, pytest.param(1.0, marks=pytest.mark.slow)])
 @pytest.mark.parametrize("name", TARGETS)
 def test_no_damaged_input_breaks_anything(name, share):
     _, findings = run(name, math.ceil(share * COUNTS[name]), seed=20, keep=None)
     assert not findings
 
 
-@pytest.mark.parametrize("case", sorted(path.name for path in CASES.iterdir() if path.is_dir()))
+@pytest.mark.parametrize(
+    "case",
+    [
+        pytest.param(name, marks=pytest.mark.slow if name.startswith("diagnose-") else ())
+        for name in sorted(path.name for path in CASES.iterdir() if path.is_dir())
+    ],
+)
 def test_what_was_found_stays_mended(case, tmp_path):
     target = TARGETS[case.partition("-")[0]]
     _, finding = attempt(lambda: target.act(CASES / case), target.limit)

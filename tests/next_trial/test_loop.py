@@ -39,11 +39,13 @@ def test_the_files_are_those_of_the_made_up_sea(tmp_path: Path) -> None:
         assert (tmp_path / path).read_text(encoding="utf-8") == (FILES / path).read_text(encoding="utf-8")
 
 
+@pytest.mark.slow
 def test_the_first_log_leaves_open_which_it_is(first: Diagnosis) -> None:
     assert first.verdict == "ambiguous"
     assert {("speed-scale",), ("mean-current",)} <= set(first.credible_set)
 
 
+@pytest.mark.slow
 def test_the_doubt_is_carried_into_the_plan(first: Diagnosis) -> None:
     carried = Mission.from_data(first.extended)
     (doubt,) = carried.doubts
@@ -53,6 +55,7 @@ def test_the_doubt_is_carried_into_the_plan(first: Diagnosis) -> None:
     assert (back.p95 - back.p05) / 60.0 > 15.0  # a current would carry it home, a log that is wrong would not
 
 
+@pytest.mark.slow
 def test_the_trial_goes_both_ways_and_the_one_in_the_files_saves_nearly_as_much(first: Diagnosis) -> None:
     found = first.next_trial
     assert found is not None
@@ -68,6 +71,7 @@ def test_the_trial_goes_both_ways_and_the_one_in_the_files_saves_nearly_as_much(
     assert ("speed-scale",) in choices  # with which another d_max is best
 
 
+@pytest.mark.slow
 def test_the_report_tells_the_trial_and_its_outcomes(first: Diagnosis, tmp_path: Path) -> None:
     folder = first.save(tmp_path / "report")
     report = (folder / "report.html").read_text(encoding="utf-8")

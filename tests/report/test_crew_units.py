@@ -27,7 +27,7 @@ from missionplan.report.render import render_report, terminal_view
 from missionplan.studies.anchor.size_anchor import size_anchor
 from missionplan.studies.leg_length.sweep_dmax import sweep_dmax
 
-pytestmark = pytest.mark.usefixtures("drawn")
+pytestmark = pytest.mark.usefixtures("drawn", "unassumed")
 
 MISSIONS = Path(__file__).parents[2] / "missions"
 
@@ -86,9 +86,14 @@ def test_names_of_missions_and_phases_are_no_quantities():
     assert " lbf wet" in terminal_view(found).sentence.replace("\u00a0", " ")
 
 
-def test_a_mission_or_the_run_chooses_the_units_and_the_summary_stays_in_si():
+@pytest.fixture(scope="module")
+def plain():
+    """A sweep of a mission that asks for no units."""
+    return sweep_dmax(Mission.from_data(dict(load(MISSIONS / "fig8.yaml").raw)), trials=20)
+
+
+def test_a_mission_or_the_run_chooses_the_units_and_the_summary_stays_in_si(plain):
     data = dict(load(MISSIONS / "fig8.yaml").raw)
-    plain = sweep_dmax(Mission.from_data(data), trials=20)
     chosen = sweep_dmax(Mission.from_data({**data, "units": "nautical"}), trials=20)
     assert "nmi" not in terminal_view(plain).sentence
     assert "nmi" in terminal_view(chosen).sentence
@@ -168,13 +173,12 @@ def test_a_scale_bar_has_a_round_length(system, length, words):
     assert 0.4 * length <= metres <= length
 
 
-def test_the_page_for_scripts_is_in_the_units_of_the_crew():
-    found = sweep_dmax(load(MISSIONS / "fig8.yaml"), trials=20)
+def test_the_page_for_scripts_is_in_the_units_of_the_crew(plain):
     with using_units("nautical"):
-        page = render_report(found).html
+        page = render_report(plain).html
     assert "σ_v 0.035\u00a0m/s" not in page
     assert "σ_v 0.068\u00a0kn" in page
-    assert found.plot().get_xlabel()
+    assert plain.plot().get_xlabel()
 
 
 def test_unknown_units_are_refused_with_what_is_known():

@@ -13,7 +13,7 @@ from missionplan.studies.leg_length.plan_legs import plan_legs
 from missionplan.studies.leg_length.plan_page import answer, page
 from missionplan.studies.leg_length.plan_result import CandidatePlan, MeanAndError
 
-pytestmark = pytest.mark.usefixtures("drawn")
+pytestmark = pytest.mark.usefixtures("drawn", "unassumed")
 
 MISSION = """
 name: Legs

@@ -10,6 +10,8 @@ from missionplan.studies.leg_length.sweep_dmax import sweep_dmax
 from missionplan.studies.leg_length.sweep_page import page
 from missionplan.studies.leg_length.sweep_result import Sweep, SweepCurve, SweepPoint
 
+pytestmark = pytest.mark.usefixtures("unassumed")
+
 AGAINST_THE_CURRENT = """
 name: Against the current
 site:

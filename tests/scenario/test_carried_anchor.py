@@ -15,6 +15,8 @@ from missionplan.scenario.phases import dive_of, hold_of
 from missionplan.scenario.scenario import Scenario
 from missionplan.studies.leg_length.sweep_dmax import sweep_dmax
 
+pytestmark = pytest.mark.usefixtures("unassumed")
+
 MISSIONS = Path(__file__).parents[2] / "missions"
 PROPULSION = {
     "diameter": "0.1 m",

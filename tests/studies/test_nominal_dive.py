@@ -14,6 +14,8 @@ from missionplan.studies.anchor.size_anchor import size_anchor
 from missionplan.studies.held_vehicle import FASTEST, check_dives
 from missionplan.studies.simulation.simulate import simulate
 
+pytestmark = pytest.mark.usefixtures("unassumed")
+
 MISSIONS = Path(__file__).parents[2] / "missions"
 
 

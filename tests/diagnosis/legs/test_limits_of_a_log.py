@@ -65,6 +65,7 @@ def test_few_legs_leave_it_possible_that_errors_merely_persist(count, folder, tr
     assert found.verdict != "explained"
 
 
+@pytest.mark.slow
 def test_eight_legs_of_a_compass_swing_are_enough(folder, transit_mission, legs):
     found = diagnose(
         transit_mission, folder(KIND, legs(8, sigma=0.01, error=turned(lambda t: np.radians(8.0)))), plan=False
@@ -105,6 +106,7 @@ def test_headings_all_round_separate_them(all_round):
     assert "100.0 %" not in words_of(found)
 
 
+@pytest.mark.slow
 def test_a_cause_that_changes_within_the_record_is_not_constant(folder, transit_mission, legs):
     """A compass that is 2° off and 10° off, by turns of five legs."""
     table = legs(40, error=turned(lambda t: np.radians(np.where(np.arange(len(t)) // 5 % 2 < 1, 2.0, 10.0))))
@@ -135,6 +137,13 @@ def test_a_constant_cause_is_constant(seed, folder, transit_mission, legs):
     found = diagnose(transit_mission, folder(KIND, table), plan=False)
     assert found.causes == ("compass-bias",)
     assert found.not_constant == ()
+
+
+def test_a_cause_that_is_not_constant_is_said(all_round):
+    assert "is not constant over the record" not in words_of(all_round)
+    changing = replace(all_round, not_constant=("speed-scale",))
+    assert "is not constant over the record" in words_of(changing)
+    assert changing.diagnosis()["not_constant"] == ["speed-scale"]
 
 
 def test_intervals_that_are_too_narrow_are_said(all_round):

@@ -119,6 +119,7 @@ def test_where_nothing_is_uncertain_the_past_is_that_of_the_whole_record(tmp_pat
         np.testing.assert_allclose(getattr(part, name).sd, getattr(whole, name).sd[48:], rtol=1e-6)
 
 
+@pytest.mark.slow
 def test_a_persistent_error_is_remembered_over_the_split(tmp_path: Path) -> None:
     """The first leg that is kept away errs as the last one before it did, which a record of its own would not know."""
     plan = mission(effects=[{"persistent-error": {"sigma": "0.1 m/s", "time": f"{SLOW} s"}}])

@@ -4,7 +4,7 @@ from functools import cache
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from missionplan.phases.transit.analytic import policy
@@ -23,6 +23,10 @@ CHECK_VALUES = {
     (7408.0, 1.25, 50.0, 0.055): (0.0327, 0.0276),
     JUMPS: (0.0217, 0.0184),
 }
+FIG8 = next(iter(CHECK_VALUES))
+CASES = [
+    pytest.param(case, marks=[] if case in (FIG8, JUMPS) else pytest.mark.slow, id=str(case)) for case in CHECK_VALUES
+]
 
 
 @cache
@@ -30,7 +34,7 @@ def policy_of(case):
     return best_legs(*case, SURFACING)
 
 
-@pytest.mark.parametrize("case", CHECK_VALUES)
+@pytest.mark.parametrize("case", CASES)
 def test_check_values(case):
     _, best = CHECK_VALUES[case]
     policy = policy_of(case)
@@ -38,7 +42,7 @@ def test_check_values(case):
     assert policy.bound - 1e-6 <= policy.transit.cost <= policy.bound + TABLE_LOSS
 
 
-@pytest.mark.parametrize("case", CHECK_VALUES)
+@pytest.mark.parametrize("case", CASES)
 def test_no_fixed_d_max_does_better(case):
     d_max, fixed = best_d_max(*case, SURFACING)
     assert 0.0 < d_max <= case[0]
@@ -51,7 +55,6 @@ def test_best_fixed_d_max_of_fig8():
     assert fixed.cost == pytest.approx(0.0203, abs=2e-4)
 
 
-@settings(max_examples=40)
 @given(
     case=st.sampled_from([SHORT, (7408.0, 1.25, 50.0, 0.035)]),
     where=st.floats(0.0, 1.0),
@@ -70,7 +73,6 @@ def test_no_perturbation_does_better(case, where, width, size):
     assert perturbed >= policy.bound - TABLE_LOSS
 
 
-@settings(max_examples=20)
 @given(seed=st.integers(0, 2**32 - 1), size=st.floats(0.001, 0.3))
 def test_no_random_table_does_better(seed, size):
     policy = policy_of(SHORT)
@@ -79,7 +81,7 @@ def test_no_random_table_does_better(seed, size):
     assert expected_cost(SHORT[0], perturbed, *SHORT[1:], SURFACING) >= policy.bound - TABLE_LOSS
 
 
-@pytest.mark.parametrize("case", [SHORT, (400.0, 1.0, 50.0, 0.25)])
+@pytest.mark.parametrize("case", [SHORT, pytest.param((400.0, 1.0, 50.0, 0.25), marks=pytest.mark.slow)])
 def test_agrees_with_monte_carlo(case):
     distance, speed, arrival_radius, sigma = case
     policy = policy_of(case)
@@ -98,7 +100,7 @@ def test_agrees_with_monte_carlo(case):
     assert duration.mean() == pytest.approx(policy.transit.duration, abs=3 * duration.std() / np.sqrt(trials))
 
 
-@pytest.mark.parametrize("base_spread", [10.0, 40.0])
+@pytest.mark.parametrize("base_spread", [pytest.param(10.0, marks=pytest.mark.slow), 40.0])
 def test_a_spread_that_no_leg_escapes_agrees_with_monte_carlo(base_spread):
     distance, speed, arrival_radius, sigma = case = (600.0, 1.0, 50.0, 0.1)
     policy = best_legs(*case, SURFACING, base_spread)
@@ -145,7 +147,7 @@ def test_last_legs_end_just_inside_the_arrival_circle():
     assert np.all((margin > 1.5) & (margin < 4.0))
 
 
-@pytest.mark.parametrize("scale", [0.1, 7.0])
+@pytest.mark.parametrize("scale", [pytest.param(0.1, marks=pytest.mark.slow), 7.0])
 def test_costs_have_no_dimension(scale):
     distance, speed, arrival_radius, sigma = SHORT
     scaled = best_legs(distance * scale, speed, arrival_radius * scale, sigma, SURFACING * scale)

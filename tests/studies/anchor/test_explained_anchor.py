@@ -6,6 +6,8 @@ from missionplan import Mission, size_anchor
 from missionplan.report.anchor.page import answer
 from missionplan.report.render import render_report
 
+pytestmark = pytest.mark.usefixtures("unassumed")
+
 BASE = {
     "name": "dives in doubt",
     "vehicle": {

@@ -15,6 +15,8 @@ from missionplan.studies.anchor.size_anchor import size_anchor, worst_case_ancho
 from missionplan.studies.anchor.sizing import AnchorSizer, AnchorTrials
 from missionplan.studies.judgement import FRESH
 
+pytestmark = pytest.mark.usefixtures("unassumed")
+
 MISSIONS = Path(__file__).parents[3] / "missions"
 
 
@@ -103,18 +105,23 @@ def test_a_probable_anchor_reaches_its_probability_and_a_lighter_one_does_not(mi
     assert sizing.anchor.wet_weight < found.wet_weight
 
 
-def test_probabilities_against_a_normal_approximation(mission):
+@pytest.fixture(scope="module")
+def probabilities(mission):
+    """Of the worst-case anchor, by two blocks of dives."""
+    return size_anchor(mission, trials=5000).anchor.probabilities
+
+
+def test_probabilities_against_a_normal_approximation(probabilities):
     """With offsets nearly normal, the probabilities follow from their mean and spread."""
-    probabilities = size_anchor(mission, trials=5000).anchor.probabilities
     z = (75 * 0.3048 - probabilities.offset.mean) / probabilities.offset.sd
     from scipy.stats import norm
 
     assert probabilities.good.value == pytest.approx(norm.cdf(z), abs=0.01)
 
 
-def test_probabilities_do_not_depend_on_the_number_of_jobs(mission):
-    one = size_anchor(mission, trials=5000).anchor.probabilities
-    assert size_anchor(mission, trials=5000, jobs=2, backend="threading").anchor.probabilities == one
+def test_probabilities_do_not_depend_on_the_number_of_jobs(mission, probabilities):
+    threaded = size_anchor(mission, trials=5000, jobs=2, backend="threading")
+    assert threaded.anchor.probabilities == probabilities
 
 
 def test_progress_counts_the_blocks_of_dives_also_where_processes_run_them(mission):
@@ -293,19 +300,23 @@ INSIDE = {"quantity": "moor.within_radius", "probability": 0.9}
 SOFT = {"quantity": "moor.touchdown_speed", "at_most": "1.75 m/s", "probability": 0.8}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("requirements", "factor"),
     [
         ((HOLDS, HIGH, SOFT), "1.5"),
-        pytest.param((INSIDE, HIGH), "0.4", marks=pytest.mark.slow),
-        pytest.param((INSIDE,), "0.4", marks=pytest.mark.slow),
-        pytest.param((INSIDE, HOLDS), "1.5", marks=pytest.mark.slow),
-        pytest.param((HOLDS,), "0.9", marks=pytest.mark.slow),
+        ((INSIDE, HIGH), "0.4"),
+        ((INSIDE,), "0.4"),
+        ((INSIDE, HOLDS), "1.5"),
+        ((HOLDS,), "0.9"),
     ],
 )
 def test_the_lightest_anchor_meets_all_requirements_on_its_dive_as_brute_force_has_it(tmp_path, requirements, factor):
     mission = demanding(tmp_path, *requirements, factor=factor)
-    found = size_anchor(mission, trials=60).probable
+    check_by_brute_force(mission, size_anchor(mission, trials=60).probable)
+
+
+def check_by_brute_force(mission, found):
     dives = AnchorTrials(mission, "moor", None, 60, mission.monte_carlo.seed)
     grid = np.geomspace(3.0, 40.0, 15)
     good = (w for w in grid if all(item.met for item in dives.probabilities(float(w)).requirements))
@@ -326,12 +337,15 @@ def test_requirements_that_exclude_each_other_are_told_and_fail(tmp_path):
     assert not sizing.succeeds
 
 
+DEMANDS = (INSIDE, {**HIGH, "at_least": "1.45 m"})
+
+
 @pytest.fixture(scope="module")
 def demanded(tmp_path_factory):
     """What is required of the dive can be met, what is required of the mission cannot."""
     late = {"quantity": "total.duration", "at_most": "10 s", "probability": 0.9}
     folder = tmp_path_factory.mktemp("demanded")
-    return size_anchor(demanding(folder, INSIDE, {**HIGH, "at_least": "1.45 m"}, late), trials=60)
+    return size_anchor(demanding(folder, *DEMANDS, late), trials=60)
 
 
 def test_the_margin_says_what_a_heavier_anchor_misses(demanded):
@@ -341,6 +355,10 @@ def test_the_margin_says_what_a_heavier_anchor_misses(demanded):
     assert (lighter.weight, heavier.weight) == pytest.approx((0.9 * weight, 1.1 * weight))
     assert lighter.misses
     assert any("lowest_altitude" in words for words in heavier.misses)
+
+
+def test_the_lightest_anchor_of_two_demands_is_that_of_brute_force(demanded, tmp_path):
+    check_by_brute_force(demanding(tmp_path, *DEMANDS), demanded.probable)
 
 
 def test_the_headline_is_that_of_the_whole_mission_on_fresh_draws(demanded):

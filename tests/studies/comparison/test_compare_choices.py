@@ -14,6 +14,8 @@ from missionplan.studies.comparison.choices_page import task_in_words
 from missionplan.studies.comparison.result import Alternatives, parts_of_task
 from missionplan.studies.exploration.variation import with_values
 
+pytestmark = pytest.mark.usefixtures("unassumed")
+
 MISSIONS = Path(__file__).parents[3] / "missions"
 CHESAPEAKE = missionplan.load(MISSIONS / "chesapeake.yaml")
 SPEEDS = "ingress.speed=1:2:0.5 m/s"

@@ -1,10 +1,14 @@
 """`plan-legs` of a mission in doubt: table and fixed d_max under each explanation."""
 
+import pytest
+
 from missionplan import Mission, plan_legs
 from missionplan.report.render import render_report
 from missionplan.studies.leg_length import optimise_legs
 from missionplan.studies.leg_length.analytic_transit import PolicyFamily
 from missionplan.studies.leg_length.plan_page import answer, cases_table
+
+pytestmark = pytest.mark.usefixtures("unassumed")
 
 BASE = {
     "name": "in doubt",

@@ -6,6 +6,8 @@ from missionplan import Mission, sweep_dmax
 from missionplan.report.render import render_report
 from missionplan.studies.leg_length.sweep_page import answer
 
+pytestmark = pytest.mark.usefixtures("unassumed")
+
 BASE = {
     "name": "in doubt",
     "navigation": {"velocity_error": {"sigma": "0.02 m/s"}, "surfacing_time": "90 s"},

@@ -15,6 +15,8 @@ from missionplan.studies.leg_length.plan_legs import plan_legs
 from missionplan.studies.leg_length.sweep_dmax import sweep_dmax
 from missionplan.studies.leg_length.sweep_scenario import MAX_PAIRED, CellTotals, _totals
 
+pytestmark = pytest.mark.usefixtures("unassumed")
+
 FIG8 = Path(__file__).parents[3] / "missions" / "fig8.yaml"
 SMALL = """
 name: small

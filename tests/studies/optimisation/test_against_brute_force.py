@@ -12,6 +12,8 @@ import missionplan
 from missionplan.mission import Mission
 from missionplan.studies.optimisation.evaluations import Demand, Evaluation, is_feasible, violations
 
+pytestmark = pytest.mark.usefixtures("unassumed")
+
 MISSIONS = Path(__file__).parents[3] / "missions"
 TRIALS, SEED = 1024, 3
 SPEEDS = ["0.8 m/s", "1.1 m/s", "1.4 m/s", "1.7 m/s"]

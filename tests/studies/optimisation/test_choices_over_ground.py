@@ -10,6 +10,8 @@ from missionplan.mission import Mission
 from missionplan.studies.exploration.explore import explore
 from missionplan.studies.optimisation.optimise import optimise
 
+pytestmark = pytest.mark.usefixtures("unassumed")
+
 pytest.importorskip("shapely")
 HALF_WIDTH = 25.0
 

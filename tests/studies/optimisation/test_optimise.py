@@ -14,6 +14,8 @@ from missionplan.report.optimisation import answer
 from missionplan.studies.exploration.variation import with_values
 from missionplan.studies.optimisation.choosable import read_lattice
 
+pytestmark = pytest.mark.usefixtures("unassumed")
+
 MISSIONS = Path(__file__).parents[3] / "missions"
 CHOOSE = ["out.speed=0.6:2:0.1 m/s", "out.d_max=150:1650:150 m"]
 

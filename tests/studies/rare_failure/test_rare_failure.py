@@ -100,6 +100,7 @@ def test_legs_that_depend_on_each_other_miss_as_often_as_in_a_plain_loop_and_by_
     assert found.probability.value == pytest.approx(truth, rel=3.0 * found.variation)
 
 
+@pytest.mark.slow
 def test_a_miss_in_two_million_is_found_as_quadrature_has_it(tmp_path: Path) -> None:
     truth = missed_by_quadrature(0.097)
     assert 5.1e-7 < truth < 5.3e-7

@@ -60,7 +60,7 @@ CASES = {
 
 
 @pytest.mark.parametrize(
-    "reason", [*list(CASES)[:2], *(pytest.param(each, marks=pytest.mark.slow) for each in list(CASES)[2:])]
+    "reason", [*list(CASES)[:1], *(pytest.param(each, marks=pytest.mark.slow) for each in list(CASES)[1:])]
 )
 def test_a_leg_that_ends_too_far_to_the_side_meets_the_limit_as_often_as_a_normal_says(tmp_path, reason):
     found = find_rare_failure(mission(tmp_path, site=CASES[reason](tmp_path)), seed=5, precision="30%")

@@ -258,6 +258,12 @@ def test_sensitivities_name_what_matters(outcome):
     assert not any(source.startswith(("moor.", "egress.")) for source in early)  # what is yet to come changes nothing
 
 
+@pytest.fixture(scope="module")
+def plain_columns(tmp_path_factory):
+    """Columns of the mission without effects."""
+    return simulate_block(chesapeake(tmp_path_factory.mktemp("plain")), seed=1, block=0, trials=200).columns()
+
+
 @pytest.mark.parametrize(
     ("effect", "column", "changes"),
     [
@@ -277,8 +283,8 @@ def test_sensitivities_name_what_matters(outcome):
         ({"sensor-lag": {"time": "2 s"}}, "moor.descent_time_s", False),
     ],
 )
-def test_effects_act(tmp_path, effect, column, changes):
-    plain = simulate_block(chesapeake(tmp_path), seed=1, block=0, trials=200).columns()[column]
+def test_effects_act(plain_columns, tmp_path, effect, column, changes):
+    plain = plain_columns[column]
     block = simulate_block(chesapeake(tmp_path, {"effects": [effect]}), seed=1, block=0, trials=200)
     assert np.isfinite(block.columns()[column]).mean() > 0.5
     assert np.array_equal(plain, block.columns()[column]) != changes

@@ -49,7 +49,7 @@ def test_one_leg_misses_by_the_integral_of_the_error(tmp_path):
         "navigation.drift_compensation": "forecast",
     }
     mission = erring(tmp_path, one, time="1000000 s")
-    block = simulate_block(mission, seed=2, block=0, trials=1500)
+    block = simulate_block(mission, seed=2, block=0, trials=700)
     miss, lasting = block.phases[0].miss, block.phases[0].quantities["duration_s"]
     assert np.isfinite(miss).all()
     assert miss.std(axis=1) == pytest.approx(SIGMA * float(np.mean(lasting)), rel=0.06)

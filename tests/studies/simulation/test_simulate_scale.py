@@ -13,6 +13,7 @@ from simulate_missions import chesapeake, chesapeake_data
 from missionplan.errors import InputError, RunError
 from missionplan.montecarlo.statistics import Count, RunningStatistics
 from missionplan.montecarlo.streams import BLOCK
+from missionplan.results.entries import SUCCESS
 from missionplan.scenario.scenario import Scenario
 from missionplan.studies.simulation import block_sequence as task
 from missionplan.studies.simulation import simulate as module
@@ -79,7 +80,7 @@ def test_a_precise_run_equals_the_run_of_that_many_trials(mission):
 def test_a_precision_is_reached_below_the_standard_error(share, reached):
     """Of a share of a half of n trials ½/√n; of a mean s/√n, or that over the mean."""
     values = 20.0 + np.random.default_rng(2).standard_normal(10_000)
-    counts = {"total.success": Count(5000, 10_000)}
+    counts = {SUCCESS: Count(5000, 10_000)}
     totals = BlockStatistics(RunningStatistics.of({"moor.offset_m": values}), counts, {})
     error = share * values.std(ddof=1) / 100.0
     assert Precision("total.success", share * 0.005, False, True).is_reached(totals) is reached
@@ -241,6 +242,7 @@ RUN = """
 import sys
 from pathlib import Path
 from missionplan.mission import load
+from missionplan.results.entries import SUCCESS
 from missionplan.scenario.scenario import Scenario
 from missionplan.studies.simulation.simulate import simulate
 if __name__ == "__main__":
