@@ -18,8 +18,7 @@ from missionplan.diagnosis.given.effects import forecast_notice
 from missionplan.diagnosis.inference.experiment_design import Discrimination, discriminations
 from missionplan.diagnosis.inference.model import CauseFit
 from missionplan.diagnosis.inference.selection import Candidate
-from missionplan.diagnosis.judgement import Judgement, judge, read
-from missionplan.diagnosis.pipeline import PipelineResult, run_pipeline
+from missionplan.diagnosis.pipeline import Judgement, PipelineResult, judge, read, run_pipeline
 from missionplan.diagnosis.plan_gain import with_urgency
 from missionplan.mission import Mission, MissionOrPath
 from missionplan.montecarlo.parallel.blocks import parallel_map

@@ -1,4 +1,4 @@
-"""The method from end to end on any model of data: weigh all sets, score them held out, test what is left, judge."""
+"""What a diagnosis does to a model and its data, in the order of its steps, and what may be said of what it found."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -6,15 +6,33 @@ from functools import partial
 
 import numpy as np
 
-from missionplan.diagnosis.inference.cross_validation import HeldOutComparison, compare_held_out
+from missionplan.diagnosis.data_kind import DataKind
 from missionplan.diagnosis.inference.discrepancy import discrepancy
-from missionplan.diagnosis.inference.model import CauseFit, FailedFit, Model, fitted
+from missionplan.diagnosis.inference.model import (
+    CauseFit,
+    FailedFit,
+    HeldOutComparison,
+    HeldOutScore,
+    Model,
+    compare_held_out,
+    fitted,
+    interval_coverage,
+)
 from missionplan.diagnosis.inference.residual_tests import Residuals, outlying_groups
-from missionplan.diagnosis.inference.selection import LIKELY, Candidate, Progress, Selection, WeighsAllSets, no_progress
+from missionplan.diagnosis.inference.selection import (
+    LIKELY,
+    Candidate,
+    Progress,
+    Selection,
+    WeighsAllSets,
+    inclusion,
+    no_progress,
+    rivals,
+)
 from missionplan.effects import CATALOGUE
 from missionplan.errors import RunError
 from missionplan.montecarlo.parallel.blocks import parallel_map
-from missionplan.results.learned.evidence import Causes, Discrepancy, ParameterEstimate, Verdict
+from missionplan.results.learned.evidence import Causes, Coverage, Discrepancy, ParameterEstimate, Readings, Verdict
 
 SURE = 0.95
 """Probability from which something is said to be so."""
@@ -189,3 +207,69 @@ def _tested_residuals(model: Model, fits: Sequence[CauseFit]) -> list[tuple[Disc
 
 def _tested(residuals: Residuals) -> tuple[Discrepancy, OutlyingGroups]:
     return discrepancy(residuals), outlying_groups(residuals)
+
+
+@dataclass(frozen=True)
+class Judgement:
+    """What may be said."""
+
+    verdict: Verdict
+    credible_set: tuple[Causes, ...]
+    """Sets that hold 95 % of the probability."""
+    rivals: tuple[Causes, ...]
+    """Sets within 3 nats of the claimed one."""
+    not_constant: Causes
+    """Claimed causes that do not hold still."""
+    suspect_labels: str
+    """Which labels of the record look wrong; empty where none do."""
+    none_of_these: float
+    """Probability that something outside the catalogue is left."""
+    coverage: Coverage | None
+    """Of the 90 % intervals of the model claimed, else of the base model's, on data held out; None where unknown."""
+
+
+def judge(bound: DataKind, found: PipelineResult) -> Judgement:
+    """Judge what the pipeline found on a data set."""
+    causes = found.best.causes
+    not_constant = bound.not_constant(found.best) if causes else ()
+    verdict = found.reading.verdict(is_constant=not not_constant)
+    if not causes and verdict != "adequate":  # also where the likeliest set cannot be fitted
+        verdict = "unexplained"
+    return Judgement(
+        bound.limited_verdict(verdict),
+        found.credible_set,
+        tuple(rivals(found.posterior, causes)) if causes else (),
+        not_constant,
+        bound.suspect_labels(found.selection),
+        found.reading.none_of_these,
+        interval_coverage(_held_out_scores(found)),
+    )
+
+
+def _held_out_scores(found: PipelineResult) -> tuple[HeldOutScore, ...]:
+    """Held-out scores of the model that is believed; none where none were made."""
+    own = found.held_out.get(found.best.causes)
+    if own is not None:
+        return own.extended
+    return next((comparison.base for comparison in found.held_out.values()), ()) if not found.best.causes else ()
+
+
+def read(bound: DataKind, found: PipelineResult) -> Readings:
+    """Return what else the posterior says."""
+    selection, best = found.selection, found.best
+    return Readings(
+        inclusion(found.posterior),
+        selection.responses,
+        selection.not_computed,
+        tuple(family for family in selection.families if best.causes in family),
+        bound.aliases(best) if best.causes else (),
+        _predicts_better(bound, found) if best.causes else None,
+    )
+
+
+def _predicts_better(bound: DataKind, found: PipelineResult) -> bool | None:
+    """Whether the claimed set predicts data kept away better, in single groups and all the way."""
+    held_out = found.held_out.get(found.best.causes)
+    if held_out is None:
+        return None
+    return held_out.gain.log_score_gain > 0.0 and bound.is_better_ahead(found.selection.base, found.best)

@@ -6,8 +6,7 @@ from dataclasses import replace
 
 import pytest
 
-from missionplan.diagnosis.inference.cross_validation import compare_held_out
-from missionplan.diagnosis.inference.model import CauseFit, HeldOutScore
+from missionplan.diagnosis.inference.model import CauseFit, HeldOutScore, compare_held_out
 from missionplan.diagnosis.inference.selection import (
     Candidate,
     Selection,

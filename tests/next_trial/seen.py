@@ -4,7 +4,7 @@ import numpy as np
 from scipy.special import logsumexp
 
 from missionplan.arrays import Array
-from missionplan.diagnosis.inference.trials import DecisionProblem, Experiment, _fit
+from missionplan.diagnosis.next_trial.experiment import DecisionProblem, Experiment, _fit
 
 
 def choice_after(problem: DecisionProblem, summaries: Array, seen: Array) -> int:

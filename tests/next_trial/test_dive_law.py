@@ -12,9 +12,9 @@ from missionplan.diagnosis.dives.model import DescentModel
 from missionplan.diagnosis.dives.noise import SHAPE_SD
 from missionplan.diagnosis.dives.preparation import MIN_NOISE
 from missionplan.diagnosis.inference.model import CauseFit
-from missionplan.diagnosis.inference.trial_prediction import Explanation, Prediction
 from missionplan.diagnosis.next_trial.belief import Believed, Posterior
 from missionplan.diagnosis.next_trial.dive_trials import made, planned
+from missionplan.diagnosis.next_trial.prediction import Explanation, Prediction
 
 from .dive_campaign import of_some
 

@@ -10,7 +10,7 @@ import yaml
 
 from missionplan.datasets.legs import read_transit
 from missionplan.diagnosis.diagnose import diagnose
-from missionplan.diagnosis.inference.trials import Draws
+from missionplan.diagnosis.next_trial.experiment import Draws
 from missionplan.diagnosis.next_trial.leg_trials import LegTrials
 from missionplan.diagnosis.next_trial.next_trial import right_about_vehicle, to_do
 from missionplan.mission import Mission, load

@@ -11,10 +11,10 @@ import numpy as np
 
 from missionplan.datasets.legs import read_transit
 from missionplan.diagnosis.explanations import weighed
-from missionplan.diagnosis.inference.trial_prediction import Explanation
-from missionplan.diagnosis.inference.trials import Experiment
 from missionplan.diagnosis.next_trial.belief import Believed
+from missionplan.diagnosis.next_trial.experiment import Experiment
 from missionplan.diagnosis.next_trial.leg_trials import SHAPES, LegTrials
+from missionplan.diagnosis.next_trial.prediction import Explanation
 from missionplan.mission import Mission
 
 from .sea import Truth, Vehicle, mission, sail, write_log

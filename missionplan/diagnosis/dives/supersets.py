@@ -18,9 +18,9 @@ from missionplan.diagnosis.dives.likelihood import DescentLikelihood
 from missionplan.diagnosis.dives.linearised import DIFFERENCE
 from missionplan.diagnosis.dives.noise import noise_grid
 from missionplan.diagnosis.inference.block_covariance import InnerProducts
+from missionplan.diagnosis.inference.marginal_likelihood import SCALES, log_slab_factor
 from missionplan.diagnosis.inference.model import CauseFit
 from missionplan.diagnosis.inference.prior import Prior, log_normal_mass
-from missionplan.diagnosis.inference.set_evidence import SCALES, log_slab_factor
 from missionplan.results.learned.evidence import Causes
 
 NODES, NODE_WEIGHTS = (-math.sqrt(3.0), 0.0, math.sqrt(3.0)), (1.0 / 6.0, 2.0 / 3.0, 1.0 / 6.0)

@@ -16,7 +16,7 @@ from functools import partial
 from typing import Protocol
 
 from missionplan.arrays import Array
-from missionplan.diagnosis.inference.importance_sampling import SampledEvidence
+from missionplan.diagnosis.inference.evidence_approximations import SampledEvidence
 from missionplan.diagnosis.inference.model import CauseFit, FailedFit, Model, fitted
 from missionplan.diagnosis.inference.selection import (
     FURTHER,

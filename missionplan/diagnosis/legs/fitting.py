@@ -11,7 +11,7 @@ import numpy as np
 from missionplan.arrays import Array
 from missionplan.diagnosis.coordinates import Coordinate, JointPosterior, estimates, is_possible
 from missionplan.diagnosis.given.effects import GivenEffect, RecordPosterior, held, tied
-from missionplan.diagnosis.inference.laplace import Laplace, laplace
+from missionplan.diagnosis.inference.evidence_approximations import Laplace, laplace
 from missionplan.diagnosis.inference.marginal_likelihood import QUANTILE_95
 from missionplan.diagnosis.inference.model import CauseFit
 from missionplan.diagnosis.legs.likelihood.covariance import ALL_LEGS, TransitCovariance

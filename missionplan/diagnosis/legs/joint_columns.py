@@ -10,8 +10,7 @@ from numpy.typing import NDArray
 from scipy.special import gammaln
 
 from missionplan.arrays import Array
-from missionplan.diagnosis.inference.marginal_likelihood import LOG_2PI, student_marginal
-from missionplan.diagnosis.inference.set_evidence import GramMatrix
+from missionplan.diagnosis.inference.marginal_likelihood import LOG_2PI, GramMatrix, student_marginal
 from missionplan.diagnosis.legs.likelihood.linearised import LinearisedLegs
 from missionplan.diagnosis.legs.likelihood.markov_covariance import WhitenedColumns
 from missionplan.results.learned.evidence import Causes

@@ -13,9 +13,8 @@ from numpy.typing import NDArray
 from scipy.special import gammaincinv, logsumexp, ndtri
 
 from missionplan.arrays import Array
-from missionplan.diagnosis.inference.importance_sampling import even_points, log_student_density
-from missionplan.diagnosis.inference.laplace import Laplace, laplace
-from missionplan.diagnosis.inference.set_evidence import SCALE_PRIOR, SCALES, GramMatrix
+from missionplan.diagnosis.inference.evidence_approximations import Laplace, even_points, laplace, log_student_density
+from missionplan.diagnosis.inference.marginal_likelihood import SCALE_PRIOR, SCALES, GramMatrix
 from missionplan.diagnosis.legs.likelihood.hyperparameters import Hyperparameter, HyperparameterPrior
 from missionplan.diagnosis.legs.set_density import LegInference, MeanSet, Noise, RandomErrors, grouped
 from missionplan.results.learned.evidence import Causes

@@ -15,10 +15,10 @@ from scipy.special import logsumexp
 
 from missionplan.arrays import Array
 from missionplan.diagnosis.coordinates import LOWER, UPPER, Coordinate, JointPosterior, estimates, is_possible
-from missionplan.diagnosis.inference.laplace import Laplace
+from missionplan.diagnosis.inference.evidence_approximations import Laplace
+from missionplan.diagnosis.inference.marginal_likelihood import SCALES
 from missionplan.diagnosis.inference.model import CauseFit
 from missionplan.diagnosis.inference.selection import FURTHER, Candidate, Selection, credible_set
-from missionplan.diagnosis.inference.set_evidence import SCALES
 from missionplan.diagnosis.legs.fitting import by_quantiles
 from missionplan.diagnosis.legs.likelihood.mean import ActingTerm
 from missionplan.diagnosis.legs.noise_integration import Law

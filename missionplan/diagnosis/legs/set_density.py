@@ -15,8 +15,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from missionplan.arrays import Array
+from missionplan.diagnosis.inference.marginal_likelihood import SCALES, Block, GramMatrix, SetPriors, blocks_by_size
 from missionplan.diagnosis.inference.selection import FURTHER, log_prior
-from missionplan.diagnosis.inference.set_evidence import SCALES, Block, GramMatrix, SetPriors, blocks_by_size
 from missionplan.diagnosis.legs.fitting import TransitFitting
 from missionplan.diagnosis.legs.joint_columns import JointColumns, LinearisedGroup, TailBound
 from missionplan.diagnosis.legs.likelihood.hyperparameters import Hyperparameter, values_of

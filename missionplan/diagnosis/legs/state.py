@@ -6,7 +6,7 @@ import numpy as np
 
 from missionplan.arrays import Array
 from missionplan.diagnosis.coordinates import SIGMA_V, Coordinate, JointPosterior, estimates
-from missionplan.diagnosis.inference.laplace import Laplace
+from missionplan.diagnosis.inference.evidence_approximations import Laplace
 from missionplan.diagnosis.legs.likelihood.hyperparameters import Hyperparameter, values_of
 from missionplan.diagnosis.legs.likelihood.linearised import LinearisedLegs
 from missionplan.diagnosis.legs.likelihood.mean import ActingTerm

@@ -13,7 +13,7 @@ from missionplan.diagnosis.explanations import Weighed, possible_fits
 from missionplan.diagnosis.extended_mission import extended_mission
 from missionplan.diagnosis.hypotheses import Hypothesis
 from missionplan.diagnosis.inference.model import CauseFit
-from missionplan.diagnosis.inference.trial_prediction import Explanation
+from missionplan.diagnosis.next_trial.prediction import Explanation
 from missionplan.diagnosis.pipeline import PipelineResult
 from missionplan.mission import Mission
 from missionplan.results.learned.evidence import Causes

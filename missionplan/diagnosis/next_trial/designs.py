@@ -8,9 +8,9 @@ import numpy as np
 
 from missionplan.diagnosis.data_kind import DataKind
 from missionplan.diagnosis.inference.model import CauseFit
-from missionplan.diagnosis.inference.trial_prediction import Prediction
 from missionplan.diagnosis.next_trial.belief import Believed, Posterior
 from missionplan.diagnosis.next_trial.losses import Alternatives
+from missionplan.diagnosis.next_trial.prediction import Prediction
 from missionplan.errors import MissionplanError
 from missionplan.mission import Mission
 from missionplan.scenario.scenario import Scenario

@@ -19,10 +19,10 @@ from missionplan.diagnosis.dives.model import DescentModel
 from missionplan.diagnosis.dives.noise import SCATTER_FACTORS, Noise, noise_grid, shape_error_covariance
 from missionplan.diagnosis.dives.preparation import DiveLog
 from missionplan.diagnosis.inference.model import CauseFit
-from missionplan.diagnosis.inference.trial_prediction import Prediction
 from missionplan.diagnosis.next_trial.belief import Believed, Posterior
 from missionplan.diagnosis.next_trial.designs import Cost, TrialKind, cost_of
 from missionplan.diagnosis.next_trial.losses import Alternatives
+from missionplan.diagnosis.next_trial.prediction import Prediction
 from missionplan.diagnosis.plan_gain import with_first_mooring
 from missionplan.mission import Mission
 from missionplan.mission.schema.phases import MoorPhase

@@ -16,12 +16,12 @@ from missionplan.datasets.records import TransitData
 from missionplan.diagnosis.data_kind import DataKind
 from missionplan.diagnosis.given.effects import held
 from missionplan.diagnosis.inference.model import CauseFit
-from missionplan.diagnosis.inference.trial_prediction import Prediction
 from missionplan.diagnosis.legs.kind import TransitKind
 from missionplan.diagnosis.legs.model import TransitModel
 from missionplan.diagnosis.next_trial.belief import Believed, Posterior
 from missionplan.diagnosis.next_trial.designs import TrialKind
 from missionplan.diagnosis.next_trial.losses import Alternatives
+from missionplan.diagnosis.next_trial.prediction import Prediction
 from missionplan.effects import CATALOGUE
 from missionplan.mission import Mission
 from missionplan.mission.schema.phases import LegTableSection, TransitPhase

@@ -7,8 +7,8 @@ import numpy as np
 
 from missionplan.arrays import Array
 from missionplan.diagnosis.coordinates import parameters_from
-from missionplan.diagnosis.inference.trials import DecisionProblem, Draws
 from missionplan.diagnosis.next_trial.belief import Believed
+from missionplan.diagnosis.next_trial.experiment import DecisionProblem, Draws
 from missionplan.effects import CATALOGUE
 from missionplan.mission import Mission
 from missionplan.results.learned.next_trial import LossUnit

@@ -12,8 +12,9 @@ from missionplan.arrays import Array
 from missionplan.diagnosis.coordinates import Coordinate
 from missionplan.diagnosis.data_kind import DataKind
 from missionplan.diagnosis.explanations import Weighed
-from missionplan.diagnosis.inference.trial_prediction import Prediction
-from missionplan.diagnosis.inference.trials import (
+from missionplan.diagnosis.next_trial.belief import Believed, believe, likely_fits
+from missionplan.diagnosis.next_trial.designs import Cost, TrialKind
+from missionplan.diagnosis.next_trial.experiment import (
     DecisionProblem,
     Draws,
     Experiment,
@@ -22,9 +23,8 @@ from missionplan.diagnosis.inference.trials import (
     polynomial,
     value_of_information,
 )
-from missionplan.diagnosis.next_trial.belief import Believed, believe, likely_fits
-from missionplan.diagnosis.next_trial.designs import Cost, TrialKind
 from missionplan.diagnosis.next_trial.losses import Losses, losses
+from missionplan.diagnosis.next_trial.prediction import Prediction
 from missionplan.diagnosis.pipeline import PipelineResult
 from missionplan.effects import CATALOGUE
 from missionplan.effects.info import Instrument

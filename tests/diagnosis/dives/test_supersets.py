@@ -7,7 +7,7 @@ from scipy.special import logsumexp
 
 from missionplan.diagnosis.dives.fitting import likely_noises
 from missionplan.diagnosis.dives.noise import noise_grid
-from missionplan.diagnosis.inference.set_evidence import SCALE_PRIOR, SCALES
+from missionplan.diagnosis.inference.marginal_likelihood import SCALE_PRIOR, SCALES
 
 
 def test_what_a_further_cause_adds_is_known_without_a_fit(measured):

@@ -5,8 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from missionplan.diagnosis.inference.cross_validation import compare_held_out
-from missionplan.diagnosis.inference.model import HeldOutScore
+from missionplan.diagnosis.inference.model import HeldOutScore, compare_held_out
 
 
 def scores(logs, squared=1.0, inside=9, count=10):

@@ -8,10 +8,9 @@ from scipy.stats import multivariate_normal
 
 from missionplan.diagnosis.inference.axes import Axis, AxisScale, around, pointwise
 from missionplan.diagnosis.inference.block_covariance import BlockCovariance, InnerProducts
-from missionplan.diagnosis.inference.discrepancy import USUAL, discrepancy
+from missionplan.diagnosis.inference.discrepancy import LENGTHS, MOST_COLUMNS, USUAL, discrepancy
+from missionplan.diagnosis.inference.marginal_likelihood import SCALE_PRIOR, SCALES
 from missionplan.diagnosis.inference.residual_tests import Residuals, outlying_groups
-from missionplan.diagnosis.inference.responses import LENGTHS, MOST_COLUMNS
-from missionplan.diagnosis.inference.set_evidence import SCALE_PRIOR, SCALES
 
 N = 80
 

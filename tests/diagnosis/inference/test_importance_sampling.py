@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.stats import multivariate_normal, multivariate_t, norm
 
-from missionplan.diagnosis.inference.importance_sampling import (
+from missionplan.diagnosis.inference.evidence_approximations import (
     DRAWS,
     even_points,
     log_student_density,

@@ -3,8 +3,7 @@
 import numpy as np
 import pytest
 
-from missionplan.diagnosis.inference.cross_validation import interval_coverage
-from missionplan.diagnosis.inference.model import HeldOutScore
+from missionplan.diagnosis.inference.model import HeldOutScore, interval_coverage
 
 
 def scores(factor, groups=8, size=30, seed=1):

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.integrate import quad
 
-from missionplan.diagnosis.inference.laplace import laplace
+from missionplan.diagnosis.inference.evidence_approximations import laplace
 
 
 def test_laplace_is_exact_for_a_gaussian():

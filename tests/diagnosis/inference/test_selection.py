@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from missionplan.diagnosis.inference.importance_sampling import SampledEvidence
+from missionplan.diagnosis.inference.evidence_approximations import SampledEvidence
 from missionplan.diagnosis.inference.model import CauseFit, FailedFit, FitRequest
 from missionplan.diagnosis.inference.selection import credible_set, no_progress, rivals, told_together
 from missionplan.diagnosis.inference.weighing import NeutralResponses, weigh

@@ -4,8 +4,7 @@ import numpy as np
 import pytest
 from scipy.stats import multivariate_normal
 
-from missionplan.diagnosis.inference.marginal_likelihood import LOG_2PI
-from missionplan.diagnosis.inference.set_evidence import GramMatrix, SetPriors, blocks_by_size
+from missionplan.diagnosis.inference.marginal_likelihood import LOG_2PI, GramMatrix, SetPriors, blocks_by_size
 
 
 @pytest.mark.parametrize("scale", [0.75, 1.9])

@@ -6,8 +6,14 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.stats import norm
 
-from missionplan.diagnosis.inference.trial_prediction import Explanation, Prediction
-from missionplan.diagnosis.inference.trials import DecisionProblem, Experiment, drawn, polynomial, value_of_information
+from missionplan.diagnosis.next_trial.experiment import (
+    DecisionProblem,
+    Experiment,
+    drawn,
+    polynomial,
+    value_of_information,
+)
+from missionplan.diagnosis.next_trial.prediction import Explanation, Prediction
 from tests.next_trial.seen import realised_information
 
 DRAWS = 20_000

@@ -9,8 +9,8 @@ import yaml
 
 from missionplan import diagnose
 from missionplan.datasets.legs import read_transit
-from missionplan.diagnosis.legs.extended_mission import widened
 from missionplan.diagnosis.legs.fit_checks import not_constant
+from missionplan.diagnosis.legs.kind import widened
 from missionplan.diagnosis.legs.model_factory import transit_model
 from missionplan.mission import Mission
 from missionplan.report.diagnosis.page import answer

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from scipy.special import logsumexp
 
 from missionplan.arrays import Array
-from missionplan.diagnosis.inference.trial_prediction import Explanation, Prediction, Updated, normalised
+from missionplan.diagnosis.next_trial.prediction import Explanation, Prediction, Updated, normalised
 
 CURVED = 3
 """Directions of a summary that enter squared and multiplied with each other; the rest enter linearly."""
