@@ -208,11 +208,11 @@ def refined(model: TransitFitting, likeliest: LegTerm) -> list[LegTerm]:
     term = next(each for each in info.terms if each.strengths == strengths)
     if info.parameters[term.searched].searched != "time":
         return []
-    tried, starts = _tried(model, "time"), model.data.t_start
-    place = int(np.searchsorted(starts, float(np.asarray(likeliest.acting.shapes[term.searched]))))
-    apart = math.ceil((MIDDLE[1] - MIDDLE[0]) * model.data.n / MOMENTS)
-    near = starts[max(place - apart, 0) : place + apart + 1]
-    share = likeliest.log_share + math.log(len(tried)) - math.log(max((MIDDLE[1] - MIDDLE[0]) * model.data.n, 1.0))
+    tried, moments = _tried(model, "time"), _moments(model)
+    place = int(np.searchsorted(moments, float(np.asarray(likeliest.acting.shapes[term.searched]))))
+    apart = math.ceil(len(moments) / MOMENTS)
+    near = moments[max(place - apart, 0) : place + apart + 1]
+    share = likeliest.log_share + math.log(len(tried)) - math.log(len(moments))
     return [replace(each, log_share=share) for each in _members(model, info, term, np.setdiff1d(near, tried))]
 
 
@@ -302,11 +302,21 @@ def _slab(model: TransitFitting, info: EffectInfo, name: str, column: Array) -> 
     return SIZE / rms if rms > 0.0 else 0.0
 
 
+def _moments(model: TransitFitting) -> Array:
+    """Moments at which something may change: a leg of the middle begins, and there are legs before it.
+
+    The mission's clock begins at its start: what changed before that holds throughout it.
+    """
+    n = model.data.n
+    middle = model.data.t_start[max(int(MIDDLE[0] * n), 1) : int(MIDDLE[1] * n) + 1]
+    return np.asarray(middle[middle > 0.0])
+
+
 def _tried(model: TransitFitting, searched: str) -> Array:
     """Values of a shape that are tried: between legs, or between the values of a quantity."""
     if searched == "time":
-        places = np.linspace(MIDDLE[0] * model.data.n, MIDDLE[1] * model.data.n, MOMENTS)
-        return np.asarray(model.data.t_start[np.unique(places.astype(int))])
+        moments = _moments(model)
+        return moments[np.unique(np.linspace(0, max(len(moments) - 1, 0), min(MOMENTS, len(moments))).astype(int))]
     if searched == "period":
         span, most = float(np.ptp(model.data.middle)), max(model.data.n / LEGS_IN_TURN, 1.0)
         return np.append(span / np.linspace(1.0, most, PERIODS), [DAY] if span > 0.5 * DAY else [])

@@ -1,6 +1,7 @@
 """Neutral terms beside a term with a name: their density and prior, and terms whose size is none of their effect's."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -11,7 +12,7 @@ from missionplan.diagnosis.inference.marginal_likelihood import SCALES
 from missionplan.diagnosis.legs.model_factory import transit_model
 from missionplan.diagnosis.legs.noise_integration import NoiseSearch
 from missionplan.diagnosis.legs.set_density import LegInference, MeanSet
-from missionplan.diagnosis.legs.terms import UNNAMED, terms_of, without_a_name
+from missionplan.diagnosis.legs.terms import UNNAMED, refined, terms_of, without_a_name
 
 KIND = {"kind": "transit", "name": "legs", "noise": {"fix": "3 m"}}
 
@@ -24,6 +25,17 @@ def inference(folder, transit_mission, legs):
 
 def jump(inference):
     return next(i for i, each in enumerate(inference.terms, start=1) if each.effect == "compass-jump")
+
+
+@pytest.mark.parametrize("early", [0.0, 3.0 * 3600.0, 1e6])
+def test_nothing_changes_before_the_first_leg_or_the_start_of_the_mission(folder, transit_mission, legs, early):
+    """A log may begin before the mission does: what changed until then is the same throughout the mission."""
+    data = read_transit(folder(KIND, legs()), transit_mission)
+    bound = transit_model(replace(data, t_start=data.t_start - early), transit_mission, seed=1)
+    changing = [each for each in terms_of(bound) if each.effect == "compass-jump"]
+    found = [each.acting.shapes["moment"] for term in changing for each in (term, *refined(bound, term))]
+    assert all(max(0.0, bound.data.t_start[0]) < moment for moment in found)
+    assert bool(found) is bool(bound.data.t_start[int(0.8 * bound.data.n)] > 0.0)
 
 
 @pytest.mark.parametrize("causes", [(), ("mean-current",)])
