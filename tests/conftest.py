@@ -34,6 +34,7 @@ from missionplan.mission import load
 from missionplan.montecarlo import streams
 from missionplan.report.drawn import Drawn, draw, drawing_by
 from missionplan.studies import judgement
+from missionplan.studies.simulation import simulate as simulation
 from tests.depth_readings import simulate_readings
 
 
@@ -130,6 +131,14 @@ def unassumed():
     """Judge without runs for each assumption of a mission: for modules that do not look at assumptions."""
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(judgement, "ledger", lambda mission, seed: ())
+        yield
+
+
+@pytest.fixture(scope="module")
+def unplanned():
+    """Simulate without the plan for the boat, of which each leg has its duration: for modules that do not look at it."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(simulation, "plan_if_any", lambda mission, means, seed: None)
         yield
 
 

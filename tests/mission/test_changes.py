@@ -1,6 +1,7 @@
 """Missions changed in Python and written back: keys, units, comments."""
 
 from pathlib import Path
+from shutil import copytree
 
 import hypothesis.strategies as st
 import numpy as np
@@ -16,10 +17,16 @@ from missionplan.montecarlo.distributions import Normal
 MISSIONS = Path(__file__).parents[2] / "missions"
 
 
+@pytest.fixture(scope="module")
+def starter_files(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("written") / "starter"
+    init(folder)
+    return folder
+
+
 @pytest.fixture
-def starter(tmp_path: Path) -> Mission:
-    init(tmp_path / "starter")
-    return load(tmp_path / "starter" / "mission.yaml")
+def starter(starter_files: Path, tmp_path: Path) -> Mission:
+    return load(copytree(starter_files, tmp_path / "starter") / "mission.yaml")
 
 
 def test_a_mission_is_shown_in_a_line(starter: Mission) -> None:

@@ -2,6 +2,7 @@
 
 import json
 import re
+from itertools import product
 from pathlib import Path
 
 import numpy as np
@@ -66,8 +67,13 @@ COMMANDS = {
 }
 
 
-@pytest.mark.parametrize("way", WAYS)
-@pytest.mark.parametrize("command", COMMANDS)
+@pytest.mark.parametrize(
+    ("command", "way"),
+    [
+        pytest.param(*pair, marks=pytest.mark.slow if pair == ("plan-legs", "two-fold") else ())
+        for pair in product(COMMANDS, WAYS)
+    ],
+)
 def test_no_headline_orders_while_the_truth_is_not_known(command, way, monkeypatch):
     monkeypatch.setattr(optimise_legs, "MEAN_FAMILY", PolicyFamily((1.0,), ()))
     words = headline(COMMANDS[command](Mission.from_data({**TRANSIT, **WAYS[way]})))

@@ -8,6 +8,8 @@ from missionplan.report.explained import explanation_in_words
 from missionplan.report.render import render_report
 from missionplan.studies.simulation.simulate import simulate_block
 
+pytestmark = pytest.mark.usefixtures("unplanned")
+
 TRIALS = 2000
 BASE = {
     "name": "in doubt",

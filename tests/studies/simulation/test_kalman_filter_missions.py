@@ -11,6 +11,8 @@ from missionplan.phases.transit.kalman_filter import PERSISTENT, STEADY, SURFACE
 from missionplan.scenario.scenario import Scenario
 from missionplan.studies.simulation.simulate import simulate
 
+pytestmark = pytest.mark.usefixtures("unplanned")
+
 MISSION = """
 name: Filter
 site:

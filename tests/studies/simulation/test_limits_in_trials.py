@@ -6,6 +6,8 @@ from simulate_missions import chesapeake
 from missionplan.report.simulation.page import answer
 from missionplan.studies.simulation.simulate import simulate
 
+pytestmark = pytest.mark.usefixtures("unplanned")
+
 
 def lost(found):
     return {step.step: step.lost.value for step in found.attrition if step.lost.value}

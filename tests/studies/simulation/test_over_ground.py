@@ -171,7 +171,7 @@ def test_the_share_of_tracks_lost_is_told_beforehand(write):
     check_place(Scenario.at_means(partly))
     (notice,) = tracks_lost(Scenario.at_means(partly))
     share = float(notice.split("ahead ")[1].split(" %")[0])
-    lost = simulate(partly, trials=2000, seed=5, sheet=False).contacts[0].lost
+    lost = simulate(partly, trials=600, seed=5, sheet=False).contacts[0].lost
     assert abs(share / 100.0 - lost.value) < 0.08
     assert "on-land" in notice
 

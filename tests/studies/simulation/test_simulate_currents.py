@@ -17,6 +17,8 @@ from missionplan.scenario.site_current import recorded_current
 from missionplan.studies.simulation.simulate import simulate, simulate_block
 from missionplan.studies.simulation.trial_block import run_block
 
+pytestmark = pytest.mark.usefixtures("unplanned")
+
 EAST, NORTH = 0.12, -0.05
 STEADY = {
     **{key: value for key, value in EXACT.items() if key != "site.current"},

@@ -12,6 +12,8 @@ from missionplan.scenario.scenario import Scenario
 from missionplan.scenario.site_current import recorded_current
 from missionplan.studies.simulation.simulate import simulate, simulate_block
 
+pytestmark = pytest.mark.usefixtures("unplanned")
+
 SIGMA, TIME = 0.05, 7200.0
 
 

@@ -21,6 +21,8 @@ from missionplan.studies.simulation.block_sequence import Precision
 from missionplan.studies.simulation.block_statistics import BlockStatistics
 from missionplan.studies.simulation.simulate import simulate
 
+pytestmark = pytest.mark.usefixtures("unplanned")
+
 TRIALS = 2 * BLOCK + 500
 DATA = chesapeake_data()
 QUICK = {"phases": DATA["phases"][:1], "requirements": DATA["requirements"][:1]}  # the way in alone: cheap blocks
