@@ -316,7 +316,8 @@ def _tried(model: TransitFitting, searched: str) -> Array:
     """Values of a shape that are tried: between legs, or between the values of a quantity."""
     if searched == "time":
         moments = _moments(model)
-        return moments[np.unique(np.linspace(0, max(len(moments) - 1, 0), min(MOMENTS, len(moments))).astype(int))]
+        places = np.linspace(0, max(len(moments) - 1, 0), min(MOMENTS, len(moments)))
+        return np.asarray(moments[np.unique(places.astype(int))])
     if searched == "period":
         span, most = float(np.ptp(model.data.middle)), max(model.data.n / LEGS_IN_TURN, 1.0)
         return np.append(span / np.linspace(1.0, most, PERIODS), [DAY] if span > 0.5 * DAY else [])
