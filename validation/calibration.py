@@ -431,6 +431,6 @@ def _next_trial(options: Options) -> list[float]:
 def _regret(options: Options) -> list[float]:
     from tests.regret import __main__ as regret
 
-    found = lines(options.work / "calibration.regret.jsonl", range(610_000, 610_048), regret.run_case)
+    found = lines(options.work / "calibration.regret.jsonl", range(610_000, 610_060), regret.run_case)
     doubtful = [each["regret"] for each in found if each.get("regret")][:40]
     return [float(np.mean([each[way] for each in doubtful])) for way in regret.WAYS]

@@ -85,6 +85,10 @@ def test_times_of_the_day_count_from_the_separation(folder, descent_mission):
     data = read_descent(folder({**KIND, "runs": runs}, dated), descent_mission)
     for ours, wanted in zip(data.dives, plain.dives, strict=True):
         np.testing.assert_allclose(ours.t, wanted.t, atol=1e-5)
+    mixed = table["t_s"].astype(str).where(table["run"] == "dive-1", dated["t_s"])
+    data = read_descent(folder({**KIND, "runs": runs}, table.assign(t_s=mixed)), descent_mission)
+    for ours, wanted in zip(data.dives, plain.dives, strict=True):
+        np.testing.assert_allclose(ours.t, wanted.t, atol=1e-5)  # one dive in seconds already
     del runs["dive-2"]["separation"]
     with pytest.raises(InputError, match="dive-2: its times are of the day; say in runs: when its anchor separated"):
         read_descent(folder({**KIND, "runs": runs}, dated), descent_mission)

@@ -133,7 +133,9 @@ def test_a_flag_goes_before_a_count_and_neighbours_before_a_dilution():
     assert judge_fixes(flagged).reasons == ("not valid by its flag",)
     diluted = replace(good, hdop=np.where(ninth, 20.0, 1.0))
     assert not judge_fixes(diluted).reasons  # the fix a minute before confirms it
-    alone = replace(diluted, t=np.where(np.arange(n) > 9, good.t + 600.0, good.t) + np.where(ninth, 300.0, 0.0))
+    later = np.where(np.arange(n) > 9, good.t + 600.0, good.t)
+    assert not judge_fixes(replace(diluted, t=later + np.where(ninth, 30.0, 0.0))).reasons  # 90 s before, not 150 s
+    alone = replace(diluted, t=later + np.where(ninth, 300.0, 0.0))
     assert judge_fixes(alone).reasons == ("dilution of precision above 8",)
     few = replace(good, satellites=np.where(ninth, 2.0, 9.0), latitude=good.latitude + np.where(ninth, 0.002, 0.0))
     assert judge_fixes(few).reasons == ("fewer than 4 satellites",)
