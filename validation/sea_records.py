@@ -96,7 +96,7 @@ def data_sets_below(folder: Path) -> Iterator[tuple[str, Path, Path]]:
     ],
     differs="the record's description finds no error by heading; beside a persistence of days, an inertial current "
     "that wanders and a shear, a deviation of 13° gains 14 nats: 11 of them by legs 32 and 33, which alone went "
-    "south-west, and 12 to 17 whatever the form of the persistence and of the oscillation. It is larger than a "
+    "south-west, and 7 to 17 with other forms of the persistence and of the oscillation. It is larger than a "
     "compass's: what is told is that the error depends on heading, as part of what is not constant over the record, "
     "and nothing is to be corrected",
     cost=30.0,
