@@ -11,10 +11,10 @@ import platform
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from functools import cache
-from importlib.metadata import entry_points, version
+from importlib.metadata import entry_points
 from importlib.util import find_spec
 
-from missionplan.packages import PLUGINS
+from missionplan.packages import PLUGINS, version_of
 
 LIBRARIES = ("numpy", "scipy", "pandas", "pint", "gsw", "pyproj", "utide")
 """Whose versions may change the numbers; Python's own sums changed with 3.12."""
@@ -50,10 +50,10 @@ def running_program() -> Program:
     entries = [entry for group in PLUGINS for entry in entry_points(group=group)]
     plugins = sorted({entry.module.partition(".")[0] for entry in entries})
     return Program(
-        version("missionplan"),
+        version_of("missionplan"),
         _digest_of_folder(os.path.dirname(__file__)),  # noqa: PTH120 - imported by what knows no paths
         {name: _plugin_digest(name) for name in plugins},
-        {"python": ".".join(platform.python_version_tuple()[:2]), **{name: version(name) for name in LIBRARIES}},
+        {"python": ".".join(platform.python_version_tuple()[:2]), **{name: version_of(name) for name in LIBRARIES}},
     )
 
 

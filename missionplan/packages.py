@@ -3,11 +3,16 @@
 import sys
 import traceback
 from contextlib import redirect_stdout
-from importlib.metadata import EntryPoint, entry_points, requires
+from functools import cache
+from importlib.metadata import EntryPoint, entry_points, requires, version
 from importlib.util import find_spec
 
 PLUGINS = ("missionplan.effects", "missionplan.importers")
 """Entry points by which other packages add code."""
+
+
+version_of = cache(version)
+"""Version of a package that is installed: its metadata are read once."""
 
 
 class PluginError(Exception):

@@ -12,7 +12,6 @@ from dataclasses import dataclass, field
 from datetime import UTC, datetime
 from functools import cached_property
 from importlib import import_module
-from importlib.metadata import version
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, ClassVar
 
@@ -21,7 +20,7 @@ import yaml
 from missionplan.errors import InputError, Problem
 from missionplan.identity import Identity
 from missionplan.montecarlo.posterior_file import FILE, PosteriorFile
-from missionplan.packages import how_to_install
+from missionplan.packages import how_to_install, version_of
 from missionplan.rendering import Plots, presenter, render
 from missionplan.results.decision import ROWS_OF_COMMAND, Assumption, CheckedRange, Coverage, Decision, changes_of
 from missionplan.results.entries import Entry, Record, summary_of
@@ -91,7 +90,7 @@ class Provenance(Record):
     @property
     def version(self) -> Annotated[str, Entry()]:
         """Version of missionplan."""
-        return version("missionplan")
+        return version_of("missionplan")
 
     @property
     def wall_time(self) -> Annotated[float, Entry(unit="s", key="elapsed")]:
@@ -111,7 +110,7 @@ class Provenance(Record):
     @property
     def libraries(self) -> Annotated[Mapping[str, str], Entry()]:
         """Versions of the libraries that numbers may depend on."""
-        return {name: version(name) for name in _LIBRARIES}
+        return {name: version_of(name) for name in _LIBRARIES}
 
     @property
     def digest(self) -> Annotated[str, Entry(key="identity")]:

@@ -1,7 +1,7 @@
 """GeoJSON (RFC 7946) with simplestyle colours: course, waypoints, arrival and mooring circles."""
 
 import json
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from typing import Any
 
 from missionplan.exporters.formats import header, one_interval
@@ -27,14 +27,19 @@ Feature = dict[str, Any]
 
 def files(plan: Plan, stem: str) -> dict[str, str | bytes]:
     """Write one file."""
-    collection = {
-        "type": "FeatureCollection",
-        "name": plan.mission,
-        "mission_sha256": plan.digest,
-        "header": list(header(plan, TITLE, lost(plan))),
-        "features": list(features(plan)),
-    }
-    return {f"{stem}.geojson": json.dumps(collection, ensure_ascii=False, allow_nan=False, indent=1) + "\n"}
+    says = {"mission_sha256": plan.digest, "header": header(plan, TITLE, lost(plan))}
+    return {f"{stem}.geojson": collection(plan.mission, features(plan), **says)}
+
+
+def collection(name: str | None, features: Iterable[Feature], **says: object) -> str:
+    """Write a collection with what else it says of itself, one feature a line."""
+    head = _text({"type": "FeatureCollection", "name": name, **says}).removesuffix("}")
+    lines = ",\n".join(map(_text, features))
+    return f'{head}, "features": [\n{lines}\n]}}\n'
+
+
+def _text(data: dict[str, Any]) -> str:
+    return json.dumps(data, ensure_ascii=False, allow_nan=False)
 
 
 def features(plan: Plan, *, circles: bool = True) -> Iterator[Feature]:

@@ -208,7 +208,9 @@ class ErrorWaves:
         cosine, sine = np.cos(phase), np.sin(phase)
         if weight is not None:
             cosine, sine = cosine * weight, sine * weight
-        return np.asarray(np.sum(self.cosine * cosine + self.sine * sine, axis=1))
+        waves = self.cosine * cosine
+        waves += self.sine * sine
+        return np.asarray(np.sum(waves, axis=1))
 
 
 @dataclass(frozen=True)

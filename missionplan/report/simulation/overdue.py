@@ -1,6 +1,5 @@
 """The sheet for the boat: when the vehicle is expected, when to worry, and where to search."""
 
-import json
 import math
 from collections.abc import Iterator, Sequence
 from datetime import UTC, datetime, timedelta
@@ -10,7 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure as MatplotlibFigure
 
 from missionplan.arrays import Array
-from missionplan.exporters.maps.geojson import feature
+from missionplan.exporters.maps.geojson import collection, feature
 from missionplan.exporters.maps.geometry import longitudes_latitudes
 from missionplan.moments import moment_of, zone_written
 from missionplan.report.axes import name_axis
@@ -267,7 +266,7 @@ def search_areas_geojson(outcome: Outcome) -> str | None:
     found, origin = outcome.overdue, outcome.tracks.origin
     if found is None or origin is None:
         return None
-    features = [
+    features = (
         feature(
             "MultiPolygon",
             [[longitudes_latitudes(ring, origin) for ring in rings] for rings in area.polygons],
@@ -276,6 +275,5 @@ def search_areas_geojson(outcome: Outcome) -> str | None:
             **area.row(),
         )
         for area in found.areas
-    ]
-    collection = {"type": "FeatureCollection", "name": outcome.provenance.mission, "features": features}
-    return json.dumps(collection, ensure_ascii=False, allow_nan=False, indent=1) + "\n"
+    )
+    return collection(outcome.provenance.mission, features)

@@ -1,6 +1,5 @@
 """Tracks, fixes, circles of error and the plan as GeoJSON (RFC 7946) and KML 2.2 (OGC 07-147r2)."""
 
-import json
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -9,7 +8,7 @@ from itertools import chain
 
 import numpy as np
 
-from missionplan.exporters.maps.geojson import Feature, area_feature, feature, line_feature
+from missionplan.exporters.maps.geojson import Feature, area_feature, collection, feature, line_feature
 from missionplan.exporters.maps.geometry import Origin, longitudes_latitudes, parts
 from missionplan.exporters.maps.kml import kml, plan_folders, properties_of
 from missionplan.exporters.table import known
@@ -109,13 +108,8 @@ def track_geojson(outcome: Outcome) -> str | None:
     folders = _folders(outcome)
     if folders is None:
         return None
-    collection = {
-        "type": "FeatureCollection",
-        "name": outcome.provenance.mission,
-        **({"mission_sha256": outcome.plan.digest} if outcome.plan else {}),
-        "features": list(chain(*folders.values())),
-    }
-    return json.dumps(collection, ensure_ascii=False, allow_nan=False, indent=1) + "\n"
+    says = {"mission_sha256": outcome.plan.digest} if outcome.plan else {}
+    return collection(outcome.provenance.mission, chain(*folders.values()), **says)
 
 
 def track_kml(outcome: Outcome) -> str | None:
