@@ -4,7 +4,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from missionplan.diagnosis.coordinates import SIGMA_V, JointPosterior, coordinates_of
@@ -30,7 +30,6 @@ def normal(effect, mean, sd):
 
 
 @given(st.sampled_from(EFFECTS), st.floats(-3.0, 3.0), st.floats(1e-3, 3.0))
-@settings(max_examples=60)
 def test_what_is_written_can_be_read_and_draws_inside_the_range(effect, size, spread):
     coordinates = coordinates_of(CATALOGUE[effect])
     mean = np.array([c.centre + size * c.slab for c in coordinates])

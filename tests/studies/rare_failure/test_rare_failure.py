@@ -2,7 +2,6 @@
 
 import json
 import math
-import subprocess
 import sys
 from pathlib import Path
 
@@ -15,6 +14,7 @@ from typing_extensions import override
 
 import missionplan
 from missionplan.arrays import Array
+from missionplan.cli import main
 from missionplan.errors import InputError
 from missionplan.mission import Mission
 from missionplan.montecarlo.rare_events.strata import StrataView, strata
@@ -223,20 +223,23 @@ def test_an_anchor_that_floods_too_early_once_in_a_million_is_a_stratum_of_its_o
     assert not usual.all()
 
 
-def test_the_command_writes_the_report_and_refuses_what_does_not_apply(tmp_path: Path) -> None:
+def test_the_command_writes_the_report_and_refuses_what_does_not_apply(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    def status(*words: str) -> object:
+        command = ["missionplan", "simulate", "transit.yaml", "--jobs", "1", "--trials", "60000", "--rare", *words]
+        monkeypatch.setattr(sys, "argv", command)
+        with pytest.raises(SystemExit) as ended:
+            main()
+        return ended.value.code
+
+    monkeypatch.chdir(tmp_path)
     transit(tmp_path, sigma=0.14, legs=4, d_max=300.0, radius=15.0)
-    command = [sys.executable, "-m", "missionplan", "simulate", "transit.yaml", "--jobs", "1", "--trials", "60000"]
-    run = subprocess.run(
-        [*command, "--json", "--out", "out", "--rare"], cwd=tmp_path, capture_output=True, text=True, check=False
-    )
-    assert run.returncode == 0, run.stderr
-    summary = json.loads(run.stdout)
+    assert status("--json", "--out", "out") == 0
+    summary = json.loads(capsys.readouterr().out)
     assert summary["rare"]["event"] == "not total.success"
     assert {"report.html", "summary.json", "rare.csv", "failures.csv"} <= {p.name for p in (tmp_path / "out").iterdir()}
     again = "missionplan simulate transit.yaml --rare &#39;not total.success&#39; --seed 1 --trials 60000"
     assert again in (tmp_path / "out" / "report.html").read_text(encoding="utf-8")
-    refused = subprocess.run(
-        [*command, "--rare", "--resume"], cwd=tmp_path, capture_output=True, text=True, check=False
-    )
-    assert refused.returncode == 2
-    assert "--resume" in refused.stderr
+    assert status("--resume") == 2
+    assert "--resume" in capsys.readouterr().err
