@@ -2,10 +2,9 @@
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from typing import Annotated, ClassVar
+from typing import TYPE_CHECKING, Annotated, ClassVar
 
 import numpy as np
-import pandas as pd
 
 from missionplan.arrays import Array
 from missionplan.montecarlo.statistics import Probability, Statistic
@@ -15,6 +14,9 @@ from missionplan.results.base import Provenance, Result, to_csv, to_yaml
 from missionplan.results.decision import MemberOutcome
 from missionplan.results.entries import Entry, Record
 from missionplan.results.simulation import JUDGED, Outcome
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 
 @dataclass(frozen=True)
@@ -312,11 +314,17 @@ class LegPlan(FoundLegs, Result):
         ]
         return {**self.provenance.data, "phases": planned}
 
-    def to_frame(self) -> pd.DataFrame:
+    def to_frame(self) -> "pd.DataFrame":
         """One row per knot of the table where it is recommended; else one row, the fixed d_max."""
+        from pandas import DataFrame
+
+        return DataFrame(self._rows())
+
+    def _rows(self) -> list[dict[str, float]]:
         if not self.recommended:
-            return pd.DataFrame({"distance_left_m": [self.distance], "leg_m": [self.fixed_d_max]})
-        return pd.DataFrame({"distance_left_m": self.left, "leg_m": self.leg, "aim_short_m": self.left - self.leg})
+            return [{"distance_left_m": self.distance, "leg_m": self.fixed_d_max}]
+        knots = zip(self.left.tolist(), self.leg.tolist(), strict=True)
+        return [{"distance_left_m": left, "leg_m": leg, "aim_short_m": left - leg} for left, leg in knots]
 
     def files(self) -> dict[str, str | bytes]:
         """Return ``legs.csv``, and the mission with what is recommended: a table of legs, or one ``d_max``.
@@ -325,7 +333,7 @@ class LegPlan(FoundLegs, Result):
         """
         name = "legs" if self.recommended else "d_max"
         return {
-            "legs.csv": to_csv(self.to_frame()),
+            "legs.csv": to_csv(self._rows()),
             f"{name}.yaml": to_yaml(self.changes),
             f"mission-with-{name}.yaml": to_yaml(self.mission_with_legs()),
         }

@@ -1,12 +1,12 @@
 """Result of `sweep-dmax`: cost against the maximum leg length d_max, for each velocity error."""
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Annotated, ClassVar
 
 import numpy as np
-import pandas as pd
 
 from missionplan.montecarlo.statistics import Probability
 from missionplan.results.base import Provenance, Result, to_csv, to_grid
@@ -15,6 +15,7 @@ from missionplan.results.entries import Entry, Record
 from missionplan.results.simulation import JUDGED, Outcome
 
 if TYPE_CHECKING:
+    import pandas as pd
     import xarray
 
 
@@ -211,11 +212,17 @@ class Sweep(Result):
         ratios = [point.d_max_over_distance for curve in self.curves for point in curve.points]
         return tuple(1.0 / a for a in range(1, int(1.0 / min(ratios)) + 1) if 1.0 / a <= max(ratios) + 1e-12)
 
-    def to_frame(self) -> pd.DataFrame:
+    def to_frame(self) -> "pd.DataFrame":
         """One row per velocity error and d_max."""
+        from pandas import DataFrame
+
+        return DataFrame(self._rows())
+
+    def _rows(self) -> list[dict[str, object]]:
+        """Rows of `to_frame`, without a column for the analytic cost where there is none."""
         rows = [{"sigma_m_s": curve.sigma, **point.row()} for curve in self.curves for point in curve.points]
-        frame = pd.DataFrame(rows)
-        return frame if frame["cost_analytic"].notna().any() else frame.drop(columns="cost_analytic")
+        unknown = {"cost_analytic"} if all(math.isnan(row["cost_analytic"]) for row in rows) else set()
+        return [{name: value for name, value in row.items() if name not in unknown} for row in rows]
 
     def to_xarray(self) -> "xarray.Dataset":
         """Return the table as arrays over velocity error and d_max; needs the extra ``netcdf``."""
@@ -224,4 +231,4 @@ class Sweep(Result):
 
     def files(self) -> dict[str, str | bytes]:
         """Return ``sweep.csv``."""
-        return {"sweep.csv": to_csv(self.to_frame())}
+        return {"sweep.csv": to_csv(self._rows())}
