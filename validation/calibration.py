@@ -426,7 +426,7 @@ def _next_trial(options: Options) -> list[float]:
         reported("best cause"),
         reported("base model"),
     ],
-    cost=500.0,
+    cost=800.0,
 )
 def _regret(options: Options) -> list[float]:
     from tests.regret import __main__ as regret

@@ -112,11 +112,8 @@ def simulate(
     check_complete(mission)
     searches = read_searches(as_path(searched, "searched"), mission) if searched is not None else ()
     goal = Precision.parse(precision, mission) if precision else None
-    means = covered_means(mission)
+    means, exported = _carried_out(mission, as_exported)
     notices = input_notices(mission, means)
-    exported = (as_exported, mission_plan(mission, means=means, to=as_exported)) if as_exported is not None else None
-    if exported is not None:
-        means = replace(means, executions=executions(mission, *exported))
     task = BlockTask(means, seed, keep_trials)
     items = sized_blocks(trials or (MAX_TRIALS if goal else mission.monte_carlo.trials))
     store = Checkpoints(folder, _identity(task, as_exported), resume=resume) if folder else None
@@ -142,6 +139,15 @@ def simulate(
         chart=_chart(means, tracks),
         assumptions=judgement.ledger(mission, seed) if assumptions else (),
     )
+
+
+def _carried_out(mission: Mission, as_exported: str | None) -> tuple[Scenario, tuple[str, Plan] | None]:
+    """The scenario at its means as it is carried out, and the format and plan whose files say so, if any do."""
+    means = covered_means(mission)
+    if as_exported is None:
+        return means, None
+    plan = mission_plan(mission, means=means, to=as_exported)
+    return replace(means, executions=executions(mission, as_exported, plan)), (as_exported, plan)
 
 
 def _chart(means: Scenario, tracks: MapTracks) -> SeaChart | None:
