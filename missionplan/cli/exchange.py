@@ -158,7 +158,7 @@ def why(
     set in `dataset`, and what was made of the logs in dataset/report.html. Example: missionplan why logs/
     """
     from missionplan.diagnosis.why import DATASET, MISSION
-    from missionplan.importers.page import answer
+    from missionplan.report.imported import answer
     from missionplan.report.wording import typeset
 
     paths = reading.logs(sources)

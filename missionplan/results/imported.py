@@ -88,7 +88,7 @@ class LegPicture:
 class ImportedData(Result):
     """Result of `import`."""
 
-    report: ClassVar[str] = "missionplan.importers.page"
+    report: ClassVar[str] = "missionplan.report.imported"
     provenance: Provenance
     kind: Annotated[str, Entry("of the data set")]
     name: Annotated[str, Entry("of the data set", key="dataset")]

@@ -24,10 +24,10 @@ from missionplan.importers.descents import separations_by_sinking
 from missionplan.importers.geodesy import model_declination, with_declination
 from missionplan.importers.importer import Importer
 from missionplan.importers.importing import import_logs
-from missionplan.importers.leg_basis import COLUMNS, basis_rows, explained_rows
 from missionplan.importers.track import Series, Track
 from missionplan.mission import load
 from missionplan.report.drawn import draw, drawing_by
+from missionplan.report.leg_basis import COLUMNS, basis_rows, explained_rows
 
 MADE = Path(__file__).parent / "made.gli"
 NAMES = "time=t[epoch] lat=lat lon=lon dr_lat=a dr_lon=b depth=depth heading_true=heading"

@@ -10,7 +10,7 @@ import yaml
 import missionplan
 from missionplan.errors import InputError
 from missionplan.mission import load
-from missionplan.physics.reliability import chance_of_counts, counts_of_rate, rate_quantile
+from missionplan.montecarlo.reliability import chance_of_counts, counts_of_rate, rate_quantile
 
 HEAD = "per,failures,exposure,vehicle\n"
 

@@ -18,7 +18,7 @@ from missionplan.mission import Mission
 from missionplan.mission.reading.documents import read_text
 from missionplan.mission.schema.vehicle import Hazard, Leaves, Per
 from missionplan.montecarlo.distributions import Quantity, mean_of, sd_of
-from missionplan.physics.reliability import chance_of_counts, counts_of_rate, rate_quantile
+from missionplan.montecarlo.reliability import chance_of_counts, counts_of_rate, rate_quantile
 from missionplan.results.base import Provenance, Result, to_csv, to_json
 from missionplan.results.entries import Entry, Record, mapping, mappings, stated
 from missionplan.results.learned.diagnosis import ParameterLevels

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from missionplan.arrays import Array, Scalars
 from missionplan.mission.schema.manoeuvring import TransitionPhase
 from missionplan.mission.schema.phases import TransitPhase
+from missionplan.montecarlo.reliability import Exposure
 from missionplan.montecarlo.streams import NormalSource
 from missionplan.phases.currents import Current
 from missionplan.phases.hooks import TrialState
@@ -18,7 +19,6 @@ from missionplan.phases.transit.plan import Environment, Normals, TransitNormals
 from missionplan.phases.transit.transit import transit
 from missionplan.phases.transition_simulation import simulate_transition
 from missionplan.physics.propulsion import JOULES_PER_WATT_HOUR
-from missionplan.physics.reliability import Exposure
 from missionplan.results.entries import MET, Failure
 from missionplan.scenario.phases import manoeuvre, transit_normals, transition_vehicle
 from missionplan.scenario.scenario import Scenario

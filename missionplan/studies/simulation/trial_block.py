@@ -12,10 +12,10 @@ from numpy.typing import NDArray
 from missionplan.arrays import Array, Scalars
 from missionplan.mission.schema.phases import MoorPhase, TransitPhase
 from missionplan.mission.schema.vehicle import DistanceHazard, Hazard, HourlyHazard, Leaves, Per
+from missionplan.montecarlo.reliability import Exposure, age_at_chance, age_at_rate, age_weibull, rate_of_counts
 from missionplan.montecarlo.streams import BlockStreams, NormalSource
 from missionplan.phases.hooks import TrialState
 from missionplan.physics.propulsion import JOULES_PER_WATT_HOUR
-from missionplan.physics.reliability import Exposure, age_at_chance, age_at_rate, age_weibull, rate_of_counts
 from missionplan.results.entries import Failure
 from missionplan.scenario.phases import deployed
 from missionplan.scenario.scenario import Scenario
