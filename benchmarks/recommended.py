@@ -22,6 +22,7 @@ from missionplan.montecarlo.parallel.blocks import IN_THIS_PROCESS
 from missionplan.montecarlo.streams import BlockStreams, stream
 from missionplan.phases.hooks import TrialState
 from missionplan.results.anchor_sizing import ProbableAnchor
+from missionplan.results.entries import Counted
 from missionplan.scenario.anchors import laden, worst_case_weight
 from missionplan.scenario.phases import start_of
 from missionplan.scenario.scenario import Scenario
@@ -135,7 +136,7 @@ def good_weights(sizer: AnchorSizer, weights: np.ndarray) -> np.ndarray:
     succeeds = ~np.logical_or.reduce(list(done.failures.values())).reshape(-1, DIVES)
     good = np.ones(weights.size, dtype=bool)
     for index, item in enumerate(asked):
-        good &= shares[f"requirement {index}"] >= item.probability
+        good &= shares[Counted.requirement(index)] >= item.probability
     for item in mission.requirements:
         if item.quantity == "total.success":
             good &= succeeds.mean(axis=1) >= item.probability
