@@ -82,10 +82,6 @@ class Kriging:
         likelihood -= 0.5 * float(((log + 1.0) ** 2)[:-1].sum()) / 9.0  # lengths of half an axis, give or take 2³
         return cls(places, axis, lengths, nugget, centre, scale, factor, weights), likelihood
 
-    def through(self, places: Array, values: Array) -> "Kriging":
-        """Return the surface through other values, shape (n,), at other places, (n, k): of these lengths and nugget."""
-        return self._with(places, self.axis, values, np.log2([*self.lengths, self.nugget]))[0]
-
     def at(self, places: Array) -> tuple[Array, Array]:
         """Return mean and standard deviation at some places, shape (m, k), without the noise of values there."""
         across = _covariance(places / self.lengths[self.axis], self.places / self.lengths[self.axis])

@@ -38,8 +38,6 @@ _CANDIDATES = 3000
 _DOUBT = 2.0
 """Standard errors by which few trials may fall short and a choice still be looked at with more."""
 _NEIGHBOURED = 5
-_GROWN = 1.1
-"""Growth of the choices known after which lengths and nugget of a surface are fitted again."""
 _AT_ONCE = 8
 """Choices that are run with many trials before the winner is looked at again."""
 _DOUBTFUL = 4
@@ -57,8 +55,6 @@ class Search:
     """Of the first choices and of the candidates."""
     fits: dict[int, Kriging] = field(default_factory=dict)
     """The last surface of each margin, and under −1 that of the cost: the next fit starts from it."""
-    fitted: dict[int, int] = field(default_factory=dict)
-    """Of how many choices lengths and nugget of each were fitted last."""
 
     def widely(self) -> None:
         """Search the whole lattice with few trials."""
@@ -230,13 +226,9 @@ class Search:
         return chosen
 
     def _surface(self, number: int, known: Sequence[Evaluation], values: Array) -> Kriging:
-        """Draw a surface through a value of some choices; lengths and nugget stay until there are many more of them."""
+        """Draw a surface through a value of some choices, from where the last fit of the same value ended."""
         places, axis = self.evaluations.lattice.places([each.point for each in known])
-        last = self.fits.get(number)
-        if last is None or len(known) >= _GROWN * self.fitted.get(number, 0):
-            self.fits[number], self.fitted[number] = Kriging.fitted(places, axis, values, last), len(known)
-        else:
-            self.fits[number] = last.through(places, values)
+        self.fits[number] = Kriging.fitted(places, axis, values, self.fits.get(number))
         return self.fits[number]
 
     def _places(self, points: Sequence[Point]) -> Array:
