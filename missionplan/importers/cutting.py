@@ -149,8 +149,8 @@ def _offset_where_fixes_are_ignored(
 ) -> list[Positions] | None:
     """Move each leg's positions to start at its fix, if fixes are not taken in; None if they are.
 
-    Fixes are taken in where the position stands nearer to the fix just after it than the dead-reckoned one does just
-    before the next.
+    Fixes are taken in where the position, less the way since, stands nearer to the fix just after it than the
+    dead-reckoned one does just before the next.
     """
     offsets, misses, moved_lines = [], [], []
     for line, each in zip(own, candidates, strict=True):
@@ -159,12 +159,20 @@ def _offset_where_fixes_are_ignored(
             moved_lines.append(line)
             continue
         east, north = _from_fix(fixes, start, line, 0)
-        offsets.append(float(np.hypot(east, north)))
+        offsets.append(float(np.hypot(*(np.array([east, north]) - _way_since(line, float(fixes.good.t[start]))))))
         misses.append(float(np.hypot(*_from_fix(fixes, end, line, -1))))
         moved_lines.append(replace(line, **_moved_by(line, -float(east), -float(north))))
     if not offsets or np.median(offsets) < max(0.5 * float(np.median(misses)), 20.0):
         return None
     return moved_lines
+
+
+def _way_since(line: Positions, t: float) -> Array:
+    """Way from a moment to the first position of a line [m], at the speed of its first step."""
+    if len(line) < 2:
+        return np.zeros(2)
+    step = np.array(displacement(line.latitude[0], line.longitude[0], line.latitude[1], line.longitude[1]))
+    return np.asarray(step * (line.t[0] - t) / max(line.t[1] - line.t[0], 1e-9))
 
 
 def _from_fix(fixes: JudgedFixes, fix: int, line: Positions, which: int) -> tuple[Array, Array]:

@@ -34,7 +34,7 @@ def test_legs_are_from_the_last_fix_before_to_the_first_after():
 @settings(max_examples=15, deadline=None)
 @given(
     st.tuples(st.floats(-0.5, 0.5), st.floats(-0.5, 0.5)),
-    st.floats(0.1, 1.0),
+    st.floats(0.1, 2.5),
     st.integers(1, 12),
     st.sampled_from([1800.0, 3600.0, 7200.0]),
 )
