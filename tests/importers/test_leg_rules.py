@@ -37,9 +37,10 @@ def test_legs_are_from_the_last_fix_before_to_the_first_after():
     st.floats(0.1, 2.5),
     st.integers(1, 12),
     st.sampled_from([1800.0, 3600.0, 7200.0]),
+    st.sampled_from([5.0, 20.0, 60.0, 110.0]),
 )
-def test_the_error_of_a_leg_is_the_current(current, speed, legs, duration):
-    log = made(legs=legs, current=current, speed=speed, duration=duration)
+def test_the_error_of_a_leg_is_the_current(current, speed, legs, duration, step):
+    log = made(legs=legs, current=current, speed=speed, duration=duration, step=step)
     found = cut(log.track, RULES)
     assert len(found.legs) == legs
     np.testing.assert_allclose(velocity_errors(found.legs).T, np.tile(current, (legs, 1)), atol=2e-3)

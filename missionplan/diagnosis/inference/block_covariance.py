@@ -195,13 +195,13 @@ class BlockCovariance:
         With the precision P = W⁻¹ these are (P_gg)⁻¹(P r)_g and (P_gg)⁻¹: for groups of one the leave-one-out formulas
         of Dubrule (1983, *Math. Geol.* 15); Rasmussen & Williams (2006, Eq. 5.12).
         """
-        told, pulled = self._told, np.empty(values.shape)
+        update, pulled = self._low_rank_update, np.empty(values.shape)
         block, place = np.empty(len(values), dtype=int), np.empty(len(values), dtype=int)
         for number, (own, inverse) in enumerate(zip(self.rows, self._inverses, strict=True)):
             pulled[own], block[own], place[own] = inverse @ values[own], number, np.arange(len(own))
-        pulled -= told @ (told.T @ values)
+        pulled -= update @ (update.T @ values)
         for group in groups:
-            precision = -told[group] @ told[group].T
+            precision = -update[group] @ update[group].T
             for number in np.unique(block[group]):
                 own = np.flatnonzero(block[group] == number)
                 places = place[group[own]]
@@ -216,8 +216,8 @@ class BlockCovariance:
         """
         squared = float(np.trace(self.gram(np.concatenate([truth.root, away[:, None]], axis=1))))
         for own, inverse, block in zip(self.rows, self._inverses, truth.blocks, strict=True):
-            told = self._told[own]
-            squared += float(np.sum(inverse * block) - np.sum(told * (block @ told)))
+            update = self._low_rank_update[own]
+            squared += float(np.sum(inverse * block) - np.sum(update * (block @ update)))
         return 0.5 * (squared + self.log_determinant)
 
     @cached_property
@@ -225,7 +225,7 @@ class BlockCovariance:
         return tuple(np.asarray(np.linalg.inv(block)) for block in self.blocks)
 
     @cached_property
-    def _told(self) -> Array:
+    def _low_rank_update(self) -> Array:
         """U = B⁻¹R T⁻¹, shape (N, m): W⁻¹ = B⁻¹ − U Uᵀ."""
         found = np.empty(self.root.shape)
         for own, inverse in zip(self.rows, self._inverses, strict=True):
