@@ -14,17 +14,24 @@ from pydantic.fields import FieldInfo
 from pydantic_core import PydanticUndefined
 
 from missionplan.effects import CATALOGUE
-from missionplan.effects.info import EffectInfo
+from missionplan.effects.info import EffectInfo, Parameter
 from missionplan.mission.quantity_paths import default_of
-from missionplan.mission.reading.validation_errors import keys_of, meaning_of
+from missionplan.mission.reading.validation_errors import keys_of, meaning_of, parsers_of
 from missionplan.mission.schema.effect_list import ONE_OF
-from missionplan.mission.schema.quantity_parser import OrWord, QuantityParser
+from missionplan.mission.schema.quantity_parser import CoordinateParser, Limit, OrWord, QuantityParser
 from missionplan.mission.schema.section import ReadBy
+from missionplan.moments import EXAMPLE
 
 Schema = dict[str, object]
 
 NUMBER_WITH_UNIT = r"^\s*[+-]?([0-9]+\.?[0-9]*|\.[0-9]+)([eE][+-]?[0-9]+)?(\s+\S|[^0-9\s.]).*$"
 _FORMS = (("mean", "sd"), ("mean", "sd", "low", "high"), ("low", "high"), ("median", "factor"), ("choices",))
+_WRITTEN_IN: Mapping[str, tuple[tuple[float, str], ...]] = {
+    "s": ((86_400.0, "d"), (3600.0, "h"), (120.0, "min")),
+    "rad": ((math.radians(1.0), "deg"),),
+    "m": ((5000.0, "km"),),
+}
+"""Units in which examples are written, from which size on."""
 _OPTIONAL: Mapping[tuple[str, ...], tuple[str, ...]] = {("mean", "sd", "low", "high"): ("mean", "sd")}
 """Keys that a form needs, where it can do without the others."""
 
@@ -34,19 +41,45 @@ def quantity(parser: QuantityParser) -> Schema:
     value = _value(parser)
     if parser.fixed:
         return value
-    return {"anyOf": [value, *(_distribution(value, form) for form in _FORMS)], "description": value["description"]}
+    several = [value, *(_distribution(value, form) for form in _FORMS)]
+    return {"anyOf": several, "description": value["description"], "examples": value["examples"]}
 
 
-def parameter(unit: str, description: str) -> Schema:
+def parameter(known: Parameter) -> Schema:
     """Return the schema of an effect's parameter."""
-    return {**quantity(QuantityParser(unit)), "description": f"{description}{f' [{unit}]' if unit else ''}"}
+    described = f"{known.doc}{f' [{known.unit}]' if known.unit else ''}"
+    examples = {"examples": [_written(known.scale, known.unit)]} if known.scale > 0.0 else {}
+    return {**quantity(QuantityParser(known.unit)), "description": described, **examples}
+
+
+def example(info: FieldInfo) -> Schema:
+    """Return an example of a key: a quantity of its usual range, or its default."""
+    limit = next((each for each in info.metadata if isinstance(each, Limit)), None)
+    parsers = parsers_of(info)
+    if limit is None or not parsers:
+        default = default_of(info)
+        return {"examples": [default]} if isinstance(default, int | str) and default != "" and not parsers else {}
+    low, high = limit.usual
+    middle = math.sqrt(low * high) if low > 0.0 else 0.1 * high
+    return {"examples": [_written(middle, parsers[0].unit if limit.unit is None else limit.unit)]}
+
+
+def _written(value: float, unit: str, digits: int = 1) -> str | float:
+    """A quantity as a person writes it."""
+    size, unit = next((each for each in _WRITTEN_IN.get(unit, ()) if value >= each[0]), (1.0, unit))
+    rounded = float(f"{value / size:.{digits}g}")
+    return f"{rounded:g} {unit}" if unit else rounded
 
 
 def _value(parser: QuantityParser) -> Schema:
+    value = 1.5 if parser.low < 1.5 < parser.high else 0.5 * (parser.low + parser.high)
+    examples = [
+        f"60 06.0 {parser.signs[0]}" if isinstance(parser, CoordinateParser) else _written(value, parser.unit, 2)
+    ]
     if parser.unit:
-        words = f"a quantity in {parser.unit} or a unit like it, such as '1.5 {parser.unit}'{_range(parser)}"
-        return {"type": "string", "pattern": NUMBER_WITH_UNIT, "description": words}
-    schema: Schema = {"type": "number", "description": f"a number{_range(parser)}"}
+        words = f"a quantity in {parser.unit} or a unit like it, such as '{examples[0]}'{_range(parser)}"
+        return {"type": "string", "pattern": NUMBER_WITH_UNIT, "description": words, "examples": examples}
+    schema: Schema = {"type": "number", "description": f"a number{_range(parser)}", "examples": examples}
     if math.isfinite(parser.low):
         schema["exclusiveMinimum" if parser.open_low else "minimum"] = parser.low
     if math.isfinite(parser.high):
@@ -121,7 +154,7 @@ def _entry(info: EffectInfo) -> Schema:
     return {
         "type": "object",
         "description": info.what,
-        "properties": {**{name: parameter(each.unit, each.doc) for name, each in info.parameters.items()}, **dated},
+        "properties": {**{name: parameter(each) for name, each in info.parameters.items()}, **dated},
         "additionalProperties": False,
     }
 
@@ -131,7 +164,7 @@ _PLAIN: Mapping[object, Schema] = {
     int: {"type": "integer"},
     float: {"type": "number"},
     bool: {"type": "boolean"},
-    datetime: {"type": "string", "description": "a time, ISO 8601"},
+    datetime: {"type": "string", "description": "a time, ISO 8601", "examples": [EXAMPLE]},
     date: {"type": "string", "description": "a date, ISO 8601"},
     NoneType: {"type": "null"},
     object: {},
@@ -180,7 +213,7 @@ class Sections:
         default = default_of(info)
         if isinstance(default, str | int | float) and not re.match("nan|$", str(default)) and "$ref" not in schema:
             schema["default"] = default
-        return schema
+        return schema if "$ref" in schema else {**schema, **example(info)}
 
     def _annotated(self, annotation: object, metadata: list[object]) -> Schema:
         for item in metadata:
@@ -209,7 +242,7 @@ class Sections:
             several = [self._value(each) for each in arguments if each is not NoneType]
             return several[0] if len(several) == 1 else {"anyOf": several}
         if origin is Literal:
-            return {"enum": list(arguments)}
+            return {"enum": list(arguments), "examples": [arguments[0]]}
         if origin is tuple:
             return self._list(arguments)
         if isinstance(origin, type) and issubclass(origin, Mapping):

@@ -2,11 +2,13 @@
 
 import copy
 import json
+import re
 from collections.abc import Mapping
 from pathlib import Path
 from typing import cast
 
 import jsonschema
+import pint
 import pytest
 import yaml
 
@@ -134,3 +136,25 @@ def test_a_key_states_its_meaning_and_its_default() -> None:
     assert keys["surfacing_time"]["description"].startswith("time at the surface for a fix: a quantity in s")
     assert "default" not in keys["surfacing_time"]
     assert "default" not in schema("mission")["definitions"]["TransitPhase"]["properties"]["speed"]
+
+
+def test_the_examples_of_quantities_are_read_and_of_a_usual_size() -> None:
+    sections = schema("mission")["definitions"]
+    keys = {
+        (section, key): each["examples"]
+        for section, written in sections.items()
+        if section != "effect"
+        for key, each in written.get("properties", {}).items()
+        if "examples" in each
+    }
+    assert keys["MoorPhase", "hold"] == ["9 d"]
+    assert keys["SlopeSection", "angle"] == ["2 deg"]
+    assert len(keys) > 80
+    effects = {name: each["properties"] for name, each in sections["effect"]["properties"].items()}
+    assert effects["compass-bias"]["angle"]["examples"] == ["5 deg"]
+    assert keys["Geographic", "latitude"] == ["60 06.0 N"]
+    quantities = [each for (each,) in keys.values() if re.match(r"[0-9.e+-]+ [A-Za-z1]", str(each)) and each[-1] != "N"]
+    assert len(quantities) > 100
+    units = pint.UnitRegistry()
+    for each in quantities:
+        assert units(each.replace("degC", "delta_degC")).magnitude >= 0.0, each
