@@ -102,6 +102,7 @@ class AnchorSizing(Result):
 
     provenance: Provenance
     phase: Annotated[str, Entry("name of the mooring")]
+    others: Annotated[tuple[str, ...], Entry("names of the mission's other moorings, for which it is not sized")]
     radius: Annotated[float, Entry("at its mean", "m")]
     depth: float
     """At its mean [m]."""

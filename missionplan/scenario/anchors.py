@@ -4,6 +4,7 @@ The vehicle carries its anchors one before the other on its nose, the next to be
 (Briggs et al., Eq. 17). Each stays aboard until its own mooring.
 """
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import TypeVar
@@ -50,10 +51,13 @@ class CarriedAnchors:
         return replace(drag, hull=replace(drag.hull, length=drag.hull.length + self.length))
 
 
-def carried_anchors(drawn: DrawnMission, phase: TransitPhase[Scalars] | MoorPhase[Scalars]) -> CarriedAnchors | None:
+def carried_anchors(
+    drawn: DrawnMission, phase: TransitPhase[Scalars] | MoorPhase[Scalars], spare: Scalars | None = None
+) -> CarriedAnchors | None:
     """Return the anchors that stay aboard in a phase, a mooring's own not among them.
 
-    None where there are none left, or the mission does not give its anchor.
+    None where there are none left, or the mission does not give its anchor. Spare ones are as the mooring's own, whose
+    wet weight [N] may be given.
     """
     moors = _aboard(drawn, phase)
     if not moors or missing_for_moorings(drawn.mission):
@@ -63,7 +67,7 @@ def carried_anchors(drawn: DrawnMission, phase: TransitPhase[Scalars] | MoorPhas
     mass: Scalars = 0.0
     try:
         for moor in moors:
-            weight = wet_weight_of(drawn, moor)
+            weight = wet_weight_of(drawn, moor) if spare is None or moor.name != phase.name else spare
             length = length + np.maximum(anchor_length(drawn, weight) - overlap, 0.0)
             dry = anchor_flooded_mass(drawn, weight) - weight / STANDARD_GRAVITY
             mass = mass + np.maximum(dry, 0.0)
@@ -84,9 +88,9 @@ def _aboard(drawn: DrawnMission, phase: TransitPhase[Scalars] | MoorPhase[Scalar
     return (*moors[gone:], *[moors[-1]] * vehicle.anchors)[:left]
 
 
-def laden(drawn: _Drawn, phase: TransitPhase[Scalars] | MoorPhase[Scalars]) -> _Drawn:
+def laden(drawn: _Drawn, phase: TransitPhase[Scalars] | MoorPhase[Scalars], spare: Scalars | None = None) -> _Drawn:
     """Return the mission with the vehicle of a phase: longer and heavier by the anchors that it keeps aboard."""
-    carried, vehicle = carried_anchors(drawn, phase), drawn.drawn.vehicle
+    carried, vehicle = carried_anchors(drawn, phase, spare), drawn.drawn.vehicle
     if carried is None or vehicle is None or vehicle.mass is None:
         return drawn
     hull = vehicle.hull.model_copy(update={"length": vehicle.hull.length + carried.length})
@@ -191,12 +195,21 @@ def _weight_at(means: DrawnMission, phase: MoorPhase[Scalars]) -> float:
 
 
 def wet_weight_of(drawn: DrawnMission, phase: MoorPhase[Scalars]) -> Scalars:
-    """Return the wet weight of the anchor: the mission's, or where it is `sized` the worst case's [N]."""
+    """Return the wet weight of the anchor: the mission's, or where it is `sized` the worst case's [N].
+
+    A spare one like it, which is aboard in the dive, changes the drag and so the weight: both are found together.
+    """
     given = phase.anchor_wet_weight
     if not isinstance(given, str):
         return given
     means = drawn.means
-    return worst_case_weight(laden(means, phase), means.moor(phase.name))
+    own = means.moor(phase.name)
+    if all(moor.name != phase.name for moor in _aboard(means, phase)):
+        return worst_case_weight(laden(means, phase), own)
+    weight, before = worst_case_weight(means, own), 0.0
+    while not math.isclose(weight, before, rel_tol=1e-12):
+        weight, before = worst_case_weight(laden(means, phase, weight), own), weight
+    return weight
 
 
 def anchor_problem(means: DrawnMission) -> AnchorProblem:

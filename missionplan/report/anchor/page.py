@@ -13,7 +13,7 @@ from missionplan.report.axes import name_axis
 from missionplan.report.explained import judged_in_words, members_in_words, members_section
 from missionplan.report.page import Figure, Page, PageSection, Table
 from missionplan.report.quantities import quantity, reader_unit
-from missionplan.report.wording import percent, phase_in_words, share
+from missionplan.report.wording import listed, percent, phase_in_words, share
 from missionplan.results.anchor_sizing import AnchorSizing
 from missionplan.results.decision import label
 from missionplan.results.sized_anchor import SizedAnchor
@@ -117,7 +117,14 @@ def answer(sizing: AnchorSizing) -> str:
     """Write which anchor to build and what it achieves, what that of the worst case would, and whether it drags."""
     sailed = members_in_words(sizing.members, "succeeds")
     which = f"{_which(sizing)}{sections.margin_in_words(sizing)}{judged_in_words(sizing.judged)}"
-    return f"{which}{explanation_in_words(sizing)}{sailed and f' {sailed}'}{_drags_in_words(sizing)}"
+    doubts = f"{explanation_in_words(sizing)}{sailed and f' {sailed}'}"
+    return f"{which}{doubts}{_drags_in_words(sizing)}{_others_in_words(sizing)}"
+
+
+def _others_in_words(sizing: AnchorSizing) -> str:
+    """Write that the mission moors elsewhere too, for which this anchor is not sized."""
+    names = [phase_in_words(name) for name in (sizing.phase, *sizing.others)]
+    return f" It is sized for {names[0]} alone, not for {listed(names[1:])}." if sizing.others else ""
 
 
 def _which(sizing: AnchorSizing) -> str:

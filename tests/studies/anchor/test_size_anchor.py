@@ -429,3 +429,28 @@ def test_the_report_holds_the_snatch_where_the_files_let_it_be_known(tmp_path):
     assert 1.0 < summary["descent"]["nose_down_time_s"] < 2.0
     assert any("line parts in the nominal dive" in note for note in summary["notes"])
     assert summary["odds"]["within_radius"]["value"] == 0.0
+
+
+def test_with_two_moorings_the_answer_says_which_one_it_is_for(tmp_path):
+    mission = altered(tmp_path, vehicle=[("\nanchor:", "\nanchors: 2\nanchor:")])
+    raw = copy.deepcopy(mission.raw)
+    first = next(phase for phase in raw["phases"] if "moor" in phase)
+    raw["phases"].append({"moor": {**first["moor"], "name": "second", "radius": "20 m"}})
+    both = Mission.from_data(raw, file=mission.file)
+    answers = {name: size_anchor(both, trials=20, phase=name).summary()["decision"]["do"] for name in (None, "second")}
+    assert answers[None].endswith("It is sized for moor alone, not for second.")
+    assert answers["second"].endswith("It is sized for second alone, not for moor.")
+    assert "sized for" not in size_anchor(mission, trials=20).summary()["decision"]["do"]
+
+
+def test_a_spare_anchor_is_as_heavy_as_the_one_that_carries_it_down(tmp_path):
+    def at(weight):
+        return altered(
+            tmp_path,
+            ("anchor_wet_weight: sized", f"anchor_wet_weight: {weight}"),
+            vehicle=[("\nanchor:", "\nanchors: 2\nanchor:")],
+        )
+
+    found = worst_case_anchor(at("sized"))
+    assert found > 1.002 * worst_case_anchor(load(MISSIONS / "anchor-design.yaml"))
+    assert worst_case_anchor(at(f"{found!r} N")) == pytest.approx(found, rel=1e-9)
