@@ -6,6 +6,7 @@ of the tree and judged by the tests of `judges`. Ends with the score, and with 1
 
 import argparse
 import os
+import signal
 import subprocess
 import sys
 import tempfile
@@ -17,14 +18,16 @@ from pathlib import Path
 from queue import SimpleQueue
 from random import Random
 
-from .faults import Fault, faults
+from .faults import Fault, faults, planted
 from .judges import EDGES, judges
 
 ROOT = Path(__file__).parents[2]
 BOUND = 0.85
 """Share of faults that the nearest tests have to notice."""
-LONGEST = 300.0
-"""For one fault [s]."""
+LONGEST = 300
+"""Processor time of one process for one fault [s]: how busy the machine is does not count."""
+STANDSTILL = 3600.0
+"""After which a process that waits for ever is ended [s]."""
 
 
 def main(words: Sequence[str] | None = None) -> int:
@@ -37,7 +40,7 @@ def main(words: Sequence[str] | None = None) -> int:
     parser.add_argument("--bound", type=float, default=BOUND)
     options = parser.parse_args(words)
     print(f"seed {options.seed}")
-    planted = drawn(options.modules, options.count, Random(options.seed))
+    drawn_faults = drawn(options.modules, options.count, Random(options.seed))
     with tempfile.TemporaryDirectory(prefix="missionplan-mutation-") as scratch:
         copies: SimpleQueue[Path] = SimpleQueue()
         for number in range(options.jobs):
@@ -53,7 +56,7 @@ def main(words: Sequence[str] | None = None) -> int:
             return verdict
 
         with ThreadPoolExecutor(options.jobs) as pool:
-            found = Counter(pool.map(judged, planted))
+            found = Counter(pool.map(judged, drawn_faults))
     decided = found["killed"] + found["survived"]
     score = found["killed"] / decided if decided else 0.0
     print(
@@ -70,16 +73,18 @@ def drawn(modules: Sequence[str], count: int, random: Random) -> list[tuple[str,
         for name in modules
         for path in ([package / name] if name.endswith(".py") else (package / name).rglob("*.py"))
     )
-    choices = {path: list(faults(path.read_text(encoding="utf-8"))) for path in paths}
-    choices = {path: found for path, found in choices.items() if found}
-    found: dict[tuple[str, str], tuple[str, Fault]] = {}
-    most = min(count, sum(map(len, choices.values())))
-    while len(found) < most:
-        path = random.choice(list(choices))
-        fault = random.choice(choices[path])
-        module = path.relative_to(package).as_posix()
-        found[module, fault.text] = (module, fault)
-    return list(found.values())
+    choices: dict[Path, list[Fault]] = {}
+    found: list[tuple[str, Fault]] = []
+    while paths and len(found) < count:
+        path = random.choice(paths)
+        if path not in choices:
+            choices[path] = faults(path.read_text(encoding="utf-8"))
+        if left := choices[path]:
+            fault = left.pop(random.randrange(len(left)))
+            found.append((path.relative_to(package).as_posix(), fault))
+        else:
+            paths.remove(path)
+    return found
 
 
 def judge(place: Path, module: str, fault: Fault) -> str:
@@ -89,30 +94,25 @@ def judge(place: Path, module: str, fault: Fault) -> str:
         return "undecided"
     path = place / "missionplan" / module
     kept = path.read_text(encoding="utf-8")
-    path.write_text(fault.text, encoding="utf-8")
+    path.write_text(planted(kept, fault), encoding="utf-8")
+    compiled = {"PYTHONPYCACHEPREFIX": str(place / "compiled"), "PYTHONDONTWRITEBYTECODE": ""}
+    words = [sys.executable, "-m", "pytest", "-x", "-q", "-p", "no:cacheprovider", *(f"tests/{each}" for each in tests)]
     try:
         ended = subprocess.run(
-            [
-                sys.executable,
-                "-m",
-                "pytest",
-                "-x",
-                "-q",
-                "-p",
-                "no:cacheprovider",
-                *(f"tests/{each}" for each in tests),
-            ],
+            ["sh", "-c", f'ulimit -t {LONGEST} && exec "$@"', "sh", *words],
             cwd=place,
-            env={**os.environ, "PYTHONPATH": str(place), "PYTHONDONTWRITEBYTECODE": "1"},
+            env={**os.environ, "PYTHONPATH": str(place), **compiled},
             stdout=subprocess.DEVNULL,
             stderr=subprocess.DEVNULL,
-            timeout=LONGEST,
+            timeout=STANDSTILL,
             check=False,
         )
     except subprocess.TimeoutExpired:
         return "undecided"
     finally:
         path.write_text(kept, encoding="utf-8")
+    if -ended.returncode in (signal.SIGXCPU, signal.SIGKILL):
+        return "undecided"
     return "survived" if ended.returncode == 0 else "killed"
 
 

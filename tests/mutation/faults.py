@@ -4,6 +4,7 @@ import ast
 import copy
 from collections.abc import Iterator
 from dataclasses import dataclass
+from itertools import islice
 
 SIGNS = {ast.Add: ast.Sub, ast.Sub: ast.Add, ast.Mult: ast.Div, ast.Div: ast.Mult, ast.Pow: ast.Mult}
 COMPARISONS = {
@@ -43,43 +44,46 @@ ONE_ORDER = {
 
 @dataclass(frozen=True)
 class Fault:
-    """A module's text with one fault, and where and what it is."""
+    """Which fault of a module, where and what it is."""
 
+    number: int
     line: int
     kind: str
     before: str
     after: str
-    text: str
 
     def __str__(self) -> str:
         return f"{self.line}: {self.kind}: {self.before} -> {self.after}"
 
 
-def faults(text: str) -> Iterator[Fault]:
-    """Yield every fault that can be planted in a module, one at a time."""
+_Change = tuple[ast.AST, tuple[str, int | None], ast.expr, str, ast.expr]
+"""Where an expression stands, the expression, and what takes its place as which kind of fault."""
+
+
+def faults(text: str) -> list[Fault]:
+    """Return every fault that can be planted in a module."""
+    return [
+        Fault(number, node.lineno, kind, ast.unparse(node)[:90], ast.unparse(other)[:90])
+        for number, (_, _, node, kind, other) in enumerate(_changes(ast.parse(text)))
+    ]
+
+
+def planted(text: str, fault: Fault) -> str:
+    """Return the text of the module with one of its faults."""
     tree = ast.parse(text)
+    parent, (name, index), _, _, other = next(islice(_changes(tree), fault.number, None))
+    if index is None:
+        setattr(parent, name, other)
+    else:
+        getattr(parent, name)[index] = other
+    return ast.unparse(tree) + "\n"
+
+
+def _changes(tree: ast.AST) -> Iterator[_Change]:
     for parent, place, node in _judged(tree):
         for kind, other in _others(node):
-            before = ast.unparse(node)
-            after = ast.unparse(other)
-            if before == after:
-                continue
-            kept = _put(parent, place, other)
-            try:
-                yield Fault(node.lineno, kind, before[:90], after[:90], ast.unparse(tree) + "\n")
-            finally:
-                _put(parent, place, kept)
-
-
-def _put(parent: ast.AST, place: tuple[str, int | None], node: ast.AST) -> ast.AST:
-    name, index = place
-    if index is None:
-        kept = getattr(parent, name)
-        setattr(parent, name, node)
-        return kept
-    held = getattr(parent, name)
-    kept, held[index] = held[index], node
-    return kept
+            if ast.unparse(node) != ast.unparse(other):
+                yield parent, place, node, kind, other
 
 
 def _judged(node: ast.AST) -> Iterator[tuple[ast.AST, tuple[str, int | None], ast.expr]]:

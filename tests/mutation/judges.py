@@ -1,14 +1,19 @@
-"""Which tests judge which module: those in the folder of its name, and what a table adds."""
+"""Which tests judge which module: its own folder's or what a table names, and those that import it."""
 
+import ast
+from functools import cache
 from pathlib import Path
 
 EDGES = (
     "exporters",
     "importers",
-    "studies/mission_plan",
+    "studies/export.py",
+    "studies/planned_phases.py",
     "studies/optimisation",
     "studies/exploration",
     "studies/overdue",
+    "studies/history",
+    "diagnosis/next_trial",
     "phases/mooring",
     "scenario",
     "datasets",
@@ -22,8 +27,13 @@ TABLE = {
     "results/leg_length": ["studies/leg_length"],
     "results/mooring": ["studies/anchor", "studies/simulation"],
     "scenario": ["scenario", "montecarlo/test_streams_drawn.py", "studies/simulation", "phases/mooring"],
+    "scenario/place": ["scenario/place", "phases/place", "studies/simulation/test_over_ground.py"],
+    "scenario/drift_model.py": ["scenario/test_drift_model.py", "studies/simulation/test_kalman_filter_missions.py"],
     "scenario/currents": ["scenario/currents", "phases/test_field_lookups.py"],
-    "studies/mission_plan": ["exporters", "cli/test_export.py"],
+    "datasets/tank.py": ["datasets", "studies/identification", "diagnosis/tank"],
+    "diagnosis/next_trial": ["next_trial", "diagnosis/inference/test_value_of_trials.py"],
+    "studies/export.py": ["cli/test_export.py", "exporters"],
+    "studies/planned_phases.py": ["exporters", "cli/test_export.py"],
     "studies/optimisation": [
         "studies/optimisation/test_against_brute_force.py",
         "studies/optimisation/test_search.py",
@@ -34,6 +44,9 @@ TABLE = {
         "studies/optimisation/test_against_brute_force.py",
         "studies/exploration",
     ],
+    "studies/history": ["studies/test_history.py", "mission/test_levels_ahead.py", "studies/test_failure_rates.py"],
+    "importers/readers/ardupilot.py": ["importers/test_ardupilot.py", "importers"],
+    "importers/readers/slocum.py": ["importers/test_structure_of_slocum.py", "importers"],
     "studies/overdue": ["studies/overdue/test_times_of_the_sheet.py", "studies/overdue"],
     "studies/held_vehicle.py": ["scenario/test_held_vehicle.py", "studies/test_standing_vehicle.py"],
     "phases/fields": ["phases/test_field_lookups.py", "scenario/currents"],
@@ -42,8 +55,12 @@ TABLE = {
 """By the beginning of a module's path, the longest that fits; folders and files of `tests`, the quickest first."""
 
 
+COMMON = 8
+"""A module that more test files import than this is nobody's own: its folder judges it."""
+
+
 def judges(module: str, tests: Path) -> list[str]:
-    """Return the tests nearest to a module, as paths below the folder of tests.
+    """Return the tests nearest to a module, as paths below the folder of tests, those that import it last.
 
     Parameters
     ----------
@@ -53,9 +70,27 @@ def judges(module: str, tests: Path) -> list[str]:
         The folder of tests.
     """
     fitting = [key for key in TABLE if module == key or module.startswith(f"{key}/")]
-    if fitting:
-        return [each for each in TABLE[max(fitting, key=len)] if (tests / each).exists()]
+    near = [each for each in TABLE[max(fitting, key=len)] if (tests / each).exists()] if fitting else []
     folder = Path(module).parent
-    while folder.parts and not any((tests / folder).rglob("test_*.py")):
+    while not fitting and folder.parts and not near:
+        near = sorted(path.relative_to(tests).as_posix() for path in (tests / folder).glob("test_*.py"))
         folder = folder.parent
-    return [str(folder)] if folder.parts else []
+    users = _users(tests).get(f"missionplan.{module.removesuffix('.py').replace('/', '.')}", [])
+    beside = [each for each in users if not any(each == one or each.startswith(f"{one}/") for one in near)]
+    return near + (beside if len(users) <= COMMON else [])
+
+
+@cache
+def _users(tests: Path) -> dict[str, list[str]]:
+    """Test files by what they import."""
+    found: dict[str, list[str]] = {}
+    for path in sorted(tests.rglob("test_*.py")):
+        names = set()
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+            if isinstance(node, ast.ImportFrom) and node.module:
+                names |= {node.module, *(f"{node.module}.{each.name}" for each in node.names)}
+            elif isinstance(node, ast.Import):
+                names |= {each.name for each in node.names}
+        for name in names:
+            found.setdefault(name, []).append(path.relative_to(tests).as_posix())
+    return found
