@@ -56,6 +56,17 @@ def test_springs_and_model_of_an_oscillation_must_be_known(folder, missing):
         read_dataset(folder(keys, "mode,frequency_hz\nsurge,1.8\n"), FREE_OSCILLATION).checked()
 
 
+@pytest.mark.parametrize("command", ["voltage_v", "rpm"])
+def test_a_thruster_that_is_never_told_to_turn_is_named(command, folder):
+    thrusts = f"{command},thrust_n\n"
+    assert read_tank_data(folder({"kind": "thruster"}, thrusts + "0,0\n-3,-1\n")).columns[command].tolist() == [
+        0.0,
+        -3.0,
+    ]
+    with pytest.raises(InputError, match=f"{command}: is 0 on every row: the thruster stands still"):
+        read_tank_data(folder({"kind": "thruster"}, thrusts + "0,1\n0,2\n"))
+
+
 @pytest.mark.parametrize(
     ("keys", "expected"),
     [

@@ -6,6 +6,7 @@ from dataclasses import replace
 from functools import cache
 from itertools import combinations, pairwise
 
+import numpy as np
 import pytest
 from made_plans import PLANS
 from matplotlib.textpath import TextPath
@@ -82,6 +83,25 @@ def test_every_state_is_drawn_with_what_it_does_and_every_guard(drawn):
             assert " and ".join(guard.words for guard in transition.guards) in said
     boxes = [each for each in root.iter(f"{SVG}rect") if each.get("stroke") == "#222222"]
     assert len(boxes) == len(states) - 1  # abort is the bar at the right
+
+
+def test_a_head_lies_at_the_end_of_its_line_and_points_along_it(drawn):
+    _, root = drawn
+
+    def points(each):
+        return np.array([tuple(map(float, point.split(","))) for point in each.get("points").split()])
+
+    lines, heads = (list(root.iter(f"{SVG}{kind}")) for kind in ("polyline", "polygon"))
+    for line, head in zip(lines, heads, strict=True):
+        tip, *base = points(head)
+        last = points(line)[-1] - points(line)[-2]
+        assert tip == pytest.approx(points(line)[-1])
+        assert tip - np.mean(base, axis=0) == pytest.approx(6.0 * last / np.hypot(*last), abs=0.11)
+        assert np.ptp(base, axis=0) @ np.abs(last) == pytest.approx(
+            0.0, abs=0.11 * np.hypot(*last)
+        )  # upright on the line
+        assert np.hypot(*np.ptp(base, axis=0)) == pytest.approx(6.0, abs=0.21)
+        assert line.get("stroke") == head.get("fill")
 
 
 def test_long_times_are_in_minutes_and_hours():

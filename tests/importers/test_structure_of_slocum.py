@@ -150,6 +150,16 @@ def test_the_old_fix_set_again_on_surfacing_is_no_fix(plain, tmp_path):
     assert found.rejected_reasons == {"the fix before the dive, logged again": 4}
 
 
+@pytest.mark.parametrize(("away", "left"), [(1200.0, 3), (-200.0, 4)])
+def test_a_mission_begun_again_under_water_spoils_its_leg_and_at_the_surface_none(away, left, tmp_path):
+    again = VOYAGE.starts[2] + away
+    rows = [{**row, "m_present_secs_into_mission": row["m_present_time"] - (again if row["m_present_time"] >= again else VOYAGE.starts[0])}
+            for row in cycles() if row["m_present_time"] >= VOYAGE.starts[0] - 300.0]  # fmt: skip
+    found = import_logs([dbd(tmp_path / "1.sbd", rows)])
+    assert found.counted == left
+    assert found.reasons == ({"a new mission was started": 1} if left < 4 else {})
+
+
 def test_two_gliders_are_asked_for(plain, tmp_path):
     dbd(tmp_path / "1.sbd", cycles())
     dbd(tmp_path / "2.sbd", list(cycles())[:-1], name="other-2023-318-0-0")

@@ -18,11 +18,11 @@ FORECAST = Forecast(current=None, mean_error=np.array([0.01, 0.0]), depth=5.0, s
 NORMALS = np.random.default_rng(1).standard_normal((4, 500))
 
 
-def model(*effects, error=(0.01, 0.0), is_recorded=False):
+def model(*effects, error=(0.01, 0.0), is_recorded=False, current=None):
     sample = DriftSample(
         trials=500,
         velocity_error=np.array(error)[:, None],
-        current=None,
+        current=current,
         is_recorded=is_recorded,
         depth=5.0,
         surfacing_time=60.0,
@@ -45,6 +45,24 @@ def test_a_drift_at_the_surface_displaces_by_its_time_there():
     surface = slice(SURFACE, SURFACE + 2)
     assert built.mean[surface] == pytest.approx([60.0 * (0.2 + 0.1 * NORMALS[0].mean()), -18.0])
     assert built.prior[SURFACE, SURFACE] == pytest.approx((60.0 * 0.1) ** 2 * NORMALS[0].var(ddof=1))
+
+
+class Sheared:
+    """A current that turns with depth, with time and from place to place."""
+
+    def velocity(self, t, depth, places):
+        east, north = places
+        return np.stack((0.3 + 0.02 * depth + 1e-4 * t + 1e-3 * east, -0.1 + 0.01 * depth - 1e-4 * t + 1e-3 * north))
+
+
+@pytest.mark.parametrize("is_recorded", [False, True])
+def test_a_current_is_that_of_the_start_at_the_run_depth_and_at_the_surface(is_recorded):
+    built = model(
+        current=Sheared(), is_recorded=is_recorded
+    )  # error and forecast are alike: what is left is the current
+    seen = 0.0 if is_recorded else 1.0
+    assert built.mean[STEADY : STEADY + 2] == pytest.approx([0.4 * seen, -0.05 * seen])
+    assert built.mean[SURFACE : SURFACE + 2] == pytest.approx([60.0 * 0.3 * seen, -60.0 * 0.1 * seen])
 
 
 def test_waves_are_coefficients_of_cosine_and_sine():

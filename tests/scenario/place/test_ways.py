@@ -1,0 +1,90 @@
+"""The shortest way round: against a rectangle's corners by hand, moved, turned and mirrored, at its times and depths."""
+
+import numpy as np
+import pytest
+import shapely
+
+from missionplan.phases.place.place import Place
+from missionplan.phases.place.zones import Fence, Zone
+from missionplan.scenario.place.ways import blocked, way_round
+
+START, GOAL = np.array([0.0, 0.0]), np.array([2000.0, 0.0])
+RANGE = shapely.box(800.0, -300.0, 1200.0, 500.0)
+"""The shorter way passes it in the south."""
+MARGIN = 50.0
+
+
+def place(*zones, **given):
+    return Place(None, Fence(tuple(zones)), **given)
+
+
+def zone(geometry=RANGE, **limits):
+    return Zone(geometry, "range", is_land=False, **limits)
+
+
+def round_it(*zones, start=START, goal=GOAL, depth=5.0):
+    found = way_round(place(*zones), start, goal, depth, MARGIN)
+    return None if found is None else np.array([start, *found, goal])
+
+
+def length(way):
+    return np.hypot(*np.diff(way, axis=0).T).sum()
+
+
+def test_the_way_is_the_shortest_about_the_corners():
+    way = round_it(zone())
+    corners = np.array([START, [750.0, -350.0], [1250.0, -350.0], GOAL])
+    assert length(way) == pytest.approx(length(corners), rel=5e-3)
+    assert way[1:-1] == pytest.approx(corners[1:-1], abs=5.0)
+    assert shapely.distance(shapely.linestrings(way), RANGE) > 0.9 * MARGIN
+
+
+@pytest.mark.parametrize(
+    "turn", [np.array([[0.0, -1.0], [1.0, 0.0]]), np.array([[0.6, -0.8], [0.8, 0.6]]), np.diag([1.0, -1.0])]
+)
+def test_a_way_turned_mirrored_and_moved_is_the_same(turn):
+    moved = shapely.transform(RANGE, lambda points: points @ turn.T + [300.0, -700.0])
+    way = round_it(zone(moved), start=turn @ START + [300.0, -700.0], goal=turn @ GOAL + [300.0, -700.0])
+    assert (way - [300.0, -700.0]) @ turn == pytest.approx(round_it(zone()), abs=1e-3)
+
+
+def test_the_way_back_is_the_way_there():
+    assert round_it(zone(), start=GOAL, goal=START)[::-1] == pytest.approx(round_it(zone()), abs=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("limits", "is_round"),
+    [
+        ({"since": 1e6}, True),
+        ({"until": 1.0}, True),
+        ({"above": 5.1}, True),
+        ({"above": 5.0}, False),
+        ({"below": 4.9}, True),
+        ({"below": 5.0}, False),
+    ],
+)
+def test_a_zone_of_some_times_is_gone_round_and_one_of_other_depths_is_not(limits, is_round):
+    assert len(round_it(zone(**limits))) == (4 if is_round else 2)
+
+
+def test_what_is_surely_blocked_holds_at_all_times():
+    both = place(zone(), zone(shapely.box(0.0, 900.0, 100.0, 1000.0), since=5.0), zone(RANGE.buffer(900.0), until=9.0))
+    low, high = np.array([-1e4, -1e4]), np.array([1e4, 1e4])
+    assert blocked(both, low, high, 5.0, at_some_time=False).equals(RANGE)
+    assert blocked(both, low, high, 5.0, at_some_time=True).area > 5.0 * RANGE.area
+
+
+def test_nothing_in_the_way_needs_no_points_and_no_way_is_none():
+    assert len(round_it()) == 2
+    assert len(round_it(zone(shapely.box(800.0, 900.0, 1200.0, 990.0)))) == 2
+    ring = shapely.Point(0.0, 0.0).buffer(700.0).difference(shapely.Point(0.0, 0.0).buffer(500.0))
+    assert round_it(zone(ring)) is None
+    assert round_it(zone(shapely.box(-10.0, -10.0, 10.0, 10.0))) is None  # it begins in one
+
+
+def test_near_a_wall_the_margin_is_what_the_start_has():
+    quay = shapely.box(-300.0, 20.0, 200.0, 200.0)
+    way = round_it(zone(quay), goal=np.array([0.0, 400.0]))
+    assert len(way) > 2
+    assert shapely.distance(shapely.linestrings(way), quay) == pytest.approx(20.0, abs=0.5)
+    assert shapely.distance(shapely.linestrings(way[1:]), quay) > 0.75 * MARGIN
