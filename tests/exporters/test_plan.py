@@ -138,6 +138,22 @@ def test_one_interval_in_place_of_a_table_costs_least_and_its_cost_is_that_of_a_
     assert rule.extra_time == pytest.approx(extra, abs=surfacing_error + 4.0 * rule.extra_time_error)
 
 
+def test_the_rule_for_surfacing_is_the_mission_s():
+    """Times at the surface are of mean 80 s and 10 s of scatter: 99 % are below 80 s + 2.3263 times 10 s."""
+    legs = {**TABLE["phases"][0]["transit"], "d_max": "2 km"}
+    scattered = {**TABLE["navigation"], "surfacing_time": {"mean": "80 s", "sd": "10 s"}}
+    found = mission_plan(by_table({"phases": [{"transit": legs}], "navigation": scattered}))
+    (transit,) = found.transits
+    rule = transit.surfacing
+    assert (transit.name, transit.depth, transit.speed, transit.arrival_radius) == ("way <out> & up", 12.5, 1.25, 50.0)
+    assert (rule.interval, rule.interval_time, rule.surface_time) == pytest.approx((2000.0, 1600.0, 80.0))
+    assert rule.surface_time_p99 == pytest.approx(103.263, abs=0.01)
+    assert (rule.table, rule.extra_time, rule.extra_time_error) == ((), 0.0, 0.0)
+    assert (transit.aim, transit.extra_legs, found.has_thruster, found.corrects) == (None, 0, False, False)
+    turned = {**scattered, "drift_compensation": "last-leg"}
+    assert mission_plan(by_table({"phases": [{"transit": legs}], "navigation": turned})).corrects
+
+
 def test_legs_by_a_table_are_as_long_as_it_says():
     legs = mission_plan(by_table()).transits[0].legs
     left = np.hypot(6000.0, 4000.0)

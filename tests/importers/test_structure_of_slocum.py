@@ -150,6 +150,25 @@ def test_the_old_fix_set_again_on_surfacing_is_no_fix(plain, tmp_path):
     assert found.rejected_reasons == {"the fix before the dive, logged again": 4}
 
 
+def test_a_fix_that_the_receiver_calls_none_is_none(plain, tmp_path):
+    """`m_gps_status` is 0 of a good fix; the others lie 20 km away."""
+    rows = [{**row, "m_gps_status": 1, "m_gps_lat": row["m_gps_lat"] + 10.0, "m_present_time": row["m_present_time"] + 7.0}
+            for row in cycles() if "m_gps_lat" in row]  # fmt: skip
+    both = sorted([*cycles(), *rows], key=lambda row: row["m_present_time"])
+    found = import_logs([dbd(tmp_path / "1.sbd", both)])
+    agree(plain, found)
+    assert sum(found.rejected_reasons.values()) == len(rows)
+
+
+def test_the_variation_of_the_compass_is_positive_west(tmp_path):
+    """A compass 0.2 rad off to the east of what it should be, where the variation is 0.2 rad west, leads the same way."""
+    without = {name: size for name, size in FLIGHT.items() if name not in ("m_lat", "m_lon")}
+    turned = [{**row, "m_gps_mag_var": 0.2} | ({"m_heading": row["m_heading"] + 0.2} if "m_heading" in row else {})
+              for row in cycles()]  # fmt: skip
+    true = import_logs([dbd(tmp_path / "1" / "a.sbd", cycles(), sensors=without)])
+    agree(true, import_logs([dbd(tmp_path / "2" / "a.sbd", turned, sensors=without)]), metres=1.0)
+
+
 @pytest.mark.parametrize(("away", "left"), [(1200.0, 3), (-200.0, 4)])
 def test_a_mission_begun_again_under_water_spoils_its_leg_and_at_the_surface_none(away, left, tmp_path):
     again = VOYAGE.starts[2] + away

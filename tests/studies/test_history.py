@@ -138,6 +138,20 @@ def test_what_was_found_in_doubt_is_said_to_be(tmp_path: Path) -> None:
     assert states == ["found, if it is that (45 %)", "found"]
 
 
+def test_data_that_reports_share_are_named_and_the_same_data_count_once(tmp_path: Path) -> None:
+    for day, (name, learned) in enumerate({"a": "123", "b": "321", "c": "346", "d": "7", "e": ""}.items(), 1):
+        report(tmp_path, name, f"2026-05-{day:02d}T00:00:00Z", found={"compass-bias": (0.05, 0.01)})
+        file = tmp_path / name / "summary.json"
+        file.write_text(json.dumps({**json.loads(file.read_text()), "learned_from": list(learned)}))
+    found = missionplan.history(tmp_path)
+    assert found.reports == ("b", "c", "d")
+    assert sorted(found.provenance.notices) == [
+        "a learned from the same data as b, which was made later, and is left out",
+        "b and c learned from 1 legs, dives or runs in common, which count twice",
+        "e learned from nothing new, and is left out",
+    ]
+
+
 def test_a_report_of_other_code_is_named(tmp_path: Path) -> None:
     for name, code in (("a", "1" * 64), ("b", "2" * 64), ("c", "2" * 64)):
         report(tmp_path, name, f"2026-05-0{'abc'.index(name) + 1}T00:00:00Z", found={"compass-bias": (0.05, 0.01)})

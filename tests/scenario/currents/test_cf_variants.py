@@ -142,6 +142,8 @@ SAME = {
     "depths by their sign": {"lev": level(positive=None, standard_name=None)},
     "depths by their standard name": {"lev": level(positive=None)},
     "names of attributes in capitals": {"lev": (DEPTHS / 0.01, {"Units": "cm", "POSITIVE": "Down"}), "speed": (0.01, {"UNITS": "cm/s"})},
+    "depths beside the numbers of levels": {"lev": (np.arange(5.0), {"units": "1"}), "deep": deep(), "zeta": zeta(0.0),
+        "more": {"a_share": (np.full(5, 0.2), {"units": "1"}, ("lev",)), "z_of_levels": (DEPTHS, DOWN, ("lev",))}},
     "from below": {"flip": ("lev",)},
     "from north": {"flip": ("lat",)},
     "from east": {"flip": ("lon",)},

@@ -1,0 +1,112 @@
+"""Fixes of receivers, NMEA 0183 and GPX, sentence by sentence: sides of the Earth, dates, midnight, what is no fix."""
+
+from datetime import UTC, datetime
+from functools import reduce
+
+import numpy as np
+import pytest
+
+from missionplan.importers.importer import Samples
+from missionplan.importers.readers.track import FIX_COLUMNS, add_gpx, add_nmea, is_gpx, is_nmea
+
+NOON = datetime(2023, 11, 14, 12, 0, 0, tzinfo=UTC).timestamp()
+
+
+def read(path, *sentences):
+    """Fixes that sentences without their sums say, by column."""
+    sums = (reduce(lambda total, letter: total ^ ord(letter), each, 0) for each in sentences)
+    path.write_text("".join(f"${each}*{one:02X}\r\n" for each, one in zip(sentences, sums, strict=True)))
+    found = Samples(FIX_COLUMNS)
+    add_nmea(path, found)
+    return {name: found[name] for name in FIX_COLUMNS}
+
+
+def rmc(clock="120000", place="4839.12,N,12315.0,W", status="A", day="141123"):
+    return f"GPRMC,{clock},{status},{place},0.1,90,{day},,,A"
+
+
+def gga(clock="120000", place="4839.12,N,12315.0,W", quality="1"):
+    return f"GPGGA,{clock},{place},{quality},09,0.8,1,M,0,M,,"
+
+
+@pytest.fixture
+def path(tmp_path):
+    pytest.importorskip("pynmea2")
+    return tmp_path / "a.nmea"
+
+
+@pytest.mark.parametrize(("north", "east"), [("N", "E"), ("N", "W"), ("S", "E"), ("S", "W")])
+def test_a_fix_on_each_side_of_the_earth(path, north, east):
+    place = f"4839.12,{north},12315.0,{east}"
+    found = read(path, gga(place=place), rmc(place=place))
+    assert {name: values.tolist() for name, values in found.items()} == {
+        "t": [NOON],
+        "lat": [pytest.approx(48.652 * (1.0 if north == "N" else -1.0))],
+        "lon": [pytest.approx(123.25 * (1.0 if east == "E" else -1.0))],
+        "hdop": [0.8],
+        "satellites": [9.0],
+        "valid": [1.0],
+    }
+
+
+def test_what_a_receiver_calls_no_fix_is_none(path):
+    assert read(path, rmc(status="V"))["valid"].tolist() == [0.0]
+    assert read(path, gga(), rmc(status="V"))["valid"].tolist() == [0.0]
+    assert read(path, rmc(), gga(quality="0"))["valid"].tolist() == [1.0]  # RMC goes before the quality
+    dated = "GPZDA,120000,14,11,2023,00,00"
+    assert read(path, dated, gga(quality="0"))["valid"].tolist() == [0.0]
+    assert read(path, dated, gga(quality="2"))["valid"].tolist() == [1.0]
+    assert read(path, rmc(place=",,,"))["t"].size == 0
+    assert read(path, gga())["t"].size == 0  # without a date
+
+
+def test_the_day_goes_on_where_sentences_name_none(path):
+    """A date holds until midnight, and a clock that goes back a little is no day."""
+    found = read(path, rmc("235958"), gga("235959"), gga("000001"), gga("000000"), rmc("120000", day="161123"))
+    midnight = NOON + 43200.0
+    assert (found["t"] - midnight).tolist() == [-2.0, -1.0, 1.0, 0.0, 129600.0]
+
+
+def test_a_damaged_sentence_is_passed_over(path):
+    path.write_text("noise $GPRMC,120000,A,4839.12,N,12315.0,W,0.1,90,141123,,,A*00\n")
+    found = Samples(FIX_COLUMNS)
+    add_nmea(path, found)
+    assert found["t"].size == 0
+
+
+def test_points_of_a_gpx_file_with_times(tmp_path):
+    """Of its tracks; of routes and waypoints where it has none; a zone is honoured, and none is UTC."""
+    pytest.importorskip("gpxpy")
+
+    def point(kind, time, more=""):
+        return f'<{kind} lat="-48.5" lon="123.25">{f"<time>{time}</time>" if time else ""}{more}</{kind}>'
+
+    def places(body):
+        (tmp_path / "a.gpx").write_text(
+            f'<gpx version="1.1" creator="x" xmlns="http://www.topografix.com/GPX/1/1">{body}</gpx>'
+        )
+        found = Samples(FIX_COLUMNS)
+        add_gpx(tmp_path / "a.gpx", found)
+        return {name: found[name].tolist() for name in FIX_COLUMNS}
+
+    more = "<sat>7</sat><hdop>1.5</hdop>"
+    times = ("2023-11-14T12:00:00Z", "2023-11-14T13:00:01+01:00", "2023-11-14T12:00:02", "")
+    track = f"<trk><trkseg>{''.join(point('trkpt', each, more) for each in times)}</trkseg></trk>"
+    aside = point("wpt", "2023-11-14T12:00:09Z")
+    found = places(aside + track)
+    assert found["t"] == [NOON, NOON + 1.0, NOON + 2.0]
+    assert (found["lat"], found["lon"]) == ([-48.5] * 3, [123.25] * 3)
+    assert (found["hdop"], found["satellites"], found["valid"]) == ([1.5] * 3, [7.0] * 3, [1.0] * 3)
+    found = places(f"{aside}<rte>{point('rtept', times[0])}</rte>")
+    assert found["t"] == [NOON + 9.0, NOON]
+    assert np.isnan(found["hdop"]).all()
+
+
+def test_files_of_fixes_are_recognised(tmp_path):
+    assert is_gpx(tmp_path / "A.GPX", b"")
+    assert is_gpx(tmp_path / "a.xml", b"<?xml?><gpx>")
+    assert is_nmea(tmp_path / "a.NME", b"")
+    assert is_nmea(tmp_path / "a.txt", b"$GPRMC,1")
+    assert not is_nmea(tmp_path / "a.txt", b"x $GPRMC,1")
+    assert not is_nmea(tmp_path / "a.txt", b"$GPGGA,1")
+    assert not is_gpx(tmp_path / "a.xml", b"<kml>")
