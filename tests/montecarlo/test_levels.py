@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from missionplan.montecarlo.levels import Ageing, Measured, in_missions, levels
+from missionplan.montecarlo.levels import REDRAWN, WALKS, Ageing, Measured, in_missions, levels
 from missionplan.results.learned.diagnosis import LIKELY, SDS
 
 STILL = Ageing(trend=0.0, walk=0.0, redrawn=0.0, jump=0.0, is_trend=0.0, is_jump=0.0)
@@ -208,6 +208,31 @@ def test_levels_of_vehicles_of_every_kind(kind, way):
     if way != "drifting":
         assert np.mean(shown.trends) <= 0.1
     assert not shown.jumps or np.mean(shown.jumps) >= 0.8
+
+
+def drawn(kind, rng):
+    """Whether 90 % intervals hold the level of a vehicle drawn from the prior itself, after each mission."""
+    size, error, *_, own = KINDS[kind]
+    redrawn, walk = (rng.choice([s for s, _ in sizes], p=[p for _, p in sizes]) for sizes in (REDRAWN, WALKS))
+    trend = rng.normal(0.0, own.trend) * (rng.random() < own.is_trend)
+    steps = trend + own.walk * walk * rng.standard_normal(MISSIONS)
+    jumps = rng.normal(0.0, own.jump, MISSIONS) * (rng.random(MISSIONS) < own.is_jump)
+    moved = np.concatenate([[rng.normal(0.0, size)], (steps + jumps)[1:]])
+    truth = moved.cumsum() + own.redrawn * redrawn * rng.standard_normal(MISSIONS)
+    sds = np.hypot(error, own.redrawn) * rng.uniform(0.8, 1.3, MISSIONS)
+    values, held = rng.normal(truth, sds), []
+    for n in range(1, MISSIONS + 1):
+        mean, sd = levels(measured(values[:n], sds[:n], first=(0.0, size)), own).at(np.array([n - 1.0]))
+        held.append(abs(truth[n - 1] - mean[0]) < 1.645 * sd[0])
+    return held
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_intervals_hold_what_is_drawn_from_the_prior_as_often_as_they_say(kind):
+    rng = np.random.default_rng(43)
+    held = np.array([drawn(kind, rng) for _ in range(100)])
+    error = held.mean(axis=1).std() / len(held) ** 0.5  # the missions of one vehicle go together
+    assert held.mean() == pytest.approx(0.9, abs=3.0 * error)
 
 
 @pytest.mark.parametrize("kind", KINDS)
