@@ -39,6 +39,28 @@ def compared(found: Sequence[Campaign], predicted: str, realised: str, unit: str
     return f"{means}; slope {value:.2f} ± {error:.2f}"
 
 
+SAID = (0.0, 0.7, 0.9, 0.97, 1.0)
+"""Edges of the table of what trials were said to settle."""
+
+
+def settled(found: Sequence[Campaign]) -> list[tuple[int, float, float]]:
+    """How many trials were said to settle what to do about the vehicle with how much probability, and how many did.
+
+    Parameters
+    ----------
+    found : sequence of Campaign
+
+    Returns
+    -------
+    list of tuple
+        Between the edges of `SAID`: number, mean probability, share in which the right thing is done.
+    """
+    known = np.array([(each.said, each.right) for each in found if np.isfinite(each.said)]).reshape(-1, 2)
+    place = np.searchsorted(SAID[1:-1], known[:, 0], side="right")
+    parts = [known[place == k] for k in range(len(SAID) - 1)]
+    return [(len(own), *np.mean(own, axis=0).tolist()) for own in parts if len(own)]
+
+
 def told(found: Sequence[Campaign]) -> str:
     """Write the figures."""
     among = [each for each in found if each.among]
@@ -48,6 +70,7 @@ def told(found: Sequence[Campaign]) -> str:
     lines.append(f"information: {compared(among, 'expected', 'gained', ' nats')}")
     if any(each.saving > 0.0 for each in valued):
         lines.append(f"saving, of {len(valued)} trials: {compared(valued, 'saving', 'saved', '')}")
+    lines += [f"said to settle with {said:.2f}: {share:.2f} of {count} did" for count, said, share in settled(found)]
     return "\n".join(lines)
 
 

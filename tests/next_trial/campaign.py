@@ -2,7 +2,7 @@
 
 import json
 import tempfile
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
 
@@ -12,7 +12,7 @@ from missionplan.datasets.legs import read_transit
 from missionplan.diagnosis.explanations import weighed
 from missionplan.diagnosis.next_trial.experiment import Experiment
 from missionplan.diagnosis.next_trial.leg_trials import LegTrials
-from missionplan.diagnosis.next_trial.next_trial import Valuation, valuation
+from missionplan.diagnosis.next_trial.next_trial import Valuation, to_do, valuation
 from missionplan.diagnosis.pipeline import run_pipeline
 from missionplan.mission import Mission
 
@@ -51,6 +51,9 @@ class Campaign:
         nan where it was not found.
     weight : float
         Of the campaign in every mean.
+    said_before, said, right : float
+        Probability that the crew does what is right about the vehicle, said without the trial and of it beforehand, and
+        1 or 0 as it then does; nan where it was not found.
     """
 
     seed: int
@@ -63,6 +66,9 @@ class Campaign:
     saving_error: float
     saved: float
     weight: float = 1.0
+    said_before: float = float("nan")
+    said: float = float("nan")
+    right: float = float("nan")
 
 
 def draw_truth(rng: np.random.Generator) -> tuple[tuple[str, ...], Truth]:
@@ -129,8 +135,17 @@ def made(seed: int) -> list[Campaign]:
         saving=planned.saving,
         saving_error=planned.saving_error,
         saved=saved(value, experiment, y, truth, seed),
+        said_before=result.right,
+        said=planned.right,
+        right=float(done_about_vehicle(sets, experiment.probabilities(y[None])[0]) == to_do(causes)),
     )
     return [one]
+
+
+def done_about_vehicle(sets: Sequence[tuple[str, ...]], probabilities: np.ndarray) -> frozenset[str]:
+    """What the crew does after a trial: what the sets of causes ask for that have the most probability together."""
+    asked = [to_do(causes) for causes in sets]
+    return max(asked, key=lambda thing: sum(p for own, p in zip(asked, probabilities, strict=True) if own == thing))
 
 
 def saved(value: Valuation, experiment: Experiment, y: np.ndarray, truth: Truth, seed: int) -> float:

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from .__main__ import slope, told
-from .campaign import Campaign, legs_of
+from .campaign import Campaign, done_about_vehicle, legs_of
 from .sea import Truth, Vehicle, sail
 from .voyage import Voyage, mean_minutes
 
@@ -46,3 +46,13 @@ def test_figures_of_campaigns() -> None:
     made = [Campaign(k, "nothing", "a box", True, 1.0, 1.0 + 0.1 * k, 2.0, 0.1, 1.0) for k in (-1, 1)]
     assert "slope 1.00" in told(made)
     assert "predicted 2.00, realised 1.00" in told(made)
+    saying = [
+        Campaign(k, "nothing", "a box", True, *[0.0] * 5, said=0.95, right=right) for k, right in enumerate((1, 1, 0))
+    ]
+    assert "said to settle with 0.95: 0.67 of 3 did" in told([*made, *saying])
+
+
+def test_what_the_crew_does_is_what_the_likeliest_causes_ask_for_together() -> None:
+    sets = [("compass-bias",), ("mean-current",), ()]
+    assert done_about_vehicle(sets, np.array([0.4, 0.3, 0.3])) == frozenset()
+    assert len(done_about_vehicle(sets, np.array([0.6, 0.2, 0.2]))) == 1
