@@ -240,7 +240,7 @@ class Sections(FileSection, Generic[V]):
     energy: Annotated[EnergyBudget[V] | None, Doc("energy that is drawn and carried; over the vehicle's")] = None
     requirements: Annotated[tuple[Requirement, ...], Doc("what has to hold, with its probability")] = ()
     correlations: Annotated[tuple[CorrelationSection, ...], Doc("quantities that are drawn together")] = ()
-    effect_list: Annotated[EffectList[V], Doc("effects of the catalogue that act")] = Field(
+    effect_list: Annotated[EffectList[V], ReadBy(read_effects), Doc("effects of the catalogue that act")] = Field(
         default=EffectList(), alias="effects"
     )
     posterior: Annotated[
@@ -271,11 +271,6 @@ class Sections(FileSection, Generic[V]):
     ) -> tuple[Requirement | CorrelationSection, ...]:
         names = [entry.phase.label for entry in info.data.get("entries", ())]
         return tuple(section.resolved(names) for section in sections)
-
-    @field_validator("effect_list", mode="plain")
-    @classmethod
-    def _read_effects(cls, value: object) -> EffectList:
-        return read_effects(value)
 
     @property
     def phases(self) -> "tuple[Phase[V], ...]":

@@ -195,10 +195,8 @@ class VehicleDrag:
         """Drag of the vehicle, Eq. 13 [N], at a speed [m/s]."""
         magnitude = np.abs(speed)
         log_speed = np.log(np.maximum(magnitude, _SLOWEST))
-        total: Scalars = 0.0
-        for scale, shift in self._terms:
-            total = total + scale / np.maximum(log_speed + shift, _LOG_HELD) ** 2
-        return total * speed * magnitude
+        parts = [scale / np.square(np.maximum(log_speed + shift, _LOG_HELD)) for scale, shift in self._terms]
+        return sum(parts[1:], start=parts[0]) * speed * magnitude
 
     @cached_property
     def _terms(self) -> tuple[tuple[Scalars, Scalars], ...]:

@@ -183,9 +183,10 @@ class PullDown:
     def drag(self, t: Scalars, depth: Array, speed: Array) -> Array:
         """Of both bodies [N], at a time since the line went taut [s], a depth [m] and a speed in the water [m/s]."""
         dive, hooks = self._dive, self._hooks
-        force = dive.vehicle_drag(speed) + dive.anchor_drag(speed)
-        factor = hooks.drag_factor(t, np.abs(speed)) * hooks.local_drag_factor(depth, dive.line_length)
-        return np.asarray(force * factor)
+        force = np.asarray(dive.vehicle_drag(speed) + dive.anchor_drag(speed))
+        if not hooks.changes_drag:
+            return force
+        return force * (hooks.drag_factor(t, np.abs(speed)) * hooks.local_drag_factor(depth, dive.line_length))
 
     def pull(self, t: Scalars, depth: Array) -> Array:
         """Net downward force without drag [N], at a time since the line went taut [s] and the vehicle's depth [m]."""
@@ -204,14 +205,17 @@ class FreeVehicle:
 
     def __init__(self, dive: Dive, hooks: DescentHooks, since_taut: Array) -> None:
         self._dive, self._hooks, self._since_taut = dive, hooks, since_taut
+        self._negative_mass = -dive.free_mass
         self.water_velocity = hooks.water_velocity
 
     def acceleration(self, t: float, depth: Array, speed: Array) -> Array:
         """Of the vehicle [m/s²]."""
         dive, hooks = self._dive, self._hooks
-        drag = dive.vehicle_drag(speed) * hooks.drag_factor(self._since_taut + t, np.abs(speed))
-        drag = drag * hooks.local_drag_factor(depth, dive.line_length)
-        return np.asarray(-(dive.net_buoyancy + hooks.lift(depth) + drag) / dive.free_mass)
+        drag = dive.vehicle_drag(speed)
+        if hooks.changes_drag:
+            drag = drag * hooks.drag_factor(self._since_taut + t, np.abs(speed))
+            drag = drag * hooks.local_drag_factor(depth, dive.line_length)
+        return np.asarray((dive.net_buoyancy + hooks.lift(depth) + drag) / self._negative_mass)
 
 
 _STEADY_TIME = 1e6

@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 from functools import lru_cache, partial
 
 import numpy as np
-from scipy.optimize import lsq_linear, nnls
+import scipy
 from typing_extensions import override
 
 from missionplan.arrays import Array
@@ -148,9 +148,9 @@ def fit_leg_spread(scenario: SweepScenario, seed: int) -> LegSpread:
 
 def _non_negative(terms: Array, values: Array) -> Array:
     try:
-        return np.asarray(nnls(terms, values)[0])
+        return np.asarray(scipy.optimize.nnls(terms, values)[0])
     except ValueError:  # early versions of nnls in Python stop so where nothing is left to free
-        return np.asarray(lsq_linear(terms, values, bounds=(0.0, np.inf)).x)
+        return np.asarray(scipy.optimize.lsq_linear(terms, values, bounds=(0.0, np.inf)).x)
 
 
 _best_legs = lru_cache(maxsize=64)(best_legs)

@@ -14,7 +14,7 @@ from operator import attrgetter
 from typing import Literal
 
 import numpy as np
-from scipy.optimize import minimize_scalar
+import scipy
 
 from missionplan.arrays import Array
 from missionplan.errors import InputError, Problem
@@ -177,7 +177,9 @@ def _at_best_speed(transit: AnalyticTransit) -> AnalyticTransit:
     slowest, fastest = SPEED_RANGE
     low = max(slowest * scenario.speed, 1.5 * transit.spread.sigma)
     bounds = (low, fastest * scenario.speed)
-    found = minimize_scalar(energy, bounds=bounds, method="bounded", options={"xatol": 0.02 * low, "maxiter": 12})
+    found = scipy.optimize.minimize_scalar(
+        energy, bounds=bounds, method="bounded", options={"xatol": 0.02 * low, "maxiter": 12}
+    )
     return at_speed(float(found.x))[0]
 
 

@@ -11,8 +11,8 @@ from missionplan.mission import Mission
 from missionplan.mission.views import forecast_error
 from missionplan.montecarlo.distributions import Distribution
 from missionplan.montecarlo.streams import BlockStreams
-from missionplan.phases.currents import Current
-from missionplan.phases.fields.ensemble import Ensemble, Statistics
+from missionplan.phases.currents import Current, LayeredCurrent
+from missionplan.phases.fields.ensemble import Ensemble, ErringCurrent, Statistics
 from missionplan.phases.hooks import TransitEffect, surface_velocity
 from missionplan.phases.place.place import Cause, Place, Way
 from missionplan.phases.recorded_currents import RecordedCurrent
@@ -173,15 +173,27 @@ class Drift:
             yield place
 
     def _carried(self, place: Array, clock: Array, lasting: Array) -> Array:
-        """Integrate by `dormand_prince`, each trial over its own time."""
+        """Integrate each trial over its own time: exactly in a uniform current, else by `dormand_prince`."""
         longest = float(lasting.max(initial=0.0))
         if longest == 0.0:
             return place.copy()
+        if self._is_uniform:
+            return place + self.current.mean_velocity(clock, lasting, 0.0, place, np.zeros((2, 1))) * lasting
 
         def rate(share: float, at: Array) -> Array:
             return self.velocity(clock + share * lasting, at) * lasting
 
         return dormand_prince(rate, place, _FIRST_STEP / longest, _LONGEST_STEP / longest, _PLACE_ERROR)
+
+    @property
+    def _is_uniform(self) -> bool:
+        """Whether the velocity is the same everywhere, and the current knows its mean over any time."""
+        current = self.current
+        if isinstance(current, ErringCurrent):
+            if current.error.number is not None:
+                return False
+            current = current.forecast
+        return isinstance(current, LayeredCurrent) and not self.effects
 
 
 def _tide(effects: Sequence[TransitEffect], t: Array) -> Array | float:

@@ -18,8 +18,8 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.optimize import minimize_scalar
 from scipy.sparse import csr_array
 
 from missionplan.arrays import Array
@@ -252,7 +252,8 @@ def best_d_max(
     grid = np.linspace(0.05, 1.0, 96) * distance
     best = int(np.argmin([cost(d_max) for d_max in grid]))
     bounds = (grid[max(best - 1, 0)], grid[min(best + 1, len(grid) - 1)])
-    refined = float(minimize_scalar(cost, bounds=bounds, method="bounded", options={"xatol": 1e-4 * distance}).x)
+    minimum = scipy.optimize.minimize_scalar(cost, bounds=bounds, method="bounded", options={"xatol": 1e-4 * distance})
+    refined = float(minimum.x)
     d_max = min(refined, float(grid[best]), key=cost)
     return d_max, expected(d_max)
 
