@@ -105,3 +105,49 @@ def test_dives_are_of_the_data_sets_date_or_of_their_own(folder, descent_mission
         assert read_descent(folder(dated, dives()), descent_mission).date == pytest.approx(wanted)
         del dated["start"]
         assert np.isnan(read_descent(folder(dated, dives()), descent_mission).date)
+
+
+def test_a_dive_that_stands_twice_counts_once_unless_its_anchor_differed(folder, descent_mission):
+    table = dives()
+    table.loc[table["run"] == "dive-2", "depth_m"] += 0.5
+    same = {**RUNS, "dive-3": RUNS["dive-1"]}
+    data = read_descent(folder({**KIND, "runs": same}, table), descent_mission)
+    assert [dive.name for dive in data.dives] == ["dive-1", "dive-2"]
+    (notice,) = (each for each in data.notices if "count once" in each)
+    assert notice.startswith("1 dive of 3 stand in the file before, and count once: ")
+    assert "dive-3" in notice
+    for dive, first in zip(data.dives, (0.0, 0.5), strict=True):
+        assert (dive.t[0], dive.depth[0], len(dive.t)) == (0.0, first, 200)
+    apart = read_descent(folder(KIND, table), descent_mission)
+    assert [dive.name for dive in apart.dives] == list(RUNS)
+    assert not any("count once" in notice for notice in apart.notices)
+
+
+@pytest.mark.parametrize(
+    ("change", "words", "line"),
+    [
+        (
+            lambda t: t["t_s"].mask(t.index.isin([5, 9]), t["t_s"] - 0.1),
+            "dive-1: a time stands twice; 1 more like it",
+            7,
+        ),
+        (lambda t: t["t_s"].mask(t.index == 5, 0.05), "dive-1: a time stands after a later one", 7),
+    ],
+)
+def test_times_that_do_not_go_on_are_named_once_a_dive(folder, descent_mission, change, words, line):
+    table = dives().reset_index(drop=True)
+    with pytest.raises(InputError, match=words) as refused:
+        read_descent(folder(KIND, table.assign(t_s=change(table).round(6))), descent_mission)
+    assert [problem.line for problem in refused.value.problems] == [line]
+
+
+@pytest.mark.parametrize(("depth", "words"), [(99.0, "reaches 99 m, below the seafloor at 24 m"), (-2.1, "more than 2 m above"), (11_001.0, "deepest sea"), (97.9, ""), (-1.9, "")])  # fmt: skip
+def test_depths_that_no_dive_has_are_refused_and_those_of_waves_and_feet_are_not(folder, descent_mission, depth, words):
+    table = dives().reset_index(drop=True)
+    table.loc[7, "depth_m"] = depth
+    place = folder(KIND, table)
+    if not words:
+        assert len(read_descent(place, descent_mission).dives) == 3
+        return
+    with pytest.raises(InputError, match=words):
+        read_descent(place, descent_mission)

@@ -90,6 +90,38 @@ def test_counts_update_the_mission_s_and_the_file_is_planned_with(tmp_path: Path
     assert (fresh.failures, fresh.exposure, fresh.prior_failures, fresh.prior_exposure) == (2.0, 50.0, 4.0, 1700.0)
 
 
+def test_a_rate_with_its_error_is_updated_in_hours_and_kilometres_and_a_fixed_one_replaced(tmp_path: Path) -> None:
+    """A gamma law of mean m and standard deviation s is worth (m/s)² - 1/2 failures in m/s² of exposure."""
+    given = [
+        {"per": "hour", "rate": {"mean": "2e-3 1/h", "sd": "5e-4 1/h"}, "source": "Büro"},
+        {"per": "km", "rate": "0.01 1/km", "leaves": "lost"},
+    ]
+    found = missionplan.history(fleet(tmp_path, "hour,3,400,A", "km,1,50,B"), mission=mission(tmp_path, given))
+    hour, km = found.rates
+    assert (hour.per, hour.leaves, hour.prior, km.per, km.leaves, km.prior) == (
+        "hour",
+        "",
+        "distribution",
+        "km",
+        "",
+        "none",
+    )
+    assert (hour.prior_failures, hour.prior_exposure) == pytest.approx((15.5, 8000.0), rel=1e-3)
+    law = scipy.stats.gamma(19.0, scale=1.0 / 8400.0)
+    assert (hour.rate, hour.low, hour.high) == pytest.approx((law.mean(), *law.ppf([0.05, 0.95])), rel=1e-3)
+    assert hour.surprise == pytest.approx(chance_of_counts(3, 400.0, 15.5, 8000.0), rel=1e-2)
+    law = scipy.stats.gamma(1.5, scale=1.0 / 50.0)
+    assert (km.rate, km.low, km.high, km.surprise) == pytest.approx((law.mean(), *law.ppf([0.05, 0.95]), 1.0))
+    assert "Büro" in found.rates_file
+    written = yaml.safe_load(found.rates_file)
+    assert [each["source"] for each in written if "learned_from" in each] == [
+        "Büro; 3 failures in 400 h of the fleet",
+        "1 failures in 50 km of the fleet",
+    ]
+    assert [(each["per"], each.get("leaves")) for each in written] == [("km", "lost"), ("hour", None), ("km", None)]
+    assert (len(hour.learned_from), len(km.learned_from)) == (1, 1)
+
+
 def test_every_wrong_cell_is_named_with_its_line(tmp_path: Path) -> None:
     root = fleet(tmp_path, "hours,1,400,A", "hour,-1,400,A", "hour,x,1,A", "hour,1,0,B")
     with pytest.raises(InputError) as caught:
