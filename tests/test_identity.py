@@ -12,13 +12,13 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from conftest import TRANSIT
 
 import missionplan
 from missionplan import InputError, Mission, simulate
 from missionplan import identity as module
 from missionplan.cli import main
 from missionplan.identity import Identity, differences, digest_of, running_program
+from tests.fixtures import TRANSIT
 
 PACKAGE = Path(missionplan.__file__).parent
 CHESAPEAKE = PACKAGE.parent / "missions" / "chesapeake.yaml"

@@ -5,7 +5,6 @@ import json
 import shutil
 
 import pytest
-from conftest import TRANSIT
 from typer.testing import CliRunner
 
 import missionplan
@@ -14,6 +13,7 @@ from missionplan import verification as module
 from missionplan.cli import app
 from missionplan.identity import running_program
 from missionplan.store.checkpoints import Checkpoints, read_block
+from tests.fixtures import TRANSIT
 
 TRIALS = 3 * 4096 + 10
 

@@ -11,7 +11,7 @@ from missionplan.effects import CATALOGUE
 from missionplan.mission import Mission, load
 from missionplan.report.diagnosis.kind_report import explanations_in_words
 from missionplan.report.render import render_report
-from tests.conftest import TRANSIT, dated, make_legs
+from tests.fixtures import TRANSIT, dated, make_legs
 
 KIND = {"kind": "transit", "name": "legs", "noise": {"fix": "3 m"}}
 EASTWARD = (0.5 * np.pi, np.radians(10.0))

@@ -18,7 +18,7 @@ from missionplan.diagnosis.inference.prior import Prior
 from missionplan.effects import effects_of
 from missionplan.mission import Mission
 from missionplan.montecarlo.posterior import NOWHERE
-from tests.conftest import dated
+from tests.fixtures import dated
 
 LEGS = {"kind": "transit", "name": "legs", "noise": {"fix": "3 m"}}
 HALVES = ((0.5 * np.pi, np.radians(6.0)), (0.2 * np.pi, np.radians(10.0)))

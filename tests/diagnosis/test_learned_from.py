@@ -21,7 +21,7 @@ from missionplan.mission.sections import MOST_LEARNED
 from missionplan.report.diagnosis.page import answer
 from missionplan.report.scoring import answer as told_of_score
 from missionplan.studies.comparison.two_reports import changed_values
-from tests.conftest import TRANSIT, make_legs
+from tests.fixtures import TRANSIT, make_legs
 
 DOUBT = {"one-of": [{"probability": 0.4, "effects": [{"mean-current": {"east": {"mean": "2 cm/s", "sd": "1 cm/s"}}}]}]}
 TOWING = {"kind": "drag", "reference_area": "0.1 m^2", "reference_length": "1 m"}

@@ -6,11 +6,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 import yaml
-from conftest import TRANSIT
 
 import missionplan
 from missionplan.mission import Mission
 from missionplan.results.learned.diagnosis import Campaign
+from tests.fixtures import TRANSIT
 
 M2 = 2.0 * np.pi / (12.4206 * 3600.0)
 EARTH, START, WEEKS = 6.371e6, 1.78e9, 5.0 * 7.0 * 86400.0

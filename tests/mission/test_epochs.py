@@ -4,7 +4,6 @@ import copy
 
 import numpy as np
 import pytest
-from conftest import TRANSIT
 
 from missionplan.errors import InputError
 from missionplan.mission import Mission
@@ -13,6 +12,7 @@ from missionplan.montecarlo.posterior import WeightedDraws
 from missionplan.montecarlo.posterior_file import PosteriorFile
 from missionplan.phases.hooks import Leg
 from missionplan.scenario.scenario import Scenario
+from tests.fixtures import TRANSIT
 
 TIDE = {"m2_east": "0.3 m/s", "m2_east_phase": "40 deg", "s2_north": "0.1 m/s", "s2_north_phase": "-70 deg"}
 TURNS = {"amplitude": "0.2 m/s", "phase": {"mean": "1 rad", "sd": "0.1 rad"}}

@@ -4,7 +4,6 @@ import copy
 
 import numpy as np
 import pytest
-from conftest import TRANSIT
 
 from missionplan.diagnosis.plan_gain import with_urgency
 from missionplan.mission import Mission
@@ -15,6 +14,7 @@ from missionplan.montecarlo.posterior import NOWHERE, WeightedDraws
 from missionplan.montecarlo.posterior_file import DamagedPosteriorError, PosteriorFile
 from missionplan.report.diagnosis.findings import trends_in_words
 from missionplan.studies.history.find_history import parameter_levels
+from tests.fixtures import TRANSIT
 
 SPEED, DAY, START = ("speed-scale", "fraction", "strength"), 86400.0, 1.78e9
 

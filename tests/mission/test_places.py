@@ -4,7 +4,6 @@ import copy
 
 import numpy as np
 import pytest
-from conftest import TRANSIT
 
 from missionplan.effects import CATALOGUE
 from missionplan.mission import Mission
@@ -12,6 +11,7 @@ from missionplan.mission.learned import not_handed_on
 from missionplan.mission.reading.includes import hash_of
 from missionplan.montecarlo.posterior import WeightedDraws
 from missionplan.montecarlo.posterior_file import PosteriorFile
+from tests.fixtures import TRANSIT
 
 HERE = (np.radians(37.0), np.radians(-76.0), 1.78e9)
 ALL = ("compass-bias", "mean-current", "tidal-current", "inertial-current", "persistent-error")

@@ -7,7 +7,7 @@ import yaml
 from missionplan import diagnose
 from missionplan.mission import load
 from missionplan.report.render import render_report
-from tests.conftest import TRANSIT
+from tests.fixtures import TRANSIT
 
 KIND = {"kind": "transit", "name": "legs", "noise": {"fix": "3 m"}}
 

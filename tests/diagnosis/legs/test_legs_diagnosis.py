@@ -15,7 +15,7 @@ from missionplan.errors import InputError
 from missionplan.mission import Mission
 from missionplan.phases.hooks import velocity_error
 from missionplan.report.render import render_report
-from tests.conftest import TRANSIT, make_legs
+from tests.fixtures import TRANSIT, make_legs
 from tests.learned import held, moments
 
 KIND = {"kind": "transit", "name": "legs", "noise": {"fix": "3 m"}}

@@ -16,7 +16,7 @@ from missionplan.mission import Mission
 from missionplan.report.diagnosis.page import answer
 from missionplan.report.render import render_report
 from missionplan.results.learned.evidence import Coverage
-from tests.conftest import TRANSIT, make_legs
+from tests.fixtures import TRANSIT, make_legs
 
 
 def words_of(found):
