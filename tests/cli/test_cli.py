@@ -134,18 +134,46 @@ HEAVY = {
 HEAVY |= {f"scipy.{part}" for part in ("interpolate", "linalg", "ndimage", "optimize", "sparse", "special", "stats")}
 
 
-def imported_by(*arguments: str, expected: int = 0) -> set[str]:
-    """Modules that a command imports in a process of its own, which ends with a status."""
-    code = f"import sys; sys.argv = ['missionplan', *{arguments!r}]\nfrom missionplan.cli import main\n"
-    code += "try: main()\nexcept SystemExit as end: print(end.code, *sys.modules, file=sys.stderr)"
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
-    status, *names = done.stderr.splitlines()[-1].split()
-    assert status == str(expected)
-    return set(names)
+IMPORTS = """
+import sys
+from pathlib import Path
+from missionplan.cli import main
+def seen(status):
+    print("\\nseen", status, *sys.modules, file=sys.stderr)
+def command(*words):
+    sys.argv = ["missionplan", *words]
+    try: main()
+    except SystemExit as end: seen(end.code)
+missions, measured, damaged, out = sys.argv[1:]
+chesapeake = missions + "/chesapeake.yaml"
+command("--help")
+command("validate", *(f"{missions}/{name}.yaml" for name in ("anchor-design", "autosub-transition", "fig8")), chesapeake)
+command("diagnose", chesapeake, damaged, "--out", out)
+from missionplan import diagnose, load
+import missionplan.diagnosis.diagnose
+from missionplan.diagnosis.kinds import bind_dataset
+bind_dataset(Path(measured), load(chesapeake), 1)
+seen("bound")
+"""
 
 
-def test_help_defers_heavy_imports() -> None:
-    assert not imported_by("--help") & (HEAVY - {"rich"} | {"numpy", "pydantic", "scipy"})
+@pytest.fixture(scope="module")
+def imports(tmp_path_factory: pytest.TempPathFactory) -> dict[str, set[str]]:
+    """Modules that have been imported after each of four steps in one process, from little to much, by their ends."""
+    folder, measured = tmp_path_factory.mktemp("imports"), MISSIONS / "measured" / "avila-drag"
+    damaged = copytree(measured, folder / "damaged")
+    (damaged / "dataset.yaml").write_text((damaged / "dataset.yaml").read_text().replace("file:", "fil:"))
+    command = [sys.executable, "-c", IMPORTS, *map(str, (MISSIONS, measured, damaged, folder / "out"))]
+    done = subprocess.run(command, capture_output=True, text=True, check=True)
+    steps = [line.split()[1:] for line in done.stderr.splitlines() if line.startswith("seen ")]
+    ends = [end for end, *_ in steps]
+    assert ends == ["0", "0", "2", "bound"]
+    names = ("help", "validate", "refused", "bound")
+    return {name: set(modules) for name, (_, *modules) in zip(names, steps, strict=True)}
+
+
+def test_help_defers_heavy_imports(imports: dict[str, set[str]]) -> None:
+    assert not imports["help"] & (HEAVY - {"rich"} | {"numpy", "pydantic", "scipy"})
 
 
 def test_workers_import_what_trials_need() -> None:
@@ -155,13 +183,8 @@ def test_workers_import_what_trials_need() -> None:
     assert not set(done.stdout.split()) & {"pandas", "matplotlib", "xarray", "jinja2", "dask"}
 
 
-def test_diagnose_imports_one_kind_of_data(tmp_path: Path) -> None:
-    code = "import sys\nfrom missionplan import diagnose, load\nimport missionplan.diagnosis.diagnose\n"
-    code += "from missionplan.diagnosis.kinds import bind_dataset\nfrom pathlib import Path\n"
-    code += f"bind_dataset(Path({str(MISSIONS / 'measured' / 'avila-drag')!r}), load({str(MISSIONS / 'chesapeake.yaml')!r}), 1)\n"
-    code += "print(*sys.modules)"
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
-    imported = set(done.stdout.split())
+def test_diagnose_imports_one_kind_of_data(imports: dict[str, set[str]]) -> None:
+    imported = imports["bound"]
     assert "missionplan.diagnosis.tank.kind" in imported
     others = {
         "missionplan.diagnosis.legs.kind",
@@ -173,13 +196,8 @@ def test_diagnose_imports_one_kind_of_data(tmp_path: Path) -> None:
     )
 
 
-def test_diagnose_refuses_a_data_set_before_it_imports_the_diagnosis(tmp_path: Path) -> None:
-    folder = copytree(MISSIONS / "measured" / "avila-drag", tmp_path / "damaged")
-    (folder / "dataset.yaml").write_text((folder / "dataset.yaml").read_text().replace("file:", "fil:"))
-    imported = imported_by(
-        "diagnose", str(MISSIONS / "chesapeake.yaml"), str(folder), "--out", str(tmp_path / "out"), expected=2
-    )
-    assert not imported & {"missionplan.diagnosis.diagnose", "scipy.linalg", "matplotlib"}
+def test_diagnose_refuses_a_data_set_before_it_imports_the_diagnosis(imports: dict[str, set[str]]) -> None:
+    assert not imports["refused"] & {"missionplan.diagnosis.diagnose", "scipy.linalg", "matplotlib"}
 
 
 @pytest.mark.parametrize("command", ["diagnose", "score"])
@@ -197,11 +215,8 @@ def test_what_is_wrong_with_the_mission_and_with_each_data_set_is_told_at_once(
         assert words in errors
 
 
-def test_validate_imports_only_what_a_mission_needs() -> None:
-    missions = [
-        str(MISSIONS / f"{name}.yaml") for name in ("anchor-design", "autosub-transition", "chesapeake", "fig8")
-    ]
-    imported = imported_by("validate", *missions)
+def test_validate_imports_only_what_a_mission_needs(imports: dict[str, set[str]]) -> None:
+    imported = imports["validate"]
     assert {"numpy", "missionplan.studies.validate"} <= imported
     unwanted = HEAVY | {"missionplan.studies.simulation.simulate"}
     assert not imported & (unwanted - {"rich"})  # which typer 0.15 imports by itself
