@@ -2,6 +2,7 @@
 
 import re
 import sys
+from functools import cache
 from pathlib import Path
 from typing import get_args
 
@@ -66,6 +67,7 @@ def test_files_are_written_here_and_named(name, monkeypatch, tmp_path, capsys) -
         assert words.split(" (")[0][:30] in said.err
 
 
+@cache
 def plan_of(mission: str):
     from missionplan.studies.export import mission_plan
 

@@ -79,7 +79,7 @@ def test_feet_are_suspected_aloud_and_never_converted(folder, descent_mission, f
 
 
 def test_many_rows_are_thinned(folder, descent_mission):
-    data = prepare_dives(read_descent(folder(KIND, dives(rate=5000.0)), descent_mission))
+    data = prepare_dives(read_descent(folder(KIND, dives(rate=500.0)), descent_mission))
     assert all(len(dive.t) <= MAX_SAMPLES for dive in data.dives)
 
 

@@ -211,13 +211,14 @@ def test_trials_do_not_touch_each_other():
             assert getattr(together, name)[index] == pytest.approx(getattr(alone, name)[0], rel=1e-12)
 
 
-@settings(max_examples=20)
-@given(st.floats(6.0, 30.0), st.floats(1.02, 1.5))
-def test_a_heavier_anchor_is_faster_and_stops_lower(weight, factor):
-    record = run(replace(PROTOTYPE, wet_weight=np.array([weight, weight * factor])), 2)
-    assert record.descent_time[1] < record.descent_time[0]
-    assert record.terminal_velocity[1] > record.terminal_velocity[0]
-    assert record.lowest_altitude[1] < record.lowest_altitude[0]
+@settings(max_examples=2)
+@given(st.lists(st.tuples(st.floats(6.0, 30.0), st.floats(1.02, 1.5)), min_size=16, max_size=16))
+def test_a_heavier_anchor_is_faster_and_stops_lower(anchors):
+    weight, factor = np.array(anchors).T
+    light, heavy = (run(replace(PROTOTYPE, wet_weight=each), len(anchors)) for each in (weight, weight * factor))
+    assert np.all(heavy.descent_time < light.descent_time)
+    assert np.all(heavy.terminal_velocity > light.terminal_velocity)
+    assert np.all(heavy.lowest_altitude < light.lowest_altitude)
 
 
 def test_an_anchor_lighter_than_the_buoyancy_never_comes_down():
@@ -239,8 +240,11 @@ def test_a_vehicle_that_just_touches_the_seafloor_has_struck():
 
     line = 3.0
     for _ in range(20):  # lengthen the line by what is missing, until nothing is
-        line -= float(ended(line).lowest_altitude[0])
-    assert ended(line).lowest_altitude[0] == 0.0
+        missing = float(ended(line).lowest_altitude[0])
+        line -= missing
+        if missing == 0.0:
+            break
+    assert missing == 0.0
     assert [ended(line + more).struck.tolist() for more in (-1e-6, 0.0, 1e-6)] == [[True], [True], [False]]
 
 

@@ -182,8 +182,9 @@ def test_legs_without_a_price_or_a_way_are_refused_in_words(change):
 
 def test_the_table_is_as_short_as_what_it_may_cost_allows():
     """A tenth of the grid's knots, at no more than what is allowed for it."""
-    found = best_legs(2000.0, 1.0, 50.0, 0.05, SURFACING)
-    left, _ = policy.Bellman.on_grid(2000.0, 50.0, 0.05, SURFACING, 0.0).solve()
+    distance, speed, arrival_radius, sigma = SHORT
+    found = policy_of(SHORT)
+    left, _ = policy.Bellman.on_grid(distance, arrival_radius, sigma / speed, SURFACING, 0.0).solve()
     assert found.legs.left.size < 0.4 * left.size
     assert found.bound <= found.transit.cost <= found.bound + TABLE_LOSS
 
