@@ -30,7 +30,7 @@ def test_only_what_differs_changes():
 
 def test_every_summary_has_the_decision_that_the_terminal_shows():
     sweep = missionplan.sweep_dmax(MISSIONS / "fig8.yaml", trials=50, method="analytic")
-    outcome = missionplan.simulate(MISSIONS / "chesapeake.yaml", trials=100)
+    outcome = missionplan.simulate(MISSIONS / "chesapeake.yaml", trials=100, sheet=False)
     for result in (sweep, outcome):
         decision = result.summary()["decision"]
         assert decision["do"] == terminal_view(result).sentence

@@ -25,6 +25,12 @@ def mission():
     return load(MISSIONS / "anchor-design.yaml")
 
 
+@pytest.fixture(scope="module")
+def quick(mission):
+    """The example's anchor, for what no trial changes."""
+    return size_anchor(mission, trials=10)
+
+
 def altered(tmp_path, *changes, vehicle=()):
     """A copy of the example with pieces of text replaced."""
     texts = {"anchor-design.yaml": changes, "vehicles/vt475-self-mooring.yaml": vehicle}
@@ -88,9 +94,8 @@ def test_design_current_defaults_to_mean_and_two_sd(tmp_path):
     assert size_anchor(mission, trials=10).required_velocity == pytest.approx((1.3 + 1.2) / 2 * 100 / 75)
 
 
-def test_the_layers_own_directions_need_less(mission):
-    sizing = size_anchor(mission, trials=10)
-    aligned, vector = sizing.required_velocity, sizing.vector_velocity
+def test_the_layers_own_directions_need_less(quick):
+    aligned, vector = quick.required_velocity, quick.vector_velocity
     across = np.hypot(1.3 + 1.13 * np.cos(np.radians(30)), 1.13 * np.sin(np.radians(30)))
     assert vector == pytest.approx(aligned * across / (1.3 + 1.13))
 
@@ -371,8 +376,8 @@ def test_the_headline_is_that_of_the_whole_mission_on_fresh_draws(demanded):
     assert sizing.summary()["judged"]["requirements_met"] is False
 
 
-def test_the_worst_case_by_itself_is_the_anchor_sized(mission):
-    assert worst_case_anchor(mission) == size_anchor(mission, trials=10).anchor.wet_weight
+def test_the_worst_case_by_itself_is_the_anchor_sized(mission, quick):
+    assert worst_case_anchor(mission) == quick.anchor.wet_weight
 
 
 def test_the_worst_case_by_itself_reports_what_is_missing():
@@ -404,8 +409,8 @@ def test_an_anchor_that_cannot_hold_is_told(tmp_path):
     assert "an anchor that holds in 0.0 % of dives at best" in probable.reason
 
 
-def test_the_vehicle_lies_as_its_centres_say(tmp_path, mission):
-    states = size_anchor(mission, trials=10).trim
+def test_the_vehicle_lies_as_its_centres_say(tmp_path, quick):
+    states = quick.trim
     assert [state.verdict for state in states][1] == "nose-heavy"
     assert states[1].net_force == pytest.approx(0.89 - 11.7, abs=0.01)
     centres = "centre_of_gravity: {from_nose: 561 mm, below_axis: 5 mm}\ncentre_of_buoyancy: {from_nose: 560 mm}\nmass:"
