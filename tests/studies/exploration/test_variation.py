@@ -2,6 +2,7 @@
 
 import itertools
 import math
+from datetime import UTC, datetime
 from pathlib import Path
 
 import pytest
@@ -10,7 +11,8 @@ from hypothesis import strategies as st
 
 import missionplan
 from missionplan.errors import InputError
-from missionplan.studies.exploration.variation import known_key, known_keys, read_axis, steps, with_values
+from missionplan.moments import moment_of
+from missionplan.studies.exploration.variation import known_key, known_keys, read_axes, read_axis, steps, with_values
 
 MISSIONS = Path(__file__).parents[3] / "missions"
 
@@ -38,6 +40,56 @@ def estuary():
 )
 def test_values_are_read(estuary, text, labels):
     assert read_axis(estuary, text).labels == labels
+
+
+@pytest.mark.parametrize(
+    ("text", "numbers", "values", "unit"),
+    [
+        ("ingress.speed=1 kn:2 m/s:0.5 m/s", (0.514444444, 1.014444444, 1.514444444), "{} m/s", "m/s"),
+        ("moor.hold=1 min, 120, 1 h", (1 / 60, 120.0, 1.0), "{} h", "h"),
+        ("moor.hold=2 h:1 h:-30 min", (120.0, 90.0, 60.0), "{} min", "min"),
+        ("navigation.max_legs=100:310:100", (100.0, 200.0, 300.0), "{}", ""),
+        ("start=-1 h:1 h:1 h", (-5400.0, -1800.0, 1800.0), None, "UTC"),
+        ("start=04:00:05,2026-06-01T04:00:00+02:00,30 min", (-28_795.0, -36_000.0, 0.0), None, "UTC"),
+        ("start=05:00:04:00:-30 min", (-25_200.0, -27_000.0, -28_800.0), None, "UTC"),
+    ],
+)
+def test_numbers_values_and_units_say_the_same(estuary, text, numbers, values, unit):
+    """A bare number has the unit of the next; starts here count from noon, half an hour after the mission's own."""
+    found = read_axis(estuary, text)
+    assert found.unit == unit
+    if values is None:
+        noon = datetime(2026, 6, 1, 12, tzinfo=UTC)
+        assert [each - noon.timestamp() for each in found.numbers] == pytest.approx(numbers)
+        assert [(moment_of(str(each)) - noon).total_seconds() for each in found.values] == pytest.approx(numbers)
+        return
+    assert found.numbers == pytest.approx(numbers)
+    assert [str(each) for each in found.values] == [values.format(label) for label in found.labels]
+    assert [float(label) for label in found.labels] == pytest.approx(numbers)
+
+
+@pytest.mark.parametrize(
+    ("texts", "words"),
+    [
+        ([], "given 0 times, expected once or twice"),
+        (["moor.hold=1,2 h"] * 3, "given 3 times"),
+        (["moor.hold=1,2 h", "moor.hold=3,4 h"], "varies moor.hold twice"),
+        (["ingress.speed=1:2:0.01 m/s", "moor.hold=1:50:1 h"], "makes 5050 cells, expected at most 5000"),
+        (["moor.hold=1:5001:1 s"], "makes 5001 cells, expected at most 5000"),
+        (["moor.hold=1:2:-1 s"], "never lead from 1 to 2"),
+        (["moor.hold=2:1:1 s"], "never lead from 2 to 1"),
+        (["moor.hold=1:2:0 s"], "never lead"),
+        (["moor.hold=1:2 s"], "expected FROM:TO:STEP"),
+        (["moor.hold="], "expected KEY=FROM:TO:STEP or KEY=A,B,C"),
+        (["moor.hold"], "expected KEY=FROM:TO:STEP or KEY=A,B,C"),
+        (["start=05:00:04:00:30 min"], "the last time is before the first"),
+        (["start=noon,04:00"], "expected times, such as"),
+    ],
+)
+def test_variations_that_cannot_be_are_said(estuary, texts, words):
+    with pytest.raises(InputError, match=words):
+        read_axes(estuary, texts)
+    assert len(read_axes(estuary, ["ingress.speed=1:2:0.02 m/s", "moor.hold=1:98:1 h"])) == 2  # 4998 cells
 
 
 @given(st.floats(-1e3, 1e3), st.floats(1e-2, 1e3), st.integers(0, 200))
