@@ -372,7 +372,7 @@ def _time_to_find(_: Options) -> list[float]:
     seed=9_500,
     accepted=[
         between("90 % intervals hold", 0.84, 0.97),
-        *(reported(f"those of {way} levels") for way in ("constant", "drifting", "jumping", "redrawn")),
+        *(reported(f"of both levels where one is {way}") for way in ("constant", "drifting", "jumping", "redrawn")),
         at_least("least gain over a fresh start of the four", 0.0, "nats"),
         at_least("trends and jumps named", 0.8),
         at_most("vehicles with a false trend", 0.05),
@@ -386,7 +386,7 @@ def _fleets(options: Options) -> list[float]:
 
     found = lines(options.work / "calibration.fleets.jsonl", range(9_500, 9_540), lambda seed: asdict(fleets.run(seed)))
     ways = [found[first::4] for first in range(4)]
-    held = [float(np.mean([inside for each in own for inside in each["held"]])) for own in ways]
+    held = [float(np.mean([inside for each in own for inside in (*each["held"], *each["beside"])])) for own in ways]
     gains = [float(np.mean([gain for each in own for gain in each["gains"]])) for own in ways]
     named = [bool(value) for each in found for value in (each["trend"], each["jump"]) if value is not None]
     false = float(np.mean([each["false_trend"] for each in found]))

@@ -3,7 +3,8 @@
 ``python -m tests.fleets --fleets 40`` prints the figures. Every vehicle has a compass that is off and a log that runs
 slow. One of the two stays as it is, drifts, jumps once or is drawn anew each mission; the other stays. The legs are
 sailed in steps of a minute with errors of their own, and each mission has nuisances of its own: a slight current, a
-compass and a log that differ a little.
+compass and a log that differ a little. With ``--dives`` it is a drag that stays or changes, in four dives a mission
+(`dives`).
 """
 
 import argparse
@@ -12,50 +13,26 @@ import tempfile
 from collections.abc import Mapping
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 
 import numpy as np
-import yaml
 
 from missionplan import diagnose
-from missionplan.datasets.legs import read_transit
-from missionplan.diagnosis.legs.model_factory import transit_model
 from missionplan.mission import Mission
-from missionplan.results.learned.diagnosis import Diagnosis
+from missionplan.results.learned.diagnosis import Diagnosis, Level, ParameterLevels
 
-MISSIONS, LEGS = 6, 24
-MONTH = 30 * 86400.0
-MINUTE, FIX, SIGMA, SPEED = 60.0, 3.0, 0.03, 1.1
-COMPASS, LOG = "compass-bias", "speed-scale"
+from .dives import BEGIN, DAYS, DRAG, Diving
+from .legs import COMPASS, LOG, Sailing
+
+MISSIONS = 6
 WAYS = ("constant", "drifting", "jumping", "redrawn")
 CHANGES = {
     COMPASS: {"constant": 0.0, "drifting": np.radians(0.8), "jumping": np.radians(6.0), "redrawn": np.radians(2.0)},
     LOG: {"constant": 0.0, "drifting": 0.02, "jumping": 0.08, "redrawn": 0.02},
+    DRAG: {"constant": 0.0, "drifting": 0.06, "jumping": 0.25, "redrawn": 0.06},
 }
 """Change a mission, greatest jump, standard deviation of what is drawn anew."""
-NUISANCE_ANGLE, NUISANCE_PACE, NUISANCE_CURRENT = np.radians(0.1), 0.0015, 0.003
-MISSION = {
-    "name": "Fleet",
-    "start": "2026-01-10T00:00:00Z",
-    "site": {"origin": {"latitude": "37 deg", "longitude": "-76 deg"}},
-    "navigation": {
-        "velocity_error": {"sigma": f"{SIGMA} m/s"},
-        "surfacing_time": "60 s",
-        "fix_error": f"{FIX} m",
-    },
-    "phases": [
-        {
-            "transit": {
-                "name": "out",
-                "from": ["0 m", "0 m"],
-                "to": ["8 km", "0 m"],
-                "speed": f"{SPEED} m/s",
-                "d_max": "1 km",
-                "arrival_radius": "60 m",
-            }
-        }
-    ],
-}
 
 
 @dataclass(frozen=True)
@@ -64,8 +41,10 @@ class Fleet:
 
     Attributes
     ----------
-    held : tuple of bool
-        Whether the 90 % interval of each level, at its date, held the truth.
+    way, changing : str
+        How the vehicle changes, and what of it does.
+    held, beside : tuple of bool
+        Whether the 90 % interval of that level, at its date, held the truth, and likewise of the level that stays.
     gains : tuple of float
         Log scores of legs unseen in the third and the last mission, over starting afresh [nats].
     trend, jump : bool or None
@@ -74,7 +53,10 @@ class Fleet:
         Whether a trend was told of what does not drift.
     """
 
+    way: str
+    changing: str
     held: tuple[bool, ...]
+    beside: tuple[bool, ...]
     gains: tuple[float, ...]
     trend: bool | None
     jump: bool | None
@@ -82,11 +64,14 @@ class Fleet:
 
 
 def levels_of(rng: np.random.Generator, way: str, changing: str) -> tuple[dict[str, np.ndarray], int | None]:
-    """Draw the levels of both parameters in each mission [rad, –], and the mission that jumps."""
-    found = {
-        COMPASS: np.full(MISSIONS, np.radians(rng.uniform(2.0, 6.0)) * rng.choice([-1.0, 1.0])),
-        LOG: np.full(MISSIONS, rng.uniform(-0.08, -0.03)),
-    }
+    """Draw the levels of a vehicle's parameters in each mission [rad, –, –], and the mission that jumps."""
+    if changing == DRAG:
+        found = {DRAG: np.full(MISSIONS, rng.uniform(0.1, 0.35))}
+    else:
+        found = {
+            COMPASS: np.full(MISSIONS, np.radians(rng.uniform(2.0, 6.0)) * rng.choice([-1.0, 1.0])),
+            LOG: np.full(MISSIONS, rng.uniform(-0.08, -0.03)),
+        }
     at = int(rng.integers(2, 5)) if way == "jumping" else None
     change = {
         "constant": np.zeros(MISSIONS),
@@ -98,106 +83,75 @@ def levels_of(rng: np.random.Generator, way: str, changing: str) -> tuple[dict[s
     return found, at
 
 
-def sail(rng: np.random.Generator, number: int, angle: float, pace: float) -> str:
-    """Sail a mission's legs, a month after the last one's, and return its table, comma-separated."""
-    angle = angle + NUISANCE_ANGLE * rng.standard_normal()
-    pace = pace + NUISANCE_PACE * rng.standard_normal()
-    current = NUISANCE_CURRENT * rng.standard_normal(2)
-    rows = ["leg,t_start_s,t_end_s,x_start_m,y_start_m,x_dr_m,y_dr_m,x_end_m,y_end_m"]
-    place, clock = np.zeros(2), number * MONTH
-    for number in range(LEGS):
-        heading, minutes = rng.uniform(-np.pi, np.pi), int(rng.integers(10, 20))
-        known = place + FIX * rng.standard_normal(2)
-        reckoned = known.copy()
-        error = SIGMA * rng.standard_normal(2)
-        for _ in range(minutes):
-            reckoned += SPEED * MINUTE * np.array([np.sin(heading), np.cos(heading)])
-            course = heading + angle
-            over_ground = SPEED * (1.0 + pace) * np.array([np.sin(course), np.cos(course)]) + current + error
-            place = place + MINUTE * over_ground
-        fix = place + FIX * rng.standard_normal(2)
-        end = clock + MINUTE * minutes
-        cells = [number + 1, clock, end, *known, *reckoned, *fix]
-        rows.append(",".join(f"{cell:.6g}" if index < 1 else f"{cell:.2f}" for index, cell in enumerate(cells)))
-        clock = end + MINUTE
-    return "\n".join(rows) + "\n"
-
-
-def halves(table: str) -> list[str]:
-    """Every second leg, and the others."""
-    header, *rows = table.splitlines()
-    return ["\n".join([header, *rows[start::2]]) + "\n" for start in (0, 1)]
-
-
-def data(folder: Path, name: str, table: str) -> Path:
-    place = folder / name
-    place.mkdir()
-    (place / "legs.csv").write_text(table)
-    keys = {"kind": "transit", "name": name, "file": "legs.csv", "noise": {"fix": f"{FIX} m"}}
-    (place / "dataset.yaml").write_text(yaml.safe_dump(keys))
-    return place
-
-
-def score(mission: Mission, place: Path) -> float:
-    """Log evidence of a mission as it stands for legs that it has not seen."""
-    model = transit_model(read_transit(place, mission), mission, seed=1)
-    return float(model.fit(()).log_evidence)
-
-
 def extended(found: Diagnosis) -> Mission:
     return Mission.from_data(found.extended)
 
 
-def kind_of(seed: int) -> tuple[str, str]:
+def kind_of(seed: int, dives: bool = False) -> tuple[str, str]:
     """Return how a vehicle of that seed changes, and what of it does."""
-    return WAYS[seed % 4], (COMPASS, LOG)[seed // 4 % 2]
+    return WAYS[seed % 4], DRAG if dives else (COMPASS, LOG)[seed // 4 % 2]
 
 
-def run(seed: int) -> Fleet:
-    """Sail and diagnose one vehicle's missions."""
+def number_of(level: Level, told: ParameterLevels) -> int:
+    """Return the number of the mission that a level is of: by its date, else as they came."""
+    if level.date is None:
+        return told.missions.index(level)
+    return round((level.date - BEGIN.timestamp()) / (DAYS * 86400.0))
+
+
+def run(seed: int, dives: bool = False) -> Fleet:
+    """Make and diagnose one vehicle's missions."""
     rng = np.random.default_rng([seed, 77])
-    way, changing = kind_of(seed)
+    way, changing = kind_of(seed, dives)
     truths, at = levels_of(rng, way, changing)
-    fresh = mission = Mission.from_data(MISSION)
-    held: list[bool] = []
+    vehicle = (Diving if dives else Sailing)(rng, truths)
+    fresh = mission = vehicle.mission
+    held: dict[str, list[bool]] = {effect: [] for effect in truths}
     gains: list[float] = []
     trend = jump = None
     false_trend = False
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         for number in range(MISSIONS):
-            table = sail(rng, number, truths[COMPASS][number], truths[LOG][number])
+            record = vehicle.record(number)
             if number in (2, MISSIONS - 1) and number != at:
-                learned, unseen = (data(folder, f"{number}-{i}", half) for i, half in enumerate(halves(table)))
+                parts = enumerate(vehicle.halves(record))
+                learned, unseen = (vehicle.data(folder / f"{number}-{i}", half) for i, half in parts)
                 known, anew = (diagnose(each, learned, plan=False) for each in (mission, fresh))
-                gains.append(score(extended(known), unseen) - score(extended(anew), unseen))
-            found = diagnose(mission, data(folder, f"{number}", table), plan=False)
+                gains.append(vehicle.score(extended(known), unseen) - vehicle.score(extended(anew), unseen))
+            found = diagnose(mission, vehicle.data(folder / f"{number}", record), plan=False)
             mission = extended(found)
             told = {each.effect: each for each in found.levels}
             for effect in told.keys() & truths.keys():
-                last, truth = told[effect].missions[-1], truths[effect][number]
-                held.append(bool(abs(last.value - truth) < 1.645 * last.sd))
+                last = told[effect].missions[-1]
+                truth = truths[effect][number_of(last, told[effect])]
+                held[effect].append(bool(abs(last.value - truth) < 1.645 * last.sd))
             one = told.get(changing)
             if at is not None and one is not None and number in (at, at + 1):
-                jump = bool(jump) or one.missions[at] in one.jumps
+                jump = bool(jump) or at in (number_of(each, one) for each in one.jumps)
             drifts = {effect for effect, each in told.items() if each.has_trend}
             trend = changing in drifts if way == "drifting" else None
             false_trend |= bool(drifts - ({changing} if way == "drifting" else set()))
-    return Fleet(tuple(held), tuple(gains), trend, jump if at is None else bool(jump), false_trend)
+    beside = [inside for effect, own in held.items() if effect != changing for inside in own]
+    jump = None if at is None else bool(jump)
+    return Fleet(way, changing, tuple(held[changing]), tuple(beside), tuple(gains), trend, jump, false_trend)
 
 
 def table(found: Mapping[int, Fleet]) -> str:
     """Coverage, gains, trends and jumps by the way in which the vehicles change."""
     lines = []
     for way in WAYS:
-        own = [each for seed, each in found.items() if kind_of(seed)[0] == way]
+        own = [each for each in found.values() if each.way == way]
         if not own:
             continue
-        held, gains = ([value for each in own for value in getattr(each, name)] for name in ("held", "gains"))
+        held, beside, gains = (
+            [value for each in own for value in getattr(each, name)] for name in ("held", "beside", "gains")
+        )
         named = [bool(value) for each in own for value in (each.trend, each.jump) if value is not None]
         lines.append(
-            f"{way}: {len(own)} vehicles; 90 % intervals hold {np.mean(held):.3f} of {len(held)}; "
-            f"over starting afresh {np.mean(gains):+.2f} nats; false trends {sum(each.false_trend for each in own)}"
+            f"{way}: {len(own)} vehicles; 90 % intervals hold {np.mean(held):.3f} of {len(held)}"
+            + (f", of the level that stays {np.mean(beside):.3f} of {len(beside)}" if beside else "")
+            + f"; over starting afresh {np.mean(gains):+.2f} nats; false trends {sum(each.false_trend for each in own)}"
             + (f"; named {sum(named)} of {len(named)}" if named else "")
         )
     return "\n".join(lines)
@@ -208,10 +162,12 @@ def main() -> int:
     parser.add_argument("--fleets", type=int, default=40)
     parser.add_argument("--seed", type=int, default=1000)
     parser.add_argument("--jobs", type=int, default=2)
+    parser.add_argument("--dives", action="store_true")
     chosen = parser.parse_args()
     seeds = range(chosen.seed, chosen.seed + chosen.fleets)
     with ProcessPoolExecutor(chosen.jobs) as pool:
-        print(table(dict(zip(seeds, pool.map(run, seeds), strict=True))))
+        made = pool.map(partial(run, dives=chosen.dives), seeds)
+        print(table(dict(zip(seeds, made, strict=True))))
     return 0
 
 
