@@ -87,16 +87,13 @@ def test_constant_drag_gives_the_closed_forms():
     assert record.lowest_altitude == pytest.approx(altitude, rel=1e-5)
 
 
-@settings(max_examples=25)
-@given(
-    weight=st.floats(5.0, 40.0),
-    line=st.floats(1.0, 15.0),
-    depth=st.floats(20.0, 60.0),
-    vehicle=st.floats(2.0, 8.0),
-    buoyancy=st.floats(0.3, 3.0),
+DESIGNS = st.tuples(
+    st.floats(5.0, 40.0), st.floats(1.0, 15.0), st.floats(20.0, 60.0), st.floats(2.0, 8.0), st.floats(0.3, 3.0)
 )
-def test_closed_forms_over_the_range_of_designs(weight, line, depth, vehicle, buoyancy):
-    dive = replace(
+
+
+def designed(weight, line, depth, vehicle, buoyancy):
+    return replace(
         QUADRATIC,
         wet_weight=weight,
         line_length=line,
@@ -104,8 +101,14 @@ def test_closed_forms_over_the_range_of_designs(weight, line, depth, vehicle, bu
         vehicle_drag=QuadraticDrag(vehicle),
         net_buoyancy=buoyancy,
     )
-    record = run(dive)
-    t_taut, t_down, _, altitude = closed_form(dive)
+
+
+@settings(max_examples=3)
+@given(st.lists(DESIGNS, min_size=12, max_size=12))
+def test_closed_forms_over_the_range_of_designs(designs):
+    record = run(designed(*np.array(designs).T), len(designs))
+    t_taut, t_down, _, altitude = np.transpose([closed_form(designed(*each)) for each in designs])
+    line = np.array(designs)[:, 1]
     assert record.payout_time == pytest.approx(t_taut, rel=1e-4)
     assert record.descent_time == pytest.approx(t_down, rel=1e-4)
     assert line - record.lowest_altitude == pytest.approx(line - altitude, rel=1e-4)
@@ -211,7 +214,7 @@ def test_trials_do_not_touch_each_other():
             assert getattr(together, name)[index] == pytest.approx(getattr(alone, name)[0], rel=1e-12)
 
 
-@settings(max_examples=2)
+@settings(max_examples=3)
 @given(st.lists(st.tuples(st.floats(6.0, 30.0), st.floats(1.02, 1.5)), min_size=16, max_size=16))
 def test_a_heavier_anchor_is_faster_and_stops_lower(anchors):
     weight, factor = np.array(anchors).T
