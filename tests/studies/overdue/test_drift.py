@@ -11,6 +11,7 @@ from matplotlib.path import Path as Outline
 import missionplan
 from missionplan.mission import Mission
 from missionplan.phases.currents import Current, Leeway, layers, leeway_velocity
+from missionplan.phases.fields.ensemble import ErringCurrent, ErrorWaves
 from missionplan.phases.place.place import Place
 from missionplan.phases.place.zones import Fence, Zone
 from missionplan.results.whereabouts import AFLOAT, DriftAssumption
@@ -52,6 +53,18 @@ def test_in_a_steady_eddy_it_stays_at_its_distance():
     assert np.hypot(*end) == pytest.approx(np.hypot(*begin), abs=1.0)
     turned = np.exp(2j * np.pi * DAY / (5.0 * 3600.0)) * (begin[0] + 1j * begin[1])
     assert end == pytest.approx(np.stack((turned.real, turned.imag)), abs=3.0)
+
+
+def test_the_fastest_wave_of_an_error_carries_a_drifter_no_further_than_its_integral():
+    rate = np.array([[2e-5, 0.4], [3e-3, 40.0]])  # shape (waves, trials): hours, minutes, and far below a step
+    cosine, sine = np.full((2, 2, 2), 0.05), np.full((2, 2, 2), -0.02)
+    error = ErrorWaves(rate, None, cosine, sine)
+    drift = Drift(ErringCurrent(layers([30.0], [0.3], [np.pi / 2]), error), (), 2)
+    start, end = np.array([1000.0, 2500.0]), 40_000.0
+    (there,) = drift.places(np.zeros((2, 2)), start, [end])
+    waves = cosine * (np.sin(rate * end) - np.sin(rate * start)) - sine * (np.cos(rate * end) - np.cos(rate * start))
+    by_hand = np.sum(waves / rate, axis=1) + np.array([[0.3], [0.0]]) * (end - start)
+    assert there == pytest.approx(by_hand, abs=1e-6)
 
 
 def test_leeway_goes_down_the_wind_and_to_its_right():
