@@ -93,11 +93,11 @@ class _Density:
         step = float(np.max(high - low)) / _CELLS
         step = min(step, 0.5 * width)
         x, y = (np.arange(a, b + step, step) for a, b in zip(low, high, strict=True))
-        edges = [np.append(axis, axis[-1] + step) - 0.5 * step for axis in (y, x)]
-        counts, *_ = np.histogram2d(scaled[1], scaled[0], bins=edges, weights=cloud.weights)
+        row, column = (np.rint((at - axis[0]) / step).astype(int) for at, axis in ((scaled[1], y), (scaled[0], x)))
+        cells = np.bincount(row * x.size + column, cloud.weights, minlength=y.size * x.size)
+        counts = cells.reshape(y.size, x.size)
         along, across = _kernels(counts.shape[0], width / step), _kernels(counts.shape[1], width / step)
         smooth = along @ counts @ across
-        row, column = (np.rint((at - axis[0]) / step).astype(int) for at, axis in ((scaled[1], y), (scaled[0], x)))
         own = cloud.weights * along[row, row] * across[column, column]
         return cls(cloud, x, y, smooth, smooth[row, column] - own)
 
