@@ -17,7 +17,7 @@ from missionplan.effects import instruments
 from missionplan.mission import Mission
 from missionplan.montecarlo.posterior import NOWHERE, Place
 from missionplan.results.learned.diagnosis import PlanGain
-from missionplan.results.learned.evidence import Alias, Causes, ParameterEstimate, Verdict
+from missionplan.results.learned.evidence import Alias, Causes, ParameterEstimate, Verdict, WrongFix
 
 
 class Dataset(Protocol):
@@ -182,6 +182,10 @@ class DataKind(ABC):
     def suspect_labels(self, found: Selection) -> str:
         """Say which labels of the record are likely to be wrong; else empty."""
         return ""
+
+    def wrong_fixes(self, best: CauseFit) -> tuple[WrongFix, ...]:
+        """Return the GPS fixes that are wrong."""
+        return ()
 
     def limited_verdict(self, verdict: Verdict) -> Verdict:
         """Return the verdict, or a weaker one where data of this kind cannot support it."""

@@ -264,6 +264,7 @@ def read(bound: DataKind, found: PipelineResult) -> Readings:
         tuple(family for family in selection.families if best.causes in family),
         bound.aliases(best) if best.causes else (),
         _predicts_better(bound, found) if best.causes else None,
+        bound.wrong_fixes(best),
     )
 
 

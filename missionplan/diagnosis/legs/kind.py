@@ -28,12 +28,13 @@ from missionplan.diagnosis.legs.fit_checks import (
 )
 from missionplan.diagnosis.legs.model import TransitModel
 from missionplan.diagnosis.legs.model_factory import transit_model
+from missionplan.diagnosis.legs.wrong_fixes import wrong_fixes
 from missionplan.diagnosis.plan_gain import leg_length_choice, plan_gain
 from missionplan.mission import Mission
 from missionplan.mission.schema.place import Geographic, to_geographic
 from missionplan.montecarlo.posterior import Place
 from missionplan.results.learned.diagnosis import PlanGain
-from missionplan.results.learned.evidence import Alias, Causes
+from missionplan.results.learned.evidence import Alias, Causes, WrongFix
 
 
 def widened(best: CauseFit, scale: float) -> CauseFit:
@@ -58,11 +59,9 @@ def extended_transit_mission(raw: Mapping[str, object], best: CauseFit, data: Tr
         The mission file's data with includes in place.
     best : CauseFit
     data : TransitData
-        Gives origin and start to missions that lack them: the phases of currents refer to them.
+        Gives origin and start to missions that lack them: currents that may be there refer to them, likely or not.
     """
     mission = with_noise(raw, best.calibration)
-    if not (best.given or best.estimates):
-        return mission
     given = mission.get("site")
     site = dict(given) if isinstance(given, dict) else {}
     if data.origin is not None and "origin" not in site:
@@ -154,6 +153,10 @@ class TransitKind(DataKind):
     def not_constant(self, best: CauseFit) -> Causes:
         """Return the physical causes whose parameters differ between the halves of the log."""
         return not_constant(self.model, best)
+
+    def wrong_fixes(self, best: CauseFit) -> tuple[WrongFix, ...]:
+        """Return the GPS fixes that are wrong."""
+        return wrong_fixes(self.model, best)
 
     def aliases(self, best: CauseFit) -> tuple[Alias, ...]:
         """Return effects that do to these legs what a claimed cause does, but not on the way back."""

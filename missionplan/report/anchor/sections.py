@@ -204,7 +204,9 @@ def drag(sizing: AnchorSizing) -> PageSection:
     """Draw where the drag comes from, with the notes on the formulae."""
     anchor = sizing.to_build
     if float(anchor.drag.total) == 0.0:
-        return PageSection("At terminal velocity there is no drag: vehicle and anchor together are neutral", [*sizing.notes])
+        return PageSection(
+            "At terminal velocity there is no drag: vehicle and anchor together are neutral", [*sizing.notes]
+        )
     part = float(anchor.drag.anchor) / float(anchor.drag.total)
     heading = f"The vehicle makes {100 * (1 - part):.0f}\u00a0% of the drag, the anchor {100 * part:.0f}\u00a0%"
     return PageSection(heading, [drag_bars(anchor), *sizing.notes])

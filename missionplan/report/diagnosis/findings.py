@@ -1,7 +1,7 @@
 """What was found, as the operator is told it, and how sure it is: what else could be behind it."""
 
 import math
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 
 from missionplan.effects import CATALOGUE
@@ -9,9 +9,10 @@ from missionplan.effects.info import Finding
 from missionplan.report.diagnosis.evidence import claimed_parameters, sized
 from missionplan.report.diagnosis.kind_report import names, part, percent
 from missionplan.report.diagnosis.kinds import REPORTS
-from missionplan.report.wording import capitalised, parameter_in_words
+from missionplan.report.quantities import quantity
+from missionplan.report.wording import capitalised, listed, parameter_in_words
 from missionplan.results.learned.diagnosis import Diagnosis, ParameterLevels
-from missionplan.results.learned.evidence import Coverage, ParameterEstimate
+from missionplan.results.learned.evidence import Coverage, ParameterEstimate, WrongFix
 
 _PERCENT, _HOUR = 100.0, 3600.0
 UNLIKELY = 0.05
@@ -246,3 +247,21 @@ def _sized(each: ParameterLevels, value: float, sd: float) -> str:
     if finding is not None and finding.in_percent and finding.parameter == each.name:
         found = replace(found, value=100.0 * value, sd=100.0 * sd, unit="%")
     return sized(found)
+
+
+MOST_TOLD = 4
+"""Wrong fixes that are told one by one."""
+
+
+def wrong_fixes_in_words(fixes: Sequence[WrongFix]) -> str:
+    """Say which fixes are wrong, and where they lie; empty where none is."""
+    if not fixes:
+        return ""
+    told = [
+        f"{quantity(math.hypot(fix.east_m, fix.north_m), 'm', '.0f')} toward "
+        f"{math.degrees(math.atan2(fix.east_m, fix.north_m)) % 360.0:.0f}° after leg {fix.leg}"
+        for fix in sorted(fixes, key=lambda fix: -fix.probability)[:MOST_TOLD]
+    ]
+    told += [f"{len(fixes) - MOST_TOLD} more"] if len(fixes) > MOST_TOLD else []
+    count = "A GPS fix looks wrong, by" if len(fixes) == 1 else f"{len(fixes)} GPS fixes look wrong, by"
+    return f"{count} {listed(told)}: correct them, or leave out the legs on both sides, and diagnose again."

@@ -25,6 +25,7 @@ from missionplan.report.diagnosis.findings import (
     how_sure,
     intervals_that_miss,
     trends_in_words,
+    wrong_fixes_in_words,
 )
 from missionplan.report.diagnosis.kind_report import causes_section, explanations_in_words, found_causes, names, percent
 from missionplan.report.diagnosis.kinds import REPORTS
@@ -118,7 +119,8 @@ def _rerun(diagnosis: Diagnosis) -> str:
 
 def answer(diagnosis: Diagnosis) -> str:
     """Tell what was found and what to do about it, then the verdict, with the size of the misfit."""
-    found = f"{diagnosis.suspect_labels} {finding_in_words(diagnosis)}".strip()
+    suspect = f"{diagnosis.suspect_labels}{wrong_fixes_in_words(diagnosis.readings.wrong_fixes)}"
+    found = f"{suspect} {finding_in_words(diagnosis)}".strip()
     verdict = " ".join(
         filter(None, (_verdict_words(diagnosis), intervals_that_miss(diagnosis.coverage), diagnosis.misfit))
     )

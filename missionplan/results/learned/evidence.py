@@ -114,6 +114,19 @@ class Alias:
 
 
 @dataclass(frozen=True)
+class WrongFix:
+    """A GPS fix by which one leg errs, and the next the other way."""
+
+    leg: str
+    """After which it was taken."""
+    east_m: float
+    north_m: float
+    """Where it lies of where it should [m]."""
+    probability: float
+    """Beside one of both legs erring alone, and neither."""
+
+
+@dataclass(frozen=True)
 class Readings:
     """What else the posterior says."""
 
@@ -128,6 +141,7 @@ class Readings:
     aliases: tuple[Alias, ...] = ()
     plan_with: bool | None = None
     """Whether the extended mission predicts data kept away better, one step and all the way; None where unknown."""
+    wrong_fixes: tuple[WrongFix, ...] = ()
 
     def summary(self) -> dict[str, object]:
         """Return the entries of ``diagnosis.json``."""
@@ -138,6 +152,7 @@ class Readings:
             "families": [[list(causes) for causes in family] for family in self.families],
             "aliases": [asdict(alias) for alias in self.aliases],
             "plan_with": self.plan_with,
+            "wrong_fixes": [asdict(fix) for fix in self.wrong_fixes],
         }
 
 
