@@ -149,14 +149,11 @@ def main(arguments: Sequence[str] | None = None) -> None:
     parser.add_argument("--named", type=int, default=8)
     parser.add_argument("--seed", type=int, default=42_000)
     options = parser.parse_args(arguments)
-    for rows in (
-        pair_rows(options.seed),
-        outside_figures(options.outside, options.seed),
-        free_figures(options.free, options.seed),
-        named_figures(options.named, options.seed),
-    ):
-        for row in rows:
-            print(row, flush=True)
+    for row in pair_rows(options.seed):
+        print(row, flush=True)
+    counts = ((outside_figures, options.outside), (free_figures, options.free), (named_figures, options.named))
+    for figures, count in counts:
+        print(*figures(count, options.seed), sep="\n", flush=True)
 
 
 if __name__ == "__main__":
