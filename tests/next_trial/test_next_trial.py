@@ -10,9 +10,10 @@ import yaml
 
 from missionplan.datasets.legs import read_transit
 from missionplan.diagnosis.diagnose import diagnose
+from missionplan.diagnosis.next_trial.belief import right_about_vehicle, to_do
 from missionplan.diagnosis.next_trial.experiment import Draws
 from missionplan.diagnosis.next_trial.leg_trials import LegTrials
-from missionplan.diagnosis.next_trial.next_trial import right_about_vehicle, to_do
+from missionplan.diagnosis.next_trial.next_trial import Valuation
 from missionplan.mission import Mission, load
 from missionplan.report.diagnosis.plan import next_trial_section
 from missionplan.results.learned.diagnosis import Diagnosis
@@ -94,6 +95,17 @@ def test_the_right_thing_to_do_by_hand() -> None:
     assert right_about_vehicle(asked, draws, np.eye(3)) == pytest.approx(1.0)
     assert to_do(("mean-current", "persistent-error")) == frozenset()
     assert to_do(("compass-bias", "mean-current")) == to_do(("compass-bias",)) != frozenset()
+
+
+def test_of_sets_that_are_left_out_only_what_is_done_anyway_is_right() -> None:
+    """A compass of 0.6 of nine tenths; of the tenth left out a third asks to swing it too, whatever a trial tells."""
+    draws = Draws(np.array([0, 1]), (np.zeros((1, 0)),) * 2, np.array([0.6, 0.4]))
+    sets = [(("compass-bias",), 0.6), (("mean-current",), 0.4)]
+    believed = tuple(SimpleNamespace(causes=causes, explanation=SimpleNamespace(probability=p)) for causes, p in sets)
+    left = {to_do(("compass-bias",)): 0.03, to_do(("speed-scale",)): 0.07}
+    value = SimpleNamespace(believed=believed, draws=draws, left=left)
+    assert Valuation.right(value, draws.weight) == pytest.approx(0.9 * 0.6 + 0.03)
+    assert Valuation.right(value, np.eye(2)) == pytest.approx(0.9 + 0.03)
 
 
 def test_repeats_tell_more_and_take_longer(next_trial: NextTrial) -> None:

@@ -13,8 +13,10 @@ from missionplan.diagnosis.explanations import Weighed, possible_fits
 from missionplan.diagnosis.extended_mission import extended_mission
 from missionplan.diagnosis.hypotheses import Hypothesis
 from missionplan.diagnosis.inference.model import CauseFit
+from missionplan.diagnosis.next_trial.experiment import Draws
 from missionplan.diagnosis.next_trial.prediction import Explanation
 from missionplan.diagnosis.pipeline import PipelineResult
+from missionplan.effects import CATALOGUE
 from missionplan.mission import Mission
 from missionplan.results.learned.evidence import Causes
 
@@ -56,8 +58,10 @@ Fits = list[tuple[Weighed, CauseFit, float]]
 """Explanations of the mission, fits beside them, and their probabilities."""
 
 
-def likely_fits(explanations: Sequence[Weighed], found: PipelineResult) -> Fits:
-    """Return the likeliest fits that may hold with probabilities that add up to 1, as the extended mission has them.
+def likely_fits(explanations: Sequence[Weighed], found: PipelineResult) -> tuple[Fits, Fits]:
+    """Return the likeliest fits that may hold with probabilities that add up to 1, and those that are left out.
+
+    The probabilities of those are of all that may hold, as the extended mission has it.
 
     Parameters
     ----------
@@ -66,11 +70,20 @@ def likely_fits(explanations: Sequence[Weighed], found: PipelineResult) -> Fits:
     found : PipelineResult
         With that one.
     """
-    likely = possible_fits(explanations, found)[:EXPLANATIONS]
-    total = sum(weight for *_, weight in likely)
-    kept = [each for each in likely if each[2] > NEGLIGIBLE * total]
-    total = sum(weight for *_, weight in kept)
-    return [(one, fit, weight / total) for one, fit, weight in kept]
+    possible = possible_fits(explanations, found)
+    likely = sum(weight for *_, weight in possible[:EXPLANATIONS])
+    kept = [each for each in possible[:EXPLANATIONS] if each[2] > NEGLIGIBLE * likely]
+    left = possible[len(kept) :]
+    total, of_all = sum(weight for *_, weight in kept), sum(weight for *_, weight in possible)
+    return (
+        [(one, fit, weight / total) for one, fit, weight in kept],
+        [(one, fit, weight / of_all) for one, fit, weight in left],
+    )
+
+
+def causes_of(one: Weighed, fit: CauseFit) -> Causes:
+    """Return the effects of the mission's own explanation and those found."""
+    return (*one.explained.causes, *fit.causes)
 
 
 def believe(fits: Fits, posterior_of: Callable[[DataKind, CauseFit], Posterior], scale: float) -> tuple[Believed, ...]:
@@ -96,7 +109,7 @@ def believe(fits: Fits, posterior_of: Callable[[DataKind, CauseFit], Posterior],
         posterior = posterior_of(bound, fit)
         explanation = Explanation(probability, posterior.mean[posterior.places], posterior.covariance)
         own = tuple(bound.model_coordinates[index] for index in posterior.places)
-        causes = (*one.explained.causes, *fit.causes)
+        causes = causes_of(one, fit)
         carried, shown = bound.carried(fit, scale), tuple(each.effect for each in bound.given)
         data = bound.extended_mission(carried)
         known = replace(carried, posterior=carried.posterior.without(("",)))  # σ_v is drawn apart from the parameters
@@ -104,3 +117,28 @@ def believe(fits: Fits, posterior_of: Callable[[DataKind, CauseFit], Posterior],
         mission = Mission.from_data(extended_mission([held]))
         found.append(Believed(causes, bound, fit, posterior, explanation, own, mission))
     return tuple(found)
+
+
+def to_do(causes: Causes) -> frozenset[str]:
+    """Return what causes ask of the crew: the remedies of what the vehicle has itself; of all else nothing."""
+    infos = [CATALOGUE[cause] for cause in causes]
+    own = [info for info in infos if info.belongs_to == "vehicle" and info.tier == "physical"]
+    return frozenset(info.finding.remedy for info in own if info.finding is not None)
+
+
+def right_about_vehicle(asked: Sequence[frozenset[str]], draws: Draws, probabilities: Array) -> float:
+    """Return the probability that the crew does what is right about the vehicle, if it does the likeliest.
+
+    Parameters
+    ----------
+    asked : sequence of frozenset, length s
+        What each set of causes asks for; see `to_do`.
+    draws : Draws
+        Of what is true.
+    probabilities : array, shape (n, s) or (s,)
+        Of the sets, as they are known then.
+    """
+    things = list(dict.fromkeys(asked))
+    same = np.array([[own == thing for thing in things] for own in asked], dtype=float)
+    done = np.broadcast_to(np.argmax(probabilities @ same, axis=-1), draws.weight.shape)
+    return float(draws.weight @ same[draws.explanation, done])

@@ -1,7 +1,7 @@
 """Which trial is worth making next: designs valued by what the choice after them would save, with their costs."""
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from importlib import import_module
 from typing import cast
 
@@ -12,7 +12,14 @@ from missionplan.arrays import Array
 from missionplan.diagnosis.coordinates import Coordinate
 from missionplan.diagnosis.data_kind import DataKind
 from missionplan.diagnosis.explanations import Weighed
-from missionplan.diagnosis.next_trial.belief import Believed, believe, likely_fits
+from missionplan.diagnosis.next_trial.belief import (
+    Believed,
+    believe,
+    causes_of,
+    likely_fits,
+    right_about_vehicle,
+    to_do,
+)
 from missionplan.diagnosis.next_trial.designs import Cost, TrialKind
 from missionplan.diagnosis.next_trial.experiment import (
     DecisionProblem,
@@ -29,7 +36,6 @@ from missionplan.diagnosis.pipeline import PipelineResult
 from missionplan.effects import CATALOGUE
 from missionplan.effects.info import Instrument
 from missionplan.errors import MissionplanError
-from missionplan.results.learned.evidence import Causes
 from missionplan.results.learned.next_trial import NextTrial, OutcomeRule, TrialOutcome, ValuedDesign
 
 
@@ -68,31 +74,6 @@ def measured(instrument: Instrument, coordinate: Coordinate, believed: Sequence[
 
 def _is_same(own: Coordinate, other: Coordinate) -> bool:
     return (own.effect, own.name, own.kind) == (other.effect, other.name, other.kind)
-
-
-def to_do(causes: Causes) -> frozenset[str]:
-    """Return what causes ask of the crew: the remedies of what the vehicle has itself; of all else nothing."""
-    infos = [CATALOGUE[cause] for cause in causes]
-    own = [info for info in infos if info.belongs_to == "vehicle" and info.tier == "physical"]
-    return frozenset(info.finding.remedy for info in own if info.finding is not None)
-
-
-def right_about_vehicle(asked: Sequence[frozenset[str]], draws: Draws, probabilities: Array) -> float:
-    """Return the probability that the crew does what is right about the vehicle, if it does the likeliest.
-
-    Parameters
-    ----------
-    asked : sequence of frozenset, length s
-        What each set of causes asks for; see `to_do`.
-    draws : Draws
-        Of what is true.
-    probabilities : array, shape (n, s) or (s,)
-        Of the sets, as they are known then.
-    """
-    things = list(dict.fromkeys(asked))
-    same = np.array([[own == thing for thing in things] for own in asked], dtype=float)
-    done = np.broadcast_to(np.argmax(probabilities @ same, axis=-1), draws.weight.shape)
-    return float(draws.weight @ same[draws.explanation, done])
 
 
 LISTED = 5
@@ -195,6 +176,8 @@ class Valuation:
     losses: Losses
     decides: str
     seed: int
+    left: Mapping[frozenset[str], float] = field(default_factory=dict)
+    """Probability of the sets that are not considered, by what they ask for about the vehicle."""
 
     @classmethod
     def of(cls, kind: TrialKind, believed: tuple[Believed, ...], seed: int) -> "Valuation":
@@ -211,7 +194,7 @@ class Valuation:
     def result(self) -> NextTrial:
         """Value every design and find the best."""
         problem, found = self.losses.problem, []
-        asked = [to_do(each.causes) for each in self.believed]
+        now = np.array([each.explanation.probability for each in self.believed])
         for candidate in self.candidates():
             experiment = self.experiment(candidate)
             data = experiment.data(self.draws, np.random.default_rng(self.seed + 1))
@@ -224,7 +207,7 @@ class Valuation:
                 information,
                 saving.mean,
                 saving.error,
-                right_about_vehicle(asked, self.draws, experiment.probabilities(data)),
+                self.right(experiment.probabilities(data)),
             )
             found.append((valued, candidate, saving))
         found.sort(key=lambda entry: (-entry[0].saving if entry[2].changes else 0.0, -entry[0].information))
@@ -240,13 +223,23 @@ class Valuation:
             perfect=perfect.mean if perfect.changes else 0.0,
             explanations=tuple((each.causes, each.explanation.probability) for each in self.believed),
             designs=tuple(valued for valued, _, _ in found),
-            right=right_about_vehicle(asked, self.draws, np.array([e.explanation.probability for e in self.believed])),
+            right=self.right(now),
         )
         worth = [entry for entry in found if entry[2].changes and entry[0].saving > WORTH * result.loss]
         if worth:
             return self._with_best(result, worth)
         settling = result.settling
         return replace(result, trial=next((one.trial for valued, one, _ in found if valued is settling), None))
+
+    def right(self, probabilities: Array) -> float:
+        """Probability that what is done about the vehicle is right; of sets left out, by what is known now."""
+        asked = [to_do(each.causes) for each in self.believed]
+        among = right_about_vehicle(asked, self.draws, probabilities)
+        shares: dict[frozenset[str], float] = {}
+        for own, each in zip(asked, self.believed, strict=True):
+            shares[own] = shares.get(own, 0.0) + each.explanation.probability
+        done = max(shares, key=lambda own: shares[own])
+        return (1.0 - sum(self.left.values())) * among + self.left.get(done, 0.0)
 
     def _with_best(self, result: NextTrial, worth: Sequence[tuple[ValuedDesign, Candidate, Saving]]) -> NextTrial:
         """Name the cheapest of the designs that save nearly the most, and tell its outcomes."""
@@ -337,5 +330,9 @@ def valuation(explanations: Sequence[Weighed], found: PipelineResult, scale: flo
     module, name = KINDS[bound.kind]
     made = getattr(import_module(module), name)
     kind = cast("Callable[[DataKind], TrialKind]", made)(bound)
-    believed = believe(likely_fits(explanations, found), kind.posterior, scale)
-    return Valuation.of(kind, believed, seed)
+    likely, others = likely_fits(explanations, found)
+    left: dict[frozenset[str], float] = {}
+    for one, fit, probability in others:
+        asked = to_do(causes_of(one, fit))
+        left[asked] = left.get(asked, 0.0) + probability
+    return replace(Valuation.of(kind, believe(likely, kind.posterior, scale), seed), left=left)
