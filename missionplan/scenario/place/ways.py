@@ -15,6 +15,8 @@ if TYPE_CHECKING:
 
 _MOST_NODES = 1200
 """Of the lattice on which depths are contoured, along each side; two a cell of the grid where these suffice."""
+_REACHES = (1.0, 4.0)
+"""How far from start and goal a way is sought, in their distance."""
 _LENIENT = 0.8
 """Share of the margin that a way keeps which leaves out a point: it is worth more than a turn less."""
 
@@ -76,11 +78,20 @@ def way_round(place: Place, start: Array, goal: Array, depth: float, margin: flo
 
     The way of a visibility graph over the corners of what blocks it, grown by the margin (de Berg et al.,
     *Computational Geometry*, ch. 15), by Dijkstra's algorithm. About start and goal, which may lie nearer to a coast,
-    the margin is what they have.
+    the margin is what they have. Where there is no way near them, it is sought farther away.
     """
+    span = max(float(np.hypot(*(goal - start))), 4.0 * margin)
+    ways = (_way_within(place, (start, goal), depth, margin, reach * span) for reach in _REACHES)
+    return next((way for way in ways if way is not None), None)
+
+
+def _way_within(
+    place: Place, between: tuple[Array, Array], depth: float, margin: float, span: float
+) -> tuple[Array, ...] | None:
+    """Return the points of the shortest way that goes no farther than a span [m] about start and goal."""
     import shapely
 
-    span = max(float(np.hypot(*(goal - start))), 4.0 * margin)
+    start, goal = between
     low, high = np.minimum(start, goal) - span, np.maximum(start, goal) + span
     walls = blocked(place, low, high, depth, at_some_time=True)
     ends = shapely.points(np.stack((start, goal)))
@@ -92,9 +103,10 @@ def way_round(place: Place, start: Array, goal: Array, depth: float, margin: flo
         grown = grown.difference(end.buffer(2.0 * margin)).union(
             walls.buffer(room).intersection(end.buffer(2.0 * margin))
         )
-    grown = grown.simplify(0.02 * margin).intersection(shapely.box(*low, *high))
+    grown = grown.simplify(0.02 * margin)
     shrunk = grown.buffer(-0.03 * margin)
-    corners = shapely.get_coordinates(grown)
+    corners = shapely.get_coordinates(grown)  # what blocks goes on outside the part that is looked at, the way does not
+    corners = corners[np.all((corners >= low) & (corners <= high), axis=1)]
     nodes = np.concatenate(
         (np.stack((start, goal)), corners[~shapely.intersects_xy(shrunk, corners[:, 0], corners[:, 1])])
     )

@@ -88,3 +88,18 @@ def test_near_a_wall_the_margin_is_what_the_start_has():
     assert len(way) > 2
     assert shapely.distance(shapely.linestrings(way), quay) == pytest.approx(20.0, abs=0.5)
     assert shapely.distance(shapely.linestrings(way[1:]), quay) > 0.75 * MARGIN
+
+
+@pytest.mark.parametrize(("west", "east"), [(-500.0, 900.0), (-900.0, 450.0), (-900.0, 900.0)])
+def test_a_wall_that_reaches_farther_than_the_goal_is_gone_round_and_not_through(west, east):
+    quay = shapely.box(west, 150.0, east, 250.0)
+    way = round_it(zone(quay), goal=np.array([0.0, 400.0]))
+    side = west if -west < east else east
+    by = side + np.copysign(MARGIN, side)
+    corners = np.array([[0.0, 0.0], [by, 150.0 - MARGIN], [by, 250.0 + MARGIN], [0.0, 400.0]])
+    assert length(way) == pytest.approx(length(corners), rel=0.02)
+    assert shapely.distance(shapely.linestrings(way), quay) > 0.9 * MARGIN
+
+
+def test_there_is_no_way_through_a_wall_without_an_end():
+    assert round_it(zone(shapely.box(-9e4, 150.0, 9e4, 250.0)), goal=np.array([0.0, 400.0])) is None
