@@ -169,7 +169,7 @@ def test_the_variation_of_the_compass_is_positive_west(tmp_path):
     agree(true, import_logs([dbd(tmp_path / "2" / "a.sbd", turned, sensors=without)]), metres=1.0)
 
 
-@pytest.mark.parametrize(("away", "left"), [(1200.0, 3), (-200.0, 4)])
+@pytest.mark.parametrize(("away", "left"), [(1200.0, 3), (-200.0, 4), (20.0, 4)])
 def test_a_mission_begun_again_under_water_spoils_its_leg_and_at_the_surface_none(away, left, tmp_path):
     again = VOYAGE.starts[2] + away
     rows = [{**row, "m_present_secs_into_mission": row["m_present_time"] - (again if row["m_present_time"] >= again else VOYAGE.starts[0])}
