@@ -229,6 +229,7 @@ def test_times_and_depths_of_a_zone(tmp_path, write):
         ({"bathymetry": {"file": "bay.nc", "variable": "elevations"}}, "elevations"),
         ({"bathymetry": {"file": "bay.nc"}, "depth": "20 m"}, "beside site.bathymetry"),
         ({"bathymetry": {"file": "bay.nc", "projection": "EPSG:999999"}}, "no reference system"),
+        ({"bathymetry": {"file": "curved.nc"}}, "no coordinates along i"),
         ({"land": {"file": "line.geojson"}}, "no polygons"),
         ({"land": {"file": "bay.nc"}}, "expected .geojson"),
         ({"land": {"file": "broken.geojson"}}, "GeoJSON"),
@@ -240,6 +241,9 @@ def test_a_file_that_cannot_be_meant_is_named_with_its_key(tmp_path, write, site
     netcdf(tmp_path / "bay.nc")
     netcdf(tmp_path / "away.nc", shift=30.0)
     netcdf(tmp_path / "both.nc", values=elevation() + 20.0, variable="level")
+    xarray.Dataset(
+        {"elevation": (("j", "i"), elevation(), {"units": "m"})}, {"j": np.arange(len(elevation()))}
+    ).to_netcdf(tmp_path / "curved.nc")
     (tmp_path / "broken.nc").write_bytes(b"nothing")
     line = {"type": "LineString", "coordinates": [[-76, 37], [-76.1, 37]]}
     (tmp_path / "line.geojson").write_text(json.dumps(line))
