@@ -46,10 +46,8 @@ class Craft:
         pressure = 0.5 * self.density * speed * abs(speed)
         ratio = self.diameter / self.length
         first = {"briggs": 2.643, "hoerner": 1.0}
-        if isinstance(self.form_factor, str):
-            form = first[self.form_factor] + 1.5 * ratio**1.5 + 7.0 * ratio**3
-        else:
-            form = self.form_factor
+        constant = first[self.form_factor] if isinstance(self.form_factor, str) else self.form_factor
+        form = constant + 1.5 * ratio**1.5 + 7.0 * ratio**3
         wetted = math.pi * self.diameter**2 / 4.0 * 4.0 / ratio
         body = pressure * wetted * form * friction(abs(speed) * self.length / self.viscosity)
         fin = 0.0
