@@ -399,7 +399,14 @@ def _fleets(options: Options) -> list[float]:
     case="100 campaigns of legs",
     reference="`tests.next_trial`: the trial made, and diagnosed again",
     seed=5_500,
-    accepted=[between("realised on predicted information, slope", 0.75, 1.25), reported("its standard error")],
+    accepted=[
+        between("realised on predicted information, slope", 0.75, 1.25),
+        reported("its standard error"),
+        reported("saving predicted, mean", "min"),
+        reported("saving realised, mean", "min"),
+        reported("probability said to do what is right about the vehicle after the trial, mean"),
+        at_least("share that does", 0.8),
+    ],
     cost=700.0,
 )
 def _next_trial(options: Options) -> list[float]:
@@ -410,9 +417,16 @@ def _next_trial(options: Options) -> list[float]:
         each for seed in range(5_500, 5_600) for each in campaign.recorded(options.work / "next", seed, campaign.made)
     ]
     kept = [each for each in found if each.among]
-    values = ([float(getattr(each, name)) for each in kept] for name in ("expected", "gained"))
-    predicted, realised = values
-    return list(slope(predicted, realised, [each.seed for each in kept], [each.weight for each in kept]))
+    weights = [each.weight for each in kept]
+    predicted, realised, saving, saved = (
+        [float(getattr(each, name)) for each in kept] for name in ("expected", "gained", "saving", "saved")
+    )
+    known = np.array([(each.said, each.right) for each in found if np.isfinite(each.said)])
+    return [
+        *slope(predicted, realised, [each.seed for each in kept], weights),
+        *(float(np.average(values, weights=weights)) for values in (saving, saved)),
+        *np.mean(known, axis=0).tolist(),
+    ]
 
 
 @row(

@@ -14,5 +14,5 @@ def stops(terms, values):
 def test_another_method_finds_the_same(values, monkeypatch):
     terms = np.array([[1.0, 1.0], [2.0, 1.0], [3.0, 1.0]])
     usual = leg_spread._non_negative(terms, np.array(values))
-    monkeypatch.setattr(leg_spread, "nnls", stops)
+    monkeypatch.setattr("scipy.optimize.nnls", stops)
     assert leg_spread._non_negative(terms, np.array(values)) == pytest.approx(usual, abs=1e-6)
