@@ -25,10 +25,10 @@ from missionplan.diagnosis.legs.fit_checks import (
     transit_misfit,
     transit_residuals,
     transit_share,
+    wrong_fixes,
 )
 from missionplan.diagnosis.legs.model import TransitModel
 from missionplan.diagnosis.legs.model_factory import transit_model
-from missionplan.diagnosis.legs.wrong_fixes import wrong_fixes
 from missionplan.diagnosis.plan_gain import leg_length_choice, plan_gain
 from missionplan.mission import Mission
 from missionplan.mission.schema.place import Geographic, to_geographic
