@@ -1,6 +1,8 @@
 """Whatever a diagnosis estimates, the mission that it writes can be read, and draws what is physically possible."""
 
+import math
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -11,6 +13,7 @@ from missionplan.diagnosis.coordinates import SIGMA_V, JointPosterior, coordinat
 from missionplan.diagnosis.extended_mission import extended_mission
 from missionplan.diagnosis.hypotheses import Hypothesis
 from missionplan.diagnosis.inference.model import CauseFit
+from missionplan.diagnosis.legs.kind import extended_transit_mission
 from missionplan.effects import CATALOGUE
 from missionplan.mission import Mission, load
 
@@ -91,3 +94,12 @@ def test_what_the_data_do_not_concern_is_carried_as_it_was():
     ])["posterior"].draws  # fmt: skip
     assert again.probability("drag-bias") == pytest.approx(0.25, abs=1e-6)
     assert np.mean(again.column(("compass-bias", "angle"))[0]) == pytest.approx(0.06, abs=1e-3)
+
+
+def test_a_mission_that_nothing_was_found_for_has_the_place_and_date_that_draws_may_need(transit_mission):
+    raw = {key: value for key, value in transit_mission.raw.items() if key not in ("site", "start")}
+    best = SimpleNamespace(calibration={}, given=(), estimates=())
+    data = SimpleNamespace(origin=(math.radians(48.5), math.radians(-123.5)), epoch=1_655_231_485.0)
+    extended = extended_transit_mission(raw, best, data)
+    assert extended["site"]["origin"] == {"latitude": "48.5000000 deg", "longitude": "-123.5000000 deg"}
+    assert extended["start"] == "2022-06-14T18:31:25Z"

@@ -1,10 +1,12 @@
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 
 from missionplan.mission import load
 from missionplan.report.anchor.page import answer, page
+from missionplan.report.anchor.sections import drag
 from missionplan.report.drawn import draw, drawing_by
 from missionplan.report.render import terminal_view
 from missionplan.results.anchor_sizing import ProbableAnchor
@@ -99,3 +101,10 @@ def test_an_anchor_lighter_than_the_buoyancy_is_told_and_drawn_without_a_dive(tm
     with drawing_by(draw):
         assert any(section.heading == "The anchor does not reach the seafloor" for section in shown.sections)
     assert sizing.summary()["descent"]["offset_m"] != sizing.summary()["descent"]["offset_m"]  # nan
+
+
+def test_an_anchor_as_light_as_the_vehicle_is_buoyant_has_no_shares_of_a_drag():
+    neutral = SimpleNamespace(to_build=SimpleNamespace(drag=SimpleNamespace(anchor=0.0, total=0.0)), notes=("a note",))
+    section = drag(neutral)
+    assert "no drag" in section.heading
+    assert section.blocks == ["a note"]
