@@ -172,7 +172,8 @@ def wrong_fixes(model: TransitModel, fit: CauseFit) -> tuple[WrongFix, ...]:
     """Return fixes that are probably wrong under a fit: what one leg errs by, the next errs the other way.
 
     Each fix within a run, its two legs predicted from all others, is weighed against one of the legs erring alone: all
-    by an unknown displacement, normal with `OFF` each axis.
+    by an unknown displacement, normal with `OFF` each axis. Legs with others left out between them share no fix: the
+    second begins away from where the first ends.
 
     Parameters
     ----------
@@ -192,7 +193,8 @@ def wrong_fixes(model: TransitModel, fit: CauseFit) -> tuple[WrongFix, ...]:
         weights = [_log_evidence(error, covariance, columns) for columns in (one - other, one, other)]
         odds = np.exp(np.array([*weights, -math.log(ARE_WRONG)]) - max(weights))
         east, north = model.axes @ _displacement(error, covariance, one - other)
-        found.append(WrongFix(str(data.labels[k]), float(east), float(north), float(odds[0] / odds.sum())))
+        if np.hypot(*(data.start[:, k + 1] - data.end[:, k])) < 0.5 * np.hypot(east, north):  # else it is another fix
+            found.append(WrongFix(str(data.labels[k]), float(east), float(north), float(odds[0] / odds.sum())))
     return tuple(each for each in found if each.probability >= IS_SURE)
 
 

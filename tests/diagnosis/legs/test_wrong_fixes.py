@@ -14,13 +14,15 @@ from missionplan.results.learned.evidence import WrongFix
 from tests.museum.sailing import drawn, mission, write
 
 
-def found(tmp_path: Path, shown, causes=()):
+def found(tmp_path: Path, shown, causes=(), left_out=()):
     """Fixes that look wrong in 30 legs whose errors beyond noise are displacements [m] of some legs, by their places."""
     log = drawn(np.random.default_rng(11), 30)
     errors = np.zeros((30, 2))
     for leg, moved in shown:
         errors[leg] += np.asarray(moved) / log.under_way[leg]
     data = write(tmp_path / "legs", log, errors, np.random.default_rng(12))
+    rows = (data / "legs.csv").read_text().splitlines(keepends=True)
+    (data / "legs.csv").write_text("".join(row for k, row in enumerate(rows) if k - 1 not in left_out))
     kind = TransitKind.bind("transit", data, Mission.from_data(mission(log)), 0)
     return kind.wrong_fixes(kind.model.fit(causes)), kind.data.labels
 
@@ -38,6 +40,12 @@ def test_wrong_fixes_are_placed(tmp_path):
 @pytest.mark.parametrize("shown", [[], [(9, (160.0, 90.0))], [(9, (160.0, 90.0)), (10, (150.0, 80.0))]])
 def test_noise_and_legs_that_err_otherwise_are_no_wrong_fix(tmp_path, shown):
     assert not found(tmp_path, shown)[0]
+
+
+def test_legs_with_others_left_out_between_them_share_no_fix(tmp_path):
+    moved = np.array((150.0, -60.0))
+    fixes, _ = found(tmp_path, [(5, moved), (9, -moved)], ("heavy-tails",), left_out=(6, 7, 8))
+    assert not fixes
 
 
 def test_they_are_told_in_the_readers_units():
