@@ -38,13 +38,12 @@ class Diving:
     def __init__(self, rng: np.random.Generator, truths: Mapping[str, np.ndarray]) -> None:
         self.rng, self.truths = rng, truths
         plan = draw_plan(rng, "single", ())
-        # a number is the whole form factor to what makes the dives, and Eq. 5's constant alone to a mission
-        craft = replace(plan.craft, form_factor="briggs")
+        craft = plan.craft
         middle = craft.net_buoyancy + craft.drag(1.3)
         weights = [round(middle * SPREAD ** (k % 2 - 0.5), 2) for k in range(DIVES)]
         # the second pair of dives is by a line of twice the length
         dives = [Dive(w, LINE * (1 + k // 2), plan.site_depth, number=k) for k, w in enumerate(weights)]
-        self.plan = replace(plan, craft=craft, dives=tuple(dives), states_depth=True, vehicle_form="inline")
+        self.plan = replace(plan, dives=tuple(dives), states_depth=True, vehicle_form="inline")
         self.noise = draw_nuisances(rng, "single")
         self.mission = Mission.from_data(mission_files(self.plan, rng)[0])
 
