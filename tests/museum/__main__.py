@@ -1,20 +1,24 @@
 """``python -m tests.museum``: what is said of faults before and after their mends, and of effects that have no name.
 
 Prints the table of pairs, then the figures of logs with an effect outside the catalogue (half at 20 to 60 nats beyond
-what named effects can be, half at 6 to 20), of logs without any, and of logs with a named one. ``--outside 200 --free
-400 --named 100`` for figures to publish.
+what named effects can be, half at 6 to 20), of logs without any, of logs with a named one, and of sets of dives with
+an effect outside. ``--outside 200 --free 400 --named 100 --dives 100 --lines FILE`` for figures to publish.
 """
 
 import argparse
+import json
 import tempfile
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
 import missionplan
+from missionplan.effects import CATALOGUE
 from missionplan.mission import Mission
 from missionplan.results.learned.diagnosis import Diagnosis
+from tests.hidden_effects.cases import draw_case
 
 from .faults import PAIRS, Pair, log_of_pair, still_speed
 from .outside import SEEN, UNSEEN, sized
@@ -27,6 +31,8 @@ NAMED: dict[str, Callable[[np.random.Generator], Recipe]] = {
     "mean-current": lambda rng: _carried(rng),
 }
 STATISTICAL = {"persistent-error", "heavy-tails", "random-walk", "fix-error", "position-random-walk"}
+Line = dict[str, Any]
+"""What is in a case, and what is said of it."""
 
 
 def _turned(rng: np.random.Generator, shape: Callable[[Moment], float]) -> Recipe:
@@ -86,74 +92,141 @@ def _after(found: Diagnosis, pair: Pair) -> str:
     return f"{found.verdict} {'+'.join(found.causes) or 'nothing'} ({'right' if right else 'NOT right'})"
 
 
-def outside_figures(count: int, seed: int) -> list[str]:
-    """Diagnose logs with effects that have no name."""
+def outside_line(k: int, seed: int) -> Line:
+    """Diagnose a log with an effect that has no name."""
     kinds = [*((name, build, "seen") for name, build in SEEN.items())]
     kinds += [(name, build, "unseen") for name, build in UNSEEN.items()]
-    found: dict[tuple[str, bool], list[tuple[bool, bool, float]]] = {}
-    missed = []
-    for k in range(count):
-        name, build, looked_at = kinds[k % len(kinds)]
-        rng = np.random.default_rng([seed, k])
-        is_strong = (k // len(kinds)) % 2 == 0
-        errors = None
-        while errors is None:
-            log = drawn(rng, int(rng.integers(30, 90)))
-            nats = rng.uniform(20.0, 60.0) if is_strong else rng.uniform(6.0, 20.0)
-            errors = sized(build, log, nats, seed + k)
-        said = diagnosed(log, errors, seed + k)
-        flagged, wrong = is_flagged(said), said.verdict == "explained" and not is_flagged(said)
-        found.setdefault((looked_at, is_strong), []).append((flagged, wrong, said.none_of_these))
-        if not flagged:
-            missed.append(
-                f"  {name} ({nats:.0f} nats): {said.verdict} {'+'.join(said.causes)} {said.none_of_these:.2f}"
-            )
-    lines = []
-    for (looked_at, is_strong), each in found.items():
-        flagged, wrong = sum(one[0] for one in each), sum(one[1] for one in each)
-        strength = "20 nats and more" if is_strong else "6 to 20 nats"
-        lines.append(f"outside, {looked_at}, {strength}: flagged {flagged} of {len(each)}, wrong name {wrong}")
-    return lines + missed
-
-
-def free_figures(count: int, seed: int) -> list[str]:
-    """Diagnose logs without any effect."""
-    said = []
-    for k in range(count):
-        rng = np.random.default_rng([seed, 1, k])
-        log = drawn(rng, int(rng.integers(20, 90)))
-        said.append(diagnosed(log, np.zeros((len(log.headings), 2)), seed + k))
-    terms = sum("response" in one.causes or one.none_of_these >= 0.5 for one in said)
-    return [f"without an effect: terms {terms} of {count}, any claim {sum(one.verdict != 'adequate' for one in said)}"]
-
-
-def named_figures(count: int, seed: int) -> list[str]:
-    """Diagnose logs with an effect that has a name."""
-    right, missed = 0, []
-    for k in range(count):
-        name = list(NAMED)[k % len(NAMED)]
-        rng = np.random.default_rng([seed, 2, k])
+    name, build, looked_at = kinds[k % len(kinds)]
+    rng = np.random.default_rng([seed, k])
+    is_strong = (k // len(kinds)) % 2 == 0
+    errors = None
+    while errors is None:
         log = drawn(rng, int(rng.integers(30, 90)))
-        said = diagnosed(log, velocity_errors(log, NAMED[name](rng)), seed + k)
-        right += said.causes == (name,)
-        if said.causes != (name,):
-            missed.append(f"  {name}: {said.verdict} {'+'.join(said.causes)}")
-    return [f"with a named effect: named {right} of {count}", *missed]
+        nats = rng.uniform(20.0, 60.0) if is_strong else rng.uniform(6.0, 20.0)
+        errors = sized(build, log, nats, seed + k)
+    return {"name": name, "looked_at": looked_at, "nats": nats} | _said(diagnosed(log, errors, seed + k))
+
+
+def free_line(k: int, seed: int) -> Line:
+    """Diagnose a log without any effect."""
+    rng = np.random.default_rng([seed, 1, k])
+    log = drawn(rng, int(rng.integers(20, 90)))
+    return _said(diagnosed(log, np.zeros((len(log.headings), 2)), seed + k))
+
+
+def named_line(k: int, seed: int) -> Line:
+    """Diagnose a log with an effect that has a name."""
+    name = list(NAMED)[k % len(NAMED)]
+    rng = np.random.default_rng([seed, 2, k])
+    log = drawn(rng, int(rng.integers(30, 90)))
+    return {"name": name} | _said(diagnosed(log, velocity_errors(log, NAMED[name](rng)), seed + k))
+
+
+def dives_line(k: int, seed: int) -> Line:
+    """Diagnose a set of dives with an effect that has no name."""
+    case = draw_case(seed + k, "descent", "outside")
+    with tempfile.TemporaryDirectory() as name:
+        found = missionplan.diagnose(*case.write(Path(name) / "case", Path(name) / "truth"), plan=False)
+    return {"name": case.outside, "strength": case.strength} | _said(found)
+
+
+def _said(found: Diagnosis) -> Line:
+    return {
+        "verdict": found.verdict,
+        "causes": found.causes,
+        "none_of_these": found.none_of_these,
+        "flagged": is_flagged(found),
+        "sets": [[each.causes, each.posterior] for each in found.ranking[:4]],
+        "parameters": [[each.effect, each.name, each.value, each.sd] for each in found.best.parameters]
+        if found.best is not None
+        else [],
+        "remainder": found.discrepancy.summary(),
+    }
+
+
+LINES = {"outside": outside_line, "free": free_line, "named": named_line, "dives": dives_line}
+
+
+def figures(lines: Sequence[Line]) -> list[str]:
+    """Count what is said of the cases of each kind; then those that were missed or named wrongly."""
+    groups: dict[str, list[Line]] = {}
+    for line in lines:
+        groups.setdefault(_group(line), []).append(line)
+    found = [f"{group}: {_counts(own)}" for group, own in groups.items()]
+    return found + [_row(line) for line in lines if _is_missed(line)]
+
+
+def _group(line: Line) -> str:
+    if line["kind"] != "outside":
+        return {"free": "without an effect", "named": "with a named effect", "dives": "dives, outside"}[line["kind"]]
+    return f"outside, {line['looked_at']}, {'20 nats and more' if line['nats'] >= 20.0 else '6 to 20 nats'}"
+
+
+def _counts(own: Sequence[Line]) -> str:
+    if own[0]["kind"] == "free":
+        return f"terms {sum(map(_has_term, own))} of {len(own)}, any claim {sum(map(_is_missed, own))}"
+    if own[0]["kind"] == "named":
+        return f"named {len(own) - sum(map(_is_missed, own))} of {len(own)}"
+    beside = sum(one["flagged"] and bool(_physical(one)) for one in own)
+    wrong = sum(one["verdict"] == "explained" and not one["flagged"] for one in own)
+    return f"flagged {sum(one['flagged'] for one in own)} of {len(own)}, wrong name {wrong}, a name beside {beside}"
+
+
+def _has_term(line: Line) -> bool:
+    return "response" in line["causes"] or line["none_of_these"] >= 0.5
+
+
+def _physical(line: Line) -> list[str]:
+    """Claimed causes with a name that are no statistical law."""
+    return [name for name in line["causes"] if CATALOGUE[name].tier == "physical"]
+
+
+def _is_missed(line: Line) -> bool:
+    if line["kind"] == "free":
+        return line["verdict"] != "adequate"
+    return line["causes"] != [line["name"]] if line["kind"] == "named" else not line["flagged"]
+
+
+def _row(line: Line) -> str:
+    held = f" ({line['nats']:.0f} nats)" if "nats" in line else ""
+    said = f"{line['verdict']} {'+'.join(line['causes'])} {line['none_of_these']:.2f}"
+    return f"  {line['kind']} {line['k']} {line.get('name', '')}{held}: {said}"
+
+
+def cases(counts: Mapping[str, int]) -> list[tuple[str, int]]:
+    """Kinds and numbers of the cases, each kind's spread over the whole run."""
+    drawn = [(kind, k) for kind, count in counts.items() for k in range(count)]
+    return sorted(drawn, key=lambda case: (case[1] + 0.5) / counts[case[0]])
+
+
+def lines_of(wanted: Sequence[tuple[str, int]], seed: int, file: Path | None) -> list[Line]:
+    """Diagnose the cases that a file lacks, a line each, and return those of all."""
+    text = file.read_text(encoding="utf-8") if file is not None and file.exists() else ""
+    kept = {(line["kind"], line["k"]): line for line in map(json.loads, text.splitlines())}
+    for kind, k in wanted:
+        if (kind, k) not in kept:
+            one = json.dumps({"kind": kind, "k": k, **LINES[kind](k, seed)}, default=float)
+            kept[kind, k] = json.loads(one)
+            if file is not None:
+                with file.open("a", encoding="utf-8") as end:
+                    end.write(one + "\n")
+    return [kept[case] for case in wanted]
 
 
 def main(arguments: Sequence[str] | None = None) -> None:
     """Run and print."""
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--outside", type=int, default=20)
-    parser.add_argument("--free", type=int, default=10)
-    parser.add_argument("--named", type=int, default=8)
+    for kind, count in {"outside": 20, "free": 10, "named": 8, "dives": 4}.items():
+        parser.add_argument(f"--{kind}", type=int, default=count)
     parser.add_argument("--seed", type=int, default=42_000)
+    parser.add_argument("--lines", type=Path, help="file of a line a case, continued with those that it lacks")
+    parser.add_argument("--no-pairs", action="store_true", help="leave the table of pairs out")
     options = parser.parse_args(arguments)
-    for row in pair_rows(options.seed):
-        print(row, flush=True)
-    counts = ((outside_figures, options.outside), (free_figures, options.free), (named_figures, options.named))
-    for figures, count in counts:
-        print(*figures(count, options.seed), sep="\n", flush=True)
+    if not options.no_pairs:
+        for row in pair_rows(options.seed):
+            print(row, flush=True)
+    wanted = cases({kind: getattr(options, kind) for kind in LINES})
+    print(*figures(lines_of(wanted, options.seed, options.lines)), sep="\n")
 
 
 if __name__ == "__main__":

@@ -7,7 +7,7 @@ import pytest
 
 from tests.learned import moments
 
-from .__main__ import diagnosed, is_described, is_flagged, named_figures
+from .__main__ import diagnosed, figures, is_described, is_flagged, lines_of
 from .faults import CURRENT, PAIRS, errors_of, log_of_pair, still_speed, through_water
 from .outside import SEEN, beyond_the_named, sized
 from .sailing import Log, Recipe, drawn, velocity_errors
@@ -70,7 +70,7 @@ def test_what_goes_by_heading_and_depth_together_is_seen():
 
 @pytest.mark.slow
 def test_a_named_effect_is_still_named():
-    assert "named 4 of 4" in named_figures(4, 7)[0]
+    assert figures(lines_of([("named", k) for k in range(4)], 7, None)) == ["with a named effect: named 4 of 4"]
 
 
 @pytest.mark.slow
