@@ -1,6 +1,7 @@
 """Commands that plan, from simulate to sweep-transition, and that choose: explore, optimise."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Literal, get_args
@@ -16,10 +17,25 @@ if TYPE_CHECKING:
     from missionplan.studies.leg_length.sweep_result import Sweep
 
 REQUIREMENT_NOT_MET = 3
+_BLOCKS_NEED = "missionplan.studies.simulation.block_sequence"
+_CELLS_NEED = "missionplan.studies.exploration.cells"
+_SWEEPS_NEED = "missionplan.studies.leg_length.sweep_dmax"
+_PLANS_NEED = "missionplan.studies.leg_length.plan_legs"
+_MANY_TRIALS = 8192
+"""Trials beyond which a second process gains more than its start takes."""
 CostMethod = Literal["both", "analytic", "monte-carlo"]
 LegObjective = Literal["mean", "p95", "energy"]
 VehicleFormat = Literal["slocum", "moos", "neptus", "iver", "qgc"]
 """Formats that a vehicle carries out; the names are those of `missionplan.exporters.formats`."""
+
+
+@contextmanager
+def _workers_importing(module: str, count: int) -> Iterator[None]:
+    """Start worker processes, which import what their tasks need while this process does; 0: none."""
+    from missionplan.montecarlo.parallel.pool import preloaded_pool
+
+    with preloaded_pool(count, module):
+        yield
 
 
 _Method = Annotated[
@@ -36,8 +52,10 @@ def sweep_dmax(
     allow_outside: o.AllowOutside = False,
 ) -> None:
     """Compute the cost of each maximum leg length d_max, and find the best, for each velocity error."""
-    study = partial(missionplan.sweep_dmax, method=method, **run.arguments())
-    _exit_as_judged(run_study(mission, "sweep-dmax", study, output, allow_outside=allow_outside))
+    with _workers_importing(_SWEEPS_NEED, run.other_processes):
+        study = partial(missionplan.sweep_dmax, method=method, **run.arguments())
+        found = run_study(mission, "sweep-dmax", study, output, allow_outside=allow_outside)
+    _exit_as_judged(found)
 
 
 _Aim = Annotated[
@@ -60,8 +78,10 @@ def plan_legs(
     allow_outside: o.AllowOutside = False,
 ) -> None:
     """Find leg lengths that adapt to the distance left, and what they save against the best fixed d_max."""
-    study = partial(missionplan.plan_legs, aim=aim, **run.arguments())
-    _exit_as_judged(run_study(mission, "plan-legs", study, output, allow_outside=allow_outside))
+    with _workers_importing(_PLANS_NEED, run.other_processes):
+        study = partial(missionplan.plan_legs, aim=aim, **run.arguments())
+        found = run_study(mission, "plan-legs", study, output, allow_outside=allow_outside)
+    _exit_as_judged(found)
 
 
 def _exit_as_judged(result: "Sweep | LegPlan") -> None:
@@ -182,7 +202,10 @@ def simulate(
         as_exported=as_exported,
         **run.arguments(),
     )
-    outcome = run_resumable(mission, "simulate", study, output, allow_outside=allow_outside, resume=resume, keep=True)
+    with _workers_importing(_BLOCKS_NEED, run.other_processes if (run.trials or 0) > _MANY_TRIALS else 0):
+        outcome = run_resumable(
+            mission, "simulate", study, output, allow_outside=allow_outside, resume=resume, keep=True
+        )
     if not outcome.requirements_met or not outcome.can_be_built:
         raise typer.Exit(REQUIREMENT_NOT_MET)
 
@@ -215,7 +238,6 @@ def sweep_transition(
     run_study(mission, "sweep-transition", study, output, allow_outside=allow_outside)
 
 
-_CELLS_NEED = "missionplan.studies.exploration.cells"
 ExplorationAim = Literal["success", "energy", "duration"]
 Least = Literal["energy", "duration"]
 
@@ -259,9 +281,7 @@ def explore(
 
     Example: missionplan explore missions/chesapeake.yaml --vary "ingress.speed=1:2:0.25m/s" --trials 2000
     """
-    from missionplan.montecarlo.parallel.pool import preloaded_pool
-
-    with preloaded_pool(run.other_processes, _CELLS_NEED):  # they import while this process does
+    with _workers_importing(_CELLS_NEED, run.other_processes):
         study = partial(
             missionplan.explore,
             vary=vary,
@@ -303,11 +323,8 @@ def optimise(
 
     Example: missionplan optimise missions/chesapeake.yaml --choose "ingress.d_max=200:1000:200m"
     """
-    from missionplan.montecarlo.parallel.pool import preloaded_pool
-
     processes = o.worker_count(jobs)
-
-    with preloaded_pool(processes - 1, _CELLS_NEED):
+    with _workers_importing(_CELLS_NEED, processes - 1):
         study = partial(
             missionplan.optimise,
             choose=choose or (),

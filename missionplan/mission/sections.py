@@ -222,7 +222,7 @@ class Sections(FileSection, Generic[V]):
     """The sections of a mission file. All in SI; quantities are floats or distributions; drawn, floats or arrays."""
 
     file_schema: MissionSchema = Field(default="missionplan/mission/1", alias="schema")
-    name: Annotated[str, Doc("name of the mission, for reports")] = ""
+    name: Annotated[str, Doc("name of the mission, for reports"), Field(examples=["Saanich, spring"])] = ""
     start: Annotated[Moment | None, Doc("time at which the mission begins, UTC")] = None
     units: Annotated[
         Literal["metric", "nautical", "imperial"] | None,
@@ -248,7 +248,7 @@ class Sections(FileSection, Generic[V]):
     ] = None
     learned_from: Annotated[
         tuple[Identity, ...],
-        Field(max_length=MOST_LEARNED),
+        Field(max_length=MOST_LEARNED, examples=[["0123456789abcdef"]]),
         Doc("hashes of what the effects were learned from, as diagnose writes them"),
     ] = ()
 

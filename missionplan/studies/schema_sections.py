@@ -53,7 +53,9 @@ def parameter(known: Parameter) -> Schema:
 
 
 def example(info: FieldInfo) -> Schema:
-    """Return an example of a key: a quantity of its usual range, or its default."""
+    """Return an example of a key: its own, a quantity of its usual range, or its default."""
+    if info.examples:
+        return {"examples": info.examples}
     limit = next((each for each in info.metadata if isinstance(each, Limit)), None)
     parsers = parsers_of(info)
     if limit is None or not parsers:
@@ -61,7 +63,9 @@ def example(info: FieldInfo) -> Schema:
         return {"examples": [default]} if isinstance(default, int | str) and default != "" and not parsers else {}
     low, high = limit.usual
     middle = math.sqrt(low * high) if low > 0.0 else 0.1 * high
-    return {"examples": [_written(middle, parsers[0].unit if limit.unit is None else limit.unit)]}
+    written = _written(middle, parsers[0].unit if limit.unit is None else limit.unit)
+    components = get_args(info.annotation) if get_origin(info.annotation) is tuple else ()
+    return {"examples": [[written] * len(components) if components else written]}
 
 
 def _written(value: float, unit: str, digits: int = 1) -> str | float:

@@ -66,8 +66,12 @@ class Propulsion(FileSection, Generic[V]):
         Doc("diameter of the propeller"),
         Limit((5e-3, 5.0), (0.02, 1.5), "AUV propellers are 0.05 m to 1 m across"),
     ]
-    thrust_coefficient: Annotated[tuple[q.PositiveNumber[V], _Negative[V]], Doc("α₀ and α₁ of K_T = α₀ + α₁J")]
-    torque_coefficient: Annotated[tuple[q.PositiveNumber[V], _Negative[V]], Doc("β₀ and β₁ of K_Q = β₀ + β₁J")]
+    thrust_coefficient: Annotated[
+        tuple[q.PositiveNumber[V], _Negative[V]], Doc("α₀ and α₁ of K_T = α₀ + α₁J"), Field(examples=[[0.35, -0.4]])
+    ]
+    torque_coefficient: Annotated[
+        tuple[q.PositiveNumber[V], _Negative[V]], Doc("β₀ and β₁ of K_Q = β₀ + β₁J"), Field(examples=[[0.05, -0.04]])
+    ]
     wake_fraction: Annotated[_Fraction, Doc("share of the speed by which the wake at the propeller is slower")] = 0.0
     thrust_deduction: Annotated[
         _Fraction, Doc("share of the thrust that the propeller's suction on the hull takes")
@@ -163,7 +167,9 @@ class Manoeuvring(FileSection, Generic[V]):
     centre_of_gravity: Annotated[CentreOfGravity[V], Doc("where the mass is")]
     derivatives: Annotated[DerivativesSection, Doc("hydrodynamic derivatives, dimensionless by ½ρ and the length")]
     propeller: Annotated[
-        tuple[_Plain, _Plain, _Plain], Doc("b₁, b₂ and b₃ of Eq. 3: thrust by speed and the speed asked for")
+        tuple[_Plain, _Plain, _Plain],
+        Doc("b₁, b₂ and b₃ of Eq. 3: thrust by speed and the speed asked for"),
+        Field(examples=[[0, -0.0075, 0.01]]),
     ]
     speed_gain: Annotated[_Positive, Doc("how fast the speed asked for is followed")]
     sternplanes: Annotated[Sternplanes, Doc("controller of the sternplanes")]

@@ -26,7 +26,9 @@ class LegTableSection(FileSection):
     """Leg length against distance left, piecewise linear."""
 
     table: Annotated[
-        tuple[tuple[q.FixedDistance, q.FixedLength], ...], Doc("distance left and longest leg there, linear between")
+        tuple[tuple[q.FixedDistance, q.FixedLength], ...],
+        Doc("distance left and longest leg there, linear between"),
+        Field(examples=[[["0 m", "50 m"], ["2 km", "800 m"]]]),
     ]
 
     @model_validator(mode="after")
@@ -236,7 +238,11 @@ class VelocityErrorSection(FileSection, Generic[V]):
     covariance_rows: Annotated[
         tuple[tuple[q.FixedVariance, q.FixedVariance], tuple[q.FixedVariance, q.FixedVariance]] | None,
         Doc("covariance of a leg's velocity error, east and north, in place of sigma"),
-    ] = Field(default=None, alias="covariance")
+    ] = Field(
+        default=None,
+        alias="covariance",
+        examples=[[["0.0012 m^2/s^2", "0.0003 m^2/s^2"], ["0.0003 m^2/s^2", "0.0009 m^2/s^2"]]],
+    )
 
     @model_validator(mode="after")
     def _one_spread(self) -> Self:

@@ -8,7 +8,7 @@ from functools import lru_cache
 from typing import TYPE_CHECKING, Annotated, Generic, Literal
 
 import numpy as np
-from pydantic import Discriminator, Tag, model_validator
+from pydantic import Discriminator, Field, Tag, model_validator
 from typing_extensions import Doc
 
 from missionplan.arrays import Array
@@ -48,8 +48,8 @@ class PlaceFile(FileSection):
     degrees.
     """
 
-    file: Annotated[str, Doc("file of the polygons or depths")]
-    projection: Annotated[str | None, Doc("projection of its coordinates")] = None
+    file: Annotated[str, Doc("file of the polygons or depths"), Field(examples=["coast.geojson"])]
+    projection: Annotated[str | None, Doc("projection of its coordinates"), Field(examples=["EPSG:32610"])] = None
 
 
 class BathymetryFile(PlaceFile):
@@ -58,14 +58,14 @@ class BathymetryFile(PlaceFile):
     `variable` is the one of a NetCDF file with several; `positive` says which way values count where the file does not.
     """
 
-    variable: Annotated[str | None, Doc("name of the depths in the file")] = None
+    variable: Annotated[str | None, Doc("name of the depths in the file"), Field(examples=["elevation"])] = None
     positive: Annotated[Literal["up", "down"] | None, Doc("whether its numbers count up or down")] = None
 
 
 class HeightConstituent(FileSection):
     """A constituent of the tide's height."""
 
-    name: Annotated[str, Doc("name of the constituent, such as M2")]
+    name: Annotated[str, Doc("name of the constituent, such as M2"), Field(examples=["M2"])]
     amplitude: Annotated[q.FixedDistance, Doc("amplitude of the constituent"), _TIDES]
     phase: Annotated[q.FixedAngle, Doc("lag behind the equilibrium tide at Greenwich")]
 
@@ -73,7 +73,7 @@ class HeightConstituent(FileSection):
 class TideHeight(FileSection, Generic[V]):
     """Height of the sea level over the datum, from constituents or a record (CSV `t_s, height_m`) and its error."""
 
-    file: Annotated[str | None, Doc("file of heights over time")] = None
+    file: Annotated[str | None, Doc("file of heights over time"), Field(examples=["tide.csv"])] = None
     constituents: Annotated[tuple[HeightConstituent, ...], Doc("constituents, in place of a file")] = ()
     level: Annotated[q.Length[V], Doc("mean sea level over the datum, added to the tide"), _TIDES] = q.default(0.0)
     error: Annotated[q.Length[V], Doc("error of the height, one a trial"), _TIDES] = q.default(0.0)

@@ -35,7 +35,7 @@ class WindFile(FileSection):
     without it, at the mission's. Beyond the record its last values are held.
     """
 
-    file: Annotated[str, Doc("file of the wind")]
+    file: Annotated[str, Doc("file of the wind"), Field(examples=["wind.csv"])]
     start: Annotated[Moment | None, Doc("time of the file at which the mission begins")] = None
 
 
@@ -140,10 +140,12 @@ class CurrentFile(FileSection, Generic[V]):
     dimension of members; `weights`: their probabilities, in any scale.
     """
 
-    file: Annotated[str | tuple[str, ...], Doc("file of the current, or the files of an ensemble")]
+    file: Annotated[
+        str | tuple[str, ...], Doc("file of the current, or the files of an ensemble"), Field(examples=["current.nc"])
+    ]
     weights: Annotated[tuple[Weight, ...] | None, Doc("probability of each file; without it all are as likely")] = None
     start: Annotated[Moment | None, Doc("time of the file at which the mission begins")] = None
-    projection: Annotated[str | None, Doc("projection of its coordinates")] = None
+    projection: Annotated[str | None, Doc("projection of its coordinates"), Field(examples=["EPSG:32610"])] = None
     outside: Annotated[Literal["error", "hold", "zero"], Doc("what holds outside its times and places")] = "error"
     error: Annotated[ForecastError[V] | None, Doc("error of the forecast")] = None
 
@@ -167,7 +169,7 @@ class CurrentFile(FileSection, Generic[V]):
 class TidalConstituent(FileSection):
     """The ellipse of a constituent."""
 
-    name: Annotated[str, Doc("name of the constituent, such as M2")]
+    name: Annotated[str, Doc("name of the constituent, such as M2"), Field(examples=["M2"])]
     major: Annotated[q.FixedSpeed, Doc("major semi-axis of the ellipse"), q.CURRENT]
     minor: Annotated[
         _FixedSignedSpeed, Doc("minor semi-axis; negative where the current turns clockwise"), q.CURRENT
@@ -258,9 +260,13 @@ class Site(FileSection, Generic[V]):
         Doc("z₀ of the seafloor, for the current near it"),
         Limit((1e-7, 1.0), (1e-5, 0.03), "Soulsby 1997: 0.05 mm silt, 6 mm rippled sand"),
     ] = None
-    chart: Annotated[str | None, Doc("image or coast that maps draw and nothing computes with")] = None
+    chart: Annotated[
+        str | None, Doc("image or coast that maps draw and nothing computes with"), Field(examples=["coast.geojson"])
+    ] = None
     bathymetry: Annotated[BathymetryFile | None, Doc("grid of depths, in place of one depth")] = None
-    depth_datum: Annotated[str | None, Doc("level from which the grid of depths counts")] = None
+    depth_datum: Annotated[
+        str | None, Doc("level from which the grid of depths counts"), Field(examples=["mean sea level"])
+    ] = None
     tide_height: Annotated[
         TideOrHeight[V] | None,
         Doc("height of the sea level over the datum of the depths"),

@@ -23,9 +23,9 @@ class SweepGrid(FileSection):
     """Grid of d_max: `points` values from `start` to `stop`, of the distance or as lengths."""
 
     of: Annotated[Literal["distance"] | None, Doc("whether the ends are parts of the distance")] = None
-    start: Annotated[float, Field(alias="from"), Doc("first value")]
-    stop: Annotated[float, Field(alias="to"), Doc("last value")]
-    points: Annotated[int, Field(ge=2, le=10_000), Doc("number of values, both ends counted")]
+    start: Annotated[float, Field(alias="from", examples=["100 m"]), Doc("first value")]
+    stop: Annotated[float, Field(alias="to", examples=["2 km"]), Doc("last value")]
+    points: Annotated[int, Field(ge=2, le=10_000, examples=[20]), Doc("number of values, both ends counted")]
 
     @field_validator("start", "stop", mode="plain")
     @classmethod
@@ -52,12 +52,16 @@ class SweepSection(FileSection):
     d_max: Annotated[
         SweepDMax,
         Doc("leg lengths that are tried"),
+        Field(examples=[["200 m", "400 m", "800 m"]]),
         Limit((1.0, 1e6), (1.0, 2e5), "500 km is the greatest distance from the origin"),
     ] = SweepGrid.model_validate({"from": 0.02, "to": 1.0, "points": 99, "of": "distance"})
-    sigma: Annotated[tuple[q.FixedSpeed, ...] | None, Doc("velocity errors, σ_v, of which each is swept"), q.SIGMA] = (
-        None
-    )
-    phase: Annotated[str | None, Doc("transit that is swept; without it the first")] = None
+    sigma: Annotated[
+        tuple[q.FixedSpeed, ...] | None,
+        Doc("velocity errors, σ_v, of which each is swept"),
+        q.SIGMA,
+        Field(examples=[["0.02 m/s", "0.05 m/s"]]),
+    ] = None
+    phase: Annotated[str | None, Doc("transit that is swept; without it the first"), Field(examples=["ingress"])] = None
 
     def d_max_values(self, distance: float) -> Array:
         """Return the lengths of the grid for a transit of `distance`, shape (k,) [m]."""
@@ -74,12 +78,22 @@ AsWritten = str | float | int | bool | dict[str, object] | list[object]
 class ChoiceSection(FileSection):
     """One key, or several that take the same value; `from` and `to`, in steps of `step`, or a list of `choices`."""
 
-    key: Annotated[str | None, Doc("key that is chosen")] = None
-    keys: Annotated[tuple[str, ...], Doc("keys that are chosen together, with one value")] = ()
-    low: Annotated[str | float | None, Doc("least value")] = Field(default=None, alias="from")
-    high: Annotated[str | float | None, Doc("greatest value")] = Field(default=None, alias="to")
-    step: Annotated[str | float | None, Doc("distance between values")] = None
-    choices: Annotated[tuple[AsWritten, ...], Doc("values, in place of a range")] = ()
+    key: Annotated[str | None, Doc("key that is chosen"), Field(examples=["ingress.d_max"])] = None
+    keys: Annotated[
+        tuple[str, ...],
+        Doc("keys that are chosen together, with one value"),
+        Field(examples=[["ingress.speed", "egress.speed"]]),
+    ] = ()
+    low: Annotated[str | float | None, Doc("least value"), Field(examples=["200 m"])] = Field(
+        default=None, alias="from"
+    )
+    high: Annotated[str | float | None, Doc("greatest value"), Field(examples=["1 km"])] = Field(
+        default=None, alias="to"
+    )
+    step: Annotated[str | float | None, Doc("distance between values"), Field(examples=["100 m"])] = None
+    choices: Annotated[
+        tuple[AsWritten, ...], Doc("values, in place of a range"), Field(examples=[["200 m", "400 m"]])
+    ] = ()
 
     @model_validator(mode="after")
     def _complete(self) -> "ChoiceSection":
@@ -119,10 +133,10 @@ class Requirement(FileSection):
     `checks.sections` reads them [SI].
     """
 
-    quantity: Annotated[str, Doc("quantity or event that has to hold")]
+    quantity: Annotated[str, Doc("quantity or event that has to hold"), Field(examples=["total.success"])]
     probability: Annotated[q.Probability, Doc("probability with which it has to")]
-    at_most: Annotated[float | None, Doc("greatest value")] = None
-    at_least: Annotated[float | None, Doc("least value")] = None
+    at_most: Annotated[float | None, Doc("greatest value"), Field(examples=["6 h"])] = None
+    at_least: Annotated[float | None, Doc("least value"), Field(examples=["10 W*h"])] = None
 
     _written: str = PrivateAttr(default="")
 
@@ -146,8 +160,8 @@ class Requirement(FileSection):
 class CorrelationSection(FileSection):
     """Correlation of two quantities (of the normals that they are drawn from)."""
 
-    between: Annotated[tuple[str, str], Doc("the two quantities")]
-    rho: Annotated[float, Field(ge=-1.0, le=1.0), Doc("correlation of their normals")]
+    between: Annotated[tuple[str, str], Doc("the two quantities"), Field(examples=[["ingress.speed", "egress.speed"]])]
+    rho: Annotated[float, Field(ge=-1.0, le=1.0, examples=[0.5]), Doc("correlation of their normals")]
 
     def resolved(self, names: Sequence[str]) -> Self:
         """Return the correlation with names as quantities have them, given the names of all phases."""

@@ -50,8 +50,12 @@ class _Hazard(FileSection, Generic[V]):
         Limit((0.05, 20.0), (0.3, 5.0), "0.5 for early failures, 3 for wear"),
     ] = None
     leaves: Annotated[Leaves | None, Doc("state in which a failure leaves the vehicle")] = None
-    source: Annotated[str, Doc("where the rate is from")] = ""
-    learned_from: Annotated[tuple[str, ...], Doc("hashes of the rows of a fleet's log that are counted")] = ()
+    source: Annotated[str, Doc("where the rate is from"), Field(examples=["log book of 2025"])] = ""
+    learned_from: Annotated[
+        tuple[str, ...],
+        Doc("hashes of the rows of a fleet's log that are counted"),
+        Field(examples=[["0123456789abcdef"]]),
+    ] = ()
 
     @model_validator(mode="after")
     def _one_law(self) -> Self:
@@ -286,7 +290,7 @@ class Vehicle(FileSection, Generic[V]):
     """A vehicle file."""
 
     file_schema: VehicleSchema = Field(default="missionplan/vehicle/1", alias="schema")
-    name: Annotated[str, Doc("name of the vehicle")] = ""
+    name: Annotated[str, Doc("name of the vehicle"), Field(examples=["REMUS 100"])] = ""
     hull: Annotated[HullSection[V], Doc("shape of the hull")]
     sail: Annotated[SailSection[V] | None, Doc("fin whose drag adds to that of the hull")] = None
     appendage_factor: Annotated[

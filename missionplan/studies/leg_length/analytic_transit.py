@@ -14,7 +14,7 @@ from typing_extensions import override
 
 from missionplan.arrays import Array
 from missionplan.montecarlo.distributions import Distribution, mean_of
-from missionplan.montecarlo.parallel.blocks import IN_THIS_PROCESS, Progress, Workers
+from missionplan.montecarlo.parallel.blocks import IN_THIS_PROCESS, Progress, Workers, parallel_map
 from missionplan.phases.transit.analytic.expectation import MAX_RATIO, TransitExpectation, expected_transit
 from missionplan.phases.transit.analytic.policy import JUMP, best_d_max, best_legs
 from missionplan.phases.transit.compensation import Compensation, CompletedLeg, Memory, PlannedLeg
@@ -58,16 +58,28 @@ def analytic_obstacle(scenario: SweepScenario) -> str:
     return next((words for words, applies in obstacles.items() if applies), "")
 
 
-def analytic_curve(scenario: SweepScenario, index: int) -> tuple[TransitExpectation, ...]:
-    """Solve for the expected transit of every d_max of a curve, and of the table after them."""
-    sigma = scenario.sigma(index)
+def analytic_curves(scenario: SweepScenario, jobs: int) -> list[tuple[TransitExpectation, ...]]:
+    """Solve for the expected transit of every d_max, and of the table after them, for each σ_v, in `jobs` processes."""
     lengths: list[float | LegTable] = [float(d_max) for d_max in scenario.d_max]
-    return tuple(
+    lengths += [scenario.table] if scenario.table is not None else []
+    cells = list(itertools.product(range(len(scenario.sigmas)), lengths))
+    solved = parallel_map(partial(_expectations, scenario), cells, jobs=jobs)
+    return list(zip(*[iter(solved)] * len(lengths), strict=True))
+
+
+def _expectations(scenario: SweepScenario, cells: Sequence[tuple[int, float | LegTable]]) -> list[TransitExpectation]:
+    """Expected transits of given σ_v, by number, and longest legs."""
+    return [
         expected_transit(
-            scenario.distance, d_max, scenario.speed, scenario.arrival_radius, sigma, scenario.surfacing_time
+            scenario.distance,
+            d_max,
+            scenario.speed,
+            scenario.arrival_radius,
+            scenario.sigma(index),
+            scenario.surfacing_time,
         )
-        for d_max in [*lengths, *([scenario.table] if scenario.table is not None else [])]
-    )
+        for index, d_max in cells
+    ]
 
 
 LEARNING_COMPENSATIONS = ("last-leg", "mean", "filter")

@@ -15,7 +15,7 @@ from missionplan.montecarlo.streams import block_count, block_size
 from missionplan.phases.transit.analytic.expectation import TransitExpectation
 from missionplan.results.decision import MemberOutcome
 from missionplan.studies.judgement import judged
-from missionplan.studies.leg_length.analytic_transit import analytic_curve, analytic_obstacle
+from missionplan.studies.leg_length.analytic_transit import analytic_curves, analytic_obstacle
 from missionplan.studies.leg_length.sweep_result import ExplainedSweep, Sweep, SweepCurve, SweepPoint
 from missionplan.studies.leg_length.sweep_scenario import CellTotals, SweepScenario, run_cells
 from missionplan.studies.run import Run, RunArguments
@@ -61,7 +61,8 @@ def sweep_dmax(
     used = _method(scenario, method)
     run = replace(run, trials=0) if used == "analytic" else run
     curves = range(len(scenario.sigmas))
-    analytic = {index: analytic_curve(scenario, index) for index in curves} if used != "monte-carlo" else {}
+    processes = jobs if backend == "loky" else 1
+    analytic = [()] * len(curves) if used == "monte-carlo" else analytic_curves(scenario, processes)
     sampled = _sampled(run, scenario)
     options = {"method": used, "jobs": jobs, "backend": backend, "scheduler": scheduler}
     sweep = Sweep(
@@ -72,7 +73,7 @@ def sweep_dmax(
         speed=scenario.speed,
         surfacing_time=scenario.surfacing_time,
         arrival_radius=scenario.arrival_radius,
-        curves=tuple(_curve(scenario, index, sampled.get(index), analytic.get(index, ())) for index in curves),
+        curves=tuple(_curve(scenario, index, sampled.get(index), analytic[index]) for index in curves),
     )
     quiet = replace(run, workers=run.workers.quiet)
     explained, members = _explained(sweep, scenario, quiet), _members(sweep, scenario, quiet)

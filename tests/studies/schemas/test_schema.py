@@ -138,6 +138,27 @@ def test_a_key_states_its_meaning_and_its_default() -> None:
     assert "default" not in schema("mission")["definitions"]["TransitPhase"]["properties"]["speed"]
 
 
+def _is_shown(written: dict) -> bool:
+    """Whether an editor can offer a value: an example, a choice, or the keys of a section."""
+    inner = [*written.get("anyOf", ()), *([written["items"]] if isinstance(written.get("items"), dict) else [])]
+    return any(key in written for key in ("examples", "enum", "$ref", "properties")) or any(map(_is_shown, inner))
+
+
+@pytest.mark.parametrize("kind", ["mission", "vehicle"])
+def test_every_key_has_an_example_that_its_own_schema_takes(kind: str) -> None:
+    whole = schema(kind)
+    sections = {"": whole, **whole["definitions"]}
+    keys = {f"{name}.{key}": each for name, own in sections.items() for key, each in own.get("properties", {}).items()}
+    assert [key for key, each in keys.items() if not _is_shown(each)] == []
+    refused = {
+        key: example
+        for key, each in keys.items()
+        for example in each.get("examples", ())
+        if not jsonschema.Draft7Validator({**each, "definitions": whole["definitions"]}).is_valid(example)
+    }
+    assert refused == {}
+
+
 def test_the_examples_of_quantities_are_read_and_of_a_usual_size() -> None:
     sections = schema("mission")["definitions"]
     keys = {
