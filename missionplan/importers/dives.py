@@ -122,17 +122,21 @@ def _surface_reading(depth: Series, at_surface: Series, good: Fixes) -> tuple[fl
 
 
 def logged_again(good: Fixes, depth: Series, depths: Depths) -> NDArray[np.bool_]:
-    """Fixes after a dive that are the one before it, logged again before a new one was had, shape (n,).
+    """Fixes that are the one before a dive, logged again under water or after it until a new one is had, shape (n,).
 
-    Where no other comes before the next dive, the vehicle may have stayed in its place.
+    Where no other comes, or none before the next dive, the vehicle may have stayed in its place.
     """
-    again = np.zeros(len(good), dtype=bool)
-    dive = np.searchsorted(depth.t[depth.values >= depths.dive], good.t)
-    edges = [0, *(np.flatnonzero(np.diff(dive)) + 1), len(good)]
+    is_same = np.append(False, (np.diff(good.latitude) == 0.0) & (np.diff(good.longitude) == 0.0))[: len(good)]
+    place = np.cumsum(~is_same)
+    again = is_same & (depth.at(good.t) > depths.surface) & (place < np.max(place, initial=0))
+    left = np.flatnonzero(~again)
+    kept = good[left]
+    dive = np.searchsorted(depth.t[depth.values >= depths.dive], kept.t)
+    edges = [0, *(np.flatnonzero(np.diff(dive)) + 1), len(kept)]
     for begin, end in pairwise(edges[1:]):
-        same = [each[begin:end] == each[begin - 1] for each in (good.latitude, good.longitude)]
+        same = [each[begin:end] == each[begin - 1] for each in (kept.latitude, kept.longitude)]
         is_old = np.all(same, axis=0)
-        again[begin:end] = is_old & ~is_old.all()
+        again[left[begin:end]] = is_old & ~is_old.all()
     return again
 
 

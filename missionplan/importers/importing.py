@@ -1,7 +1,8 @@
 """`import`: a vehicle's own logs to a data set, with a report of what was made of them and a starter mission."""
 
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import asdict, replace
 from datetime import UTC, datetime
 from pathlib import Path, PurePath
@@ -114,7 +115,17 @@ def import_logs(
         options=_options(track, kind, rules, names, shift_origin),
         began=began,
     )
-    return transit_data(reading, rules, explain) if kind == "transit" else descent_data(reading, read_marks(marks))
+    with _naming_passed_over(log):
+        return transit_data(reading, rules, explain) if kind == "transit" else descent_data(reading, read_marks(marks))
+
+
+@contextmanager
+def _naming_passed_over(log: SourceLog) -> Iterator[None]:
+    """Beside what the files read lack, name those that were passed over: it may be in them."""
+    try:
+        yield
+    except InputError as error:
+        raise InputError([*error.problems, *log.passed_over]) from None
 
 
 def _read(found: Sources, options: ReadOptions, log: SourceLog) -> Track:

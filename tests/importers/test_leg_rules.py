@@ -55,6 +55,18 @@ def test_dead_reckoning_is_made_where_the_position_stands_still(current, speed):
     np.testing.assert_allclose(velocity_errors(found.legs).T, np.tile(current, (5, 1)), atol=0.03 * speed + 0.005)
 
 
+def test_a_fix_that_every_row_repeats_until_the_next_is_taken_once():
+    log = made(legs=6)
+    true = log.track.fixes
+    rows = log.track.depth.t
+    last = np.searchsorted(true.t, rows, side="right") - 1
+    held = fixes(rows, true.latitude[last], true.longitude[last])
+    found = cut(replace(log.track, fixes=held), RULES)
+    assert (found.legs["ok"] == 1).all()
+    np.testing.assert_allclose(velocity_errors(found.legs).T, np.tile(log.current, (6, 1)), atol=2e-3)
+    assert np.abs(found.legs["t_start_s"] - log.starts).max() <= 60.0  # copies above the depth of the surface
+
+
 def test_a_yo_read_half_as_often_leads_to_the_same_place():
     ways = {}
     for step in (20.0, 40.0):

@@ -375,6 +375,12 @@ def test_sentences_of_two_receivers_far_apart_are_found_out(tmp_path):
         import_logs([table, one, two], format="track", names=NAMES)
 
 
+def test_fixes_without_a_date_are_named_as_such(tmp_path):
+    gps, own = nmea(tmp_path / "1.nmea", kinds=("GGA",)), own_table(tmp_path / "own.csv")
+    with pytest.raises(InputError, match=r"0 fixes that count[\s\S]*1\.nmea: passed over: its fixes have no date"):
+        import_logs([own, gps], format="track", names=NAMES)
+
+
 def test_rows_of_a_table_in_any_order_are_one_log(plain, tmp_path):
     gps = nmea(tmp_path / "1.nmea")
     lines = own_table(tmp_path / "own.csv").read_text().splitlines()

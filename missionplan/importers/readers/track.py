@@ -280,7 +280,7 @@ def add_gpx(path: Path, found: Samples) -> None:
 def add_nmea(path: Path, found: Samples) -> None:
     """Add the fixes of NMEA sentences: RMC has the date and GGA the quality, or ZDA the date and GGA the rest."""
     library = needed_module("pynmea2", "track", "track (NMEA)")
-    epoch, last = _Epoch(), None
+    epoch, last, has_fixes = _Epoch(), None, False
     with path.open(encoding="ascii", errors="replace") as stream:
         for line in stream:
             start = line.find("$")
@@ -295,7 +295,9 @@ def add_nmea(path: Path, found: Samples) -> None:
                 last = epoch.add_to(found, last)
                 epoch = _Epoch(clock)
             epoch.take(sentence)
-    epoch.add_to(found, last)
+            has_fixes = has_fixes or epoch.place is not None
+    if epoch.add_to(found, last) is None and has_fixes:
+        raise ValueError("its fixes have no date: sentences RMC or ZDA have it, beside GGA")
 
 
 @dataclass
