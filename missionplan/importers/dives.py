@@ -128,7 +128,7 @@ def logged_again(good: Fixes, depth: Series, depths: Depths) -> NDArray[np.bool_
     """
     is_same = np.append(False, (np.diff(good.latitude) == 0.0) & (np.diff(good.longitude) == 0.0))[: len(good)]
     place = np.cumsum(~is_same)
-    again = is_same & (depth.at(good.t) > depths.surface) & (place < np.max(place, initial=0))
+    again: NDArray[np.bool_] = is_same & (depth.at(good.t) > depths.surface) & (place < np.max(place, initial=0))
     left = np.flatnonzero(~again)
     kept = good[left]
     dive = np.searchsorted(depth.t[depth.values >= depths.dive], kept.t)

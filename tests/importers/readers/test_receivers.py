@@ -57,7 +57,8 @@ def test_what_a_receiver_calls_no_fix_is_none(path):
     assert read(path, dated, gga(quality="0"))["valid"].tolist() == [0.0]
     assert read(path, dated, gga(quality="2"))["valid"].tolist() == [1.0]
     assert read(path, rmc(place=",,,"))["t"].size == 0
-    assert read(path, gga())["t"].size == 0  # without a date
+    with pytest.raises(ValueError, match="no date: sentences RMC or ZDA"):
+        read(path, gga())
 
 
 def test_the_day_goes_on_where_sentences_name_none(path):
