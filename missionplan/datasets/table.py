@@ -4,7 +4,7 @@ A header row; UTF-8, with a byte-order mark or without; rows with `ok` = 0 are l
 is missing, and a row without a number that it needs is left out.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass, replace
 from difflib import get_close_matches
 from functools import partial
@@ -13,7 +13,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-from missionplan.datasets.csv_cells import BLANKS, check_file, long_rows, read_cells, read_header
+from missionplan.datasets.csv_cells import BLANKS, check_file, long_rows, open_table, read_cells, read_header
 from missionplan.errors import UNPRINTABLE, InputError, Problem, counted
 from missionplan.moments import epoch_seconds
 
@@ -61,6 +61,43 @@ class CsvTable:
     """Columns not used, rows left out."""
     problems: tuple[Problem, ...]
     """Cells that hold no number, nan in `rows`, and the like."""
+
+
+def plain_table(path: Path, columns: Collection[str], max_bytes: int) -> pd.DataFrame:
+    """Read a CSV file that has some columns, once each, and rows, as pandas reads its cells.
+
+    Raises
+    ------
+    InputError
+        When it is no such file.
+    """
+    file = str(path)
+    check_file(path, max_bytes)
+    header = read_header(path)
+    problems = problems_at(long_rows(path, len(header)), lambda line: Problem(LONG_ROW, file, line))
+    missing = [name for name in columns if name not in header]
+    twice = [name for name in columns if header.count(name) > 1]
+    if missing:
+        message = f"lacks the column {', '.join(missing)}; expected {', '.join(columns)}"
+        problems.append(Problem(message, file, 1))
+    if twice:
+        problems.append(Problem(f"the column {twice[0]} stands twice", file, 1))
+    if problems:
+        raise InputError(problems)
+    try:
+        with open_table(path) as stream:
+            frame = pd.read_csv(
+                stream,
+                encoding="utf-8-sig",
+                skipinitialspace=True,
+                index_col=False,
+                usecols=lambda name: name.strip() in columns,
+            )
+    except (OSError, ValueError) as error:
+        raise InputError([Problem(f"cannot be read as CSV: {str(error).strip()}", file)]) from None
+    if frame.empty:
+        raise InputError([Problem("has no rows of data", file, 1)])
+    return frame.rename(columns=str.strip)
 
 
 def read_table(path: Path, columns: Columns) -> CsvTable:

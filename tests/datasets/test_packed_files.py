@@ -54,8 +54,8 @@ class TestKind:
     [
         (b"t_s,depth_m,east_m_s,north_m_s\n", "has no rows"),
         (b"t_s,t_s,depth_m,east_m_s,north_m_s\n0,0,0,0,0\n", "stands twice"),
-        (b"", "cannot be read as CSV"),
-        (b"\xff\xfe", "cannot be read as CSV"),
+        (b"", "is empty"),
+        (b"\xff\xfe", "is not UTF-8"),
     ],
 )
 def test_a_current_file_that_is_none(tmp_path, content, words):
@@ -63,3 +63,14 @@ def test_a_current_file_that_is_none(tmp_path, content, words):
     path.write_bytes(content)
     with pytest.raises(InputError, match=words):
         read_series_csv(path)
+
+
+def test_cells_beyond_the_header_shift_no_column_of_a_current(tmp_path):
+    path = tmp_path / "current.csv"
+    rows = ["t_s,depth_m,east_m_s,north_m_s", "0,0,0.1,0.05", "600,0,0.2,0.06"]
+    path.write_text("\n".join([rows[0], *(f"{row}," for row in rows[1:])]))  # an empty cell is none
+    assert read_series_csv(path).east.tolist() == [[0.1], [0.2]]
+    path.write_text("\n".join([rows[0], *(row.replace("0.", "0,") for row in rows[1:])]))  # decimal commas
+    with pytest.raises(InputError, match="more cells than the header has columns") as caught:
+        read_series_csv(path)
+    assert [problem.line for problem in caught.value.problems] == [2, 3]

@@ -46,7 +46,12 @@ def with_more(lines):
     return [["Temperature", *lines[0], "Voltage"], *(["9.1", *cells, "28.4"] for cells in lines[1:])]
 
 
-CHANGES = (turned, quoted, backwards, mixed, spaced, with_more)
+def ended(lines):
+    """Rows that end with a separator, under names that do not."""
+    return [lines[0], *([*cells, ""] for cells in lines[1:])]
+
+
+CHANGES = (turned, quoted, backwards, mixed, spaced, with_more, ended)
 
 
 @pytest.mark.parametrize("change", CHANGES)
@@ -74,6 +79,15 @@ def test_an_ivers_log_with_commas_feet_and_metres_a_second(tmp_path):
         return [lines[0], *([*cells[:k], f"{float(cells[k]) / 0.3048:.3f}", *cells[k + 1 :]] for cells in lines[1:])]
 
     agree(plain, import_logs([rewritten(tmp_path / "c.log", source, in_feet)]))
+
+
+def test_times_of_another_form_are_named(tmp_path):
+    def short_years(lines):
+        k = lines[0].index("Date")
+        return [lines[0], *([*cells[:k], cells[k][:-4] + cells[k][-2:], *cells[k + 1 :]] for cells in lines[1:])]
+
+    with pytest.raises(InputError, match=r"b\.log: passed over: no time in Date\+Time is as %m/%d/%Y %H:%M:%S says"):
+        import_logs([rewritten(tmp_path / "b.log", iver(tmp_path / "a.log"), short_years)])
 
 
 def test_ivers_of_two_names_are_asked_for(tmp_path):

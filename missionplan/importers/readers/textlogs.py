@@ -117,7 +117,7 @@ def _parts(path: Path) -> Iterator[dict[str, Array]]:
         stream.seek(0)
         tables = pd.read_csv(
             stream, sep=separator, usecols=lambda name: _role(name) is not None, encoding="latin-1", dtype=str,
-            keep_default_na=False, on_bad_lines="skip", chunksize=_ROWS,
+            keep_default_na=False, on_bad_lines="skip", chunksize=_ROWS, index_col=False,
         )  # fmt: skip
         for table in tables:
             yield _columns(table)

@@ -96,6 +96,8 @@ def _of_text(chunk: pd.DataFrame, columns: Mapping[str, MappedName]) -> dict[str
         words = chunk[each.name]
         if quantity == "time":
             found["t"] = times(words, each.unit)
+            if (is_written := words.str.strip() != "").any() and not np.isfinite(found["t"]).any():
+                raise ValueError(f"no time in {each.name} is as {each.unit} says: {words[is_written].iloc[0]!r:.60}")
         elif quantity in _ANGLES:
             found[quantity] = angles(words, each.unit)
         else:
@@ -197,6 +199,7 @@ def text_chunks(path: Path, wanted: Sequence[str]) -> Iterator[pd.DataFrame]:
         table = pd.read_csv(
             stream, sep=separator, skiprows=line, usecols=lambda name: name.strip() in columns, dtype=str,
             keep_default_na=False, skipinitialspace=True, chunksize=_ROWS, on_bad_lines="skip", engine="c",
+            index_col=False,
         )  # fmt: skip
         for chunk in table:
             chunk.columns = [str(name).strip() for name in chunk.columns]

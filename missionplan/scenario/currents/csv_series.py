@@ -1,14 +1,14 @@
 """A current at one place from a CSV file: a series against time and depth. Arrays out, in SI."""
 
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from datetime import datetime
 from pathlib import Path
 
 import numpy as np
 import pandas as pd
 
-from missionplan.datasets.csv_cells import check_file, open_table
+from missionplan.datasets.table import plain_table
 from missionplan.errors import InputError, Problem
 from missionplan.moments import epoch_seconds, utc
 from missionplan.phases.recorded_currents import SeriesCurrent
@@ -46,7 +46,7 @@ def read_series_csv(
         With every problem of the file.
     """
     shown = str(path)
-    frame = _table(path, limits)
+    frame = plain_table(path, limits, MAX_BYTES)
     values = frame[list(limits)].apply(pd.to_numeric, errors="coerce")
     if not pd.api.types.is_numeric_dtype(frame["t_s"]):
         if epoch is not None:
@@ -72,29 +72,6 @@ def read_series_csv(
         table["east_m_s"].to_numpy(dtype=float),
         table["north_m_s"].to_numpy(dtype=float),
     )
-
-
-def _table(path: Path, columns: Iterable[str]) -> pd.DataFrame:
-    """Read a CSV file that has some columns, once each, and rows.
-
-    Raises InputError when it is no such file.
-    """
-    shown = str(path)
-    check_file(path, MAX_BYTES)
-    try:
-        with open_table(path) as stream:
-            frame = pd.read_csv(stream, encoding="utf-8-sig", skipinitialspace=True)
-    except (OSError, ValueError) as error:
-        raise InputError([Problem(f"cannot be read as CSV: {str(error).strip()}", shown)]) from None
-    missing = [name for name in columns if name not in frame]
-    if missing:
-        message = f"lacks the column {', '.join(missing)}; expected {', '.join(columns)}"
-        raise InputError([Problem(message, shown, 1)])
-    twice = [name for name in columns if f"{name}.1" in frame]
-    if twice or frame.empty:
-        message = f"the column {twice[0]} stands twice" if twice else "has no rows of data"
-        raise InputError([Problem(message, shown, 1)])
-    return frame
 
 
 def _lead(start: datetime | None, epoch: datetime | None, shown: str) -> float:

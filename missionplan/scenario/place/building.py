@@ -244,15 +244,12 @@ def _record(path: Path, mission: Mission) -> SeaLevel:
     """Read a record of the sea level: CSV with ``t_s``, from the mission's start, or dates, and ``height_m``."""
     import pandas as pd
 
-    key = "site.tide_height.file"
-    try:
-        frame = pd.read_csv(path, encoding="utf-8-sig", skipinitialspace=True)
-    except (OSError, ValueError) as error:
-        raise InputError([Problem(f"cannot be read as CSV: {str(error).strip()}", str(path), key=key)]) from None
-    missing = [name for name in ("t_s", "height_m") if name not in frame]
-    if missing or len(frame) < 2:
-        message = f"lacks the column {missing[0]}" if missing else "has fewer than two rows"
-        raise InputError([Problem(f"{message}; a record of the tide has t_s, height_m", str(path), 1, key=key)])
+    from missionplan.datasets.table import plain_table
+
+    frame = plain_table(path, ("t_s", "height_m"), MAX_BYTES)
+    if len(frame) < 2:
+        message = "has fewer than two rows; a record of the tide has t_s, height_m"
+        raise InputError([Problem(message, str(path), 1, key="site.tide_height.file")])
     time = pd.to_numeric(frame["t_s"], errors="coerce")
     if not pd.api.types.is_numeric_dtype(frame["t_s"]):
         from missionplan.moments import epoch_seconds

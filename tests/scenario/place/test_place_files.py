@@ -265,6 +265,9 @@ def test_a_tide_moves_the_depth(tmp_path, write):
     (tmp_path / "tide.csv").write_text("t_s,height_m\n0,0\n3600,1.2\n")
     place = placed(write("m", bathymetry=grid, tide_height={"file": "tide.csv", "level": "-1 m"}))
     assert place.water_at(here, t) == pytest.approx([19.0, 19.6, 20.2], abs=0.02)
+    (tmp_path / "tide.csv").write_text("t_s,height_m\n0,0,5\n3600,1,2\n")  # decimal commas
+    with pytest.raises(InputError, match="more cells than the header"):
+        placed(write("m", bathymetry=grid, tide_height={"file": "tide.csv"}))
 
 
 def test_a_constituent_has_its_period_and_amplitude_and_the_error_its_spread(tmp_path, write):
