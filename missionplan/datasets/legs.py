@@ -10,6 +10,7 @@ from typing import Annotated
 
 import numpy as np
 import pandas as pd
+from pydantic import Field
 from typing_extensions import Doc
 
 from missionplan.arrays import Array
@@ -101,16 +102,19 @@ def _check_order(run: pd.DataFrame, file: str) -> list[Problem]:
     ]
 
 
-class FixNoise(FileSection):
-    """Standard deviation of a fix, each axis, where it is known."""
+class LegNoise(FileSection):
+    """Errors of the fixes and of the dead reckoning, where they are known."""
 
     fix: Annotated[q.FixedLength | None, Doc("standard deviation of a fix, each axis")] = None
+    reckoned_speed: Annotated[
+        float | None, Field(gt=0.0, le=1.0), Doc("of a dead reckoning made without a logged speed, over that speed")
+    ] = None
 
 
 class TransitSettings(DatasetSettings):
     """Keys of a data set of kind ``transit``."""
 
-    noise: Annotated[FixNoise, Doc("errors of what was measured")] = FixNoise()
+    noise: Annotated[LegNoise, Doc("errors of what was measured")] = LegNoise()
 
 
 TIMES = ("t_start_s", "t_end_s")
@@ -184,6 +188,7 @@ def read_transit(folder: Path, mission: Mission) -> TransitData:
         epoch,
         _leg_fix_sd(legs),
         legs["depth_m"].to_numpy(dtype=float) if "depth_m" in legs and legs["depth_m"].notna().any() else None,
+        settings.noise.reckoned_speed,
     )
     return _without_wrong_fixes(_counted_once(data))
 

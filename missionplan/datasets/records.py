@@ -161,6 +161,8 @@ class TransitData:
     """Standard deviation of the fix after each leg, each axis, where the log states it, shape (n,) [m]."""
     depth: Array | None = None
     """Mean depth under way of each leg, nan where it is not known, shape (n,) [m]."""
+    reckoned_speed_sd: float | None = None
+    """Standard deviation of the speed over it, where the dead reckoning was made without a logged one."""
 
     @property
     def n(self) -> int:

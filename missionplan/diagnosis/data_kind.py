@@ -187,6 +187,10 @@ class DataKind(ABC):
         """Return the GPS fixes that are wrong."""
         return ()
 
+    def as_doubtful_as_reckoned(self, best: CauseFit) -> Causes:
+        """Return causes of a fit that the doubt of a made dead reckoning may be all of."""
+        return ()
+
     def limited_verdict(self, verdict: Verdict) -> Verdict:
         """Return the verdict, or a weaker one where data of this kind cannot support it."""
         return verdict

@@ -195,7 +195,10 @@ def transit_data(reading: Reading, rules: LegRules, explain: Sequence[int] = ())
             "kind": "transit",
             "name": reading.name,
             "file": "legs.csv",
-            "noise": {"fix": f"{found.fix_sd:.3g} m"},
+            "noise": {
+                "fix": f"{found.fix_sd:.3g} m",
+                **({"reckoned_speed": found.glide_doubt} if parts.is_made and not len(reading.track.speed) else {}),
+            },
             "source": reading.source,
         },
         table=_rounded(parts.legs[list(LEG_COLUMNS)]),

@@ -9,6 +9,7 @@ import pandas as pd
 from missionplan.arrays import Array
 from missionplan.datasets.legs import MIN_LEGS
 from missionplan.importers.geodesy import displacement
+from missionplan.importers.reckoning import HEADING_ERROR
 
 _FEWEST = 3
 """Legs from which their spread says something."""
@@ -47,6 +48,8 @@ class LegNumbers:
     """Time from the first fix to the last [s]."""
     depth: float
     """Greatest depth [m]; nan where none was logged."""
+    glide_doubt: float
+    """Standard deviation, over it, of a speed made from pitch and depth rate; nan where none was made."""
 
 
 def numbers_of(legs: pd.DataFrame) -> LegNumbers:
@@ -76,7 +79,14 @@ def numbers_of(legs: pd.DataFrame) -> LegNumbers:
         way=float(np.hypot(*end)),
         record=float(last.t_end_s - first.t_start_s),
         depth=float(kept["max_depth_m"].max()),
+        glide_doubt=_glide_doubt(kept["dr_sd_m"].to_numpy() / lengths),
     )
+
+
+def _glide_doubt(doubts: Array) -> float:
+    """Along the course, of the ends of made reckonings over their ways; the heading's share taken out."""
+    squared = float(np.nanmedian(doubts)) ** 2 - HEADING_ERROR**2 if np.isfinite(doubts).any() else math.nan
+    return round(math.sqrt(max(squared, 0.0)), 3) if math.isfinite(squared) else math.nan
 
 
 def _errors(legs: pd.DataFrame) -> tuple[Array, Array, Array]:

@@ -215,9 +215,11 @@ def test_made_dead_reckoning_is_told_first_and_carries_its_doubt(tmp_path):
     found = import_logs([gli(tmp_path / "sea001.1.gli.sub.1")])
     assert repr(found).splitlines()[1].startswith("The logs hold no dead reckoning: it was made from heading")
     assert (found.table["dr_sd_m"] > 0.05 * 0.3 * 2400.0).all()
+    assert 0.05 < found.dataset["noise"]["reckoned_speed"] < 0.9
     own = import_logs([gli(tmp_path / "sea001.1.gli.sub.2", flag=True)])
     assert own.reckoning.startswith("the vehicle's own")
     assert own.table["dr_sd_m"].isna().all()
+    assert [*own.dataset["noise"]] == ["fix"]
     assert len(own.lines.fixes.T) == len(VOYAGE.track.fixes)  # dead-reckoned positions are no fixes
     agree(found, own, metres=40.0)
 

@@ -30,11 +30,15 @@ from missionplan.diagnosis.legs.fit_checks import (
 from missionplan.diagnosis.legs.model import TransitModel
 from missionplan.diagnosis.legs.model_factory import transit_model
 from missionplan.diagnosis.plan_gain import leg_length_choice, plan_gain
+from missionplan.effects import CATALOGUE
 from missionplan.mission import Mission
 from missionplan.mission.schema.place import Geographic, to_geographic
 from missionplan.montecarlo.posterior import Place
 from missionplan.results.learned.diagnosis import PlanGain
 from missionplan.results.learned.evidence import Alias, Causes, WrongFix
+
+_MOSTLY = 0.9
+"""Share of an error that is along the course, where it is one of speed."""
 
 
 def widened(best: CauseFit, scale: float) -> CauseFit:
@@ -158,6 +162,11 @@ class TransitKind(DataKind):
         """Return the GPS fixes that are wrong."""
         return wrong_fixes(self.model, best)
 
+    def as_doubtful_as_reckoned(self, best: CauseFit) -> Causes:
+        """Return causes of the vehicle along its course, no larger than twice the doubt of a made reckoning's speed."""
+        doubt = self.data.reckoned_speed_sd
+        return () if doubt is None else _slower_or_faster(self.model.with_term(best.state.term), best, 2.0 * doubt)
+
     def aliases(self, best: CauseFit) -> tuple[Alias, ...]:
         """Return effects that do to these legs what a claimed cause does, but not on the way back."""
         return aliases(self.model, best)
@@ -178,3 +187,19 @@ class TransitKind(DataKind):
             "next_leg_last_leg_rms_m": ahead.last_leg,
             "next_leg_model_rms_m": ahead.model,
         }
+
+
+def _slower_or_faster(model: TransitModel, fit: CauseFit, most: float) -> Causes:
+    """Causes of the vehicle that act along its course, by a share of the speed that is at most so large."""
+    columns, found = model.columns_at(fit), []
+    speed = float(np.sqrt(np.mean(np.square(model.leg.speed))))
+    for cause in fit.causes:
+        own = model.by_effect.get(cause)
+        if own is None or CATALOGUE[cause].belongs_to != "vehicle":
+            continue
+        error = model.axes @ (columns[:, :, own] @ fit.state.mean[own])
+        along, whole = (float(np.sqrt(np.mean(np.square(each)))) for each in (
+            np.sum(error * model.leg.along, axis=0), np.hypot(*error)))  # fmt: skip
+        if _MOSTLY * whole < along <= most * speed:
+            found.append(cause)
+    return tuple(found)

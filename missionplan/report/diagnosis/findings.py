@@ -47,8 +47,14 @@ def _certain_causes(diagnosis: Diagnosis, disputed: frozenset[str]) -> frozenset
 def disputed_causes(diagnosis: Diagnosis) -> frozenset[str]:
     """Physical causes of the likeliest set to act on which is to toss a coin.
 
-    They are not in every rival, what has no name may be there in their place, or they are not the same all along.
+    They are not in every rival, what has no name may be there in their place, they are not the same all along, or they
+    are no larger than what a made dead reckoning is in doubt by.
     """
+    made = frozenset(diagnosis.readings.as_doubtful_as_reckoned)
+    return made | _disputed_by_the_data(diagnosis)
+
+
+def _disputed_by_the_data(diagnosis: Diagnosis) -> frozenset[str]:
     if diagnosis.verdict not in ("ambiguous", "partly-explained"):
         return frozenset()
     physical = {cause for cause in diagnosis.causes if CATALOGUE[cause].tier == "physical"}
@@ -68,6 +74,9 @@ def _find_out(diagnosis: Diagnosis, disputed: frozenset[str], *, is_all: bool) -
     if _may_have_no_name(diagnosis):
         rivals.append("something that no effect of the catalogue explains")
     until = next((entry.measurement for entry in diagnosis.next_measurements), "")
+    if disputed & {*diagnosis.readings.as_doubtful_as_reckoned}:
+        rivals.append("the dead reckoning itself, which was made without a logged speed")
+        until = "log the vehicle's speed, or its own position, under water"
     tells = f"first {until or ('take data that tell them apart' if rivals else 'take more data')}"
     else_it_is = (
         f"But it may as well be {' or '.join(rivals)}" if rivals else "But the record does not agree on its size"
