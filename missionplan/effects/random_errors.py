@@ -284,10 +284,12 @@ class HeavyTails(TransitEffect):
 
     def error_scale(self, normals: Array) -> Array:
         """Return the factor on each leg's random velocity error, shape (n,), from the first of its normals."""
-        finite = np.isfinite(self.dof)
-        dof = np.where(finite, self.dof, 4.0)
-        chi_squared = 2.0 * scipy.special.gammaincinv(0.5 * dof, scipy.special.ndtr(normals[0]))
-        return np.where(finite, np.sqrt((dof - 2.0) / chi_squared), 1.0)
+        every, own = np.broadcast_arrays(self.dof, normals[0])
+        factor, finite = np.ones(own.shape), np.isfinite(every)
+        dof = every[finite]
+        chi_squared = 2.0 * scipy.special.gammaincinv(0.5 * dof, scipy.special.ndtr(own[finite]))
+        factor[finite] = np.sqrt((dof - 2.0) / chi_squared)
+        return factor
 
 
 HEAVY_TAILS = EffectInfo(

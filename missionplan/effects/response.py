@@ -6,6 +6,7 @@ current, speed, depth, time, course. It says what the errors follow and names no
 
 from collections.abc import Callable
 from dataclasses import dataclass, fields
+from functools import cached_property
 
 import numpy as np
 
@@ -65,10 +66,14 @@ class Response(TransitEffect):
     below: Scalars = 0.0
     period: Scalars = DAY
 
+    @cached_property
+    def _acting(self) -> tuple[str, ...]:
+        return tuple(each.name for each in fields(self) if np.any(getattr(self, each.name)))
+
     def velocity(self, leg: Leg) -> Array:
         """Return the velocity error of each leg but for what the current does, shape (2, n) [m/s]."""
         total = np.zeros(leg.along.shape)
-        for name in _acting(self):
+        for name in self._acting:
             if name in _FACTORS:
                 total = total + getattr(self, name) * _direction(name, leg) * _FACTORS[name](self, leg)
         return total
@@ -83,10 +88,6 @@ class Response(TransitEffect):
 def starboard(leg: Leg) -> Array:
     """Unit vectors to starboard of the course, shape (2, n)."""
     return np.stack([leg.along[1], -leg.along[0]])
-
-
-def _acting(response: Response) -> list[str]:
-    return [each.name for each in fields(response) if np.any(getattr(response, each.name))]
 
 
 def _direction(name: str, leg: Leg) -> Array:

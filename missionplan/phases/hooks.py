@@ -9,9 +9,10 @@ The state in which one phase leaves a block of trials, and from which the next o
 """
 
 from collections.abc import Iterable, Mapping
+from copy import copy
 from dataclasses import dataclass, field
 from math import inf
-from typing import Protocol, overload, runtime_checkable
+from typing import Protocol, Self, overload, runtime_checkable
 
 import numpy as np
 from numpy.typing import NDArray
@@ -88,6 +89,15 @@ class MarkovProcess(Protocol):
         ...
 
 
+@runtime_checkable
+class Selectable(Protocol):
+    """What an effect may hold that has trials of its own, as a current has."""
+
+    def take(self, trials: NDArray[np.intp]) -> "Selectable":
+        """Select trials."""
+        ...
+
+
 class TransitEffect:
     """An effect on a transit. A hook that the effect does not refine returns its neutral element."""
 
@@ -148,6 +158,16 @@ class TransitEffect:
     def is_random(self) -> bool:
         """Whether `step`, `error_scale` or `position_variance_rate` needs standard normals for each leg."""
         return False
+
+    def take(self, trials: NDArray[np.intp], count: int) -> Self:
+        """Select some of `count` trials: of whatever has a value for each of them."""
+        taken = copy(self)
+        for name, value in vars(self).items():
+            if isinstance(value, np.ndarray) and value.ndim and value.shape[-1] == count:
+                vars(taken)[name] = value[..., trials]
+            elif not isinstance(value, np.generic | np.ndarray) and isinstance(value, Selectable):
+                vars(taken)[name] = value.take(trials)
+        return taken
 
     def step(
         self, memory: Array | None, elapsed: Array, normals: Array, leg: Leg

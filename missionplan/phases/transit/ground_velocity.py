@@ -25,6 +25,7 @@ class GroundVelocity:
         self.outrun, self.left_record = np.zeros(trials, dtype=bool), np.zeros(trials, dtype=bool)
         self._memory: list[Array | None] = [None] * len(environment.effects)
         self._mid_leg: Array | None = None
+        self._rows: NDArray[np.intp] | int = trials if normals.rows is None else normals.rows
 
     def of_leg(
         self,
@@ -87,7 +88,7 @@ class GroundVelocity:
         gathered: Array | float = 0.0
         for index, effect in enumerate(effects):
             source = self._normals.effects[index] if effect.is_random else None
-            own = source.leg(number)[:, :trials] if source is not None else np.zeros((2, trials))
+            own = leg_normals(source, number, self._rows) if source is not None else np.zeros((2, trials))
             velocity = velocity * effect.error_scale(own)
             self._memory[index], carried = effect.step(self._memory[index], elapsed, own, leg)
             persistent = persistent + carried
@@ -128,11 +129,15 @@ class GroundVelocity:
         return sd
 
     def take(self, plan: TransitPlan, trials: NDArray[np.intp]) -> "GroundVelocity":
-        """Select trials; for an environment without effects."""
-        current = self._environment.current
-        fewer = Environment(current.take(trials) if current else None, self._environment.compensation)
+        """Select trials."""
+        current, count = self._environment.current, self.outrun.size
+        effects = tuple(effect.take(trials, count) for effect in self._environment.effects)
+        fewer = Environment(current.take(trials) if current else None, self._environment.compensation, effects)
         selected = GroundVelocity(plan, fewer, self._normals, trials.size)
         selected.outrun, selected.left_record = self.outrun[trials], self.left_record[trials]
+        selected._memory = [None if memory is None else memory[..., trials] for memory in self._memory]
+        selected._mid_leg = None if self._mid_leg is None else self._mid_leg[trials]
+        selected._rows = trials if isinstance(self._rows, int) else self._rows[trials]
         return selected
 
 

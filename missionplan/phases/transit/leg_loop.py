@@ -70,7 +70,7 @@ class LegLoop:
         self._fix_sd = self._ground_velocity.fix_sd()
         self._has_fix_error = bool(np.any(self._fix_sd))
         self._is_still = environment.is_still
-        self._keeps_all = bool(environment.effects) or tracked > 0
+        self._keeps_all = tracked > 0
         self._goal, self._clock = column(plan.goal), state.clock
         self._trials: NDArray[np.intp] | int = state.trials  # all of the block, or which of it
         self._rows: NDArray[np.intp] | int = state.trials if normals.rows is None else normals.rows

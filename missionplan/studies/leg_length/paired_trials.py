@@ -167,7 +167,7 @@ def run_plans(
     drawn = scenario.means.sampled(seed=seed, block=block, size=size)
     state = scenario.state(drawn, seed, block, size)
     normals, environment = scenario.normals(seed, block), case.applied_to_surface(scenario.environment(drawn))
-    is_shared = not (environment.effects or tracked or wrap_compensation)
+    is_shared = not (tracked or wrap_compensation)
     if wrap_compensation is not None:
         environment = replace(environment, compensation=wrap_compensation(environment.compensation))
     for factor, alike in itertools.groupby(plans, key=lambda legs: legs.speed_factor):
@@ -212,12 +212,17 @@ def _run_together(
     rows = np.tile(np.arange(state.trials), len(lengths))
     tables = [legs if isinstance(legs, LegTable) else LegTable(np.zeros(1), np.array([legs])) for legs in lengths]
     ends = state.trials * np.arange(1, len(lengths) + 1)
-    current = environment.current.take(rows) if environment.current else None
+    around = replace(
+        environment,
+        current=environment.current.take(rows) if environment.current else None,
+        effects=tuple(effect.take(rows, state.trials) for effect in environment.effects),
+        place=environment.place.take(rows) if environment.place else None,
+    )
     run = _run(
         replace(plan.take(rows), d_max=LegTables(tables, ends)),
         state.take(rows),
         replace(normals, rows=rows),
-        replace(environment, current=current),
+        around,
     )
     for number in range(len(lengths)):
         yield run.take(slice(number * state.trials, (number + 1) * state.trials))

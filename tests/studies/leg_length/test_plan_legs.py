@@ -9,6 +9,7 @@ import yaml
 from missionplan.errors import InputError
 from missionplan.mission import load
 from missionplan.montecarlo.statistics import wilson
+from missionplan.phases.place.place import Place
 from missionplan.phases.transit.plan import LegTable
 from missionplan.studies.leg_length import optimise_legs, paired_trials
 from missionplan.studies.leg_length.analytic_transit import PolicyFamily, fit_leg_spread
@@ -254,17 +255,33 @@ def learning(tmp_path_factory):
     return load(path)
 
 
+EFFECTS = """
+effects:
+  - persistent-error: {sigma: {mean: 0.02 m/s, sd: 0.005 m/s}, time: 2 h}
+  - compass-bias: {angle: {mean: 0 deg, sd: 3 deg}}
+"""
+
+
 @pytest.mark.parametrize(
-    "method", ["filter", *(pytest.param(each, marks=pytest.mark.slow) for each in ("mean", "none", "forecast"))]
+    ("method", "effects"),
+    [
+        ("filter", ""),
+        ("none", EFFECTS),
+        *(pytest.param(each, "", marks=pytest.mark.slow) for each in ("mean", "none", "forecast")),
+    ],
 )
-def test_plans_run_together_have_the_numbers_that_each_has_alone(method, tmp_path, monkeypatch):
+def test_plans_run_together_have_the_numbers_that_each_has_alone(method, effects, tmp_path, monkeypatch):
     path = tmp_path / "slow.yaml"
     path.write_text(
         MEAN_COMPENSATION.replace("compensation: mean", f"compensation: {method}").replace(
             "speed: 1 m/s", "speed: 0.25 m/s"
-        ),
+        )
+        + effects,
         encoding="utf-8",
     )
+    around = SweepScenario.environment
+    place = Place(draught=np.linspace(0.2, 0.4, 60))  # of each trial its own
+    monkeypatch.setattr(SweepScenario, "environment", lambda *given: replace(around(*given), place=place))
     scenario = replace(SweepScenario.of(load(path)), sigmas=(None,))
     table = LegTable(np.array([30.0, 200.0, 900.0]), np.array([25.0, 150.0, 700.0]))
     plans = [LegsAtSpeed(400.0), LegsAtSpeed(table), LegsAtSpeed(1500.0), LegsAtSpeed(table, 1.2), LegsAtSpeed(900.0)]
