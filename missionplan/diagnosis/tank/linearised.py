@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import solve_triangular
+from scipy.linalg import lapack
 
 from missionplan.arrays import Array
 from missionplan.diagnosis.inference.block_covariance import BlockCovariance
@@ -38,14 +38,15 @@ def marginal(y: Array, columns: Array, prior: Array, sd: Array) -> Marginal:
 
 def _posterior(y: Array, columns: Array) -> tuple[float, Array, Array]:
     """Log density of y = columns·z + e, all standard normals; mean of z given y, and a root of its covariance."""
-    count = columns.shape[1]
-    orthogonal, triangle = np.linalg.qr(np.concatenate([columns, np.eye(count)]))
-    mean = solve_triangular(triangle, orthogonal[: len(y)].T @ y)
-    left = y - columns @ mean
-    squared = float(left @ left) + float(mean @ mean)
-    log_determinant = float(np.log(np.abs(np.diag(triangle))).sum())
-    log_density = -0.5 * squared - log_determinant - 0.5 * len(y) * LOG_2PI
-    return log_density, mean, solve_triangular(triangle, np.eye(count))
+    n, count = columns.shape
+    bordered = np.zeros((n + count, count + 1))
+    bordered[:n, :count], bordered[:n, count] = columns, y
+    bordered[n:, :count] = np.eye(count)
+    triangle = np.linalg.qr(bordered, mode="r")
+    upper, right = triangle[:count, :count], triangle[:count, count]
+    log_determinant = float(np.log(np.abs(np.diag(upper))).sum())
+    log_density = -0.5 * float(triangle[count, count] ** 2) - log_determinant - 0.5 * n * LOG_2PI
+    return log_density, np.asarray(lapack.dtrtrs(upper, right)[0]), np.asarray(lapack.dtrtri(upper)[0])
 
 
 def fitted_root(columns: Array, prior: Array, sd: Array) -> Array:
