@@ -66,6 +66,15 @@ def test_legs_that_end_before_they_begin_overlap_or_repeat(folder, transit_missi
     assert "two legs start at the same time" in problems(excinfo)
 
 
+def test_a_leg_takes_more_time_than_it_lies_at_the_surface(folder, transit_mission, legs):
+    table = legs().assign(surface_s=60.0)
+    table.loc[4, "t_end_s"] = table.loc[4, "t_start_s"] + 60.5  # half a second under way
+    read_transit(folder(KIND, table), transit_mission)
+    table.loc[4, "t_end_s"] = table.loc[4, "t_start_s"] + 60.0
+    with pytest.raises(InputError, match=r"rows\.csv:6: t_end_s: the leg ends before it has begun"):
+        read_transit(folder(KIND, table), transit_mission)
+
+
 def test_too_few_legs_says_how_many_are_needed_for_what(folder, transit_mission, legs):
     with pytest.raises(InputError, match="8 legs are needed to tell a constant error from chance"):
         read_transit(folder(KIND, legs(5)), transit_mission)

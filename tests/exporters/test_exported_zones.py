@@ -144,6 +144,8 @@ def test_a_fence_of_an_autopilot_is_an_outline_to_keep_out_of_and_the_rest_is_sa
     assert "times and depths of zones kept out of: fenced at all of them (lane)" in said
     assert "water inside land and zones: fenced with them (shore)" in said
     assert "corners" not in said
+    whole = replace(plan, fences=(replace(plan.fences[0], holes=()),))
+    assert "fenced" not in " ".join(format_named("qgc").lost(whole))  # neither a hole nor a time of its own
     many = replace(plan, fences=(replace(plan.fences[1], outline=tuple((1e-5 * k, 1e-9 * k * k) for k in range(256))),))
     assert "(lane 256)" in " ".join(format_named("qgc").lost(many))
 

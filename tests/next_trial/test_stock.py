@@ -38,6 +38,9 @@ def test_a_mission_that_lists_no_stock_gets_a_lighter_anchor_and_a_longer_line(o
     assert f"an anchor of {LIGHT * first.wet_weight:.3g} N" in names
     assert f"a line of {LONG * first.line_length:.3g} m" in names
     assert len(trials.alternatives().values) == len(FACTORS)
+    for number, name in enumerate(trials.designs):
+        words = {"two dives": 2, "four dives": 4}
+        assert len(trials.trial(number)["phases"]) == next((n for each, n in words.items() if name.startswith(each)), 8)
 
 
 def test_a_longer_line_lies_in_deeper_water_so_that_the_vehicle_ends_as_deep(offered):
