@@ -14,6 +14,13 @@ def mission(limit):
     return {"requirements": [{"quantity": "moor.offset", "at_most": limit, "probability": 0.9}]}
 
 
+def compared(group, key, *numbers):
+    """A number where it stands in a summary, by default in that of a phase."""
+    *values, place = numbers if isinstance(numbers[-1], tuple) else (*numbers, ())
+    section = {"requirement": "requirements", "total": "total"}.get(group, "phases")
+    return ComparedNumber(group, key, *values, place or (section, group, key))
+
+
 @pytest.fixture
 def comparison():
     run = ComparedRun("report", "Bay", "0.1", "2026-01-01T00:00:00+00:00", 1, 1000)
@@ -32,9 +39,9 @@ def comparison():
         mission_changes=(),
         option_changes=(),
         differences=(
-            ComparedNumber("moor", "lowest_altitude_m", "mean", 1.5, 0.8, 4e-18, 0.0, "changed"),
-            ComparedNumber("moor", "offset_m", "mean", 4.0, 6.0, 0.1, 1e-9, "changed"),
-            ComparedNumber("requirement", "moor.offset, 22.86", "probability", 0.99, None, None, None, "only first"),
+            compared("moor", "lowest_altitude_m", "mean", 1.5, 0.8, 4e-18, 0.0, "changed"),
+            compared("moor", "offset_m", "mean", 4.0, 6.0, 0.1, 1e-9, "changed"),
+            compared("requirement", "moor.offset, 22.86", "probability", 0.99, None, None, None, "only first"),
         ),
         requirement_changes=(ChangedValue("total.success", "met", ""), ChangedValue("egress.arrived", "", "not met")),
     )
@@ -52,13 +59,13 @@ def test_rounding_is_no_noise(comparison):
 
 
 def test_a_limit_that_the_mission_does_not_show_has_its_unit(comparison):
-    added = ComparedNumber("requirement", "total.energy, 162000", "probability", 0.9, 0.8, 0.01, 0.0, "changed")
+    added = compared("requirement", "total.energy, 162000", "probability", 0.9, 0.8, 0.01, 0.0, "changed")
     assert "total energy 162\u202f000\u00a0J (requirement)" in rows(replace(comparison, differences=(added,)))
 
 
 def test_what_decides_comes_first_then_the_clearest_change(comparison):
-    success = ComparedNumber("total", "success", "probability", 0.9, 0.8, 0.005, 1e-9, "changed")
-    weak = ComparedNumber("moor", "duration_s", "mean", 600.0, 603.0, 1.0, 1e-3, "changed")
+    success = compared("total", "success", "probability", 0.9, 0.8, 0.005, 1e-9, "changed")
+    weak = compared("moor", "duration_s", "mean", 600.0, 603.0, 1.0, 1e-3, "changed")
     shown = replace(comparison, differences=(weak, *comparison.differences, success))
     assert answer(shown).startswith(
         "The probability of success was 90.0\u00a0% and is now 80.0\u00a0% (−10.0\u00a0±\u00a00.5\u00a0%)."
@@ -94,11 +101,11 @@ def test_requirements_of_one_run_are_named_as_that_run_has_them(comparison):
 
 def test_numbers_of_a_sweep_are_named_in_words(comparison):
     def cost(place, sigma="0.035"):
-        return ComparedNumber(f"sweep, {sigma}, {place}", "cost", "mean", 0.2, 0.3, 0.001, 0.0, "changed")
+        return compared("sweep", "cost", "mean", 0.2, 0.3, 0.001, 0.0, "changed", ("sweep", sigma, *place, "cost"))
 
-    swept = replace(comparison, compared="sweep-dmax", differences=(cost("curve, 48"), cost("recommended")))
+    swept = replace(comparison, compared="sweep-dmax", differences=(cost(("curve", "48")), cost(("recommended",))))
     assert rows(swept)["mean cost at d_max = 48\u00a0m"][-1] == "+10.00\u00a0±\u00a00.10\u00a0%"
     assert "the mean cost at d_max = 48\u00a0m (+10.00\u00a0±\u00a00.10\u00a0%)" in answer(swept)
     assert "mean cost at the recommended d_max" in rows(swept)
-    two = replace(swept, differences=(cost("one_leg"), cost("one_leg", "0.07")))
+    two = replace(swept, differences=(cost(("one_leg",)), cost(("one_leg",), "0.07")))
     assert "mean cost in one leg (σ_v = 0.07\u00a0m/s)" in rows(two)

@@ -42,7 +42,7 @@ def _posterior(y: Array, columns: Array) -> tuple[float, Array, Array]:
     bordered = np.zeros((n + count, count + 1))
     bordered[:n, :count], bordered[:n, count] = columns, y
     bordered[n:, :count] = np.eye(count)
-    triangle = np.linalg.qr(bordered, mode="r")
+    triangle = np.asarray(np.linalg.qr(bordered, mode="r"))
     upper, right = triangle[:count, :count], triangle[:count, count]
     log_determinant = float(np.log(np.abs(np.diag(upper))).sum())
     log_density = -0.5 * float(triangle[count, count] ** 2) - log_determinant - 0.5 * n * LOG_2PI

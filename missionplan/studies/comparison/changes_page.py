@@ -48,22 +48,21 @@ def noise_of(difference: ComparedNumber) -> float:
 
 def name_of(comparison: Comparison, difference: ComparedNumber) -> str:
     """Name a number."""
-    if difference.group == "requirement":
+    if difference.is_required:
         return f"{_requirement(comparison, difference)} (requirement)"
-    if difference.group.startswith("sweep, "):
+    if difference.of_sweep:
         return _of_sweep(comparison, difference)
     group = _GROUPS.get(difference.group, difference.group)
     return in_words(f"{group}.{difference.key}".lstrip(".")) if group != difference.key else in_words(difference.key)
 
 
 def _of_sweep(comparison: Comparison, difference: ComparedNumber) -> str:
-    """Name a number of a sweep over maximum leg lengths, whose group is ``sweep, 0.035, curve, 48``."""
-    _, sigma, *rest = difference.group.split(", ")
-    which, d_max = (*rest, "", "")[:2]
+    """Name a number of a sweep over maximum leg lengths."""
+    sigma, which, d_max, *_ = (*difference.of_sweep, "", "", "")
     words = _OF_SWEEP.get((which, difference.key), "") or in_words(difference.key)
     if which == "curve":
         words += f" at d_max = {with_error(float(d_max), 0.0, reader_unit('m', float(d_max)))}"
-    spreads = {each.group.split(", ")[1] for each in comparison.differences if each.group.startswith("sweep, ")}
+    spreads = {each.of_sweep[0] for each in comparison.differences if each.of_sweep}
     return f"{words} (σ_v = {as_written(sigma, 'm/s')})" if len(spreads) > 1 else words
 
 
@@ -100,7 +99,7 @@ def _unit(comparison: Comparison, difference: ComparedNumber) -> Unit:
     if difference.kind == "probability" or difference.key == "cost":
         return PERCENT
     typical = abs((difference.first if difference.first is not None else difference.second) or 0.0)
-    if difference.group == "requirement" and (unit := _si_unit(difference.key.partition(", ")[0])):
+    if difference.is_required and (unit := _si_unit(difference.key.partition(", ")[0])):
         return reader_unit(unit, typical, reader_system() or "metric") if unit != "J" else Unit("W h", 3600.0)
     return unit_for(difference.group, difference.key, _mission(comparison, difference), typical=typical)
 

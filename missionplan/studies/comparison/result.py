@@ -53,6 +53,7 @@ def phase_names(mission: object) -> tuple[str, ...]:
     )
 
 
+KeyPath = tuple[str, ...]
 MOST_CHANGES = 40
 """Values in which two missions that are alike may differ."""
 ChangeVerdict = Literal["changed", "within noise", "same", "not judged", "only first", "only second"]
@@ -95,6 +96,18 @@ class ComparedNumber(Record):
     standard_error: Annotated[float | None, Entry("of the change, treating the two runs as independent")]
     p_value: Annotated[float | None, Entry("probability of a difference at least as large by Monte-Carlo noise alone")]
     verdict: Annotated[ChangeVerdict, Entry("whether it changed")]
+    place: KeyPath
+    """Keys that lead to it in `summary.json`; of an item of a list, what identifies it."""
+
+    @property
+    def is_required(self) -> bool:
+        """Whether it is how often a requirement holds."""
+        return self.place[0] == "requirements"
+
+    @property
+    def of_sweep(self) -> tuple[str, ...]:
+        """σ_v [m/s], part of its curve and the point's d_max [m], as text, of a number of a sweep; else empty."""
+        return self.place[1:-1] if self.place[0] == "sweep" else ()
 
     @property
     def change(self) -> Annotated[float | None, Entry(after="second")]:
@@ -131,8 +144,8 @@ class Comparison(Result):
     @property
     def deciding(self) -> tuple[ComparedNumber, ...]:
         """What a plan is judged by: success, requirements, the d_max that is recommended."""
-        requirements = tuple(item for item in self.differences if item.group == "requirement")
-        recommended = tuple(item for item in self.differences if item.group.endswith(", recommended"))
+        requirements = tuple(item for item in self.differences if item.is_required)
+        recommended = tuple(item for item in self.differences if item.of_sweep[1:] == ("recommended",))
         return (*self.success, *requirements, *recommended)
 
     @property

@@ -28,6 +28,7 @@ from missionplan.studies.comparison.result import (
     ComparedRun,
     Comparison,
     DifferingValue,
+    KeyPath,
 )
 from missionplan.studies.coverage import coverage_of
 
@@ -95,6 +96,8 @@ _IDENTIFYING = ("name", "sigma_m_s", "d_max_m", "quantity")
 _NOT_RESULTS = ("required", "at_most", "at_least", "met", "undecided", "trials_to_decide")
 _NOISY = {"sweep-dmax": ("sweep",), "size-anchor": ("probable",)}
 """Sections whose plain numbers result from a search over noisy values."""
+_KINDS = ("quantities", "events")
+"""Keys of a phase's numbers, whatever a phase is called."""
 _MAX_DEPTH = 20
 
 
@@ -107,17 +110,14 @@ class SummaryNumber(NamedTuple):
     """Standard error; nan where it is not known, or follows from the number of trials (a probability's)."""
 
 
-KeyPath = tuple[str, ...]
-
-
-def summary_numbers(summary: Mapping[str, object], command: str) -> dict[tuple[str, str], SummaryNumber]:
-    """Numbers of a summary by group and key, such as ``moor`` and ``offset_m``."""
+def summary_numbers(summary: Mapping[str, object], command: str) -> dict[KeyPath, SummaryNumber]:
+    """Numbers of a summary by their places in it, such as ``("phases", "moor", "quantities", "offset_m")``."""
     found = {}
     for section in SECTIONS[command]:
         error = math.nan if section in _NOISY.get(command, ()) else 0.0
         value = summary.get(section)
         for path, number in _walk(value, (section,), error) if isinstance(value, Mapping | list) else ():
-            found[_group_and_key(path)] = number
+            found[path] = number
     return found
 
 
@@ -160,10 +160,11 @@ def _is_number(value: object) -> TypeGuard[float]:
 
 def _group_and_key(path: KeyPath) -> tuple[str, str]:
     """The parts of the path that a reader needs."""
-    if path[0] == "requirements":
+    section, *inside, key = path
+    if section == "requirements":
         return "requirement", path[1]
-    kept = [part for part in path if part not in ("phases", "quantities", "events")] or list(path)
-    return ", ".join(kept[:-1]) or kept[-1], kept[-1]
+    name, rest = (inside[:1], inside[1:]) if section == "phases" else ([section], inside)
+    return ", ".join((*name, *(part for part in rest if part not in _KINDS))) or key, key
 
 
 def standard_error_and_p_value(
@@ -301,18 +302,18 @@ def _other_program(first: Mapping[str, object], second: Mapping[str, object]) ->
 
 
 def _differences(
-    first: Mapping[tuple[str, str], SummaryNumber],
-    second: Mapping[tuple[str, str], SummaryNumber],
+    first: Mapping[KeyPath, SummaryNumber],
+    second: Mapping[KeyPath, SummaryNumber],
     trials: tuple[int, int],
 ) -> Iterator[ComparedNumber]:
     for place in dict.fromkeys((*first, *second)):
-        one, two = first.get(place), second.get(place)
+        one, two, named = first.get(place), second.get(place), _group_and_key(place)
         if one is not None and two is not None:
             error, p_value = standard_error_and_p_value(one, two, trials)
-            yield ComparedNumber(*place, one.kind, one.value, two.value, error, p_value, "not judged")
+            yield ComparedNumber(*named, one.kind, one.value, two.value, error, p_value, "not judged", place)
         elif known := one or two:
             values = one and one.value, two and two.value
-            yield ComparedNumber(*place, known.kind, *values, None, None, "only first" if one else "only second")
+            yield ComparedNumber(*named, known.kind, *values, None, None, "only first" if one else "only second", place)
 
 
 def _with_verdicts(differences: Sequence[ComparedNumber]) -> tuple[ComparedNumber, ...]:

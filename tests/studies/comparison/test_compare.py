@@ -272,3 +272,21 @@ def test_one_identity_with_two_answers_is_told(report):
 def test_sections_of_a_summary_that_are_none_hold_no_results(odd):
     numbers = summary_numbers({"phases": odd, "total": odd, "requirements": odd}, "simulate")
     assert all(math.isfinite(each.value) for each in numbers.values())
+
+
+def test_phases_may_be_called_as_the_keys_of_a_summary_are(report):
+    """Names are labels: a phase called as a section, a kind of number or a sweep's part is a phase like any other."""
+    names = ("events", "quantities", "phases", "requirement", "sweep, 0.035, recommended")
+
+    def summary(offset):
+        phases = [
+            {"name": name, "quantities": {"duration_s": {"mean": 100.0 * k + offset, "standard_error": 0.1}}}
+            for k, name in enumerate(names)
+        ]
+        return {**simulated(), "phases": phases}
+
+    found = compare(report(summary(0.0)), report(summary(5.0)))
+    changed = [each for each in found.changed if each.key == "duration_s"]
+    assert [each.group for each in changed] == list(names)
+    assert [each.first for each in changed] == [0.0, 100.0, 200.0, 300.0, 400.0]
+    assert not set(changed) & set(found.deciding)
