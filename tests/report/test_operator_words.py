@@ -8,7 +8,7 @@ import pytest
 from missionplan.effects import CATALOGUE
 from missionplan.report.diagnosis.findings import finding_in_words
 from missionplan.report.diagnosis.kinds import REPORTS
-from missionplan.results.learned.evidence import ParameterEstimate
+from missionplan.results.learned.evidence import ParameterEstimate, Readings
 
 
 def estimate(effect: str, name: str, value: float, sd: float, unit: str) -> ParameterEstimate:
@@ -22,6 +22,7 @@ def told(
     measurements: tuple[str, ...] = (),
     none_of_these: float = 0.0,
     not_constant: tuple[str, ...] = (),
+    made: tuple[str, ...] = (),
 ) -> str:
     causes = tuple(dict.fromkeys(each.effect for each in found))
     best = SimpleNamespace(parameters=found, held_out=None)
@@ -36,7 +37,18 @@ def told(
             next_measurements=entries,
             none_of_these=none_of_these,
             not_constant=not_constant,
+            readings=Readings(as_doubtful_as_reckoned=made),
         )
+    )
+
+
+def test_a_speed_no_further_off_than_a_reckoning_was_made_in_doubt_is_no_order():
+    slow = estimate("speed-scale", "fraction", -0.1, 0.01, "")
+    assert "calibrate" in told(slow)
+    assert told(slow, made=("speed-scale",)) == (
+        "The vehicle goes 10.0 ± 1.0\u00a0% slower than it reckons. But it may as well be the dead reckoning itself, "
+        "which was made without a logged speed: correct nothing yet, first log the vehicle's speed, or its own position, "
+        "under water."
     )
 
 

@@ -1,6 +1,7 @@
 """Parameters from mission to mission: read from reports, in the order of time, with changes."""
 
 import json
+import math
 from pathlib import Path
 
 import numpy as np
@@ -74,7 +75,7 @@ def test_starts_of_the_missions_go_before_the_times_of_the_reports(tmp_path: Pat
     assert missionplan.history(tmp_path).reports == ("a", "b")
 
 
-def told_afresh(root: Path, name: str, day: int, value: float, sd: float) -> None:
+def told_afresh(root: Path, name: str, day: int, value: float, sd: float, of: int | None = None) -> None:
     """A report that found a compass bias [rad] afresh, with the draws that say what its record tells of the level."""
     report(root, name, f"2026-05-{day:02d}T00:00:00Z", found={"compass-bias": (value, sd)})
     record, file = f"{day:016x}", root / name / "summary.json"
@@ -83,7 +84,7 @@ def told_afresh(root: Path, name: str, day: int, value: float, sd: float) -> Non
     draws = WeightedDraws(
         (("compass-bias",),), np.zeros(500, int), (("compass-bias", "angle"),), value + sd * normals, np.full(500, 2e-3)
     )
-    seen = Seen(("compass-bias", "angle", "strength"), hash_of([record]), 1.78e9 + day * 86400.0, value, sd)
+    seen = Seen(("compass-bias", "angle", "strength"), hash_of([record]), 1.78e9 + (of or day) * 86400.0, value, sd)
     content = PosteriorFile.of(draws, hash_of([record]), {}, seen=[seen]).content
     (root / name / FILE).write_bytes(content)
 
@@ -99,6 +100,19 @@ def test_values_found_afresh_are_followed_by_their_level(tmp_path: Path) -> None
         assert [each.record for each in level.jumps] == jumps
         assert [each.report for each in found.changes] == jumps
         assert ("jumped before c" in answer(found)) == bool(jumps)
+
+
+@pytest.mark.parametrize(("other", "agree"), [(0.055, True), (0.13, False)])
+def test_two_vehicles_of_one_day_are_not_taken_for_one_that_held_still(
+    other: float, agree: bool, tmp_path: Path
+) -> None:
+    for day, (name, value) in enumerate([("a", 0.05), ("b", other)], 1):
+        told_afresh(tmp_path, name, day, value, 0.005, of=1)
+    found = missionplan.history(tmp_path)
+    assert ("None changed" in answer(found)) == agree
+    assert ("do not agree on the angle of compass bias: are they of one vehicle?" in answer(found)) != agree
+    squared = (other - 0.05) ** 2 / (2.0 * 0.005**2)  # χ² of one degree of freedom
+    assert found.levels[0].agreement == pytest.approx(math.erfc(math.sqrt(squared / 2.0)))
 
 
 def test_what_is_new_beside_a_change_is_not_a_change(tmp_path: Path) -> None:

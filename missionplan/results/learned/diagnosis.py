@@ -58,6 +58,7 @@ class ParameterLevels(Record):
     matters_in: Annotated[
         int | None, Entry("missions until success falls by 1 % by the trend; none: not soon, or not asked")
     ] = None
+    agreement: Annotated[float, Entry("probability that measurements of one mission differ as much by chance")] = 1.0
 
     @property
     def has_trend(self) -> Annotated[bool, Entry()]:

@@ -10,6 +10,7 @@ from functools import partial
 from pathlib import Path
 
 import numpy as np
+from scipy.special import chdtrc
 
 from missionplan.effects import CATALOGUE
 from missionplan.errors import InputError, Problem, attempted
@@ -19,7 +20,7 @@ from missionplan.mission.learned import Series, series_of
 from missionplan.mission.reading.documents import load_document, read_text
 from missionplan.mission.reading.includes import hash_of, read_draws
 from missionplan.moments import moment_of
-from missionplan.montecarlo.levels import Seen
+from missionplan.montecarlo.levels import Measured, Seen
 from missionplan.montecarlo.posterior_file import FILE, DamagedPosteriorError
 from missionplan.results.base import Provenance
 from missionplan.results.entries import mapping, mappings, real
@@ -57,7 +58,17 @@ def _told(series: Series, reports: Mapping[str, str]) -> ParameterLevels:
     )
     effect, name, _ = series.of
     unit = CATALOGUE[effect].parameters[name].unit
-    return ParameterLevels(effect, name, unit, missions, *levels.trend, float(mean[-1]), float(sd[-1]))
+    trend, agreement = levels.trend, _agreement(levels.measured)
+    return ParameterLevels(effect, name, unit, missions, *trend, float(mean[-1]), float(sd[-1]), agreement=agreement)
+
+
+def _agreement(measured: Measured) -> float:
+    """Probability that measurements of one mission differ by chance as they do: χ² about their weighted means."""
+    _, mission = np.unique(measured.times, return_inverse=True)
+    weight = np.asarray(measured.sds) ** -2.0
+    mean = np.bincount(mission, weight * measured.values) / np.bincount(mission, weight)
+    free = len(mission) - len(mean)
+    return float(chdtrc(free, np.sum(weight * (measured.values - mean[mission]) ** 2))) if free else 1.0
 
 
 MAX_BYTES = 20_000_000

@@ -1,7 +1,7 @@
 """Report of `history`: each learned parameter from mission to mission, with its intervals, and where it changed."""
 
 import shlex
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -11,13 +11,16 @@ from missionplan.errors import InputError, Problem, did_you_mean, shown
 from missionplan.report.diagnosis.findings import jumps_in_words, trends_in_words
 from missionplan.report.page import BLUE, GREY, ORANGE, Cells, Figure, Page, PageSection, Table, to_figure
 from missionplan.report.quantities import Unit, reader_unit
-from missionplan.report.wording import capitalised, parameter_in_words
+from missionplan.report.wording import capitalised, listed, parameter_in_words
+from missionplan.results.learned.diagnosis import ParameterLevels
 from missionplan.studies.history.result import FailureRate, History, Learned
 
 MOST_PANELS = 12
 """Parameters drawn, those with most values first."""
 SURE = 0.995
 """Probability from which no doubt is told."""
+UNLIKELY = 1e-6
+"""Probability of measurements as far apart, of one mission, from which they are not of one vehicle."""
 SURPRISING = 0.01
 """Probability of counts by the mission's rate below which they are called unlike it."""
 RATES = ("per", "seen in the fleet", "the mission's", "rate", "as far out")
@@ -63,6 +66,11 @@ def answer(history: History) -> str:
     return " ".join([*([_learned_in_words(history)] if history.reports else []), *told]) or "Nothing new was counted."
 
 
+def _contradicted(levels: Iterable[ParameterLevels]) -> str:
+    """Name parameters that measurements of one mission do not agree on."""
+    return listed([parameter_in_words(each.effect, each.name) for each in levels if each.agreement < UNLIKELY])
+
+
 def _rate_in_words(rate: FailureRate) -> str:
     counted = f"{rate.failures:g} failures in {rate.exposure:g} {rate.unit}"
     words = f"{capitalised(counted)}: {rate.rate:.2g} per {rate.per} ({rate.low:.2g} to {rate.high:.2g})"
@@ -101,6 +109,8 @@ def _learned_in_words(history: History) -> str:
     if not many:
         return f"{who} {learned} learned no parameter."
     words = f"{who} {tells} of {many} parameter{'' if many == 1 else 's'}."
+    if unlike := _contradicted(history.levels):
+        return f"{words} Those of one date do not agree on {unlike}: are they of one vehicle? Give each its own folder."
     levels = {(each.effect, each.name) for each in history.levels if each.jumps or each.has_trend}  # which say it
     changes = [each for each in history.changes if (each.effect, each.name) not in levels]
     if changes:
