@@ -25,7 +25,7 @@ class Response(TransitEffect):
     """Terms by their names: a share of the speed ahead, an angle abeam to starboard, or as their units say.
 
     A mission's response has the strengths of one term, and the shape on which it depends: the `moment` [s] from which
-    it acts, the depth `below` [m] which it does, or the `period` [s] in which it comes and goes.
+    or before which it acts, the depth `below` [m] which it does, or the `period` [s] in which it comes and goes.
     """
 
     ahead_by_current_across: Scalars = 0.0
@@ -58,6 +58,7 @@ class Response(TransitEffect):
     abeam_by_thrice_course_cosine: Scalars = 0.0
     abeam_by_thrice_course_sine: Scalars = 0.0
     ahead_changed: Scalars = 0.0
+    abeam_before: Scalars = 0.0
     east_changed: Scalars = 0.0
     north_changed: Scalars = 0.0
     ahead_deep: Scalars = 0.0
@@ -155,22 +156,20 @@ _FACTORS: dict[str, Callable[[Response, Leg], Array]] = {
         for i, part in enumerate(("cosine", "sine"))
     },
     **dict.fromkeys(("ahead_changed", "east_changed", "north_changed"), _changed),
+    "abeam_before": lambda response, leg: 1.0 - _changed(response, leg),
     **dict.fromkeys(
         ("ahead_deep", "abeam_deep"), lambda response, leg: np.asarray(leg.depth > response.below, dtype=float)
     ),
 }
 
 
-def _needs_speeds(record: LegRecord) -> str:
-    return "" if record.speeds > 0.1 else "needs legs at different speeds"
+def _needs(quantity: str, least: float, words: str) -> Callable[[LegRecord], str]:
+    return lambda record: "" if getattr(record, quantity) > least else f"needs {words}"
 
 
-def _needs_durations(record: LegRecord) -> str:
-    return "" if record.durations > 0.1 else "needs legs of different lengths"
-
-
-def _needs_depths(record: LegRecord) -> str:
-    return "" if record.depths > 2.0 else "needs the depth of the legs, and different ones"
+_needs_speeds = _needs("speeds", 0.1, "legs at different speeds")
+_needs_durations = _needs("durations", 0.1, "legs of different lengths")
+_needs_depths = _needs("depths", 2.0, "the depth of the legs, and different ones")
 
 
 def _two(stem: str, words: str, searched: str = "") -> Term:
@@ -309,6 +308,13 @@ TERMS = (
         ),
     ),
     Term(
+        ("abeam_before",),
+        "moment",
+        Finding(
+            "abeam_before", "until {at} it is turned {size} to starboard", "until {at} it is turned {size} to port"
+        ),
+    ),
+    Term(
         ("east_changed", "north_changed"),
         "moment",
         Finding(
@@ -336,7 +342,7 @@ RESPONSE = EffectInfo(
     effect=Response,
     parameters={
         **_PARAMETERS,
-        "moment": Parameter("s", "time from which it acts", 0.0, median=6.0 * HOUR, factor=4.0, searched="time"),
+        "moment": Parameter("s", "from or until which it acts", 0.0, median=6.0 * HOUR, factor=4.0, searched="time"),
         "period": Parameter("s", "of coming and going", 0.0, median=3 * HOUR, factor=3, default=DAY, searched="period"),
         "below": Parameter("m", "depth below which it acts", 0.0, median=50.0, factor=3.0, searched="depth"),
     },

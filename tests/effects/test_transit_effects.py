@@ -105,6 +105,7 @@ def test_speed_beyond_a_threshold_is_lost():
         ({"east_each_leg": 20.0}, 1.0, [0.02, 0.0]),
         ({"ahead_each_leg": -30.0}, np.pi / 2, [-0.03, 0.0]),
         ({"north_changed": 0.1, "moment": 250.0}, 0.0, [0.0, 0.075]),
+        ({"abeam_before": 0.1, "moment": 250.0}, 0.0, [0.0375, 0.0]),
         ({"ahead_in_turns_sine": 0.1, "period": 2000.0}, 0.0, [0.0, 0.15 * 2.0 / np.pi]),
         ({"abeam_in_turns_cosine": 0.1, "period": 1000.0}, 0.0, [0.0, 0.0]),
     ],

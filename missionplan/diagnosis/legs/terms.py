@@ -345,6 +345,9 @@ def _smooth(model: TransitFitting) -> list[LegTerm]:
 
 
 def _along(axis: Axis, length: float) -> LegTerm:
-    columns = SIZE * principal_components(axis.smooth_columns(length), MOST_COLUMNS, LEAST_SHARE)
+    """A smooth error; one ahead or abeam has a level of its own: what is constant in it is no cause beside it."""
+    smooth = principal_components(axis.smooth_columns(length), MOST_COLUMNS, LEAST_SHARE)
+    level = axis.response.sum(axis=1, keepdims=True)[:, : 2 - axis.functions]
+    columns = SIZE * np.concatenate([smooth, level], axis=1)
     by_leg = np.moveaxis(columns.reshape(len(columns) // 2, 2, -1), 1, 0)
     return LegTerm("", axis.name, axis.description, by_leg, 0.0, length=length)
