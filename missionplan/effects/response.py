@@ -310,9 +310,7 @@ TERMS = (
     Term(
         ("abeam_before",),
         "moment",
-        Finding(
-            "abeam_before", "until {at} it is turned {size} to starboard", "until {at} it is turned {size} to port"
-        ),
+        Finding("abeam_before", "it goes {size} to starboard until {at}", "it goes {size} to port until {at}"),
     ),
     Term(
         ("east_changed", "north_changed"),

@@ -83,6 +83,15 @@ def test_an_answer_to_the_current_beyond_what_the_effect_knows_is_no_deviation_o
 
 
 @pytest.mark.slow
+def test_a_compass_that_is_off_until_a_moment_is_no_bias_that_a_jump_takes_back():
+    found = diagnosed(*fossen(Recipe(turn=lambda m: 0.07 if m.t < 15000.0 else 0.0)), seed=5)
+    assert found.causes == ("response",)
+    sizes = {each.name: each for each in found.best.parameters}
+    assert abs(sizes["abeam_before"].value - 0.07) < 3.0 * sizes["abeam_before"].sd
+    assert sizes["moment"].value == pytest.approx(15000.0, abs=1000.0)
+
+
+@pytest.mark.slow
 def test_what_is_beside_a_heading_error_by_depth_is_seen():
     log = drawn(np.random.default_rng(8), 60)
     log = replace(log, depths=np.random.default_rng(3).uniform(5.0, 150.0, 60))

@@ -10,6 +10,7 @@ from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from missionplan.arrays import Array, Scalars
 from missionplan.diagnosis.coordinates import Coordinate
@@ -27,8 +28,6 @@ READING, DRAG, LIFT, DELAY = 0.3, 0.3, 1.5, 0.5
 """Usual sizes of errors of a reading [m], of shares of the drag, of lifts [N] and delays [s]: those of the effects."""
 WEIGHT = 0.15
 """Usual error of an anchor's wet weight in the log book, of itself."""
-DRAG_PER_DIVE, DRAG_PER_METRE = 0.1, 0.02
-"""Usual sizes of trends of the drag, from dive to dive and with the line's length [1/m]."""
 FORCE_STEP = 0.002
 """Step of the differences, of the drag or of the wet weight: more would shift the speeds by a good part of a hat."""
 MIN_SPEED_SHARE = 0.4
@@ -61,7 +60,7 @@ def _reading_error(name: str, values: Array) -> Axis:
 
 
 def _dive_by_dive(logs: Sequence[DiveLog], linear: DiveLinearisation) -> list[Axis]:
-    """Each dive's own error of the depth, and delay; drag with a trend over dives or the line's length.
+    """Each dive's own error of the depth, and delay; a force or a reading with a trend over dives.
 
     Errors of the depth follow the number of the reading, which come most often at first.
 
@@ -72,7 +71,7 @@ def _dive_by_dive(logs: Sequence[DiveLog], linear: DiveLinearisation) -> list[Ax
     linear : DiveLinearisation
         Where the model is fitted.
     """
-    dive, drag = np.repeat(np.arange(len(logs)), [len(log.t) for log in logs]), linear.sensitivity("drag")
+    dive, weight = np.repeat(np.arange(len(logs)), [len(log.t) for log in logs]), linear.sensitivity("weight")
     axes = []
     if len(logs) > 1:
         own = _of_each(logs)
@@ -82,11 +81,11 @@ def _dive_by_dive(logs: Sequence[DiveLog], linear: DiveLinearisation) -> list[Ax
         delays = own * linear.sensitivity("release")[:, None]
         axes.append(replace(differing("a delay that differs from dive to dive", delays), size=DELAY))
     if len(logs) > 2:
-        axes.append(_wrong_anchor(logs, own, linear.sensitivity("weight")))
-        axes.append(_trend("drag that grows or falls from dive to dive", drag, dive.astype(float), DRAG_PER_DIVE))
-    lines = np.array([log.line_length for log in logs])[dive]
-    if np.ptp(lines) > 0.0:
-        axes.append(_trend("drag that changes with the line's length", drag, lines, DRAG_PER_METRE))
+        axes.append(_wrong_anchor(logs, own, weight))
+        lift = -weight / np.array([log.wet_weight for log in logs])[dive]
+        axes.append(_trend("drag", linear.sensitivity("drag"), dive, DRAG, ("Extra drag (%)", 100.0)))
+        axes.append(_trend("a lift", lift, dive, LIFT, ("Lift (N)", 1.0)))
+        axes.append(_trend("an error of the depth read", own.sum(axis=1), dive, READING, ("Error (m)", 1.0)))
     return axes
 
 
@@ -122,9 +121,15 @@ def _wrong_anchor(logs: Sequence[DiveLog], own: Array, weight: Array) -> Axis:
     return replace(differing(words, columns), size=WEIGHT, in_some_runs=True)
 
 
-def _trend(words: str, drag: Array, values: Array, size: float) -> Axis:
-    """Drag proportional to what the dives differ in, shape (N,), about its mean."""
-    return Axis("run", words, np.zeros((1, 1)), (drag * (values - values.mean()))[:, None], size=size)
+def _trend(what: str, response: Array, dive: NDArray[np.int_], size: float, shown: tuple[str, float]) -> Axis:
+    """A force or a reading that goes from one size in the first dive to another in the last, neither of them known.
+
+    A trend without a level of its own would leave its mean to a cause.
+    """
+    ends, last = np.array([[0.0], [1.0]]), int(dive.max())
+    columns = response[:, None] * np.column_stack([1.0 - dive / last, dive / last])
+    scale = AxisScale(1.0, last + 1.0, "Dive", *shown)
+    return Axis("run", f"{what} that grows or falls from dive to dive", ends, columns, scale, size)
 
 
 def _speed(log: DiveLog, depth: Array) -> Array:

@@ -80,10 +80,8 @@ class DescentModel(DescentFitting):
         return NeutralResponses([*described, ("run", EXCHANGED)], np.column_stack([gains, added]))
 
     def responses(self, fit: CauseFit) -> Responses:
-        """Return responses along the axes of a fit, less what its causes do."""
-        linear = fit.state.linear
-        named = (linear.columns * self.slab)[:, self.searched(fit.causes)]
-        return Responses.of(self.response_axes(linear), self._covariance(fit), named)
+        """Return responses along the axes of a fit: all that they may do, also what a cause of its set would."""
+        return Responses.of(self.response_axes(fit.state.linear), self._covariance(fit))
 
     def _likely_products(self, fit: CauseFit, columns: Array) -> Iterator[InnerProducts]:
         """Inner products of columns and data at the noises that may be beside a fit."""

@@ -1,9 +1,9 @@
 """What a model misses along an axis: smooth responses that compete with causes, and tests of what a fit leaves.
 
 A response is a smooth random function along an axis (`axes`) by its principal components, in the metric of the noise
-and less what causes with a name do to the data there (Kennedy & O'Hagan 2001, *J. R. Stat. Soc. B* 63; Brynjarsdóttir &
-O'Hagan 2014, *Inverse Problems* 30); or one number for each run. Its evidence is a mean over its lengths and sizes. As
-a test of what is left its Bayes factor is computed and its shape shown; nothing of it enters the extended model.
+(Kennedy & O'Hagan 2001, *J. R. Stat. Soc. B* 63; Brynjarsdóttir & O'Hagan 2014, *Inverse Problems* 30); or one number
+for each run. Its evidence is a mean over its lengths and sizes. As a test of what is left its Bayes factor is computed
+and its shape shown; nothing of it enters the extended model.
 """
 
 import itertools
@@ -31,8 +31,6 @@ MOST_COLUMNS, MOST_OF_RUNS, LEAST_SHARE = 8, 32, 1e-4
 first one's variance that one has."""
 MOST_TOGETHER = 8
 """Runs that differ from the others, of which it is not known which they are, at most."""
-SAME = 1e-6
-"""Size of a combination of named causes, over the greatest, below which it is none."""
 
 
 @dataclass(frozen=True)
@@ -57,19 +55,11 @@ class Responses:
         return [[next(places) for _ in alternatives] for alternatives in self.columns]
 
     @classmethod
-    def of(cls, axes: Sequence[Axis], covariance: BlockCovariance, named: Array) -> "Responses":
-        """Take responses less what named causes do to the data.
+    def of(cls, axes: Sequence[Axis], covariance: BlockCovariance) -> "Responses":
+        """Take responses by their principal components in the metric of the blocks of a covariance.
 
-        Parameters
-        ----------
-        axes : sequence of Axis
-        covariance : BlockCovariance
-            In whose blocks' metric principal components are taken.
-        named : array, shape (N, k)
-            Columns of the causes.
+        They may do what a named cause does: else whatever is like one were its, before they compete with it.
         """
-        left, sizes, _ = np.linalg.svd(covariance.in_blocks(named), full_matrices=False)
-        span = left[:, sizes > SAME * sizes.max(initial=0.0)]
         found = []
         for axis in axes:
             if len(axis.places) == 1:
@@ -79,7 +69,6 @@ class Responses:
             smooth = []
             for length in LENGTHS:
                 white = covariance.in_blocks(axis.smooth_columns(length))
-                white -= span @ (span.T @ white)
                 smooth.append(covariance.coloured(principal_components(white, most, LEAST_SHARE)))
             found.append(smooth)
         return cls(axes, [[axis.size * own for own in each] for axis, each in zip(axes, found, strict=True)])
@@ -166,7 +155,7 @@ def along_each_axis(residuals: Residuals) -> list[tuple[Axis, float]]:
     if not axes:
         return []
     typical = float(np.sqrt(np.median(covariance.variances)))
-    responses = Responses.of(axes, covariance, np.zeros((len(residuals.values), 0))).in_size(USUAL * typical)
+    responses = Responses.of(axes, covariance).in_size(USUAL * typical)
     gains = responses.log_gains(list(residuals.inner_products(responses.joined)))
     return [(axes[index], float(gains[index])) for index in np.argsort(-gains, kind="stable")]
 

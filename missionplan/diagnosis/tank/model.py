@@ -63,7 +63,7 @@ class TankModel(TankFitting):
         size = USUAL_SHARE * float(np.sqrt(np.mean(self.forward.y**2)))
         axes = [replace(axis, size=size) for axis in self._axes]
         sensor = BlockCovariance.independent(self.forward.sd, np.zeros((len(self.forward.sd), 0)))
-        responses = Responses.of(axes, sensor, sensor.root)
+        responses = Responses.of(axes, sensor)
         gains = np.array([responses.log_gains(self._products(fit, responses.joined)) for fit in fits])
         return NeutralResponses([(axis.name, axis.description) for axis in axes], gains)
 

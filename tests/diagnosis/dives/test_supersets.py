@@ -40,7 +40,7 @@ def test_what_a_response_adds_is_that_of_the_whole_covariance(measured):
     noises = likely_noises(fit.state)
     assert set(noises) <= set(noise_grid())
     chosen = [axis.description for axis in responses.axes].index("drag that grows or falls from dive to dive")
-    (columns,) = responses.columns[chosen]
+    columns, _ = responses.columns[chosen]  # the same over either length
     plain, beside = [], []
     for noise in noises:
         total = model.covariance(linear, noise, prior_sd).dense()
@@ -51,6 +51,37 @@ def test_what_a_response_adds_is_that_of_the_whole_covariance(measured):
             beside.append(noise.log_prior + np.log(share) + density)
     assert found.log_gains[0, chosen] == pytest.approx(logsumexp(beside) - logsumexp(plain), abs=0.01)
     assert found.log_gains[0, chosen] > 5.0
+
+
+def test_a_response_may_do_what_a_cause_of_the_likeliest_set_does(measured):
+    """Else whatever is like a named cause is that cause's before they compete."""
+    model = measured("stratification", lift=3.0, depth=8.0, thickness=1.0)
+    named, nothing = model.fit_all([(("stratification",), ()), ((), ())])
+    found = model.responses_beside([named, nothing])
+    lift = [words for _, words in found.described].index("a lift that changes with depth")
+    assert found.log_gains[0, lift] < 1.0
+    assert found.log_gains[1, lift] > 0.5 * (named.log_evidence - nothing.log_evidence) > 10.0
+
+
+@pytest.mark.parametrize(
+    ("what", "named", "effect", "parameters"),
+    [
+        ("drag", "drag-bias", "drag-bias", {"fraction": 0.1 * np.arange(4)}),
+        ("a lift", "slow-flooding", "lift-by-depth", {"lift": -0.6 * np.arange(4), "start": 0.01, "over": 0.01}),
+        ("an error of the depth read", "depth-scale", "reading-by-time", {"offset": 0.3 * np.arange(4), "time": 0.01}),
+    ],
+)
+def test_what_grows_from_dive_to_dive_needs_no_cause_beside_it(measured, what, named, effect, parameters):
+    """A trend has a level of its own: without one its mean would be a cause's."""
+    model = measured(effect, weights=np.array([16.0, 9.0, 20.0, 12.0]), **parameters)
+    nothing, cause = model.fit_all([((), ()), ((named,), ())])
+    found = model.responses_beside([nothing, cause])
+    trend = [words for _, words in found.described].index(f"{what} that grows or falls from dive to dive")
+    alone, beside = (
+        fit.log_evidence + gain for fit, gain in zip((nothing, cause), found.log_gains[:, trend], strict=True)
+    )
+    assert found.log_gains[0, trend] > 5.0
+    assert alone > beside - np.log(len(model.candidates) - len(model.unnamed))  # the prior of a cause
 
 
 def test_effect_free_dives_gain_nothing_by_a_response(measured):
