@@ -21,13 +21,19 @@ M2 = 12.4206012 * 3600.0
 OUTSIDE = ("soft-iron", "slipping-log", "weed")
 
 
-def names(rng: np.random.Generator) -> tuple[str, ...]:
-    """A set of causes by its prior: none 1, each single one 1/18, each pair e⁻³/18, without two alike."""
+def prior() -> tuple[list[tuple[str, ...]], Array]:
+    """Sets of causes with their prior: none 1, each single one 1/18, each pair e⁻³/18, without two alike."""
     sets: list[tuple[str, ...]] = [(), *((name,) for name in EFFECTS)]
     exclusive = {"persistent-error", "random-walk", "heavy-tails"}
     sets += [pair for pair in itertools.combinations(EFFECTS, 2) if not set(pair) <= exclusive]
     weights = np.array([{0: 1.0, 1: 1.0 / CATALOGUE, 2: FURTHER / CATALOGUE}[len(each)] for each in sets])
-    return sets[int(rng.choice(len(sets), p=weights / weights.sum()))]
+    return sets, weights / weights.sum()
+
+
+def names(rng: np.random.Generator) -> tuple[str, ...]:
+    """Draw a set of causes by its prior."""
+    sets, weights = prior()
+    return sets[int(rng.choice(len(sets), p=weights))]
 
 
 def some(rng: np.random.Generator) -> tuple[str, ...]:
@@ -56,18 +62,29 @@ def _mean_current(found: dict, wide: float, rng: np.random.Generator, latitude: 
 
 
 def _wave(period: float, cosine: Array, sine: Array) -> Callable[[float, Array], Array]:
-    return lambda t, place: cosine * np.cos(2.0 * np.pi * t / period) + sine * np.sin(2.0 * np.pi * t / period)
+    def velocity(t: float | Array, place: Array) -> Array:
+        angle = 2.0 * np.pi * t / period
+        return np.multiply.outer(cosine, np.cos(angle)) + np.multiply.outer(sine, np.sin(angle))
+
+    return velocity
+
+
+def _polar(found: dict, name: str, cosine: float, sine: float) -> None:
+    found["parameters"] |= {f"{name}.cosine": float(cosine), f"{name}.sine": float(sine)}
 
 
 def _tidal_current(found: dict, wide: float, rng: np.random.Generator, latitude: float) -> None:
     cosine, sine = 0.12 * wide * rng.standard_normal((2, 2))
     found["current"] += (_wave(M2, cosine, sine),)
+    for place, of in enumerate(("east", "north")):
+        _polar(found, f"tidal-current.m2_{of}", cosine[place], sine[place])
 
 
 def _inertial_current(found: dict, wide: float, rng: np.random.Generator, latitude: float) -> None:
     a, b = 0.15 * wide * rng.standard_normal(2)
     period = 0.5 * SIDEREAL_DAY / np.sin(np.radians(latitude))
     found["current"] += (_wave(period, np.array([a, b]), np.array([b, -a])),)  # clockwise north of the equator
+    _polar(found, "inertial-current.amplitude", a, b)
 
 
 def _compass_bias(found: dict, wide: float, rng: np.random.Generator, latitude: float) -> None:
@@ -80,6 +97,7 @@ def _compass_deviation(found: dict, wide: float, rng: np.random.Generator, latit
     cosine, sine = np.clip(0.08 * wide * rng.standard_normal(2), -0.4, 0.4)
     _turned(found, lambda heading: cosine * np.cos(heading) + sine * np.sin(heading))
     found["parameters"] |= {"compass-deviation.amplitude": float(np.hypot(cosine, sine))}
+    _polar(found, "compass-deviation.amplitude", cosine, sine)
 
 
 def _turned(found: dict, angle: Callable[[float], float]) -> None:
@@ -100,15 +118,17 @@ def _spread(median: float, factor: float, rng: np.random.Generator) -> float:
 def _persistent_error(found: dict, wide: float, rng: np.random.Generator, latitude: float) -> None:
     sigma, time = min(_spread(0.06, 2.5, rng), 0.5), _spread(30000.0, 6.0, rng)
 
-    def wander(own: np.random.Generator, times: Array) -> Array:
-        v = np.empty((2, times.size))
-        v[:, 0] = sigma * own.standard_normal(2)
-        for k in range(1, times.size):
-            keep = np.exp(-(times[k] - times[k - 1]) / time)
-            v[:, k] = keep * v[:, k - 1] + sigma * np.sqrt(1.0 - keep**2) * own.standard_normal(2)
-        return v
+    def onward(own: np.random.Generator, before: Array | None, apart: Array) -> Array:
+        keep, normals = np.exp(-apart / time), own.standard_normal((2, apart.size))
+        return sigma * normals if before is None else keep * before + sigma * np.sqrt(1.0 - keep**2) * normals
 
-    found["wander"] = wander
+    def wander(own: np.random.Generator, times: Array) -> Array:
+        v = [onward(own, None, np.zeros(1))]
+        for apart in np.diff(times):
+            v.append(onward(own, v[-1], np.array([apart])))
+        return np.concatenate(v, axis=1)
+
+    found["wander"], found["onward"] = wander, onward
 
 
 def _random_walk(found: dict, wide: float, rng: np.random.Generator, latitude: float) -> None:
@@ -118,7 +138,11 @@ def _random_walk(found: dict, wide: float, rng: np.random.Generator, latitude: f
         steps = np.sqrt(np.diff(times, prepend=times[0])) * own.standard_normal((2, times.size))
         return np.asarray(rate * np.cumsum(steps, axis=1))
 
-    found["wander"] = wander
+    def onward(own: np.random.Generator, before: Array | None, apart: Array) -> Array:
+        step = rate * np.sqrt(apart) * own.standard_normal((2, apart.size))
+        return np.zeros_like(step) if before is None else before + step
+
+    found["wander"], found["onward"] = wander, onward
 
 
 def _fix_error(found: dict, wide: float, rng: np.random.Generator, latitude: float) -> None:

@@ -35,12 +35,15 @@ class Truth:
         Factor on the speed, of time and of the time since the leg began.
     wander : callable
         Random velocity of the steps of a voyage, from a generator and their times, shape (2, n) [m/s].
+    onward : callable
+        Random velocities of many vehicles, shape (2, n), from a generator, those of a time before, or None at the
+        beginning, and the time since, shape (n,) [m/s, s].
     fix_sd : float
         Error of a fix beyond what is stated [m].
     stretch : callable
         Factors on the legs' own errors, of a generator and the number of legs.
     parameters : mapping
-        True values, by ``effect.parameter``.
+        True values, by ``effect.parameter``; of an oscillation also its cosine's and its sine's.
     outside : str
         What it is, where the catalogue has no such effect.
     """
@@ -50,6 +53,7 @@ class Truth:
     turn: Callable[[float, float], float] = lambda t, heading: 0.0
     pace: Callable[[float, float], float] = lambda t, since: 1.0
     wander: Callable[[np.random.Generator, Array], Array] | None = None
+    onward: Callable[[np.random.Generator, Array | None, Array], Array] | None = None
     fix_sd: float = 0.0
     stretch: Callable[[np.random.Generator, int], Array] | None = None
     parameters: dict[str, float] = field(default_factory=dict)
@@ -64,10 +68,14 @@ class Voyage:
     ----------
     headings : array, shape (n,)
         Of the legs, as the compass has them [rad].
-    under_way, surface : float
-        Time of a leg, and at the surface after it [s].
-    speed, sigma, fix : float
-        Through the water [m/s]; each leg's own velocity error, each axis [m/s]; a fix's error [m].
+    under_way : float or array, shape (n,)
+        Time of a leg [s].
+    surface : float
+        Time at the surface after it [s].
+    speed : float or array, shape (n,)
+        Through the water [m/s].
+    sigma, fix : float
+        Each leg's own velocity error, each axis [m/s]; a fix's error [m].
     latitude : float
         Of the first fix [deg].
     begins : float
@@ -75,9 +83,9 @@ class Voyage:
     """
 
     headings: Array
-    under_way: float = 900.0
+    under_way: float | Array = 900.0
     surface: float = 60.0
-    speed: float = 1.2
+    speed: float | Array = 1.2
     sigma: float = 0.02
     fix: float = 3.0
     latitude: float = 55.0
@@ -87,30 +95,26 @@ class Voyage:
 def sail(voyage: Voyage, truth: Truth, rng: np.random.Generator) -> list[list[float]]:
     """Return the rows of the log: leg, times, and places of fix, reckoning and fix."""
     count, place, t = len(voyage.headings), np.zeros(2), voyage.begins
-    step = voyage.under_way / STEPS
+    under_way, speeds = (np.broadcast_to(each, count) for each in (voyage.under_way, voyage.speed))
+    begins = voyage.begins + np.cumsum(under_way + voyage.surface) - under_way - voyage.surface
     own = voyage.sigma * rng.standard_normal((count, 2))
     if truth.stretch is not None:
         own *= truth.stretch(rng, count)[:, None]
-    times = np.concatenate(
-        [
-            voyage.begins + k * (voyage.under_way + voyage.surface) + step * (np.arange(STEPS) + 0.5)
-            for k in range(count)
-        ]
-    )
+    times = (begins[:, None] + np.outer(under_way / STEPS, np.arange(STEPS) + 0.5)).ravel()
     wandering = truth.wander(rng, times) if truth.wander is not None else np.zeros((2, times.size))
     sd, rows = float(np.hypot(voyage.fix, truth.fix_sd)), []
     fix = place + sd * rng.standard_normal(2)
-    for leg, heading in enumerate(voyage.headings):
-        begun, start, reckoned = t, fix.copy(), fix.copy()
+    for leg, (heading, speed) in enumerate(zip(voyage.headings, speeds, strict=True)):
+        begun, start, reckoned, step = t, fix.copy(), fix.copy(), under_way[leg] / STEPS
         for k in range(STEPS):
             now = begun + (k + 0.5) * step
             actual = heading + truth.turn(now, float(heading))
-            through = voyage.speed * truth.pace(now, now - begun) * np.array([np.sin(actual), np.cos(actual)])
+            through = speed * truth.pace(now, now - begun) * np.array([np.sin(actual), np.cos(actual)])
             water = sum((flow(now, place) for flow in truth.current), np.zeros(2))
             place = place + step * (through + water + own[leg] + wandering[:, leg * STEPS + k])
-        reckoned += voyage.speed * voyage.under_way * np.array([np.sin(heading), np.cos(heading)])
+        reckoned += speed * under_way[leg] * np.array([np.sin(heading), np.cos(heading)])
         fix = place + sd * rng.standard_normal(2)
-        t = begun + voyage.under_way
+        t = begun + under_way[leg]
         rows.append([leg + 1, begun, t, *start, *reckoned, *fix])
         water = sum((flow(t, place) for flow in truth.current), np.zeros(2))
         place = place + voyage.surface * water

@@ -53,12 +53,12 @@ def settled(found: Sequence[Campaign]) -> list[tuple[int, float, float]]:
     Returns
     -------
     list of tuple
-        Between the edges of `SAID`: number, mean probability, share in which the right thing is done.
+        Between the edges of `SAID`: number, weighted mean probability, weighted share in which the right thing is done.
     """
-    known = np.array([(each.said, each.right) for each in found if np.isfinite(each.said)]).reshape(-1, 2)
+    known = np.array([(each.said, each.right, each.weight) for each in found if np.isfinite(each.said)]).reshape(-1, 3)
     place = np.searchsorted(SAID[1:-1], known[:, 0], side="right")
     parts = [known[place == k] for k in range(len(SAID) - 1)]
-    return [(len(own), *np.mean(own, axis=0).tolist()) for own in parts if len(own)]
+    return [(len(own), *np.average(own[:, :2], axis=0, weights=own[:, 2]).tolist()) for own in parts if len(own)]
 
 
 def told(found: Sequence[Campaign]) -> str:

@@ -1,4 +1,9 @@
-"""One campaign: a log, its diagnosis, one of the trials it offers made at the made-up sea, and what that brought."""
+"""One campaign: a log, its diagnosis, one of the trials it offers made at the made-up sea, and what that brought.
+
+A prediction is a mean over what is believed, so that what is hidden comes as often, and as large, as the diagnosis expects
+(`tests.calibration.truths`). Causes about which something is to be done are hidden more often, and weigh less. Eight
+effects on legs are never hidden: what is believed of them before is what trials then settle more than they are said to.
+"""
 
 import json
 import tempfile
@@ -9,26 +14,34 @@ from pathlib import Path
 import numpy as np
 
 from missionplan.datasets.legs import read_transit
+from missionplan.diagnosis.coordinates import Coordinate
 from missionplan.diagnosis.explanations import weighed
 from missionplan.diagnosis.next_trial.belief import to_do
 from missionplan.diagnosis.next_trial.experiment import Experiment
 from missionplan.diagnosis.next_trial.leg_trials import LegTrials
+from missionplan.diagnosis.next_trial.losses import FAILURE
 from missionplan.diagnosis.next_trial.next_trial import Valuation, valuation
 from missionplan.diagnosis.pipeline import run_pipeline
 from missionplan.mission import Mission
+from tests.calibration import truths
+from tests.calibration.voyages import Truth, sail, write
+from tests.calibration.voyages import Voyage as Legs
 
-from .sea import Truth, Vehicle, mission, sail, write_log
+from .sea import Vehicle, mission
 from .seen import choice_after, realised_information
-from .voyage import Voyage, first_log_headings, mean_minutes
+from .voyage import Voyage, first_log_headings, mean_loss, on_a_day
 
 VEHICLE = Vehicle(sigma=0.02, fix=8.0)
 VOYAGE = Voyage(distance=3000.0, radius=100.0, surfacing=480.0)
+LATITUDE = 37.0
+"""As the mission has it [deg]."""
 D_MAX, FIRST_LEG = 800.0, 100.0
 """The mission's d_max, and the legs of the first log [m]: short, so that it leaves much open."""
+LATER = 90_000.0
+"""When the trial begins [s]."""
 PATTERNS = ("one way", "there and back", "corner")
-CAUSES = ("compass-bias", "speed-scale", "mean-current")
-UNTROUBLED = 0.5
-"""Share of the campaigns in which nothing is off: the prior of the diagnosis."""
+HIDDEN = {"nothing": 0.2, "vehicle": 0.5, "else": 0.3}
+"""Shares of the campaigns in which nothing is off, something is to be done about the vehicle, or something else is off."""
 TRIALS = 4000
 
 
@@ -72,48 +85,39 @@ class Campaign:
     right: float = float("nan")
 
 
-def draw_truth(rng: np.random.Generator) -> tuple[tuple[str, ...], Truth]:
-    """Draw what is off: nothing in half of the campaigns, as the diagnosis expects before, else one of three causes."""
-    if rng.random() < UNTROUBLED:
-        return (), Truth()
-    cause, size = str(rng.choice(CAUSES)), float(rng.standard_normal())
-    if cause == "compass-bias":
-        return (cause,), Truth(compass=np.radians(4.0) * size)
-    if cause == "speed-scale":
-        return (cause,), Truth(pace=0.06 * size)
-    return (cause,), Truth(current=(0.08 * size, 0.08 * float(rng.standard_normal())))
+def draw_causes(rng: np.random.Generator) -> tuple[tuple[str, ...], float]:
+    """Draw what is off, and its weight: its share in the prior over that in the campaigns."""
+    sets, prior = truths.prior()
+    kinds = np.array(["nothing" if not causes else "vehicle" if to_do(causes) else "else" for causes in sets])
+    kind = str(rng.choice(list(HIDDEN), p=list(HIDDEN.values())))
+    share = np.where(kinds == kind, prior, 0.0)
+    return sets[int(rng.choice(len(sets), p=share / share.sum()))], float(share.sum()) / HIDDEN[kind]
 
 
-def parameters_of(causes: tuple[str, ...], truth: Truth) -> np.ndarray:
-    """Parameters in the order of the package's effects."""
-    known = {
-        "compass-bias": [truth.compass],
-        "speed-scale": [truth.pace],
-        "mean-current": list(truth.current),
-    }
-    return np.array([value for cause in causes for value in known[cause]])
+def parameters_of(coordinates: Sequence[Coordinate], truth: Truth) -> np.ndarray:
+    """Parameters in the order of the package's coordinates."""
+    ends = {"cosine": ".cosine", "sine": ".sine"}
+    return np.array([truth.parameters[f"{c.effect}.{c.name}{ends.get(c.kind, '')}"] for c in coordinates])
 
 
 def made(seed: int) -> list[Campaign]:
     """Make one campaign, with one trial."""
     rng = np.random.default_rng(seed)
-    causes, truth = draw_truth(rng)
+    causes, weight = draw_causes(rng)
+    truth = truths.truth(causes, rng, LATITUDE)
     count = int(rng.integers(8, 15))
     headings = first_log_headings(str(rng.choice(PATTERNS)), count)
-    plan = mission(VEHICLE, VOYAGE.distance, D_MAX, VOYAGE.surfacing, VOYAGE.radius)
-    loaded = Mission.from_data(plan)
+    loaded = Mission.from_data(mission(VEHICLE, VOYAGE.distance, D_MAX, VOYAGE.surfacing, VOYAGE.radius))
     with tempfile.TemporaryDirectory() as folder:
-        rows = sail(truth, VEHICLE, headings, np.full(count, FIRST_LEG), 0.0, rng)
-        explanations = weighed(loaded, write_log(Path(folder) / "first", VEHICLE, rows), seed, 1)
-        bound = explanations[0].bound
-        found = run_pipeline(bound.model)
+        rows = sailed(truth, Plan(headings, np.full(count, FIRST_LEG), np.full(count, VEHICLE.speed)), 0.0, rng)
+        explanations = weighed(loaded, write(Path(folder) / "first", rows, VEHICLE.fix), seed, 1)
+        found = run_pipeline(explanations[0].bound.model)
         value = valuation(explanations, found, 1.0, seed)
-        result = value.result()
-        offered = [each for each in value.candidates() if each.trial is not None]
-        chosen = offered[int(rng.integers(len(offered)))]
-        courses, lengths = legs_of(chosen.trial)
-        rows += sail(truth, VEHICLE, courses, lengths, 90_000.0, rng)  # one log: so few legs alone are refused
-        data = read_transit(write_log(Path(folder) / "both", VEHICLE, rows), loaded)
+        possible = map(value.designed, rng.permutation(len(value.kind.designs)).tolist())
+        chosen = next(each for each in possible if each is not None)
+        more = sailed(truth, legs_of(chosen.trial), LATER, rng)
+        rows += [[count + row[0], *row[1:]] for row in more]  # one log: so few legs alone are refused
+        data = read_transit(write(Path(folder) / "both", rows, VEHICLE.fix), loaded)
         data = data.subset(np.arange(data.n) >= count)
     kind = value.kind
     assert isinstance(kind, LegTrials)
@@ -122,21 +126,24 @@ def made(seed: int) -> list[Campaign]:
     )
     y = data.velocity_error.ravel()
     sets = [each.causes for each in value.believed]
-    among = causes in sets
-    planned = next(each for each in result.designs if each.name == chosen.name)
-    parameters = parameters_of(causes, truth)
-    gained = realised_information(experiment, sets.index(causes), parameters, y) if among else float("nan")
+    which = next((index for index, own in enumerate(sets) if set(own) == set(causes)), None)
+    gained = float("nan")
+    if which is not None:
+        parameters = parameters_of(value.believed[which].coordinates, truth)
+        gained = realised_information(experiment, which, parameters, y)
+    planned, _ = value.valued(chosen)
     one = Campaign(
         seed=seed,
         causes="+".join(causes) or "nothing",
         design=chosen.name,
-        among=among,
+        among=which is not None,
         expected=planned.information,
         gained=gained,
         saving=planned.saving,
         saving_error=planned.saving_error,
         saved=saved(value, experiment, y, truth, seed),
-        said_before=result.right,
+        weight=weight,
+        said_before=value.right(),
         said=planned.right,
         right=float(done_about_vehicle(sets, experiment.probabilities(y[None])[0]) == to_do(causes)),
     )
@@ -156,23 +163,41 @@ def saved(value: Valuation, experiment: Experiment, y: np.ndarray, truth: Truth,
     after = choice_after(problem, experiment.summaries(simulated), experiment.summaries(y[None]))
     if after == problem.choice:
         return 0.0
-    costs = [
-        mean_minutes(
-            truth, VEHICLE, VOYAGE, float(problem.alternatives[index]), TRIALS, np.random.default_rng(seed + 2)
-        )
-        for index in (problem.choice, after)
-    ]
-    return costs[0] - costs[1]
+
+    def loss(choice: int) -> float:
+        failed = value.losses.failure * (1.0 + 1.0 / FAILURE)
+        d_max, rng = float(problem.alternatives[choice]), np.random.default_rng(seed + 2)
+        return mean_loss(truth, VEHICLE, VOYAGE, d_max, TRIALS, failed, rng)
+
+    return loss(problem.choice) - loss(after)
 
 
-def legs_of(trial: object) -> tuple[np.ndarray, np.ndarray]:
-    """Headings [rad] and lengths [m] of the legs of a trial's mission file, as a crew would read them."""
+@dataclass(frozen=True)
+class Plan:
+    """Legs: headings [rad], lengths [m] and speeds [m/s], shape (n,) each."""
+
+    headings: np.ndarray
+    lengths: np.ndarray
+    speeds: np.ndarray
+
+
+def sailed(truth: Truth, plan: Plan, begins: float, rng: np.random.Generator) -> list[list[float]]:
+    """Sail legs from a time on [s]: the rows of a log."""
+    legs = Legs(
+        plan.headings, plan.lengths / plan.speeds, 60.0, plan.speeds, VEHICLE.sigma, VEHICLE.fix, LATITUDE, begins
+    )
+    return sail(legs, on_a_day(truth, rng), rng)
+
+
+def legs_of(trial: object) -> Plan:
+    """Legs of a trial's mission file, as a crew would read them."""
     assert isinstance(trial, dict)
     transits = [entry["transit"] for entry in trial["phases"]]
     places = [transits[0]["from"], *(each["to"] for each in transits)]
     corners = np.array([[float(value.removesuffix(" m")) for value in place] for place in places]).T
     steps = np.diff(corners, axis=1)
-    return np.arctan2(steps[0], steps[1]), np.hypot(*steps)
+    speeds = np.array([float(each["speed"].removesuffix(" m/s")) for each in transits])
+    return Plan(np.arctan2(steps[0], steps[1]), np.hypot(*steps), speeds)
 
 
 def recorded(folder: Path, seed: int, make: Callable[[int], list[Campaign]]) -> list[Campaign]:

@@ -38,7 +38,7 @@ from tests.hidden_effects.dives.dynamics import Dive, DiveEffect
 from tests.hidden_effects.dives.files import measure, mission_files
 from tests.hidden_effects.dives.trials import Nuisances, Plan, conditions_of, draw_nuisances, draw_plan
 
-from .campaign import UNTROUBLED, Campaign
+from .campaign import Campaign
 from .seen import choice_after, realised_information
 
 DIVES, DRAWS, TRIALS = 2, 2000, 1000
@@ -47,8 +47,8 @@ TRIED = 4
 """Trials made after each first log, drawn from those offered."""
 VALUED_EVERY = 4
 """Of so many campaigns the savings of one are found too: half of a campaign's time."""
-HIDDEN = 0.85
-"""Share of the campaigns in which a cause is hidden, where little is at stake without one; they weigh as in the prior."""
+UNTROUBLED, HIDDEN = 0.5, 0.85
+"""Share of the prior in which nothing is off; share of the campaigns in which a cause is hidden, where little is at stake without one; they weigh as in the prior."""
 SCENARIO, DOF = "single", 3.0
 """Nuisances; degrees of freedom of the sizes' distribution."""
 USUAL = {

@@ -41,9 +41,9 @@ def write_second(folder: Path, trial: object) -> Path:
     trial : mapping
         Contents of ``next-trial.yaml``.
     """
-    courses, lengths = legs_of(trial)
+    plan = legs_of(trial)
     first = _first_rows()
-    rows = sail(TRUTH, VEHICLE, courses, lengths, NEXT_AFTERNOON, np.random.default_rng(SEED + 1))
+    rows = sail(TRUTH, VEHICLE, plan.headings, plan.lengths, NEXT_AFTERNOON, np.random.default_rng(SEED + 1))
     runs = [1] * len(first) + [2] * len(rows)
     return write_log(folder / "both-logs", VEHICLE, [*first, *rows], runs=runs)
 

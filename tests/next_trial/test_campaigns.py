@@ -5,10 +5,14 @@ import math
 import numpy as np
 import pytest
 
+from missionplan.diagnosis.next_trial.belief import to_do
+from tests.calibration import truths
+from tests.calibration.voyages import Truth as Off
+
 from .__main__ import slope, told
-from .campaign import Campaign, done_about_vehicle, legs_of
+from .campaign import HIDDEN, Campaign, done_about_vehicle, draw_causes, legs_of
 from .sea import Truth, Vehicle, sail
-from .voyage import Voyage, mean_minutes
+from .voyage import Voyage, mean_loss
 
 CALM = Vehicle(speed=1.0, sigma=0.0, fix=0.0)
 
@@ -23,20 +27,46 @@ def test_a_leg_by_a_compass_that_is_off_ends_beside_where_it_was_reckoned() -> N
 
 def test_a_voyage_in_still_water_takes_its_legs_and_surfacings() -> None:
     """3 km in four legs of 800 m at most, there and back; the last is shorter."""
-    found = mean_minutes(Truth(), CALM, Voyage(3000.0, 100.0, 60.0), 800.0, 50, np.random.default_rng(1))
+    found = mean_loss(Off(), CALM, Voyage(3000.0, 100.0, 60.0), 800.0, 50, 1e6, np.random.default_rng(1))
     assert found == pytest.approx(2.0 * (3000.0 + 4 * 60.0) / 60.0, rel=0.02)
+
+
+def test_a_current_that_nothing_stems_ends_no_voyage() -> None:
+    torrent = Off(current=(lambda t, place: np.array([2.0, 0.0]),))
+    assert mean_loss(torrent, CALM, Voyage(3000.0, 100.0, 60.0), 800.0, 2, 77.0, np.random.default_rng(1)) == 77.0
+
+
+def test_many_vehicles_wander_as_one_does() -> None:
+    """By the variance of the difference over 1000 s, of a walk and of an error that persists."""
+    for name in ("random-walk", "persistent-error"):
+        off = truths.truth((name,), np.random.default_rng(3), 50.0)
+        rng, apart = np.random.default_rng(4), np.full(20_000, 1000.0)
+        first = off.onward(rng, None, 0.0 * apart)  # type: ignore[misc]
+        many = np.var(off.onward(rng, first, apart) - first)  # type: ignore[misc]
+        one = np.var([np.diff(off.wander(rng, np.array([0.0, 1000.0]))) for _ in range(4000)])  # type: ignore[misc]
+        assert many == pytest.approx(one, rel=0.08)
+
+
+def test_truths_weigh_as_the_prior_has_them() -> None:
+    sets, prior = truths.prior()
+    drawn = [draw_causes(np.random.default_rng(seed)) for seed in range(3000)]
+    for wanted in ((), ("compass-bias",), ("mean-current",)):
+        share = sum(weight for causes, weight in drawn if causes == wanted) / len(drawn)
+        assert share == pytest.approx(prior[sets.index(wanted)], rel=0.25)
+    assert np.mean([bool(to_do(causes)) for causes, _ in drawn]) == pytest.approx(HIDDEN["vehicle"], abs=0.04)
 
 
 def test_the_legs_of_a_trial_are_read_from_its_mission() -> None:
     trial = {
         "phases": [
-            {"transit": {"from": ["0 m", "0 m"], "to": ["0 m", "400 m"]}},
-            {"transit": {"to": ["300 m", "400 m"]}},
+            {"transit": {"from": ["0 m", "0 m"], "to": ["0 m", "400 m"], "speed": "1.1 m/s"}},
+            {"transit": {"to": ["300 m", "400 m"], "speed": "0.77 m/s"}},
         ]
     }
-    courses, lengths = legs_of(trial)
-    assert courses == pytest.approx([0.0, 0.5 * math.pi])
-    assert lengths == pytest.approx([400.0, 300.0])
+    plan = legs_of(trial)
+    assert plan.headings == pytest.approx([0.0, 0.5 * math.pi])
+    assert plan.lengths == pytest.approx([400.0, 300.0])
+    assert plan.speeds == pytest.approx([1.1, 0.77])
 
 
 def test_figures_of_campaigns() -> None:

@@ -65,15 +65,11 @@ def measured(instrument: Instrument, coordinate: Coordinate, believed: Sequence[
     """
     found = []
     for each in believed:
-        column = np.array([[float(_is_same(own, coordinate)) for own in each.coordinates]])
+        column = np.array([[float(own.key == coordinate.key) for own in each.coordinates]])
         spike = 0.0 if column.any() else coordinate.spike
         noise = np.array([[instrument.sd**2 + spike**2]])
         found.append(Prediction(column @ each.explanation.mean, column, noise))
     return found
-
-
-def _is_same(own: Coordinate, other: Coordinate) -> bool:
-    return (own.effect, own.name, own.kind) == (other.effect, other.name, other.kind)
 
 
 LISTED = 5
@@ -193,24 +189,9 @@ class Valuation:
 
     def result(self) -> NextTrial:
         """Value every design and find the best."""
-        problem, found = self.losses.problem, []
-        now = np.array([each.explanation.probability for each in self.believed])
-        for candidate in self.candidates():
-            experiment = self.experiment(candidate)
-            data = experiment.data(self.draws, np.random.default_rng(self.seed + 1))
-            saving = value_of_information(problem, experiment.summaries(data))
-            information = experiment.expected_information(self.draws, data)
-            valued = ValuedDesign(
-                candidate.name,
-                candidate.cost.minutes,
-                candidate.cost.energy_wh,
-                information,
-                saving.mean,
-                saving.error,
-                self.right(experiment.probabilities(data)),
-            )
-            found.append((valued, candidate, saving))
-        found.sort(key=lambda entry: (-entry[0].saving if entry[2].changes else 0.0, -entry[0].information))
+        problem = self.losses.problem
+        found = [(*self.valued(candidate), candidate) for candidate in self.candidates()]
+        found.sort(key=lambda entry: (-entry[0].saving if entry[1].changes else 0.0, -entry[0].information))
         perfect = value_of_information(problem, self._perfect())
         result = NextTrial(
             decides=self.decides,
@@ -223,28 +204,45 @@ class Valuation:
             perfect=perfect.mean if perfect.changes else 0.0,
             explanations=tuple((each.causes, each.explanation.probability) for each in self.believed),
             designs=tuple(valued for valued, _, _ in found),
-            right=self.right(now),
+            right=self.right(),
         )
-        worth = [entry for entry in found if entry[2].changes and entry[0].saving > WORTH * result.loss]
+        worth = [entry for entry in found if entry[1].changes and entry[0].saving > WORTH * result.loss]
         if worth:
             return self._with_best(result, worth)
         settling = result.settling
-        return replace(result, trial=next((one.trial for valued, one, _ in found if valued is settling), None))
+        return replace(result, trial=next((one.trial for valued, _, one in found if valued is settling), None))
 
-    def right(self, probabilities: Array) -> float:
+    def valued(self, candidate: Candidate) -> tuple[ValuedDesign, Saving]:
+        """Value a trial."""
+        experiment = self.experiment(candidate)
+        data = experiment.data(self.draws, np.random.default_rng(self.seed + 1))
+        saving = value_of_information(self.losses.problem, experiment.summaries(data))
+        valued = ValuedDesign(
+            candidate.name,
+            candidate.cost.minutes,
+            candidate.cost.energy_wh,
+            experiment.expected_information(self.draws, data),
+            saving.mean,
+            saving.error,
+            self.right(experiment.probabilities(data)),
+        )
+        return valued, saving
+
+    def right(self, after: Array | None = None) -> float:
         """Probability that what is done about the vehicle is right; of sets left out, by what is known now."""
+        probabilities = [each.explanation.probability for each in self.believed] if after is None else after
         asked = [to_do(each.causes) for each in self.believed]
-        among = right_about_vehicle(asked, self.draws, probabilities)
+        among = right_about_vehicle(asked, self.draws, np.asarray(probabilities))
         shares: dict[frozenset[str], float] = {}
         for own, each in zip(asked, self.believed, strict=True):
             shares[own] = shares.get(own, 0.0) + each.explanation.probability
         done = max(shares, key=lambda own: shares[own])
         return (1.0 - sum(self.left.values())) * among + self.left.get(done, 0.0)
 
-    def _with_best(self, result: NextTrial, worth: Sequence[tuple[ValuedDesign, Candidate, Saving]]) -> NextTrial:
+    def _with_best(self, result: NextTrial, worth: Sequence[tuple[ValuedDesign, Saving, Candidate]]) -> NextTrial:
         """Name the cheapest of the designs that save nearly the most, and tell its outcomes."""
         enough = NEARLY * worth[0][0].saving
-        best, candidate, saving = min(
+        best, saving, candidate = min(
             (entry for entry in worth if entry[0].saving >= enough), key=lambda entry: entry[0].minutes
         )
         experiment = self.experiment(candidate)
@@ -265,15 +263,18 @@ class Valuation:
 
     def candidates(self) -> Iterator[Candidate]:
         """Designs that the planner can make, then instruments."""
-        for index, name in enumerate(self.kind.designs):
-            cost = self.kind.cost(index, self.seed)
-            if cost is not None:
-                predictions = tuple(self.kind.predictions(index, self.believed))
-                if all(np.isfinite(each.centre).all() and np.isfinite(each.noise).all() for each in predictions):
-                    yield Candidate(name, cost, predictions, self.kind.trial(index))
+        yield from filter(None, map(self.designed, range(len(self.kind.designs))))
         for coordinate, instrument in instruments_for(self.believed).items():
             reading = measured(instrument, coordinate, self.believed)
             yield Candidate(instrument.description, Cost(instrument.minutes, None), tuple(reading), None)
+
+    def designed(self, index: int) -> Candidate | None:
+        """Return a design; None where it cannot be made."""
+        cost = self.kind.cost(index, self.seed)
+        predictions = () if cost is None else tuple(self.kind.predictions(index, self.believed))
+        if cost is None or not all(np.isfinite(p.centre).all() and np.isfinite(p.noise).all() for p in predictions):
+            return None
+        return Candidate(self.kind.designs[index], cost, predictions, self.kind.trial(index))
 
     def _perfect(self) -> Array:
         """Columns that tell causes and sizes themselves, for the value of perfect information."""
@@ -328,8 +329,7 @@ def valuation(explanations: Sequence[Weighed], found: PipelineResult, scale: flo
     """
     bound = explanations[0].bound
     module, name = KINDS[bound.kind]
-    made = getattr(import_module(module), name)
-    kind = cast("Callable[[DataKind], TrialKind]", made)(bound)
+    kind = cast("Callable[[DataKind], TrialKind]", getattr(import_module(module), name))(bound)
     likely, others = likely_fits(explanations, found)
     left: dict[frozenset[str], float] = {}
     for one, fit, probability in others:
