@@ -78,3 +78,16 @@ def test_marks_are_read_in_any_order():
     with pytest.raises(InputError, match="given 'noon', expected a time") as refused:
         read_marks(["noon", "1700000000", "night"])
     assert len(refused.value.problems) == 2
+
+
+@pytest.mark.parametrize(("sign", "reads"), [(1.0, 0.9), (1.0, 1.6), (-1.0, 0.0)])
+def test_a_gauge_that_is_off_or_counts_upwards_hides_no_dive(tmp_path, sign, reads):
+    plain = imported(tmp_path, marks=False)
+    rows = pd.read_csv(tmp_path / "dives.csv")
+    rows.assign(depth=sign * rows["depth"] + reads).to_csv(tmp_path / "other.csv", index=False)
+    found = import_logs([tmp_path / "other.csv"], kind="descent", names=["time=t[epoch] depth=depth pitch=pitch"])
+    assert found.dives["t_start_s"].tolist() == plain.dives["t_start_s"].tolist()
+    assert len(found.dives) == 3  # the fourth is not as deep as a metre
+    left = reads if reads <= 1.0 else 0.0
+    assert found.table["depth_m"].to_numpy() == pytest.approx(plain.table["depth_m"].to_numpy() + left, abs=2e-3)
+    assert any("gauge reads 1.6 m" in each for each in found.provenance.notices) == (reads > 1.0)
