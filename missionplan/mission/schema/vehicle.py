@@ -30,14 +30,14 @@ _HourlyRate = Annotated[V, ReadBy(QuantityParser("1/s", low=0.0))]
 _RateByDistance = Annotated[V, ReadBy(QuantityParser("1/m", low=0.0))]
 _Chance = Annotated[V, ReadBy(QuantityParser("", low=0.0, high=1.0))]
 _Lifetime = Annotated[V, ReadBy(QuantityParser("s", low=0.0, open_low=True))]
+_HASH = Field(examples=[["0123456789abcdef"]])
 
 
 class _Hazard(FileSection, Generic[V]):
     """What all hazards have: counts, the shape of a Weibull law, what a failure leaves, where the number is from.
 
     `failures` in an `exposure` (of hours, kilometres or events) give a gamma distribution of the rate, of shape
-    failures + ½: Jeffreys' prior. `source` is the paper, the log or the data sheet; `learned_from` the hashes of
-    the rows of a fleet's log that `history` has counted.
+    failures + ½: Jeffreys' prior. `source` is the paper, the log or the data sheet.
     """
 
     failures: Annotated[_Count | None, Doc("failures seen"), Limit((0.0, 1e6), (0.0, 1000.0), "counts")] = None
@@ -51,11 +51,7 @@ class _Hazard(FileSection, Generic[V]):
     ] = None
     leaves: Annotated[Leaves | None, Doc("state in which a failure leaves the vehicle")] = None
     source: Annotated[str, Doc("where the rate is from"), Field(examples=["log book of 2025"])] = ""
-    learned_from: Annotated[
-        tuple[str, ...],
-        Doc("hashes of the rows of a fleet's log that are counted"),
-        Field(examples=[["0123456789abcdef"]]),
-    ] = ()
+    learned_from: Annotated[tuple[str, ...], Doc("hashes of the rows of a fleet's log that are counted"), _HASH] = ()
 
     @model_validator(mode="after")
     def _one_law(self) -> Self:
