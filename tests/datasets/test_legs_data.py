@@ -66,6 +66,15 @@ def test_legs_that_end_before_they_begin_overlap_or_repeat(folder, transit_missi
     assert "two legs start at the same time" in problems(excinfo)
 
 
+def test_legs_of_one_name_are_each_checked_and_the_same_numbers_of_two_names_once(folder, transit_mission, legs):
+    table = legs().assign(leg="again")
+    twice = pd.concat([table, table.assign(leg="copied")], ignore_index=True)
+    assert read_transit(folder(KIND, twice), transit_mission).n == len(table)
+    table.loc[4, "t_end_s"] = table.loc[4, "t_start_s"] - 5.0
+    with pytest.raises(InputError, match=r"rows\.csv:6: t_end_s: the leg ends before it has begun"):
+        read_transit(folder(KIND, table), transit_mission)
+
+
 def test_a_leg_takes_more_time_than_it_lies_at_the_surface(folder, transit_mission, legs):
     table = legs().assign(surface_s=60.0)
     table.loc[4, "t_end_s"] = table.loc[4, "t_start_s"] + 60.5  # half a second under way

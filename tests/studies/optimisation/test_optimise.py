@@ -252,3 +252,12 @@ def test_what_is_wrong_is_said_in_one_message(changes, choose, words):
 def test_a_section_that_is_wrong_is_refused_when_the_mission_is_read(section, words):
     with pytest.raises(InputError, match=words):
         transit(optimise=section)
+
+
+def test_an_anchor_that_its_parts_make_is_a_choice_and_one_that_they_do_not_is_none():
+    mission = missionplan.load(MISSIONS / "chesapeake.yaml")
+    found = missionplan.optimise(mission, choose=["moor.anchor_wet_weight=1:12.6:5.8 N"], trials=64)
+    assert found.feasible
+    assert found.chosen == {"moor.anchor_wet_weight": "12.6 N"}
+    with pytest.raises(InputError, match="no choice tried can be run: moor: the anchor cannot be built"):
+        missionplan.optimise(mission, choose=["moor.anchor_wet_weight=1:1.2:0.2 N"], trials=64)
