@@ -46,6 +46,8 @@ def _posterior(y: Array, columns: Array) -> tuple[float, Array, Array]:
     upper, right = triangle[:count, :count], triangle[:count, count]
     log_determinant = float(np.log(np.abs(np.diag(upper))).sum())
     log_density = -0.5 * float(triangle[count, count] ** 2) - log_determinant - 0.5 * n * LOG_2PI
+    if not count:  # which LAPACK calls an illegal value
+        return log_density, right, upper
     return log_density, np.asarray(lapack.dtrtrs(upper, right)[0]), np.asarray(lapack.dtrtri(upper)[0])
 
 

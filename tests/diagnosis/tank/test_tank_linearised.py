@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 import yaml
-from scipy.stats import multivariate_normal
+from scipy.stats import multivariate_normal, norm
 
 from missionplan.diagnosis.diagnose import diagnose
 from missionplan.diagnosis.tank.linearised import LinearData, marginal
@@ -33,6 +33,14 @@ def test_marginal_is_the_normal_density_of_the_data():
     precision = np.diag(data.prior**-2.0) + data.columns.T / data.sd**2 @ data.columns
     assert found.covariance == pytest.approx(np.linalg.inv(precision))
     assert precision @ found.mean == pytest.approx(data.columns.T @ (data.y / data.sd**2))
+
+
+def test_without_coordinates_the_data_are_independent_and_nothing_is_printed(capfd):
+    data = drawn([True, True])
+    found = marginal(data.y, data.columns[:, :0], data.prior[:0], data.sd)
+    assert found.log_density == pytest.approx(norm.logpdf(data.y, scale=data.sd).sum())
+    assert (found.mean.shape, found.covariance.shape) == ((0,), (0, 0))
+    assert capfd.readouterr() == ("", "")  # LAPACK writes of an empty matrix by itself
 
 
 def test_shared_coordinates_follow_the_chain_rule():
