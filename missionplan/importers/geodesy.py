@@ -17,19 +17,26 @@ from missionplan.arrays import Array, Scalars
 from missionplan.errors import InputError, Problem, shown
 from missionplan.importers.mapping import MappedName
 from missionplan.importers.track import Fixes, Positions, Series, Track, positions
-from missionplan.mission.schema.place import Geographic, to_geographic, to_plane
+from missionplan.mission.schema.place import (
+    ECCENTRICITY_SQUARED,
+    EQUATORIAL_RADIUS,
+    Geographic,
+    to_geographic,
+    to_plane,
+)
 from missionplan.packages import how_to_install
 
 
 def metres_per_degree(latitude: Scalars) -> tuple[Array, Array]:
     """Length of a degree of longitude and of latitude on WGS 84 [m], at a latitude [deg].
 
-    Series of the National Geospatial-Intelligence Agency's "Length of a degree" tables; within 1 cm.
+    By the radii of curvature across the meridian and along it (Snyder 1987, *Map Projections: A Working Manual*, Eqs.
+    4-18 to 4-21).
     """
     angle = np.radians(latitude)
-    north = 111132.92 - 559.82 * np.cos(2 * angle) + 1.175 * np.cos(4 * angle) - 0.0023 * np.cos(6 * angle)
-    east = 111412.84 * np.cos(angle) - 93.5 * np.cos(3 * angle) + 0.118 * np.cos(5 * angle)
-    return np.asarray(east), np.asarray(north)
+    squared = 1.0 - ECCENTRICITY_SQUARED * np.sin(angle) ** 2
+    across = np.radians(EQUATORIAL_RADIUS) / np.sqrt(squared)
+    return np.asarray(across * np.cos(angle)), np.asarray(across * (1.0 - ECCENTRICITY_SQUARED) / squared)
 
 
 def displacement(from_lat: Scalars, from_lon: Scalars, to_lat: Scalars, to_lon: Scalars) -> tuple[Array, Array]:

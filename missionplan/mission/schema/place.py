@@ -96,7 +96,7 @@ TideOrHeight = Annotated[
 ]
 
 
-_EQUATORIAL_RADIUS, _ECCENTRICITY_SQUARED = 6_378_137.0, 0.006_694_379_990_14
+EQUATORIAL_RADIUS, ECCENTRICITY_SQUARED = 6_378_137.0, 0.006_694_379_990_14
 """Of WGS 84 [m, 1]."""
 
 
@@ -116,7 +116,7 @@ def to_plane(latitude: Array, longitude: Array, origin: Geographic) -> tuple[Arr
 
 def curvature_of_parallel(latitude: float) -> float:
     """Geodesic curvature of a parallel, tan(latitude [rad]) over the ellipsoid's normal radius, toward north [1/m]."""
-    return math.tan(latitude) * math.sqrt(1.0 - _ECCENTRICITY_SQUARED * math.sin(latitude) ** 2) / _EQUATORIAL_RADIUS
+    return math.tan(latitude) * math.sqrt(1.0 - ECCENTRICITY_SQUARED * math.sin(latitude) ** 2) / EQUATORIAL_RADIUS
 
 
 def to_geographic(east: Array, north: Array, origin: Geographic) -> tuple[Array, Array]:

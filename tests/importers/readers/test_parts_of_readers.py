@@ -1,11 +1,41 @@
-"""Parts of readers of messages, by themselves: what is nearest in time, and from which origin a filter counts."""
+"""Parts of readers, by themselves: the Earth, what is nearest in time, from which origin a filter counts, doubts."""
+
+from datetime import UTC, datetime
 
 import numpy as np
+import pyproj
 import pytest
 
-from missionplan.importers.geodesy import displacement
+from missionplan.importers.geodesy import displacement, metres_per_degree, model_declination
 from missionplan.importers.importer import ChannelStore, Samples
 from missionplan.importers.readers import ardupilot, moos
+from missionplan.importers.reckoning import HEADING_ERROR
+from missionplan.importers.starter import _glide_doubt
+
+GEOD = pyproj.Geod(ellps="WGS84")
+
+
+@pytest.mark.parametrize("latitude", [-78.0, -33.5, 0.0, 12.0, 48.6, 70.0])
+def test_a_degree_is_as_long_as_geodesics_say(latitude):
+    step = 1e-4
+    east, north = metres_per_degree(latitude)
+    *_, along = GEOD.inv(0.0, latitude, step, latitude)
+    *_, up = GEOD.inv(0.0, latitude - step, 0.0, latitude + step)
+    assert float(east) == pytest.approx(along / step, abs=1e-3)
+    assert float(north) == pytest.approx(up / (2.0 * step), abs=1e-3)
+
+
+@pytest.mark.parametrize(("year", "is_known"), [(2007, False), (2009, True), (2031, True), (2034, False)])
+def test_the_magnetic_models_reach_two_years_beyond_their_own(year, is_known):
+    pytest.importorskip("pygeomag")
+    found = model_declination(48.0, -123.0, datetime(year, 7, 1, tzinfo=UTC).timestamp())
+    assert (found is not None) == is_known
+
+
+def test_the_doubt_of_a_glide_is_of_the_legs_that_have_one():
+    doubts = np.array([0.1, np.nan, 0.2, 0.15])
+    assert _glide_doubt(doubts) == pytest.approx((0.15**2 - HEADING_ERROR**2) ** 0.5, abs=1e-3)
+    assert np.isnan(_glide_doubt(np.full(3, np.nan)))
 
 
 def test_a_latitude_takes_the_longitude_nearest_in_time_before_or_after_it():
