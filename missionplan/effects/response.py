@@ -69,14 +69,13 @@ class Response(TransitEffect):
 
     @cached_property
     def _acting(self) -> tuple[str, ...]:
-        return tuple(each.name for each in fields(self) if np.any(getattr(self, each.name)))
+        return tuple(each.name for each in fields(self) if each.name in _FACTORS and np.any(getattr(self, each.name)))
 
     def velocity(self, leg: Leg) -> Array:
         """Return the velocity error of each leg but for what the current does, shape (2, n) [m/s]."""
         total = np.zeros(leg.along.shape)
         for name in self._acting:
-            if name in _FACTORS:
-                total = total + getattr(self, name) * _direction(name, leg) * _FACTORS[name](self, leg)
+            total = total + getattr(self, name) * _direction(name, leg) * _FACTORS[name](self, leg)
         return total
 
     def answer_to_current(self, leg: Leg, water: Array) -> Array:
@@ -158,7 +157,7 @@ _FACTORS: dict[str, Callable[[Response, Leg], Array]] = {
     **dict.fromkeys(("ahead_changed", "east_changed", "north_changed"), _changed),
     "abeam_before": lambda response, leg: 1.0 - _changed(response, leg),
     **dict.fromkeys(
-        ("ahead_deep", "abeam_deep"), lambda response, leg: np.asarray(leg.depth > response.below, dtype=float)
+        ("ahead_deep", "abeam_deep"), lambda response, leg: (leg.depth > response.below) + 0.0 * leg.t_start
     ),
 }
 

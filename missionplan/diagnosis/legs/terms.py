@@ -303,10 +303,7 @@ def _slab(model: TransitFitting, info: EffectInfo, name: str, column: Array) -> 
 
 
 def _moments(model: TransitFitting) -> Array:
-    """Moments at which something may change: a leg of the middle begins, and there are legs before it.
-
-    The mission's clock begins at its start: what changed before that holds throughout it.
-    """
+    """Moments after the mission's start at which something may change: a leg of the middle begins, not the first."""
     n = model.data.n
     middle = model.data.t_start[max(int(MIDDLE[0] * n), 1) : int(MIDDLE[1] * n) + 1]
     return np.asarray(middle[middle > 0.0])
