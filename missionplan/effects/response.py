@@ -156,9 +156,7 @@ _FACTORS: dict[str, Callable[[Response, Leg], Array]] = {
     },
     **dict.fromkeys(("ahead_changed", "east_changed", "north_changed"), _changed),
     "abeam_before": lambda response, leg: 1.0 - _changed(response, leg),
-    **dict.fromkeys(
-        ("ahead_deep", "abeam_deep"), lambda response, leg: (leg.depth > response.below) + 0.0 * leg.t_start
-    ),
+    **dict.fromkeys(("ahead_deep", "abeam_deep"), lambda own, leg: (leg.depth > own.below) + 0.0 * leg.t_start),
 }
 
 
