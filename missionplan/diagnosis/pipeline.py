@@ -71,9 +71,9 @@ class Reading:
         return sum(self.posterior[other] for other in held)
 
     def verdict(self, *, is_constant: bool = True) -> Verdict:
-        """Return the first verdict that fits."""
+        """Return the first verdict that fits: no model is adequate where something without a name is likely."""
         if 1.0 - self.nothing < SURE:
-            return "adequate"
+            return "unexplained" if self.none_of_these >= LIKELY else "adequate"
         claimed = self.claimed
         if not is_physical(claimed) or sum(p for causes, p in self.posterior.items() if is_physical(causes)) < LIKELY:
             return "unexplained"

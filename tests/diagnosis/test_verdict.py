@@ -52,6 +52,8 @@ BOTH = ("compass-bias", "speed-scale")
     [
         ({(): 0.06, A: 0.94}, 0.06, 0.0, "adequate"),
         ({(): 0.9, A: 0.1}, 0.01, 0.9, "unexplained"),
+        ({(): 0.8, A: 0.2}, 0.2, 0.7, "unexplained"),
+        ({(): 0.8, A: 0.2}, 0.45, 0.4, "adequate"),
         ({STATISTICAL: 0.97, A: 0.03}, 0.0, 0.0, "unexplained"),
         ({A: 0.97, B: 0.03}, 0.0, 0.0, "explained"),
         ({A: 0.7, BOTH: 0.27, B: 0.03}, 0.0, 0.0, "explained"),

@@ -19,6 +19,7 @@ from missionplan.report.diagnosis.evidence import (
     sized,
 )
 from missionplan.report.diagnosis.findings import (
+    UNLIKELY,
     WORTH_TELLING,
     disputed_causes,
     finding_in_words,
@@ -162,7 +163,17 @@ def _without_cause(diagnosis: Diagnosis) -> str:
     if diagnosis.causes:
         named = found_causes(diagnosis.causes, claimed_parameters(diagnosis))
         return f"The data fit {named}, which describes the errors: their physical cause is not identified."
-    return f"Something is left that no cause of the catalogue explains: it {left}."
+    return _left_over(diagnosis)
+
+
+def _left_over(diagnosis: Diagnosis) -> str:
+    """Write that something is left, how sure that is, and what it is like."""
+    is_sure = diagnosis.none_of_these >= 1.0 - UNLIKELY
+    chance = "" if is_sure else f" (with a probability of {percent(diagnosis.none_of_these)})"
+    like = [f": it looks like {what}" for _, what, _ in diagnosis.readings.responses[:1]]
+    if diagnosis.discrepancy.axis is not None:
+        like = [f": it {resemblance(diagnosis.discrepancy)}"]
+    return f"Something is left{chance} that no cause of the catalogue explains{''.join(like)}."
 
 
 def _claim(diagnosis: Diagnosis) -> str:

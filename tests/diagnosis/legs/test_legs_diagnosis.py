@@ -1,5 +1,7 @@
 """Navigation logs end to end: what is hidden is found, what is not there is not."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 import yaml
@@ -14,7 +16,9 @@ from missionplan.effects import CATALOGUE
 from missionplan.errors import InputError
 from missionplan.mission import Mission
 from missionplan.phases.hooks import velocity_error
+from missionplan.report.diagnosis.page import answer
 from missionplan.report.render import render_report
+from missionplan.results.learned.evidence import Readings
 from tests.fixtures import TRANSIT, make_legs
 from tests.learned import held, moments
 
@@ -197,6 +201,17 @@ def test_effect_free_legs_are_adequate(quick, legs):
     assert found.verdict == "adequate"
     assert found.causes == ()
     assert () in found.credible_set
+    assert found.none_of_these < 0.05
+
+
+def test_what_is_likely_to_have_no_name_is_told_with_its_probability_and_what_it_is_like(quick, legs):
+    found = quick(legs())
+    like = Readings(responses=(("time", "a velocity ahead that changes with time", 0.7),))
+    likely = replace(found, verdict="unexplained", none_of_these=0.73, readings=like)
+    words = "Something is left (with a probability of 73.0 %) that no cause of the catalogue explains: it looks like "
+    assert answer(likely).startswith(f"{words}a velocity ahead that changes with time. ")
+    unlike = replace(likely, readings=Readings())
+    assert answer(unlike).startswith(f"{words.partition(':')[0]}. ")
 
 
 @pytest.mark.slow
