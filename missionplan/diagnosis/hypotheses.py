@@ -4,9 +4,12 @@ import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
+import numpy as np
+
 from missionplan.diagnosis.coordinates import Coordinate
 from missionplan.diagnosis.given.priors import given_priors, is_learned
 from missionplan.diagnosis.inference.model import CauseFit
+from missionplan.diagnosis.inference.selection import CREDIBLE
 from missionplan.effects import CATALOGUE
 from missionplan.mission import Mission
 from missionplan.mission.learned import has_level
@@ -42,7 +45,8 @@ class Hypothesis:
 def seen_after(found: Sequence[Hypothesis], record: str) -> tuple[Seen, ...]:
     """Return what all records have told of levels, this one too.
 
-    Of a level on which hypotheses differ, what the likeliest has that knows of it.
+    Of a level on which hypotheses differ, what the likeliest has that knows of it, of those that hold `CREDIBLE` of the
+    probability or add to one of these: one without what the record shows takes its like for it.
 
     Parameters
     ----------
@@ -52,7 +56,9 @@ def seen_after(found: Sequence[Hypothesis], record: str) -> tuple[Seen, ...]:
         Hash of this one.
     """
     known: dict[LevelKey, tuple[Seen, ...]] = {}
-    for each in found:
+    before = np.cumsum([0.0, *(each.probability for each in found[:-1])])
+    credible = [frozenset(each.causes) for each in found[: int(np.count_nonzero(before < CREDIBLE))]]
+    for each in (one for one in found if any(own <= {*one.causes} for own in credible)):
         for key, seen in _seen_under(each, record).items():
             known.setdefault(key, seen)
     return tuple(row for rows in known.values() for row in rows)
