@@ -110,7 +110,8 @@ def _learned_in_words(history: History) -> str:
         return f"{who} {learned} learned no parameter."
     words = f"{who} {tells} of {many} parameter{'' if many == 1 else 's'}."
     if unlike := _contradicted(history.levels):
-        return f"{words} Those of one date do not agree on {unlike}: are they of one vehicle? Give each its own folder."
+        unlike = f"Those of one date do not agree on the {unlike}: are they of one vehicle?"
+        return f"{words} {unlike} Give each its own folder."
     levels = {(each.effect, each.name) for each in history.levels if each.jumps or each.has_trend}  # which say it
     changes = [each for each in history.changes if (each.effect, each.name) not in levels]
     if changes:
