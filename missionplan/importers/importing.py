@@ -183,7 +183,7 @@ def transit_data(reading: Reading, rules: LegRules, explain: Sequence[int] = ())
     parts = cut(reading.track, rules)
     _check_found(reading.track, parts)
     _check_numbers(explain, len(parts.dives))
-    found = numbers_of(parts.legs)
+    found, by_glide = numbers_of(parts.legs), parts.is_made and not len(reading.track.speed)
     text = mission_text(reading.name, found)
     mission_file = "mission.yaml"
     return ImportedData(
@@ -197,7 +197,7 @@ def transit_data(reading: Reading, rules: LegRules, explain: Sequence[int] = ())
             "file": "legs.csv",
             "noise": {
                 "fix": f"{found.fix_sd:.3g} m",
-                **({"reckoned_speed": found.glide_doubt} if parts.is_made and not len(reading.track.speed) else {}),
+                **({"reckoned_speed": min(found.glide_doubt, 1.0)} if found.glide_doubt > 0.0 and by_glide else {}),
             },
             "source": reading.source,
         },

@@ -86,8 +86,18 @@ def _parts(path: Path, head: bytes, names: Mapping[str, MappedName]) -> Iterator
             yield from mapped_parts(Variables(data), columns)
         return
     wanted = [each.name for each in columns.values()]
-    for chunk in text_chunks(path, wanted):
-        yield _of_text(chunk, columns)
+    for number, chunk in enumerate(text_chunks(path, wanted)):
+        found = _of_text(chunk, columns)
+        if number == 0 and "time" in columns:
+            _check_times(chunk[columns["time"].name], found["t"], columns["time"])
+        yield found
+
+
+def _check_times(words: "pd.Series[str]", found: Array, asked: MappedName) -> None:
+    """Refuse a file whose first rows hold no time of the form asked for."""
+    is_written = words.str.strip() != ""
+    if is_written.any() and not np.isfinite(found).any():
+        raise ValueError(f"no time in {asked.name} is as {asked.unit} says: {words[is_written].iloc[0]!r:.60}")
 
 
 def _of_text(chunk: pd.DataFrame, columns: Mapping[str, MappedName]) -> dict[str, Array]:
@@ -96,8 +106,6 @@ def _of_text(chunk: pd.DataFrame, columns: Mapping[str, MappedName]) -> dict[str
         words = chunk[each.name]
         if quantity == "time":
             found["t"] = times(words, each.unit)
-            if (is_written := words.str.strip() != "").any() and not np.isfinite(found["t"]).any():
-                raise ValueError(f"no time in {each.name} is as {each.unit} says: {words[is_written].iloc[0]!r:.60}")
         elif quantity in _ANGLES:
             found[quantity] = angles(words, each.unit)
         else:

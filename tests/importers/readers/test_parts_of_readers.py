@@ -3,12 +3,15 @@
 from datetime import UTC, datetime
 
 import numpy as np
+import pandas as pd
 import pyproj
 import pytest
 
 from missionplan.importers.geodesy import displacement, metres_per_degree, model_declination
 from missionplan.importers.importer import ChannelStore, Samples
+from missionplan.importers.mapping import MappedName
 from missionplan.importers.readers import ardupilot, moos
+from missionplan.importers.readers.track import _check_times
 from missionplan.importers.reckoning import HEADING_ERROR
 from missionplan.importers.starter import _glide_doubt
 
@@ -63,3 +66,11 @@ def test_a_filter_that_counts_from_an_origin_needs_that_origin(has_origin, count
         east, north = displacement(48.5, -123.25, found.latitude, found.longitude)
         assert east == pytest.approx([0.0, 30.0, 60.0], abs=2e-3)
         assert north == pytest.approx([0.0, 100.0, 200.0], abs=2e-3)
+
+
+def test_times_of_another_form_are_refused_where_a_file_begins_and_passed_by_later():
+    asked = MappedName("clock", "iso")
+    with pytest.raises(ValueError, match="no time in clock is as iso says: '12h'"):
+        _check_times(pd.Series(["", "12h"]), np.array([np.nan, np.nan]), asked)
+    _check_times(pd.Series(["12h", "2026-05-01"]), np.array([np.nan, 0.0]), asked)
+    _check_times(pd.Series(["", ""]), np.array([np.nan, np.nan]), asked)  # nothing is written
