@@ -85,6 +85,51 @@ def test_every_state_is_drawn_with_what_it_does_and_every_guard(drawn):
     assert len(boxes) == len(states) - 1  # abort is the bar at the right
 
 
+def test_boxes_frames_and_the_bar_hold_what_is_theirs_and_arrows_go_between_them(drawn):
+    plan, root = drawn
+    rects = {"#222222": [], "#dddddd": [], "#D55E00": []}
+    for each in root.iter(f"{SVG}rect"):
+        x, y, width, height = (float(each.get(key)) for key in ("x", "y", "width", "height"))
+        rects[each.get("stroke")].append((x, y, x + width, y + height))
+    boxes, frames, (bar,) = rects.values()
+    assert not [pair for each in (boxes, frames) for pair in combinations([*each, bar], 2) if over(*pair)]
+
+    def holds(outer, inner):
+        return outer[0] <= inner[0] and outer[1] <= inner[1] and inner[2] <= outer[2] and inner[3] <= outer[3]
+
+    assert len(frames) == len({state.name.rpartition("-")[0] for state in states_of(plan) if state.phase})
+    assert all(any(holds(frame, box) for box in boxes) for frame in frames)
+    assert bar[1] <= min(box[1] for box in boxes)
+    assert bar[3] >= max(box[3] for box in boxes)
+    (turned,) = [each for each in root.iter(f"{SVG}text") if each.get("transform")]
+    x, y = float(turned.get("x")), float(turned.get("y"))
+    half = 0.5 * width_of(turned.text, "bold")
+    assert holds(bar, (x - 9.0, y - half, x + 3.0, y + half))
+    assert turned.get("transform") == f"rotate(90 {x:.1f} {y:.1f})"
+    bold = [each for each in root.iter(f"{SVG}text") if each.get("font-weight") == "bold" and each is not turned]
+    assert all(any(holds(rect, extent(each)) for rect in boxes + frames) for each in bold)
+    ends = [
+        [tuple(map(float, point.split(","))) for point in each.get("points").split()]
+        for each in root.iter(f"{SVG}polyline")
+    ]
+    sides = {(side, y) for box in boxes + frames for side in (box[0], box[2]) for y in (box[1], box[3])}
+    for (x0, y0), *_, (x1, y1) in ends:
+        to_bar, down = x1 == bar[0], x0 == x1 and len({x0, x1}) == 1 and y1 > y0
+        within = [box for box in boxes if box[1] <= y1 <= box[3]]
+        assert to_bar or (down and any(y1 == box[1] for box in boxes)) or (within and x1 == within[0][0])
+        assert not to_bar or any(x0 == side for side, _ in sides)
+    groups = {}
+    for state in states_of(plan)[:-1]:
+        groups.setdefault(state.name.rpartition("-")[0], []).append(
+            {each for each in state.transitions if each.to == "abort"}
+        )
+    drawn_once = sum(
+        len(set.intersection(*group)) + sum(len(each - set.intersection(*group)) for each in group)
+        for group in groups.values()
+    )
+    assert len([each for each in ends if each[-1][0] == bar[0]]) == drawn_once
+
+
 def test_a_head_lies_at_the_end_of_its_line_and_points_along_it(drawn):
     _, root = drawn
 

@@ -418,6 +418,7 @@ def test_moos_without_an_origin_has_the_mission_s_own_plane():
     ("latitude", "longitude", "zone"),
     [
         *[(37.25, -76.38, 18), (60.0, 5.0, 32), (60.0, 2.0, 31), (60.0, 12.0, 33), (56.0, 3.0, 32), (55.9, 3.0, 31)],
+        *[(78.0, -1.0, 30), (78.0, 0.5, 31), (78.0, 41.9, 37), (78.0, 42.1, 38), (78.0, 47.0, 38), (71.9, 8.0, 32)],
         *[(78.0, 15.0, 33), (78.0, 8.0, 31), (78.0, 9.0, 33), (78.0, 21.0, 35), (78.0, 33.0, 37), (84.0, 8.0, 32)],
         *[(0.0, 180.0, 1), (0.0, -180.0, 1), (0.0, 179.9, 60), (0.0, -0.1, 30), (0.0, 0.0, 31), (64.0, 5.0, 31)],
     ],
@@ -453,6 +454,7 @@ def test_neptus(plan):
     assert [float(home.find(axis).text) for axis in ("latitude", "longitude", "depth")] == pytest.approx(
         [*(math.degrees(angle) for angle in plan.origin), 0.0], abs=1e-8
     )
+    assert [each.get("id") for each in root.findall("body/plan")] == ["1_ingress", "2_egress"]
     graphs = root.findall("body/plan/graph")
     for graph, transit in zip(graphs, plan.transits, strict=True):
         sequence = [node.find("maneuver") for node in in_order(graph)]
@@ -516,7 +518,10 @@ def in_order(graph):
 
 
 def test_neptus_writes_the_same_bytes_again(plan):
-    assert written(plan, "neptus") == written(plan, "neptus")
+    (content,) = written(plan, "neptus").values()
+    assert written(plan, "neptus") == {"trip.nmisz": content}
+    with zipfile.ZipFile(io.BytesIO(content)) as archive:
+        assert [each.date_time for each in archive.infolist()] == [(1980, 1, 1, 0, 0, 0)]  # as early as ZIP allows
 
 
 # Iver: lines of the block between START and END, as VectorMap's readers scan them
@@ -593,6 +598,7 @@ QGC = {
                 "version": {"const": 2},
                 "firmwareType": {"enum": [3, 12]},
                 "vehicleType": {"const": 12},
+                "globalPlanAltitudeMode": {"const": 1},
                 "plannedHomePosition": {"type": "array", "items": {"type": "number"}, "minItems": 3, "maxItems": 3},
                 "items": {
                     "type": "array",
@@ -601,6 +607,8 @@ QGC = {
                         "required": ["type", "autoContinue", "command", "doJumpId", "frame", "params"],
                         "properties": {
                             "type": {"const": "SimpleItem"},
+                            "autoContinue": {"const": True},
+                            "AltitudeMode": {"const": 1},
                             "params": {
                                 "type": "array",
                                 "items": {"type": ["number", "null"]},
@@ -651,7 +659,7 @@ def test_qgc(plan):
         assert [each["doJumpId"] for each in data["mission"]["items"]] == list(range(1, len(items) + 3))
         assert (speed["command"], speed["frame"]) == (178, 2)
         assert speed["params"] == [1, transit.speed, -1, 0, 0, 0, 0]
-        assert data["mission"]["cruiseSpeed"] == transit.speed
+        assert data["mission"]["cruiseSpeed"] == data["mission"]["hoverSpeed"] == transit.speed
         loiter = math.ceil(transit.surfacing.surface_time_p99) + 60
         ends = [*transit.waypoints[1:-1], transit.goal]
         begins = [transit.start, *ends[:-1]]
@@ -670,7 +678,7 @@ def test_qgc(plan):
             assert (item["command"], item["frame"], [*first, altitude]) == (command, 3, numbers)
             assert item["Altitude"] == altitude
             assert off(plan, point, latitude, longitude) < 0.01
-        assert (jump["command"], jump["params"][:2]) == (177, [len(items), 1 + transit.extra_legs])
+        assert (jump["command"], jump["params"]) == (177, [len(items), 1 + transit.extra_legs, 0, 0, 0, 0, 0])
 
 
 def test_qgc_as_mavlink_messages(plan):
@@ -819,3 +827,28 @@ def test_what_becomes_of_the_guard_for_the_battery_is_in_every_file(plan, name):
 def test_no_correction_is_missed_where_the_mission_makes_none(plan, name):
     said = [" ".join(format_named(name).lost(replace(plan, corrects=made))) for made in (True, False)]
     assert ["correction of the course" in words for words in said] == [True, False]
+
+
+@pytest.mark.parametrize(("radius", "metres"), [(0.4, 1), (2.7, 2), (4.99, 4), (38.5, 5)])
+def test_an_iver_turns_within_whole_metres_of_the_radius_and_five_at_most(radius, metres):
+    there, *others = PLANS["west"].phases
+    near = replace(PLANS["west"], phases=(replace(there, arrival_radius=radius), *others))
+    lines = written(near, "iver")["trip-1_ingress.mis"].split("\r\n")
+    assert block(lines, "START VEHICLE") == [f"UVC=WPRadius={metres}"]
+
+
+def test_how_far_a_helm_aims_off_is_said_of_the_transits_that_do():
+    """By (7.25, -3.5) m off the goal in one, and at the goal in the other."""
+    said = " ".join(format_named("moos").lost(PLANS["west"]))
+    assert "ingress aims 8.1 m off" in said
+    assert "egress aims" not in said
+
+
+@pytest.mark.parametrize(("depth", "goes_up_early"), [(0.5, False), (0.6, False), (0.7, True), (1.1, True)])
+def test_a_helm_goes_up_early_only_where_it_has_been_down(depth, goes_up_early):
+    there, *others = PLANS["west"].phases
+    plan = replace(PLANS["west"], phases=(replace(there, depth=depth), *others))
+    _, found = read_bhv(written(plan, "moos")["trip.bhv"])
+    assert ("early_1_ingress_leg" in found) == goes_up_early
+    if goes_up_early:
+        assert f"NAV_DEPTH > {0.5 * depth:.2f}" in found["early_1_ingress_leg"][1]

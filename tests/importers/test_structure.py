@@ -12,6 +12,8 @@ from missionplan.importers.importing import import_logs
 
 VOYAGE = made(legs=4, duration=2400.0, pause=600.0, step=20.0)
 ENDS = ("lat_start", "lon_start", "lat_dr_end", "lon_dr_end", "lat_end", "lon_end", "t_start_s", "t_end_s")
+LOGGED = {"speed_m_s": 0.01, "heading_deg": 0.5, "depth_m": 0.5, "max_depth_m": 0.1, "fix_sd_m": 0.01, "rpm": 0.1}
+"""What else a leg has, and how far two writings of it may differ."""
 
 
 def ends(result):
@@ -25,6 +27,11 @@ def agree(one, other, metres=0.5, seconds=1.0):
         away = np.hypot(*displacement(a[:, k], a[:, k + 1], b[:, k], b[:, k + 1]))
         assert away.max() <= metres
     np.testing.assert_allclose(a[:, 6:], b[:, 6:], rtol=0.0, atol=seconds)
+    for name, alike in LOGGED.items() if one.format == other.format else ():
+        off = one.table[name].to_numpy() - other.table[name].to_numpy()
+        off = (off + 180.0) % 360.0 - 180.0 if name == "heading_deg" else off
+        assert np.isfinite(off).all() or np.isnan(off).all()
+        assert np.nan_to_num(np.abs(off)).max() <= alike * max(1.0, metres), name
 
 
 # --- Seaglider, OG1: NetCDF -------------------------------------------------------------------------------------------

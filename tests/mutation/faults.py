@@ -1,6 +1,7 @@
 """Faults that a maintainer makes: a sign, a factor, a comparison, swapped arguments, another name, a condition dropped."""
 
 import ast
+import builtins
 import copy
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -130,7 +131,7 @@ def _others(node: ast.expr) -> Iterator[tuple[str, ast.expr]]:
             yield "constant", ast.Constant(type(value)(2 * value) if value else type(value)(1))
         case ast.Attribute(attr=attr) if attr in OTHER_NAME and isinstance(node.ctx, ast.Load):
             yield "another's name", _with(node, attr=OTHER_NAME[attr])
-        case ast.Name(id=name) if name in OTHER_NAME and isinstance(node.ctx, ast.Load) and name in dir(__builtins__):
+        case ast.Name(id=name) if name in OTHER_NAME and isinstance(node.ctx, ast.Load) and hasattr(builtins, name):
             yield "another's name", _with(node, id=OTHER_NAME[name])
         case ast.Call(func=func, args=[first, second, *rest]):
             alike = isinstance(first, ast.Constant) == isinstance(second, ast.Constant)
