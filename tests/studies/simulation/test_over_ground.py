@@ -28,7 +28,7 @@ MISSION = {
         "current": [{"down_to": "200 m", "speed": {"mean": "0.2 m/s", "sd": "0.05 m/s"}, "toward": "90 deg"}],
         "bathymetry": {"file": "slope.xyz", "projection": "local"},
     },
-    "navigation": {"velocity_error": {"sigma": "0.03 m/s"}, "surfacing_time": "60 s", "fix_error": "3 m"},
+    "navigation": {"velocity_error": {"sigma": "0.03 m/s"}, "surfacing_time": "30 s", "fix_error": "3 m"},
     "phases": [
         {
             "transit": {
