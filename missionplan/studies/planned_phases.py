@@ -275,8 +275,7 @@ class PhaseBuilder:
         weight = phase.anchor_wet_weight
         begun = self._elapsed
         (written,) = (moor for moor in means.mission.moors if moor.name == phase.name)
-        times = [float(each) for each in (phase.release_time, phase.hold, phase.galvanic_release)]
-        self._elapsed += sum(times) + float(means.surfacing_time)
+        self._elapsed += float(phase.release_time + phase.moored_time + means.surfacing_time)
         return PlannedMooring(
             name=phase.label,
             east=float(self._place[0]),
@@ -287,10 +286,10 @@ class PhaseBuilder:
             water_depth=math.nan if site is None or site.depth is None else float(site.depth),
             line_length=float(phase.line_length),
             anchor_wet_weight=math.nan if isinstance(weight, str) else float(weight),
-            release_time=times[0],
+            release_time=float(phase.release_time),
             release_time_p99=_p99(written.release_time),
-            hold=times[1],
-            galvanic_release=times[2],
+            hold=float(phase.hold),
+            galvanic_release=float(phase.galvanic_release),
             elapsed=begun,
             surface_time_p99=_p99(means.navigation.surfacing_time) if means.mission.navigation else 0.0,
         )

@@ -1,4 +1,4 @@
-"""Every duration that a mission file gives a mooring is in the plan, and in what each format tells the vehicle."""
+"""Every duration that a mission file gives a mooring is in trials, plan, and what each format tells the vehicle."""
 
 from dataclasses import replace
 
@@ -11,6 +11,7 @@ from missionplan.mission.schema.phases import MoorPhase
 from missionplan.montecarlo.distributions import mean_of
 from missionplan.results.plan import PlannedMooring
 from missionplan.studies.export import mission_plan
+from missionplan.studies.simulation.simulate import simulate_block
 
 DURATIONS = tuple(
     key for key, field in keys_of(MoorPhase).items() if any(parser.unit == "s" for parser in parsers_of(field))
@@ -30,6 +31,16 @@ def test_what_follows_a_mooring_is_as_much_later_as_it_lasts_longer(plan, key):
     later = mission_plan(mission.with_({f"moor.{key}": lasts}), seed=1)
     ends = [each.phases[-1].waypoints[-1].elapsed for each in (plan, later)]
     assert ends[1] - ends[0] == pytest.approx(LONGER)
+
+
+@pytest.mark.parametrize("key", DURATIONS)
+def test_a_trial_lasts_as_much_longer(key):
+    still = chesapeake().with_({"site.current": []})  # in a current a vehicle adrift for longer comes down elsewhere
+    longer = still.with_({f"moor.{key}": mean_of(getattr(still.moors[0], key)) + LONGER})
+    plain = still.with_({f"moor.{key}": mean_of(getattr(still.moors[0], key))})
+    blocks = (simulate_block(each, seed=1, block=0, trials=20) for each in (plain, longer))
+    before, after = (block.phases[1].quantities["duration_s"] for block in blocks)
+    assert after - before == pytest.approx(LONGER)
 
 
 @pytest.mark.parametrize("to", FORMATS)

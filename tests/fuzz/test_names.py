@@ -110,7 +110,7 @@ def test_hostile_names_do_no_harm_in_plans(form, tmp_path):
         out.parent.mkdir()
         planned = mission("chesapeake", names)
         if form == "slocum":  # at a glider's speed and depth
-            slower = {"speed": "0.35 m/s", "depth": "6 m"}
+            slower = {"speed": "0.35 m/s", "depth": "6 m", "arrival_radius": "60 m"}
             planned = planned.with_(
                 {f"{each.name}.{key}": value for each in planned.transits for key, value in slower.items()}
             )

@@ -11,7 +11,7 @@ import numpy as np
 from pydantic import Discriminator, Field, Tag, model_validator
 from typing_extensions import Doc
 
-from missionplan.arrays import Array
+from missionplan.arrays import Array, Scalars
 from missionplan.mission.schema import quantity_parser as q
 from missionplan.mission.schema.manoeuvring import TransitionPhase
 from missionplan.mission.schema.place import Position
@@ -186,6 +186,11 @@ class MoorPhase(PhaseSection, Generic[V]):
     lateral: Annotated[
         Literal["coupled", "uncoupled"], Doc("whether the line ties the drift of anchor and vehicle together")
     ] = "coupled"
+
+    @property
+    def moored_time(self: "MoorPhase[Scalars]") -> Scalars:
+        """Time from touchdown until the line parts [s]."""
+        return self.hold + self.galvanic_release
 
 
 class PhaseEntry(FileSection, Generic[V]):

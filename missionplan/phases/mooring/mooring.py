@@ -97,9 +97,8 @@ class MoorPlan:
     """R of Eq. 1: greatest distance of the anchor from the last fix [m]."""
     release_time: Scalars
     """From the last fix until the anchor separates [s]."""
-    hold: Scalars = 0.0
-    galvanic_release: Scalars = 0.0
-    """From touchdown until the release is triggered, and from then until the line parts [s]."""
+    moored_time: Scalars = 0.0
+    """From touchdown until the line parts [s]."""
     surfacing_time: Scalars = 0.0
     """At the surface after the ascent, up to the fix [s]."""
     fix_error: Scalars = 0.0
@@ -185,16 +184,16 @@ def moor(
         surface_velocity=surface_velocity(surface_effects, state.clock, release, state.position),
     )
     down, landed = descent.touched_down, state.position + descent.offset
-    sinking, standing = np.where(down, descent.descent_time, 0.0), plan.hold + plan.galvanic_release
-    parted_at = state.clock + release + sinking + standing
-    hold = hold_vehicle(lifted(plan.held, effects), current, landed, state.clock + release + sinking, standing)
+    sinking, moored = np.where(down, descent.descent_time, 0.0), plan.moored_time
+    parted_at = state.clock + release + sinking + moored
+    hold = hold_vehicle(lifted(plan.held, effects), current, landed, state.clock + release + sinking, moored)
     ascent = ascend(
         plan.dive,
         effects=effects,
         current=current,
         position=landed + hold.parted_from[:2],
         t_start=parted_at,
-        since_taut=sinking + standing - np.where(down, descent.payout_time, 0.0),
+        since_taut=sinking + moored - np.where(down, descent.payout_time, 0.0),
         start=over_trials(plan.dive.site_depth, state.trials) - hold.parted_from[2],
         end=plan.held.body.length,
     )

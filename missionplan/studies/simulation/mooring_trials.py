@@ -209,7 +209,7 @@ def _failures(block: TrialBlock, record: MoorRecord, begun: Flags, taut: Flags, 
 def _exposure(plan: MoorPlan, begun: Flags, record: MoorRecord) -> Exposure:
     """What the equipment of the trials that began the mooring goes through, to the end of the hold where they stay."""
     descent, one = record.descent, begun.astype(float)
-    held = descent.release_time + np.nan_to_num(descent.descent_time) + plan.hold + plan.galvanic_release
+    held = descent.release_time + np.nan_to_num(descent.descent_time) + plan.moored_time
     time = np.where(record.surfaced, np.nan_to_num(record.duration), held)
     down = begun & descent.touched_down
     up = (down & record.surfaced).astype(float)

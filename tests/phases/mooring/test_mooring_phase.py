@@ -29,7 +29,7 @@ HELD = Hold(
     LyingAnchor(11.8, 0.12, 0.2),
     12.2,
 )
-PLAN = MoorPlan(DIVE, HELD, 20.0, 10.0, 1200.0, 600.0, 90.0, hotel_power=8.0, surfacing_energy=50.0)
+PLAN = MoorPlan(DIVE, HELD, 20.0, 10.0, 1800.0, 90.0, hotel_power=8.0, surfacing_energy=50.0)
 NONE = np.zeros((2, N))
 
 
@@ -107,7 +107,7 @@ def test_what_drifts_at_the_surface_acts_before_release_and_after_the_ascent():
 
 def test_numbers_may_differ_between_trials():
     hold = np.linspace(0.0, 3600.0, N)
-    plan = MoorPlan(**{**vars(PLAN), "hold": hold, "radius": np.where(hold > 1800.0, 1.0, 20.0)})
+    plan = MoorPlan(**{**vars(PLAN), "moored_time": 600.0 + hold, "radius": np.where(hold > 1800.0, 1.0, 20.0)})
     _, record = moor(plan, state(), NONE, still(0.2))
     assert np.diff(record.duration) == pytest.approx(np.diff(hold))
     assert np.array_equal(record.within_radius, hold <= 1800.0)
