@@ -119,7 +119,7 @@ def moor_plan(scenario: Scenario, phase: MoorPhase[Scalars]) -> MoorPlan:
         held=hold_of(scenario, phase, dive.wet_weight),
         radius=phase.radius,
         release_time=phase.release_time,
-        moored_time=phase.moored_time,
+        moored_time=sum(phase.times_moored),
         surfacing_time=scenario.surfacing_time,
         fix_error=scenario.fix_sd,
         hotel_power=scenario.budget.hotel,

@@ -184,7 +184,7 @@ def _way(mission: Mission) -> tuple[float, float]:
     length = float(np.hypot(*np.diff(places, axis=1)).sum())
     speeds = [mean_of(phase.speed) for phase in mission.transits]
     speed = float(np.nanmean(speeds)) if speeds and not np.isnan(speeds).all() else np.inf
-    stays = [(phase.hold, phase.galvanic_release, phase.release_time) for phase in mission.moors]
+    stays = [(phase.release_time, *phase.times_moored) for phase in mission.moors]
     return length, length / speed + sum(mean_of(time) for stay in stays for time in stay)
 
 

@@ -73,7 +73,7 @@ def _currents(means: Scenario, phase: MoorPhase[Scalars], hold: Hold) -> Iterato
     if isinstance(current, LayeredCurrent):
         yield "worst current", layers_above(hold, _worst(means, phase, current), anchor, moment)
     else:
-        lasting = np.array([float(phase.moored_time)])
+        lasting = np.array([float(sum(phase.times_moored))])
         fastest, _ = extreme_moments(hold, current, anchor, moment, lasting)
         yield "fastest current of the hold", layers_above(hold, current, anchor, fastest)
 

@@ -275,7 +275,7 @@ class PhaseBuilder:
         weight = phase.anchor_wet_weight
         begun = self._elapsed
         (written,) = (moor for moor in means.mission.moors if moor.name == phase.name)
-        self._elapsed += float(phase.release_time + phase.moored_time + means.surfacing_time)
+        self._elapsed += float(sum((phase.release_time, *phase.times_moored)) + means.surfacing_time)
         return PlannedMooring(
             name=phase.label,
             east=float(self._place[0]),

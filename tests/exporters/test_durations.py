@@ -10,6 +10,7 @@ from missionplan.mission.reading.validation_errors import keys_of, parsers_of
 from missionplan.mission.schema.phases import MoorPhase
 from missionplan.montecarlo.distributions import mean_of
 from missionplan.results.plan import PlannedMooring
+from missionplan.studies.coverage import probability_holds
 from missionplan.studies.export import mission_plan
 from missionplan.studies.simulation.simulate import simulate_block
 
@@ -41,6 +42,14 @@ def test_a_trial_lasts_as_much_longer(key):
     blocks = (simulate_block(each, seed=1, block=0, trials=20) for each in (plain, longer))
     before, after = (block.phases[1].quantities["duration_s"] for block in blocks)
     assert after - before == pytest.approx(LONGER)
+
+
+@pytest.mark.parametrize("key", DURATIONS)
+def test_equipment_is_said_to_fail_in_all_that_time(key):
+    mission = chesapeake()
+    longer = mission.with_({f"moor.{key}": mean_of(getattr(mission.moors[0], key)) + 20.0 * 3600.0})
+    said = [next(row.why for row in probability_holds(each) if row.what == "equipment") for each in (mission, longer)]
+    assert said[0] != said[1]
 
 
 @pytest.mark.parametrize("to", FORMATS)

@@ -11,7 +11,7 @@ import numpy as np
 from pydantic import Discriminator, Field, Tag, model_validator
 from typing_extensions import Doc
 
-from missionplan.arrays import Array, Scalars
+from missionplan.arrays import Array
 from missionplan.mission.schema import quantity_parser as q
 from missionplan.mission.schema.manoeuvring import TransitionPhase
 from missionplan.mission.schema.place import Position
@@ -188,9 +188,9 @@ class MoorPhase(PhaseSection, Generic[V]):
     ] = "coupled"
 
     @property
-    def moored_time(self: "MoorPhase[Scalars]") -> Scalars:
-        """Time from touchdown until the line parts [s]."""
-        return self.hold + self.galvanic_release
+    def times_moored(self) -> tuple[V, ...]:
+        """Times that follow each other from touchdown until the line parts [s]."""
+        return self.hold, self.galvanic_release
 
 
 class PhaseEntry(FileSection, Generic[V]):
