@@ -275,7 +275,8 @@ class PhaseBuilder:
         weight = phase.anchor_wet_weight
         begun = self._elapsed
         (written,) = (moor for moor in means.mission.moors if moor.name == phase.name)
-        self._elapsed += float(sum((phase.release_time, *phase.times_moored)) + means.surfacing_time)
+        *on_bottom, release = phase.times_moored
+        self._elapsed += float(sum((phase.release_time, *on_bottom, release)) + means.surfacing_time)
         return PlannedMooring(
             name=phase.label,
             east=float(self._place[0]),
@@ -288,8 +289,8 @@ class PhaseBuilder:
             anchor_wet_weight=math.nan if isinstance(weight, str) else float(weight),
             release_time=float(phase.release_time),
             release_time_p99=_p99(written.release_time),
-            hold=float(phase.hold),
-            galvanic_release=float(phase.galvanic_release),
+            hold=float(sum(on_bottom)),
+            galvanic_release=float(release),
             elapsed=begun,
             surface_time_p99=_p99(means.navigation.surfacing_time) if means.mission.navigation else 0.0,
         )

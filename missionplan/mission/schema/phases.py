@@ -189,7 +189,7 @@ class MoorPhase(PhaseSection, Generic[V]):
 
     @property
     def times_moored(self) -> tuple[V, ...]:
-        """Times that follow each other from touchdown until the line parts [s]."""
+        """Times one after the other from touchdown, the last from the command to release until the line parts [s]."""
         return self.hold, self.galvanic_release
 
 
