@@ -41,12 +41,21 @@ def as_written(value: object, path: KeyPath, model: type[BaseModel]) -> object:
         return [as_written(inner, (*path, index), model) for index, inner in enumerate(value)]
     if isinstance(value, bool) or not isinstance(value, int | float):
         return value
-    unit = _unit(path, model)
+    unit = unit_at(path, model)
     short = f"{value:g}"
     return f"{short if float(short) == value else repr(value)} {unit}" if unit else value
 
 
-def _unit(path: KeyPath, model: type[BaseModel]) -> str:
+def unit_of(key: str, data: Mapping[str, object], model: type[BaseModel]) -> str:
+    """SI unit of the quantity that a key means, as `find_key` takes it; empty where it has none, or means nothing."""
+    try:
+        parts = _parts(key)
+        return unit_at(parts if parts[0] == "effects" else find_key(key, data, model)[0], model)
+    except UnclearKeyError:
+        return ""
+
+
+def unit_at(path: KeyPath, model: type[BaseModel]) -> str:
     """SI unit of the quantity at a key path; empty where it has none, or where it depends on other keys."""
     if path[-1] == "factor":
         return ""

@@ -110,8 +110,8 @@ class Unit:
 
     @property
     def suffix(self) -> str:
-        """What follows a number: a no-break space and the name."""
-        return f"{NO_BREAK_SPACE}{self.name}" if self.name else ""
+        """What follows a number: a no-break space and the name, which a degree sign goes without."""
+        return self.name if self.name in ("", "°") else f"{NO_BREAK_SPACE}{self.name}"
 
     @property
     def axis(self) -> str:

@@ -2,7 +2,7 @@
 
 import math
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from missionplan.arrays import Array, Scalars
 from missionplan.errors import InputError, Problem, RunError
 from missionplan.mission import Mission
+from missionplan.mission.changes import unit_of
 from missionplan.mission.checks.sections import quantity_unit
 from missionplan.mission.schema.phases import MoorPhase, Phase, TransitPhase
 from missionplan.mission.units import QuantityError, parse_number_with_unit
@@ -24,7 +25,7 @@ from missionplan.scenario.phases import line_strength
 from missionplan.scenario.scenario import Scenario
 from missionplan.scenario.site_current import MEMBER
 from missionplan.studies.simulation.block_statistics import SCALES, failures_by_step, requirement_key
-from missionplan.studies.simulation.phase_trials import Flags, PhaseTrials
+from missionplan.studies.simulation.phase_trials import SIDES, UNITS_OF_LEGS, Flags, PhaseTrials
 from missionplan.studies.simulation.trial_block import MissionTrials, run_trials
 
 _NOT_ARRIVED, _OUTSIDE, _STRUCK = Failure.NOT_ARRIVED, Failure.OUTSIDE, Failure.STRUCK
@@ -304,6 +305,16 @@ def drawn_inputs(trials: MissionTrials) -> dict[str, Array]:
     for phase in trials.phases:
         inputs |= {f"{phase.name}.{name}": values for name, values in phase.inputs.items()}
     return inputs
+
+
+def units_of_inputs(mission: Mission, names: Iterable[str]) -> dict[str, str]:
+    """SI units of what was drawn, by name: as the mission's keys declare it, or of what is summed up over legs."""
+    found = {}
+    for name in names:
+        of_legs, _, side = name.rpartition(".")
+        summed = UNITS_OF_LEGS.get(of_legs.rpartition(".")[2]) if side in SIDES else None
+        found[name] = summed or unit_of(name, mission.raw, type(mission))
+    return found
 
 
 def _first_steps(trials: MissionTrials) -> NDArray[np.str_]:

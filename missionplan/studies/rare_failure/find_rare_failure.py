@@ -10,7 +10,7 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from missionplan.arrays import Array
-from missionplan.mission import MissionOrPath
+from missionplan.mission import Mission, MissionOrPath
 from missionplan.montecarlo.parallel.blocks import Backend, Progress
 from missionplan.montecarlo.rare_events.failure_search import FailureSearch, Found, find
 from missionplan.montecarlo.rare_events.strata import ReliabilityIndices, StrataView, strata
@@ -28,6 +28,7 @@ from missionplan.studies.rare_failure.driven_trials import (
     discrete_values,
     drawn_inputs,
     margins,
+    units_of_inputs,
     variation_asked,
 )
 from missionplan.studies.run import Run, RunArguments
@@ -44,6 +45,7 @@ class Cause(Record):
     mean: Annotated[float, Entry("of the trials that fail so")]
     usual: Annotated[float, Entry("mean of all trials")]
     usual_sd: Annotated[float, Entry("standard deviation of all trials")]
+    unit: Annotated[str, Entry("of these numbers, in SI; empty where they have none")] = ""
 
     @property
     def shift(self) -> Annotated[float, Entry()]:
@@ -123,16 +125,20 @@ MOST_CAUSES = 4
 
 
 def failure_modes(
-    weights: Array, steps: NDArray[np.str_], inputs: Mapping[str, Array], usual: Mapping[str, Array]
+    weights: Array,
+    steps: NDArray[np.str_],
+    inputs: Mapping[str, Array],
+    usual: Mapping[str, Array],
+    units: Mapping[str, str],
 ) -> tuple[FailureMode, ...]:
     """Group failing trials by where they fail, and find what was drawn unlike usual.
 
     `weights` has shape (n,). `steps` has shape (n,). `inputs`, shape (n,): what was drawn in them; nan where it was
-    never needed. `usual`, shape (m,): the same of plain trials.
+    never needed. `usual`, shape (m,): the same of plain trials. `units`: of the inputs.
     """
     shares = {str(step): float(weights[steps == step].sum() / weights.sum()) for step in np.unique(steps)}
     modes = [
-        FailureMode(step, share, _causes(steps == step, weights, inputs, usual))
+        FailureMode(step, share, _causes(steps == step, weights, inputs, usual, units))
         for step, share in shares.items()
         if share >= LEAST_SHARE
     ]
@@ -140,7 +146,11 @@ def failure_modes(
 
 
 def _causes(
-    chosen: NDArray[np.bool_], weights: Array, inputs: Mapping[str, Array], usual: Mapping[str, Array]
+    chosen: NDArray[np.bool_],
+    weights: Array,
+    inputs: Mapping[str, Array],
+    usual: Mapping[str, Array],
+    units: Mapping[str, str],
 ) -> tuple[Cause, ...]:
     found = []
     for source, values in inputs.items():
@@ -149,7 +159,7 @@ def _causes(
         if before.size < 2 or weights[drawn].sum() < 0.5 * weights[chosen].sum() or not np.std(before) > 0.0:
             continue
         mean = float(np.average(values[drawn], weights=weights[drawn]))
-        found.append(Cause(source, mean, float(np.mean(before)), float(np.std(before))))
+        found.append(Cause(source, mean, float(np.mean(before)), float(np.std(before)), units[source]))
     unusual = [cause for cause in found if abs(cause.shift) >= LEAST_SHIFT]
     return tuple(sorted(unusual, key=lambda cause: -abs(cause.shift))[:MOST_CAUSES])
 
@@ -237,7 +247,7 @@ def find_rare_failure(
     options = {"rare": event, "trials": trials, "jobs": jobs, "backend": backend, "precision": precision}
     notices = (*input_notices(mission, means), *_notices(found, aim))
     provenance = run.provenance(options, notices, trials=PLAIN_TRIALS + found.trials)
-    return _result(provenance, wanted, driven.ways, found, usual)
+    return _result(provenance, mission, wanted, driven.ways, found, usual)
 
 
 def _with_ways(means: Scenario, event: RareEvent, seed: int) -> tuple[DrivenMission, ReliabilityIndices, _Usual]:
@@ -285,7 +295,12 @@ def _notices(found: Found[FailingTrials], aim: float) -> list[str]:
 
 
 def _result(
-    provenance: Provenance, event: RareEvent, ways: Sequence[str], found: Found[FailingTrials], usual: _Usual
+    provenance: Provenance,
+    mission: Mission,
+    event: RareEvent,
+    ways: Sequence[str],
+    found: Found[FailingTrials],
+    usual: _Usual,
 ) -> RareFailure:
     described = [batch.described for batch in found.batches]
     probability = wilson(usual.failed, PLAIN_TRIALS)
@@ -306,7 +321,7 @@ def _result(
         reached=weights.size > 0,
         nearest=max(each.nearest for each in found.screened),
         ways=_ways(ways, found, usual),
-        modes=failure_modes(weights, steps, inputs, usual.inputs),
+        modes=failure_modes(weights, steps, inputs, usual.inputs, units_of_inputs(mission, inputs)),
         sample=_sample(weights, steps, columns, provenance.seed),
     )
 

@@ -7,12 +7,13 @@ from collections.abc import Iterator
 from matplotlib.axes import Axes
 
 from missionplan.report.page import Block, Cells, Page, PageSection, Table
+from missionplan.report.quantities import Unit, reader_unit
 from missionplan.report.simulation.quantities import failure_in_words
 from missionplan.report.wording import capitalised, in_words, number
 from missionplan.studies.rare_failure.find_rare_failure import Cause, FailureMode, RareFailure, WayDriven
 
 _FAILS = "not total.success"
-_DEGREES = 180.0 / math.pi
+_DEGREES = Unit("°", math.radians(1.0))
 
 
 def page(found: RareFailure) -> Page:
@@ -81,22 +82,9 @@ def _causes_in_words(mode: FailureMode) -> str:
 
 
 def _value(cause: Cause, value: float) -> str:
-    """Write a value in SI; an angle in degrees."""
-    is_angle = cause.source.endswith((".toward", ".angle"))
-    size, unit = (_DEGREES, "°") if is_angle else (1.0, _unit(cause.source))
-    return f"{number(size * value, 0.05 * size * cause.usual_sd)}{unit}"
-
-
-def _unit(source: str) -> str:
-    """Unit of the inputs whose names tell it."""
-    name = source.rpartition("velocity_error" if "velocity_error" in source else ".")[2]
-    if "velocity_error" in source or name.endswith(("speed", "east", "north")):
-        return "\u00a0m/s"
-    if "fix_error" in source or name.endswith(("length", "depth", "diameter", "down_to")):
-        return "\u00a0m"
-    if name.endswith(("time", "hold", "galvanic_release")):
-        return "\u00a0s"
-    return "\u00a0N" if name.endswith(("weight", "buoyancy", "strength")) else ""
+    """Write a value in the reader's unit; an angle in degrees."""
+    unit = _DEGREES if cause.unit == "rad" else reader_unit(cause.unit, max(abs(cause.mean), abs(cause.usual)))
+    return f"{number(unit(value), 0.05 * unit(cause.usual_sd))}{unit.suffix}"
 
 
 def _how(found: RareFailure) -> Iterator[PageSection]:

@@ -219,6 +219,11 @@ def _quantities(record: TransitRecord, arrived: Flags) -> dict[str, Array]:
     return {name: where_reached(arrived, values) for name, values in quantities.items()}
 
 
+UNITS_OF_LEGS = {"velocity_error": "m/s", "fix_error": "m"}
+SIDES = ("along", "across")
+"""What is summed up of the draws of each leg, with its SI unit, along and across the course."""
+
+
 def _leg_inputs(
     plan: TransitPlan, normals: TransitNormals, state: TrialState, record: TransitRecord, goal: Array
 ) -> dict[str, Array]:
@@ -237,9 +242,10 @@ def _leg_inputs(
     return {
         f"{name}.{side}": values
         for name, vector in found.items()
-        for side, values in (
-            ("along", vector[0] * along[0] + vector[1] * along[1]),
-            ("across", vector[1] * along[0] - vector[0] * along[1]),
+        for side, values in zip(
+            SIDES,
+            (vector[0] * along[0] + vector[1] * along[1], vector[1] * along[0] - vector[0] * along[1]),
+            strict=True,
         )
     }
 

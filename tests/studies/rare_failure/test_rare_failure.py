@@ -17,14 +17,24 @@ from missionplan.arrays import Array
 from missionplan.cli import main
 from missionplan.errors import InputError
 from missionplan.mission import Mission
+from missionplan.montecarlo.distributions import mean_of
 from missionplan.montecarlo.rare_events.strata import StrataView, strata
 from missionplan.montecarlo.rare_events.subset_simulation import Key, NormalPopulation
 from missionplan.montecarlo.streams import BLOCK, LegNormals, stream
+from missionplan.report.quantities import reading_in
 from missionplan.scenario.scenario import Scenario
-from missionplan.studies.rare_failure.driven_trials import DrivenMission, RareEvent, discrete_values
-from missionplan.studies.rare_failure.find_rare_failure import find_rare_failure
+from missionplan.studies.rare_failure.driven_trials import (
+    DrivenMission,
+    RareEvent,
+    discrete_values,
+    drawn_inputs,
+    units_of_inputs,
+)
+from missionplan.studies.rare_failure.find_rare_failure import Cause, find_rare_failure
+from missionplan.studies.rare_failure.page import _value
 from missionplan.studies.simulation.simulate import simulate
 from missionplan.studies.simulation.trial_block import run_block
+from tests.fuzz import examples
 
 STARTER = Path(missionplan.__file__).parent / "starter" / "mission.yaml"
 TRANSIT = """
@@ -243,3 +253,34 @@ def test_the_command_writes_the_report_and_refuses_what_does_not_apply(
     assert again in (tmp_path / "out" / "report.html").read_text(encoding="utf-8")
     assert status("--resume") == 2
     assert "--resume" in capsys.readouterr().err
+
+
+def test_what_is_unlike_usual_is_said_in_its_declared_unit_and_the_readers():
+    data = examples.mission("rich")
+    data["effects"].append(
+        {
+            "tidal-current": {
+                "m2_east": {"mean": "0.1 m/s", "sd": "0.01 m/s"},
+                "m2_east_phase": {"mean": "60 deg", "sd": "6 deg"},
+            }
+        }
+    )
+    data["vehicle"]["anchor"]["flooded_mass"] = {"mean": "2.6 kg", "sd": "0.1 kg"}
+    mission = Mission.from_data(data)
+    trials = run_block(Scenario.at_means(mission), 1, 0, 20)
+    inputs = drawn_inputs(trials)
+    units = units_of_inputs(mission, inputs)
+    assert units["vehicle.anchor.flooded_mass"] == "kg"
+    assert units["effects.compass-bias.angle"] == units["effects.tidal-current.m2_east_phase"] == "rad"
+    assert units["ingress.velocity_error.across"] == units["effects.mean-current.north"] == "m/s"
+    assert units["ingress.fix_error.along"] == units["site.depth"] == "m"
+    assert {name for name, unit in units.items() if not unit} == {
+        name for name in inputs if name.endswith((".fraction", ".hypothesis", "one-of"))
+    }
+    for name, drawn in mission.quantities().items():
+        if units.get(name) and not name.startswith(("effects", "site.")):
+            mean = float(mean_of(drawn))
+            assert mission.with_({name: f"{mean!r} {units[name]}"}).quantities()[name] == mean
+    turned, swift = Cause("", 0.3, 0.0, 0.05, "rad"), Cause("", 0.25, 0.1, 0.02, "m/s")
+    with reading_in("nautical"):
+        assert [_value(turned, 0.3), _value(swift, 0.25)] == ["17.19°", "0.4860\xa0kn"]
