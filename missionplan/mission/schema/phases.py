@@ -170,11 +170,6 @@ class MoorPhase(PhaseSection, Generic[V]):
         Doc("time from the last fix until the anchor separates"),
         Limit((0.0, q.DAY), (0.0, 1800.0), "Briggs et al.: seconds"),
     ] = q.default(0.0)
-    settling_time: Annotated[
-        q.Duration[V],
-        Doc("time on the bottom until the hold begins, for instruments to settle"),
-        Limit((0.0, 30.0 * q.DAY), (0.0, q.DAY), "seismometers settle for minutes to hours"),
-    ] = q.default(0.0)
     hold: Annotated[
         q.Duration[V],
         Doc("time on the bottom until the release is commanded"),
@@ -195,7 +190,7 @@ class MoorPhase(PhaseSection, Generic[V]):
     @property
     def times_moored(self) -> tuple[V, ...]:
         """Times one after the other from touchdown, the last from the command to release until the line parts [s]."""
-        return self.settling_time, self.hold, self.galvanic_release
+        return self.hold, self.galvanic_release
 
 
 class PhaseEntry(FileSection, Generic[V]):
