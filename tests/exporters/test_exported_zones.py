@@ -11,6 +11,7 @@ import pytest
 from made_plans import PLANS, on_earth
 
 from missionplan.exporters.formats import FORMATS, format_named
+from missionplan.exporters.maps.geometry import areas
 from missionplan.exporters.plan_json import plan_schema
 from missionplan.results.plan import Fence
 
@@ -61,6 +62,31 @@ def same(found, wanted):
     assert all(part.is_valid for part in parts)
     found = shapely.union_all(parts)
     return found.symmetric_difference(wanted).area < 5e-5 * wanted.area
+
+
+@pytest.mark.parametrize("turned", range(4))
+@pytest.mark.parametrize("middle", [180.5, -179.5, 179.0, -181.0, 3.0, -90.0])
+def test_a_zone_on_either_side_of_the_antimeridian_covers_what_it_covers(middle, turned):
+    """Four degrees wide with a hole of one, from any of its corners on; places in it and out of it are asked for."""
+
+    def ring(half, low, high):
+        corners = [(low, -half), (low, half), (high, half), (high, -half)]
+        return tuple((math.radians(lat), math.radians(math.remainder(middle + east, 360.0))) for lat, east in corners)
+
+    outline, hole = ring(2.0, 10.0, 13.0), ring(0.5, 11.0, 12.0)
+    parts = areas(Fence("zone", outline[turned:] + outline[:turned], "land", holes=(hole,)))
+    made = [shapely.Polygon(part[0], part[1:]) for part in parts]
+    assert sum(each.area for each in made) == pytest.approx(4.0 * 3.0 - 1.0)
+    assert all(abs(longitude) <= 180.0 for part in parts for ring in part for longitude, _ in ring)
+    for east, lat, is_in in (
+        (-1.9, 10.1, True),
+        (1.9, 12.9, True),
+        (0.6, 11.5, True),
+        (0.4, 11.5, False),
+        (2.1, 11.0, False),
+    ):
+        place = shapely.Point(math.remainder(middle + east, 360.0), lat)
+        assert any(each.contains(place) for each in made) == is_in
 
 
 def test_geojson_holds_them_with_outlines_counter_clockwise_and_their_limits(plan):

@@ -233,6 +233,21 @@ def test_degrees_and_minutes_come_back(angle):
     assert decimal(float(text)) == pytest.approx(math.degrees(angle), abs=0.51e-4 / 60.0)
 
 
+def test_what_rounds_to_nothing_has_no_sign():
+    assert degrees_minutes(-1e-10) == degrees_minutes(1e-10) == degrees_minutes(0.0)
+    assert degrees_minutes(-1e-7).startswith("-")
+
+
+def test_a_glider_surfaces_at_a_point_on_the_way_where_there_is_one(plan):
+    there, *others = for_a_glider(plan).phases
+    start, *_, goal = there.waypoints
+    for count in (0, 1, 2):
+        way = replace(there, waypoints=(start, *[replace(goal, is_via=True)] * count, goal), aim=None)
+        texts = written(replace(for_a_glider(plan), phases=(way, *others)), "slocum")
+        assert ("surfac50.ma" in texts) == (count > 0)
+        assert read_ma(texts["goto_l10.ma"])[1]["num_waypoints", "nodim"] == count + 1
+
+
 def test_minutes_that_round_up_to_sixty_are_a_degree():
     assert degrees_minutes(math.radians(-(36 + 59.99999 / 60.0))) == "-3700.0000"
     assert degrees_minutes(math.radians(-0.5)) == "-030.0000"
