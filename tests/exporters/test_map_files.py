@@ -4,6 +4,7 @@ import io
 import json
 import math
 from dataclasses import replace
+from xml.etree import ElementTree
 
 import numpy as np
 import pandas as pd
@@ -11,7 +12,10 @@ import pytest
 from made_plans import GEOD, PLANS, metres_apart
 
 from missionplan.exporters.formats import FORMATS, format_named
+from missionplan.exporters.maps.geojson import feature, line_feature
 from missionplan.exporters.maps.geometry import COLOURS, kml_colour, parts, simplestyle
+from missionplan.exporters.maps.kml import kml
+from missionplan.results.plan_states import ACTIONS, states_of
 
 
 @pytest.fixture(params=PLANS)
@@ -130,6 +134,9 @@ def test_json(plan):
     assert data["start_utc"] == "2026-06-01T12:34:56+00:00"
     assert list(data["origin"].values()) == pytest.approx(np.degrees(plan.origin), abs=1e-12)
     assert data["origin"]["latitude_deg"] == pytest.approx(math.degrees(plan.origin[0]))
+    told = [(state["name"], state["kind"], state["phase"], state["does"]) for state in data["states"]]
+    assert told == [(state.name, state.kind, state.phase or None, ACTIONS[state.kind]) for state in states_of(plan)]
+    assert {phase for _, _, phase, _ in told} == {"ingress", "moor", "egress", None}
     there, moor, back = data["phases"]
     for held, transit in zip((there, back), plan.transits, strict=True):
         for row, point in zip(held.pop("waypoints"), transit.waypoints, strict=True):
@@ -349,6 +356,49 @@ def test_kml(plan):
         assert next(marks, None) is None
     styles = {f"#{style.id}" for style in document.styles}
     assert {mark.style_url.url for folder in document.features for mark in folder.features} <= styles
+
+
+def test_a_track_in_kml_tells_when_it_begins_and_ends_and_is_drawn_as_its_kind_is():
+    """A span for what lasts, a stamp for what has one time, nothing for what has none; lists are no data."""
+    times, elapsed = ["2026-06-01T12:00:00Z", "2026-06-01T12:10:00Z", "2026-06-01T12:30:00Z"], [3.0, 603.25, 1803.5]
+    line = [[-76.0, 37.0], [-76.1, 37.1], [-76.2, 37.3]]
+    marks = [
+        line_feature(line, kind, name=kind, elapsed_s=elapsed, coordTimes=times, phase="out", depth_m=2.0, trial=7)
+        for kind in ("planned track", "median track", "sample track")
+    ]
+    fixed = feature("Point", line[0], "fix", name="fix", time=times[1], elapsed_s=603.25, note=None)
+    untimed = feature("Point", line[0], "anchor", name="anchor")
+    root = ElementTree.fromstring(kml("made", "words", {"all": [*marks, fixed, untimed]}))
+    found = root.findall(".//{*}Placemark")
+    data = [{each.get("name"): each.find("{*}value").text for each in mark.findall(".//{*}Data")} for mark in found]
+    for mark, held in zip(found[:3], data[:3], strict=True):
+        assert (mark.find("{*}TimeSpan/{*}begin").text, mark.find("{*}TimeSpan/{*}end").text) == (times[0], times[2])
+        assert (float(held["begin_s"]), float(held["end_s"])) == (3.0, 1803.5)
+        assert not {"elapsed_s", "coordTimes"} & set(held)
+        assert (float(held["depth_m"]), held["trial"], held["phase"]) == (2.0, "7", "out")
+    assert found[3].find("{*}TimeStamp/{*}when").text == times[1]
+    assert float(data[3]["elapsed_s"]) == 603.25
+    assert "note" not in data[3]
+    assert found[4].find("{*}TimeStamp") is None
+    assert found[4].find("{*}TimeSpan") is None
+    styles = {each.get("id"): each for each in root.findall(".//{*}Style")}
+    assert set(styles) == {"planned-track", "median-track", "sample-track", "fix", "anchor"}
+    drawn = {
+        key: (each.find("{*}LineStyle/{*}color").text, float(each.find("{*}LineStyle/{*}width").text))
+        for key, each in styles.items()
+    }
+    assert drawn["planned-track"] == ("ff666666", 2.0)
+    assert drawn["median-track"] == ("ff005ed5", 3.0)
+    assert drawn["sample-track"] == ("66e9b456", 1.0)  # four tenths as dense: many lie over each other
+    assert drawn["fix"] == ("ff739e00", 2.0)
+    assert {each.find("{*}IconStyle/{*}color").text for each in styles.values()} == {
+        "ff666666",
+        "ff005ed5",
+        "ffe9b456",
+        "ff739e00",
+        "ffa779cc",
+    }
+    assert {each.find("{*}PolyStyle/{*}fill").text for each in styles.values()} == {"0"}
 
 
 def data_of(mark):
