@@ -109,7 +109,8 @@ def _place(latitude: float, longitude: float) -> Geographic:
 
 
 def _found(t: Array, east: Array, north: Array, fixes: Fixes) -> Geographic:
-    nearest = np.clip(np.searchsorted(t, fixes.t), 0, len(t) - 1)
+    after = np.clip(np.searchsorted(t, fixes.t), 0, len(t) - 1)
+    nearest = after - ((after > 0) & (fixes.t - t[after - 1] < t[after] - fixes.t))
     away = np.abs(t[nearest] - fixes.t)
     near = np.flatnonzero(away <= _NEAR)
     if not len(near):
@@ -146,8 +147,7 @@ def shifted(track: Track, latitude: float, longitude: float) -> Track:
     new = _place(latitude, longitude)
 
     def at_new(lat: Array, lon: Array) -> tuple[Array, Array]:
-        plane = to_plane(np.radians(lat), np.radians(lon), old)
-        moved = to_geographic(*plane, new)
+        moved = to_geographic(*to_plane(np.radians(lat), np.radians(lon), old), new)
         return np.degrees(moved[0]), np.degrees(moved[1])
 
     notice = f"all positions are moved: the first fix lies at {latitude:g}, {longitude:g}, a made-up place"
