@@ -192,3 +192,45 @@ def test_what_is_no_report_is_named_and_the_rest_is_told(tmp_path: Path) -> None
     assert found.reports == ("good",)
     assert len(found.provenance.notices) == 5
     assert all(notice.startswith("left out: ") for notice in found.provenance.notices)
+
+
+def test_every_number_of_an_entry_is_its_report_s(tmp_path: Path) -> None:
+    """And where all missions have a start, their times are those; the order of what has none is that of the reports."""
+    both = {"compass-bias": (0.05, 0.01), "speed-scale": (-0.02, 0.003)}
+    report(tmp_path, "a", "2026-05-09T00:00:00Z", found=both, start="2026-01-01T00:00:00Z", probability=0.8)
+    report(
+        tmp_path, "b", "2026-05-01T00:00:00Z", confirmed={"compass-bias": (0.06, 0.02)}, start="2026-02-01T00:00:00Z"
+    )
+    found = missionplan.history(tmp_path)
+    assert (found.by_start, found.ordered_by) == (True, "start")
+    rows = [
+        (e.report, e.mission, e.dataset, e.time[:10], e.effect, e.name, e.value, e.sd, e.unit, e.state, e.probability)
+        for e in found.entries
+    ]
+    assert rows == [
+        ("a", "made", "a", "2026-01-01", "compass-bias", "angle", 0.05, 0.01, "rad", "found", 0.8),
+        ("a", "made", "a", "2026-01-01", "speed-scale", "angle", -0.02, 0.003, "rad", "found", 0.8),
+        ("b", "made", "b", "2026-02-01", "compass-bias", "angle", 0.06, 0.02, "rad", "confirmed", 1.0),
+    ]
+    for each in found.entries:
+        assert (each.low, each.high) == pytest.approx((each.value - 1.645 * each.sd, each.value + 1.645 * each.sd))
+    assert [parameter.effect for parameter in found.values] == ["compass-bias", "speed-scale"]
+    (tmp_path / "b" / "mission.yaml").write_text("name: made")
+    later = missionplan.history(tmp_path)
+    assert (later.by_start, later.ordered_by, later.reports) == (False, "created", ("b", "a"))
+    assert [each.time[:10] for each in later.entries] == ["2026-05-01", "2026-05-09", "2026-05-09"]
+
+
+def test_a_level_that_holds_still_is_the_weighted_mean_of_its_measurements(tmp_path: Path) -> None:
+    values, sds = (0.050, 0.056, 0.047, 0.052), (0.004, 0.008, 0.005, 0.002)
+    for day, (name, value, sd) in enumerate(zip("abcd", values, sds, strict=True), 1):
+        told_afresh(tmp_path, name, day, value, sd)
+    (level,) = missionplan.history(tmp_path).levels
+    weights = np.array(sds) ** -2.0
+    mean = float(weights @ values / weights.sum())
+    assert (level.effect, level.name, level.unit) == ("compass-bias", "angle", "rad")
+    assert [each.record for each in level.missions] == list("abcd")
+    assert [each.date for each in level.missions] == [1.78e9 + day * 86400.0 for day in range(1, 5)]
+    assert level.agreement == 1.0  # one measurement a day tells nothing of it
+    assert level.next_value == pytest.approx(mean, abs=0.004)
+    assert [each.value for each in level.missions] == pytest.approx([mean] * 4, abs=0.004)
