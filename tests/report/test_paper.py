@@ -110,3 +110,22 @@ def test_the_sheet_for_the_boat_is_one_page(browser, reports, tmp_path):
     )
     assert browser.execute_script("return document.querySelectorAll('.sheet table').length") == 2
     assert len(paper(browser, tmp_path)) == 1
+
+
+def test_a_figure_is_as_wide_as_the_page_or_as_high_as_fits_and_its_text_has_8_pt(browser, reports, tmp_path):
+    show(browser, reports["simulate"], width=1280, unfolded=False)
+    browser.execute_cdp_cmd("Emulation.setEmulatedMedia", {"media": "print"})
+    try:
+        found = browser.execute_script(
+            "return [...document.querySelectorAll('figure svg')].map(svg => {"
+            " const box = svg.getBoundingClientRect(), scale = box.width / svg.viewBox.baseVal.width;"
+            " const text = svg.querySelector('text');"
+            " return [box.width, box.height, scale * parseFloat(getComputedStyle(text).fontSize)]; })"
+        )
+    finally:
+        browser.execute_cdp_cmd("Emulation.setEmulatedMedia", {"media": ""})
+    millimetre, point = 96.0 / 25.4, 96.0 / 72.0
+    assert found
+    for width, height, text in found:
+        assert text == pytest.approx(8.0 * point, rel=0.01)
+        assert width == pytest.approx(180.0 * millimetre, rel=0.01) or height > 74.0 * millimetre

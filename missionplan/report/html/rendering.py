@@ -19,8 +19,8 @@ from missionplan.report.wording import capitalised
 from missionplan.results.base import Provenance, to_yaml
 from missionplan.results.entries import mapping
 
-_LARGEST, _LARGEST_PRINTED = 1.7, 1.2
-"""Largest scale of a figure on the screen and on paper [px/pt]: text of 10 pt is then about as high as the page's."""
+_LARGEST = 1.7
+"""Largest scale of a figure on the screen [px/pt]: text of 10 pt is then about as high as the page's."""
 _TALL, _LONG = 0.8, 1.3
 """Height over width from which a figure is given more room on paper, so that its text can be read."""
 _LONG_NAME = 18
@@ -162,9 +162,8 @@ def inline(figure: Figure) -> Markup:
         count=1,
     )
     label = Markup.escape(figure.alt)
-    width = re.search(r'viewBox="0 0 ([\d.]+)', svg)
-    limits = [f"{scale * float(width[1]):.0f}px" for scale in (_LARGEST, _LARGEST_PRINTED)] if width else []
-    limit = f' style="--widest: {limits[0]}; --widest-printed: {limits[1]}"' if limits else ""
+    size = re.search(r'viewBox="0 0 ([\d.]+) ([\d.]+)"', svg)
+    limit = f' style="--widest: {_LARGEST * float(size[1]):.0f}px; --w: {size[1]}; --h: {size[2]}"' if size else ""
     return Markup(svg.replace("<svg", f'<svg preserveAspectRatio="xMinYMid" role="img" aria-label="{label}"{limit}', 1))
 
 
