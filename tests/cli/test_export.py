@@ -25,10 +25,11 @@ phases:
 
 
 def for_format(name: str, folder: Path) -> str:
-    """Mission that the vehicle of a format can sail: a glider's is slower and deeper."""
+    """Mission that the vehicle of a format can sail: a glider's is slower and deeper, in slack water."""
     if name != "slocum":
         return CHESAPEAKE
-    data = missionplan.load(CHESAPEAKE).with_({f"{p}.{k}": v for p in ("ingress", "egress") for k, v in GLIDER.items()})
+    gliding = {f"{phase}.{key}": value for phase in ("ingress", "egress") for key, value in GLIDER.items()}
+    data = missionplan.load(CHESAPEAKE).with_({**gliding, "site.current": []})
     path = folder / "chesapeake.yaml"
     path.write_text(yaml.safe_dump(dict(data.raw)))
     return str(path)
