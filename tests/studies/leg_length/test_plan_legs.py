@@ -272,13 +272,9 @@ effects:
 )
 def test_plans_run_together_have_the_numbers_that_each_has_alone(method, effects, tmp_path, monkeypatch):
     path = tmp_path / "slow.yaml"
-    path.write_text(
-        MEAN_COMPENSATION.replace("compensation: mean", f"compensation: {method}").replace(
-            "speed: 1 m/s", "speed: 0.25 m/s"
-        )
-        + effects,
-        encoding="utf-8",
-    )
+    text = MEAN_COMPENSATION.replace("compensation: mean", f"compensation: {method}")
+    text = text.replace("speed: 1 m/s", "speed: 0.25 m/s").replace("fix_error: 3 m", "fix_error: 3 m\n  max_legs: 60")
+    path.write_text(text + effects, encoding="utf-8")
     around = SweepScenario.environment
     place = Place(draught=np.linspace(0.2, 0.4, 60))  # of each trial its own
     monkeypatch.setattr(SweepScenario, "environment", lambda *given: replace(around(*given), place=place))
