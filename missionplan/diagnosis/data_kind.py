@@ -187,7 +187,7 @@ class DataKind(ABC):
         """Return the GPS fixes that are wrong."""
         return ()
 
-    def as_doubtful_as_reckoned(self, best: CauseFit) -> Causes:
+    def confounded_with_reckoning(self, best: CauseFit) -> Causes:
         """Return causes of a fit that the doubt of a made dead reckoning may be all of."""
         return ()
 

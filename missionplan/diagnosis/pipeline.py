@@ -265,7 +265,7 @@ def read(bound: DataKind, found: PipelineResult) -> Readings:
         bound.aliases(best) if best.causes else (),
         _predicts_better(bound, found) if best.causes else None,
         bound.wrong_fixes(best),
-        bound.as_doubtful_as_reckoned(best),
+        bound.confounded_with_reckoning(best),
     )
 
 

@@ -37,7 +37,7 @@ def told(
             next_measurements=entries,
             none_of_these=none_of_these,
             not_constant=not_constant,
-            readings=Readings(as_doubtful_as_reckoned=made),
+            readings=Readings(confounded_with_reckoning=made),
         )
     )
 

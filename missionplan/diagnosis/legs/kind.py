@@ -162,7 +162,7 @@ class TransitKind(DataKind):
         """Return the GPS fixes that are wrong."""
         return wrong_fixes(self.model, best)
 
-    def as_doubtful_as_reckoned(self, best: CauseFit) -> Causes:
+    def confounded_with_reckoning(self, best: CauseFit) -> Causes:
         """Return causes of the vehicle along its course, no larger than twice the doubt of a made reckoning's speed."""
         doubt = self.data.reckoned_speed_sd
         return () if doubt is None else _slower_or_faster(self.model.with_term(best.state.term), best, 2.0 * doubt)

@@ -50,7 +50,7 @@ def disputed_causes(diagnosis: Diagnosis) -> frozenset[str]:
     They are not in every rival, what has no name may be there in their place, they are not the same all along, or they
     are no larger than what a made dead reckoning is in doubt by.
     """
-    made = frozenset(diagnosis.readings.as_doubtful_as_reckoned)
+    made = frozenset(diagnosis.readings.confounded_with_reckoning)
     return made | _disputed_by_the_data(diagnosis)
 
 
@@ -74,7 +74,7 @@ def _find_out(diagnosis: Diagnosis, disputed: frozenset[str], *, is_all: bool) -
     if _may_have_no_name(diagnosis):
         rivals.append("something that no effect of the catalogue explains")
     until = next((entry.measurement for entry in diagnosis.next_measurements), "")
-    if disputed & {*diagnosis.readings.as_doubtful_as_reckoned}:
+    if disputed & {*diagnosis.readings.confounded_with_reckoning}:
         rivals.append("the dead reckoning itself, which was made without a logged speed")
         until = "log the vehicle's speed, or its own position, under water"
     tells = f"first {until or ('take data that tell them apart' if rivals else 'take more data')}"

@@ -142,7 +142,7 @@ class Readings:
     plan_with: bool | None = None
     """Whether the extended mission predicts data kept away better, one step and all the way; None where unknown."""
     wrong_fixes: tuple[WrongFix, ...] = ()
-    as_doubtful_as_reckoned: Causes = ()
+    confounded_with_reckoning: Causes = ()
     """Causes no larger than the doubt of a dead reckoning that was made without a logged speed."""
 
     def summary(self) -> dict[str, object]:
@@ -155,7 +155,7 @@ class Readings:
             "aliases": [asdict(alias) for alias in self.aliases],
             "plan_with": self.plan_with,
             "wrong_fixes": [asdict(fix) for fix in self.wrong_fixes],
-            "as_doubtful_as_reckoned": list(self.as_doubtful_as_reckoned),
+            "confounded_with_reckoning": list(self.confounded_with_reckoning),
         }
 
 
