@@ -178,13 +178,13 @@ class LegTrials(TrialKind):
         ends = self._ends[0][:, None] + np.cumsum(path, axis=1)
         under_way = np.full(count, legs.length / speed)
         surface = np.full(count, float(np.median(data.surface)))
-        pause = float(np.mean(self._means.surfacing_time))
         first = float(data.t_start[-1] + data.under_way[-1]) + LATER
+        lasting = under_way + surface + float(np.mean(self._means.surfacing_time))
         return replace(
             data,
             labels=np.array([f"leg {k + 1}" for k in range(count)]),
             run=np.zeros(count, dtype=int),
-            t_start=first + np.arange(count) * (under_way + surface + pause),
+            t_start=first + np.cumsum(lasting) - lasting,
             under_way=under_way,
             surface=surface,
             start=ends - path,
