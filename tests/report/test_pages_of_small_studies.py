@@ -291,7 +291,7 @@ def test_how_probable_a_failure_is_and_how_it_comes_about():
     )
     assert "77 % of these are" in words
     assert (
-        "high release time (moor) (9.00 s where 2.00 s is usual), low heading (ingress) (−4.00 ° where 0.00 ° is usual)"
+        "high release time (moor) (9.00 s where 2.00 s is usual), low heading (ingress) (−4.00° where 0.00° is usual)"
         in words
     )
     often = rare.answer(failure(probability=Probability(0.6, 0.5, 0.7)))
@@ -316,7 +316,7 @@ def test_the_tables_of_a_rare_failure():
     table = section.blocks[2]
     assert [row[1:] for row in rows(table)] == [
         ["release time (moor)", "9.00 s", "2.00 s", "+5.0"],
-        ["heading (ingress)", "−4.00 °", "0.00 °", "-2.0"],
+        ["heading (ingress)", "−4.00°", "0.00°", "-2.0"],
     ]
     (section,) = rare._driven(failure())
     assert section.heading == "1 of 3 ways to fail were not met"
