@@ -121,7 +121,7 @@ COMPASS_JUMP = EffectInfo(
     confused_with=("compass-bias", "compass-deviation", "persistent-error"),
     distinguished_by="Legs on several headings before and after it.",
     linear=False,
-    terms=(Term(("angle",), "moment"),),
+    terms=(Term(("angle",), ("moment",)),),
 )
 
 
@@ -281,7 +281,7 @@ SPEED_LOSS = EffectInfo(
     confused_with=("speed-scale",),
     distinguished_by="Legs at several speeds below and above the threshold, both ways along a line.",
     lacking=_needs_speeds("a speed scale"),
-    terms=(Term(("fraction",), "threshold"),),
+    terms=(Term(("fraction",), ("threshold",)),),
 )
 
 

@@ -116,8 +116,8 @@ class Term:
 
     strengths: tuple[str, ...]
     """One parameter, or two that are components."""
-    searched: str = ""
-    """The shape that they depend on; empty: none."""
+    searched: tuple[str, ...] = ()
+    """The shapes that they depend on: one, or the moment from which they act and that until which they do."""
     finding: Finding | None = None
     """How it is told, where it is not as the effect is."""
     lacking: Callable[[LegRecord], str] = lacks_nothing
@@ -191,9 +191,10 @@ class Parameter:
     """For a gradient: `scale` and `spike` are at most these over the extent of the record [unit·m]."""
     tank_spike: float = 0.0
     """`spike` for tank data, where it differs; 0: the same [unit]."""
-    searched: Literal["", "time", "period", "speed", "depth"] = ""
+    searched: Literal["", "time", "period", "speed", "depth", "course"] = ""
     """Along what of a log the values of a shape are tried one by one: the ``time`` at which something changes, the
-    ``period`` of what comes and goes, the ``speed`` or ``depth`` from which something does; empty: none."""
+    ``period`` of what comes and goes, or how often it does so in a circle of the ``course``, the ``speed`` or ``depth``
+    from which something does; empty: none."""
 
     @property
     def is_shape(self) -> bool:

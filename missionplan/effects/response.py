@@ -5,10 +5,12 @@ current, speed, depth, time, course. It says what the errors follow and names no
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, make_dataclass
 from functools import cached_property
+from typing import cast
 
 import numpy as np
+from numpy.typing import NDArray
 
 from missionplan.arrays import Array, Scalars
 from missionplan.effects.info import EffectInfo, Finding, LegRecord, Parameter, Term, lacks_nothing
@@ -16,60 +18,29 @@ from missionplan.phases.hooks import Leg, TransitEffect
 
 DAY = 86400.0
 HOUR = 3600.0
+Wave = NDArray[np.complex128]
 DEEPER = 100.0
 """Depth for which a response to depth is told [m]."""
 
 
 @dataclass(frozen=True)
-class Response(TransitEffect):
-    """Terms by their names: a share of the speed ahead, an angle abeam to starboard, or as their units say.
+class ShapedResponse(TransitEffect):
+    """Shapes on which a response may depend, and what it does with strengths of the names in `_STRENGTHS`.
 
-    A mission's response has the strengths of one term, and the shape on which it depends: the `moment` [s] from which
-    or before which it acts, the depth `below` [m] which it does, or the `period` [s] in which it comes and goes.
+    It acts from a `moment` [s] or until it, from that `until` another [s], `below` a depth [m], `above` a speed [m/s],
+    comes and goes with a `period` [s], or so many `times` in a circle of courses.
     """
 
-    ahead_by_current_across: Scalars = 0.0
-    abeam_by_current_along: Scalars = 0.0
-    ahead_constant: Scalars = 0.0
-    ahead_by_speed: Scalars = 0.0
-    ahead_by_depth: Scalars = 0.0
-    east_by_depth: Scalars = 0.0
-    north_by_depth: Scalars = 0.0
-    ahead_by_time_under_way: Scalars = 0.0
-    abeam_by_time_under_way: Scalars = 0.0
-    ahead_each_leg: Scalars = 0.0
-    abeam_each_leg: Scalars = 0.0
-    east_each_leg: Scalars = 0.0
-    north_each_leg: Scalars = 0.0
-    ahead_by_time: Scalars = 0.0
-    abeam_by_time: Scalars = 0.0
-    ahead_in_turns_cosine: Scalars = 0.0
-    ahead_in_turns_sine: Scalars = 0.0
-    abeam_in_turns_cosine: Scalars = 0.0
-    abeam_in_turns_sine: Scalars = 0.0
-    ahead_by_course_cosine: Scalars = 0.0
-    ahead_by_course_sine: Scalars = 0.0
-    ahead_by_twice_course_cosine: Scalars = 0.0
-    ahead_by_twice_course_sine: Scalars = 0.0
-    ahead_by_thrice_course_cosine: Scalars = 0.0
-    ahead_by_thrice_course_sine: Scalars = 0.0
-    abeam_by_twice_course_cosine: Scalars = 0.0
-    abeam_by_twice_course_sine: Scalars = 0.0
-    abeam_by_thrice_course_cosine: Scalars = 0.0
-    abeam_by_thrice_course_sine: Scalars = 0.0
-    ahead_changed: Scalars = 0.0
-    abeam_before: Scalars = 0.0
-    east_changed: Scalars = 0.0
-    north_changed: Scalars = 0.0
-    ahead_deep: Scalars = 0.0
-    abeam_deep: Scalars = 0.0
     moment: Scalars = 0.0
+    until: Scalars = 0.0
     below: Scalars = 0.0
+    above: Scalars = 0.0
     period: Scalars = DAY
+    times: Scalars = 1.0
 
     @cached_property
     def _acting(self) -> tuple[str, ...]:
-        return tuple(each.name for each in fields(self) if each.name in _FACTORS and np.any(getattr(self, each.name)))
+        return tuple(name for name in _FACTORS if np.any(getattr(self, name)))
 
     def velocity(self, leg: Leg) -> Array:
         """Return the velocity error of each leg but for what the current does, shape (2, n) [m/s]."""
@@ -81,7 +52,7 @@ class Response(TransitEffect):
     def answer_to_current(self, leg: Leg, water: Array) -> Array:
         """Return the velocity error that the current causes, shape (2, n) [m/s]."""
         along, across = np.sum(water * leg.along, axis=0), np.sum(water * starboard(leg), axis=0)
-        across, along = self.ahead_by_current_across * across, self.abeam_by_current_along * along
+        across, along = (getattr(self, name) * part for name, part in zip(_BY_CURRENT, (across, along), strict=True))
         return np.asarray(across * leg.along + along * starboard(leg))
 
 
@@ -103,37 +74,36 @@ def _middle(leg: Leg) -> Array:
     return leg.t_start + 0.5 * leg.duration
 
 
-def _harmonic(order: int, sine: int) -> Callable[[Response, Leg], Array]:
-    function = np.sin if sine else np.cos
-
-    def factor(response: Response, leg: Leg) -> Array:
-        return np.asarray(function(order * np.arctan2(*leg.along)))
-
-    return factor
+def _by_course(response: ShapedResponse, leg: Leg) -> Wave:
+    return np.asarray(np.exp(1j * response.times * np.arctan2(*leg.along)))
 
 
-def _in_turns(sine: int) -> Callable[[Response, Leg], Array]:
+def _in_turns(response: ShapedResponse, leg: Leg) -> Wave:
     """Mean over each leg of what comes and goes."""
-    function = np.sin if sine else np.cos
-
-    def factor(response: Response, leg: Leg) -> Array:
-        at = 2.0 * np.pi * _middle(leg) / response.period
-        return np.asarray(np.sinc(leg.duration / response.period) * function(at))
-
-    return factor
+    return np.asarray(np.sinc(leg.duration / response.period) * np.exp(2j * np.pi * _middle(leg) / response.period))
 
 
-def _per_leg(response: Response, leg: Leg) -> Array:
+def _per_leg(response: ShapedResponse, leg: Leg) -> Array:
     return np.asarray(1.0 / np.where(leg.duration > 0.0, leg.duration, np.inf))
 
 
-def _changed(response: Response, leg: Leg) -> Array:
-    """Share of each leg after the moment."""
-    return leg.share_after(response.moment)
+Factor = Callable[[ShapedResponse, Leg], Array]
 
 
+def _part(of: Callable[[Wave], Array], wave: Callable[[ShapedResponse, Leg], Wave]) -> Factor:
+    return lambda response, leg: np.asarray(of(wave(response, leg)))
+
+
+_SHAPES = {
+    "moment": Parameter("s", "from or until which it acts", 0.0, median=6.0 * HOUR, factor=4.0, searched="time"),
+    "until": Parameter("s", "until which it acts", 0.0, median=9.0 * HOUR, factor=4.0, searched="time"),
+    "below": Parameter("m", "depth below which it acts", 0.0, median=50.0, factor=3.0, searched="depth"),
+    "above": Parameter("m/s", "speed above which it acts", 0.0, median=1.2, factor=1.5, searched="speed"),
+    "period": Parameter("s", "of coming and going", 0.0, median=3 * HOUR, factor=3, default=DAY, searched="period"),
+    "times": Parameter("", "in a circle of courses", 0.0, median=2.0, factor=2.0, default=1.0, searched="course"),
+}
 _NOT_OF_SPEED = ("ahead_constant", "ahead_each_leg", "abeam_each_leg")
-_FACTORS: dict[str, Callable[[Response, Leg], Array]] = {
+_FACTORS: dict[str, Factor] = {
     "ahead_constant": lambda response, leg: np.ones_like(leg.t_start),
     "ahead_by_speed": lambda response, leg: np.asarray(leg.speed + 0.0 * leg.t_start),
     **dict.fromkeys(
@@ -143,24 +113,43 @@ _FACTORS: dict[str, Callable[[Response, Leg], Array]] = {
     **dict.fromkeys(("ahead_each_leg", "abeam_each_leg", "east_each_leg", "north_each_leg"), _per_leg),
     **dict.fromkeys(("ahead_by_time", "abeam_by_time"), lambda response, leg: _middle(leg)),
     **{
-        f"{side}_in_turns_{part}": _in_turns(i)
+        f"{side}_{words}_{part}": _part(of, wave)
+        for words, wave in (("in_turns", _in_turns), ("by_course", _by_course))
         for side in ("ahead", "abeam")
-        for i, part in enumerate(("cosine", "sine"))
+        for part, of in (("cosine", np.real), ("sine", np.imag))
     },
-    **{
-        f"{side}_by_{words}course_{part}": _harmonic(order, i)
-        for side, orders in (("ahead", (1, 2, 3)), ("abeam", (2, 3)))
-        for order, words in enumerate(("", "twice_", "thrice_"), start=1)
-        if order in orders
-        for i, part in enumerate(("cosine", "sine"))
-    },
-    **dict.fromkeys(("ahead_changed", "east_changed", "north_changed"), _changed),
-    "abeam_before": lambda response, leg: 1.0 - _changed(response, leg),
-    **dict.fromkeys(("ahead_deep", "abeam_deep"), lambda own, leg: (leg.depth > own.below) + 0.0 * leg.t_start),
+    **dict.fromkeys(
+        ("ahead_changed", "east_changed", "north_changed"), lambda response, leg: leg.share_after(response.moment)
+    ),
+    "abeam_before": lambda response, leg: 1.0 - leg.share_after(response.moment),
+    **dict.fromkeys(
+        ("ahead_while", "abeam_while", "east_while", "north_while"),
+        lambda response, leg: leg.share_after(response.moment) - leg.share_after(response.until),
+    ),
+    **dict.fromkeys(
+        ("ahead_deep", "abeam_deep", "east_deep", "north_deep"),
+        lambda response, leg: (leg.depth > response.below) + 0.0 * leg.t_start,
+    ),
+    "abeam_fast": lambda response, leg: (leg.speed > response.above) + 0.0 * leg.t_start,
 }
+_BY_CURRENT = ("ahead_by_current_across", "abeam_by_current_along")
+_STRENGTHS = (*_BY_CURRENT, *_FACTORS)
+Response = cast(
+    type[ShapedResponse],
+    make_dataclass(
+        "Response",
+        [(name, Scalars, 0.0) for name in _STRENGTHS],
+        bases=(ShapedResponse,),
+        namespace={"__module__": __name__, "__doc__": "A share of the speed, an angle abeam, or as their units say."},
+        frozen=True,
+    ),
+)
 
 
-def _needs(quantity: str, least: float, words: str) -> Callable[[LegRecord], str]:
+Lacking = Callable[[LegRecord], str]
+
+
+def _needs(quantity: str, least: float, words: str) -> Lacking:
     return lambda record: "" if getattr(record, quantity) > least else f"needs {words}"
 
 
@@ -169,18 +158,48 @@ _needs_durations = _needs("durations", 0.1, "legs of different lengths")
 _needs_depths = _needs("depths", 2.0, "the depth of the legs, and different ones")
 
 
-def _two(stem: str, words: str, searched: str = "") -> Term:
+def _two(stem: str, words: str, searched: str) -> Term:
     """A term of a cosine and a sine."""
     parts = (f"{stem}_cosine", f"{stem}_sine")
     finding = Finding(parts[0], words, in_percent=stem.startswith("ahead"), toward=parts)
-    return Term(parts, searched, finding)
+    return Term(parts, (searched,), finding)
 
 
-def _one(name: str, positive: str, negative: str, lacking: Callable[[LegRecord], str], each: float = 1.0) -> Term:
+def _drifts(what: str, words: str, lacking: Lacking, searched: tuple[str, ...] = (), each: float = 1.0) -> Term:
+    """A term fixed to the Earth."""
+    parts = (f"east_{what}", f"north_{what}")
+    words, unit = f"it drifts {{size}} toward {{direction}} {words}", "m/s" if each != 1.0 else ""
+    return Term(parts, searched, Finding(parts[0], words, toward=parts, each=each, unit=unit), lacking)
+
+
+def _aside(name: str, words: str, searched: tuple[str, ...], lacking: Lacking) -> Term:
+    """A turn of the course."""
+    clause = f"it goes {{size}} to starboard {words}"
+    return Term((name,), searched, Finding(name, clause, clause.replace("starboard", "port")), lacking)
+
+
+def _where(what: str, when: str, searched: tuple[str, ...], lacking: Lacking) -> tuple[Term, ...]:
+    """Terms ahead, fixed to the Earth and abeam that act at times, or at some depths."""
+    faster, slower = f"it is {{size}} faster {when}", f"it is {{size}} slower {when}"
+    ahead = Term((f"ahead_{what}",), searched, Finding(f"ahead_{what}", faster, slower, in_percent=True), lacking)
+    return ahead, _drifts(what, when, lacking, searched), _aside(f"abeam_{what}", when, searched, lacking)
+
+
+def _one(name: str, positive: str, negative: str, lacking: Lacking, each: float = 1.0) -> Term:
     in_percent = _PARAMETERS[name].unit in ("", "1/m", "1/s", "s/m")
     unit = _PARAMETERS[name].unit.split("/")[0] if each != 1.0 else ""
     finding = Finding(name, positive, negative, in_percent=in_percent, each=each, unit=unit)
     return Term((name,), finding=finding, lacking=lacking)
+
+
+def _faster(name: str, words: str, lacking: Lacking, each: float = 1.0) -> Term:
+    return _one(name, f"it goes {{size}} faster {words}", f"it goes {{size}} slower {words}", lacking, each)
+
+
+def _by_time(what: str, words: str, lacking: Lacking) -> tuple[Term, Term]:
+    """Terms ahead and abeam that grow with a time."""
+    right, left = f"its course turns {{size}} to starboard {words}", f"its course turns {{size}} to port {words}"
+    return _faster(f"ahead_by_{what}", words, lacking, HOUR), _one(f"abeam_by_{what}", right, left, lacking, HOUR)
 
 
 def _turned(name: str, of: str, side: str) -> Term:
@@ -190,25 +209,23 @@ def _turned(name: str, of: str, side: str) -> Term:
 
 def _strengths() -> dict[str, Parameter]:
     found = {}
-    for each in fields(Response):
-        side = each.name.split("_")[0]
-        if each.name in ("moment", "below", "period"):
-            continue
+    for name in _STRENGTHS:
+        side = name.split("_")[0]
         unit, scale = {"ahead": ("", 0.05), "abeam": ("rad", 0.05)}.get(side, ("m/s", 0.05))
-        if "current" in each.name:
+        if "current" in name:
             unit, scale = "", 0.5
-        elif each.name == "ahead_constant":
+        elif name == "ahead_constant":
             unit, scale = "m/s", 0.05
-        elif "by_speed" in each.name:
+        elif "by_speed" in name:
             unit, scale = "s/m", 0.1
-        elif "by_depth" in each.name:
+        elif "by_depth" in name:
             unit, scale = {"": "1/m", "m/s": "1/s"}[unit], 1e-3
-        elif "time" in each.name:
+        elif "time" in name:
             unit, scale = ("1/s" if side == "ahead" else "rad/s"), 0.05 / HOUR
-        elif "each_leg" in each.name:
+        elif "each_leg" in name:
             unit, scale = "m", 20.0
-        doc = each.name.replace("_", " ")
-        found[each.name] = Parameter(unit, f"velocity error {doc}", scale=scale, spike=1e-3 * scale)
+        doc = name.replace("_", " ")
+        found[name] = Parameter(unit, f"velocity error {doc}", scale=scale, spike=1e-3 * scale)
     return found
 
 
@@ -216,131 +233,30 @@ _PARAMETERS = _strengths()
 TERMS = (
     _turned("ahead_by_current_across", "from port to starboard", "ahead"),
     _turned("abeam_by_current_along", "from astern", "to starboard"),
-    _one(
-        "ahead_constant",
-        "it goes {size} faster at any speed",
-        "it goes {size} slower at any speed",
-        _needs_speeds,
-    ),
-    _one(
-        "ahead_by_speed",
-        "it goes {size} faster than it reckons for each m/s of its speed",
-        "it goes {size} slower than it reckons for each m/s of its speed",
-        _needs_speeds,
-    ),
-    _one(
-        "ahead_by_depth",
-        "it goes {size} faster for each 100 m of depth",
-        "it goes {size} slower for each 100 m of depth",
-        _needs_depths,
-        DEEPER,
-    ),
-    Term(
-        ("east_by_depth", "north_by_depth"),
-        finding=Finding(
-            "east_by_depth",
-            "it drifts {size} toward {direction} more for each 100 m of depth",
-            toward=("east_by_depth", "north_by_depth"),
-            each=DEEPER,
-            unit="m/s",
-        ),
-        lacking=_needs_depths,
-    ),
-    _one(
-        "ahead_by_time_under_way",
-        "it goes {size} faster for each hour that a leg lasts",
-        "it goes {size} slower for each hour that a leg lasts",
-        _needs_durations,
-        HOUR,
-    ),
-    _one(
-        "abeam_by_time_under_way",
-        "its course turns to starboard, by {size} for each hour that a leg lasts",
-        "its course turns to port, by {size} for each hour that a leg lasts",
-        _needs_durations,
-        HOUR,
-    ),
+    _faster("ahead_constant", "at any speed", _needs_speeds),
+    _faster("ahead_by_speed", "than it reckons for each m/s of its speed", _needs_speeds),
+    _faster("ahead_by_depth", "for each 100 m of depth", _needs_depths, DEEPER),
+    _drifts("by_depth", "more for each 100 m of depth", _needs_depths, each=DEEPER),
+    *_by_time("time_under_way", "for each hour that a leg lasts", _needs_durations),
     _one("ahead_each_leg", "it gains {size} on each leg", "it loses {size} on each leg", _needs_durations),
-    _one(
-        "abeam_each_leg",
-        "it ends each leg {size} to starboard",
-        "it ends each leg {size} to port",
-        _needs_durations,
-    ),
-    Term(
-        ("east_each_leg", "north_each_leg"),
-        finding=Finding(
-            "east_each_leg",
-            "it ends each leg, whatever its length, {size} toward {direction}",
-            toward=("east_each_leg", "north_each_leg"),
-        ),
-        lacking=_needs_durations,
-    ),
-    _one(
-        "ahead_by_time",
-        "it becomes faster, by {size} an hour",
-        "it becomes slower, by {size} an hour",
-        lacks_nothing,
-        HOUR,
-    ),
-    _one(
-        "abeam_by_time",
-        "its course turns to starboard with time, by {size} an hour",
-        "its course turns to port with time, by {size} an hour",
-        lacks_nothing,
-        HOUR,
-    ),
-    _two("ahead_in_turns", "its speed differs by up to {size} in turns of {at}", searched="period"),
-    _two("abeam_in_turns", "its course is turned by up to {size} in turns of {at}", searched="period"),
-    _two("ahead_by_course", "its speed differs by up to {size} with its course"),
-    _two("ahead_by_twice_course", "its speed differs by up to {size} twice in a circle of courses"),
-    _two("ahead_by_thrice_course", "its speed differs by up to {size} thrice in a circle of courses"),
-    _two("abeam_by_twice_course", "its course is turned by up to {size} twice in a circle of courses"),
-    _two("abeam_by_thrice_course", "its course is turned by up to {size} thrice in a circle of courses"),
-    Term(
-        ("ahead_changed",),
-        "moment",
-        Finding(
-            "ahead_changed", "it is {size} faster from {at} on", "it is {size} slower from {at} on", in_percent=True
-        ),
-    ),
-    Term(
-        ("abeam_before",),
-        "moment",
-        Finding("abeam_before", "it goes {size} to starboard until {at}", "it goes {size} to port until {at}"),
-    ),
-    Term(
-        ("east_changed", "north_changed"),
-        "moment",
-        Finding(
-            "east_changed",
-            "it drifts {size} toward {direction} from {at} on",
-            toward=("east_changed", "north_changed"),
-        ),
-    ),
-    Term(
-        ("ahead_deep",),
-        "below",
-        Finding("ahead_deep", "it is {size} faster below {at}", "it is {size} slower below {at}", in_percent=True),
-        _needs_depths,
-    ),
-    Term(
-        ("abeam_deep",),
-        "below",
-        Finding("abeam_deep", "it is turned {size} to starboard below {at}", "it is turned {size} to port below {at}"),
-        _needs_depths,
-    ),
+    _aside("abeam_each_leg", "on each leg", (), _needs_durations),
+    _drifts("each_leg", "on each leg, whatever its length", _needs_durations),
+    *_by_time("time", "each hour", lacks_nothing),
+    _two("ahead_in_turns", "its speed differs by up to {size} in turns of {at}", "period"),
+    _two("abeam_in_turns", "its course is turned by up to {size} in turns of {at}", "period"),
+    _two("ahead_by_course", "its speed differs by up to {size}, {at} in a circle of courses", "times"),
+    _two("abeam_by_course", "its course is turned by up to {size}, {at} in a circle of courses", "times"),
+    *_where("changed", "from {at} on", ("moment",), lacks_nothing)[:2],
+    _aside("abeam_before", "until {at}", ("moment",), lacks_nothing),
+    *_where("while", "from {at}", ("moment", "until"), lacks_nothing),
+    *_where("deep", "below {at}", ("below",), _needs_depths),
+    _aside("abeam_fast", "above {at}", ("above",), _needs_speeds),
 )
 RESPONSE = EffectInfo(
     id="response",
     tier="neutral",
     effect=Response,
-    parameters={
-        **_PARAMETERS,
-        "moment": Parameter("s", "from or until which it acts", 0.0, median=6.0 * HOUR, factor=4.0, searched="time"),
-        "period": Parameter("s", "of coming and going", 0.0, median=3 * HOUR, factor=3, default=DAY, searched="period"),
-        "below": Parameter("m", "depth below which it acts", 0.0, median=50.0, factor=3.0, searched="depth"),
-    },
+    parameters={**_PARAMETERS, **_SHAPES},
     what="The vehicle responds to something that no effect with a name responds to.",
     sizes="a few per cent of the speed, or degrees.",
     confused_with=(),

@@ -1,5 +1,7 @@
 """Effects on a transit by their closed forms."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from hypothesis import given
@@ -101,17 +103,28 @@ def test_speed_beyond_a_threshold_is_lost():
     ("term", "heading", "expected"),
     [
         ({"ahead_by_time_under_way": 1e-5}, 0.0, [0.0, 0.015]),
-        ({"abeam_by_twice_course_sine": 0.1}, np.pi / 4, np.array([1.0, -1.0]) * 0.15 / np.sqrt(2.0)),
+        ({"abeam_by_course_sine": 0.1, "times": 2.0}, np.pi / 4, np.array([1.0, -1.0]) * 0.15 / np.sqrt(2.0)),
         ({"east_each_leg": 20.0}, 1.0, [0.02, 0.0]),
         ({"ahead_each_leg": -30.0}, np.pi / 2, [-0.03, 0.0]),
         ({"north_changed": 0.1, "moment": 250.0}, 0.0, [0.0, 0.075]),
         ({"abeam_before": 0.1, "moment": 250.0}, 0.0, [0.0375, 0.0]),
         ({"ahead_in_turns_sine": 0.1, "period": 2000.0}, 0.0, [0.0, 0.15 * 2.0 / np.pi]),
         ({"abeam_in_turns_cosine": 0.1, "period": 1000.0}, 0.0, [0.0, 0.0]),
+        ({"ahead_by_course_cosine": 0.1, "times": 4.0}, np.pi / 4, np.array([-1.0, -1.0]) * 0.15 / np.sqrt(2.0)),
+        ({"ahead_while": 0.1, "moment": 250.0, "until": 750.0}, 0.0, [0.0, 0.075]),
+        ({"east_while": 0.1, "moment": -500.0, "until": 250.0}, 0.0, [0.025, 0.0]),
+        ({"abeam_fast": 0.1, "above": 1.4}, 0.0, [0.15, 0.0]),
+        ({"abeam_fast": 0.1, "above": 1.6}, 0.0, [0.0, 0.0]),
     ],
 )
 def test_a_response_is_a_direction_times_a_factor(term, heading, expected):
     np.testing.assert_allclose(error(Response(**term), leg(heading=heading))[:, 0], expected, atol=1e-12)
+
+
+@pytest.mark.parametrize(("depth", "expected"), [(30.0, 0.1), (10.0, 0.0), (np.nan, 0.0)])
+def test_a_response_below_a_depth_is_none_above_it(depth, expected):
+    legs = replace(leg(), depth=np.array([depth]))
+    np.testing.assert_allclose(error(Response(north_deep=0.1, below=20.0), legs)[:, 0], [0.0, expected], atol=1e-12)
 
 
 def test_inertial_current_turns_clockwise_in_the_north_with_the_period_of_the_latitude():

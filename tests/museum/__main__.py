@@ -98,7 +98,7 @@ def outside_line(k: int, seed: int) -> Line:
     kinds += [(name, build, "unseen") for name, build in UNSEEN.items()]
     name, build, looked_at = kinds[k % len(kinds)]
     rng = np.random.default_rng([seed, k])
-    is_strong = (k // len(kinds)) % 2 == 0
+    is_strong = (k + k // len(kinds)) % 2 == 0
     errors = None
     while errors is None:
         log = drawn(rng, int(rng.integers(30, 90)))

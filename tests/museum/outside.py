@@ -114,6 +114,40 @@ def _two_layers(size: float, rng: np.random.Generator, span: float) -> Recipe:
     return Recipe(water=lambda m: flow * float(m.depth < deep) * np.cos(2.0 * np.pi * m.t / TIDE + phase))
 
 
+def _shear_line(size: float, rng: np.random.Generator, span: float) -> Recipe:
+    """Across a line in the sea the current along it turns round."""
+    toward, offset, width = rng.uniform(0.0, 2.0 * np.pi), rng.normal(0.0, 800.0), rng.uniform(100.0, 600.0)
+    along = np.array([np.sin(toward), np.cos(toward)])
+    across = np.array([along[1], -along[0]])
+    return Recipe(water=lambda m: 0.1 * size * along * np.tanh((float(m.place @ across) - offset) / width))
+
+
+def _meander(size: float, rng: np.random.Generator, span: float) -> Recipe:
+    """A stream that winds: its cross flow goes to and fro with the way along it."""
+    toward, phase, length = *rng.uniform(0.0, 2.0 * np.pi, 2), rng.uniform(3000.0, 8000.0)
+    along = np.array([np.sin(toward), np.cos(toward)])
+    across = np.array([along[1], -along[0]])
+    return Recipe(water=lambda m: 0.15 * size * across * np.cos(2.0 * np.pi * float(m.place @ along) / length + phase))
+
+
+def _cable(size: float, rng: np.random.Generator, span: float) -> Recipe:
+    """A cable on the ground turns the compass along its line."""
+    toward, offset, width = rng.uniform(0.0, 2.0 * np.pi), rng.normal(0.0, 800.0), rng.uniform(200.0, 600.0)
+    across = np.array([np.cos(toward), -np.sin(toward)])
+    return Recipe(turn=lambda m: 0.3 * size * float(np.exp(-0.5 * ((float(m.place @ across) - offset) / width) ** 2)))
+
+
+def _rotating(size: float, rng: np.random.Generator, span: float) -> Recipe:
+    """A current that turns round, faster than any tide."""
+    phase, period = rng.uniform(0.0, 2.0 * np.pi), rng.uniform(7200.0, 14400.0)
+
+    def water(m: Moment) -> Array:
+        angle = 2.0 * np.pi * m.t / period + phase
+        return 0.1 * size * np.array([np.sin(angle), np.cos(angle)])
+
+    return Recipe(water=water)
+
+
 def _sawtooth(turns: float) -> float:
     return (turns % 1.0) - 0.5
 
@@ -166,6 +200,25 @@ UNSEEN: dict[str, Build] = {
     "course by the place east": _turn(lambda m, phase, when: m.place[0] / 3000.0),
     "compass turned while a pump runs": _turn(lambda m, phase, when: 2.0 * float((m.t / 7200.0 + phase) % 1.0 < 0.5)),
     "battery worn by time and depth": _pace(lambda m, phase, when: m.t / 20000.0 * m.depth / 100.0),
+    "turn by the square of time under way": _turn(lambda m, phase, when: 4.0 * (m.since / 900.0) ** 2),
+    "ballast that shifts at a depth": _pace(lambda m, phase, when: float(m.depth > 70.0)),
+    "compass that settles after each dive": _turn(lambda m, phase, when: 6.0 * float(np.exp(-m.since / 120.0))),
+    "growth that is wiped off again": _pace(lambda m, phase, when: 2.0 * ((m.t / 20000.0 + phase) % 1.0)),
+    "current that dies after a gale": _water(lambda m, when: np.array(np.exp(-m.t / (0.4 * when)))),
+    "lock that opens for a while": _water(lambda m, when: np.array(float(0.8 * when < m.t < 1.2 * when))),
+    "shear line": _shear_line,
+    "stream that winds": _meander,
+    "cable on the ground": _cable,
+    "current that turns round": _rotating,
+    "propeller that draws air near the surface": _pace(lambda m, phase, when: 2.0 * float(np.exp(-m.depth / 8.0))),
+    "drag that falls at a speed": _pace(lambda m, phase, when: float(np.tanh((m.speed - 1.3) / 0.1))),
+    "waves that carry near the surface": _water(lambda m, when: np.array(np.exp(-m.depth / 15.0))),
+    "compass that reads by quarters": _turn(lambda m, phase, when: float(np.sign(np.sin(2.0 * m.heading + phase)))),
+    "a side of the hull that drags": _pace(lambda m, phase, when: 2.0 * max(float(np.sin(m.heading + phase)), 0.0)),
+    "current near the ground": _water(lambda m, when: np.array(np.exp((m.depth - 150.0) / 20.0))),
+    "compass that warms through": _turn(lambda m, phase, when: float(np.tanh((m.t - when) / 3000.0))),
+    "speed by the place north": _pace(lambda m, phase, when: m.place[1] / 3000.0),
+    "load every third hour": _pace(lambda m, phase, when: 2.0 * float((m.t / 10800.0 + phase) % 1.0 < 1.0 / 3.0)),
 }
 
 

@@ -26,7 +26,8 @@ from missionplan.diagnosis.legs.likelihood.modulation import SHORTEST, Forms
 from missionplan.diagnosis.legs.noise_integration import ComparedSets, NoiseSearch
 from missionplan.diagnosis.legs.posterior import LegPosterior
 from missionplan.diagnosis.legs.set_density import MOST_IN_MEAN, LegInference, MeanSet
-from missionplan.diagnosis.legs.terms import terms_of, transit_axes
+from missionplan.diagnosis.legs.smooth_axes import transit_axes
+from missionplan.diagnosis.legs.terms import terms_of
 from missionplan.effects import CATALOGUE, exclusive_groups
 from missionplan.results.learned.evidence import Causes
 

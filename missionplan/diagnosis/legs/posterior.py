@@ -234,24 +234,30 @@ class LegPosterior:
         return replace(fit, estimates=own + found_of_shape, given=given, posterior=fit.posterior.joined(shape))
 
     def _shape(self, causes: Causes, term: ActingTerm | None) -> JointPosterior:
-        """The shape of a set's term, by the probabilities of the values tried, between which any is as likely."""
+        """The shapes of a set's term, by the probabilities of the values tried, between which any is as likely."""
         if term is None or not term.shapes:
             return JointPosterior((), np.zeros(0), np.zeros((0, 0)))
         strengths = [each.name for each in term.coordinates]
-        (name,) = term.shapes
         alike = [
-            (float(np.asarray(own.shapes[name])), self.log_masses[key])
+            ([float(np.asarray(own.shapes[name])) for name in term.shapes], self.log_masses[key])
             for key in self._by_causes[causes]
             if key[1] and (own := self.inference.terms[key[1] - 1].acting) is not None
             if [each.name for each in own.coordinates] == strengths
         ]
-        values, logs = np.array(alike).T
+        values, logs = np.array([each for each, _ in alike]), np.array([log for _, log in alike])
         shares = np.exp(logs - logsumexp(logs))
-        apart = np.diff(np.sort(values))
-        mean = float(shares @ values)
-        variance = float(shares @ (values - mean) ** 2) + (float(apart.min()) ** 2 / 12.0 if len(apart) else 0.0)
-        shape = Coordinate(term.effect, name, "shape", math.log(mean), 1.0, 0.0)
-        return JointPosterior((shape,), np.array([math.log(mean)]), np.array([[variance / mean**2]]))
+        mean = shares @ values
+        kinds = [CATALOGUE[term.effect].parameters[name].searched for name in term.shapes]
+        apart = [
+            0.0 if kind == "course" or np.ptp(each) == 0.0 else np.diff(np.unique(each)).min()
+            for kind, each in zip(kinds, values.T, strict=True)
+        ]
+        variance = shares @ (values - mean) ** 2 + np.square(apart) / 12.0
+        shapes = tuple(
+            Coordinate(term.effect, name, "shape", math.log(value), 1.0, 0.0)
+            for name, value in zip(term.shapes, mean.tolist(), strict=True)
+        )
+        return JointPosterior(shapes, np.log(mean), np.diag(variance / mean**2))
 
     def selection(self) -> Selection:
         """Return the sets with their probabilities, the likeliest fitted."""

@@ -17,114 +17,35 @@ from typing import cast
 import numpy as np
 
 from missionplan.arrays import Array, Scalars
-from missionplan.datasets.records import TransitData
 from missionplan.diagnosis.coordinates import Coordinate
-from missionplan.diagnosis.inference.axes import Axis, around, pointwise, principal_components, scaled
+from missionplan.diagnosis.inference.axes import Axis, principal_components
 from missionplan.diagnosis.legs.fitting import TransitFitting
 from missionplan.diagnosis.legs.likelihood.mean import ActingTerm
+from missionplan.diagnosis.legs.smooth_axes import FLOW_LENGTH, across_lines, flow_axis, paired_axes, transit_axes
 from missionplan.effects import CATALOGUE, EffectInfo, effects_of
 from missionplan.effects.info import Term
-from missionplan.phases.hooks import Leg, TransitEffect, velocity_error
+from missionplan.phases.hooks import TransitEffect, velocity_error
 from missionplan.results.learned.evidence import Causes
-
-VARIES = 0.1
-"""Range over the median from which a quantity is an axis."""
-
-
-def transit_axes(data: TransitData, leg: Leg, principal: Array) -> list[Axis]:
-    """Time, place, heading, and where they vary a leg's duration, depth, speed and its time at the surface.
-
-    Along each a velocity fixed to the Earth, one ahead and one abeam. Values are ordered leg by leg, first principal
-    axis then second.
-
-    Parameters
-    ----------
-    data : TransitData
-        The log.
-    leg : Leg
-        The legs in the form that effects take.
-    principal : array, shape (2, 2)
-        Principal axes as columns.
-    """
-    return [
-        (around if name == "heading" else pointwise)(
-            name, f"a velocity{frame} that changes with {what}", np.repeat(inputs, 2, axis=0), directions
-        )
-        for name, what, inputs in _inputs(data, leg)
-        for frame, directions in _frames(data, leg, principal).items()
-    ]
-
-
-def paired_axes(data: TransitData, leg: Leg, principal: Array) -> list[Axis]:
-    """Return the axes of two quantities together, place apart: velocities ahead and abeam, and fixed to the Earth.
-
-    One fixed to the Earth does not go by heading: that is one ahead and one abeam.
-    """
-    found = []
-    for (first, of_first, one), (second, of_second, other) in itertools.combinations(_inputs(data, leg), 2):
-        if "place" in (first, second):
-            continue
-        inputs = np.concatenate(
-            [_on_circle(one) if first == "heading" else one, _on_circle(other) if second == "heading" else other],
-            axis=1,
-        )
-        for frame, directions in _frames(data, leg, principal).items():
-            if frame or "heading" not in (first, second):
-                words = f"a velocity{frame} that changes with {of_first} and {of_second}"
-                found.append(pointwise(f"{first} and {second}", words, np.repeat(inputs, 2, axis=0), directions))
-    return found
-
-
-def _on_circle(angles: Array) -> Array:
-    """Angles as places on a circle of diameter one, (n, 1) → (n, 2)."""
-    return 0.5 * np.concatenate([np.cos(angles), np.sin(angles)], axis=1)
-
-
-def _frames(data: TransitData, leg: Leg, principal: Array) -> dict[str, Array]:
-    """Directions of a velocity fixed to the Earth, of one ahead and of one abeam, by words, shape (2n, p)."""
-    surge = (principal.T @ leg.along).T
-    sway = np.stack([-surge[:, 1], surge[:, 0]], axis=1)
-    return {"": np.tile(np.eye(2), (data.n, 1)), " ahead": surge.reshape(-1, 1), " abeam": sway.reshape(-1, 1)}
-
-
-def _inputs(data: TransitData, leg: Leg) -> list[tuple[str, str, Array]]:
-    """Name, words and values of what the legs differ in, each scaled so that it spans about one, shape (n, d).
-
-    Headings are angles [rad].
-    """
-    place = data.start + 0.5 * (data.dead_reckoned - data.start)
-    extent = max(float(np.ptp(place, axis=1).max()), 1.0)
-    found = [
-        ("time", "time", scaled(data.middle)),
-        ("place", "place", (place / extent).T),
-        ("heading", "heading", np.arctan2(*leg.along)[:, None]),
-    ]
-    quantities = [
-        ("duration", "a leg's duration", data.under_way),
-        ("depth", "depth", np.broadcast_to(leg.depth, data.n)),
-        ("speed", "speed", np.broadcast_to(leg.speed, data.n)),
-        ("duration", "time at the surface", data.surface),
-    ]
-    for name, what, values in quantities:
-        if np.ptp(values) > VARIES * max(float(np.median(values)), 1.0):
-            found.append((name, what, scaled(values)))
-    return found
-
 
 UNNAMED = 0.05
 """Prior odds of all neutral terms together, beside whatever is named: as much as what is said to be so may be wrong.
 By Markov's inequality they are called 95 % probable without any effect with a chance of 0.05/19 at most."""
 SIZE = 0.04
 """Usual size of a neutral response [m/s]: as of the catalogue's effects in the middle of their sizes."""
+SMOOTH_SIZE = 0.025
+"""Usual size of a smooth one, whose many columns have all the size of their slab: one column is as often smaller."""
 LENGTHS = (0.4, 0.15)
 """Correlation lengths of a smooth one, of the record's extent along the axis."""
-MOST_COLUMNS = 24
-LEAST_SHARE = 0.01
+MOST_COLUMNS, LEAST_SHARE = 24, 0.01
 """Principal components kept at most, and least share of the first one's variance that one has."""
 IS_DESCRIBED = ("time", "a velocity that changes with time")
 """What random effects of the catalogue describe."""
-MOMENTS, THRESHOLDS, PERIODS = 16, 6, 24
-"""Most values tried of the moment of a change, of a threshold, and of a period."""
+MOMENTS = {1: 16, 2: 12}
+"""Most values tried of the moment of a change, and of each of two."""
+THRESHOLDS, MOST_TIMES = 6, 8
+"""Values tried of a threshold, and of how often something comes and goes in a circle of courses."""
+TURNS = 3.0
+"""Periods tried for each turn in the record: between two of them they differ by a third of a turn."""
 DAY = 86400.0
 LEGS_IN_TURN = 3
 """Legs in the shortest period that is tried, on average; a day is tried besides."""
@@ -151,8 +72,8 @@ class LegTerm:
     """As a model fits it; None for a smooth error."""
     answers: bool = False
     """Whether it depends on the current."""
-    length: float = 0.0
-    """Correlation length of a smooth error, of the record's extent."""
+    shape: tuple[Scalars, ...] = ()
+    """Of one without a name: its correlation length, of the record's extent, or the line across which it changes."""
 
     @property
     def is_neutral(self) -> bool:
@@ -162,7 +83,7 @@ class LegTerm:
     @property
     def key(self) -> tuple[str, str, str, tuple[Scalars, ...]]:
         """What distinguishes it from all others."""
-        shapes = (self.length,) if self.acting is None else tuple(self.acting.shapes.values())
+        shapes = self.shape if self.acting is None else tuple(self.acting.shapes.values())
         return self.effect, self.axis, self.description, shapes
 
     def is_alike(self, other: "LegTerm") -> bool:
@@ -203,17 +124,18 @@ def refined(model: TransitFitting, likeliest: LegTerm) -> list[LegTerm]:
     """Return a term at all moments near one of those tried, one leg from the next, with their share of its prior."""
     if likeliest.acting is None or not likeliest.acting.shapes:
         return []
-    info = CATALOGUE[likeliest.effect]
+    info, shapes = CATALOGUE[likeliest.effect], likeliest.acting.shapes
     strengths = tuple(each.name for each in likeliest.acting.coordinates)
     term = next(each for each in info.terms if each.strengths == strengths)
-    if info.parameters[term.searched].searched != "time":
+    if any(info.parameters[name].searched != "time" for name in term.searched):
         return []
-    tried, moments = _tried(model, "time"), _moments(model)
-    place = int(np.searchsorted(moments, float(np.asarray(likeliest.acting.shapes[term.searched]))))
-    apart = math.ceil(len(moments) / MOMENTS)
-    near = moments[max(place - apart, 0) : place + apart + 1]
-    share = likeliest.log_share + math.log(len(tried)) - math.log(len(moments))
-    return [replace(each, log_share=share) for each in _members(model, info, term, np.setdiff1d(near, tried))]
+    tried, moments = _tried(model, info, term), _moments(model)
+    apart = math.ceil(len(moments) / MOMENTS[len(shapes)])
+    places = [int(np.searchsorted(moments, float(np.asarray(shapes[name])))) for name in term.searched]
+    near = [moments[max(place - apart, 0) : place + apart + 1].tolist() for place in places]
+    finer = [each for each in _in_order(term, near) if each not in tried]
+    share = likeliest.log_share + math.log(len(tried)) - math.log(math.comb(len(moments), len(shapes)))
+    return [replace(each, log_share=share) for each in _members(model, info, term, finer)]
 
 
 def at_size(model: TransitFitting, term: LegTerm, causes: Causes, values: Array, coefficients: Array) -> LegTerm:
@@ -241,15 +163,13 @@ def at_size(model: TransitFitting, term: LegTerm, causes: Causes, values: Array,
     return replace(term, columns=(model.axes.T @ moved / coefficients[0])[:, :, None])
 
 
-def _members(model: TransitFitting, info: EffectInfo, term: Term, wanted: Array | None = None) -> list[LegTerm]:
-    """A term at each value of its shape, or at some."""
-    values: list[float | None] = [None]
-    if term.searched:
-        tried = _tried(model, info.parameters[term.searched].searched) if wanted is None else wanted
-        values = list(tried.tolist())
+def _members(
+    model: TransitFitting, info: EffectInfo, term: Term, wanted: Sequence[Mapping[str, Scalars]] | None = None
+) -> list[LegTerm]:
+    """A term at each value of its shapes, or at some."""
+    tried = _tried(model, info, term) if wanted is None else wanted
     found = []
-    for value in values:
-        shapes: dict[str, Scalars] = {} if value is None else {term.searched: value}
+    for shapes in tried:
         does_answer = _answers(model, info, term)
         columns = _unit_columns(model, info, term, shapes)
         sizes = [
@@ -268,7 +188,7 @@ def _members(model: TransitFitting, info: EffectInfo, term: Term, wanted: Array 
                 term.strengths[0],
                 (info.parameters[term.strengths[0]].doc if info.tier == "neutral" else info.what),
                 columns * sizes,
-                -math.log(len(values)),
+                -math.log(len(tried)),
                 ActingTerm(info.id, coordinates, shapes),
                 does_answer,
             )
@@ -309,17 +229,32 @@ def _moments(model: TransitFitting) -> Array:
     return np.asarray(middle[middle > 0.0])
 
 
-def _tried(model: TransitFitting, searched: str) -> Array:
-    """Values of a shape that are tried: between legs, or between the values of a quantity."""
+def _tried(model: TransitFitting, info: EffectInfo, term: Term) -> list[dict[str, Scalars]]:
+    """Values of its shapes at which a term is tried: between legs, or between the values of a quantity."""
+    each = [_values(model, info.parameters[name].searched, len(term.searched)) for name in term.searched]
+    return _in_order(term, each)
+
+
+def _in_order(term: Term, values: Sequence[Sequence[float]]) -> list[dict[str, Scalars]]:
+    """Values of the shapes of a term, the moment until which it acts after that from which it does."""
+    chosen = (each for each in itertools.product(*values) if all(np.diff(each) > 0.0))
+    return [dict(zip(term.searched, each, strict=True)) for each in chosen]
+
+
+def _values(model: TransitFitting, searched: str, shapes: int) -> list[float]:
+    """Values of a shape, one of so many, that are tried."""
     if searched == "time":
         moments = _moments(model)
-        places = np.linspace(0, max(len(moments) - 1, 0), min(MOMENTS, len(moments)))
-        return np.asarray(moments[np.unique(places.astype(int))])
+        places = np.linspace(0, max(len(moments) - 1, 0), min(MOMENTS[shapes], len(moments)))
+        return list(moments[np.unique(places.astype(int))].tolist())
     if searched == "period":
         span, most = float(np.ptp(model.data.middle)), max(model.data.n / LEGS_IN_TURN, 1.0)
-        return np.append(span / np.linspace(1.0, most, PERIODS), [DAY] if span > 0.5 * DAY else [])
-    values = np.asarray(model.leg.speed if searched == "speed" else model.leg.depth)
-    return np.asarray(np.quantile(values, np.linspace(*MIDDLE, THRESHOLDS)))
+        periods = span / np.linspace(1.0, most, math.ceil(TURNS * most))
+        return [*periods.tolist(), *([DAY] if span > 0.5 * DAY else [])]
+    if searched == "course":
+        return list(range(1, MOST_TIMES + 1))
+    values = np.broadcast_to(model.leg.speed if searched == "speed" else model.leg.depth, model.data.n)
+    return list(np.unique(np.quantile(values, np.linspace(*MIDDLE, THRESHOLDS))).tolist())
 
 
 def answers(model: TransitFitting, term: LegTerm, water: Array) -> Array:
@@ -338,13 +273,26 @@ def _smooth(model: TransitFitting) -> list[LegTerm]:
     axes = transit_axes(model.data, model.leg, model.axes)
     wanted = [axis for axis in axes if (axis.name, axis.description) != IS_DESCRIBED]
     found = [replace(_along(axis, length), log_share=-math.log(len(LENGTHS))) for axis in wanted for length in LENGTHS]
+    found += [_along(flow_axis(model.data, model.axes), FLOW_LENGTH), *_beyond_lines(model)]
     return found + [_along(axis, LENGTHS[0]) for axis in paired_axes(model.data, model.leg, model.axes)]
 
 
 def _along(axis: Axis, length: float) -> LegTerm:
     """A smooth error; one ahead or abeam has a level of its own: what is constant in it is no cause beside it."""
     smooth = principal_components(axis.smooth_columns(length), MOST_COLUMNS, LEAST_SHARE)
-    level = axis.response.sum(axis=1, keepdims=True)[:, : 2 - axis.functions]
-    columns = SIZE * np.concatenate([smooth, level], axis=1)
-    by_leg = np.moveaxis(columns.reshape(len(columns) // 2, 2, -1), 1, 0)
-    return LegTerm("", axis.name, axis.description, by_leg, 0.0, length=length)
+    level = axis.response.reshape(len(smooth), axis.functions, -1).sum(axis=2)
+    is_fixed_to_earth = axis.description.startswith("a velocity that")
+    columns = SMOOTH_SIZE * (smooth if is_fixed_to_earth else np.concatenate([smooth, level], axis=1))
+    return LegTerm("", axis.name, axis.description, _by_leg(columns), 0.0, shape=(length,))
+
+
+def _beyond_lines(model: TransitFitting) -> list[LegTerm]:
+    """Errors on one side of a line in the sea."""
+    tried = across_lines(model.data, model.leg, model.axes)
+    share = -math.log(len({line for _, line, _ in tried}))
+    return [LegTerm("", "place", words, _by_leg(SIZE * columns), share, shape=line) for words, line, columns in tried]
+
+
+def _by_leg(columns: Array) -> Array:
+    """Columns leg by leg, shape (2n, q), as (2, n, q)."""
+    return np.moveaxis(columns.reshape(len(columns) // 2, 2, -1), 1, 0)

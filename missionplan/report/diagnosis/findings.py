@@ -106,7 +106,7 @@ def sized_clause(finding: Finding, mine: Mapping[str, ParameterEstimate]) -> str
     estimate = mine.get(finding.parameter)
     if estimate is None:
         return ""
-    at = next((_place(each) for each in mine.values() if _is_searched(each)), "")
+    at = " until ".join(_place(each) for each in mine.values() if _is_searched(each))
     if finding.toward is not None:
         return _vector_clause(finding, mine, at)
     clause = finding.negative if estimate.value < 0.0 and finding.negative else finding.positive
@@ -118,7 +118,9 @@ def _is_searched(parameter: ParameterEstimate) -> bool:
 
 
 def _place(parameter: ParameterEstimate) -> str:
-    """Write the moment of a change, a period, or a threshold."""
+    """Write the moment of a change, a period, a threshold, or how often."""
+    if not parameter.unit:
+        return f"{parameter.value:.0f} times"
     if parameter.unit != "s":
         return sized(parameter)
     hours = f"{parameter.value / _HOUR:.1f} h"

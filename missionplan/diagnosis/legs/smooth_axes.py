@@ -1,0 +1,126 @@
+"""What legs differ in, alone and two together, along which a velocity error may be smooth."""
+
+import itertools
+
+import numpy as np
+
+from missionplan.arrays import Array
+from missionplan.datasets.records import TransitData
+from missionplan.diagnosis.inference.axes import Axis, around, pointwise, scaled
+from missionplan.phases.hooks import Leg
+
+VARIES = 0.1
+"""Range over the median from which a quantity is an axis."""
+
+
+def transit_axes(data: TransitData, leg: Leg, principal: Array) -> list[Axis]:
+    """Time, place, heading, and where they vary a leg's duration, depth, speed and its time at the surface.
+
+    Along each a velocity fixed to the Earth, one ahead and one abeam. Values are ordered leg by leg, first principal
+    axis then second.
+
+    Parameters
+    ----------
+    data : TransitData
+        The log.
+    leg : Leg
+        The legs in the form that effects take.
+    principal : array, shape (2, 2)
+        Principal axes as columns.
+    """
+    return [
+        (around if name == "heading" else pointwise)(
+            name, f"a velocity{frame} that changes with {what}", np.repeat(inputs, 2, axis=0), directions
+        )
+        for name, what, inputs in _inputs(data, leg)
+        for frame, directions in _frames(data, leg, principal).items()
+    ]
+
+
+def paired_axes(data: TransitData, leg: Leg, principal: Array) -> list[Axis]:
+    """Return the axes of two quantities together, place apart: velocities ahead and abeam, and fixed to the Earth.
+
+    What goes by heading does so once in a circle, more or less as the other quantity says, ahead or abeam.
+    """
+    found = []
+    inputs, frames = _inputs(data, leg), _frames(data, leg, principal)
+    for (first, of_first, one), (second, of_second, other) in itertools.combinations(inputs, 2):
+        if "place" in (first, second):
+            continue
+        for frame, directions in frames.items():
+            name, words = f"{first} and {second}", f"a velocity{frame} that changes with {of_first} and {of_second}"
+            if "heading" not in (first, second):
+                both = np.concatenate([one, other], axis=1)
+                found.append(pointwise(name, words, np.repeat(both, 2, axis=0), directions))
+            elif frame:
+                angles, along = (one, other) if first == "heading" else (other, one)
+                by_course = np.repeat(np.concatenate([np.cos(angles), np.sin(angles)], axis=1), 2, axis=0)
+                found.append(pointwise(name, words, np.repeat(along, 2, axis=0), directions * by_course))
+    return found
+
+
+FLOW_LENGTH = 0.25
+"""Correlation length of a flow, of the record's extent: eddies of a few legs."""
+
+
+def flow_axis(data: TransitData, principal: Array) -> Axis:
+    """Return the axis of a steady flow that neither wells up nor sinks: the curl of a function of place."""
+    step, n = 0.1 * FLOW_LENGTH, data.n
+    beside = [_place(data) + step * np.array(way) for way in ((0, 1), (0, -1), (1, 0), (-1, 0))]
+    slope, none = FLOW_LENGTH / (2.0 * step) * np.eye(n), np.zeros((n, 2 * n))
+    curl = np.stack([np.hstack([-slope, slope, none]), np.hstack([none, slope, -slope])])
+    response = np.tensordot(principal.T, curl, 1).swapaxes(0, 1).reshape(2 * n, 4 * n)
+    return Axis("place", "a velocity that changes with place as in eddies", np.concatenate(beside), response)
+
+
+BEARINGS, LINES = 6, np.linspace(0.15, 0.85, 6)
+"""Directions across a line in the sea, and shares of the legs that lie before one, that are tried."""
+
+
+def across_lines(data: TransitData, leg: Leg, principal: Array) -> list[tuple[str, tuple[float, float], Array]]:
+    """Velocities on one side of a line: words, its direction [rad] and distance [m], columns of unit size, (2n, p)."""
+    found = []
+    for bearing in (np.pi / BEARINGS * np.arange(BEARINGS)).tolist():
+        first, last = (np.array([np.sin(bearing), np.cos(bearing)]) @ each for each in (data.start, data.dead_reckoned))
+        for line in np.quantile(0.5 * (first + last), LINES).tolist():
+            share = np.clip((np.maximum(first, last) - line) / np.maximum(np.abs(last - first), 1e-9), 0.0, 1.0)
+            for frame, directions in _frames(data, leg, principal).items():
+                columns = directions * np.repeat(share, 2)[:, None]
+                size = float(np.sqrt(np.sum(columns**2) / data.n / columns.shape[1]))
+                found.append((f"a velocity{frame} that changes across a line", (bearing, line), columns / size))
+    return found
+
+
+def _place(data: TransitData) -> Array:
+    """Middles of the legs as reckoned, scaled so that they span about one, shape (n, 2)."""
+    place = data.start + 0.5 * (data.dead_reckoned - data.start)
+    return np.asarray((place / max(float(np.ptp(place, axis=1).max()), 1.0)).T)
+
+
+def _frames(data: TransitData, leg: Leg, principal: Array) -> dict[str, Array]:
+    """Directions of a velocity fixed to the Earth, of one ahead and of one abeam, by words, shape (2n, p)."""
+    surge = (principal.T @ leg.along).T
+    sway = np.stack([-surge[:, 1], surge[:, 0]], axis=1)
+    return {"": np.tile(np.eye(2), (data.n, 1)), " ahead": surge.reshape(-1, 1), " abeam": sway.reshape(-1, 1)}
+
+
+def _inputs(data: TransitData, leg: Leg) -> list[tuple[str, str, Array]]:
+    """Name, words and values of what the legs differ in, each scaled so that it spans about one, shape (n, d).
+
+    Headings are angles [rad].
+    """
+    found = [
+        ("time", "time", scaled(data.middle)),
+        ("place", "place", _place(data)),
+        ("heading", "heading", np.arctan2(*leg.along)[:, None]),
+    ]
+    quantities = [
+        ("duration", "a leg's duration", data.under_way),
+        ("depth", "depth", np.broadcast_to(leg.depth, data.n)),
+        ("speed", "speed", np.broadcast_to(leg.speed, data.n)),
+        ("duration", "time at the surface", data.surface),
+    ]
+    for name, what, values in quantities:
+        if np.ptp(values) > VARIES * max(float(np.median(values)), 1.0):
+            found.append((name, what, scaled(values)))
+    return found
