@@ -63,7 +63,9 @@ COMMON = 8
 
 
 def judges(module: str, tests: Path) -> list[str]:
-    """Return the tests nearest to a module, as paths below the folder of tests, those that import it last.
+    """Return the tests nearest to a module, as files below the folder of tests.
+
+    Of its own those that import it come first, then the others, then what else imports it: a fault is noticed sooner.
 
     Parameters
     ----------
@@ -79,8 +81,13 @@ def judges(module: str, tests: Path) -> list[str]:
         near = sorted(path.relative_to(tests).as_posix() for path in (tests / folder).glob("test_*.py"))
         folder = folder.parent
     users = _users(tests).get(f"missionplan.{module.removesuffix('.py').replace('/', '.')}", [])
-    beside = [each for each in users if not any(each == one or each.startswith(f"{one}/") for one in near)]
-    return near + (beside if len(users) <= COMMON else [])
+    own = [path.relative_to(tests).as_posix() for each in near for path in _files(tests / each)]
+    beside = [each for each in users if each not in own] if len(users) <= COMMON else []
+    return list(dict.fromkeys([*(each for each in own if each in users), *own, *beside]))
+
+
+def _files(place: Path) -> list[Path]:
+    return sorted(place.rglob("test_*.py")) if place.is_dir() else [place]
 
 
 @cache
