@@ -1,14 +1,17 @@
 """What the report of a sweep recommends where not every trial arrives."""
 
+from dataclasses import replace
+
 import pytest
 
 from missionplan.mission import load
 from missionplan.montecarlo.statistics import wilson
 from missionplan.report.render import terminal_view
 from missionplan.results.base import Provenance
+from missionplan.studies.leg_length import sweep_page
 from missionplan.studies.leg_length.sweep_dmax import sweep_dmax
 from missionplan.studies.leg_length.sweep_page import page
-from missionplan.studies.leg_length.sweep_result import Sweep, SweepCurve, SweepPoint
+from missionplan.studies.leg_length.sweep_result import ExplainedSweep, Sweep, SweepCurve, SweepPoint
 
 pytestmark = pytest.mark.usefixtures("unassumed")
 
@@ -82,3 +85,103 @@ def test_the_missions_requirement_on_arrival_is_the_one_that_counts(tmp_path, mo
     assert curve.required_arrival == required
     assert max(point.arrived.value for point in curve.points) < 0.99
     assert curve.reaches(curve.recommended) is (required == 0.2)
+
+
+def plain(text):
+    return text.replace("\u00a0", " ").replace("\u202f", " ")
+
+
+def three_curves(**table):
+    """Of three velocity errors, in no order; a tooth of 12 % stands at half of the distance."""
+    curves = []
+    for sigma in (0.08, 0.02, 0.05):
+        points = [
+            replace(
+                point(50.0 * k, 0.1 + 0.001 * abs(k - 14) + sigma + 0.12 * (k == 10), 500),
+                as_good=13 <= k <= 15,
+                surfacings=float(k),
+            )
+            for k in range(6, 21)
+        ]
+        best = min(range(len(points)), key=lambda index: points[index].cost)
+        curves.append(SweepCurve(sigma, tuple(points), best, points[-1], table.get("table"), 0.99, 1000.0))
+    provenance = Provenance("sweep-dmax", "Bay", "bay.yaml", 1, 500, elapsed_s=0.1)
+    return Sweep(provenance, "out", "monte-carlo", 1000.0, 1.0, 60.0, 20.0, tuple(curves))
+
+
+def test_the_rows_of_each_velocity_error_and_what_it_saves():
+    columns, rows = sweep_page._chosen_rows(three_curves())
+    assert columns[0] == "σ_v (m/s)"
+    assert [[plain(cell) for cell in row] for row in rows] == [
+        ["0.08", "700 m", "0.700", "100 %", "18.00 ± 0.10", "18.60 ± 0.10", "0.10 ± 0.02"],
+        ["0.02", "700 m", "0.700", "100 %", "12.00 ± 0.10", "12.60 ± 0.10", "0.10 ± 0.02"],
+        ["0.05", "700 m", "0.700", "100 %", "15.00 ± 0.10", "15.60 ± 0.10", "0.10 ± 0.02"],
+    ]
+    answer = plain(page(three_curves()).answer)
+    assert answer.startswith(
+        "Choose d_max = 700 m for σ_v = 0.05 m/s: the transit then takes 19.2 min on average, 6 s less than in one leg."
+    )
+    told = {name: plain(value) for name, value in sweep_page._numbers(three_curves())}
+    assert told["Recommended d_max"] == "700 m (0.7 of the distance)"
+    assert told["Mean cost of those that arrive"] == "15.00 ± 0.10 %"
+    assert plain(sweep_page._as_good_in_words(three_curves())).endswith(
+        "0.650 to 0.750 for σ_v = 0.08 m/s; 0.650 to 0.750 for σ_v = 0.02 m/s; 0.650 to 0.750 for σ_v = 0.05 m/s."
+    )
+    assert plain(sweep_page._surfacings_heading(three_curves())).endswith("surfaces 14.0 times on average")
+    table = sweep_page.cost_table(three_curves())
+    assert [plain(cell) for cell in table.rows[0]] == ["0.300", "300 m", "18.80 ± 0.10", "12.80 ± 0.10", "15.80 ± 0.10"]
+    assert len(table.rows) == 15
+
+
+def test_a_single_leg_that_does_as_well_saves_nothing():
+    assert "; one leg does as well." in plain(page(sweep(point(400.0, 0.2995, 500), point(1000.0, 0.30, 500))).answer)
+    assert "; in one leg 80 % arrive." in plain(page(sweep(point(400.0, 0.10, 500), point(1000.0, 0.05, 400))).answer)
+
+
+def test_the_mission_s_table_is_held_against_the_best_fixed_length():
+    own = replace(point(0.0, 0.13, 500), excess_error=0.002)
+    ((section),) = sweep_page._table_section(three_curves(table=own))
+    assert [plain(cell) for cell in section.blocks[0].rows[2]] == [
+        "0.05",
+        "13.00 ± 0.10",
+        "15.00 ± 0.10",
+        "0.33 ± 0.03",
+    ]
+    assert sweep_page._table_section(three_curves()) == []
+
+
+def test_a_tooth_is_a_jump_at_a_critical_point():
+    found = three_curves()
+    assert found.critical_points == pytest.approx((1.0, 1.0 / 2.0, 1.0 / 3.0))
+    assert sweep_page.has_teeth(found.middle, (0.5,))
+    assert not sweep_page.has_teeth(found.middle, (0.7, 1.0))
+    short = replace(found.middle, points=found.middle.points[:11])
+    assert not sweep_page.has_teeth(short, (0.5,)), "of few points none can be told"
+    noisy = replace(found.middle, points=tuple(replace(each, standard_error=0.03) for each in found.middle.points))
+    assert not sweep_page.has_teeth(noisy, (0.5,)), "it may be chance"
+
+
+def test_the_least_reached_arrival_is_told():
+    (section,) = sweep_page._arrival_section(
+        sweep(point(400.0, 0.1, 480), point(700.0, 0.2, 465), point(1000.0, 0.3, 500))
+    )
+    assert plain(section.blocks[0]).startswith("At d_max = 700 m only 93.0 % of the trials arrive")
+    assert sweep_page._arrival_section(sweep(point(400.0, 0.1, 500), point(1000.0, 0.3, 500))) == []
+
+
+def test_under_an_explanation_the_choice_loses_or_keeps():
+    curve = sweep(point(400.0, 0.10, 500), point(700.0, 0.108, 500), point(1000.0, 0.30, 500)).curves[0]
+    for chosen, excess, keeps in (
+        (curve.points[1], 1.108 / 1.1 - 1.0, True),
+        (curve.points[2], 1.3 / 1.1 - 1.0, False),
+    ):
+        each = ExplainedSweep(("compass-bias",), 0.3, curve, chosen)
+        assert each.excess == pytest.approx(excess)
+        assert each.keeps_choice == keeps
+    seldom = ExplainedSweep((), 0.3, curve, replace(curve.points[0], arrived=wilson(400, 500)))
+    assert not seldom.keeps_choice
+    found = replace(three_curves(), explanations=(ExplainedSweep(("compass-bias",), 0.3, curve, curve.points[2]),))
+    (section,) = sweep_page._explanation_section(found)
+    assert [plain(cell) for cell in section.blocks[0].rows[0]] == ["compass bias", "30.0 %", "400 m", "100 %", "18.2 %"]
+    assert "But with compass bias it is 400 m, and the other takes 18 % longer then" in plain(page(found).answer)
+    assert plain(page(found).answer).startswith("Nothing to choose yet: as the mission stands, d_max = 700 m is best")
