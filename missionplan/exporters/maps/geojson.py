@@ -2,7 +2,7 @@
 
 import json
 from collections.abc import Iterable, Iterator
-from typing import Any
+from typing import Any, cast
 
 from missionplan.exporters.formats import header, one_interval
 from missionplan.exporters.maps.geometry import (
@@ -44,7 +44,7 @@ def _text(data: dict[str, Any]) -> str:
 
 def features(plan: Plan, *, circles: bool = True) -> Iterator[Feature]:
     """Yield the features of a plan with an origin, with or without arrival and mooring circles."""
-    origin = plan.origin or (0.0, 0.0)
+    origin = cast("Origin", plan.origin)
     for phase in plan.phases:
         if isinstance(phase, PlannedMooring):
             yield from _mooring(phase, origin)

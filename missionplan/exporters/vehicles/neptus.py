@@ -104,8 +104,8 @@ def _mission(plan: Plan, stem: str) -> str:
     home = add(definitions, "home-reference")
     add(home, "id", "home")
     add(home, "name", "home")
-    origin, place = add(home, "origin"), plan.origin or (0.0, 0.0)
-    _place(origin, *place)
+    origin = add(home, "origin")
+    _place(origin, *(plan.origin or ()))
     add(origin, "depth", "0.0")
     body = add(root, "body")
     for number, transit in enumerate(plan.transits, start=1):
