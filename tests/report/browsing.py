@@ -1,4 +1,4 @@
-"""A real browser for tests of pages: started once a module, without a network."""
+"""A real browser for tests of pages: started once a process, without a network."""
 
 import base64
 import os

@@ -2,20 +2,13 @@
 
 import json
 import re
-from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
-from browsing import browsing, needs_browser, show
+from browsing import needs_browser, show
 from outcome_example import example
 
 pytestmark = [needs_browser, pytest.mark.usefixtures("drawn")]
-
-
-@pytest.fixture(scope="module")
-def browser() -> Iterator:
-    with browsing() as driver:
-        yield driver
 
 
 @pytest.fixture(scope="module")

@@ -1,13 +1,12 @@
 """What the page's script adds, in a real browser: values under the pointer, series switched off, the slider."""
 
 import math
-from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
 
 import pyproj
 import pytest
-from browsing import browsing, needs_browser, show
+from browsing import needs_browser, show
 
 from missionplan.mission import load
 from missionplan.studies.leg_length.sweep_dmax import sweep_dmax
@@ -15,12 +14,6 @@ from missionplan.studies.simulation.simulate import simulate
 
 MISSIONS = Path(__file__).parents[2] / "missions"
 pytestmark = [needs_browser, pytest.mark.usefixtures("drawn")]
-
-
-@pytest.fixture(scope="module")
-def browser() -> Iterator:
-    with browsing() as driver:
-        yield driver
 
 
 @pytest.fixture(scope="module")

@@ -3,12 +3,11 @@
 import re
 import shutil
 import subprocess
-from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
 import pytest
-from browsing import browsing, needs_browser, printed, show
+from browsing import needs_browser, printed, show
 
 from missionplan.mission import load
 from missionplan.report.drawn import Drawn, drawing_by
@@ -38,12 +37,6 @@ class Paper:
     @property
     def filled(self) -> float:
         return max((bottom for _, _, _, bottom, _ in self.words), default=0.0) / self.height
-
-
-@pytest.fixture(scope="module")
-def browser() -> Iterator:
-    with browsing() as driver:
-        yield driver
 
 
 @pytest.fixture(scope="module")
