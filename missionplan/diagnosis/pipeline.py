@@ -32,10 +32,15 @@ from missionplan.diagnosis.inference.selection import (
 from missionplan.effects import CATALOGUE
 from missionplan.errors import RunError
 from missionplan.montecarlo.parallel.blocks import parallel_map
-from missionplan.results.learned.evidence import Causes, Coverage, Discrepancy, ParameterEstimate, Readings, Verdict
-
-SURE = 0.95
-"""Probability from which something is said to be so."""
+from missionplan.results.learned.evidence import (
+    SURE,
+    Causes,
+    Coverage,
+    Discrepancy,
+    ParameterEstimate,
+    Readings,
+    Verdict,
+)
 
 
 @dataclass(frozen=True)

@@ -1,5 +1,6 @@
 """What a diagnosis tells the operator: size, sign and remedy, as the effects declare them."""
 
+from functools import partial
 from types import SimpleNamespace
 
 import pandas as pd
@@ -8,7 +9,9 @@ import pytest
 from missionplan.effects import CATALOGUE
 from missionplan.report.diagnosis.findings import finding_in_words
 from missionplan.report.diagnosis.kinds import REPORTS
-from missionplan.results.learned.evidence import ParameterEstimate, Readings
+from missionplan.report.diagnosis.page import _confirmed
+from missionplan.results.learned.diagnosis import Diagnosis
+from missionplan.results.learned.evidence import ExplanationOdds, ParameterEstimate, Readings
 
 
 def estimate(effect: str, name: str, value: float, sd: float, unit: str) -> ParameterEstimate:
@@ -169,3 +172,30 @@ def test_tank_effects_have_size_sign_and_remedy(effect, name, value, unit, words
     written = told(estimate(effect, name, value, 0.005, unit))
     assert written.startswith(words)
     assert CATALOGUE[effect].finding.remedy in written
+
+
+def test_what_the_mission_has_in_doubt_is_not_said_to_be_confirmed():
+    """A jump of the compass in an earlier mission, or a compass that was always off: later legs cannot tell them."""
+    slow, angle = (
+        estimate("speed-scale", "fraction", -0.06, 0.005, ""),
+        estimate("compass-jump", "angle", 0.015, 0.004, "rad"),
+    )
+    moment = estimate("compass-jump", "moment", 1.4e4, 3.3e4, "s")
+    explanations = (
+        ExplanationOdds(("speed-scale", "compass-jump"), 0.4, 0.5),
+        ExplanationOdds(("speed-scale", "compass-bias"), 0.5, 0.47),
+        ExplanationOdds(("speed-scale",), 0.1, 0.03),
+    )
+    diagnosis = SimpleNamespace(known=(slow, angle, moment), confirmed=(slow, angle, moment), explanations=explanations)
+    diagnosis.probability_of = partial(Diagnosis.probability_of, diagnosis)
+    assert diagnosis.probability_of("speed-scale") == pytest.approx(1.0)
+    assert diagnosis.probability_of("compass-jump") == 0.5
+    assert diagnosis.probability_of("leeway") == 1.0
+    assert _confirmed(diagnosis) == (
+        " Confirmed: speed scale is −0.060 ± 0.005, was −0.060 ± 0.005. In doubt is compass jump (50.0 %) or compass bias "
+        "(47.0 %)."
+    )
+    diagnosis.explanations = ()
+    words = _confirmed(diagnosis)
+    assert "angle of compass jump is 0.9° ± 0.2°" in words
+    assert "moment" not in words

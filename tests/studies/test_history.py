@@ -68,6 +68,25 @@ def test_parameters_are_followed_in_the_order_of_time(tmp_path: Path) -> None:
     assert [each.report for each in found.changes] == ["c"]
 
 
+@pytest.mark.parametrize(
+    ("last", "probability", "said"),
+    [(0.052, 1.0, "None changed"), (0.052, 0.4, "tells"), (0.09, 1.0, "from 2.86 ± 0.57° to 5.16 ± 0.34°")],
+)
+def test_what_moved_or_is_in_doubt_is_not_said_to_be_unchanged(
+    last: float, probability: float, said: str, tmp_path: Path
+) -> None:
+    report(tmp_path, "a", "2026-05-01T00:00:00+00:00", found={"compass-bias": (0.05, 0.01)})
+    report(tmp_path, "b", "2026-05-02T00:00:00+00:00", confirmed={"compass-bias": (last, 0.006)})
+    file = tmp_path / "b" / "summary.json"
+    summary = json.loads(file.read_text())
+    summary["confirmed"][0]["probability"] = probability
+    file.write_text(json.dumps(summary))
+    found = missionplan.history(tmp_path)
+    assert found.parameters["compass-bias", "angle"][1].probability == probability
+    assert said.replace("tells", "tell of 1 parameter.") in answer(found)
+    assert ("None changed" in answer(found)) == (said == "None changed")
+
+
 def test_starts_of_the_missions_go_before_the_times_of_the_reports(tmp_path: Path) -> None:
     """Old missions may be diagnosed late."""
     report(tmp_path, "a", "2026-05-09T00:00:00Z", found={"compass-bias": (0.05, 0.01)}, start="2026-01-01T00:00:00Z")

@@ -39,8 +39,9 @@ from missionplan.report.diagnosis.plan import (
 )
 from missionplan.report.page import Block, Page, PageSection, Table
 from missionplan.report.scoring import dataset_sections, told
+from missionplan.report.wording import listed
 from missionplan.results.learned.diagnosis import Diagnosis
-from missionplan.results.learned.evidence import NextMeasurement, ParameterEstimate
+from missionplan.results.learned.evidence import SURE, NextMeasurement, ParameterEstimate
 
 
 def last_part_words(diagnosis: Diagnosis) -> str:
@@ -210,14 +211,21 @@ def _not_constant(diagnosis: Diagnosis) -> str:
 
 
 def _confirmed(diagnosis: Diagnosis) -> str:
-    """Say what the data bear out of what the mission knew."""
+    """Say what the data bear out of what the mission knew, and what of it is in doubt."""
     before = {(p.effect, p.name): p for p in diagnosis.known}
-    told = [
-        f"{_parameter_words(p)} is {sized(p)}, was {sized(before[p.effect, p.name])}"
-        for p in diagnosis.confirmed[:_CONFIRMED]
-    ]
-    more = len(diagnosis.confirmed) - len(told)
-    return f" Confirmed: {'; '.join(told)}{f'; and {more} more below' if more else ''}." if told else ""
+    sure = [p for p in diagnosis.confirmed if diagnosis.probability_of(p.effect) >= SURE and not _is_moment(p)]
+    told = [f"{_parameter_words(p)} is {sized(p)}, was {sized(before[p.effect, p.name])}" for p in sure[:_CONFIRMED]]
+    more = len(sure) - len(told)
+    words = f" Confirmed: {'; '.join(told)}{f'; and {more} more below' if more else ''}." if told else ""
+    effects = dict.fromkeys(effect for each in diagnosis.explanations if each.prior for effect in each.causes)
+    chances = {effect: diagnosis.probability_of(effect) for effect in effects}
+    doubted = [f"{names((effect,))} ({percent(p)})" for effect, p in chances.items() if 1.0 - SURE <= p < SURE]
+    return f"{words} In doubt is {listed(doubted, 'or')}." if doubted else words
+
+
+def _is_moment(parameter: ParameterEstimate) -> bool:
+    """Whether a parameter is the moment from which its effect acts, of which a later record tells nothing."""
+    return CATALOGUE[parameter.effect].parameters[parameter.name].searched == "time"
 
 
 def _changed(diagnosis: Diagnosis) -> str:

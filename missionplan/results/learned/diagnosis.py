@@ -174,6 +174,13 @@ class Diagnosis(Result):
         """Effects of the mission that are not as it knew them."""
         return tuple(cause for cause in self.causes if any(cause == estimate.effect for estimate in self.known))
 
+    def probability_of(self, effect: str) -> float:
+        """Probability of one of the mission's own effects after these data; 1 where it has no doubt of it."""
+        holding = [effect in each.causes for each in self.explanations]
+        if not any(holding):
+            return 1.0
+        return sum(each.probability for each, holds in zip(self.explanations, holding, strict=True) if holds)
+
     def _confirmed_summary(self) -> list[dict[str, object]]:
         before = {(estimate.effect, estimate.name): estimate for estimate in self.known}
         return [
@@ -182,6 +189,7 @@ class Diagnosis(Result):
                 "name": after.name,
                 "prior": before[after.effect, after.name].quantity_summary(),
                 "posterior": after.quantity_summary(),
+                "probability": self.probability_of(after.effect),
             }
             for after in self.confirmed
         ]

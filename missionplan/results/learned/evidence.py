@@ -9,6 +9,8 @@ from missionplan.arrays import Array
 
 Verdict = Literal["adequate", "explained", "ambiguous", "partly-explained", "unexplained"]
 Causes = tuple[str, ...]
+SURE = 0.95
+"""Probability from which something is said to be so."""
 
 
 @dataclass(frozen=True)

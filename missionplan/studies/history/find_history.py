@@ -276,7 +276,9 @@ def _learned(report: _Report, moment: str) -> Iterator[Learned]:
         entry = _entry(report, moment, parameter, parameter, "changed" if changed else "found")
         yield replace(entry, probability=likely)
     for each in mappings(summary.get("confirmed")):
-        yield from (_entry(report, moment, each, value, "confirmed") for value in mappings([each.get("posterior")]))
+        for value in mappings([each.get("posterior")]):
+            entry = _entry(report, moment, each, value, "confirmed")
+            yield replace(entry, probability=real(each.get("probability", 1.0)))
 
 
 def _probability(summary: Mapping[str, object]) -> float:

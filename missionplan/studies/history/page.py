@@ -1,5 +1,6 @@
 """Report of `history`: each learned parameter from mission to mission, with its intervals, and where it changed."""
 
+import math
 import shlex
 from collections.abc import Iterable, Iterator, Sequence
 
@@ -19,6 +20,8 @@ MOST_PANELS = 12
 """Parameters drawn, those with most values first."""
 SURE = 0.995
 """Probability from which no doubt is told."""
+MOVED = 3.0
+"""Standard errors from the first value to the last from which a parameter did not hold still."""
 UNLIKELY = 1e-6
 """Probability of measurements as far apart, of one mission, from which they are not of one vehicle."""
 SURPRISING = 0.01
@@ -120,10 +123,20 @@ def _learned_in_words(history: History) -> str:
     if history.changes:
         return words
     followed = [entries for entries in history.parameters.values() if len(entries) > 1]
-    if not followed:
-        return f"{words} None was seen twice yet."
-    last = max(followed, key=len)
-    return f"{words} None changed: {_named(last[-1])} is {_valued(last[-1])} after {len(last)} diagnoses."
+    sure = [each for each in followed if each[-1].key not in levels and each[-1].probability >= SURE]
+    if not sure:
+        return words if followed else f"{words} None was seen twice yet."
+    if moved := [f"{_named(each[0])} from {_valued(each[0])} to {_valued(each[-1])}" for each in sure if _moved(each)]:
+        return f"{words} With time went {'; '.join(moved)}."
+    last = max(sure, key=len)
+    none = "No other" if levels else "None"
+    return f"{words} {none} changed: {_named(last[-1])} is {_valued(last[-1])} after {len(last)} diagnoses."
+
+
+def _moved(entries: Sequence[Learned]) -> bool:
+    """Whether the last value of a parameter lies outside what the first and its own error leave to chance."""
+    first, last = entries[0], entries[-1]
+    return abs(last.value - first.value) > MOVED * math.hypot(first.sd, last.sd)
 
 
 def _named(entry: Learned) -> str:
