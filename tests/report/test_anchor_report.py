@@ -1,14 +1,20 @@
 from dataclasses import replace
+from itertools import pairwise
 from pathlib import Path
 from types import SimpleNamespace
 
+import numpy as np
 import pytest
+from matplotlib.figure import Figure
 
 from missionplan.mission import load
+from missionplan.report.anchor import figures, sections
+from missionplan.report.anchor.figures import draw_drag
 from missionplan.report.anchor.page import answer, page
 from missionplan.report.anchor.sections import drag
 from missionplan.report.drawn import draw, drawing_by
 from missionplan.report.render import terminal_view
+from missionplan.report.wording import percent
 from missionplan.results.anchor_sizing import ProbableAnchor
 from missionplan.studies.anchor.size_anchor import size_anchor
 
@@ -108,3 +114,105 @@ def test_an_anchor_as_light_as_the_vehicle_is_buoyant_has_no_shares_of_a_drag():
     section = drag(neutral)
     assert "no drag" in section.heading
     assert section.blocks == ["a note"]
+
+
+def plain(text):
+    return text.replace("\u00a0", " ").replace("\u202f", " ")
+
+
+def test_the_table_has_the_numbers_of_each_anchor_in_its_units(sizing):
+    columns, rows = sections.numbers_table(sizing)
+    assert columns == ["", "Worst case", "90 %"]
+    told = {label: [plain(cell) for cell in cells] for label, *cells in rows}
+    for number, anchor in enumerate((sizing.anchor, sizing.probable.anchor)):
+        design, record = anchor.design, anchor.profile.record
+        expected = {
+            "Wet weight": f"{anchor.wet_weight:.2f} N", "Terminal velocity sized for": f"{anchor.terminal_velocity:.3f} m/s",
+            "Dry mass = displaced mass": f"{design.dry_mass:.4f} kg", "Flooded mass": f"{design.flooded_mass:.3f} kg",
+            "Length": f"{1e3 * design.length:.1f} mm", "Tube length C": f"{1e3 * design.cylinder_length:.2f} mm",
+            "Trim ring's mass": f"{design.trim_mass:.4f} kg", "Trim ring from the tip": f"{1e3 * design.trim_position:.1f} mm",
+            "Centre of gravity from the tip": f"{1e3 * design.centre_of_gravity:.1f} mm",
+            "Centre of buoyancy from the tip": f"{1e3 * design.centre_of_buoyancy:.1f} mm",
+            "Separation to touchdown": f"{record.descent_time[0]:.2f} s", "of which until the line is taut": f"{record.payout_time[0]:.2f} s",
+            "Terminal velocity of the dive": f"{record.terminal_velocity[0]:.3f} m/s", "Speed at touchdown": f"{record.touchdown_speed[0]:.3f} m/s",
+            "Anchor from the last fix": f"{record.offset_distance[0]:.2f} m", "Vehicle's lowest altitude": f"{record.lowest_altitude[0]:.2f} m",
+            "Dives that succeed": plain(percent(anchor.probabilities.good)),
+        }  # fmt: skip
+        assert {label: told[label][number] for label in expected} == expected
+
+
+def test_the_dive_s_stages_are_told_at_their_times(sizing):
+    profile, frame = sizing.anchor.profile, sizing.descent_frame()
+    stages = profile.stages
+    assert sizing.anchor.descent_time == pytest.approx(
+        stages["touchdown"] - sizing.anchor.descent_summary()["release_time_s"], abs=1e-6
+    )
+    for t, name in zip(frame["t_s"], frame["stage"], strict=True):
+        ended = [each for each, end in stages.items() if end <= t]
+        names = ["release", "pay-out wait", "free fall", "pull-down", "coasting", "rise to the line's length"]
+        assert name == names[len(ended)]
+    down = frame[frame["t_s"] <= stages["touchdown"]].iloc[-1]
+    assert down["anchor_depth_m"] == pytest.approx(sizing.depth, abs=0.2)
+    assert np.hypot(down["anchor_east_m"], down["anchor_north_m"]) == pytest.approx(sizing.anchor.offset, abs=0.2)
+    numbers = sizing.to_frame().set_index("quantity")
+    assert numbers.loc["wet_weight_n"].tolist() == [sizing.anchor.wet_weight, sizing.probable.anchor.wet_weight]
+    assert numbers.loc["drag_total_n", "worst_case"] == float(sizing.anchor.drag.total)
+    assert numbers.loc["descent_offset_m", "probable"] == sizing.probable.anchor.offset
+
+
+def test_bars_of_the_drag_stand_beside_each_other_and_add_up(sizing):
+    axes, anchor = Figure().add_subplot(), sizing.anchor
+    draw_drag(axes, anchor)
+    spans = [(bar.get_x(), bar.get_x() + bar.get_width()) for bar in axes.patches]
+    assert spans[0][0] == 0.0
+    assert all(before[1] == pytest.approx(after[0]) for before, after in pairwise(spans))
+    assert spans[-1][1] == pytest.approx(float(anchor.drag.total)) == pytest.approx(anchor.wet_weight, rel=1e-3)
+    widths = dict(zip([label.get_text() for label in axes.get_yticklabels()], [b - a for a, b in spans], strict=True))
+    assert widths["Anchor"] == pytest.approx(float(anchor.drag.anchor))
+    assert widths["Hull"] == pytest.approx(float(anchor.drag.body))
+    built = sizing.to_build.drag
+    part = float(built.anchor / built.total)
+    assert (
+        plain(drag(sizing).heading)
+        == f"The vehicle makes {100 * (1 - part):.0f} % of the drag, the anchor {100 * part:.0f} %"
+    )
+
+
+def test_the_drift_ends_at_the_anchor_within_the_radius(sizing, monkeypatch):
+    seen = {}
+    monkeypatch.setattr(figures, "to_figure", lambda figure, *words, **more: seen.update(figure=figure))
+    figures.drift_figure(sizing)
+    plan, elevation = seen["figure"].axes
+    record, profile = sizing.to_build.profile.record, sizing.to_build.profile
+    (circle,) = (patch for patch in plan.patches if hasattr(patch, "radius"))
+    assert circle.radius == sizing.radius
+    anchor, vehicle, cross = (np.array(line.get_data(), dtype=float) for line in plan.get_lines()[1:4])
+    assert cross.ravel() == pytest.approx(record.offset[:, 0])
+    until = np.count_nonzero(profile.time <= profile.stages["touchdown"])
+    assert anchor == pytest.approx(profile.anchor_track[:, :until])
+    assert vehicle == pytest.approx(profile.vehicle_track[:, :until])
+    far, deep = (np.array(each, dtype=float) for each in elevation.get_lines()[0].get_data())
+    assert far == pytest.approx(np.hypot(*anchor))
+    assert deep == pytest.approx(profile.anchor_depth[:until])
+    edges = np.cumsum([layer.thickness for layer in sizing.layers])[:-1]
+    level = [line.get_ydata()[0] for line in elevation.get_lines()[2:]]
+    assert level[: len(edges)] == pytest.approx(edges.tolist())
+    assert level[len(edges)] == sizing.depth
+
+
+def test_words_of_the_worst_case_and_of_why_none_does(sizing):
+    layers = plain(sections._layers_in_words(sizing))
+    for layer in sizing.layers:
+        assert f"{layer.thickness:.1f} m at {layer.speed:.2f} m/s" in layers
+    assert f"requires {sizing.required_velocity:.3f} m/s downward" in layers
+    none = ProbableAnchor(0.99, None, "the line is too short", 12.0, 0.5, line_length=7.25, line_anchor_weight=13.46)
+    words = [plain(each) for each in sections._why_none(sizing, none)]
+    assert words == [
+        "The line is too short.",
+        f"A line of 7.2 m, instead of {sizing.line_length:.1f} m, with an anchor of 13.5 N would do.",
+    ]
+    worst, found = sizing.anchor, replace(sizing.anchor, wet_weight=sizing.anchor.wet_weight - 1.26)
+    assert "1.3 N lighter than the worst-case anchor" in plain(sections._compared(sizing, found, "it"))
+    assert "1.3 N heavier than the worst-case anchor" in plain(
+        sections._compared(sizing, replace(worst, wet_weight=worst.wet_weight + 1.26), "it")
+    )
