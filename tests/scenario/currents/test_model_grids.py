@@ -420,3 +420,15 @@ def test_heights_of_roms_are_in_the_units_that_their_attributes_say(tmp_path, by
     place = inner_points(found[0].grid.points, 40, np.random.default_rng(2))
     t, depth = np.linspace(0.0, 10_000.0, 40), np.linspace(1.0, 40.0, 40)
     assert found[1].velocity(t, depth, place) == pytest.approx(found[0].velocity(t, depth, place), abs=1e-6)
+
+
+@pytest.mark.parametrize("lacking", ["a1u", "a2u", "nbe"])
+def test_of_gradients_that_are_not_all_there_none_is_taken(tmp_path, lacking):
+    fvcom(tmp_path / "none.nc", gradients=False)
+    fvcom(tmp_path / "lacking.nc", gradients=True)
+    with netcdf.Dataset(tmp_path / "lacking.nc", "a") as file:
+        file.renameVariable(lacking, f"not_{lacking}")
+    one, other = (read_field([str(tmp_path / name)], area(), name) for name in ("none.nc", "lacking.nc"))
+    places = inner_points(one.grid.points, 50, np.random.default_rng(1))
+    t, depth = np.full(50, 1800.0), np.full(50, 4.0)
+    np.testing.assert_array_equal(other.velocity(t, depth, places), one.velocity(t, depth, places))
