@@ -186,8 +186,10 @@ def test_what_the_mission_has_in_doubt_is_not_said_to_be_confirmed():
         ExplanationOdds(("speed-scale", "compass-bias"), 0.5, 0.47),
         ExplanationOdds(("speed-scale",), 0.1, 0.03),
     )
-    diagnosis = SimpleNamespace(known=(slow, angle, moment), confirmed=(slow, angle, moment), explanations=explanations)
+    known = (slow, angle, moment)
+    diagnosis = SimpleNamespace(known=known, confirmed=known, explanations=explanations, borne_out=("speed-scale",))
     diagnosis.probability_of = partial(Diagnosis.probability_of, diagnosis)
+    assert Diagnosis.borne_out.fget(diagnosis) == ("speed-scale",)
     assert diagnosis.probability_of("speed-scale") == pytest.approx(1.0)
     assert diagnosis.probability_of("compass-jump") == 0.5
     assert diagnosis.probability_of("leeway") == 1.0
@@ -195,7 +197,8 @@ def test_what_the_mission_has_in_doubt_is_not_said_to_be_confirmed():
         " Confirmed: speed scale is −0.060 ± 0.005, was −0.060 ± 0.005. In doubt is compass jump (50.0 %) or compass bias "
         "(47.0 %)."
     )
-    diagnosis.explanations = ()
+    diagnosis.explanations, diagnosis.borne_out = (), ("speed-scale", "compass-jump")
+    assert Diagnosis.borne_out.fget(diagnosis) == ("speed-scale", "compass-jump")
     words = _confirmed(diagnosis)
     assert "angle of compass jump is 0.9° ± 0.2°" in words
     assert "moment" not in words

@@ -80,7 +80,7 @@ def _rows(campaign: Campaign) -> list[list[str]]:
     rows = []
     for each, name in zip(campaign.diagnoses, campaign.names, strict=True):
         causes = [cause.replace("-", " ") + (" (changed)" if cause in each.changed else "") for cause in each.causes]
-        confirmed = dict.fromkeys(p.effect.replace("-", " ") for p in each.confirmed)
+        confirmed = [effect.replace("-", " ") for effect in each.borne_out]
         rows.append([name, each.kind, each.verdict, ", ".join(causes) or "–", ", ".join(confirmed) or "–"])
     return rows
 

@@ -14,6 +14,7 @@ from missionplan.report.quantities import Unit, length_in_words, reader_unit
 from missionplan.report.wording import number, parameter_in_words
 from missionplan.results.learned.diagnosis import Diagnosis
 from missionplan.results.learned.evidence import (
+    SURE,
     Discrepancy,
     DiscrepancyShape,
     ParameterEstimate,
@@ -200,7 +201,9 @@ def known_section(diagnosis: Diagnosis) -> list[PageSection]:
     rows = []
     for before in diagnosis.known:
         now = after.get((before.effect, before.name))
-        known, learned = _with_sd(before), _with_sd(now) if now else ""
+        chance = diagnosis.probability_of(before.effect)
+        doubt = "" if chance >= SURE else f", if it holds ({percent(chance)})"
+        known, learned = _with_sd(before), f"{_with_sd(now)}{doubt}" if now else ""
         rows.append([parameter_in_words(before.effect, before.name), known, learned, _unit_of(before).name])
     caption = "The mission's own effects are part of its model; the extended mission carries what is known now."
     table = Table(["Parameter", "In the mission", "After these data", "Unit"], rows, caption)

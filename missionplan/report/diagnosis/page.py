@@ -213,7 +213,7 @@ def _not_constant(diagnosis: Diagnosis) -> str:
 def _confirmed(diagnosis: Diagnosis) -> str:
     """Say what the data bear out of what the mission knew, and what of it is in doubt."""
     before = {(p.effect, p.name): p for p in diagnosis.known}
-    sure = [p for p in diagnosis.confirmed if diagnosis.probability_of(p.effect) >= SURE and not _is_moment(p)]
+    sure = [p for p in diagnosis.confirmed if p.effect in diagnosis.borne_out and not _is_moment(p)]
     told = [f"{_parameter_words(p)} is {sized(p)}, was {sized(before[p.effect, p.name])}" for p in sure[:_CONFIRMED]]
     more = len(sure) - len(told)
     words = f" Confirmed: {'; '.join(told)}{f'; and {more} more below' if more else ''}." if told else ""

@@ -11,6 +11,7 @@ import pandas as pd
 from missionplan.results.base import Provenance, Result, mission_files, to_csv, to_json
 from missionplan.results.entries import Entry, Record
 from missionplan.results.learned.evidence import (
+    SURE,
     Causes,
     Coverage,
     Discrepancy,
@@ -181,6 +182,12 @@ class Diagnosis(Result):
             return 1.0
         return sum(each.probability for each, holds in zip(self.explanations, holding, strict=True) if holds)
 
+    @property
+    def borne_out(self) -> Causes:
+        """The mission's own effects that these data confirm, and that are in no doubt."""
+        effects = dict.fromkeys(estimate.effect for estimate in self.confirmed)
+        return tuple(effect for effect in effects if self.probability_of(effect) >= SURE)
+
     def _confirmed_summary(self) -> list[dict[str, object]]:
         before = {(estimate.effect, estimate.name): estimate for estimate in self.known}
         return [
@@ -337,7 +344,7 @@ class Campaign(Result):
                 "verdict": each.verdict,
                 "causes": "+".join(each.causes),
                 "changed": "+".join(each.changed),
-                "confirmed": "+".join(dict.fromkeys(p.effect for p in each.confirmed)),
+                "confirmed": "+".join(each.borne_out),
             }
             for each in self.diagnoses
         ]
