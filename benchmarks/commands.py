@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from benchmarks.common import MISSIONS, Options, Row, Run, Section, alternate, duration, python, run_command
-from missionplan.phases.transit.analytic.policy import best_legs
+from missionplan.phases.transit.policy import best_legs
 from tests.hidden_effects.cases import draw_case
 
 SWEEP_TRIALS = 20_000

@@ -17,7 +17,7 @@ from benchmarks.common import Options, Row, Section, alternate, duration
 from missionplan.phases.currents import layers
 from missionplan.phases.mooring.descent import DescentRecord, descend
 from missionplan.phases.mooring.forces import Dive
-from missionplan.phases.mooring.horizontal_drift import CrossFlowBody, TiedBodies
+from missionplan.phases.mooring.motion import CrossFlowBody, TiedBodies
 from missionplan.physics.drag import Hull, Sail, VehicleDrag, anchor_drag
 from missionplan.physics.water import Water
 

@@ -17,7 +17,7 @@ import numpy as np
 import missionplan
 from benchmarks.common import MISSIONS, duration
 from missionplan.mission import Mission
-from missionplan.montecarlo.paired import paired_difference
+from missionplan.montecarlo.alternatives import paired_difference
 from missionplan.montecarlo.parallel.blocks import IN_THIS_PROCESS
 from missionplan.montecarlo.streams import BlockStreams, stream
 from missionplan.phases.hooks import TrialState

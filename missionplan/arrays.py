@@ -12,6 +12,14 @@ Scalars = float | Array
 Value = TypeVar("Value")
 
 
+class Normals(Protocol):
+    """Standard normals of a quantity that is drawn anew for each leg."""
+
+    def leg(self, number: int) -> Array:
+        """Normals of a leg, from 0, shape (2, at least n)."""
+        ...
+
+
 def magnitude(value: Scalars) -> Scalars:
     """Absolute value, a float of a float: stepped models run five times faster on Python's floats than on numpy's."""
     return np.abs(value) if isinstance(value, np.ndarray) else abs(value)

@@ -7,8 +7,8 @@ import numpy as np
 from missionplan.arrays import Array
 from missionplan.phases.hooks import DescentEffect
 from missionplan.phases.mooring.forces import Dive
+from missionplan.phases.mooring.motion import STEP
 from missionplan.phases.mooring.profile import sensor_history
-from missionplan.phases.mooring.vertical_motion import STEP
 
 
 def simulate_readings(dive: Dive, times: Array, *, effects: Iterable[DescentEffect] = (), step: float = STEP) -> Array:

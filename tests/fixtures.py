@@ -14,7 +14,7 @@ from missionplan.diagnosis.dives.preparation import PreparedDives, binned
 from missionplan.effects import CATALOGUE
 from missionplan.mission import load
 from missionplan.montecarlo import streams
-from missionplan.report.drawn import Drawn, draw, drawing_by
+from missionplan.report.page import Drawn, draw, drawing_by
 from missionplan.studies import judgement
 from missionplan.studies.simulation import simulate as simulation
 from tests.depth_readings import simulate_readings

@@ -68,7 +68,7 @@ def _reliability(found: list[Any]) -> Any:
     """Draw how often a set of causes is the truth against its probability."""
     import matplotlib.pyplot as plt
 
-    from missionplan.report.drawn import style
+    from missionplan.report.page import style
 
     pairs = [(p, causes == each["truth"]) for each in found if not each["outside"] for causes, p in each["sets"]]
     p, right = np.array(pairs, dtype=float).T

@@ -10,9 +10,9 @@ from scipy.integrate import quad
 from benchmarks import rare, recommended
 from missionplan.montecarlo.sensitivity import sensitivities
 from missionplan.phases.currents import layers
-from missionplan.phases.fields.ensemble import NORMALS, WAVES, ErrorWaves, Statistics
-from missionplan.phases.transit.analytic.expectation import expected_cost, expected_transit
-from missionplan.phases.transit.analytic.policy import best_legs
+from missionplan.phases.ensemble import NORMALS, WAVES, ErrorWaves, Statistics
+from missionplan.phases.transit.expectation import expected_cost, expected_transit
+from missionplan.phases.transit.policy import best_legs
 from missionplan.physics.held_line import CROSSFLOW_COEFFICIENT, HeldLine
 from missionplan.physics.line_statics import held_pose
 from missionplan.physics.vehicle_dynamics import peak_tension

@@ -8,10 +8,10 @@ from functools import cache
 import numpy as np
 from scipy.optimize import brentq, minimize_scalar
 
-from missionplan.effects.dive_drag import DragBias
+from missionplan.effects.dive_forces import DragBias
 from missionplan.mission import load
 from missionplan.phases.mooring.forces import Dive
-from missionplan.phases.transit.analytic.expectation import expected_cost
+from missionplan.phases.transit.expectation import expected_cost
 from missionplan.physics import tank, tunnel_thruster
 from missionplan.scenario.anchors import worst_case_weight
 from missionplan.scenario.phases import dive_of
@@ -52,7 +52,7 @@ def _fig_8(_: Options) -> Measured:
 def _fig_8_figure(cost: object) -> object:
     import matplotlib.pyplot as plt
 
-    from missionplan.report.drawn import style
+    from missionplan.report.page import style
 
     with style():
         figure, axes = plt.subplots(figsize=(6.0, 3.6), layout="constrained")

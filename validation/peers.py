@@ -7,6 +7,7 @@ import os
 import sys
 import warnings
 from collections.abc import Callable, Iterator, Sequence
+from dataclasses import replace
 from importlib import import_module
 from typing import Any
 
@@ -90,7 +91,7 @@ def _scipy_dive(_: Options) -> list[float]:
     cost=60.0,
 )
 def _scipy_tied_drift(_: Options) -> Measured:
-    from missionplan.report.drawn import style
+    from missionplan.report.page import style
     from tests.phases.mooring import test_tied_drift as drift
 
     pairs, times = [], []
@@ -122,8 +123,6 @@ def _scipy_tied_drift(_: Options) -> Measured:
     cost=10.0,
 )
 def _scipy_pitch_over(_: Options) -> list[float]:
-    from dataclasses import replace
-
     times, depths = [], []
     assert math.isclose(NOSE_DOWN, math.radians(80.0))
     for centre, ahead, below, weight, line in (
@@ -383,7 +382,7 @@ def _form(ot: Any, event: Any) -> float:
 def _ratios(names: list[str], ours: list[float], forms: list[float]) -> Any:
     import matplotlib.pyplot as plt
 
-    from missionplan.report.drawn import style
+    from missionplan.report.page import style
 
     with style():
         figure, axes = plt.subplots(figsize=(6.4, 0.22 * len(names) + 1.0), layout="constrained")
@@ -468,15 +467,17 @@ def _fossen_top_speed(_: Options) -> list[float]:
     static = 0.9 * density * diameter**4 * 0.4566 * turns**2
     lost = 0.9 * density * diameter**3 * slope_t * 0.944 * turns
     balance = (lost + math.sqrt(lost**2 + 4.0 * quadratic * static)) / (2.0 * quadratic)
-    unit = from_open_water(
-        diameter,
-        (0.4566, slope_t),
-        (0.0700, slope_q),
-        density=density,
-        wake_fraction=0.056,
-        thrust_deduction=0.1,
+    unit = replace(
+        from_open_water(
+            diameter,
+            (0.4566, slope_t),
+            (0.0700, slope_q),
+            density=density,
+            wake_fraction=0.056,
+            thrust_deduction=0.1,
+        ),
         flow_mass=1e4,
-        flow_damping=(0.0, 1e5),  # the flow in the disc is then the advance speed, as the simulator has it
+        flow_damping_quadratic=1e5,  # the flow in the disc is then the advance speed, as the simulator has it
     )
     rate = 2.0 * math.pi * turns
     run = simulate_propulsion(unit, Resistance(31.9, 0.0, quadratic), np.zeros(3000), 0.02, (rate, 2.0, 2.0))

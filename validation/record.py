@@ -11,7 +11,7 @@ from datetime import UTC, datetime
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 
-from missionplan.report.drawn import draw, style
+from missionplan.report.page import draw, style
 from validation.rows import ROOT, NotMeasurableHereError, Options, Row, all_rows
 
 FOLDER = ROOT / "docs" / "validation"

@@ -6,8 +6,8 @@ from pathlib import Path
 import matplotlib.pyplot as plt
 import numpy as np
 
-from missionplan.phases.transit.analytic.expectation import expected_cost, expected_transit
-from missionplan.phases.transit.analytic.policy import best_legs
+from missionplan.phases.transit.expectation import expected_cost, expected_transit
+from missionplan.phases.transit.policy import best_legs
 
 FOLDER = Path(__file__).parent
 DISTANCE, SPEED, ARRIVAL_RADIUS, SURFACING_TIME = 7408.0, 1.25, 50.0, 90.0

@@ -6,9 +6,8 @@ import time
 from pathlib import Path
 
 import missionplan
-from missionplan.report.drawn import style
 from missionplan.report.optimisation import answer, front_figure
-from missionplan.report.page import Figure
+from missionplan.report.page import Figure, style
 from missionplan.studies.exploration import page as exploration
 from missionplan.studies.exploration.figures import curves_figure
 

@@ -5,7 +5,7 @@ from pathlib import Path
 from missionplan import diagnose, load
 from missionplan.report.diagnosis.evidence import ranking_figure
 from missionplan.report.diagnosis.kinds import REPORTS
-from missionplan.report.drawn import style
+from missionplan.report.page import style
 
 HERE = Path(__file__).parent
 PROJECT = HERE.parent.parent

@@ -4,7 +4,7 @@ import re
 from pathlib import Path
 
 import missionplan
-from missionplan.report.drawn import style
+from missionplan.report.page import style
 from missionplan.studies.leg_length.figures import cost_figure
 
 ROOT = Path(__file__).parents[2]

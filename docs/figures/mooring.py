@@ -11,8 +11,7 @@ from missionplan.physics.held_line import LINE_MATERIALS, HeldLine, line_drag_fa
 from missionplan.physics.line_statics import held_pose
 from missionplan.physics.seafloor import LayersAbove
 from missionplan.report.anchor.drawing import hold_figure
-from missionplan.report.drawn import style
-from missionplan.report.page import Figure, to_figure
+from missionplan.report.page import Figure, style, to_figure
 from missionplan.scenario.anchors import wet_weight_of
 from missionplan.scenario.phases import held_body
 from missionplan.scenario.scenario import Scenario

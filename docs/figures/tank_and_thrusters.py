@@ -11,8 +11,7 @@ from matplotlib.figure import Figure as MatplotlibFigure
 
 import missionplan
 from missionplan.physics import tunnel_thruster as tunnel
-from missionplan.report.drawn import style
-from missionplan.report.page import BLUE, GREEN, GREY, ORANGE, Figure, to_figure
+from missionplan.report.page import BLUE, GREEN, GREY, ORANGE, Figure, style, to_figure
 from missionplan.studies.identification import page as pictures
 from missionplan.studies.identification.identify import identify
 from missionplan.studies.sweep_transition import sweep_transition

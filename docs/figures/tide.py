@@ -10,7 +10,7 @@ import numpy as np
 import pandas as pd
 
 import missionplan
-from missionplan.report.drawn import style
+from missionplan.report.page import style
 from missionplan.studies.tide.page import ellipses_figure, record_figure
 
 HERE = Path(__file__).parent

@@ -21,9 +21,9 @@ from missionplan.datasets.tank import TANK_FORMATS
 from missionplan.effects import CATALOGUE
 from missionplan.exporters.formats import conformance_table
 from missionplan.mission import Mission
-from missionplan.mission.reading.validation_errors import keys_of, meaning_of, parsers_of, sections_in
 from missionplan.mission.schema.quantity_parser import Limit, QuantityParser
 from missionplan.mission.schema.vehicle import Vehicle
+from missionplan.mission.validation_errors import keys_of, meaning_of, parsers_of, sections_in
 from missionplan.report.effect_catalogue import effect_text
 
 ROOT = Path(__file__).parents[2]

@@ -118,7 +118,7 @@ def _drawing_in_parallel(jobs: object) -> AbstractContextManager[None]:
         from missionplan.montecarlo.parallel.pool import shut_down_pool
 
         shut_down_pool()
-    from missionplan.report.drawn import drawing_in_parallel
+    from missionplan.report.page import drawing_in_parallel
 
     return drawing_in_parallel(jobs if isinstance(jobs, int) else None)
 

@@ -12,12 +12,11 @@ from missionplan.arrays import Array
 from missionplan.diagnosis.given.priors import is_learned, stated_draws
 from missionplan.diagnosis.hypotheses import Hypothesis, seen_after
 from missionplan.effects import CATALOGUE
-from missionplan.mission.reading.includes import SIGMA, hash_of
+from missionplan.mission.includes import SIGMA, hash_of
 from missionplan.mission.schema.effect_list import ONE_OF, POSTERIOR
 from missionplan.mission.sections import MOST_LEARNED
 from missionplan.moments import moment_of
-from missionplan.montecarlo.posterior import Column, WeightedDraws
-from missionplan.montecarlo.posterior_file import PosteriorFile
+from missionplan.montecarlo.posterior import Column, PosteriorFile, WeightedDraws
 from missionplan.montecarlo.streams import stream
 from missionplan.results.learned.evidence import Causes
 

@@ -14,13 +14,12 @@ from typing import cast
 from missionplan.effects import (
     course_and_speed,
     currents,
-    dive_drag,
-    dive_lift,
+    dive_forces,
     dive_log,
+    oscillation,
     random_errors,
     response,
     tank,
-    tidal_current,
 )
 from missionplan.effects.dive_responses import RESPONSES
 from missionplan.effects.info import BASES, Effect, EffectInfo, Instrument, Phase, Scatter
@@ -195,22 +194,22 @@ def _has_tails(info: EffectInfo) -> bool:
 
 
 _OWN = (
-    dive_drag.DRAG_BIAS,
-    dive_lift.LINE_PAYOUT,
-    dive_lift.SLOW_FLOODING,
-    dive_lift.TRAPPED_GAS,
-    dive_lift.STRATIFICATION,
-    dive_drag.BROADSIDE_START,
-    dive_drag.ADDED_MASS,
+    dive_forces.DRAG_BIAS,
+    dive_log.LINE_PAYOUT,
+    dive_forces.SLOW_FLOODING,
+    dive_forces.TRAPPED_GAS,
+    dive_forces.STRATIFICATION,
+    dive_forces.BROADSIDE_START,
+    dive_forces.ADDED_MASS,
     dive_log.SENSOR_LAG,
     dive_log.CLOCK_OFFSET,
     dive_log.CLOCK_RATE,
     dive_log.SENSOR_POSITION,
     dive_log.DEPTH_SCALE,
-    dive_lift.VERTICAL_CURRENT,
-    dive_drag.DRAG_CRISIS,
+    dive_forces.VERTICAL_CURRENT,
+    dive_forces.DRAG_CRISIS,
     currents.MEAN_CURRENT,
-    tidal_current.TIDAL_CURRENT,
+    oscillation.TIDAL_CURRENT,
     currents.INERTIAL_CURRENT,
     course_and_speed.COMPASS_BIAS,
     course_and_speed.COMPASS_DEVIATION,

@@ -136,10 +136,6 @@ class HeadingByDepth(TransitEffect):
         return np.asarray(np.exp(-1j * np.asarray(self.rate * np.where(np.isfinite(leg.depth), leg.depth, 0.0))))
 
 
-def _needs_depths(record: LegRecord) -> str:
-    return "" if record.depths > 2.0 else "needs the depth of the legs (column depth_m), and different ones"
-
-
 HEADING_BY_DEPTH = EffectInfo(
     id="heading-by-depth",
     effect=HeadingByDepth,
@@ -166,7 +162,9 @@ HEADING_BY_DEPTH = EffectInfo(
     sizes="1 to 10° over 100 to 1000 m.",
     confused_with=("compass-bias",),
     distinguished_by="Legs on the same headings at several depths.",
-    lacking=_needs_depths,
+    lacking=lambda record: (
+        "" if record.depths > 2.0 else "needs the depth of the legs (column depth_m), and different ones"
+    ),
     linear=False,
     terms=(Term(("rate",)),),
 )

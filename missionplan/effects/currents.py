@@ -207,10 +207,6 @@ class SurfaceDrift(TransitEffect):
         return DriftParts(surface=np.stack(np.broadcast_arrays(self.east, self.north)))
 
 
-def _needs_surface_time(record: LegRecord) -> str:
-    return "" if record.has_surface_time else "needs the time at the surface before each fix: column surface_s"
-
-
 SURFACE_DRIFT = EffectInfo(
     id="surface-drift",
     effect=SurfaceDrift,
@@ -229,5 +225,7 @@ SURFACE_DRIFT = EffectInfo(
     sizes="About 3 % of the wind's speed: 0.1 to 0.5 m/s.",
     confused_with=("mean-current",),
     distinguished_by="Surfacing times that vary; two fixes a few minutes apart at one surfacing.",
-    lacking=_needs_surface_time,
+    lacking=lambda record: (
+        "" if record.has_surface_time else "needs the time at the surface before each fix: column surface_s"
+    ),
 )

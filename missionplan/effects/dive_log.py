@@ -1,4 +1,4 @@
-"""Errors of the clock and the depth sensor of a dive."""
+"""Delays of a dive, and errors of its clock and depth sensor."""
 
 from dataclasses import dataclass
 
@@ -122,6 +122,35 @@ SENSOR_LAG = EffectInfo(
     ),
     changes_plan=False,
     instrument=Instrument("a dip of the sensor by hand, sampled fast", "time", 0.05, 15.0),
+)
+
+
+@dataclass(frozen=True)
+class LinePayout(DescentEffect):
+    """Everything after the separation is delayed by `delay_per_length` for each metre of line."""
+
+    delay_per_length: Scalars = 0.0
+
+    def delay(self, line_length: Scalars) -> Scalars:
+        """Return the delay [s]."""
+        return self.delay_per_length * line_length
+
+
+LINE_PAYOUT = EffectInfo(
+    id="line-payout",
+    effect=LinePayout,
+    parameters={"delay_per_length": Parameter("s/m", "delay for each metre of line", 0.0, 5.0, scale=0.2, spike=0.004)},
+    what=(
+        "Friction or tangling on the spool: the line pays out more slowly than the anchor's free fall would pull it."
+    ),
+    finding=Finding(
+        "delay_per_length",
+        "the line takes {size} to pay out",
+        remedy="plan with the slower dive, or let the line run more freely",
+    ),
+    sizes="From zero to about half a second per metre; a delay is positive. Assumed from hand-wound spools.",
+    confused_with=("clock-offset",),
+    distinguished_by=("Dives with a much longer or shorter line; with one length it is identical to a clock offset."),
 )
 
 

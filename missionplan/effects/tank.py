@@ -118,10 +118,6 @@ class ThrustAsymmetry(TankEffect):
         return np.where(command < 0.0, 1.0 - np.asarray(self.fraction), 1.0)
 
 
-def _needs_both_signs(record: TankRecord) -> str:
-    return "" if record.has_both_signs else "the commands have one sign"
-
-
 THRUST_ASYMMETRY = EffectInfo(
     id="thrust-asymmetry",
     effect=ThrustAsymmetry,
@@ -143,7 +139,7 @@ THRUST_ASYMMETRY = EffectInfo(
     distinguished_by="Bollard pull with the same commands ahead and astern.",
     changes_plan=False,
     tank=("thruster",),
-    lacking_in_tank=_needs_both_signs,
+    lacking_in_tank=lambda record: "" if record.has_both_signs else "the commands have one sign",
 )
 
 

@@ -12,7 +12,7 @@ from typing import Protocol, cast
 from xml.etree import ElementTree
 
 from missionplan.errors import Problem
-from missionplan.phases.transit.execution import Execution
+from missionplan.phases.transit.plan import Execution
 from missionplan.results.plan import Fence, Plan, PlannedTransit
 from missionplan.results.plan_states import GUARDS, GuardKind
 

@@ -14,7 +14,7 @@ import pandas as pd
 
 from missionplan.arrays import Array
 from missionplan.errors import InputError, Problem, did_you_mean, shown
-from missionplan.mission.reading.documents import load_document
+from missionplan.mission.documents import load_document
 from missionplan.mission.units import QuantityError, parse_number_with_unit
 
 QUANTITIES = {

@@ -1,15 +1,15 @@
 """Mission files: YAML in, validated missions in SI out.
 
-Read first `sections` and `mission`, then `schema` (each section), `reading` (YAML, included files, problems with their
-lines) and `checks` (between sections). `views` are missions with all that one kind of phase needs; `units` and
-`schema.place` convert.
+Read first `sections` and `mission`, then `schema` (each section), `documents` (YAML with line marks), `includes`,
+`validation_errors` and `checks` (between sections). `views` are missions with all that one kind of phase needs; `units`
+and `schema.place` convert.
 """
 
 from pathlib import Path, PurePath
 
 from missionplan.errors import InputError, Problem, shown
+from missionplan.mission.documents import load_document
 from missionplan.mission.mission import Mission
-from missionplan.mission.reading.documents import load_document
 from missionplan.store.folder import as_path
 
 __all__ = ["Mission", "MissionOrPath", "as_mission", "load"]

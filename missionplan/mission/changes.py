@@ -10,9 +10,9 @@ from pydantic import BaseModel
 from missionplan.effects import CATALOGUE
 from missionplan.errors import InputError, KeyPath, LocalProblem, Problem, did_you_mean, key_path, shown
 from missionplan.mission.quantity_paths import is_in_force, name_in_force, overridden, phase_of_path, written_phases
-from missionplan.mission.reading.validation_errors import fields_at, keys_of, parsers_of, section_in
 from missionplan.mission.schema.effect_list import ONE_OF
 from missionplan.mission.schema.phases import PhaseEntry
+from missionplan.mission.validation_errors import fields_at, keys_of, parsers_of, section_in
 from missionplan.montecarlo.distributions import Choices, LogNormal, Normal, TruncatedNormal, Uniform
 
 _SPREADS = ("mean", "sd", "low", "high", "median", "choices")

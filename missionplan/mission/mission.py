@@ -19,18 +19,17 @@ from missionplan.mission.checks.sections import (
     misspelt_requirements,
     read_requirements,
 )
+from missionplan.mission.documents import Document, unprintable_texts
+from missionplan.mission.includes import REMOTE, include_files, with_contents
 from missionplan.mission.learned import at_date, left_behind, still_alike, turned_draws, turned_effects
 from missionplan.mission.quantity_paths import SHARED, ValueInForce, changed, joined, name_in_force, values_in_force
-from missionplan.mission.reading.documents import Document, unprintable_texts
-from missionplan.mission.reading.includes import REMOTE, include_files, with_contents
-from missionplan.mission.reading.validation_errors import in_order, validation_problems
 from missionplan.mission.schema.effect_list import POSTERIOR
 from missionplan.mission.schema.section import V
 from missionplan.mission.sections import Sections
+from missionplan.mission.validation_errors import in_order, validation_problems
 from missionplan.mission.yaml_text import MissionText, dumped
 from missionplan.montecarlo.distributions import Distribution, mean_of
-from missionplan.montecarlo.posterior import Place
-from missionplan.montecarlo.posterior_file import FILE
+from missionplan.montecarlo.posterior import FILE, Place
 from missionplan.store.folder import as_path, exists, matching, write_atomically
 
 _New = TypeVar("_New")

@@ -15,8 +15,8 @@ from missionplan.effects import CATALOGUE
 from missionplan.errors import KeyPath, LocalProblem, did_you_mean, key_path, shown
 from missionplan.mission.checks.ranges import Findings, check_effects, check_ranges
 from missionplan.mission.checks.relations import check_relations
+from missionplan.mission.includes import posterior_of
 from missionplan.mission.quantity_paths import joined, phase_keys
-from missionplan.mission.reading.includes import posterior_of
 from missionplan.mission.schema.effect_list import ONE_OF, EffectEntry, EffectList, Explanation, Learned, OneOf
 from missionplan.mission.schema.manoeuvring import TransitionPhase
 from missionplan.mission.schema.phases import MoorPhase, Navigation, Phase, PhaseEntry, TransitPhase
@@ -37,8 +37,8 @@ from missionplan.mission.schema.vehicle import EnergyBudget, Vehicle
 from missionplan.mission.units import QuantityError, each_read
 from missionplan.moments import moment_of
 from missionplan.montecarlo.distributions import ROUNDING, Quantity, mean_of
-from missionplan.montecarlo.draws import Correlation, correlation_problems
-from missionplan.montecarlo.posterior_file import PosteriorFile
+from missionplan.montecarlo.posterior import PosteriorFile
+from missionplan.montecarlo.streams import Correlation, correlation_problems
 
 _T = TypeVar("_T")
 

@@ -10,8 +10,8 @@ from pathlib import Path
 
 import yaml
 
-from missionplan.mission.reading.documents import Document
-from missionplan.montecarlo.posterior_file import PosteriorFile
+from missionplan.mission.documents import Document
+from missionplan.montecarlo.posterior import PosteriorFile
 
 _WIDTH = 110
 """Longest line of a value that is written in braces."""

@@ -1,4 +1,4 @@
-"""Currents from records: what all have in common, and a series against time and depth; `fields` has those on grids.
+"""Currents from records: what all have in common, and a series against time and depth; `gridded_current` has grids.
 
 Beyond a record's times, depths and places its value at the end is held, or there is no current, as `outside` says;
 `covers` tells which trials stay within it.

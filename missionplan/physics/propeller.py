@@ -53,11 +53,11 @@ def from_open_water(
     axial_flow_factor: float = 0.0,
     wake_fraction: float = 0.0,
     thrust_deduction: float = 0.0,
-    shaft_inertia: float = math.inf,
-    flow_mass: float | None = None,
-    flow_damping: tuple[float, float] | None = None,
 ) -> Propeller:
     """Convert open-water characteristics K_T = α₀ + α₁J, K_Q = β₀ + β₁J, Eqs. 19 to 23.
+
+    The shaft's inertia is infinite, which keeps its rate constant; the flow's mass is ρ A_p D, as the paper does not
+    give its factor γ, and its damping 0 and 2ρA_p, momentum theory (Eq. 12).
 
     Parameters
     ----------
@@ -69,12 +69,6 @@ def from_open_water(
         Of the water [kg/m³].
     axial_flow_factor, wake_fraction, thrust_deduction : float
         a, w and t.
-    shaft_inertia : float
-        Of motor, shaft and propeller [kg m²]; infinite (the default) keeps the shaft rate constant.
-    flow_mass : float, optional
-        m_f [kg]; default ρ A_p D. The paper does not give its factor γ.
-    flow_damping : (float, float), optional
-        d_f0 [kg/s] and d_f [kg/m]; default 0 and 2ρA_p, momentum theory (Eq. 12).
 
     Returns
     -------
@@ -83,7 +77,6 @@ def from_open_water(
     """
     turn = 2.0 * math.pi
     area = float(disc_area(diameter))
-    linear, quadratic = (0.0, 2.0 * density * area) if flow_damping is None else flow_damping
     scale = 1.0 + axial_flow_factor
     return Propeller(
         diameter=diameter,
@@ -94,10 +87,10 @@ def from_open_water(
         axial_flow_factor=axial_flow_factor,
         wake_fraction=wake_fraction,
         thrust_deduction=thrust_deduction,
-        shaft_inertia=shaft_inertia,
-        flow_mass=density * area * diameter if flow_mass is None else flow_mass,
-        flow_damping_linear=linear,
-        flow_damping_quadratic=quadratic,
+        shaft_inertia=math.inf,
+        flow_mass=density * area * diameter,
+        flow_damping_linear=0.0,
+        flow_damping_quadratic=2.0 * density * area,
     )
 
 

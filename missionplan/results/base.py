@@ -19,7 +19,7 @@ import yaml
 
 from missionplan.errors import InputError, Problem
 from missionplan.identity import Identity
-from missionplan.montecarlo.posterior_file import FILE, PosteriorFile
+from missionplan.montecarlo.posterior import FILE, PosteriorFile
 from missionplan.packages import how_to_install, version_of
 from missionplan.rendering import Plots, presenter, render
 from missionplan.results.decision import ROWS_OF_COMMAND, Assumption, CheckedRange, Coverage, Decision, changes_of

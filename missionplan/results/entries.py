@@ -13,7 +13,7 @@ from functools import cache
 from inspect import cleandoc
 from typing import Annotated, Any, NamedTuple, get_args, get_origin
 
-from missionplan.phases.place.place import Cause
+from missionplan.phases.place import Cause
 
 
 @dataclass(frozen=True)

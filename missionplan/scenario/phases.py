@@ -2,17 +2,17 @@
 
 import numpy as np
 
-from missionplan.arrays import Array, Scalars
+from missionplan.arrays import Array, Normals, Scalars
 from missionplan.mission.schema.manoeuvring import TransitionPhase, TunnelThrusterSection
 from missionplan.mission.schema.phases import MoorPhase, Phase, TransitPhase
 from missionplan.mission.schema.vehicle import Vehicle
 from missionplan.mission.views import TransitionMission
-from missionplan.montecarlo.streams import LegSource, NormalSource
+from missionplan.montecarlo.streams import NormalSource
 from missionplan.phases.hooks import TrialState
 from missionplan.phases.mooring.forces import Dive
 from missionplan.phases.mooring.hold import Hold
-from missionplan.phases.mooring.horizontal_drift import CrossFlowBody, TiedBodies
 from missionplan.phases.mooring.mooring import MoorPlan
+from missionplan.phases.mooring.motion import CrossFlowBody, TiedBodies
 from missionplan.phases.transit.plan import TransitNormals
 from missionplan.phases.transition_plan import Manoeuvre, SternplaneControl, ThrusterControl, TransitionVehicle
 from missionplan.physics.drag import anchor_drag
@@ -302,7 +302,7 @@ def transit_normals(scenario: Scenario, phase: TransitPhase[Scalars], source: No
     They depend on the phase alone, so that every σ_v and every d_max has the same ones (common random numbers).
     """
 
-    def legs(quantity: str) -> LegSource:
+    def legs(quantity: str) -> Normals:
         return source.legs(f"{phase.name}.{quantity}")
 
     return TransitNormals(

@@ -9,25 +9,23 @@ import numpy as np
 from missionplan.arrays import Array, Scalars
 from missionplan.errors import InputError, Problem
 from missionplan.mission import Mission
-from missionplan.mission.reading.includes import SIGMA
+from missionplan.mission.includes import SIGMA
 from missionplan.mission.schema.effect_list import POSTERIOR
 from missionplan.mission.schema.phases import LegTableSection, MoorPhase, TransitPhase
-from missionplan.montecarlo.draws import JointDistribution
 from missionplan.montecarlo.posterior import Tied
-from missionplan.montecarlo.streams import BLOCK, BlockStreams, NormalSource
+from missionplan.montecarlo.streams import BLOCK, BlockStreams, JointDistribution, NormalSource
 from missionplan.phases.currents import Current, LayeredCurrent, Leeway, layers
-from missionplan.phases.fields.ensemble import Ensemble, ErringCurrent
+from missionplan.phases.ensemble import Ensemble, ErringCurrent
 from missionplan.phases.hooks import TransitEffect
-from missionplan.phases.place.place import Place
+from missionplan.phases.place import Place
 from missionplan.phases.transit.compensation import Compensation, Forecast, LastVelocity, compensation_named
-from missionplan.phases.transit.execution import Execution
 from missionplan.phases.transit.kalman_filter import DriftFilter
-from missionplan.phases.transit.plan import Environment, LegTable, TransitPlan
+from missionplan.phases.transit.plan import Environment, Execution, LegTable, TransitPlan
 from missionplan.physics.propulsion import propulsive_power
 from missionplan.scenario.anchors import carried_anchors
 from missionplan.scenario.drawn_mission import DrawnMission
 from missionplan.scenario.drift_model import DriftSample, drift_model
-from missionplan.scenario.place.building import drawn_place, read_place
+from missionplan.scenario.place import drawn_place, read_place
 from missionplan.scenario.propulsion import PropelledVehicle
 from missionplan.scenario.site_current import MEMBER, error_statistics, leeway, recorded_wind, with_error, with_member
 
@@ -202,7 +200,7 @@ class Scenario(DrawnMission):
         if self.place is None:
             message = "given auto, which needs site.land, site.keep_out or site.bathymetry to go round"
             raise InputError([Problem(message, self.mission.file, key=f"{phase.name}.via")])
-        from missionplan.scenario.place.ways import way_round  # shapely: of few missions
+        from missionplan.scenario.ways import way_round  # shapely: of few missions
 
         margin = leg_spread(self, phase)
         found = way_round(self.place, start.reshape(2), goal.reshape(2), float(phase.depth), margin)

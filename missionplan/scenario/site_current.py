@@ -19,13 +19,13 @@ from numpy.typing import NDArray
 from missionplan.arrays import Array, Scalars
 from missionplan.errors import InputError, Problem
 from missionplan.mission import Mission
-from missionplan.mission.reading.includes import REMOTE
+from missionplan.mission.includes import REMOTE
 from missionplan.mission.schema.place import Geographic, to_plane
 from missionplan.mission.schema.site import CurrentFile, LeewaySection, TidalConstituent, TidalCurrent, WindFile
 from missionplan.mission.views import forecast_error, required_origin
 from missionplan.montecarlo.streams import BLOCK, CommonStreams, NormalSource, block_count, block_size
 from missionplan.phases.currents import Current, Leeway, layers
-from missionplan.phases.fields.ensemble import NORMALS, WAVES, Ensemble, ErringCurrent, ErrorWaves, Statistics
+from missionplan.phases.ensemble import NORMALS, WAVES, Ensemble, ErringCurrent, ErrorWaves, Statistics
 from missionplan.phases.recorded_currents import EVER, RecordedCurrent, SeriesCurrent, TidalStream
 from missionplan.physics.tides import angular_frequencies, nodal_state
 from missionplan.store.folder import matching
@@ -115,7 +115,7 @@ def _members(mission: Mission, written: CurrentFile, also: Array | None) -> Reco
     """Read the current, or all members of an ensemble: files of their own, or along a dimension of one."""
     names: list[tuple[str, int | None, str]] = [(name, None, Path(name).name) for name in written.members]
     if len(names) == 1 and is_netcdf(written.members[0]):
-        from missionplan.scenario.currents.field import member_count
+        from missionplan.scenario.currents.reading import member_count
 
         count = member_count(matching(written.members[0]), written.members[0])
         if count > 1:
@@ -148,8 +148,8 @@ def _read(
     if mission.start is None:
         raise InputError([Problem(f"a NetCDF {key} needs the mission's `start` (UTC)", name)])
     from missionplan.scenario.currents.area import Area
-    from missionplan.scenario.currents.field import read_field
     from missionplan.scenario.currents.files import SEA, WIND
+    from missionplan.scenario.currents.reading import read_field
 
     origin = required_origin(mission, f"a NetCDF {key} is placed by it")
     start = np.datetime64(round(mission.start.timestamp() * 1e6), "us").astype("datetime64[ns]")
@@ -160,7 +160,7 @@ def _read(
 
 
 def _series(mission: Mission[object], written: CurrentFile | WindFile, name: str) -> SeriesCurrent:
-    from missionplan.scenario.currents.csv_series import CURRENT_LIMITS, WIND_LIMITS, read_series_csv  # pandas: slow
+    from missionplan.scenario.currents.reading import CURRENT_LIMITS, WIND_LIMITS, read_series_csv  # pandas: slow
 
     is_current = isinstance(written, CurrentFile)
     if is_current and "*" in name:

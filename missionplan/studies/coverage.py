@@ -11,7 +11,7 @@ from missionplan.mission.schema.site import Site
 from missionplan.montecarlo.distributions import mean_of
 from missionplan.results.decision import RANGES, CheckedRange, Coverage
 from missionplan.results.entries import mappings
-from missionplan.scenario.place.building import mission_places
+from missionplan.scenario.place import mission_places
 
 _GLIDERS = 0.5, 90.0
 """Share of deep gliders that end a mission of so many days as planned (Brito, Smeed & Griffiths 2014, 205 deployments):

@@ -15,7 +15,7 @@ from missionplan.mission import Mission, MissionOrPath
 from missionplan.mission.schema.place import to_geographic
 from missionplan.mission.views import navigation_of, required_origin
 from missionplan.montecarlo.distributions import mean_of
-from missionplan.phases.transit.execution import Execution
+from missionplan.phases.transit.plan import Execution
 from missionplan.physics.propulsion import JOULES_PER_WATT_HOUR
 from missionplan.results.base import to_yaml
 from missionplan.results.plan import Fence, Plan

@@ -17,11 +17,11 @@ from missionplan.mission import Mission, MissionOrPath, load
 from missionplan.mission.quantity_paths import ValueInForce
 from missionplan.mission.schema.phases import MoorPhase, TransitPhase
 from missionplan.mission.views import TransitionMission, navigation_of
-from missionplan.phases.place.place import Cause, Contact, Place, Way
+from missionplan.phases.place import Cause, Contact, Place, Way
 from missionplan.scenario.anchors import design_current
 from missionplan.scenario.phases import moor_plan, room_in_depth
-from missionplan.scenario.place.ways import blocked
 from missionplan.scenario.scenario import Scenario, leg_spread
+from missionplan.scenario.ways import blocked
 from missionplan.store.folder import as_path, is_folder
 from missionplan.studies.leg_length.sweep_scenario import SweepScenario
 from missionplan.studies.optimisation.choosable import read_lattice

@@ -11,8 +11,7 @@ import numpy as np
 import pytest
 from scipy.optimize import minimize_scalar
 
-from missionplan.effects.dive_drag import DragBias
-from missionplan.effects.dive_lift import VerticalCurrent
+from missionplan.effects.dive_forces import DragBias, VerticalCurrent
 from missionplan.mission import load
 from missionplan.phases.currents import layers
 from missionplan.phases.mooring.descent import descend

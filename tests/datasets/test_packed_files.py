@@ -10,7 +10,7 @@ import pytest
 from missionplan.datasets import csv_cells
 from missionplan.datasets.table import Columns, read_table
 from missionplan.errors import InputError
-from missionplan.scenario.currents.csv_series import read_series_csv
+from missionplan.scenario.currents.reading import read_series_csv
 
 TEXT = b"t_s,depth_m,east_m_s,north_m_s\n0,0,0.1,0.2\n60,0,0.2,0.1\n"
 COLUMNS = Columns((("t_s", "depth_m"),))

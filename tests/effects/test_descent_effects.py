@@ -3,9 +3,16 @@
 import numpy as np
 import pytest
 
-from missionplan.effects.dive_drag import BroadsideStart, DragBias, DragCrisis
-from missionplan.effects.dive_lift import ATMOSPHERE, LinePayout, SlowFlooding, Stratification, TrappedGas
-from missionplan.effects.dive_log import ClockOffset, SensorLag
+from missionplan.effects.dive_forces import (
+    ATMOSPHERE,
+    BroadsideStart,
+    DragBias,
+    DragCrisis,
+    SlowFlooding,
+    Stratification,
+    TrappedGas,
+)
+from missionplan.effects.dive_log import ClockOffset, LinePayout, SensorLag
 
 
 def test_drag_bias_acts_on_both_phases_of_the_fall():

@@ -6,8 +6,8 @@ import pytest
 from planned_missions import chesapeake
 
 from missionplan.exporters.formats import FORMATS, format_named
-from missionplan.mission.reading.validation_errors import keys_of, parsers_of
 from missionplan.mission.schema.phases import MoorPhase
+from missionplan.mission.validation_errors import keys_of, parsers_of
 from missionplan.montecarlo.distributions import mean_of
 from missionplan.results.plan import PlannedMooring
 from missionplan.studies.coverage import probability_holds

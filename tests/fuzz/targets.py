@@ -20,7 +20,7 @@ from missionplan.cli import main
 from missionplan.errors import InputError
 from missionplan.mission.schema.place import Geographic
 from missionplan.scenario.currents.area import Area
-from missionplan.scenario.currents.field import read_field
+from missionplan.scenario.currents.reading import read_field
 from missionplan.studies.validate import validate
 
 from . import examples, mutations

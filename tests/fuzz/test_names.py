@@ -19,10 +19,9 @@ from missionplan.cli.running import _print_result
 from missionplan.errors import InputError
 from missionplan.exporters.formats import token
 from missionplan.mission import Mission
-from missionplan.report.drawn import Drawn
 from missionplan.report.html.rendering import named_apart
+from missionplan.report.page import Drawn, Page, PageSection
 from missionplan.report.page import Figure as PageFigure
-from missionplan.report.page import Page, PageSection
 
 from . import examples
 from .hostile_names import MARK, NAMES, ODD, named

@@ -26,8 +26,8 @@ from missionplan.importers.importer import Importer
 from missionplan.importers.importing import import_logs
 from missionplan.importers.track import Series, Track
 from missionplan.mission import load
-from missionplan.report.drawn import draw, drawing_by
 from missionplan.report.leg_basis import COLUMNS, basis_rows, explained_rows
+from missionplan.report.page import draw, drawing_by
 
 MADE = Path(__file__).parent / "made.gli"
 NAMES = "time=t[epoch] lat=lat lon=lon dr_lat=a dr_lon=b depth=depth heading_true=heading"

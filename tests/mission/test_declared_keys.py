@@ -12,10 +12,10 @@ from missionplan.datasets.legs import TRANSIT
 from missionplan.datasets.summaries import SUMMARY
 from missionplan.datasets.tank import TANK_FORMATS
 from missionplan.mission import Mission, load
-from missionplan.mission.reading.validation_errors import keys_of, meaning_of, parsers_of, sections_in
 from missionplan.mission.schema.phases import MoorPhase, TransitPhase
 from missionplan.mission.schema.quantity_parser import Limit
 from missionplan.mission.schema.vehicle import Vehicle
+from missionplan.mission.validation_errors import keys_of, meaning_of, parsers_of, sections_in
 from missionplan.studies.exploration.variation import known_keys
 from missionplan.studies.schema import schema
 

@@ -6,9 +6,8 @@ import pytest
 import yaml
 
 from missionplan.errors import InputError, key_path
-from missionplan.mission import load
-from missionplan.mission.reading import documents
-from missionplan.mission.reading.documents import MAX_DEPTH, load_document
+from missionplan.mission import documents, load
+from missionplan.mission.documents import MAX_DEPTH, load_document
 
 
 def write(tmp_path: Path, text: str) -> Path:

@@ -7,9 +7,8 @@ import pytest
 
 from missionplan.errors import InputError
 from missionplan.mission import Mission
-from missionplan.mission.reading.includes import hash_of
-from missionplan.montecarlo.posterior import WeightedDraws
-from missionplan.montecarlo.posterior_file import PosteriorFile
+from missionplan.mission.includes import hash_of
+from missionplan.montecarlo.posterior import PosteriorFile, WeightedDraws
 from missionplan.phases.hooks import Leg
 from missionplan.scenario.scenario import Scenario
 from tests.fixtures import TRANSIT

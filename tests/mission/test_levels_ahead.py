@@ -7,11 +7,10 @@ import pytest
 
 from missionplan.diagnosis.plan_gain import with_urgency
 from missionplan.mission import Mission
+from missionplan.mission.includes import hash_of
 from missionplan.mission.learned import has_level
-from missionplan.mission.reading.includes import hash_of
 from missionplan.montecarlo.levels import Seen
-from missionplan.montecarlo.posterior import NOWHERE, WeightedDraws
-from missionplan.montecarlo.posterior_file import DamagedPosteriorError, PosteriorFile
+from missionplan.montecarlo.posterior import NOWHERE, DamagedPosteriorError, PosteriorFile, WeightedDraws
 from missionplan.report.diagnosis.findings import trends_in_words
 from missionplan.studies.history.find_history import parameter_levels
 from tests.fixtures import TRANSIT

@@ -7,10 +7,9 @@ import pytest
 
 from missionplan.effects import CATALOGUE
 from missionplan.mission import Mission
+from missionplan.mission.includes import hash_of
 from missionplan.mission.learned import not_handed_on
-from missionplan.mission.reading.includes import hash_of
-from missionplan.montecarlo.posterior import WeightedDraws
-from missionplan.montecarlo.posterior_file import PosteriorFile
+from missionplan.montecarlo.posterior import PosteriorFile, WeightedDraws
 from tests.fixtures import TRANSIT
 
 HERE = (np.radians(37.0), np.radians(-76.0), 1.78e9)

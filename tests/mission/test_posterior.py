@@ -10,9 +10,8 @@ from scipy.stats import norm
 import missionplan
 from missionplan.errors import InputError
 from missionplan.mission import Mission
-from missionplan.mission.reading.includes import SIGMA, hash_of
-from missionplan.montecarlo.posterior import WeightedDraws
-from missionplan.montecarlo.posterior_file import DamagedPosteriorError, PosteriorFile
+from missionplan.mission.includes import SIGMA, hash_of
+from missionplan.montecarlo.posterior import DamagedPosteriorError, PosteriorFile, WeightedDraws
 from missionplan.montecarlo.streams import stream
 from missionplan.scenario.scenario import Scenario
 

@@ -3,8 +3,7 @@ import pytest
 
 from missionplan.errors import InputError
 from missionplan.montecarlo.distributions import Normal, Uniform
-from missionplan.montecarlo.draws import Correlation, JointDistribution
-from missionplan.montecarlo.streams import BLOCK
+from missionplan.montecarlo.streams import BLOCK, Correlation, JointDistribution
 
 QUANTITIES = {"a.speed": Normal(1.0, 0.1), "b.time": Uniform(0.0, 1.0), "c.depth": 4.0, "d.mass": Normal(0.0, 2.0)}
 

@@ -5,7 +5,7 @@ import pytest
 from scipy.integrate import quad
 from scipy.stats import norm
 
-from missionplan.montecarlo.kriging import Kriging, expected_improvement
+from missionplan.montecarlo.alternatives import Kriging, expected_improvement
 
 
 def _matern(distance):

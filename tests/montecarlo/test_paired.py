@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 from scipy.stats import binomtest, ttest_rel
 
-from missionplan.montecarlo.paired import compare_with_best, pareto_front
+from missionplan.montecarlo.alternatives import compare_with_best, pareto_front
 
 
 def test_events_are_compared_by_the_sign_test():

@@ -14,11 +14,10 @@ import pytest
 
 from missionplan.errors import InputError, RunError
 from missionplan.montecarlo.distributions import LogNormal, Normal
-from missionplan.montecarlo.draws import Correlation, JointDistribution
 from missionplan.montecarlo.parallel.blocks import run_blocks
 from missionplan.montecarlo.parallel.pool import interrupts_deferred, process_pool, shut_down_pool
 from missionplan.montecarlo.statistics import RunningStatistic
-from missionplan.montecarlo.streams import LegNormals
+from missionplan.montecarlo.streams import Correlation, JointDistribution, LegNormals
 
 JOINT = JointDistribution.of({"a": Normal(0.0, 1.0), "b": LogNormal(2.0, 1.3)}, [Correlation(("a", "b"), 0.5)])
 

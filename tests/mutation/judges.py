@@ -27,7 +27,7 @@ TABLE = {
     "results/leg_length": ["studies/leg_length"],
     "results/mooring": ["studies/anchor", "studies/simulation"],
     "scenario": ["scenario", "montecarlo/test_streams_drawn.py", "studies/simulation", "phases/mooring"],
-    "scenario/place": ["scenario/place", "phases/place", "studies/simulation/test_over_ground.py"],
+    "scenario/place.py": ["scenario/place", "phases/place", "studies/simulation/test_over_ground.py"],
     "scenario/drift_model.py": ["scenario/test_drift_model.py", "studies/simulation/test_kalman_filter_missions.py"],
     "scenario/currents": ["scenario/currents", "phases/test_field_lookups.py"],
     "importers/readers/netcdf.py": ["importers/readers/test_netcdf_variables.py", "importers"],
@@ -52,7 +52,7 @@ TABLE = {
     "importers/readers/slocum.py": ["importers/test_structure_of_slocum.py", "importers"],
     "studies/overdue": ["studies/overdue/test_times_of_the_sheet.py", "studies/overdue"],
     "studies/held_vehicle.py": ["scenario/test_held_vehicle.py", "studies/test_standing_vehicle.py"],
-    "phases/fields": ["phases/test_field_lookups.py", "scenario/currents"],
+    "phases/gridded_current.py": ["phases/test_field_lookups.py", "scenario/currents"],
     "mission/schema/place.py": ["exporters", "mission"],
 }
 """By the beginning of a module's path, the longest that fits; folders and files of `tests`, the quickest first."""

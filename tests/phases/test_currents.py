@@ -7,8 +7,8 @@ from scipy.interpolate import RegularGridInterpolator
 
 from missionplan.errors import InputError
 from missionplan.phases.currents import Current, LayeredCurrent, layers
-from missionplan.phases.fields.gridded_current import GriddedCurrent
-from missionplan.phases.fields.grids import RegularGrid
+from missionplan.phases.gridded_current import GriddedCurrent
+from missionplan.phases.grids import RegularGrid
 from missionplan.phases.recorded_currents import SeriesCurrent, bracket, even_step
 
 HERE = np.zeros((2, 1))

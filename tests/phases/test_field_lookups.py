@@ -5,10 +5,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from missionplan.phases.currents import Current, Span
-from missionplan.phases.fields.ensemble import Ensemble
-from missionplan.phases.fields.gridded_current import GriddedCurrent
-from missionplan.phases.fields.grids import RegularGrid
-from missionplan.phases.mooring.horizontal_drift import HorizontalDrift
+from missionplan.phases.ensemble import Ensemble
+from missionplan.phases.gridded_current import GriddedCurrent
+from missionplan.phases.grids import RegularGrid
+from missionplan.phases.mooring.motion import HorizontalDrift
 
 NORTH, EAST = np.arange(5) * 200.0 - 400.0, np.arange(7) * 300.0
 TIME, LEVELS = np.arange(6) * 900.0, np.array([0.0, 2.0, 5.0, 12.0])

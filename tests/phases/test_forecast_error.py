@@ -5,7 +5,7 @@ import pytest
 from scipy.stats import kurtosis
 
 from missionplan.phases.currents import layers
-from missionplan.phases.fields.ensemble import NORMALS, WAVES, ErringCurrent, ErrorWaves, Statistics
+from missionplan.phases.ensemble import NORMALS, WAVES, ErringCurrent, ErrorWaves, Statistics
 
 TRIALS = 40_000
 SIGMA, TIME, LENGTH = 0.12, 5400.0, 3000.0

@@ -10,7 +10,6 @@ from typing import Literal
 import numpy as np
 
 from missionplan.arrays import Array, Scalars
-from missionplan.physics.drag import disc_area
 from missionplan.physics.propeller import Propeller, Resistance, flow_acceleration, from_open_water, thrust, torque
 
 Damping = Literal["surge", "momentum"]
@@ -31,19 +30,13 @@ def table_1(damping: Damping = "surge") -> Propeller:
     """
     hull = TABLE_1_RESISTANCE
     paper = {"axial_flow_factor": 0.25, "wake_fraction": 0.2, "thrust_deduction": 0.1}
-    flow_damping = (
-        surge_flow_damping(float(hull.linear), float(hull.quadratic), **paper) if damping == "surge" else None
+    made = replace(
+        from_open_water(0.30, (0.4243, -0.9435), (0.0626, -0.1212), density=1025.0, **paper), shaft_inertia=1.0
     )
-    return from_open_water(
-        0.30,
-        (0.4243, -0.9435),
-        (0.0626, -0.1212),
-        density=1025.0,
-        shaft_inertia=1.0,
-        flow_mass=1025.0 * float(disc_area(0.30)) * 0.30,
-        flow_damping=flow_damping,
-        **paper,
-    )
+    if damping != "surge":
+        return made
+    linear, quadratic = surge_flow_damping(float(hull.linear), float(hull.quadratic), **paper)
+    return replace(made, flow_damping_linear=linear, flow_damping_quadratic=quadratic)
 
 
 def as_printed(damping: Damping = "surge") -> Propeller:

@@ -12,7 +12,7 @@ from missionplan.report.anchor import figures, sections
 from missionplan.report.anchor.figures import draw_drag
 from missionplan.report.anchor.page import answer, page
 from missionplan.report.anchor.sections import drag
-from missionplan.report.drawn import draw, drawing_by
+from missionplan.report.page import draw, drawing_by
 from missionplan.report.render import terminal_view
 from missionplan.report.wording import percent
 from missionplan.results.anchor_sizing import ProbableAnchor

@@ -10,7 +10,7 @@ import pytest
 from browsing import needs_browser, printed, show
 
 from missionplan.mission import load
-from missionplan.report.drawn import Drawn, drawing_by
+from missionplan.report.page import Drawn, drawing_by
 from missionplan.studies.anchor.size_anchor import size_anchor
 from missionplan.studies.comparison.compare_missions import compare
 from missionplan.studies.leg_length.sweep_dmax import sweep_dmax

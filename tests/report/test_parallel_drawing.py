@@ -11,8 +11,7 @@ import pytest
 from matplotlib.figure import Figure
 
 from missionplan.report.axes import name_axis
-from missionplan.report.drawn import Copies, Drawn, draw, drawing_by, drawing_in_parallel, style
-from missionplan.report.page import to_figure
+from missionplan.report.page import Copies, Drawn, draw, drawing_by, drawing_in_parallel, style, to_figure
 from missionplan.report.quantities import reading_in
 
 pytestmark = [

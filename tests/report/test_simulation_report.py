@@ -12,8 +12,7 @@ from outcome_example import MAPPED, example
 
 from missionplan.mission import load
 from missionplan.montecarlo.statistics import wilson
-from missionplan.report.drawn import draw, drawing_by, style
-from missionplan.report.page import Figure
+from missionplan.report.page import Figure, draw, drawing_by, style
 from missionplan.report.render import render_report, terminal_view
 from missionplan.report.simulation import page as simulation
 from missionplan.report.simulation.quantities import judged

@@ -9,10 +9,9 @@ import pytest
 import yaml
 
 import missionplan
-from missionplan.mission.reading.includes import hash_of
+from missionplan.mission.includes import hash_of
 from missionplan.montecarlo.levels import Seen
-from missionplan.montecarlo.posterior import WeightedDraws
-from missionplan.montecarlo.posterior_file import FILE, PosteriorFile
+from missionplan.montecarlo.posterior import FILE, PosteriorFile, WeightedDraws
 from missionplan.studies.history.page import answer, page
 
 

@@ -12,7 +12,7 @@ import missionplan
 from missionplan.mission import Mission
 from missionplan.phases.recorded_currents import SeriesCurrent
 from missionplan.report.anchor.drawing import hold_section
-from missionplan.report.drawn import draw, drawing_by, style
+from missionplan.report.page import draw, drawing_by, style
 from missionplan.report.simulation.page import answer
 from missionplan.report.simulation.quantities import requirement_in_words
 from missionplan.scenario.scenario import Scenario

@@ -13,7 +13,7 @@ from typing import Literal
 
 import numpy as np
 
-from missionplan.arrays import Array
+from missionplan.arrays import Array, Normals
 from missionplan.diagnosis.coordinates import Coordinate, coordinates_of, even_normals
 from missionplan.diagnosis.given.effects import ERROR_PLACE, GivenEffect, along_a_track
 from missionplan.effects import CATALOGUE, Effect, EffectInfo, exclusive_groups
@@ -22,8 +22,7 @@ from missionplan.errors import InputError, Problem
 from missionplan.mission import Mission
 from missionplan.mission.schema.effect_list import POSTERIOR, EffectEntry
 from missionplan.montecarlo.distributions import Distribution, Quantity, mean_of
-from missionplan.montecarlo.draws import JointDistribution
-from missionplan.montecarlo.streams import LegSource, stream
+from missionplan.montecarlo.streams import JointDistribution, stream
 
 DRAWS = 4096
 """Of what a mission states: their normals have the moments of the law, so that means and spreads are exact."""
@@ -83,7 +82,7 @@ class _Normals:
         """Normals of a quantity."""
         return self.by_name[quantity]
 
-    def legs(self, quantity: str) -> LegSource:
+    def legs(self, quantity: str) -> Normals:
         """Nothing here is drawn anew for each leg."""
         raise NotImplementedError
 

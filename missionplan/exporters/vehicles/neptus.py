@@ -31,7 +31,7 @@ from missionplan.exporters.formats import (
     unheld_moorings,
     zones_lost,
 )
-from missionplan.phases.transit.execution import Execution
+from missionplan.phases.transit.plan import Execution
 from missionplan.results.plan import Plan, PlannedTransit, Waypoint
 from missionplan.results.plan_states import GuardKind
 

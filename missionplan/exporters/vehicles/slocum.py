@@ -17,7 +17,7 @@ import numpy as np
 
 from missionplan.errors import InputError, Problem
 from missionplan.exporters.formats import header, no_battery, one_interval, plain, unheld_moorings, zones_lost
-from missionplan.phases.transit.execution import Execution
+from missionplan.phases.transit.plan import Execution
 from missionplan.results.plan import Plan, PlannedTransit
 from missionplan.results.plan_states import GuardKind
 

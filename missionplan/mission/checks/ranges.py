@@ -12,10 +12,10 @@ from pydantic.fields import FieldInfo
 
 from missionplan.effects import CATALOGUE, FAILED_PLUGINS
 from missionplan.errors import KeyPath, LocalProblem
-from missionplan.mission.reading.validation_errors import parsers_of
 from missionplan.mission.schema.effect_list import EffectEntry
 from missionplan.mission.schema.phases import Phase
 from missionplan.mission.schema.quantity_parser import IN_UNIT, Limit
+from missionplan.mission.validation_errors import parsers_of
 from missionplan.montecarlo.distributions import Distribution, Quantity
 from missionplan.montecarlo.normal_transform import NormalTransform
 

@@ -17,7 +17,7 @@ from missionplan.mission.schema.sweep import CorrelationSection, Requirement, Sw
 from missionplan.mission.schema.vehicle import Vehicle
 from missionplan.mission.units import QuantityError
 from missionplan.montecarlo.distributions import Quantity
-from missionplan.montecarlo.draws import correlation_problems
+from missionplan.montecarlo.streams import correlation_problems
 from missionplan.physics.tides import constituent_names
 
 

@@ -11,8 +11,8 @@ from missionplan.effects import CATALOGUE
 from missionplan.errors import KeyPath
 from missionplan.mission.schema.section import V
 from missionplan.montecarlo.distributions import ROUNDING, WhichHolds
-from missionplan.montecarlo.draws import Correlation
 from missionplan.montecarlo.posterior import Column, WeightedDraws
+from missionplan.montecarlo.streams import Correlation
 
 ONE_OF = "one-of"
 """Key of a list of explanations."""

@@ -16,7 +16,7 @@ from missionplan.mission.schema import quantity_parser as q
 from missionplan.mission.schema.quantity_parser import Limit, QuantityParser
 from missionplan.mission.schema.section import FileSection, invalid
 from missionplan.montecarlo.distributions import Quantity
-from missionplan.montecarlo.draws import Correlation
+from missionplan.montecarlo.streams import Correlation
 
 
 class SweepGrid(FileSection):

@@ -5,8 +5,7 @@ vehicle's nose, where the line is attached; the anchor is a line's length below 
 """
 
 from collections.abc import Iterable
-from dataclasses import dataclass
-from functools import partial
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,10 +14,18 @@ from missionplan.arrays import Array, over_trials
 from missionplan.phases.currents import Current
 from missionplan.phases.hooks import DescentEffect
 from missionplan.phases.mooring.forces import DescentHooks, Dive, FreeVehicle, LoneFall, PullDown
-from missionplan.phases.mooring.horizontal_drift import CrossFlowFall, HorizontalDrift
+from missionplan.phases.mooring.motion import (
+    STEP,
+    CrossFlowFall,
+    Followed,
+    HorizontalDrift,
+    Integration,
+    Stage,
+    Stop,
+    integrate_stage,
+)
 from missionplan.phases.mooring.pitch_over import PitchOver, depth_lost, pitch_over, snatch_tension
 from missionplan.phases.mooring.tied_pull_down import TiedPullDown, pull_down_tied
-from missionplan.phases.mooring.vertical_motion import STEP, Followed, Integration, Stage, Stop, integrate_stage
 from missionplan.physics.drag import terminal_velocity
 
 MIN_MEAN_SPEED = 0.1
@@ -120,17 +127,17 @@ def descent_stages(
     rest = np.zeros(trials)
     line, bottom = (over_trials(value, trials) for value in (dive.line_length, dive.site_depth))
     limit = STAGE_TIME_MARGIN + float(np.max(bottom, initial=0.0)) / MIN_MEAN_SPEED
-    run = partial(integrate_stage, step=step, keep=keep)
     delay = np.maximum(over_trials(hooks.delay(line), trials), 0.0)
     if drift is not None:
         drift.wait(delay, rest)
     falling = _lone_drift(dive, drift, keep)
     stop = Stop(deepest=np.minimum(line, bottom))
-    lone = run(LoneFall(dive, hooks), rest, rest, stop, time_limit=limit, on_step=falling.stage() if falling else None)
+    how = Integration(limit, step, keep)
+    lone = integrate_stage(LoneFall(dive, hooks), rest, rest, stop, how, falling.stage() if falling else None)
     taut = lone.ended & (line < bottom)  # a longer line never pulls the vehicle down
     until -= float(np.min(lone.time))
     tied = None
-    how = Integration(min(limit, until), step, keep)
+    how = replace(how, time_limit=min(limit, until))
     deepest = np.where(taut, bottom - line, 0.0)
     pitched = pitch_over(dive, dive.pitching, hooks, lone, deepest, how) if dive.pitching is not None else None
     begun = pitched.stage if pitched is not None else None
@@ -147,12 +154,12 @@ def descent_stages(
     if begun is not None:
         pull_down = Followed.by(begun, pull_down)
     until -= float(np.min(pull_down.time))
-    coast = run(
+    coast = integrate_stage(
         FreeVehicle(dive, hooks, pull_down.time),
         pull_down.depth,
         pull_down.speed,
         Stop(deepest=2.0 * bottom, at_rest=True),  # a vehicle without buoyancy would sink without end
-        time_limit=min(limit, until),
+        replace(how, time_limit=min(limit, until)),
     )
     return DescentStages(
         lone, pull_down, coast, delay, falling if isinstance(falling, CrossFlowFall) else None, tied, pitched
@@ -191,8 +198,7 @@ def _pull_down(
             drift.wait(begun.time, line + 0.5 * depth)
         forces = PullDown(dive, hooks.later(begun.time), lone.time + begun.time)
     on_step = drift.stage(below=line) if drift else None
-    stop, limit = Stop(deepest=deepest), how.time_limit
-    return integrate_stage(forces, depth, speed, stop, time_limit=limit, step=how.step, keep=how.keep, on_step=on_step)
+    return integrate_stage(forces, depth, speed, Stop(deepest=deepest), how, on_step)
 
 
 def descend(

@@ -8,7 +8,7 @@ import numpy as np
 
 from missionplan.arrays import Array, Scalars
 from missionplan.phases.hooks import DescentEffect
-from missionplan.phases.mooring.horizontal_drift import TiedBodies
+from missionplan.phases.mooring.motion import TiedBodies
 from missionplan.physics.drag import DragLaw
 from missionplan.physics.vehicle_dynamics import LineSpring, PitchingBody
 

@@ -17,11 +17,10 @@ from missionplan.phases.hooks import DescentEffect, TransitEffect, TrialState, s
 from missionplan.phases.mooring.descent import MIN_MEAN_SPEED, STAGE_TIME_MARGIN, DescentRecord, descend
 from missionplan.phases.mooring.forces import DescentHooks, Dive, FreeVehicle
 from missionplan.phases.mooring.hold import Hold, HoldRecord, hold_vehicle, lifted
-from missionplan.phases.mooring.horizontal_drift import HorizontalDrift
-from missionplan.phases.mooring.vertical_motion import Stop, integrate_stage
+from missionplan.phases.mooring.motion import HorizontalDrift, Integration, Stop, integrate_stage
 
 STEP = 0.25
-"""Default step of the ascent [s], about a twentieth of the prototype's time constant of 6 s."""
+"""Step of the ascent [s], about a twentieth of the prototype's time constant of 6 s."""
 
 
 @dataclass(frozen=True)
@@ -46,7 +45,6 @@ def ascend(
     since_taut: Array,
     start: Array,
     end: Scalars,
-    step: float = STEP,
 ) -> AscentRecord:
     """Simulate the ascent of a block of moored vehicles to the surface.
 
@@ -66,8 +64,6 @@ def ascend(
         Depth of the nose when the line parts [m].
     end : float or array, shape (n,)
         Depth of the nose when the tail is at the surface [m].
-    step : float
-        Of the integration [s].
     """
     hooks, trials = DescentHooks(effects), t_start.size
     start, end = np.maximum(start, 0.0), over_trials(end, trials)
@@ -77,9 +73,8 @@ def ascend(
         start,
         -over_trials(hooks.water_velocity, trials),
         Stop(shallowest=end),
-        time_limit=STAGE_TIME_MARGIN + float(np.max(start, initial=0.0)) / MIN_MEAN_SPEED,
-        step=step,
-        on_step=drift.stage(),
+        Integration(STAGE_TIME_MARGIN + float(np.max(start, initial=0.0)) / MIN_MEAN_SPEED, STEP),
+        drift.stage(),
     )
     time = np.where(rise.ended, rise.time, np.nan)
     return AscentRecord(time, drift.position - position, rise.ended)

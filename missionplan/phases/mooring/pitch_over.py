@@ -16,7 +16,7 @@ import numpy as np
 
 from missionplan.arrays import Array, Scalars
 from missionplan.phases.mooring.forces import DescentHooks, Dive, LoneFall, PullDown
-from missionplan.phases.mooring.vertical_motion import Integration, Stage, Stop, integrate_stage
+from missionplan.phases.mooring.motion import Integration, Stage, Stop, integrate_stage
 from missionplan.physics.vehicle_dynamics import PitchingBody, peak_tension
 
 NOSE_DOWN = math.radians(80.0)
@@ -174,8 +174,6 @@ def depth_lost(dive: Dive, hooks: DescentHooks, lone: Stage, pitched: PitchOver)
         np.zeros_like(time),
         np.where(time > 0.0, speed, 0.0),
         Stop(),
-        time_limit=float(np.max(time, initial=0.0)) + pitched.stage.step,
-        step=pitched.stage.step,
-        keep=True,
+        Integration(float(np.max(time, initial=0.0)) + pitched.stage.step, pitched.stage.step, keep=True),
     )
     return np.asarray(at_once.depth_at(time[None])[0] - pitched.stage.depth)

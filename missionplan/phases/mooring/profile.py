@@ -18,9 +18,16 @@ from missionplan.phases.mooring.descent import (
     descent_stages,
 )
 from missionplan.phases.mooring.forces import DescentHooks, Dive, FreeVehicle
-from missionplan.phases.mooring.horizontal_drift import CrossFlowFall, HorizontalDrift
+from missionplan.phases.mooring.motion import (
+    STEP,
+    CrossFlowFall,
+    HorizontalDrift,
+    Integration,
+    Stage,
+    Stop,
+    integrate_stage,
+)
 from missionplan.phases.mooring.tied_pull_down import TiedPullDown
-from missionplan.phases.mooring.vertical_motion import STEP, Stage, Stop, integrate_stage
 
 CHUNK_SIZE = 1 << 16
 """Numbers of an array that are processed at once, so that temporaries stay in the processor's cache."""
@@ -138,9 +145,7 @@ def _rise(dive: Dive, hooks: DescentHooks, stages: DescentStages, duration: floa
         np.minimum(coast.depth, dive.site_depth),
         np.where(coast.ended, -over_trials(hooks.water_velocity, coast.depth.size), 0.0),
         Stop(shallowest=moored),
-        time_limit=float(np.clip(duration + step, step, limit)),
-        step=step,
-        keep=True,
+        Integration(float(np.clip(duration + step, step, limit)), step, keep=True),
     )
 
 
@@ -179,7 +184,6 @@ def simulate_profile(
     current: Current,
     position: Array,
     t_start: float = 0.0,
-    step: float = STEP,
 ) -> DescentProfile:
     """Simulate one descent until the vehicle floats at the line's length above the anchor.
 
@@ -193,8 +197,6 @@ def simulate_profile(
         At the last fix, east and north of the coordinates' origin [m].
     t_start : float
         Of the last fix since the mission's start [s].
-    step : float
-        [s].
     """
     effects = tuple(effects)
     hooks = DescentHooks(effects)
@@ -206,13 +208,12 @@ def simulate_profile(
         current=current,
         position=place,
         t_start=np.array([t_start]),
-        step=step,
     )
     drift = HorizontalDrift(current, place, np.array([t_start]))
     drift.wait(np.array([release_time]), np.zeros(1))
-    stages = descent_stages(dive, hooks, 1, step=step, keep=True, drift=drift)
+    stages = descent_stages(dive, hooks, 1, keep=True, drift=drift)
     events = _event_times(stages, release_time)
-    since, vehicle = _vehicle_depth(dive, hooks, stages, step)
+    since, vehicle = _vehicle_depth(dive, hooks, stages)
     line = float(np.asarray(dive.line_length))
     falling = stages.lone.depth_at(since)
     anchor = np.where(since < stages.lone.time, falling, np.minimum(vehicle + line, stages.pull_down.depth + line))
@@ -223,7 +224,7 @@ def simulate_profile(
         hanging = np.where(since < stages.lone.time + stages.tied.after, vehicle + line, hanging)
         anchor = np.where(since < stages.lone.time, np.minimum(falling, hanging), hanging)
     anchor = np.where(since > down, stages.pull_down.depth + line, anchor)
-    waiting = np.arange(0.0, events["free fall"], step)
+    waiting = np.arange(0.0, events["free fall"], STEP)
     time = np.concatenate((waiting, events["free fall"] + since[:, 0]))
     depths = [np.concatenate((np.zeros(waiting.size), depth[:, 0])) for depth in (vehicle, anchor)]
     tracks = [_track(current, place, t_start, time, depth, events["touchdown"]) for depth in depths]
@@ -243,13 +244,13 @@ def _event_times(stages: DescentStages, release_time: float) -> dict[str, float]
     return {"separation": release_time, **{name: float(t) for name, t in zip(lengths, at, strict=True)}}
 
 
-def _vehicle_depth(dive: Dive, hooks: DescentHooks, stages: DescentStages, step: float) -> tuple[Array, Array]:
+def _vehicle_depth(dive: Dive, hooks: DescentHooks, stages: DescentStages) -> tuple[Array, Array]:
     """Times since the start of the free fall [s] and the vehicle's depth [m], until its line is taut again."""
     turned = float(stages.lone.time[0] + stages.pull_down.time[0] + stages.coast.time[0])
-    grid = np.arange(0.0, turned + MAX_RISE_TIME, step)[:, None]
-    depth = true_depth(dive, hooks, stages, grid, step=step)
+    grid = np.arange(0.0, turned + MAX_RISE_TIME, STEP)[:, None]
+    depth = true_depth(dive, hooks, stages, grid)
     moving = np.flatnonzero(np.abs(np.diff(depth[:, 0])) > 1e-9)
-    end = min(int(moving[-1]) + 2 + round(2.0 / step), len(grid)) if moving.size else len(grid)
+    end = min(int(moving[-1]) + 2 + round(2.0 / STEP), len(grid)) if moving.size else len(grid)
     return grid[:end], depth[:end]
 
 

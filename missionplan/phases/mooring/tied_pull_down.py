@@ -20,8 +20,7 @@ from numpy.typing import NDArray
 from missionplan.arrays import Array, Scalars, over_trials
 from missionplan.phases.currents import Current
 from missionplan.phases.mooring.forces import DescentHooks, Dive
-from missionplan.phases.mooring.horizontal_drift import CrossFlowFall, HorizontalDrift, TiedBodies
-from missionplan.phases.mooring.vertical_motion import Integration, Stage, hermite
+from missionplan.phases.mooring.motion import CrossFlowFall, HorizontalDrift, Integration, Stage, TiedBodies, hermite
 from missionplan.physics.drag import DragLaw
 
 

@@ -3,10 +3,10 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from missionplan.arrays import Array, Scalars
+from missionplan.arrays import Array, Normals, Scalars
 from missionplan.phases.currents import Span
 from missionplan.phases.hooks import Leg, velocity_error
-from missionplan.phases.transit.plan import Environment, Normals, TransitNormals, TransitPlan, VelocityError
+from missionplan.phases.transit.plan import Environment, TransitNormals, TransitPlan, VelocityError
 
 
 class GroundVelocity:

@@ -9,16 +9,15 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from missionplan.arrays import Array, Scalars
+from missionplan.arrays import Array, Normals, Scalars
 from missionplan.phases.hooks import TrialState, select_trials
-from missionplan.phases.place.place import Contact, Lookout, Way
+from missionplan.phases.place import Contact, Lookout, Way
 from missionplan.phases.transit.compensation import Compensation, CompletedLeg, Memory, PlannedLeg
 from missionplan.phases.transit.ground_velocity import GroundVelocity, leg_normals
 from missionplan.phases.transit.plan import (
     Environment,
     LegTable,
     LegTables,
-    Normals,
     TransitNormals,
     TransitPlan,
     column,
@@ -246,14 +245,11 @@ class LegLoop:
         if self._lookout is not None and (stopped := self._lookout.contact.met).any():
             far &= ~stopped
         self._set_moving(far)
-        if self._is_droppable() and 2 * self._count <= far.size and far.size > _MIN_TRIALS_TO_DROP:
+        if not self._keeps_all and 2 * self._count <= far.size and far.size > _MIN_TRIALS_TO_DROP:
             self._drop_all_but(np.flatnonzero(far))
 
     def _far_from_goal(self) -> NDArray[np.bool_]:
         return np.asarray(self._left >= self._plan.arrival_radius)
-
-    def _is_droppable(self) -> bool:
-        return not self._keeps_all
 
     def _hold_back(self, lost: NDArray[np.bool_]) -> None:
         """Put trials back to the farthest place: a current that grows with the distance carries them without end."""

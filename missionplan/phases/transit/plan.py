@@ -1,20 +1,17 @@
-"""Parameters of a transit, the environment that acts on it, and its record.
-
-Leg length as a table against the distance left.
-"""
+"""Parameters of a transit: plan, leg lengths as tables, environment, how a vehicle carries it out; and its record."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import Protocol
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
-from missionplan.arrays import Array, Scalars
+from missionplan.arrays import Array, Normals, Scalars
 from missionplan.phases.currents import Current
 from missionplan.phases.hooks import TransitEffect, select_trials
-from missionplan.phases.place.place import Contact, Place
+from missionplan.phases.place import Contact, Place
 from missionplan.phases.transit.compensation import Compensation
 
 
@@ -62,14 +59,6 @@ class LegTables:
         ends = np.searchsorted(trials, self.ends)
         used = np.flatnonzero(np.diff(ends, prepend=0))
         return LegTables([self.tables[index] for index in used.tolist()], ends[used])
-
-
-class Normals(Protocol):
-    """Standard normals of a quantity that is drawn anew for each leg."""
-
-    def leg(self, number: int) -> Array:
-        """Normals of a leg, from 0, shape (2, at least n)."""
-        ...
 
 
 @dataclass(frozen=True)
@@ -229,6 +218,56 @@ class Environment:
     def is_still(self) -> bool:
         """Whether the velocity error alone takes the vehicle off its course."""
         return self.current is None and not self.effects
+
+
+@dataclass(frozen=True)
+class Execution:
+    """What a vehicle does with a transit whose format cannot hold the plan's own rules.
+
+    It may take the point for reached when its dead reckoning is near it, go through fixed points, or end after a fixed
+    number of legs, wherever that is. It may also go on without a fix that comes too late, by dead reckoning, or give up
+    there or after a time. A leg ends when its way through the water is made, which takes the same time in every trial:
+    no time-out of a single leg can end it before.
+    """
+
+    ends: Literal["fix", "reckoning", "count"]
+    """The transit ends when the fix on diving lies within the arrival radius of the goal; on surfacing after the dead
+    reckoning came within `capture` of the aim; after the legs to all of `points`."""
+    aim: Array
+    """Point that legs steer for, east and north of the coordinates' origin, shape (2,) or (2, n) [m]."""
+    interval: float = float("inf")
+    """Greatest length of a leg [m]."""
+    surface_time: float | None = None
+    """At the surface after each leg, where the vehicle stays for a fixed time [s]; None: until it has a fix."""
+    fix_wait: float = float("inf")
+    """For which it waits for a fix where it stays for no fixed time [s]."""
+    key_wait: float = 0.0
+    """At the surface after that [s]."""
+    aborts: bool = False
+    """Whether it gives up where no fix comes in its time at the surface; else it goes on by dead reckoning."""
+    holds: bool = False
+    """Whether it goes back to the leg's end at the surface once it has a fix, and holds its place there for the rest of
+    its time. What that takes of the battery is not counted."""
+    points: Array | None = None
+    """Ends of the legs, in turn, of ``count``; else empty; shape (2, m) [m]."""
+    capture: float = 0.0
+    """Distance of the dead reckoning from the point at which a leg ends [m]."""
+    time_out: float = float("inf")
+    """Time after which the vehicle gives the transit up [s]."""
+    reserve: float = 0.0
+    """Share of the battery's energy with which left it gives up."""
+    corrects: bool = False
+    """Whether the vehicle itself aims off by the drift of its last leg; else not at all."""
+
+    def at_surface(self, until_fix: Scalars) -> Scalars:
+        """Return the time at the surface after a leg [s], where a fix takes `until_fix` to come."""
+        if self.surface_time is not None:
+            return self.surface_time
+        return np.minimum(until_fix, self.fix_wait) + self.key_wait
+
+    def without_fix(self, until_fix: Scalars) -> NDArray[np.bool_]:
+        """Return the trials whose fixes come too late."""
+        return np.atleast_1d(until_fix > (self.fix_wait if self.surface_time is None else self.surface_time))
 
 
 @dataclass(frozen=True)

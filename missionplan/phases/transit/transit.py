@@ -10,13 +10,97 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.typing import NDArray
+from typing_extensions import override
 
-from missionplan.arrays import Array
+from missionplan.arrays import Array, Normals
 from missionplan.phases.hooks import TrialState
-from missionplan.phases.place.place import Contact
-from missionplan.phases.transit.execution import ExecutedLegLoop, Execution
-from missionplan.phases.transit.leg_loop import LegLoop
-from missionplan.phases.transit.plan import Environment, Normals, TransitNormals, TransitPlan, TransitRecord, column
+from missionplan.phases.place import Contact
+from missionplan.phases.transit.leg_loop import LegLoop, length_of
+from missionplan.phases.transit.plan import Environment, Execution, TransitNormals, TransitPlan, TransitRecord, column
+
+
+class ExecutedLegLoop(LegLoop):
+    """The loop of legs by the rules of an `Execution`; whether a trial arrived is for `arrived` to say."""
+
+    def __init__(
+        self,
+        execution: Execution,
+        plan: TransitPlan,
+        state: TrialState,
+        normals: TransitNormals,
+        environment: Environment,
+        tracked: int,
+    ) -> None:
+        at_surface = execution.at_surface(plan.surfacing_time)
+        super().__init__(replace(plan, surfacing_time=at_surface), state, normals, environment, tracked)
+        self.execution, self._number, self._keeps_all = execution, 0, True
+        self._captured = np.zeros(state.trials, dtype=bool)
+        self._lost = np.broadcast_to(execution.without_fix(plan.surfacing_time), state.trials)
+        if self._lost.any() and self._fix is self._x:
+            self._fix = self._x.copy()
+        self._steered = np.zeros((2, state.trials))
+        self._for_holding = np.maximum(at_surface - plan.surfacing_time, 0.0) if execution.holds else 0.0
+
+    def _point(self) -> Array:
+        """End of the leg, relative to the goal, shape (2, 1) or (2, n) [m]."""
+        rule = self.execution
+        point = rule.aim if rule.points is None else rule.points[:, min(self._number, rule.points.shape[1] - 1)]
+        return column(point) - self._goal
+
+    @override
+    def _nominal(self) -> tuple[Array, Array]:
+        """Leg and its length, zero for a trial that is not under way."""
+        rule, course = self.execution, self._point() - self._fix
+        left = length_of(course)
+        whole = np.maximum(left - rule.capture, 0.0)
+        self._captured = whole <= rule.interval
+        length = np.minimum(whole, rule.interval)
+        if self._moving is not None:
+            length *= self._moving
+        self._steered = course * (length / np.maximum(left, 1e-300))
+        return length, self._steered
+
+    @override
+    def _surface(self, number: int) -> Array:
+        reckoned = self._fix + self._steered
+        surfaced = super()._surface(number)
+        if self.execution.holds:  # the drift that is made good is that of all the time at the surface
+            back = self._point() - self._fix
+            reach = self._plan.speed * self._for_holding / np.maximum(length_of(back), 1e-300)
+            back = back * np.minimum(reach, 1.0)
+            if self._moving is not None:
+                back = back * self._moving
+            self._x, self._fix = self._x + back, self._fix + back
+        if not self._lost.any():
+            return surfaced
+        self._fix = np.where(self._lost, reckoned, self._fix)
+        return np.where(self._lost, reckoned, surfaced)
+
+    @override
+    def _far_from_goal(self) -> NDArray[np.bool_]:
+        self._number += 1
+        far: NDArray[np.bool_]
+        if self.execution.points is not None:
+            far = np.full(self._left.shape, self._number < self.execution.points.shape[1])
+        else:
+            far = ~self._captured if self.execution.ends == "reckoning" else super()._far_from_goal()
+        return far & ~self._gave_up(self._now() - self._clock)
+
+    def _gave_up(self, duration: Array) -> NDArray[np.bool_]:
+        """Trials that have run out of time, or have surfaced in vain."""
+        late: NDArray[np.bool_] = np.asarray(duration > self.execution.time_out)
+        return late | (self._lost & (duration > 0.0)) if self.execution.aborts else late
+
+    @property
+    def plan(self) -> TransitPlan:
+        """The plan with the time that the vehicle stays at the surface."""
+        return self._plan
+
+    def arrived(self, duration: Array) -> NDArray[np.bool_]:
+        """Trials that end within the radius, by where they truly are if they have no fix of it, in time."""
+        off = np.where(self._lost, length_of(self._x), self._left)
+        return (off < self._plan.arrival_radius) & ~self._gave_up(duration)
 
 
 def transit(

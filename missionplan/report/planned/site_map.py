@@ -23,8 +23,8 @@ from missionplan.report.plan_view import draw_region, emptiest_corner, frame, no
 from missionplan.report.quantities import quantity
 from missionplan.report.wording import shortened
 from missionplan.results.entries import mapping, mappings
-from missionplan.scenario.place.grid_files import placed_pixels
-from missionplan.scenario.place.polygons import LOCAL, Chart, features
+from missionplan.scenario.grid_files import placed_pixels
+from missionplan.scenario.polygons import LOCAL, Chart, features
 
 _PIXELS = 300
 """Of the picture along each side of the map."""

@@ -1,6 +1,6 @@
-"""Currents from files: `csv_series` for a record at one place, and the fields of ocean models.
+"""Currents from files: records at one place, and the fields of ocean models.
 
-`field` recognises which model wrote the files and reads them; `files` joins several in time, `area` says what part of
+`reading` recognises which model wrote the files and reads them; `files` joins several in time, `area` says what part of
 them a mission needs, `regular` (ROMS too) and `unstructured` (FVCOM, UGRID, SCHISM) know the kinds of
 grids, and `vertical` the depths of their layers.
 """

@@ -13,8 +13,8 @@ from numpy.typing import NDArray
 from missionplan.arrays import Array
 from missionplan.errors import InputError
 from missionplan.mission.schema.place import Geographic, to_plane
-from missionplan.phases.fields.gridded_current import GriddedCurrent
-from missionplan.phases.fields.grids import Grid
+from missionplan.phases.gridded_current import GriddedCurrent
+from missionplan.phases.grids import Grid
 from missionplan.scenario.currents.attributes import is_degrees
 from missionplan.scenario.currents.files import FieldFiles, Moments, Window
 from missionplan.scenario.currents.vertical import SKIN, At, good_down_to, level_depths

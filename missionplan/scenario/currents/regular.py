@@ -10,9 +10,9 @@ from numpy.typing import NDArray
 
 from missionplan.arrays import Array
 from missionplan.mission.schema.place import curvature_of_parallel, to_plane
-from missionplan.phases.fields.gridded_current import GriddedCurrent
-from missionplan.phases.fields.grids import CurvedGrid, RegularGrid
-from missionplan.phases.fields.lattice import Indices
+from missionplan.phases.gridded_current import GriddedCurrent
+from missionplan.phases.grids import CurvedGrid, RegularGrid
+from missionplan.phases.lattice import Indices
 from missionplan.scenario.currents.area import Area, assembled, at_columns, in_degrees, layer_depths, window_of
 from missionplan.scenario.currents.attributes import word
 from missionplan.scenario.currents.files import FieldFiles, Moments, Window, velocities

@@ -12,9 +12,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from missionplan.arrays import Array
-from missionplan.phases.fields.gridded_current import GriddedCurrent
-from missionplan.phases.fields.grids import CellMesh, Grid, TriangleMesh
-from missionplan.phases.fields.lattice import Indices, slopes_by_least_squares
+from missionplan.phases.gridded_current import GriddedCurrent
+from missionplan.phases.grids import CellMesh, Grid, TriangleMesh
+from missionplan.phases.lattice import Indices, slopes_by_least_squares
 from missionplan.scenario.currents.area import Area, Turning, assembled, layer_depths, outside_of
 from missionplan.scenario.currents.files import FieldFiles, Moments, velocities
 from missionplan.scenario.currents.vertical import SKIN, SURFACE, good_down_to

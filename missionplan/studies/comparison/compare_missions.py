@@ -10,8 +10,8 @@ import numpy as np
 from missionplan.errors import InputError, Problem
 from missionplan.identity import digest_of
 from missionplan.mission import Mission, MissionOrPath, load
-from missionplan.mission.reading.documents import load_document
-from missionplan.montecarlo.paired import LEVEL, paired_difference
+from missionplan.mission.documents import load_document
+from missionplan.montecarlo.alternatives import LEVEL, paired_difference
 from missionplan.montecarlo.parallel.blocks import Progress, Workers
 from missionplan.montecarlo.streams import sized_blocks
 from missionplan.results.base import Provenance

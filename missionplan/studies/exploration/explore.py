@@ -11,7 +11,7 @@ from missionplan.errors import InputError, Problem
 from missionplan.mission import Mission, MissionOrPath
 from missionplan.mission.checks.sections import quantity_unit
 from missionplan.mission.units import QuantityError
-from missionplan.montecarlo.paired import compare_with_best
+from missionplan.montecarlo.alternatives import compare_with_best
 from missionplan.montecarlo.parallel.blocks import Backend, Progress
 from missionplan.montecarlo.statistics import Count
 from missionplan.montecarlo.streams import sized_blocks

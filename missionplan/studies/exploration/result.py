@@ -9,7 +9,7 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from missionplan.mission import Mission
-from missionplan.montecarlo.paired import compare_with_best, pareto_front
+from missionplan.montecarlo.alternatives import compare_with_best, pareto_front
 from missionplan.montecarlo.statistics import Count, Probability, Statistic
 from missionplan.results.base import Provenance, Result, to_csv, to_grid
 from missionplan.results.decision import Aim, Axis, MemberOutcome

@@ -14,8 +14,8 @@ from pydantic import BaseModel
 from missionplan.errors import InputError, Problem, attempted, did_you_mean, shown
 from missionplan.mission import Mission
 from missionplan.mission.changes import UnclearKeyError, changed_data, find_key, value_at
+from missionplan.mission.documents import load_document
 from missionplan.mission.quantity_paths import name_in_force, overridden, resolved_path
-from missionplan.mission.reading.documents import load_document
 from missionplan.mission.units import QuantityError, parse_number_with_unit
 from missionplan.moments import moment_of
 from missionplan.results.decision import Axis

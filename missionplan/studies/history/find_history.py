@@ -16,12 +16,12 @@ from missionplan.effects import CATALOGUE
 from missionplan.errors import InputError, Problem, attempted
 from missionplan.identity import differences, digest_of, program_part
 from missionplan.mission import Mission, MissionOrPath, as_mission
+from missionplan.mission.documents import load_document, read_text
+from missionplan.mission.includes import hash_of, read_draws
 from missionplan.mission.learned import Series, series_of
-from missionplan.mission.reading.documents import load_document, read_text
-from missionplan.mission.reading.includes import hash_of, read_draws
 from missionplan.moments import moment_of
 from missionplan.montecarlo.levels import Measured, Seen
-from missionplan.montecarlo.posterior_file import FILE, DamagedPosteriorError
+from missionplan.montecarlo.posterior import FILE, DamagedPosteriorError
 from missionplan.results.base import Provenance
 from missionplan.results.entries import mapping, mappings, real
 from missionplan.results.learned.diagnosis import Level, ParameterLevels

@@ -15,7 +15,7 @@ import yaml
 from missionplan.errors import InputError, Problem, did_you_mean, shown
 from missionplan.identity import digest_of
 from missionplan.mission import Mission
-from missionplan.mission.reading.documents import read_text
+from missionplan.mission.documents import read_text
 from missionplan.mission.schema.vehicle import Hazard, Leaves, Per
 from missionplan.montecarlo.distributions import Quantity, mean_of, sd_of
 from missionplan.montecarlo.reliability import chance_of_counts, counts_of_rate, rate_quantile

@@ -15,10 +15,10 @@ from typing_extensions import override
 from missionplan.arrays import Array
 from missionplan.montecarlo.distributions import Distribution, mean_of
 from missionplan.montecarlo.parallel.blocks import IN_THIS_PROCESS, Progress, Workers, parallel_map
-from missionplan.phases.transit.analytic.expectation import MAX_RATIO, TransitExpectation, expected_transit
-from missionplan.phases.transit.analytic.policy import JUMP, best_d_max, best_legs
 from missionplan.phases.transit.compensation import Compensation, CompletedLeg, Memory, PlannedLeg
+from missionplan.phases.transit.expectation import MAX_RATIO, TransitExpectation, expected_transit
 from missionplan.phases.transit.plan import LegTable
+from missionplan.phases.transit.policy import JUMP, best_d_max, best_legs
 from missionplan.studies.leg_length.paired_trials import (
     PILOT_BLOCK,
     LegsAtSpeed,

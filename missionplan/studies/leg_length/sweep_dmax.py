@@ -12,7 +12,7 @@ from missionplan.mission import MissionOrPath
 from missionplan.montecarlo.parallel.blocks import Backend, Progress
 from missionplan.montecarlo.statistics import Probability, wilson
 from missionplan.montecarlo.streams import block_count, block_size
-from missionplan.phases.transit.analytic.expectation import TransitExpectation
+from missionplan.phases.transit.expectation import TransitExpectation
 from missionplan.results.decision import MemberOutcome
 from missionplan.studies.judgement import judged
 from missionplan.studies.leg_length.analytic_transit import analytic_curves, analytic_obstacle

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from missionplan.arrays import Array
 from missionplan.errors import InputError, KeyPath, Problem, key_path
 from missionplan.mission import Mission
-from missionplan.mission.reading.documents import Document, load_document
+from missionplan.mission.documents import Document, load_document
 from missionplan.mission.schema.sweep import ChoiceSection
 from missionplan.mission.units import QuantityError, parse_number_with_unit
 from missionplan.results.decision import Axis

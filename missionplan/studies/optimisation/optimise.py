@@ -9,7 +9,7 @@ import numpy as np
 
 from missionplan.errors import InputError, Problem
 from missionplan.mission import MissionOrPath
-from missionplan.montecarlo.paired import paired_difference, pareto_front
+from missionplan.montecarlo.alternatives import paired_difference, pareto_front
 from missionplan.results.optimisation import Obstacle, Optimised, Relaxation, Tried
 from missionplan.results.simulation import Outcome
 from missionplan.store.checkpoints import Checkpoints

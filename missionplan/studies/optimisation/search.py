@@ -12,8 +12,7 @@ import numpy as np
 import scipy
 
 from missionplan.arrays import Array
-from missionplan.montecarlo.kriging import Kriging, expected_improvement
-from missionplan.montecarlo.paired import paired_difference
+from missionplan.montecarlo.alternatives import Kriging, expected_improvement, paired_difference
 from missionplan.results.decision import Aim
 from missionplan.studies.exploration.result import AIM_COLUMNS
 from missionplan.studies.optimisation.choosable import Point

@@ -12,9 +12,9 @@ from missionplan.mission.views import forecast_error
 from missionplan.montecarlo.distributions import Distribution
 from missionplan.montecarlo.streams import BlockStreams
 from missionplan.phases.currents import Current, LayeredCurrent
-from missionplan.phases.fields.ensemble import Ensemble, ErringCurrent, Statistics
+from missionplan.phases.ensemble import Ensemble, ErringCurrent, Statistics
 from missionplan.phases.hooks import TransitEffect, surface_velocity
-from missionplan.phases.place.place import Cause, Place, Way
+from missionplan.phases.place import Cause, Place, Way
 from missionplan.phases.recorded_currents import RecordedCurrent
 from missionplan.scenario.scenario import STILL_WATER, Scenario
 from missionplan.scenario.site_current import with_error

@@ -14,8 +14,8 @@ from missionplan.mission import Mission
 from missionplan.mission.schema.phases import LegTableSection, TransitPhase
 from missionplan.mission.views import missing_for_moorings, missing_for_transitions, missing_for_transits
 from missionplan.phases.currents import Current
-from missionplan.phases.fields.ensemble import Ensemble
-from missionplan.phases.fields.gridded_current import GriddedCurrent
+from missionplan.phases.ensemble import Ensemble
+from missionplan.phases.gridded_current import GriddedCurrent
 from missionplan.phases.recorded_currents import RecordedCurrent
 from missionplan.physics.anchor import solve_anchor
 from missionplan.physics.drag import range_notes

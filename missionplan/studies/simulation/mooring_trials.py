@@ -18,7 +18,7 @@ from missionplan.montecarlo.reliability import Exposure
 from missionplan.phases.currents import Current, Span
 from missionplan.phases.hooks import TrialState
 from missionplan.phases.mooring.mooring import MoorPlan, MoorRecord, moor
-from missionplan.phases.place.place import Contact, Place, Way
+from missionplan.phases.place import Contact, Place, Way
 from missionplan.physics.propulsion import JOULES_PER_WATT_HOUR
 from missionplan.results.entries import Failure
 from missionplan.scenario.phases import dive_of, fix_normals, line_strength, moor_plan, room_in_depth

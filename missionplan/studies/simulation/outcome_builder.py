@@ -12,7 +12,7 @@ from missionplan.mission import Mission
 from missionplan.mission.schema.sweep import Requirement
 from missionplan.montecarlo.sensitivity import sensitivities
 from missionplan.montecarlo.statistics import Count, Integers, Probability, RunningStatistic, Statistic
-from missionplan.phases.place.place import Cause
+from missionplan.phases.place import Cause
 from missionplan.results.base import Provenance
 from missionplan.results.decision import Causes, ExplainedOutcome, PlaceContact
 from missionplan.results.entries import LIMITS, MET, Counted, CountedKind

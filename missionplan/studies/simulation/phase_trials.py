@@ -6,16 +6,16 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from missionplan.arrays import Array, Scalars
+from missionplan.arrays import Array, Normals, Scalars
 from missionplan.mission.schema.manoeuvring import TransitionPhase
 from missionplan.mission.schema.phases import TransitPhase
 from missionplan.montecarlo.reliability import Exposure
 from missionplan.montecarlo.streams import NormalSource
 from missionplan.phases.currents import Current
 from missionplan.phases.hooks import TrialState
-from missionplan.phases.place.place import Contact
+from missionplan.phases.place import Contact
 from missionplan.phases.transit.ground_velocity import random_part
-from missionplan.phases.transit.plan import Environment, Normals, TransitNormals, TransitPlan, TransitRecord, column
+from missionplan.phases.transit.plan import Environment, TransitNormals, TransitPlan, TransitRecord, column
 from missionplan.phases.transit.transit import transit
 from missionplan.phases.transition_simulation import simulate_transition
 from missionplan.physics.propulsion import JOULES_PER_WATT_HOUR

@@ -3,8 +3,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from missionplan.effects.dive_drag import BroadsideStart, DragBias
-from missionplan.effects.dive_lift import VerticalCurrent
+from missionplan.effects.dive_forces import BroadsideStart, DragBias, VerticalCurrent
 from missionplan.phases.currents import layers
 from missionplan.phases.mooring.forces import Dive
 from missionplan.phases.mooring.mooring import ascend

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from missionplan.arrays import Scalars
-from missionplan.effects.dive_lift import VerticalCurrent
+from missionplan.effects.dive_forces import VerticalCurrent
 from missionplan.effects.dive_log import ClockOffset, DepthScale, SensorLag
 from missionplan.phases.hooks import DescentEffect
 from missionplan.phases.mooring.forces import Dive

@@ -8,8 +8,8 @@ from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 
 from missionplan.arrays import Scalars
-from missionplan.effects.dive_drag import BroadsideStart
-from missionplan.effects.dive_lift import LinePayout, SlowFlooding, TrappedGas, VerticalCurrent
+from missionplan.effects.dive_forces import BroadsideStart, SlowFlooding, TrappedGas, VerticalCurrent
+from missionplan.effects.dive_log import LinePayout
 from missionplan.phases.currents import layers
 from missionplan.phases.hooks import DescentEffect
 from missionplan.phases.mooring.descent import DescentRecord, descend

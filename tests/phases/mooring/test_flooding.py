@@ -11,7 +11,7 @@ from scipy.integrate import solve_ivp
 from missionplan.phases.currents import layers
 from missionplan.phases.mooring.descent import descend
 from missionplan.phases.mooring.forces import Dive, LineSpring
-from missionplan.phases.mooring.horizontal_drift import CrossFlowBody, TiedBodies
+from missionplan.phases.mooring.motion import CrossFlowBody, TiedBodies
 from missionplan.physics.drag import QuadraticDrag
 
 DIVE = Dive(

@@ -10,9 +10,8 @@ from missionplan.phases.currents import layers
 from missionplan.phases.hooks import DescentEffect
 from missionplan.phases.mooring.descent import descend
 from missionplan.phases.mooring.forces import DescentHooks, Dive, LoneFall
-from missionplan.phases.mooring.horizontal_drift import CrossFlowBody, TiedBodies
+from missionplan.phases.mooring.motion import CrossFlowBody, Integration, Stop, TiedBodies, integrate_stage
 from missionplan.phases.mooring.pitch_over import NOSE_DOWN, pitch_over
-from missionplan.phases.mooring.vertical_motion import Integration, Stop, integrate_stage
 from missionplan.physics.drag import QuadraticDrag
 from missionplan.physics.vehicle_dynamics import PitchingBody
 from tests.depth_readings import simulate_readings

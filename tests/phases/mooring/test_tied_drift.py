@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from missionplan.phases.currents import layers
 from missionplan.phases.mooring.descent import DescentRecord, descend
 from missionplan.phases.mooring.forces import Dive
-from missionplan.phases.mooring.horizontal_drift import CrossFlowBody, TiedBodies
+from missionplan.phases.mooring.motion import CrossFlowBody, TiedBodies
 from missionplan.phases.mooring.profile import simulate_profile
 from missionplan.physics.drag import QuadraticDrag
 from tests.phases.mooring.tied_reference import Case, tied, varied_case

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from missionplan.arrays import Array
-from missionplan.phases.mooring.vertical_motion import Stop, integrate_stage
+from missionplan.phases.mooring.motion import Integration, Stop, integrate_stage
 
 
 @dataclass(frozen=True)
@@ -37,7 +37,7 @@ def deepest_error(step: float, water: float) -> float:
     """Error of the depth after 8 s of an oscillation; the water carries its centre along."""
     omega, neutral, start = 0.9, 40.0, 30.0
     found = integrate_stage(
-        Spring(omega, neutral, water), np.array([start]), np.array([0.0]), Stop(), time_limit=8.0, step=step, keep=True
+        Spring(omega, neutral, water), np.array([start]), np.array([0.0]), Stop(), Integration(8.0, step, keep=True)
     )
     # z'' = -ω²(z - neutral) with z'(0) = w
     t = step * (len(found.depths) - 1)
@@ -53,7 +53,7 @@ def test_a_force_that_depends_on_depth_is_integrated_to_fourth_order(water):
 
 def test_nothing_rises_out_of_the_water_and_what_waits_at_the_surface_gathers_no_speed():
     found = integrate_stage(
-        SwitchedPush(5.0, 0.5), np.array([0.3]), np.array([0.1]), Stop(), time_limit=9.0, step=0.1, keep=True
+        SwitchedPush(5.0, 0.5), np.array([0.3]), np.array([0.1]), Stop(), Integration(9.0, 0.1, keep=True)
     )
     t = 0.1 * np.arange(len(found.depths))
     assert np.all(found.depths >= 0.0)
@@ -65,7 +65,7 @@ def test_nothing_rises_out_of_the_water_and_what_waits_at_the_surface_gathers_no
 
 def test_at_the_surface_of_rising_water_the_vehicle_stays_with_the_surface():
     found = integrate_stage(
-        SwitchedPush(100.0, 0.2, -0.3), np.array([1.0]), np.array([0.0]), Stop(), time_limit=20.0, step=0.1, keep=True
+        SwitchedPush(100.0, 0.2, -0.3), np.array([1.0]), np.array([0.0]), Stop(), Integration(20.0, 0.1, keep=True)
     )
     assert np.all(found.depths >= 0.0)
     assert found.depths[-1, 0] == 0.0
@@ -75,7 +75,7 @@ def test_at_the_surface_of_rising_water_the_vehicle_stays_with_the_surface():
 
 def test_a_stage_ends_where_its_closed_form_crosses():
     found = integrate_stage(
-        Spring(0.5, 20.0), np.array([10.0]), np.array([0.0]), Stop(deepest=20.0), time_limit=20.0, step=0.05
+        Spring(0.5, 20.0), np.array([10.0]), np.array([0.0]), Stop(deepest=20.0), Integration(20.0, 0.05)
     )
     assert found.ended.all()
     assert found.time[0] == pytest.approx(np.pi / 2.0 / 0.5, abs=1e-5)

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from missionplan.phases.place.ground import Frame, Ground
+from missionplan.phases.ground import Frame, Ground
 
 STEP = 10.0
 

@@ -6,7 +6,7 @@ from ground_examples import STEP, ground
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from missionplan.phases.place.ground import Frame
+from missionplan.phases.ground import Frame
 
 
 def plane(east=0.02, north=-0.05, deep=10.0, shape=(30, 40)):

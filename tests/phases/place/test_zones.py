@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from missionplan.phases.place.place import Cause, Place, Way
-from missionplan.phases.place.zones import Fence, Zone
+from missionplan.phases.place import Cause, Place, Way
+from missionplan.phases.zones import Fence, Zone
 
 shapely = pytest.importorskip("shapely")
 

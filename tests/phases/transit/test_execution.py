@@ -5,8 +5,7 @@ import pytest
 from transit_examples import GOAL, normals, plan, start
 
 from missionplan.phases.currents import LayeredCurrent
-from missionplan.phases.transit.execution import Execution
-from missionplan.phases.transit.plan import Environment
+from missionplan.phases.transit.plan import Environment, Execution
 from missionplan.phases.transit.transit import transit
 
 ALONG, SPEED = 0.02, 1.25

@@ -8,8 +8,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.special import erfc
 
-from missionplan.phases.transit.analytic import expectation
-from missionplan.phases.transit.analytic.expectation import expected_cost, expected_transit
+from missionplan.phases.transit import expectation
+from missionplan.phases.transit.expectation import expected_cost, expected_transit
 from missionplan.phases.transit.plan import LegTable
 
 FIG8 = {"distance": 7408.0, "speed": 1.25, "arrival_radius": 50.0, "surfacing_time": 90.0}

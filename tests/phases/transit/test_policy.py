@@ -7,10 +7,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from missionplan.phases.transit.analytic import policy
-from missionplan.phases.transit.analytic.expectation import expected_cost
-from missionplan.phases.transit.analytic.policy import TABLE_LOSS, best_d_max, best_legs, simplify_table
+from missionplan.phases.transit import policy
+from missionplan.phases.transit.expectation import expected_cost
 from missionplan.phases.transit.plan import LegTable
+from missionplan.phases.transit.policy import TABLE_LOSS, best_d_max, best_legs, simplify_table
 
 SURFACING = 90.0
 SHORT = (2000.0, 1.0, 50.0, 0.08)

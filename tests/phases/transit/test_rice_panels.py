@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 from scipy.sparse import csr_array
 from scipy.stats import rice
 
-from missionplan.phases.transit.analytic.rice_panels import (
+from missionplan.phases.transit.rice_panels import (
     Panels,
     expectation_matrix,
     graded_panels,

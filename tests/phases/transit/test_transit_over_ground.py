@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 from transit_examples import run, start
 
-from missionplan.phases.place.ground import Frame, Ground
-from missionplan.phases.place.place import Cause, Place, SeaLevel
-from missionplan.phases.place.zones import Fence, Zone
+from missionplan.phases.ground import Frame, Ground
+from missionplan.phases.place import Cause, Place, SeaLevel
 from missionplan.phases.transit.plan import VelocityError
+from missionplan.phases.zones import Fence, Zone
 
 shapely = pytest.importorskip("shapely")
 

@@ -8,7 +8,7 @@ import pytest
 from missionplan.errors import InputError
 from missionplan.mission.schema.place import Geographic
 from missionplan.scenario.currents.area import Area
-from missionplan.scenario.currents.field import read_field
+from missionplan.scenario.currents.reading import read_field
 
 netcdf = pytest.importorskip("netCDF4")
 pytest.importorskip("xarray")

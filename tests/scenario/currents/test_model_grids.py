@@ -10,9 +10,9 @@ from pyproj import Transformer
 from missionplan.errors import InputError
 from missionplan.mission.schema.place import Geographic, curvature_of_parallel, to_geographic, to_plane
 from missionplan.phases.currents import Span
-from missionplan.phases.fields.grids import RegularGrid
+from missionplan.phases.grids import RegularGrid
 from missionplan.scenario.currents.area import Area
-from missionplan.scenario.currents.field import read_field
+from missionplan.scenario.currents.reading import read_field
 
 netcdf = pytest.importorskip("netCDF4")
 xarray = pytest.importorskip("xarray")

@@ -11,7 +11,7 @@ import pytest
 from missionplan.mission.schema.place import Geographic, to_plane
 from missionplan.phases.currents import Span
 from missionplan.scenario.currents.area import Area
-from missionplan.scenario.currents.field import read_field
+from missionplan.scenario.currents.reading import read_field
 from tests.scenario.currents import brute_force as slow
 
 xarray = pytest.importorskip("xarray")

@@ -11,7 +11,7 @@ from PIL.TiffImagePlugin import ImageFileDirectory_v2
 
 from missionplan.errors import InputError
 from missionplan.mission import load
-from missionplan.scenario.place.building import read_place
+from missionplan.scenario.place import read_place
 from missionplan.scenario.scenario import Scenario
 
 shapely = pytest.importorskip("shapely")

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 import shapely
 
-from missionplan.phases.place.place import Place
-from missionplan.phases.place.zones import Fence, Zone
-from missionplan.scenario.place.ways import blocked, way_round
+from missionplan.phases.place import Place
+from missionplan.phases.zones import Fence, Zone
+from missionplan.scenario.ways import blocked, way_round
 
 START, GOAL = np.array([0.0, 0.0]), np.array([2000.0, 0.0])
 RANGE = shapely.box(800.0, -300.0, 1200.0, 500.0)

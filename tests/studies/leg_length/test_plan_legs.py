@@ -9,7 +9,7 @@ import yaml
 from missionplan.errors import InputError
 from missionplan.mission import load
 from missionplan.montecarlo.statistics import wilson
-from missionplan.phases.place.place import Place
+from missionplan.phases.place import Place
 from missionplan.phases.transit.plan import LegTable
 from missionplan.studies.leg_length import optimise_legs, paired_trials
 from missionplan.studies.leg_length.analytic_transit import PolicyFamily, fit_leg_spread

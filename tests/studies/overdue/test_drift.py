@@ -11,9 +11,9 @@ from matplotlib.path import Path as Outline
 import missionplan
 from missionplan.mission import Mission
 from missionplan.phases.currents import Current, Leeway, layers, leeway_velocity
-from missionplan.phases.fields.ensemble import ErringCurrent, ErrorWaves
-from missionplan.phases.place.place import Place
-from missionplan.phases.place.zones import Fence, Zone
+from missionplan.phases.ensemble import ErringCurrent, ErrorWaves
+from missionplan.phases.place import Place
+from missionplan.phases.zones import Fence, Zone
 from missionplan.results.whereabouts import AFLOAT, DriftAssumption
 from missionplan.scenario.scenario import Scenario
 from missionplan.studies.overdue.drift import UNSTATED_ERROR, UNSTATED_TIME, Drift

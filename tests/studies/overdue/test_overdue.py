@@ -14,8 +14,7 @@ import missionplan
 from missionplan.mission import Mission
 from missionplan.phases.currents import layers
 from missionplan.rendering import render
-from missionplan.report.drawn import draw, drawing_by, style
-from missionplan.report.page import Figure
+from missionplan.report.page import Figure, draw, drawing_by, style
 from missionplan.report.simulation.overdue import overdue_section
 from missionplan.results.simulation import Outcome
 from missionplan.results.whereabouts import SearchArea

@@ -9,7 +9,7 @@ from test_simulate_currents import STEADY, csv
 from missionplan.errors import InputError
 from missionplan.mission import Mission
 from missionplan.phases.currents import layers
-from missionplan.phases.fields.ensemble import Ensemble
+from missionplan.phases.ensemble import Ensemble
 from missionplan.phases.recorded_currents import SeriesCurrent
 from missionplan.report.render import terminal_view
 from missionplan.report.simulation.page import answer

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from missionplan.arrays import Array
-from missionplan.phases.place.ground import Ground
-from missionplan.phases.place.place import Place
+from missionplan.phases.ground import Ground
+from missionplan.phases.place import Place
 
 if TYPE_CHECKING:
     from shapely import Geometry

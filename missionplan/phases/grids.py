@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from typing_extensions import override
 
 from missionplan.arrays import Array, Scalars, take_trials
-from missionplan.phases.fields.lattice import EvenAxes, Indices, TriangleFinder
+from missionplan.phases.lattice import EvenAxes, Indices, TriangleFinder
 from missionplan.phases.recorded_currents import bracket, even_step
 
 _NEWTON_STEPS = 4

@@ -11,9 +11,9 @@ from typing import Any
 from missionplan.effects import CATALOGUE
 from missionplan.errors import InputError, KeyPath, Problem, did_you_mean, shown
 from missionplan.identity import digest_of_files
-from missionplan.mission.reading.documents import Document, load_document, nearest_file
+from missionplan.mission.documents import Document, load_document, nearest_file
 from missionplan.mission.schema.section import invalid
-from missionplan.montecarlo.posterior_file import MOST_BYTES, DamagedPosteriorError, PosteriorFile, sha256
+from missionplan.montecarlo.posterior import MOST_BYTES, DamagedPosteriorError, PosteriorFile, sha256
 from missionplan.store.folder import is_file, matching, real_path
 
 CLASSES = Path(__file__).parents[2] / "starter" / "reliability"

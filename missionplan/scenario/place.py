@@ -14,13 +14,13 @@ from missionplan.mission.schema.place import BathymetryFile, Geographic, Positio
 from missionplan.mission.schema.site import Site
 from missionplan.mission.views import required_origin
 from missionplan.montecarlo.distributions import mean_of
-from missionplan.phases.place.ground import Frame, Ground
-from missionplan.phases.place.place import Place, SeaLevel
-from missionplan.phases.place.zones import Fence, Zone
+from missionplan.phases.ground import Frame, Ground
+from missionplan.phases.place import Place, SeaLevel
+from missionplan.phases.zones import Fence, Zone
 from missionplan.physics.tides import angular_frequencies, nodal_state
-from missionplan.scenario.place import grid_files
-from missionplan.scenario.place.grid_files import Grid
-from missionplan.scenario.place.polygons import DEGREES, LOCAL, Chart, longitude_beside
+from missionplan.scenario import grid_files
+from missionplan.scenario.grid_files import Grid
+from missionplan.scenario.polygons import DEGREES, LOCAL, Chart, longitude_beside
 
 MAX_BYTES = 2_000_000_000
 """Of a file of depths."""
@@ -192,7 +192,7 @@ def _read(
 ) -> tuple[Ground | None, Fence | None]:
     """Read each file once, however many studies of a mission ask for it, and tabulate distances once."""
     from missionplan.moments import moment_of  # readers load what reads files, which most missions have none of
-    from missionplan.scenario.place.polygons import Chart, read_zones
+    from missionplan.scenario.polygons import Chart, read_zones
 
     about = None if origin is None else Geographic.model_construct(latitude=origin[0], longitude=origin[1])
     ground: Ground | None = None

@@ -12,7 +12,7 @@ from pydantic.fields import FieldInfo
 from typing_extensions import Doc
 
 from missionplan.errors import KeyPath, Problem, shown
-from missionplan.mission.reading.documents import Document
+from missionplan.mission.documents import Document
 from missionplan.mission.schema.quantity_parser import OrWord, QuantityParser
 from missionplan.mission.schema.section import ReadBy
 

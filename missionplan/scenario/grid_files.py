@@ -13,7 +13,7 @@ from missionplan.errors import did_you_mean
 from missionplan.scenario.currents.attributes import FieldAttributeError, counts_up, word
 from missionplan.scenario.currents.files import FieldFiles
 from missionplan.scenario.currents.regular import LATITUDE, LONGITUDE
-from missionplan.scenario.place.polygons import DEGREES, LOCAL, Chart, features
+from missionplan.scenario.polygons import DEGREES, LOCAL, Chart, features
 
 _UP = ("elevation", "Elevation", "z", "topo", "topography", "altitude", "height", "Band1", "band_data")
 _DOWN = ("depth", "Depth", "bathymetry", "Bathymetry", "bathy", "deptho", "h", "water_depth")
@@ -53,7 +53,7 @@ class Grid:
 
 def netcdf(chart: Chart) -> Grid:
     """Read GEBCO's layout and CF grids: rows and columns along one axis each."""
-    from missionplan.scenario.currents.field import opened  # pandas: slow
+    from missionplan.scenario.currents.reading import opened  # pandas: slow
 
     with opened([str(chart.path)], str(chart.path)) as files:
         try:

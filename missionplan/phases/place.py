@@ -7,9 +7,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from missionplan.arrays import Array, Scalars
+from missionplan.phases.ground import Ground
 from missionplan.phases.hooks import select_trials
-from missionplan.phases.place.ground import Ground
-from missionplan.phases.place.zones import Fence, Zone
+from missionplan.phases.zones import Fence, Zone
 
 
 class Cause(IntEnum):

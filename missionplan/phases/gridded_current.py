@@ -13,8 +13,8 @@ from typing_extensions import override
 from missionplan.arrays import Array, Scalars
 from missionplan.errors import InputError
 from missionplan.phases.currents import Span
-from missionplan.phases.fields.grids import Columns, FieldWater, Grid, RegularGrid
-from missionplan.phases.fields.lattice import Cells, EvenAxes, Indices, Lattice, packed
+from missionplan.phases.grids import Columns, FieldWater, Grid, RegularGrid
+from missionplan.phases.lattice import Cells, EvenAxes, Indices, Lattice, packed
 from missionplan.phases.recorded_currents import Bracket, RecordedCurrent, bracket, even_step
 
 Velocities = NDArray[np.complexfloating[Any]]

@@ -16,7 +16,7 @@ from missionplan.mission.schema.place import BathymetryFile, Geographic, to_geog
 from missionplan.mission.units import QuantityError, parse_number_with_unit
 from missionplan.moments import moment_of, utc
 from missionplan.packages import how_to_install
-from missionplan.phases.place.zones import Zone
+from missionplan.phases.zones import Zone
 
 DEGREES = "EPSG:4326"
 LOCAL = "local"

@@ -23,15 +23,15 @@ from numpy.typing import NDArray
 from scipy.sparse import csr_array
 
 from missionplan.arrays import Array
-from missionplan.phases.transit.analytic.expectation import TransitExpectation, expected_transit
-from missionplan.phases.transit.analytic.rice_panels import (
+from missionplan.phases.transit.expectation import TransitExpectation, expected_transit
+from missionplan.phases.transit.plan import LegTable
+from missionplan.phases.transit.rice_panels import (
     TAIL,
     Panels,
     expectation_matrix,
     graded_panels,
     solve_ascending,
 )
-from missionplan.phases.transit.plan import LegTable
 
 CANDIDATES = 40
 """Leg lengths scanned at each distance left."""

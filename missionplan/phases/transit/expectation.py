@@ -17,7 +17,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from missionplan.arrays import Array
-from missionplan.phases.transit.analytic.rice_panels import (
+from missionplan.phases.transit.plan import LegTable
+from missionplan.phases.transit.rice_panels import (
     MAX_PANELS,
     TAIL,
     Panels,
@@ -25,7 +26,6 @@ from missionplan.phases.transit.analytic.rice_panels import (
     graded_panels,
     solve_ascending,
 )
-from missionplan.phases.transit.plan import LegTable
 
 MAX_RATIO = 0.7
 """Largest σ/U accepted: at 1/√2 a leg's mean-square error is as long as the leg itself."""

@@ -1,1 +1,0 @@
-"""YAML with line marks (`documents`), included files, and validation errors as problems with file and line."""
