@@ -12,7 +12,7 @@ import numpy as np
 
 from benchmarks.common import MISSIONS, Options, Row, Section
 from missionplan.mission import Mission, load
-from missionplan.montecarlo.parallel.blocks import IN_THIS_PROCESS
+from missionplan.montecarlo.blocks import IN_THIS_PROCESS
 from missionplan.results.decision import Axis
 from missionplan.studies.exploration.cells import CellTrials, cell_trials
 from missionplan.studies.exploration.explore import CellPlan, race

@@ -34,8 +34,8 @@ from benchmarks.transit_trial import (
 )
 from missionplan.arrays import Array
 from missionplan.mission import Mission
-from missionplan.montecarlo.parallel.blocks import run_blocks
-from missionplan.montecarlo.parallel.pool import process_pool
+from missionplan.montecarlo.blocks import run_blocks
+from missionplan.montecarlo.pool import process_pool
 from missionplan.montecarlo.sensitivity import Influence, sensitivities
 from missionplan.montecarlo.statistics import RunningStatistics
 from missionplan.montecarlo.streams import BLOCK, LegNormals, block_count, block_size, stream

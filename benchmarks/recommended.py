@@ -18,7 +18,7 @@ import missionplan
 from benchmarks.common import MISSIONS, duration
 from missionplan.mission import Mission
 from missionplan.montecarlo.alternatives import paired_difference
-from missionplan.montecarlo.parallel.blocks import IN_THIS_PROCESS
+from missionplan.montecarlo.blocks import IN_THIS_PROCESS
 from missionplan.montecarlo.streams import BlockStreams, stream
 from missionplan.phases.hooks import TrialState
 from missionplan.results.anchor_sizing import ProbableAnchor

@@ -18,7 +18,7 @@ import numpy as np
 
 from benchmarks.common import MISSIONS, Options, Row, Section, alternate, duration
 from missionplan.mission import load
-from missionplan.montecarlo.parallel.pool import process_pool
+from missionplan.montecarlo.pool import process_pool
 from missionplan.studies.leg_length.sweep_dmax import sweep_dmax
 from missionplan.studies.leg_length.sweep_result import Sweep
 

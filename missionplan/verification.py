@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from missionplan.errors import InputError, Problem
 from missionplan.identity import differences, digest_of, leaves, program_part, running_program
 from missionplan.mission import Mission, load
-from missionplan.montecarlo.parallel.blocks import Progress, run_blocks
+from missionplan.montecarlo.blocks import Progress, run_blocks
 from missionplan.montecarlo.streams import sized_blocks
 from missionplan.results.base import OF_THE_RUN, to_json
 from missionplan.results.entries import mapping, whole

@@ -176,5 +176,5 @@ def _usage_error(error: Exception) -> int:
 
 def _end_workers() -> None:
     """End worker processes, if any: the interpreter would wait for their unfinished work."""
-    if pool := sys.modules.get("missionplan.montecarlo.parallel.pool"):
+    if pool := sys.modules.get("missionplan.montecarlo.pool"):
         pool.shut_down_pool()

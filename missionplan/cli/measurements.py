@@ -85,8 +85,8 @@ def diagnosed(
     quiet: bool,
 ) -> "Result":
     """Load a mission and diagnose data sets, with workers that import what fits need while this process does."""
-    from missionplan.montecarlo.parallel.blocks import MAX_PROCESSES
-    from missionplan.montecarlo.parallel.pool import preloaded_pool
+    from missionplan.montecarlo.blocks import MAX_PROCESSES
+    from missionplan.montecarlo.pool import preloaded_pool
 
     processes = o.worker_count(jobs)
     with preloaded_pool(min(processes, MAX_PROCESSES) - 1, *_WORKERS_NEED):

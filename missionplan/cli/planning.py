@@ -32,7 +32,7 @@ VehicleFormat = Literal["slocum", "moos", "neptus", "iver", "qgc"]
 @contextmanager
 def _workers_importing(module: str, count: int) -> Iterator[None]:
     """Start worker processes, which import what their tasks need while this process does; 0: none."""
-    from missionplan.montecarlo.parallel.pool import preloaded_pool
+    from missionplan.montecarlo.pool import preloaded_pool
 
     with preloaded_pool(count, module):
         yield

@@ -114,8 +114,8 @@ def deliver(result: "Result", folder: Path, output: OutputOptions) -> None:
 
 def _drawing_in_parallel(jobs: object) -> AbstractContextManager[None]:
     """Let this process draw the report with copies of itself, once those that took part in the study have ended."""
-    if "missionplan.montecarlo.parallel.pool" in sys.modules:
-        from missionplan.montecarlo.parallel.pool import shut_down_pool
+    if "missionplan.montecarlo.pool" in sys.modules:
+        from missionplan.montecarlo.pool import shut_down_pool
 
         shut_down_pool()
     from missionplan.report.page import drawing_in_parallel

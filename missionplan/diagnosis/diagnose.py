@@ -21,7 +21,7 @@ from missionplan.diagnosis.inference.selection import Candidate
 from missionplan.diagnosis.pipeline import Judgement, PipelineResult, judge, read, run_pipeline
 from missionplan.diagnosis.plan_gain import with_urgency
 from missionplan.mission import Mission, MissionOrPath
-from missionplan.montecarlo.parallel.blocks import parallel_map
+from missionplan.montecarlo.blocks import parallel_map
 from missionplan.results.base import Provenance
 from missionplan.results.learned.diagnosis import Diagnosis, ParameterLevels, PlanGain
 from missionplan.results.learned.evidence import GroupScore, RankedSet

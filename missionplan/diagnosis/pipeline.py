@@ -31,7 +31,7 @@ from missionplan.diagnosis.inference.selection import (
 )
 from missionplan.effects import CATALOGUE
 from missionplan.errors import RunError
-from missionplan.montecarlo.parallel.blocks import parallel_map
+from missionplan.montecarlo.blocks import parallel_map
 from missionplan.results.learned.evidence import (
     SURE,
     Causes,

@@ -8,8 +8,8 @@ from functools import partial
 from missionplan.errors import MissionplanError
 from missionplan.mission import Mission
 from missionplan.mission.schema.phases import MoorPhase
+from missionplan.montecarlo.blocks import parallel_map
 from missionplan.montecarlo.distributions import mean_of
-from missionplan.montecarlo.parallel.blocks import parallel_map
 from missionplan.montecarlo.posterior import NOWHERE
 from missionplan.results.entries import SUCCESS, Counted
 from missionplan.results.learned.diagnosis import ParameterLevels, Plan, PlanGain

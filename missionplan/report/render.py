@@ -21,7 +21,7 @@ from missionplan.report.axes import draw_in_units
 from missionplan.report.explained import with_assumptions
 from missionplan.report.html.rendering import render_page
 from missionplan.report.page import Block, Drawing, Figure, Listing, Page, PageSection, Table, Terminal, style
-from missionplan.report.planned.section import changed, planned_sections
+from missionplan.report.planned import changed, planned_sections
 from missionplan.report.quantities import reading_in, units_of
 from missionplan.report.wording import typeset, wrapped
 from missionplan.results.base import Result

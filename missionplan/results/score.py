@@ -215,7 +215,7 @@ class DatasetScore(Record):
 class Score(Result):
     """How well a mission as it stands predicts data sets."""
 
-    report: ClassVar[str] = "missionplan.report.scoring"
+    report: ClassVar[str] = "missionplan.report.diagnosis.scoring"
 
     provenance: Provenance
     datasets: Annotated[tuple[DatasetScore, ...], Entry("in the order given")]

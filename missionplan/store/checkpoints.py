@@ -28,7 +28,7 @@ from numpy.typing import NDArray
 
 from missionplan.errors import InputError, Problem, RunError
 from missionplan.identity import Identity, differences, digest_of
-from missionplan.montecarlo.parallel.pool import interrupts_deferred
+from missionplan.montecarlo.pool import interrupts_deferred
 from missionplan.packages import how_to_install
 from missionplan.store.folder import write_atomically
 

@@ -10,7 +10,7 @@ from missionplan.errors import InputError, Problem, shown
 from missionplan.identity import digest_of_files, running_program
 from missionplan.mission import Mission, as_mission
 from missionplan.mission.views import ExplainedMission, under_each_explanation
-from missionplan.montecarlo.parallel.blocks import IN_THIS_PROCESS, Backend, Progress, Workers
+from missionplan.montecarlo.blocks import IN_THIS_PROCESS, Backend, Progress, Workers
 from missionplan.phases.currents import Current
 from missionplan.results.base import Provenance
 from missionplan.scenario.site_current import members_of, trials_of_each, under_each_member

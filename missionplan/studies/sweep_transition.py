@@ -13,7 +13,7 @@ from missionplan.errors import InputError, Problem
 from missionplan.mission import MissionOrPath
 from missionplan.mission.schema.manoeuvring import TransitionGrid
 from missionplan.mission.views import TransitionMission
-from missionplan.montecarlo.parallel.blocks import Progress
+from missionplan.montecarlo.blocks import Progress
 from missionplan.phases.transition_plan import Manoeuvre, TransitionRecord, TransitionVehicle, energy_until
 from missionplan.phases.transition_simulation import simulate_transition
 from missionplan.physics.propulsion import JOULES_PER_WATT_HOUR

@@ -19,7 +19,7 @@ from missionplan.mission import Mission, load
 from missionplan.mission.schema.place import to_geographic
 from missionplan.mission.sections import MOST_LEARNED
 from missionplan.report.diagnosis.page import answer
-from missionplan.report.scoring import answer as told_of_score
+from missionplan.report.diagnosis.scoring import answer as told_of_score
 from missionplan.studies.comparison.two_reports import changed_values
 from tests.fixtures import TRANSIT, make_legs
 

@@ -14,7 +14,7 @@ from missionplan.mission import Mission
 from missionplan.mission.quantity_paths import SHARED, values_in_force
 from missionplan.mission.schema.vehicle import Vehicle
 from missionplan.mission.validation_errors import keys_of, section_in
-from missionplan.report.planned.section import planned_sections
+from missionplan.report.planned import planned_sections
 from missionplan.studies.simulation.simulate import simulate, simulate_block
 from missionplan.studies.validate import validate
 

@@ -16,8 +16,8 @@ import pytest
 
 import missionplan
 from missionplan.errors import InputError, RunError
-from missionplan.montecarlo.parallel import dask_cluster
-from missionplan.montecarlo.parallel.blocks import run_blocks
+from missionplan.montecarlo import dask_cluster
+from missionplan.montecarlo.blocks import run_blocks
 
 pytest.importorskip("distributed")
 pytestmark = pytest.mark.filterwarnings("ignore")  # of Dask's own making
@@ -105,13 +105,13 @@ def test_a_scheduler_without_the_package_is_said(start: Start, tmp_path: Path) -
 
 
 def test_a_scheduler_without_workers_is_said(scheduler: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("missionplan.montecarlo.parallel.dask_cluster.ANSWER_TIME", 1)
+    monkeypatch.setattr("missionplan.montecarlo.dask_cluster.ANSWER_TIME", 1)
     with pytest.raises(InputError, match="has no workers"):
         list(run_blocks(abs, range(2), backend="dask", scheduler=scheduler))
 
 
 def test_another_service_at_the_address_is_said(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("missionplan.montecarlo.parallel.dask_cluster.ANSWER_TIME", 2)
+    monkeypatch.setattr("missionplan.montecarlo.dask_cluster.ANSWER_TIME", 2)
     with socket.create_server(("127.0.0.1", 0)) as server:
 
         def answer() -> None:

@@ -13,9 +13,9 @@ import numpy as np
 import pytest
 
 from missionplan.errors import InputError, RunError
+from missionplan.montecarlo.blocks import run_blocks
 from missionplan.montecarlo.distributions import LogNormal, Normal
-from missionplan.montecarlo.parallel.blocks import run_blocks
-from missionplan.montecarlo.parallel.pool import interrupts_deferred, process_pool, shut_down_pool
+from missionplan.montecarlo.pool import interrupts_deferred, process_pool, shut_down_pool
 from missionplan.montecarlo.statistics import RunningStatistic
 from missionplan.montecarlo.streams import Correlation, JointDistribution, LegNormals
 
@@ -96,7 +96,7 @@ def interrupted_after_the_first(item):
 def test_what_was_submitted_is_not_cancelled(monkeypatch, interrupted):
     """A cancelled future ends the thread of loky that would kill the workers at shutdown, and the command then hangs."""
     pool = IdlePool()
-    monkeypatch.setattr("missionplan.montecarlo.parallel.blocks.borrowed_pool", lambda count: nullcontext(pool))
+    monkeypatch.setattr("missionplan.montecarlo.blocks.borrowed_pool", lambda count: nullcontext(pool))
     results = run_blocks(interrupted_after_the_first, range(9), jobs=2)
     assert next(results) == 0
     if interrupted:
@@ -230,8 +230,8 @@ def test_dask_says_what_to_install(monkeypatch):
 
 INTERRUPTED = """
 import sys, time
-from missionplan.montecarlo.parallel.blocks import run_blocks
-from missionplan.montecarlo.parallel.pool import shut_down_pool
+from missionplan.montecarlo.blocks import run_blocks
+from missionplan.montecarlo.pool import shut_down_pool
 try:
     for _ in run_blocks(time.sleep, [0.0] + [60.0] * int(sys.argv[1]), jobs=2):
         print("block", flush=True)

@@ -7,8 +7,8 @@ import time
 import pytest
 
 from missionplan.errors import RunError
-from missionplan.montecarlo.parallel.blocks import parallel_map
-from missionplan.montecarlo.parallel.pool import preloaded_pool
+from missionplan.montecarlo.blocks import parallel_map
+from missionplan.montecarlo.pool import preloaded_pool
 
 
 def squares(items):

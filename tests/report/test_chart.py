@@ -12,7 +12,7 @@ from PIL import Image, TiffImagePlugin
 from missionplan.errors import InputError
 from missionplan.mission import load
 from missionplan.report.page import style
-from missionplan.report.planned.site_map import site_map
+from missionplan.report.site_map import site_map
 
 pytestmark = pytest.mark.usefixtures("drawn")
 

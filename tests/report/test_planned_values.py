@@ -2,7 +2,7 @@
 
 import pytest
 
-from missionplan.report.planned.section import changed, value_in_words
+from missionplan.report.planned import changed, value_in_words
 
 
 @pytest.mark.parametrize(

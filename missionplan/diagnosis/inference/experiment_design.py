@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from functools import partial
 
 from missionplan.diagnosis.inference.model import CauseFit, Model
-from missionplan.montecarlo.parallel.blocks import parallel_map
+from missionplan.montecarlo.blocks import parallel_map
 from missionplan.results.learned.evidence import NextMeasurement
 
 SUFFICIENT = 5.0

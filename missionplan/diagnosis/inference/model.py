@@ -18,7 +18,7 @@ import numpy as np
 from missionplan.arrays import Array
 from missionplan.diagnosis.inference.marginal_likelihood import QUANTILE_95
 from missionplan.diagnosis.inference.residual_tests import Residuals
-from missionplan.montecarlo.parallel.blocks import parallel_map
+from missionplan.montecarlo.blocks import parallel_map
 from missionplan.montecarlo.statistics import wilson
 from missionplan.results.learned.evidence import Causes, Coverage, HeldOutGain, ParameterEstimate
 

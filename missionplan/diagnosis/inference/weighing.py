@@ -30,7 +30,7 @@ from missionplan.diagnosis.inference.selection import (
     told_together,
 )
 from missionplan.errors import RunError
-from missionplan.montecarlo.parallel.blocks import parallel_map
+from missionplan.montecarlo.blocks import parallel_map
 from missionplan.results.learned.evidence import Causes
 
 MOST_CAUSES = 3

@@ -37,8 +37,8 @@ from missionplan.report.diagnosis.plan import (
     plan_section,
     plan_words,
 )
+from missionplan.report.diagnosis.scoring import dataset_sections, told
 from missionplan.report.page import Block, Page, PageSection, Table
-from missionplan.report.scoring import dataset_sections, told
 from missionplan.report.wording import listed
 from missionplan.results.learned.diagnosis import Diagnosis
 from missionplan.results.learned.evidence import SURE, NextMeasurement, ParameterEstimate

@@ -28,9 +28,9 @@ from missionplan.report.plan_view import (
     rings,
     track,
 )
-from missionplan.report.planned.site_map import name_goals, room_for_names
 from missionplan.report.quantities import Unit, quantity, si_per_unit, span, unit_for
 from missionplan.report.simulation.quantities import requirement_on, unit_of
+from missionplan.report.site_map import name_goals, room_for_names
 from missionplan.report.wording import in_words, number, percent
 from missionplan.results.decision import SeaChart
 from missionplan.results.simulation import Attrition, Histogram, Outcome, PhaseOutcome

@@ -9,7 +9,7 @@ from missionplan.errors import InputError, Problem, shown
 from missionplan.mission import Mission, MissionOrPath
 from missionplan.mission.schema.vehicle import Centre
 from missionplan.mission.views import MooringMission
-from missionplan.montecarlo.parallel.blocks import Backend, Progress
+from missionplan.montecarlo.blocks import Backend, Progress
 from missionplan.physics.anchor import AnchorDesign, wet_centre
 from missionplan.physics.anchor_remedies import TrimState, Weight, trim
 from missionplan.physics.water import STANDARD_GRAVITY

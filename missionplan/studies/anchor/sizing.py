@@ -11,7 +11,7 @@ from missionplan.mission import Mission
 from missionplan.mission.schema.phases import MoorPhase
 from missionplan.mission.schema.sweep import Requirement
 from missionplan.mission.views import MooringMission
-from missionplan.montecarlo.parallel.blocks import IN_THIS_PROCESS, Workers
+from missionplan.montecarlo.blocks import IN_THIS_PROCESS, Workers
 from missionplan.montecarlo.statistics import Count, RunningStatistic
 from missionplan.montecarlo.streams import BlockStreams, block_count, block_size, stream
 from missionplan.phases.currents import Current

@@ -11,7 +11,7 @@ from matplotlib.figure import Figure as MatplotlibFigure
 from missionplan.mission.units import QuantityError, parse_number_with_unit
 from missionplan.moments import moment_of
 from missionplan.report.page import Figure, PageSection, Table, to_figure
-from missionplan.report.planned.section import value_in_words
+from missionplan.report.planned import value_in_words
 from missionplan.report.wording import (
     NARROW_SPACE,
     capitalised,

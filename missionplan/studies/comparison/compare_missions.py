@@ -12,7 +12,7 @@ from missionplan.identity import digest_of
 from missionplan.mission import Mission, MissionOrPath, load
 from missionplan.mission.documents import load_document
 from missionplan.montecarlo.alternatives import LEVEL, paired_difference
-from missionplan.montecarlo.parallel.blocks import Progress, Workers
+from missionplan.montecarlo.blocks import Progress, Workers
 from missionplan.montecarlo.streams import sized_blocks
 from missionplan.results.base import Provenance
 from missionplan.results.decision import Aim

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from missionplan.errors import InputError, MissionplanError
 from missionplan.identity import Identity
 from missionplan.mission import Mission
-from missionplan.montecarlo.parallel.blocks import Workers
+from missionplan.montecarlo.blocks import Workers
 from missionplan.montecarlo.streams import CommonStreams
 from missionplan.phases.currents import Current
 from missionplan.phases.recorded_currents import RecordedCurrent

@@ -12,7 +12,7 @@ from missionplan.mission import Mission, MissionOrPath
 from missionplan.mission.checks.sections import quantity_unit
 from missionplan.mission.units import QuantityError
 from missionplan.montecarlo.alternatives import compare_with_best
-from missionplan.montecarlo.parallel.blocks import Backend, Progress
+from missionplan.montecarlo.blocks import Backend, Progress
 from missionplan.montecarlo.statistics import Count
 from missionplan.montecarlo.streams import sized_blocks
 from missionplan.results.decision import Aim, Axis, MemberOutcome

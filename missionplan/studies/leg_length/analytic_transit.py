@@ -13,8 +13,8 @@ import scipy
 from typing_extensions import override
 
 from missionplan.arrays import Array
+from missionplan.montecarlo.blocks import IN_THIS_PROCESS, Progress, Workers, parallel_map
 from missionplan.montecarlo.distributions import Distribution, mean_of
-from missionplan.montecarlo.parallel.blocks import IN_THIS_PROCESS, Progress, Workers, parallel_map
 from missionplan.phases.transit.compensation import Compensation, CompletedLeg, Memory, PlannedLeg
 from missionplan.phases.transit.expectation import MAX_RATIO, TransitExpectation, expected_transit
 from missionplan.phases.transit.plan import LegTable

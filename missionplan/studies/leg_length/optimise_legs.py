@@ -18,7 +18,7 @@ import scipy
 
 from missionplan.arrays import Array
 from missionplan.errors import InputError, Problem
-from missionplan.montecarlo.parallel.blocks import IN_THIS_PROCESS, Progress, Workers
+from missionplan.montecarlo.blocks import IN_THIS_PROCESS, Progress, Workers
 from missionplan.phases.transit.plan import LegTable
 from missionplan.studies.leg_length.analytic_transit import (
     SPREAD_FACTORS,

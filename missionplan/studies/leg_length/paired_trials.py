@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from missionplan.arrays import Array
-from missionplan.montecarlo.parallel.blocks import IN_THIS_PROCESS, Workers
+from missionplan.montecarlo.blocks import IN_THIS_PROCESS, Workers
 from missionplan.montecarlo.streams import BLOCK
 from missionplan.phases.hooks import TransitEffect, TrialState
 from missionplan.phases.transit.compensation import Compensation

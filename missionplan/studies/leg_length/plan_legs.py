@@ -9,7 +9,7 @@ import numpy as np
 
 from missionplan.arrays import Array
 from missionplan.mission import MissionOrPath
-from missionplan.montecarlo.parallel.blocks import Backend, Progress, Workers
+from missionplan.montecarlo.blocks import Backend, Progress, Workers
 from missionplan.montecarlo.statistics import Count, Moments, RunningStatistic, wilson
 from missionplan.montecarlo.streams import block_count, block_size
 from missionplan.results.base import Provenance

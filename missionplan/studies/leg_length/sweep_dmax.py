@@ -9,7 +9,7 @@ import numpy as np
 
 from missionplan.errors import InputError, Problem
 from missionplan.mission import MissionOrPath
-from missionplan.montecarlo.parallel.blocks import Backend, Progress
+from missionplan.montecarlo.blocks import Backend, Progress
 from missionplan.montecarlo.statistics import Probability, wilson
 from missionplan.montecarlo.streams import block_count, block_size
 from missionplan.phases.transit.expectation import TransitExpectation

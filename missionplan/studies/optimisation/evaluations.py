@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from missionplan.arrays import Array
 from missionplan.errors import InputError, Problem
 from missionplan.mission import Mission
-from missionplan.montecarlo.parallel.blocks import Workers
+from missionplan.montecarlo.blocks import Workers
 from missionplan.montecarlo.statistics import Count, Probability, successes_to_decide
 from missionplan.montecarlo.streams import sized_blocks
 from missionplan.results.decision import Aim

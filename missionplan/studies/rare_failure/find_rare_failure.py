@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from missionplan.arrays import Array
 from missionplan.mission import Mission, MissionOrPath
-from missionplan.montecarlo.parallel.blocks import Backend, Progress
+from missionplan.montecarlo.blocks import Backend, Progress
 from missionplan.montecarlo.rare_events.failure_search import FailureSearch, Found, find
 from missionplan.montecarlo.rare_events.strata import ReliabilityIndices, StrataView, strata
 from missionplan.montecarlo.rare_events.subset_simulation import NormalPopulation

@@ -13,7 +13,7 @@ from missionplan.errors import InputError, MissionplanError, Problem, RunError
 from missionplan.mission import Mission
 from missionplan.mission.checks.sections import quantity_unit
 from missionplan.mission.units import QuantityError, parse_number_with_unit
-from missionplan.montecarlo.parallel.blocks import Progress
+from missionplan.montecarlo.blocks import Progress
 from missionplan.montecarlo.streams import BLOCK
 from missionplan.results.entries import Counted
 from missionplan.scenario.scenario import Scenario

@@ -9,7 +9,7 @@ import numpy as np
 from missionplan.exporters.formats import VEHICLES, format_named
 from missionplan.identity import Identity, digest_of_files
 from missionplan.mission import Mission, MissionOrPath
-from missionplan.montecarlo.parallel.blocks import Backend, Progress
+from missionplan.montecarlo.blocks import Backend, Progress
 from missionplan.montecarlo.statistics import Probability
 from missionplan.montecarlo.streams import BLOCK, sized_blocks
 from missionplan.results.decision import SeaChart

@@ -15,8 +15,8 @@ from functools import partial
 from typing import Generic, Literal, TypeVar, cast
 
 from missionplan.errors import InputError, Problem
-from missionplan.montecarlo.parallel.dask_cluster import run_on_cluster
-from missionplan.montecarlo.parallel.pool import PATIENCE, ShippedTask, borrowed_pool, interrupts_deferred, result_of
+from missionplan.montecarlo.dask_cluster import run_on_cluster
+from missionplan.montecarlo.pool import PATIENCE, ShippedTask, borrowed_pool, interrupts_deferred, result_of
 
 Item = TypeVar("Item")
 Result = TypeVar("Result")

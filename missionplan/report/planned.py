@@ -1,4 +1,4 @@
-"""Values of a mission file in words: quantities with their units, distributions as ± and ranges."""
+"""What was planned, as a report shows it: values of a mission file in words, quantities with their units."""
 
 import re
 from collections.abc import Iterator, Mapping, Sequence
@@ -7,8 +7,8 @@ from pathlib import Path
 
 from missionplan.mission.quantity_paths import values_in_force
 from missionplan.report.page import Block, PageSection, Table
-from missionplan.report.planned.site_map import site_map
 from missionplan.report.quantities import DIMENSIONS, as_written, in_unit_of, reader_system, reader_unit
+from missionplan.report.site_map import site_map
 from missionplan.report.wording import capitalised, in_words, set_number
 from missionplan.results.base import Provenance
 from missionplan.results.decision import changes_of

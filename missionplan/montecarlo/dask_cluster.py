@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Generic, TypeVar
 
 from missionplan.errors import InputError, MissionplanError, Problem, RunError
 from missionplan.identity import Program, differences, running_program
-from missionplan.montecarlo.parallel.pool import interrupts_blocked
+from missionplan.montecarlo.pool import interrupts_blocked
 from missionplan.packages import how_to_install
 
 if TYPE_CHECKING:
