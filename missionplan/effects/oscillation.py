@@ -86,15 +86,12 @@ def mean_phasor(leg: Leg, frequency: float) -> tuple[Array, Array]:
 
     Parameters
     ----------
-    leg : Leg
-        Legs.
     frequency : float
         Angular frequency ω [rad/s].
 
     Returns
     -------
     cosine, sine : array, shape (n,)
-        Means.
     """
     middle = leg.t_start + 0.5 * leg.duration
     damping = np.sinc(frequency * leg.duration / (2.0 * np.pi))

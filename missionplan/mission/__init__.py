@@ -24,8 +24,6 @@ def load(path: str | Path, *, allow_outside: bool = False) -> Mission:
 
     Parameters
     ----------
-    path : str or Path
-        The mission file.
     allow_outside : bool
         Whether included files may lie outside the mission file's folder.
 

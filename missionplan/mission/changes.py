@@ -108,8 +108,6 @@ def find_key(key: str, data: Mapping[str, object], model: type[BaseModel]) -> li
         with a phase's name (``ingress.speed``) or with ``effects.`` and an effect's id, one of an explanation
         (``effects[0].one-of[1].compass-bias.angle``), or a key alone (``speed``): that of every phase that has it, or
         of the one section that has it.
-    data : mapping
-        The mission's data.
     model : type
         Of a mission.
 

@@ -136,8 +136,6 @@ def load_document(path: Path, name: str | None = None) -> Document:
 
     Parameters
     ----------
-    path : Path
-        File to read.
     name : str, optional
         How messages name the file; default as given.
 

@@ -253,7 +253,6 @@ def faded(draws: WeightedDraws, alike: Mapping[str, float]) -> WeightedDraws:
 
     Parameters
     ----------
-    draws : WeightedDraws
     alike : mapping
         Correlations by effect; 1 for others.
     """

@@ -113,11 +113,9 @@ class _Editor:
         return text
 
     def _holds(self, node: yaml.Node, data: object) -> bool:
-        held = self._loader.construct_document(node) if not isinstance(node, yaml.ScalarNode) else self._scalar(node)
+        is_scalar = isinstance(node, yaml.ScalarNode)
+        held = self._loader.construct_object(node) if is_scalar else self._loader.construct_document(node)
         return type(held) is type(data) and held == data
-
-    def _scalar(self, node: yaml.ScalarNode) -> object:
-        return self._loader.construct_object(node)
 
     def _note(self, start: int, end: int, new: str) -> None:
         if self._edits.setdefault((start, end), new) != new:

@@ -309,16 +309,11 @@ def correlation_problems(quantities: Mapping[str, Quantity], correlations: Seque
     for number, pair in enumerate(pairs):
         if pair in pairs[:number]:
             problems.append(LocalProblem((number, "between"), "this pair is given twice"))
-    smallest = _least_eigenvalue(correlations)
+    smallest = float(np.linalg.eigvalsh(_matrix(correlations)[1])[0]) if correlations else 1.0
     if problems or smallest >= LEAST_EIGENVALUE:
         return problems
     message = f"no quantities can have these correlations together: the matrix's smallest eigenvalue is {smallest:.3g}"
     return [LocalProblem((), message, "make them smaller")]
-
-
-def _least_eigenvalue(correlations: Sequence[Correlation]) -> float:
-    """Least eigenvalue of the matrix of correlations; 1 of none."""
-    return float(np.linalg.eigvalsh(_matrix(correlations)[1])[0]) if correlations else 1.0
 
 
 def _matrix(correlations: Sequence[Correlation]) -> tuple[list[str], Array]:

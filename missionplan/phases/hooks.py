@@ -182,8 +182,6 @@ class TransitEffect:
             Time from the middle of the previous leg to the middle of this one [s].
         normals : array, shape (2, n)
             Standard normals of this effect for this leg.
-        leg : Leg
-            The leg.
 
         Returns
         -------

@@ -55,8 +55,6 @@ class Controllers:
 
     Parameters
     ----------
-    vehicle : TransitionVehicle
-    manoeuvre : Manoeuvre
     time_step : float
         [s].
     speed, pitch, sternplane : array, shape (n,)

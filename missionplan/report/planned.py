@@ -123,7 +123,6 @@ def planned_sections(provenance: Provenance, *, mapped: bool = False) -> list[Pa
 
     Parameters
     ----------
-    provenance : Provenance
     mapped : bool
         Whether the page has a map of the mission, beside which one of the site only adds its chart.
     """

@@ -20,7 +20,6 @@ from missionplan.arrays import Array, Scalars
 from missionplan.errors import InputError, Problem
 from missionplan.mission import Mission
 from missionplan.mission.includes import REMOTE
-from missionplan.mission.schema.place import Geographic, to_plane
 from missionplan.mission.schema.site import CurrentFile, LeewaySection, TidalConstituent, TidalCurrent, WindFile
 from missionplan.mission.views import forecast_error, required_origin
 from missionplan.montecarlo.streams import BLOCK, CommonStreams, NormalSource, block_count, block_size
@@ -132,7 +131,7 @@ def _members(mission: Mission, written: CurrentFile, also: Array | None) -> Reco
 
 
 def _read(
-    mission: Mission[object],
+    mission: Mission,
     written: CurrentFile | WindFile,
     name: str,
     also: Array | None = None,
@@ -150,16 +149,16 @@ def _read(
     from missionplan.scenario.currents.area import Area
     from missionplan.scenario.currents.files import SEA, WIND
     from missionplan.scenario.currents.reading import read_field
+    from missionplan.scenario.place import mission_places
 
     origin = required_origin(mission, f"a NetCDF {key} is placed by it")
     start = np.datetime64(round(mission.start.timestamp() * 1e6), "us").astype("datetime64[ns]")
-    places = mission_places(mission, origin)
-    places = places if also is None else np.hstack((places, also))
+    places = np.hstack((np.zeros((2, 1)), mission_places(mission), *(() if also is None else (also,))))
     projection, carries = (written.projection, SEA) if isinstance(written, CurrentFile) else (None, WIND)
     return read_field(matching(name), Area(origin, start, places, projection), name, member, carries)
 
 
-def _series(mission: Mission[object], written: CurrentFile | WindFile, name: str) -> SeriesCurrent:
+def _series(mission: Mission, written: CurrentFile | WindFile, name: str) -> SeriesCurrent:
     from missionplan.scenario.currents.reading import CURRENT_LIMITS, WIND_LIMITS, read_series_csv  # pandas: slow
 
     is_current = isinstance(written, CurrentFile)
@@ -170,23 +169,11 @@ def _series(mission: Mission[object], written: CurrentFile | WindFile, name: str
     return read_series_csv(Path(name), limits, mission.start, written.start)
 
 
-def mission_places(mission: Mission[object], origin: Geographic) -> Array:
-    """Return where a mission's transits begin and end, and its origin, shape (2, k) [m]."""
-    found = [np.zeros(2)]
-    for phase in mission.transits:
-        for place in (phase.start, phase.to):
-            if isinstance(place, Geographic):
-                found.append(np.hstack(to_plane(np.array([place.latitude]), np.array([place.longitude]), origin)))
-            elif place is not None and all(isinstance(value, float) for value in place):
-                found.append(np.array(place, dtype=float))
-    return np.array(found).T
-
-
 STREAM = "vehicle.leeway"
 """Of the scatter of leeway and the side of its crosswind part."""
 
 
-def recorded_wind(mission: Mission[object]) -> Current | None:
+def recorded_wind(mission: Mission) -> Current | None:
     """Read the file of a mission's wind; None where it has none.
 
     Raises

@@ -200,14 +200,11 @@ def hold_section(held: HeldVehicle, *, alone: bool = True) -> PageSection:
     heading = (
         f"{where} the {worst.current} ({quantity(worst.speed, 'm/s', '.2f')}) the nose stands "
         f"{quantity(worst.nose_altitude, 'm', '.1f')} above "
-        f"the bottom, {quantity(worst.excursion, 'm', '.1f')} from the anchor, which {_holds_in_words(worst)}"
+        f"the bottom, {quantity(worst.excursion, 'm', '.1f')} from the anchor, which "
+        f"{'holds' if worst.holding_margin >= 0.0 else 'drags'}"
     )
     blocks: list[Block] = [hold_figure(held), _numbers(held), *held.remedies, *_assumptions(held)]
     return PageSection(heading, blocks)
-
-
-def _holds_in_words(state: HeldState) -> str:
-    return "holds" if state.holding_margin >= 0.0 else "drags"
 
 
 def _assumptions(held: HeldVehicle) -> Iterator[str]:

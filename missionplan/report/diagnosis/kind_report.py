@@ -95,14 +95,6 @@ def _correlation(values: list[Array], lag: int) -> float:
     return float(sum(p[lag:] @ p[:-lag] for p in centred) / max(sum(p @ p for p in centred), 1e-30))
 
 
-def _no_figures(diagnosis: Diagnosis) -> list[Figure]:
-    return []
-
-
-def _no_gain(diagnosis: Diagnosis, before: float, after: float) -> str:
-    return ""
-
-
 @dataclass(frozen=True)
 class KindReport:
     """A kind of data in the report; `kinds.REPORTS` lists them all."""
@@ -112,9 +104,9 @@ class KindReport:
     data_figure: Callable[[Diagnosis], Figure]
     """Draws the data against the base model, and the extended one where causes are claimed: the report's main figure.
     """
-    residual_figures: Callable[[Diagnosis], list[Figure]] = _no_figures
+    residual_figures: Callable[[Diagnosis], list[Figure]] = lambda diagnosis: []
     """Draws what is left before and after."""
-    gained: Callable[[Diagnosis, float, float], str] = _no_gain
+    gained: Callable[[Diagnosis, float, float], str] = lambda diagnosis, before, after: ""
     """Writes what the causes gain on data held out, from the rms errors before and after [`unit`]: the end of a
     sentence, or nothing."""
     not_constant: str = ""

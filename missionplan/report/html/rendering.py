@@ -180,7 +180,9 @@ def rerun_command(provenance: Provenance) -> str:
     """Write the command that reproduces the result from the folder's own `mission.yaml`."""
     given = {"trials": _trials(provenance), **provenance.options}
     options = [
-        f"--{name.replace('_', '-')} {shlex.quote(str(value))}" for name, value in given.items() if _is_given(value)
+        f"--{name.replace('_', '-')} {shlex.quote(str(value))}"
+        for name, value in given.items()
+        if value is not None and not isinstance(value, bool)
     ]
     options += ["--no-assumptions"] if provenance.options.get("assumptions") is False else []
     units = [f"--units {given_units()}"] if given_units() else []
@@ -192,7 +194,3 @@ def _trials(provenance: Provenance) -> int | None:
     own = mapping(provenance.data.get("monte_carlo")).get("trials")
     chosen = provenance.trials > 0 and not provenance.options.get("precision")
     return provenance.trials if chosen and provenance.trials != own else None
-
-
-def _is_given(value: object) -> bool:
-    return value is not None and not isinstance(value, bool)

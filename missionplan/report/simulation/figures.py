@@ -121,7 +121,11 @@ def draw_profile(axes: Axes, outcome: Outcome) -> None:
     axes.plot(when[:, middle] / unit.size, depth[:, middle], color=INK, linewidth=1.2)
     _mark_failures(axes, when[:, shown] / unit.size, depth[:, shown], ~tracks.success[shown])
     axes.margins(x=0.01)
-    axes.set(xlabel=f"time since the start{unit.axis}", xlim=(0.0, None), ylim=(_deepest(depth), 0.0))
+    axes.set(
+        xlabel=f"time since the start{unit.axis}",
+        xlim=(0.0, None),
+        ylim=(1.08 * float(np.nanmax(depth, initial=1.0)), 0.0),
+    )
     name_axis(axes.yaxis, "depth", "m")
 
 
@@ -131,11 +135,6 @@ def _mark_failures(axes: Axes, when: Array, depth: Array, failed: NDArray[np.boo
         had = np.flatnonzero(np.isfinite(when[:, trial]))
         if len(had):
             axes.plot(when[had[-1], trial], depth[had[-1], trial], "x", color=ORANGE, markersize=4)
-
-
-def _deepest(depth: Array) -> float:
-    """Lower edge of the axis [m]."""
-    return 1.08 * float(np.nanmax(depth, initial=1.0))
 
 
 def _time_unit(outcome: Outcome) -> Unit:

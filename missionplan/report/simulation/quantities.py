@@ -92,7 +92,8 @@ def requirements_in_words(outcome: Outcome) -> str:
     items = outcome.requirements
     if not items:
         return ""
-    met, missed, undecided = len(_met(items)), len(_missed(items)), _undecided(items)
+    missed, undecided = len(_missed(items)), _undecided(items)
+    met = len(items) - missed - len(undecided)
     if not undecided:
         return f"{_decided_in_words(met, len(items))}."
     if len(items) == 1:
@@ -189,10 +190,6 @@ def _tightest(outcome: Outcome) -> str:
     return f"{words}: {100.0 * tight.required:g} of 100 missions reach {tight.bound_in_words} {reached.strip()}"
 
 
-def _met(items: Sequence[RequirementOutcome]) -> list[RequirementOutcome]:
-    return [item for item in items if item.met and not item.undecided]
-
-
 def _missed(items: Sequence[RequirementOutcome]) -> list[RequirementOutcome]:
     return [item for item in items if not item.met and not item.undecided]
 
@@ -201,15 +198,8 @@ def _undecided(items: Sequence[RequirementOutcome]) -> list[RequirementOutcome]:
     return [item for item in items if item.undecided]
 
 
-_MOST_INPUTS = 5
-
-
-_MOST_FIGURES = 4
-
-
+_MOST_INPUTS, _MOST_FIGURES = 5, 4
 _LEAST_SHOWN = 0.01
-
-
 _STEADY = 0.01
 """Standard deviation over mean to which a quantity must vary to be worth a heading."""
 
@@ -262,11 +252,10 @@ def _most_relevant(outcome: Outcome, groups: Sequence[InputsOf]) -> list[InputsO
     def rank(group: InputsOf) -> tuple[bool, bool]:
         return not group[0].startswith(required), not group[0].startswith("total")
 
-    return [(output, _worth_telling(found)) for output, found in sorted(groups, key=rank)[:_MOST_FIGURES]]
-
-
-def _worth_telling(found: Sequence[Sensitivity]) -> Sequence[Sensitivity]:
-    return [influence for influence in found if influence.first_order > _LEAST_SHOWN] or found[:1]
+    return [
+        (output, [influence for influence in found if influence.first_order > _LEAST_SHOWN] or found[:1])
+        for output, found in sorted(groups, key=rank)[:_MOST_FIGURES]
+    ]
 
 
 def _matters_most(outcome: Outcome, groups: Sequence[InputsOf]) -> str:
@@ -284,11 +273,6 @@ def _spread(outcome: Outcome, output: str) -> float:
     name, _, key = output.partition(".")
     statistic = parts[name].quantities.get(key) if name in parts else None
     return relative_spread(statistic) if statistic is not None else math.inf
-
-
-def _has_order(influence: Sensitivity) -> bool:
-    """Whether the input is larger in one trial than in another; a member or an explanation only has a number."""
-    return not influence.source.endswith((".member", ".one-of", "posterior"))
 
 
 def _sensitivity_table(groups: Sequence[InputsOf]) -> Table:
@@ -309,6 +293,6 @@ def _sensitivity_table(groups: Sequence[InputsOf]) -> Table:
 
 def _direction(influence: Sensitivity) -> str:
     """Whether a larger input makes the figure larger, by the sign of the rank correlation."""
-    if not _has_order(influence):
+    if influence.source.endswith((".member", ".one-of", "posterior")):  # these have numbers, and no order
         return ""
     return "larger" if influence.rank_correlation >= 0.0 else "smaller"

@@ -30,12 +30,9 @@ class FieldAttributeError(ValueError):
 def tidied(dataset: "Dataset") -> "Dataset":
     """Write the names of CF's attributes in lower case: files have `Units` and `UNITS` too."""
     for variable in dataset.variables.values():
-        variable.attrs = {_tidy_name(key): value for key, value in variable.attrs.items()}
+        names = {key: str(key).lower() if str(key).lower() in _KNOWN else str(key) for key in variable.attrs}
+        variable.attrs = {names[key]: value for key, value in variable.attrs.items()}
     return dataset
-
-
-def _tidy_name(key: object) -> str:
-    return str(key).lower() if str(key).lower() in _KNOWN else str(key)
 
 
 def word(variable: "DataArray", key: str) -> str:
