@@ -15,7 +15,7 @@ from benchmarks.common import Options, Row, Section, duration
 from benchmarks.rare_problems import PROBLEMS, Problem
 from benchmarks.rare_ways import drawn
 from missionplan.mission import Mission
-from missionplan.montecarlo.rare_events.failure_search import FailureSearch, Found, find, no_description
+from missionplan.montecarlo.rare_events.failure_search import FailureSearch, Found, find
 from missionplan.montecarlo.rare_events.strata import (
     DiscreteValue,
     Model,
@@ -74,7 +74,7 @@ def compare(options: Options) -> Section:
 def search(model: Model, seed: int, values: Mapping[Key, Sequence[DiscreteValue]] | None = None) -> Found[None]:
     """Search a model as `simulate --rare` does a mission."""
     plain = model(StrataView(NormalPopulation(2048, np.random.default_rng(1_000_000 + seed))))
-    wanted = FailureSearch(model, strata(values or {}), ReliabilityIndices.of(plain), seed, no_description)
+    wanted = FailureSearch(model, strata(values or {}), ReliabilityIndices.of(plain), seed, lambda view, weights: None)
     return find(wanted, lambda task, items: (task(item) for item in items), variation=VARIATION, most_trials=1_000_000)
 
 

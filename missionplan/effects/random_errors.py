@@ -7,11 +7,11 @@ import scipy
 
 from missionplan.arrays import Array, Scalars
 from missionplan.effects.info import EffectInfo, Finding, Instrument, Parameter
-from missionplan.phases.hooks import DriftParts, Leg, TransitEffect
+from missionplan.phases.hooks import DriftParts, Leg, MarkovProcess, TransitEffect
 
 
 @dataclass(frozen=True)
-class MarkovVelocity(TransitEffect):
+class MarkovVelocity(TransitEffect, MarkovProcess):
     """Velocity error of one Markov process in time on each axis, felt as its mean over each leg.
 
     A leg's mean does not tell the process at the leg's end: what is known of that, the means so far given, is carried
@@ -24,19 +24,6 @@ class MarkovVelocity(TransitEffect):
     def is_random(self) -> bool:
         """It needs standard normals for each leg."""
         return True
-
-    def transition(self, elapsed: Array) -> tuple[Array, Array]:
-        """Share of the velocity that is kept over a time [s], and the variance that is added [m²/s²]."""
-        raise NotImplementedError
-
-    @property
-    def first_variance(self) -> Scalars:
-        """Variance where a run begins [m²/s²]."""
-        raise NotImplementedError
-
-    def mean_over(self, duration: Array) -> tuple[Array, Array]:
-        """Mean over a time [s] given the values at its ends: the share of their sum, and its variance [m²/s²]."""
-        raise NotImplementedError
 
     def step(self, memory: Array | None, elapsed: Array, normals: Array, leg: Leg) -> tuple[Array, Array]:
         """Draw the mean over a leg given those before it.

@@ -109,10 +109,6 @@ class QuantileSketch:
         """Counts up to each bin, its own included."""
         return self.counts.cumsum()
 
-    def quantile(self, probability: float) -> float:
-        """Quantile, within 0.05 % of an order statistic next to it; nan when empty."""
-        return self.quantiles((probability,))[0]
-
     def quantiles(self, probabilities: Sequence[float]) -> list[float]:
         """Several quantiles, each within 0.05 % of an order statistic next to it; nan when empty."""
         if not self.counts.size:

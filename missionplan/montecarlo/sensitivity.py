@@ -52,7 +52,7 @@ def sensitivities(inputs: Mapping[str, Array], outputs: Mapping[str, Array]) -> 
         Output by output, most important input first. Inputs and outputs that do not vary, and outputs that fewer
         than `MIN_TRIALS` trials reached, are omitted.
     """
-    prepared: dict[bytes, dict[str, _Source]] = {}  # by trials that reached the output: mostly the same
+    prepared: dict[bytes, dict[str, Source]] = {}  # by trials that reached the output: mostly the same
     found: list[Influence] = []
     for output, values in outputs.items():
         reached = np.isfinite(values)
@@ -61,13 +61,13 @@ def sensitivities(inputs: Mapping[str, Array], outputs: Mapping[str, Array]) -> 
             continue
         sources = prepared.setdefault(reached.tobytes(), {})
         if not sources:
-            sources |= {name: _Source.of(draws[reached]) for name, draws in inputs.items()}
+            sources |= {name: Source.of(draws[reached]) for name, draws in inputs.items()}
         found += sorted(_influences(sources, output, y), key=lambda influence: -influence.first_order)
     return tuple(found)
 
 
 @dataclass(frozen=True)
-class _Source:
+class Source:
     """Values, ranks and classes of equal counts of an input, shape (n,) each, for all outputs.
 
     Equal values share a rank and a class, so that each of several choices is a class.
@@ -78,7 +78,7 @@ class _Source:
     classes: NDArray[np.int64]
 
     @classmethod
-    def of(cls, values: Array) -> "_Source":
+    def of(cls, values: Array) -> "Source":
         different, place, count = np.unique(values, return_inverse=True, return_counts=True)
         ranks = _shared_ranks(count)[place]
         bins = min(_MAX_BINS, max(1, len(values) // _TRIALS_PER_BIN))
@@ -89,12 +89,12 @@ class _Source:
         return cls(values, ranks, np.asarray(classes, dtype=np.int64))
 
 
-def _influences(sources: Mapping[str, _Source], output: str, y: Array) -> Iterator[Influence]:
+def _influences(sources: Mapping[str, Source], output: str, y: Array) -> Iterator[Influence]:
     _, place, count = np.unique(y, return_inverse=True, return_counts=True)
     ranks = _shared_ranks(count)[place]
     for name, source in sources.items():
         if not _constant(source.values):
-            yield Influence(output, name, _correlation(source.ranks, ranks), *_first_order(source, y))
+            yield Influence(output, name, _correlation(source.ranks, ranks), *first_order_index(source, y))
 
 
 def _shared_ranks(count: NDArray[np.int64]) -> Array:
@@ -114,28 +114,16 @@ def _constant(values: Array) -> bool:
     return bool(np.ptp(values) <= 1e-9 * np.max(np.abs(values)))
 
 
-def first_order_index(x: Array, y: Array) -> tuple[float, float]:
+def first_order_index(source: Source, y: Array) -> tuple[float, float]:
     """Estimate the first-order Sobol index Var(E[y|x]) / Var(y), and its standard error.
 
     E[y|x] is fitted by a straight line in each of up to 20 classes of x with equal counts (Plischke, Borgonovo &
     Smith 2013 take class means; lines remove most of the error due to a class's width). The share explained is
     corrected for the fitted parameters like an adjusted R², so that an input without influence has zero on average.
     The standard error is that of the delete-a-group jackknife with 20 groups; for an index near zero, where the
-    estimate is a quadratic form of the residuals, it is too large by up to √2 (Efron & Stein 1981).
-
-    Parameters
-    ----------
-    x, y : array, shape (n,)
-        An input and an output of the same trials, both finite and not constant.
-
-    Returns
-    -------
-    index, standard_error : float
+    estimate is a quadratic form of the residuals, it is too large by up to √2 (Efron & Stein 1981). Both are finite
+    and not constant.
     """
-    return _first_order(_Source.of(x), y)
-
-
-def _first_order(source: _Source, y: Array) -> tuple[float, float]:
     # Centred, so that the sums of squares keep their digits.
     x = source.values - source.values.mean()
     sums = _class_sums(source.classes, x, (y - y.mean()) / y.std())

@@ -6,7 +6,11 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from missionplan.montecarlo.sensitivity import MIN_TRIALS, first_order_index, sensitivities
+from missionplan.montecarlo.sensitivity import MIN_TRIALS, Source, first_order_index, sensitivities
+
+
+def index_of(x, y):
+    return first_order_index(Source.of(x), y)
 
 
 def test_linear_model_has_the_shares_of_its_coefficients():
@@ -38,7 +42,7 @@ def test_ishigami_function():
 
 def test_an_input_without_influence_has_an_index_of_zero_on_average_and_a_cautious_standard_error():
     random = np.random.default_rng(3)
-    samples = [first_order_index(*random.standard_normal((2, 1_000))) for _ in range(300)]
+    samples = [index_of(*random.standard_normal((2, 1_000))) for _ in range(300)]
     index, error = np.array(samples).T
     assert abs(index.mean()) < 4.0 * index.std() / math.sqrt(len(index))
     # The jackknife doubles the variance of a degenerate quadratic statistic (Efron & Stein 1981).
@@ -50,7 +54,7 @@ def test_the_standard_error_is_the_spread_of_repeated_estimates():
     samples = []
     for _ in range(300):
         x, noise = random.standard_normal((2, 2_000))
-        samples.append(first_order_index(x, x + noise))
+        samples.append(index_of(x, x + noise))
     index, error = np.array(samples).T
     assert index.mean() == pytest.approx(0.5, abs=0.005)
     assert error.mean() == pytest.approx(index.std(), rel=0.2)
@@ -60,7 +64,7 @@ def test_choices_are_classes():
     random = np.random.default_rng(5)
     x = random.choice([1.0, 2.0, 5.0], 5_000)
     y = np.where(x == 2.0, 1.0, 0.0) + random.standard_normal(5_000)
-    index, error = first_order_index(x, y)
+    index, error = index_of(x, y)
     assert index == pytest.approx((2 / 9) / (1 + 2 / 9), abs=4.0 * error)
 
 
@@ -68,8 +72,8 @@ def test_choices_are_classes():
 def test_units_do_not_matter(scale, shift):
     random = np.random.default_rng(6)
     x, noise = random.standard_normal((2, 1_000))
-    assert first_order_index(x * 1e3 + 5e5, (x + noise) * scale + shift) == pytest.approx(
-        first_order_index(x, x + noise), rel=1e-4
+    assert index_of(x * 1e3 + 5e5, (x + noise) * scale + shift) == pytest.approx(
+        index_of(x, x + noise), rel=1e-4
     )
 
 

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from scipy.stats import multivariate_normal, norm
 
-from missionplan.montecarlo.rare_events.failure_search import FailureSearch, Found, find, no_description
+from missionplan.montecarlo.rare_events.failure_search import FailureSearch, Found, find
 from missionplan.montecarlo.rare_events.strata import (
     RARE,
     DiscreteValue,
@@ -27,7 +27,7 @@ def here(task, items) -> Iterator:
 
 def search(model, seed: int, values: dict[Key, list[DiscreteValue]] | None = None, variation: float = 0.1) -> Found:
     plain = model(StrataView(NormalPopulation(2048, np.random.default_rng(1_000_000 + seed))))
-    wanted = FailureSearch(model, strata(values or {}), ReliabilityIndices.of(plain), seed, no_description)
+    wanted = FailureSearch(model, strata(values or {}), ReliabilityIndices.of(plain), seed, lambda view, weights: None)
     return find(wanted, here, variation=variation, most_trials=1_000_000)
 
 

@@ -277,7 +277,3 @@ def find(
     left = sum(each.probability for each in screened if each not in kept)
     estimate = Estimate.of([TwoStages(first[part], second[part]) for part in parts], left)
     return Found(estimate, tuple(screened), tuple(going.batches), going.trials, cut)
-
-
-def no_description(view: StrataView, weights: Array) -> None:
-    """Keep nothing of trials that fail."""
