@@ -37,16 +37,18 @@ def row_and_next(grid: Array, row: NDArray[np.intp]) -> tuple[Array, Array]:
     return grid.take(flat), grid.take(flat + trials)
 
 
-def take_trials(value: Value, trials: NDArray[np.intp]) -> Value:
-    """Select trials of an array, whose last axis they are, or of every array in a data class or tuple; numbers stay."""
+def take_trials(value: Value, trials: NDArray[np.intp], *, alike: bool = False) -> Value:
+    """Select trials of an array, whose last axis they are, or of every array in a data class or tuple; numbers stay.
+
+    `alike`: so do arrays of length 1, where all trials are alike.
+    """
     if isinstance(value, np.ndarray) and value.ndim:
-        return cast("Value", value[..., trials])
+        return value if alike and value.shape[-1] == 1 else cast("Value", value[..., trials])
     if isinstance(value, tuple):
-        return cast("Value", tuple(take_trials(item, trials) for item in value))
+        return cast("Value", tuple(take_trials(item, trials, alike=alike) for item in value))
     if is_dataclass(value) and not isinstance(value, type):
-        return replace(
-            value, **{field.name: take_trials(getattr(value, field.name), trials) for field in fields(value)}
-        )
+        taken = {each.name: take_trials(getattr(value, each.name), trials, alike=alike) for each in fields(value)}
+        return replace(value, **taken)
     return value
 
 

@@ -16,10 +16,10 @@ from missionplan.effects import (
     currents,
     dive_forces,
     dive_log,
-    oscillation,
     random_errors,
     response,
     tank,
+    tidal_current,
 )
 from missionplan.effects.dive_responses import RESPONSES
 from missionplan.effects.info import BASES, Effect, EffectInfo, Instrument, Phase, Scatter
@@ -209,7 +209,7 @@ _OWN = (
     dive_forces.VERTICAL_CURRENT,
     dive_forces.DRAG_CRISIS,
     currents.MEAN_CURRENT,
-    oscillation.TIDAL_CURRENT,
+    tidal_current.TIDAL_CURRENT,
     currents.INERTIAL_CURRENT,
     course_and_speed.COMPASS_BIAS,
     course_and_speed.COMPASS_DEVIATION,

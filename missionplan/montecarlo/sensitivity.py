@@ -79,6 +79,7 @@ class Source:
 
     @classmethod
     def of(cls, values: Array) -> "Source":
+        """Rank and classify draws, shape (n,)."""
         different, place, count = np.unique(values, return_inverse=True, return_counts=True)
         ranks = _shared_ranks(count)[place]
         bins = min(_MAX_BINS, max(1, len(values) // _TRIALS_PER_BIN))

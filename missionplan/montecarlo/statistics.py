@@ -193,14 +193,7 @@ class Moments:
 
     def take(self, which: slice | int) -> "Moments":
         """Select some of an array of quantities."""
-        return Moments(
-            self.count[which],
-            self.missing[which],
-            self.mean[which],
-            self.squares[which],
-            self.low[which],
-            self.high[which],
-        )
+        return Moments(*(getattr(self, each.name)[which] for each in fields(self)))
 
     def _put(self, which: NDArray[np.bool_], part: "Moments") -> None:
         """Write the moments of some quantities into the array, during construction."""

@@ -12,12 +12,12 @@ from collections.abc import Iterable, Mapping
 from copy import copy
 from dataclasses import dataclass, field
 from math import inf
-from typing import Protocol, Self, overload, runtime_checkable
+from typing import Protocol, Self, runtime_checkable
 
 import numpy as np
 from numpy.typing import NDArray
 
-from missionplan.arrays import Array, Scalars
+from missionplan.arrays import Array, Scalars, take_trials
 
 
 @dataclass(frozen=True)
@@ -312,9 +312,7 @@ class TrialState:
 
     def take(self, trials: NDArray[np.intp]) -> "TrialState":
         """Select trials; one may be selected several times."""
-        return TrialState(
-            self.position[:, trials], self.fix[:, trials], self.clock[trials], self.energy[trials], self.alive[trials]
-        )
+        return take_trials(self, trials)
 
     @classmethod
     def at(cls, position: Array, trials: int, fix_noise: Array | float = 0.0) -> "TrialState":
@@ -330,14 +328,3 @@ class TrialState:
         column = position[:, None] if position.ndim == 1 else position
         true = np.array(np.broadcast_to(column, (2, trials)), dtype=float)
         return cls(true, true + fix_noise, np.zeros(trials), np.zeros(trials), np.ones(trials, dtype=bool))
-
-
-@overload
-def select_trials(value: Array, trials: NDArray[np.intp]) -> Array: ...
-@overload
-def select_trials(value: Scalars, trials: NDArray[np.intp]) -> Scalars: ...
-def select_trials(value: Scalars, trials: NDArray[np.intp]) -> Scalars:
-    """Select trials of a parameter: one number, or an array with trials last (of length 1 where all are alike)."""
-    if isinstance(value, np.ndarray) and value.ndim and value.shape[-1] > 1:
-        return value[..., trials]
-    return value

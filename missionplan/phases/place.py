@@ -6,9 +6,8 @@ from enum import IntEnum
 import numpy as np
 from numpy.typing import NDArray
 
-from missionplan.arrays import Array, Scalars
+from missionplan.arrays import Array, Scalars, take_trials
 from missionplan.phases.ground import Ground
-from missionplan.phases.hooks import select_trials
 from missionplan.phases.zones import Fence, Zone
 
 
@@ -76,9 +75,7 @@ class Way:
 
     def take(self, trials: NDArray[np.intp]) -> "Way":
         """Select trials."""
-        start, end = self.start[:, trials], self.end[:, trials]
-        depths = (select_trials(self.least, trials), select_trials(self.greatest, trials))
-        return Way(start, end, self.begun[trials], self.ended[trials], *depths)
+        return take_trials(self, trials, alike=True)
 
 
 @dataclass(frozen=True)
@@ -153,9 +150,9 @@ class Place:
 
     def take(self, trials: NDArray[np.intp]) -> "Place":
         """Select trials."""
-        level = replace(self.sea_level, level=select_trials(self.sea_level.level, trials))
-        draught, clearance = select_trials(self.draught, trials), select_trials(self.clearance, trials)
-        return replace(self, sea_level=level, draught=draught, clearance=clearance)
+        drawn = self.sea_level.level, self.draught, self.clearance
+        level, draught, clearance = take_trials(drawn, trials, alike=True)
+        return replace(self, sea_level=replace(self.sea_level, level=level), draught=draught, clearance=clearance)
 
     def water_at(self, places: Array, t: Array) -> Array:
         """Depth of the water at places, shape (2, n), and times; nan where unknown or without a grid [m]."""

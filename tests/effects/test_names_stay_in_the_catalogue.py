@@ -34,7 +34,7 @@ def names_known(source: str) -> list[str]:
         "if name == 'compass-bias':\n    pass",
         "from missionplan.effects.course_and_speed import CompassBias",
         "from missionplan.effects import course_and_speed",
-        "import missionplan.effects.oscillation as tides",
+        "import missionplan.effects.tidal_current as tides",
     ],
 )
 def test_an_effect_that_is_named_or_imported_is_seen(source):

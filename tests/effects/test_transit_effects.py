@@ -18,8 +18,8 @@ from missionplan.effects.course_and_speed import (
     SpeedScale,
 )
 from missionplan.effects.currents import CurrentShear, InertialCurrent, MeanCurrent, SurfaceDrift
-from missionplan.effects.oscillation import PERIODS, TidalCurrent, resolvable_constituents
 from missionplan.effects.response import Response
+from missionplan.effects.tidal_current import PERIODS, TidalCurrent, resolvable_constituents
 from missionplan.phases.hooks import Leg, velocity_error
 from missionplan.physics.tides import angular_frequencies
 

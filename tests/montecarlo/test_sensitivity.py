@@ -72,9 +72,7 @@ def test_choices_are_classes():
 def test_units_do_not_matter(scale, shift):
     random = np.random.default_rng(6)
     x, noise = random.standard_normal((2, 1_000))
-    assert index_of(x * 1e3 + 5e5, (x + noise) * scale + shift) == pytest.approx(
-        index_of(x, x + noise), rel=1e-4
-    )
+    assert index_of(x * 1e3 + 5e5, (x + noise) * scale + shift) == pytest.approx(index_of(x, x + noise), rel=1e-4)
 
 
 def test_trials_that_never_reached_an_output_are_left_out_of_it():

@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 
 from missionplan.effects.currents import InertialCurrent, MeanCurrent, SurfaceDrift
-from missionplan.effects.oscillation import EARTH_ROTATION, PERIODS, TidalCurrent
+from missionplan.effects.oscillation import EARTH_ROTATION
 from missionplan.effects.random_errors import PersistentError, RandomWalk
+from missionplan.effects.tidal_current import PERIODS, TidalCurrent
 from missionplan.phases.hooks import DriftParts, TransitEffect
 from missionplan.phases.transit.compensation import Forecast, PlannedLeg
 from missionplan.phases.transit.kalman_filter import PERSISTENT, STEADY, SURFACE, WAVES, DriftFilter

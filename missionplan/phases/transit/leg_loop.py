@@ -9,8 +9,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from missionplan.arrays import Array, Normals, Scalars
-from missionplan.phases.hooks import TrialState, select_trials
+from missionplan.arrays import Array, Normals, Scalars, take_trials
+from missionplan.phases.hooks import TrialState
 from missionplan.phases.place import Contact, Lookout, Way
 from missionplan.phases.transit.compensation import Compensation, CompletedLeg, Memory, PlannedLeg
 from missionplan.phases.transit.ground_velocity import GroundVelocity, leg_normals
@@ -271,14 +271,14 @@ class LegLoop:
         self._x = self._x[:, kept]
         self._fix = self._x if is_exact else self._fix[:, kept]
         self._left, self._clock = self._left[kept], self._clock[kept]
-        self._goal = select_trials(self._goal, kept)
+        self._goal = take_trials(self._goal, kept, alike=True)
         self._distance, self._surfacings = self._distance[kept], self._surfacings[kept]
         self._legs_begun = None if self._legs_begun is None else self._legs_begun[kept]
         self._memory = tuple(array[..., kept] for array in self._memory)
         self._plan = self._plan.take(kept)
         self._lookout = None if self._lookout is None else self._lookout.take(kept)
         self._ground_velocity = self._ground_velocity.take(self._plan, kept)
-        self._fix_sd = select_trials(self._fix_sd, kept)
+        self._fix_sd = take_trials(self._fix_sd, kept, alike=True)
         self._moving, self._far = None, np.ones(kept.size, dtype=bool)
         self._allocate()
 

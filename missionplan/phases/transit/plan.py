@@ -8,9 +8,9 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from missionplan.arrays import Array, Normals, Scalars
+from missionplan.arrays import Array, Normals, Scalars, take_trials
 from missionplan.phases.currents import Current
-from missionplan.phases.hooks import TransitEffect, select_trials
+from missionplan.phases.hooks import TransitEffect
 from missionplan.phases.place import Contact, Place
 from missionplan.phases.transit.compensation import Compensation
 
@@ -138,27 +138,13 @@ class TransitPlan:
 
     def take(self, trials: NDArray[np.intp]) -> "TransitPlan":
         """Select trials of those numbers that are arrays over trials; of `LegTables` in ascending order alone."""
-        d_max, error = self.d_max, self.velocity_error
+        d_max = self.d_max
         if isinstance(d_max, LegTables):
             d_max = d_max.take(trials)
         elif not isinstance(d_max, LegTable):
-            d_max = select_trials(d_max, trials)
-        return replace(
-            self,
-            goal=select_trials(column(self.goal), trials),
-            via=tuple(select_trials(column(point), trials) for point in self.via),
-            speed=select_trials(self.speed, trials),
-            arrival_radius=select_trials(self.arrival_radius, trials),
-            d_max=d_max,
-            surfacing_time=select_trials(self.surfacing_time, trials),
-            velocity_error=VelocityError(select_trials(error.mean, trials), select_trials(error.root, trials)),
-            fix_error=select_trials(self.fix_error, trials),
-            depth=select_trials(self.depth, trials),
-            power_under_way=select_trials(self.power_under_way, trials),
-            power_at_surface=select_trials(self.power_at_surface, trials),
-            surfacing_energy=select_trials(self.surfacing_energy, trials),
-            length_lost=None if self.length_lost is None else select_trials(self.length_lost, trials),
-        )
+            d_max = take_trials(d_max, trials, alike=True)
+        columns = replace(self, goal=column(self.goal), via=tuple(map(column, self.via)), d_max=0.0)
+        return replace(take_trials(columns, trials, alike=True), d_max=d_max)
 
     def time_under_way(self, distance: Array, legs: Array) -> Array:
         """Time of `legs` legs of a total `distance` through the water, acceleration from rest included [s]."""

@@ -44,7 +44,7 @@ NONE = DescentHooks()
 
 def lone_fall(dive):
     rest = np.zeros(1)
-    return integrate_stage(LoneFall(dive, NONE), rest, rest, Stop(deepest=dive.line_length), time_limit=100.0)
+    return integrate_stage(LoneFall(dive, NONE), rest, rest, Stop(deepest=dive.line_length), Integration(100.0))
 
 
 def turned(dive, body=BODY, step=0.1):

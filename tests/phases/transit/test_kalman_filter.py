@@ -9,7 +9,8 @@ from scipy import stats
 from transit_examples import run, start
 
 from missionplan.effects.currents import InertialCurrent
-from missionplan.effects.oscillation import EARTH_ROTATION, PERIODS, TidalCurrent
+from missionplan.effects.oscillation import EARTH_ROTATION
+from missionplan.effects.tidal_current import PERIODS, TidalCurrent
 from missionplan.phases.hooks import Leg
 from missionplan.phases.transit.compensation import CompletedLeg, Forecast, PlannedLeg, RunningMean
 from missionplan.phases.transit.kalman_filter import (
