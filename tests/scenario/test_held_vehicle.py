@@ -158,7 +158,7 @@ def test_each_centre_has_its_own_force_and_arm():
     body = held_body(scenario)
     assert body.raising_moment == pytest.approx(buoyancy * 0.552 - weight * 0.57)
     assert abs(body.righting_moment) == pytest.approx(weight * 0.011 + buoyancy * 0.004)
-    pitching = moor_plan(scenario, scenario.mission.moors[0]).dive.pitching
+    pitching = moor_plan(scenario, scenario.moor()).dive.pitching
     assert (pitching.centre, pitching.ahead, pitching.below) == pytest.approx((0.57, 0.57 - 0.552, -0.004 - 0.011))
     assert pitching.buoyancy == pytest.approx(buoyancy)
     assert pitching.inertia == pytest.approx(pitching.lateral_mass * pitching.length**2 / 12.0)
