@@ -17,7 +17,7 @@ from missionplan.montecarlo.distributions import mean_of
 from missionplan.phases.ground import Frame, Ground
 from missionplan.phases.place import Place, SeaLevel
 from missionplan.phases.zones import Fence, Zone
-from missionplan.physics.tides import angular_frequencies, nodal_state
+from missionplan.physics.water import angular_frequencies, nodal_state
 from missionplan.scenario import grid_files
 from missionplan.scenario.grid_files import Grid
 from missionplan.scenario.polygons import DEGREES, LOCAL, Chart, longitude_beside

@@ -26,7 +26,7 @@ from missionplan.montecarlo.streams import BLOCK, CommonStreams, NormalSource, b
 from missionplan.phases.currents import Current, Leeway, layers
 from missionplan.phases.ensemble import NORMALS, WAVES, Ensemble, ErringCurrent, ErrorWaves, Statistics
 from missionplan.phases.recorded_currents import EVER, RecordedCurrent, SeriesCurrent, TidalStream
-from missionplan.physics.tides import angular_frequencies, nodal_state
+from missionplan.physics.water import angular_frequencies, nodal_state
 from missionplan.store.folder import matching
 
 

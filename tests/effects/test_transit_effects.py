@@ -21,7 +21,7 @@ from missionplan.effects.currents import CurrentShear, InertialCurrent, MeanCurr
 from missionplan.effects.response import Response
 from missionplan.effects.tidal_current import PERIODS, TidalCurrent, resolvable_constituents
 from missionplan.phases.hooks import Leg, velocity_error
-from missionplan.physics.tides import angular_frequencies
+from missionplan.physics.water import angular_frequencies
 
 
 def leg(t=0.0, duration=1000.0, start=(0.0, 0.0), heading=0.0, speed=1.5, latitude=np.nan):

@@ -5,7 +5,7 @@ from datetime import UTC, datetime
 import numpy as np
 import pytest
 
-from missionplan.physics.tides import angular_frequencies, constituent_names, nodal_state
+from missionplan.physics.water import angular_frequencies, constituent_names, nodal_state
 
 
 def test_periods_are_those_of_the_tables():

@@ -18,7 +18,7 @@ from missionplan.mission.schema.vehicle import Vehicle
 from missionplan.mission.units import QuantityError
 from missionplan.montecarlo.distributions import Quantity
 from missionplan.montecarlo.streams import correlation_problems
-from missionplan.physics.tides import constituent_names
+from missionplan.physics.water import constituent_names
 
 
 def check_correlations(

@@ -13,7 +13,7 @@ from missionplan.errors import InputError, Problem, shown
 from missionplan.identity import digest_of_files
 from missionplan.mission.units import QuantityError, parse_number_with_unit
 from missionplan.moments import moment_of
-from missionplan.physics.tides import DAY
+from missionplan.physics.water import DAY
 from missionplan.results.base import Provenance
 from missionplan.store.folder import as_path
 from missionplan.studies.tide.harmonic_analysis import FORTNIGHT, HALF_A_YEAR, Samples, fit_tide, tidal_velocity

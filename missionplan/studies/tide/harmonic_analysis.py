@@ -8,7 +8,7 @@ import numpy as np
 import scipy
 
 from missionplan.arrays import Array
-from missionplan.physics.tides import DAY, angular_frequencies, nodal_state
+from missionplan.physics.water import DAY, angular_frequencies, nodal_state
 from missionplan.studies.tide.result import Constituent
 
 _LEAST_SAMPLES = 10

@@ -16,7 +16,7 @@ from missionplan.diagnosis.legs.likelihood.modulation import (
 from missionplan.diagnosis.legs.model_factory import transit_model
 from missionplan.effects import CATALOGUE
 from missionplan.phases.hooks import Leg
-from missionplan.physics.tides import angular_frequencies
+from missionplan.physics.water import angular_frequencies
 from tests.hidden_effects.legs import random_records
 from tests.learned import likeliest, moments
 
