@@ -254,13 +254,8 @@ class Catalogue:
 def with_plugins(own: Sequence[EffectInfo], plugins: Iterable[EntryPoint]) -> Catalogue:
     """Make the catalogue of the project's own effects and of those that installed packages add.
 
-    A plug-in that cannot be loaded, that declares too little or that cannot be combined with the others is left out
-    as a whole, with the reason.
-
-    Raises
-    ------
-    ValueError
-        When the project's own effects cannot stand together.
+    A plug-in that cannot be loaded, that declares too little or that cannot be combined with the others is left out as
+    a whole, with the reason. Raises ValueError when the project's own effects cannot stand together.
     """
     problems = [f"{info.id}: {problem}" for info in own for problem in entry_problems(info)] + catalogue_problems(own)
     if problems:

@@ -81,10 +81,7 @@ class InertialCurrent(Oscillation):
     def velocity(self, leg: Leg) -> Array:
         """Return the mean inertial velocity over each leg, shape (2, n) [m/s].
 
-        Raises
-        ------
-        ValueError
-            When the coordinates' origin has no latitude.
+        Raises ValueError when the coordinates' origin has no latitude.
         """
         if not np.isfinite(leg.latitude):
             raise ValueError("inertial-current needs the latitude of site.origin")

@@ -287,10 +287,7 @@ class EffectInfo:
     def make(self, values: Mapping[str, Scalars]) -> Effect:
         """Build the effect from parameters by their names; those left out take their defaults.
 
-        Raises
-        ------
-        KeyError
-            When the effect has no such parameter.
+        Raises KeyError when the effect has no such parameter.
         """
         given = {name: parameter.default for name, parameter in self.parameters.items()} | dict(values)
         return self.effect(**{self.parameters[name].field or name: value for name, value in given.items()})

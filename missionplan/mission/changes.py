@@ -101,6 +101,8 @@ class UnclearKeyError(ValueError):
 def find_key(key: str, data: Mapping[str, object], model: type[BaseModel]) -> list[KeyPath]:
     """Find the key paths that a key means.
 
+    Raises UnclearKeyError when it means nothing, or several things.
+
     Parameters
     ----------
     key : str
@@ -110,11 +112,6 @@ def find_key(key: str, data: Mapping[str, object], model: type[BaseModel]) -> li
         of the one section that has it.
     model : type
         Of a mission.
-
-    Raises
-    ------
-    UnclearKeyError
-        When it means nothing, or several things.
     """
     named = phase_of_path(key, data)
     if named is not None:
@@ -234,6 +231,8 @@ def changed_data(
 ) -> dict[str, object]:
     """Return a mission's data with changes.
 
+    Raises InputError with every key that means nothing, or several things.
+
     Parameters
     ----------
     data : mapping
@@ -246,11 +245,6 @@ def changed_data(
         How messages name the mission.
     in_si : bool
         Whether bare numbers are in SI, as in Python, and get the unit of their key; else they stay as a file's.
-
-    Raises
-    ------
-    InputError
-        With every key that means nothing, or several things.
     """
     changed = copy.deepcopy(dict(data))
     problems: list[Problem] = []

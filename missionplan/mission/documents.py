@@ -70,15 +70,12 @@ class Document:
 def read_text(path: Path, shown: str, *, max_bytes: int = MAX_BYTES) -> str:
     """Read a UTF-8 text file.
 
+    Raises InputError when it is missing, a folder, unreadable, too large or not UTF-8.
+
     Parameters
     ----------
     shown : str
         How messages name the file.
-
-    Raises
-    ------
-    InputError
-        When it is missing, a folder, unreadable, too large or not UTF-8.
     """
     check_name(shown)
     try:
@@ -134,15 +131,13 @@ def nearest_file(path: Path, beside: Path | None = None) -> str:
 def load_document(path: Path, name: str | None = None) -> Document:
     """Load one YAML document with its line marks.
 
+    Raises InputError with all problems of the file's syntax: duplicate keys, keys that are not text, too deep, too
+    large.
+
     Parameters
     ----------
     name : str, optional
         How messages name the file; default as given.
-
-    Raises
-    ------
-    InputError
-        With all problems of the file's syntax: duplicate keys, keys that are not text, too deep, too large.
     """
     name = str(path) if name is None else name
     text = read_text(path, name)

@@ -55,10 +55,7 @@ def include_files(document: Document, folder: Path, *, allow_outside: bool) -> l
 def with_contents(data: Mapping[str, object], names: Iterable[str]) -> dict[str, object]:
     """Return a mission's data with names and contents' SHA-256 in place of the paths of files that it names.
 
-    Raises
-    ------
-    InputError
-        When one of the files can no longer be read.
+    Raises InputError when one of the files can no longer be read.
     """
     contents = {name: _by_contents(name) for name in names if not name.startswith(REMOTE)}
     return {key: _replaced(value, contents) for key, value in data.items() if key != "schema"}
@@ -235,17 +232,14 @@ def problem_of_section(section: object) -> tuple[KeyPath, str, str] | None:
 def read_posterior(path: Path, section: Mapping[str, object], learned_from: object) -> PosteriorFile:
     """Read the file of a posterior.
 
+    Raises DamagedPosteriorError when it is damaged, beyond bounds, or not the one that the mission names.
+
     Parameters
     ----------
     section : mapping
         As the mission file has it.
     learned_from : object
         The mission's key of that name.
-
-    Raises
-    ------
-    DamagedPosteriorError
-        When it is damaged, beyond bounds, or not the one that the mission names.
     """
     content = _content(path)
     own = sha256(content)
@@ -267,10 +261,7 @@ def read_posterior(path: Path, section: Mapping[str, object], learned_from: obje
 def read_draws(path: Path) -> PosteriorFile:
     """Read a file of draws by itself.
 
-    Raises
-    ------
-    DamagedPosteriorError
-        When it cannot be read or is none.
+    Raises DamagedPosteriorError when it cannot be read or is none.
     """
     return PosteriorFile(_content(path))
 
@@ -278,9 +269,7 @@ def read_draws(path: Path) -> PosteriorFile:
 def _content(path: Path) -> bytes:
     """Read no more of a file than a posterior may have.
 
-    Raises
-    ------
-    DamagedPosteriorError
+    Raises DamagedPosteriorError.
     """
     try:
         with path.open("rb") as stream:

@@ -54,10 +54,7 @@ _RHO = QuantityParser("", low=-1.0, high=1.0, fixed=True)
 def read_effects(value: object) -> EffectList:
     """Read the list as a pydantic validator does.
 
-    Raises
-    ------
-    PydanticCustomError
-        With one `LocalProblem` in ``ctx['problems']`` for each key that is wrong.
+    Raises PydanticCustomError with one `LocalProblem` in ``ctx['problems']`` for each key that is wrong.
     """
     if isinstance(value, EffectList):
         return value

@@ -126,10 +126,7 @@ class QuantityError(ValueError):
 def each_read(items: Iterable[_Item], read: Callable[[int, _Item], _Read], below: KeyPath = ()) -> list[_Read]:
     """Read each of some items, given its number and itself.
 
-    Raises
-    ------
-    QuantityError
-        With the problems of all that are wrong, at their numbers below a key path.
+    Raises QuantityError with the problems of all that are wrong, at their numbers below a key path.
     """
     found: list[_Read] = []
     problems: list[LocalProblem] = []
@@ -153,6 +150,8 @@ def _registry() -> "pint.UnitRegistry[float]":
 def parse_number_with_unit(value: object, unit: str, *, difference: bool = False) -> float:
     """Read ``'75 ft'`` as a float in `unit`.
 
+    Raises QuantityError with what was expected.
+
     Parameters
     ----------
     value : object
@@ -166,11 +165,6 @@ def parse_number_with_unit(value: object, unit: str, *, difference: bool = False
     -------
     float
         Finite.
-
-    Raises
-    ------
-    QuantityError
-        With what was expected.
     """
     if unit == "":
         return _bare_number(value)

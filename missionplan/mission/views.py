@@ -40,10 +40,7 @@ def forecast_error(mission: Mission[_At]) -> ForecastError[_At] | None:
 def navigation_of(mission: Mission[_At]) -> Navigation[_At]:
     """Return how the transits of a mission navigate.
 
-    Raises
-    ------
-    InputError
-        With everything that transits need and the mission lacks.
+    Raises InputError with everything that transits need and the mission lacks.
     """
     problems, navigation = missing_for_transits(mission), mission.navigation
     if problems or navigation is None:
@@ -78,15 +75,12 @@ class MooringMission(Generic[V]):
     def of(cls, mission: Mission[_At], *, depth: bool = True) -> "MooringMission[_At]":
         """Check a mission.
 
+        Raises InputError with everything that is missing.
+
         Parameters
         ----------
         depth : bool
             Whether the site's depth is needed; data of dives bring their own.
-
-        Raises
-        ------
-        InputError
-            With everything that is missing.
         """
         problems, vehicle, site = missing_for_moorings(mission, depth=depth), mission.vehicle, mission.site
         if problems or vehicle is None or vehicle.mass is None or vehicle.anchor is None:
@@ -118,10 +112,7 @@ class TransitionMission(Generic[V]):
     def of(cls, mission: Mission[_At]) -> "TransitionMission[_At]":
         """Check a mission.
 
-        Raises
-        ------
-        InputError
-            With everything that is missing.
+        Raises InputError with everything that is missing.
         """
         problems, vehicle = missing_for_transitions(mission), mission.vehicle
         if problems or vehicle is None or vehicle.mass is None or vehicle.manoeuvring is None:

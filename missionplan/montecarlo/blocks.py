@@ -39,6 +39,9 @@ def run_blocks(
 ) -> Generator[Result, None, None]:
     """Run a task on every item and yield the results in the order of the items, as soon as they are available.
 
+    Raises InputError when an option is invalid, Dask is not installed or does not answer, or its workers run other
+    code; RunError when a worker process dies, or the cluster is lost.
+
     Parameters
     ----------
     task : callable
@@ -51,13 +54,6 @@ def run_blocks(
     scheduler : str, optional
         Address of the Dask scheduler, such as ``tcp://10.0.0.1:8786``; without it a local cluster of `jobs`.
     progress : callable, optional
-
-    Raises
-    ------
-    InputError
-        When an option is invalid, Dask is not installed or does not answer, or its workers run other code.
-    RunError
-        When a worker process dies, or the cluster is lost.
     """
     if backend not in ("loky", "threading", "dask"):
         raise InputError([Problem(f"given {backend!r}, expected loky, threading or dask", key="backend")])
@@ -222,6 +218,8 @@ def parallel_map(
 ) -> list[Result]:
     """Run a task on items, in this process and in others in parallel.
 
+    Raises RunError when a worker process dies.
+
     Parameters
     ----------
     task : callable
@@ -236,11 +234,6 @@ def parallel_map(
     -------
     list
         A result for each item, in their order.
-
-    Raises
-    ------
-    RunError
-        When a worker process dies.
     """
     if jobs < 2 or len(items) < 2:
         return task(items)

@@ -35,6 +35,9 @@ def run_on_cluster(
 ) -> Generator[Result, None, None]:
     """Run a task on every item and yield the results in the order of the items.
 
+    Raises InputError when dask.distributed is not installed, no scheduler answers or it has no workers, or a worker has
+    another version of the package or none; RunError when the scheduler or all workers are lost.
+
     Parameters
     ----------
     task : callable
@@ -43,14 +46,6 @@ def run_on_cluster(
         Workers of the local cluster that is started where no `scheduler` is given.
     scheduler : str or None
         Address of the Dask scheduler.
-
-    Raises
-    ------
-    InputError
-        When dask.distributed is not installed, no scheduler answers or it has no workers, or a worker has another
-        version of the package or none.
-    RunError
-        When the scheduler or all workers are lost.
     """
     with _connected(jobs, scheduler) as client:
         place = scheduler or "the local cluster"

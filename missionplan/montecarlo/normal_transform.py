@@ -103,11 +103,7 @@ class NormalTransform(ABC):
         """Truncate to the physical range of a quantity.
 
         Returns the distribution itself where the probability outside is below `NEGLIGIBLE`; else it is `mass_cut`.
-
-        Raises
-        ------
-        ValueError
-            When no part of the distribution lies inside.
+        Raises ValueError when no part of the distribution lies inside.
         """
         below, above = _tails(self, low, high)
         if below + above < NEGLIGIBLE:

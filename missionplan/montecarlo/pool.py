@@ -182,10 +182,7 @@ def preloaded_pool(count: int, *modules: str) -> Iterator[None]:
 def borrowed_pool(count: int) -> "Iterator[ProcessPoolExecutor]":
     """Use a pool of at least `count` processes; shut it down on Ctrl-C, or when one of its processes has died.
 
-    Raises
-    ------
-    RunError
-        When a process has died.
+    Raises RunError when a process has died.
     """
     with interrupts_deferred(), _lock:
         executor = process_pool(count)

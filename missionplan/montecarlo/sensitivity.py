@@ -142,15 +142,11 @@ def _class_sums(classes: NDArray[np.int64], x: Array, y: Array) -> Array:
 
 
 def _adjusted_share(sums: Array) -> Array:
-    """Share of the variance that a line in each class explains, corrected for the fitted parameters.
+    """Share of the variance that a line in each class explains, corrected for the fitted parameters, shape (samples,).
 
     Parameters
     ----------
     sums : array, shape (6, classes, samples)
-
-    Returns
-    -------
-    array, shape (samples,)
     """
     count, sum_x, sum_y, sum_xx, sum_xy, sum_yy = sums
     n, used = np.maximum(count, 1.0), count > 0.0

@@ -29,7 +29,8 @@ def stream(seed: int, quantity: str, block: int) -> np.random.Generator:
 
     The name (as its SHA-256) and the block are the spawn key of the seed sequence, so that streams are independent of
     each other and of the order in which they are opened. `SeedSequence(seed, spawn_key=…)` would convert each word of
-    the key to an array, slowly: it is given the array of all words at once, with the same result.
+    the key to an array, slowly: it is given the array of all words at once, with the same result. Raises ValueError
+    when the seed or the block is negative.
 
     Parameters
     ----------
@@ -39,11 +40,6 @@ def stream(seed: int, quantity: str, block: int) -> np.random.Generator:
         The quantity's key path in the mission, phases by name, such as ``ingress.velocity_error``.
     block : int
         Number of the block, from 0.
-
-    Raises
-    ------
-    ValueError
-        When the seed or the block is negative.
     """
     if seed < 0 or block < 0:
         raise ValueError(f"seed {seed}, block {block}: neither may be negative")
@@ -228,10 +224,7 @@ class JointDistribution:
     ) -> "JointDistribution":
         """Select the distributions among the quantities; pairs without a correlation are independent.
 
-        Raises
-        ------
-        InputError
-            With everything that is wrong with the correlations (see `correlation_problems`).
+        Raises InputError with everything that is wrong with the correlations (see `correlation_problems`).
         """
         marginals = {name: quantity for name, quantity in quantities.items() if isinstance(quantity, Distribution)}
         return cls(marginals, *correlation_factor(quantities, correlations), streams or {})
@@ -274,15 +267,12 @@ def correlation_factor(
 ) -> tuple[list[str], Array]:
     """Find the correlated quantities, and the Cholesky factor of their correlations.
 
+    Raises InputError with everything that is wrong with the correlations (see `correlation_problems`).
+
     Returns
     -------
     names, factor : list of str, array of shape (k, k)
         Names in alphabetical order, so that the order in the file does not matter, and the lower factor.
-
-    Raises
-    ------
-    InputError
-        With everything that is wrong with the correlations (see `correlation_problems`).
     """
     problems = correlation_problems(quantities, correlations)
     if problems:

@@ -38,7 +38,7 @@ class Current(ABC):
 
     @abstractmethod
     def velocity(self, t: Scalars, depth: Scalars, position: Array) -> Array:
-        """Velocity at a moment and place.
+        """Velocity at a moment and place, shape broadcasting to (2, n) [m/s].
 
         Parameters
         ----------
@@ -48,11 +48,6 @@ class Current(ABC):
             Below the surface [m].
         position : array, shape (2, n)
             East and north of the coordinates' origin [m].
-
-        Returns
-        -------
-        array, shape broadcasting to (2, n)
-            [m/s]
         """
 
     def mean_velocity(self, t: Scalars, duration: Scalars, depth: Scalars, start: Array, through: Array) -> Array:
@@ -160,7 +155,7 @@ def _stacked(values: Sequence[Scalars]) -> Array:
 
 
 def leeway_velocity(wind: Array, downwind: Scalars, crosswind: Scalars, along: Scalars, across: Scalars) -> Array:
-    """Velocity through the water that the wind gives a body afloat.
+    """Velocity through the water that the wind gives a body afloat, shape (2, n) [m/s].
 
     Allen and Plourde 1999 (USCG R&D Center, CG-D-08-99), as Breivik and Allen 2008 (J. Mar. Syst. 69, 99) use it: down
     the wind a share of its speed and a constant, across it a share, to one side. Measured for winds of 2 to 20 m/s.
@@ -174,11 +169,6 @@ def leeway_velocity(wind: Array, downwind: Scalars, crosswind: Scalars, along: S
         Shares of the wind's speed; crosswind positive to the right of where the air moves.
     along, across : float or array, shape (n,)
         Velocities besides [m/s].
-
-    Returns
-    -------
-    array, shape (2, n)
-        [m/s]
     """
     speed = np.hypot(wind[0], wind[1])
     blows = speed > 0.0

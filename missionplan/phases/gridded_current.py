@@ -58,11 +58,7 @@ class GriddedCurrent(RecordedCurrent):
         """Build it from values that are nan where there is no water.
 
         Below its deepest value a column keeps that; a column without any takes those of the nearest that has some.
-
-        Raises
-        ------
-        InputError
-            When there is no value at all at some time.
+        Raises InputError when there is no value at all at some time.
         """
         values = _down_to_the_bottom(values)
         wet: NDArray[np.bool_] = np.isfinite(values)[:, :, 0]

@@ -223,7 +223,7 @@ def velocity_error(effects: Iterable[TransitEffect], leg: Leg, current: Array | 
 
 
 def surface_velocity(effects: Iterable[TransitEffect], t: Array, duration: Array, position: Array) -> Array:
-    """Sum of the effects' drift velocities at the surface, beyond the site's current.
+    """Sum of the effects' drift velocities at the surface, beyond the site's current, shape (2, n) [m/s].
 
     Parameters
     ----------
@@ -231,11 +231,6 @@ def surface_velocity(effects: Iterable[TransitEffect], t: Array, duration: Array
         Start of the time at the surface since the mission's start, and its length [s].
     position : array, shape (2, n)
         East and north of the coordinates' origin [m].
-
-    Returns
-    -------
-    array, shape (2, n)
-        [m/s]
     """
     velocity = np.zeros((2, t.size))
     for effect in effects:

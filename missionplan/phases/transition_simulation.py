@@ -145,6 +145,8 @@ def simulate_transition(
 ) -> TransitionRecord:
     """Simulate a block of transitions from level flight at survey speed to hover.
 
+    Raises ArithmeticError when the vehicle cannot fly level at survey speed; FloatingPointError when a run diverges.
+
     Parameters
     ----------
     vehicle : TransitionVehicle
@@ -155,13 +157,6 @@ def simulate_transition(
         Of the Runge-Kutta method and of the controllers [s].
     sample : float, optional
         Interval of the time histories, a multiple of the step [s]; default: the start alone.
-
-    Raises
-    ------
-    ArithmeticError
-        When the vehicle cannot fly level at survey speed.
-    FloatingPointError
-        When a run diverges.
     """
     run = _Run(vehicle, manoeuvre, time_step)
     slowest = manoeuvre.start_speed / float(np.min(manoeuvre.deceleration))

@@ -110,7 +110,7 @@ JOULES_PER_WATT_HOUR = 3600.0
 
 
 def propulsive_power(drag: Scalars, speed: Scalars, efficiency: Scalars) -> Scalars:
-    """Electrical power of propulsion, F u/η = ½ρAC_d u³/η.
+    """Electrical power of propulsion, F u/η = ½ρAC_d u³/η, shape (n,) [W].
 
     Parameters
     ----------
@@ -120,11 +120,6 @@ def propulsive_power(drag: Scalars, speed: Scalars, efficiency: Scalars) -> Scal
         u through the water [m/s].
     efficiency : float or array, shape (n,)
         η, from the battery to the work against drag.
-
-    Returns
-    -------
-    float or array, shape (n,)
-        [W]
     """
     return drag * speed / efficiency
 

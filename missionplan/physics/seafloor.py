@@ -84,7 +84,7 @@ def near_bed_share(height: Scalars, roughness: Scalars = ROUGHNESS) -> Scalars:
 
 
 def anchor_drag_on_bed(anchor: LyingAnchor, velocity: Array, density: Scalars, roughness: Scalars = ROUGHNESS) -> Array:
-    """Drag of an anchor that lies across the current.
+    """Drag of an anchor that lies across the current, shape (2, n) [N].
 
     Parameters
     ----------
@@ -94,11 +94,6 @@ def anchor_drag_on_bed(anchor: LyingAnchor, velocity: Array, density: Scalars, r
         [kg/m³]
     roughness : float or array
         z₀ [m].
-
-    Returns
-    -------
-    array, shape (2, n)
-        [N]
     """
     coefficient = lateral_coefficient(anchor.length / anchor.diameter) * near_bed_share(anchor.diameter, roughness)
     factor = 0.5 * density * coefficient * anchor.diameter * anchor.length

@@ -123,6 +123,9 @@ def overlap_height(means: DrawnMission) -> float:
 def design_current(means: DrawnMission, phase: MoorPhase[Scalars]) -> tuple[Array, Array]:
     """Return the worst current of each layer and the layers' thicknesses.
 
+    Raises InputError when the mission lacks what a mooring needs, or has no layers and not one `design_current`, as
+    with a current from a file.
+
     Parameters
     ----------
     means : DrawnMission
@@ -132,12 +135,6 @@ def design_current(means: DrawnMission, phase: MoorPhase[Scalars]) -> tuple[Arra
     -------
     speeds, thicknesses : array, shape (k,)
         The phase's `design_current`; by default each layer's mean + 2 sd [m/s, m].
-
-    Raises
-    ------
-    InputError
-        When the mission lacks what a mooring needs, or has no layers and not one `design_current`, as with a current
-        from a file.
     """
     site, given = MooringMission.of(means.mission).site, phase.design_current
     depth = float(means.mooring.depth)
@@ -158,7 +155,8 @@ def worst_case_weight(means: DrawnMission, phase: MoorPhase[Scalars]) -> float:
     """Return the wet weight that takes the vehicle down within the radius in the worst current (Eqs. 1, 15).
 
     The layers' currents all flow the same way. Of a mission's explanations the one that needs the heaviest anchor is
-    taken to hold, those of less than 5 % left out.
+    taken to hold, those of less than 5 % left out. Raises InputError when there is no current to size the anchor for;
+    see also `design_current`.
 
     Parameters
     ----------
@@ -170,11 +168,6 @@ def worst_case_weight(means: DrawnMission, phase: MoorPhase[Scalars]) -> float:
     float
         Drag at the required terminal velocity with the mission's effects, and the vehicle's net buoyancy where the
         phase has `carry_net_buoyancy` [N].
-
-    Raises
-    ------
-    InputError
-        When there is no current to size the anchor for; see also `design_current`.
     """
     return max(_weight_at(explained, phase) for explained in means.under_explanations())
 
@@ -215,10 +208,7 @@ def wet_weight_of(drawn: DrawnMission, phase: MoorPhase[Scalars]) -> Scalars:
 def anchor_problem(means: DrawnMission) -> AnchorProblem:
     """Return geometry and materials of the mission's anchor, at their means.
 
-    Raises
-    ------
-    InputError
-        Where the mission gives the anchor no construction.
+    Raises InputError where the mission gives the anchor no construction.
     """
     vehicle, anchor = means.mooring.vehicle, means.mooring.anchor
     given = required(anchor.construction, means.mission, "vehicle.anchor.construction", "the anchor is built from it")

@@ -45,10 +45,7 @@ class DrawnMission:
     def position(self, position: Position[Scalars]) -> Array:
         """Return a position east and north of the origin, shape (2,) or (2, n) [m].
 
-        Raises
-        ------
-        InputError
-            When it is given by latitude and longitude, and the mission has no origin.
+        Raises InputError when it is given by latitude and longitude, and the mission has no origin.
         """
         if isinstance(position, Geographic):
             origin = required_origin(self.mission, "positions by latitude and longitude need it")
@@ -59,10 +56,7 @@ class DrawnMission:
     def mooring(self) -> MooringMission[Scalars]:
         """What moorings need.
 
-        Raises
-        ------
-        InputError
-            With everything that is missing.
+        Raises InputError with everything that is missing.
         """
         return MooringMission.of(self.drawn)
 
@@ -100,10 +94,7 @@ class DrawnMission:
     def vehicle_drag(self) -> VehicleDrag:
         """Drag of the egress vehicle.
 
-        Raises
-        ------
-        InputError
-            When the mission has no vehicle.
+        Raises InputError when the mission has no vehicle.
         """
         vehicle = required(self.drawn.vehicle, self.mission, "vehicle", "the drag is computed from it")
         return vehicle_drag(vehicle, self.water)
@@ -172,10 +163,7 @@ class DrawnMission:
     def navigation(self) -> Navigation:
         """The mission's section `navigation`.
 
-        Raises
-        ------
-        InputError
-            When the mission has no transit or no such section.
+        Raises InputError when the mission has no transit or no such section.
         """
         return navigation_of(self.mission)
 

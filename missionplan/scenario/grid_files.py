@@ -162,10 +162,7 @@ def geotiff(chart: Chart) -> Grid:
 def placed_pixels(chart: Chart, tags: Any) -> tuple[tuple[float, float], tuple[float, float], str | None]:
     """First coordinate and step of columns and of rows, at the corner of the first pixel, and the reference system.
 
-    Raises
-    ------
-    InputError
-        When a GeoTIFF is turned, or does not say where it lies.
+    Raises InputError when a GeoTIFF is turned, or does not say where it lies.
     """
     keys = tags.get(_KEYS, ())
     entries = {keys[place]: keys[place + 3] for place in range(4, len(keys), 4)}

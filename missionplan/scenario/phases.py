@@ -237,10 +237,7 @@ def start_of(scenario: Scenario, phase: MoorPhase[Scalars]) -> tuple[Array, floa
 def transition_vehicle(scenario: Scenario, phase: TransitionPhase[Scalars]) -> TransitionVehicle:
     """Return body, thrusters and controls of a transition, as drawn.
 
-    Raises
-    ------
-    InputError
-        When the mission lacks what a transition needs.
+    Raises InputError when the mission lacks what a transition needs.
     """
     needed = TransitionMission.of(scenario.drawn)
     written = needed.manoeuvring

@@ -33,10 +33,7 @@ _IRREGULAR = 0.05
 def read_ground(chart: Chart) -> Ground:
     """Read a file of depths.
 
-    Raises
-    ------
-    InputError
-        When the file cannot be read, is impossible, or holds nothing about the mission.
+    Raises InputError when the file cannot be read, is impossible, or holds nothing about the mission.
     """
     readers: dict[tuple[str, ...], Callable[[Chart], Grid]] = {
         (".nc", ".nc4", ".cdf", ".netcdf", ".grd"): grid_files.netcdf,
@@ -159,12 +156,8 @@ def _plane(position: Position, origin: Geographic | None) -> tuple[float, float]
 def read_place(mission: Mission) -> Place | None:
     """Read the files of a mission's place; None where it names none.
 
-    What a trial draws of it, clearance and error of the tide, is at its mean; see `drawn_place`.
-
-    Raises
-    ------
-    InputError
-        When a file cannot be read, is impossible, or holds nothing about the mission.
+    What a trial draws of it, clearance and error of the tide, is at its mean; see `drawn_place`. Raises InputError when
+    a file cannot be read, is impossible, or holds nothing about the mission.
     """
     site = mission.site
     if site is None or not site.place_files:

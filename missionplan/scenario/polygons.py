@@ -53,10 +53,7 @@ class Chart:
     def to_plane(self, x: Array, y: Array, system: str) -> Array:
         """East and north of the origin, shape (2, n), of coordinates in a reference system [m].
 
-        Raises
-        ------
-        InputError
-            When nobody knows the system, or the coordinates are not of it.
+        Raises InputError when nobody knows the system, or the coordinates are not of it.
         """
         if system == LOCAL:
             return np.stack((x, y)).astype(float)
@@ -118,10 +115,7 @@ _LONGEST_EDGE = 0.01
 def features(chart: Chart) -> tuple[list[Feature], str]:
     """Return geometries with their properties, and the reference system of their coordinates.
 
-    Raises
-    ------
-    InputError
-        When a library is missing or the file cannot be read.
+    Raises InputError when a library is missing or the file cannot be read.
     """
     try:
         import shapely  # noqa: F401
@@ -188,17 +182,14 @@ def _vector(chart: Chart) -> tuple[list[Feature], str]:
 def read_zones(chart: Chart, start: datetime | None, *, is_land: bool) -> list[Zone]:
     """Read polygons into the plane, those that lie in the wanted part of it.
 
+    Raises InputError when the file cannot be read, has no polygon, or a property is wrong.
+
     Parameters
     ----------
     start : datetime or None
         Of the mission, from which the times of zones count.
     is_land : bool
         Land has no times and depths.
-
-    Raises
-    ------
-    InputError
-        When the file cannot be read, has no polygon, or a property is wrong.
     """
     import shapely
 

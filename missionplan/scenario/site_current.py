@@ -33,15 +33,12 @@ from missionplan.store.folder import matching
 def tidal_stream(mission: Mission, written: TidalCurrent) -> TidalStream:
     """Build the current of `site.current.tide`.
 
+    Raises InputError when one of them is missing.
+
     Parameters
     ----------
     mission : Mission
         With a start, which ties the phases to the moon, and an origin, on whose latitude nodal corrections depend.
-
-    Raises
-    ------
-    InputError
-        When one of them is missing.
     """
     if mission.start is None:
         message = "a tide with phases at Greenwich needs the mission's `start` (UTC)"
@@ -81,15 +78,13 @@ NETCDF = (".nc", ".nc4", ".cdf", ".netcdf")
 def recorded_current(mission: Mission, also: Array | None = None) -> Current | None:
     """Read the files of a mission's current, or forecast its tide; None where it has neither.
 
+    Raises InputError when they cannot be read, or the mission lacks the `start` or the `site.origin` that a NetCDF
+    field needs.
+
     Parameters
     ----------
     also : array, shape (2, k), optional
         Places besides the mission's about which a field is needed [m].
-
-    Raises
-    ------
-    InputError
-        When they cannot be read, or the mission lacks the `start` or the `site.origin` that a NetCDF field needs.
     """
     if mission.site and isinstance(mission.site.current, TidalCurrent):
         return tidal_stream(mission, mission.site.current)
@@ -176,10 +171,7 @@ STREAM = "vehicle.leeway"
 def recorded_wind(mission: Mission) -> Current | None:
     """Read the file of a mission's wind; None where it has none.
 
-    Raises
-    ------
-    InputError
-        When it cannot be read, or the mission lacks the `start` or the `site.origin` that it needs.
+    Raises InputError when it cannot be read, or the mission lacks the `start` or the `site.origin` that it needs.
     """
     written = mission.site.wind if mission.site else None
     if not isinstance(written, WindFile):

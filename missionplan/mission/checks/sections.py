@@ -253,10 +253,7 @@ def _phase_name(entry: object) -> PhaseName | None:
 def quantity_unit(quantity: str, phases: Sequence[Phase | PhaseName]) -> str | None:
     """Return the SI unit of a phase's quantity, such as ``moor.offset``; None for an event.
 
-    Raises
-    ------
-    QuantityError
-        When the mission has no such phase, or the phase no such quantity.
+    Raises QuantityError when the mission has no such phase, or the phase no such quantity.
     """
     kinds = {phase.name: phase.kind for phase in phases} | {"total": "total"}
     phase, _, name = quantity.rpartition(".")

@@ -109,10 +109,7 @@ class QuantityParser:
     def __call__(self, value: object) -> Quantity:
         """Read a value as a pydantic validator does.
 
-        Raises
-        ------
-        PydanticCustomError
-            With one `LocalProblem` in ``ctx['problems']`` for each key that is wrong.
+        Raises PydanticCustomError with one `LocalProblem` in ``ctx['problems']`` for each key that is wrong.
         """
         try:
             return self.parse(value)
@@ -122,10 +119,7 @@ class QuantityParser:
     def parse(self, value: object) -> Quantity:
         """Read a value.
 
-        Raises
-        ------
-        QuantityError
-            With every key that is wrong.
+        Raises QuantityError with every key that is wrong.
         """
         return self._distribution(value) if isinstance(value, Mapping) else self._constant(value)
 

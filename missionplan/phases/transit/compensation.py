@@ -197,10 +197,7 @@ class AsPrinted(Compensation):
 def compensation_named(name: str, forecast: Forecast, covariance: Array, fix_error: Scalars) -> Compensation | None:
     """Return the compensation that a mission names; None for ``none``.
 
-    Raises
-    ------
-    ValueError
-        When the name is unknown.
+    Raises ValueError when the name is unknown.
     """
     methods: dict[str, Compensation | None] = {
         "none": None,

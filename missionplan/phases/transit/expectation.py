@@ -78,6 +78,9 @@ def expected_transit(
 ) -> TransitExpectation:
     """Expected transit with legs of at most `d_max`: ℓ = min(d, d_max(d)).
 
+    Raises ValueError if an argument is out of its range, or the error so large that legs do not bring the vehicle
+    nearer.
+
     Parameters
     ----------
     distance : float
@@ -94,11 +97,6 @@ def expected_transit(
         t_s, at the surface after each leg [s].
     base_spread : float
         s₀, standard deviation that each leg's end has on each axis whatever the leg's length [m].
-
-    Raises
-    ------
-    ValueError
-        If an argument is out of its range, or the error so large that legs do not bring the vehicle nearer.
     """
     table = d_max if isinstance(d_max, LegTable) else LegTable(np.array([0.0]), np.array([_positive("d_max", d_max)]))
     _check(distance, speed, arrival_radius, sigma, surfacing_time, base_spread)

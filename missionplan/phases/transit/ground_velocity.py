@@ -37,7 +37,7 @@ class GroundVelocity:
         through: Array,
         speed: Scalars | None = None,
     ) -> Array:
-        """Mean velocity over a leg beyond the vehicle's own (Eq. 24, with the site's current).
+        """Mean velocity over a leg beyond the vehicle's own (Eq. 24, with the site's current), shape (2, n) [m/s].
 
         Parameters
         ----------
@@ -51,11 +51,6 @@ class GroundVelocity:
             True position at the start, and displacement through the water [m].
         speed : float or array, shape (n,), optional
             Through the water, of a leg that was logged; default the plan's [m/s].
-
-        Returns
-        -------
-        array, shape (2, n)
-            [m/s]
         """
         plan, current = self._plan, self._environment.current
         velocity = random_part(plan.velocity_error, normals)

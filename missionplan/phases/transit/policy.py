@@ -84,10 +84,7 @@ class Bellman:
     def solve(self) -> tuple[Array, Array]:
         """Optimal legs: distances left, ascending, and leg lengths, with jumps resolved to `JUMP`.
 
-        Raises
-        ------
-        ValueError
-            If policy iteration does not converge.
+        Raises ValueError if policy iteration does not converge.
         """
         left = self.panels.nodes
         to_go = self._evaluate(left)
@@ -195,6 +192,8 @@ def best_legs(
 ) -> LegPolicy:
     """Find the legs that minimise the expected time of a transit.
 
+    Raises ValueError if an argument is out of its range, or the iteration does not converge.
+
     Parameters
     ----------
     distance : float
@@ -209,11 +208,6 @@ def best_legs(
         t_s, positive: otherwise the optimal legs would be infinitely short [s].
     base_spread : float
         s₀, standard deviation that each leg's end has on each axis whatever the leg's length [m].
-
-    Raises
-    ------
-    ValueError
-        If an argument is out of its range, or the iteration does not converge.
     """
     one_leg = expected_transit(distance, distance, speed, arrival_radius, sigma, surfacing_time, base_spread)
     if not surfacing_time > 0 or distance <= arrival_radius:

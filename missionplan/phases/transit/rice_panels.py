@@ -50,17 +50,14 @@ class Panels:
 def graded_panels(edges: Array, width: Callable[[Array], Array]) -> Panels:
     """Halve panels until none is wider than `width` at its middle.
 
+    Raises ValueError if more than `MAX_PANELS` would be needed.
+
     Parameters
     ----------
     edges : array
         Initial edges, in any order; they must include kinks and jumps [m].
     width : callable
         Largest width of a panel about a distance (array to array) [m].
-
-    Raises
-    ------
-    ValueError
-        If more than `MAX_PANELS` would be needed.
     """
     edges = np.sort(np.asarray(edges, dtype=float))
     edges = edges[np.append(True, np.diff(edges) > 1e-12 * edges[-1])]

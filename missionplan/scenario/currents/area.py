@@ -65,6 +65,8 @@ class Area:
     def placed(self, files: FieldFiles, names: tuple[str, str], x: Array, y: Array) -> tuple[Array, Turning]:
         """Place points of a field in the plane.
 
+        Raises InputError when the coordinates are of a projection that nobody names, or of none.
+
         Parameters
         ----------
         names : tuple of str
@@ -76,11 +78,6 @@ class Area:
         -------
         points, turning : array of shape (2, ...), array of complex
             East and north of the origin [m]; the factor that turns velocities along x and y toward east and north.
-
-        Raises
-        ------
-        InputError
-            When the coordinates are of a projection that nobody names, or of none.
         """
         if in_degrees(files, names, x, y):
             # about the origin's meridian, so that neither the date line nor the convention of the file matters
@@ -125,10 +122,7 @@ def in_degrees(files: FieldFiles, names: tuple[str, str], x: Array, y: Array) ->
 def window_of(inside: NDArray[np.bool_], files: FieldFiles, ring: int = 1) -> tuple[slice, ...]:
     """Rows and columns of a grid that hold what is inside the box, with a ring of nodes beyond.
 
-    Raises
-    ------
-    InputError
-        When nothing is.
+    Raises InputError when nothing is.
     """
     if not inside.any():
         raise outside_of(files)
@@ -183,6 +177,8 @@ def at_columns(
 def layer_depths(files: FieldFiles, along: Sequence[str], at: At, times: int, columns: int) -> tuple[Array, Array]:
     """Depths of the layers, shape (d,) or (t, c, d), and to what depth each column is good, shape (c,) [m].
 
+    Raises what `vertical.level_depths` does.
+
     Parameters
     ----------
     along : sequence of str
@@ -191,11 +187,6 @@ def layer_depths(files: FieldFiles, along: Sequence[str], at: At, times: int, co
         See `vertical.At`.
     times, columns : int
         Of the field.
-
-    Raises
-    ------
-    InputError, FieldAttributeError
-        See `vertical.level_depths`.
     """
     if len(along) > 1:
         raise files.problem(f"cannot tell which of {', '.join(along)} is the depth")
@@ -213,10 +204,7 @@ def assembled(
 ) -> GriddedCurrent:
     """Return the current of levels in either order; where `bottom` is nan it is that of the deepest value.
 
-    Raises
-    ------
-    InputError
-        When nothing near the mission is water.
+    Raises InputError when nothing near the mission is water.
     """
     values = np.ascontiguousarray(velocity.transpose(0, 2, 1))
     if levels.shape[-1] > 1 and float(np.nanmean(levels[..., 0])) > float(np.nanmean(levels[..., -1])):

@@ -63,17 +63,14 @@ def factor(units: str, si: str) -> float | None:
 def scale(variable: "DataArray", si: str, expected: str, otherwise: str = "") -> float:
     """Return what turns a variable's values into SI.
 
+    Raises FieldAttributeError when it has no `units`, or those of something else.
+
     Parameters
     ----------
     expected : str
         What a message says was expected.
     otherwise : str
         Unit where the variable has none: a model's, whose format fixes it.
-
-    Raises
-    ------
-    FieldAttributeError
-        When it has no `units`, or those of something else.
     """
     units = word(variable, "units") or otherwise
     if not units:
@@ -109,12 +106,8 @@ def is_dimensionless(variable: "DataArray") -> bool:
 def depths(variable: "DataArray", values: Array, otherwise: str = "") -> Array:
     """Turn the values of a vertical axis, or of the seafloor, into depths, positive down [m].
 
-    `positive` says which way they count, else `standard_name`, else their sign.
-
-    Raises
-    ------
-    FieldAttributeError
-        When they are no lengths, count from elsewhere than the surface, or nothing says which way.
+    `positive` says which way they count, else `standard_name`, else their sign. Raises FieldAttributeError when they
+    are no lengths, count from elsewhere than the surface, or nothing says which way.
     """
     standard, name = word(variable, "standard_name").lower(), variable.name
     if "sea_floor" in standard and not standard.startswith("sea_floor_depth"):
@@ -147,10 +140,8 @@ def counts_up(variable: "DataArray", values: Array) -> bool:
 def is_degrees(variable: "DataArray", east: bool) -> bool | None:
     """Whether a horizontal coordinate is in degrees, or in a length; None where nothing says it.
 
-    Raises
-    ------
-    FieldAttributeError
-        When it is in something else, such as radians, or degrees of another direction or of another pole.
+    Raises FieldAttributeError when it is in something else, such as radians, or degrees of another direction or of
+    another pole.
     """
     units, standard = word(variable, "units").lower(), word(variable, "standard_name").lower()
     if standard in ("grid_longitude", "grid_latitude"):
@@ -185,10 +176,8 @@ def time_along(dataset: "Dataset", dim: str) -> str | None:
 def moments(variable: "DataArray") -> NDArray[np.datetime64]:
     """Return times in UTC, to the millisecond, shape (t,).
 
-    Raises
-    ------
-    FieldAttributeError
-        When their units, calendar or zone cannot be read, or they are beyond the years 1678 to 2262.
+    Raises FieldAttributeError when their units, calendar or zone cannot be read, or they are beyond the years 1678 to
+    2262.
     """
     try:
         zero, length = since(word(variable, "units"), word(variable, "calendar"))

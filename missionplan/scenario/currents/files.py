@@ -113,15 +113,14 @@ class FieldFiles:
     def moments(self, name: str) -> Moments:
         """Return the times of a variable, increasing.
 
-        Raises
-        ------
-        InputError
-            When it has none, or they are no dates.
+        Raises InputError when it has none, or they are no dates.
         """
         return np.array(sorted(self._places(name)), dtype="datetime64[ns]")
 
     def series(self, name: str, moments: Moments, window: Window, order: Sequence[str]) -> NDArray[np.float32]:
         """Return a variable at some times.
+
+        Raises InputError when it lacks a time.
 
         Parameters
         ----------
@@ -129,11 +128,6 @@ class FieldFiles:
             Part of each dimension.
         order : sequence of str
             Dimensions after the time, as wanted.
-
-        Raises
-        ------
-        InputError
-            When it lacks a time.
         """
         places = self._places(name)
         rows: list[NDArray[np.float32]] = []
@@ -178,30 +172,21 @@ class FieldFiles:
     def speed_factor(self, name: str) -> float:
         """Return what turns a velocity's unit into m/s.
 
-        Raises
-        ------
-        FieldAttributeError
-            When it has no attribute `units`, or none of a speed.
+        Raises FieldAttributeError when it has no attribute `units`, or none of a speed.
         """
         return speed_factor(self.variable(name), "m/s" if name in _MODELS_SPEEDS else "")
 
     def height_factor(self, name: str, otherwise: str = "") -> float:
         """Return what turns a height's unit into m; `otherwise` is that of a model whose files lack `units`.
 
-        Raises
-        ------
-        FieldAttributeError
-            When it has none of a length.
+        Raises FieldAttributeError when it has none of a length.
         """
         return scale(self.variable(name), "m", "a length such as m", otherwise)
 
     def depths(self, name: str, window: Window | None = None, otherwise: str = "") -> Array:
         """Return a vertical axis or the seafloor as depths, positive down [m].
 
-        Raises
-        ------
-        FieldAttributeError
-            See `attributes.depths`.
+        Raises FieldAttributeError as `attributes.depths` does.
         """
         return depths(self.variable(name), self.fixed(name, window), otherwise)
 
@@ -218,10 +203,7 @@ class FieldFiles:
     def at_one_height(self) -> "FieldFiles":
         """Return a wind without the axis of its one height.
 
-        Raises
-        ------
-        InputError
-            When it has several.
+        Raises InputError when it has several.
         """
         chosen = []
         for dataset in self.datasets:
@@ -243,10 +225,8 @@ def velocities(
 ) -> NDArray[np.complex64]:
     """Join the components of a velocity in m/s, as complex numbers.
 
-    Raises
-    ------
-    InputError
-        When a unit is none of a speed, or a value is impossible: a fill value that the file does not declare.
+    Raises InputError when a unit is none of a speed, or a value is impossible: a fill value that the file does not
+    declare.
     """
     scaled = [part * np.float32(files.speed_factor(name)) for name, part in zip(names, parts, strict=True)]
     for name, part in zip(names, scaled, strict=True):

@@ -46,6 +46,8 @@ def read_series_csv(
 ) -> SeriesCurrent:
     """Read a CSV file of east and north components against time and, where it is among the columns, depth.
 
+    Raises InputError with every problem of the file.
+
     Parameters
     ----------
     limits : mapping of str to float
@@ -54,11 +56,6 @@ def read_series_csv(
         Of the mission: times by ISO 8601 count from it.
     epoch : datetime, optional
         From which the record's seconds count (`site.current.start`); default: from the mission's start, whenever it is.
-
-    Raises
-    ------
-    InputError
-        With every problem of the file.
     """
     shown = str(path)
     frame = plain_table(path, limits, MAX_BYTES)
@@ -121,6 +118,8 @@ def read_field(
 ) -> GriddedCurrent:
     """Read the field that some files hold together.
 
+    Raises InputError when they cannot be read, are of no grid that is known, or do not hold the mission's area.
+
     Parameters
     ----------
     names : sequence of str
@@ -131,11 +130,6 @@ def read_field(
         Of an ensemble along a dimension of the files, from 0.
     carries : Carried
         Whether it is a current or a wind.
-
-    Raises
-    ------
-    InputError
-        When they cannot be read, are of no grid that is known, or do not hold the mission's area.
     """
     with opened(names, shown) as opened_files:
         files = replace(opened_files, carries=carries)
@@ -165,10 +159,7 @@ def member_count(names: Sequence[str], shown: str) -> int:
 def opened(names: Sequence[str], shown: str) -> Iterator[FieldFiles]:
     """Open files or addresses.
 
-    Raises
-    ------
-    InputError
-        When xarray is not installed, or one cannot be opened.
+    Raises InputError when xarray is not installed, or one cannot be opened.
     """
     try:
         import xarray  # noqa: F401

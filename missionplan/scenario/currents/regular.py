@@ -27,12 +27,8 @@ def read_regular(files: FieldFiles, area: Area) -> GriddedCurrent:
     """Read a field whose latitudes and longitudes are one axis each.
 
     Rows have the north coordinates of their points on the origin's meridian, columns the east coordinates of theirs on
-    the origin's parallel; elsewhere parallels and meridians bend (`RegularGrid`).
-
-    Raises
-    ------
-    InputError
-        When something is missing or impossible, or the axes are not one-dimensional.
+    the origin's parallel; elsewhere parallels and meridians bend (`RegularGrid`). Raises InputError when something is
+    missing or impossible, or the axes are not one-dimensional.
     """
     latitude, longitude = (
         files.required(what, *names, standard=(what,))
@@ -124,11 +120,7 @@ def read_curved(files: FieldFiles, area: Area) -> GriddedCurrent:
 
     Velocities that are staggered (ROMS) are averaged to the nodes, as ROMS's own ``uv_rotate`` does for what it
     publishes eastward and northward: a face on the coast has no flow through it. They are then turned by ``angle``.
-
-    Raises
-    ------
-    InputError
-        When something is missing or impossible, or lies elsewhere.
+    Raises InputError when something is missing or impossible, or lies elsewhere.
     """
     carries = files.carries
     u = files.required(f"the {carries.name} toward east", *carries.east, standard=carries.standard_east)

@@ -40,10 +40,7 @@ class Mesh:
     def of(cls, files: FieldFiles, area: Area, names: tuple[str, str], faces: Indices) -> "Mesh":
         """Cut the faces that touch the mission's box out of a mesh.
 
-        Raises
-        ------
-        InputError
-            When none does, or they name nodes that there are not.
+        Raises InputError when none does, or they name nodes that there are not.
         """
         x, y = (files.fixed(name) for name in names)
         points, turning = area.placed(files, names, x, y)
@@ -127,12 +124,8 @@ class Mesh:
 def read_fvcom(files: FieldFiles, area: Area) -> GriddedCurrent:
     """Read a field of FVCOM.
 
-    The depth of a layer in a triangle is -sigma (h + zeta) by the means of its three nodes.
-
-    Raises
-    ------
-    InputError
-        When something is missing or impossible, or lies elsewhere.
+    The depth of a layer in a triangle is -sigma (h + zeta) by the means of its three nodes. Raises InputError when
+    something is missing or impossible, or lies elsewhere.
     """
     faces = files.fixed(files.required("the triangles", "nv")).T.astype(np.intp) - 1
     if np.any(faces < 0) or faces.shape[1] != 3:
@@ -219,10 +212,7 @@ def topology(files: FieldFiles) -> str | None:
 def read_ugrid(files: FieldFiles, area: Area) -> GriddedCurrent:
     """Read a field on a mesh that is described by UGRID, with velocities at its nodes or its faces.
 
-    Raises
-    ------
-    InputError
-        When something is missing or impossible, or lies elsewhere.
+    Raises InputError when something is missing or impossible, or lies elsewhere.
     """
     described = topology(files)
     if described is None:

@@ -37,7 +37,7 @@ _TERMS: Mapping[str, tuple[str, ...]] = {
 
 
 def parametric_depths(kind: str, terms: Mapping[str, Array], bottom: Array, surface: Array) -> Array:
-    """Depths of levels that follow bottom and surface, below the surface of the moment.
+    """Depths of levels that follow bottom and surface, below the surface of the moment, shape (t, c, d) [m].
 
     CF 1.11, appendix D; of the last two kinds Shchepetkin and McWilliams 2005, Ocean Modelling 9, 347-404, Eqs. 2.1 and
     2.2, with ROMS's ``Vtransform`` 1 and 2.
@@ -53,11 +53,6 @@ def parametric_depths(kind: str, terms: Mapping[str, Array], bottom: Array, surf
         Depth of the seafloor below the datum [m].
     surface : array, shape (t, c)
         Its height above the datum [m].
-
-    Returns
-    -------
-    array, shape (t, c, d)
-        [m]
     """
     h, zeta = bottom[:, None], surface[:, :, None]
     if kind == "ocean_sigma_coordinate":
@@ -79,6 +74,8 @@ def parametric_depths(kind: str, terms: Mapping[str, Array], bottom: Array, surf
 def level_depths(files: FieldFiles, along: str, at: At, times: int) -> tuple[Array, Array | None]:
     """Depths of the levels along a dimension, by the attributes of its vertical axis.
 
+    Raises InputError or FieldAttributeError when nothing says where they are, or what is said cannot be used.
+
     Parameters
     ----------
     at : callable
@@ -90,11 +87,6 @@ def level_depths(files: FieldFiles, along: str, at: At, times: int) -> tuple[Arr
     -------
     levels, bottom : array, array or None
         Of shape (d,), or (t, c, d) with to what depth each column is good, shape (c,) [m].
-
-    Raises
-    ------
-    InputError, FieldAttributeError
-        When nothing says where they are, or what is said cannot be used.
     """
     name = _axis(files, along)
     roms = files.named("Cs_r") and (along in ("s_rho", "sc_r") or files.named("s_rho"))
