@@ -110,13 +110,7 @@ phase."""
 
 
 def resolvable_constituents(duration: float) -> tuple[str, ...]:
-    """Names of the constituents that a record can resolve, by `LEAST_RECORD`.
-
-    Parameters
-    ----------
-    duration : float
-        Length of the record [s].
-    """
+    """Names of the constituents that a record of a duration [s] can resolve, by `LEAST_RECORD`."""
     return tuple(name for name, least in LEAST_RECORD.items() if duration >= least)
 
 

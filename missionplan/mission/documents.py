@@ -68,14 +68,9 @@ class Document:
 
 
 def read_text(path: Path, shown: str, *, max_bytes: int = MAX_BYTES) -> str:
-    """Read a UTF-8 text file.
+    """Read a UTF-8 text file, which messages name as `shown`.
 
     Raises InputError when it is missing, a folder, unreadable, too large or not UTF-8.
-
-    Parameters
-    ----------
-    shown : str
-        How messages name the file.
     """
     check_name(shown)
     try:
@@ -108,13 +103,7 @@ def unprintable_texts(data: object, path: KeyPath = ()) -> Iterator[LocalProblem
 
 
 def nearest_file(path: Path, beside: Path | None = None) -> str:
-    """Hint at the file that was meant, or at the outermost folder that is missing.
-
-    Parameters
-    ----------
-    beside : Path, optional
-        Folder from which the names are told.
-    """
+    """Hint at the file that was meant, or at the outermost folder that is missing; names are told from `beside`."""
     with suppress(OSError):  # of a name that is too long for a file
         if path.is_symlink():
             return "it is a link to what is not there"
@@ -129,15 +118,10 @@ def nearest_file(path: Path, beside: Path | None = None) -> str:
 
 
 def load_document(path: Path, name: str | None = None) -> Document:
-    """Load one YAML document with its line marks.
+    """Load one YAML document with its line marks; messages have its path as given, or the `name`.
 
     Raises InputError with all problems of the file's syntax: duplicate keys, keys that are not text, too deep, too
     large.
-
-    Parameters
-    ----------
-    name : str, optional
-        How messages name the file; default as given.
     """
     name = str(path) if name is None else name
     text = read_text(path, name)

@@ -26,12 +26,7 @@ EARTH = 6.371e6
 def not_handed_on(effects: Collection[str], learned: Place, here: Place) -> dict[str, str]:
     """Return the effects that were learned too far away or too long ago to hold here, each with the reason.
 
-    What is not known, of the place or the date, is taken to be the same.
-
-    Parameters
-    ----------
-    learned, here : tuple of float
-        Latitude, longitude [rad] and date [s since 1970].
+    What is not known, of latitude, longitude [rad] and date [s since 1970], is taken to be the same.
     """
     away, ago = _distance(learned, here), abs(here[2] - learned[2])
     found = {}
@@ -250,11 +245,7 @@ def faded(draws: WeightedDraws, alike: Mapping[str, float]) -> WeightedDraws:
     """Return draws of what is only like what was learned: nearer to the effect's prior, as a correlation says.
 
     In each set the mean of a strength shrinks by the correlation, and its variance goes towards that of usual sizes.
-
-    Parameters
-    ----------
-    alike : mapping
-        Correlations by effect; 1 for others.
+    `alike` has correlations by effect, 1 for others.
     """
     columns = _columns(draws)
     for effect, name in draws.columns:

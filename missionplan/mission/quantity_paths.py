@@ -181,13 +181,7 @@ def joined(mission: _Shared | None, vehicle: _Shared | None) -> _Shared | None:
 
 
 def values_in_force(data: Mapping[str, object]) -> Iterator[ValueInForce]:
-    """Yield what is in force of every key of the shared sections that a mission has.
-
-    Parameters
-    ----------
-    data : mapping
-        A mission's data, its vehicle's in place.
-    """
+    """Yield what is in force of every key of the shared sections of a mission's data, its vehicle's in place."""
     for name, section in SHARED.items():
         of_mission, of_vehicle = _written(data, name), _written(data.get("vehicle"), name)
         if of_mission is None and of_vehicle is None:

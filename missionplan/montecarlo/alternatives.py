@@ -79,12 +79,7 @@ def paired_difference(
 
 
 def pareto_front(costs: NDArray[np.float64]) -> NDArray[np.bool_]:
-    """Return which alternatives no other beats: as low in each cost and lower in one; nan is never on the front.
-
-    Parameters
-    ----------
-    costs : array, shape (k, m)
-    """
+    """Return which no other beats by costs of shape (k, m), as low in each and lower in one; nan is never among them."""
     known = np.asarray(np.isfinite(costs).all(axis=1))
     front = np.array(known)
     for index in np.flatnonzero(known):

@@ -121,10 +121,7 @@ _ANCHOR = ("diameter", "drag_coefficient", "holding_factor", "flooding_time", "f
 def planned_sections(provenance: Provenance, *, mapped: bool = False) -> list[PageSection]:
     """Show what was planned, for a result of one mission, and what the answer rests on.
 
-    Parameters
-    ----------
-    mapped : bool
-        Whether the page has a map of the mission, beside which one of the site only adds its chart.
+    On a page that is `mapped`, with a map of the mission, one of the site only adds its chart.
     """
     data = provenance.data
     if not isinstance(data.get("phases"), list | tuple):

@@ -33,12 +33,8 @@ from missionplan.store.folder import matching
 def tidal_stream(mission: Mission, written: TidalCurrent) -> TidalStream:
     """Build the current of `site.current.tide`.
 
-    Raises InputError when one of them is missing.
-
-    Parameters
-    ----------
-    mission : Mission
-        With a start, which ties the phases to the moon, and an origin, on whose latitude nodal corrections depend.
+    Raises InputError when the mission lacks the start, which ties the phases to the moon, or the origin, on whose
+    latitude nodal corrections depend.
     """
     if mission.start is None:
         message = "a tide with phases at Greenwich needs the mission's `start` (UTC)"
@@ -79,12 +75,7 @@ def recorded_current(mission: Mission, also: Array | None = None) -> Current | N
     """Read the files of a mission's current, or forecast its tide; None where it has neither.
 
     Raises InputError when they cannot be read, or the mission lacks the `start` or the `site.origin` that a NetCDF
-    field needs.
-
-    Parameters
-    ----------
-    also : array, shape (2, k), optional
-        Places besides the mission's about which a field is needed [m].
+    field needs, which is read about the places `also`, shape (2, k) [m], besides the mission's.
     """
     if mission.site and isinstance(mission.site.current, TidalCurrent):
         return tidal_stream(mission, mission.site.current)

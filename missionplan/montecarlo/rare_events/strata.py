@@ -98,10 +98,7 @@ class StrataView:
 def strata(values: Mapping[Key, Sequence[DiscreteValue]]) -> tuple[Stratum, ...]:
     """Divide all trials by the rare values of discrete quantities; the first stratum has none of them.
 
-    Parameters
-    ----------
-    values : mapping of Key to sequence of DiscreteValue
-        All values of each discrete quantity, by the key of the normal from which it is drawn.
+    All values of each quantity are given, by the key of the normal from which it is drawn.
     """
     rare = sorted(value.probability for each in values.values() for value in each if 0.0 < value.probability < RARE)
     least = rare[MOST_STRATA] if len(rare) > MOST_STRATA else RARE
@@ -281,12 +278,7 @@ class ReliabilityIndices:
         )
 
     def nearest(self, by_way: Array) -> Array:
-        """Return the least distance of trials from a margin of zero, shape (n,); infinite without any margin.
-
-        Parameters
-        ----------
-        by_way : array, shape (ways, n)
-        """
+        """Return the least distance of margins, shape (ways, n), from zero, shape (n,); infinite without any."""
         least = np.full(by_way.shape[1], np.inf)
         for row, margins, scores in zip(by_way, self.margins, self.scores, strict=True):
             if margins.size:
