@@ -79,7 +79,7 @@ def paired_difference(
 
 
 def pareto_front(costs: NDArray[np.float64]) -> NDArray[np.bool_]:
-    """Return which no other beats by costs of shape (k, m), as low in each and lower in one; nan is never among them."""
+    """Return which no other beats: costs, shape (k, m), as low in each and lower in one; nan is never one of them."""
     known = np.asarray(np.isfinite(costs).all(axis=1))
     front = np.array(known)
     for index in np.flatnonzero(known):
