@@ -216,7 +216,7 @@ class Demand:
         if lacking == 0.0 or self.side is None:
             return lacking
         beyond = self._beyond(evaluation.columns[self.column].astype(float))
-        return lacking + min(max(beyond, 0.0) / max(abs(self.limit), 1e-9), _FARTHEST)
+        return lacking + min(beyond / max(abs(self.limit), 1e-9), _FARTHEST)
 
 
 def demands_of(mission: Mission) -> tuple[Demand, ...]:

@@ -201,6 +201,9 @@ def test_slack_and_violation_count_trials():
     assert violations((LATE, DEEP, THERE), TRIED) == pytest.approx([0.25 + 30.0 / 100.0, 0.0, 0.0])
     stricter = replace(DEEP, required=0.75)
     assert stricter.violation(TRIED) == pytest.approx(0.25 + (2.0 - 1.0) / 2.0)
+    assert replace(DEEP, limit=1.5).violation(TRIED) == 0.0  # no less than that where there is room
+    assert replace(LATE, limit=50.0, required=1.0).violation(TRIED) == 1.0 + 1.0  # none does, and the worst never ends
+    assert replace(stricter, limit=1.001).violation(TRIED) == pytest.approx(0.25 + 0.001 / 1.001)
     assert not is_feasible((LATE,), TRIED)
     assert is_feasible((LATE,), TRIED, doubt=2.0)  # 0.25 short, with a standard error of 0.217
     assert not is_feasible((LATE,), TRIED, doubt=1.0)
