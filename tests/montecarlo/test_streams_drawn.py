@@ -7,8 +7,10 @@ import pytest
 
 import missionplan
 from missionplan.mission import Mission
+from missionplan.mission.schema.site import LeewaySection
 from missionplan.montecarlo.streams import BLOCK, BlockStreams
 from missionplan.scenario.scenario import Scenario
+from missionplan.scenario.site_current import STREAM
 from missionplan.studies.exploration.variation import with_values
 from missionplan.studies.simulation.trial_block import run_trials
 
@@ -170,3 +172,19 @@ def test_the_last_leg_misses_by_its_own_error_and_that_of_the_fix_before_it(d_ma
     trials, _ = ran(straight(d_max), heard=(f"way.{name}",))
     expected = size * BlockStreams(1, 0).legs(f"way.{name}").leg(leg)[:, :TRIALS]
     assert trials.phases[0].miss == pytest.approx(expected, rel=0.2, abs=0.5)  # the second leg is as long as is left
+
+
+def test_the_scatter_and_the_side_of_leeway_are_each_trial_s_own_normals():
+    """Along and across the wind the first leg's two normals of its stream, and the side by the sign of the second's."""
+    data = missionplan.load(MISSIONS / "chesapeake.yaml").raw
+    wind = {"speed": "8 m/s", "from": "180 deg"}  # blows toward north
+    scenario = Scenario.at_means(Mission.from_data(with_values(data, {"site.wind": wind})))
+    blown = scenario.sampled(seed=1, block=0, size=TRIALS).leeway
+    east, north = blown.surface_velocity(np.zeros(TRIALS), np.zeros(TRIALS), np.zeros((2, TRIALS)))
+    stream = BlockStreams(1, 0).legs(STREAM)
+    along, across = stream.leg(0)[:, :TRIALS]
+    section = LeewaySection()
+    assert north == pytest.approx(section.downwind * 8.0 + section.downwind_offset + section.scatter * along)
+    side = np.sign(stream.leg(1)[0, :TRIALS])
+    assert east == pytest.approx(side * section.crosswind * 8.0 + section.scatter * across)
+    assert abs(np.corrcoef(side, across)[0, 1]) < 5.0 / np.sqrt(TRIALS)
