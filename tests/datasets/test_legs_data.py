@@ -222,3 +222,22 @@ def test_a_leg_is_known_by_its_triangle_wherever_it_lies_and_whenever_it_began(f
     assert placed(turned, 1234.5, t_start=data.t_start + 1e6) == data.identities
     others = [placed(np.diag([-1.0, 1.0])), placed(1.01 * np.eye(2)), placed(np.eye(2), under_way=1.1 * data.under_way)]
     assert all(set(data.identities).isdisjoint(other) for other in others)
+
+
+def test_what_follows_from_the_legs_of_a_log(folder, transit_mission, legs):
+    """Middle of each, date of all, error over the time under way without that at the surface, and the fix's error."""
+    table = legs().assign(surface_s=20.0)
+    assert np.isnan(read_transit(folder(KIND, table), transit_mission).date)
+    dated = table.assign(t_start_s=table["t_start_s"] + 1.6e9, t_end_s=table["t_end_s"] + 1.6e9)
+    data = read_transit(folder(KIND, dated), transit_mission)
+    under_way = dated["t_end_s"] - dated["t_start_s"] - 20.0
+    assert data.under_way == pytest.approx(under_way.to_numpy())
+    assert data.middle + data.epoch == pytest.approx((dated["t_start_s"] + 0.5 * under_way).to_numpy(), rel=1e-12)
+    assert data.date == pytest.approx((dated["t_start_s"] + 0.5 * under_way).mean(), rel=1e-12)
+    errors = (
+        table[["x_end_m", "y_end_m"]].to_numpy() - table[["x_dr_m", "y_dr_m"]].to_numpy()
+    ).T / under_way.to_numpy()
+    assert data.velocity_error == pytest.approx(errors)
+    assert (data.typical_fix_sd, data.has_surface_time) == (3.0, True)
+    assert replace(data, leg_fix_sd=np.linspace(1.0, 9.0, data.n)).typical_fix_sd == pytest.approx(5.0)
+    assert np.isnan(replace(data, origin=None).latitude)

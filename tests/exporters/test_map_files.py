@@ -437,3 +437,15 @@ def test_geopackage(plan, tmp_path):
         area = row["geometry"]
         ring = [place for part in getattr(area, "geoms", [area]) for place in part.exterior.coords]
         is_circle(plan, ring, goal, radius)
+
+
+@pytest.mark.parametrize("legs", [0, 1, 2])
+def test_a_course_of_one_leg_is_a_line_and_a_point_is_none(legs):
+    plan = PLANS["west"]
+    there, *others = plan.phases
+    short = replace(there, waypoints=there.waypoints[: legs + 1], aim=None)
+    features = json.loads(content(replace(plan, phases=(short, *others)), "geojson"))["features"]
+    lines = [
+        each["geometry"]["coordinates"] for each in features if each["properties"]["name"] == "ingress: planned track"
+    ]
+    assert [len(line) for line in lines] == [legs + 1] * (legs > 0)

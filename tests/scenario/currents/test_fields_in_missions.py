@@ -1,5 +1,7 @@
 """Missions in the fields of ocean models: patterns of files, what is refused, and what validate says."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 import yaml
@@ -7,6 +9,7 @@ from model_files import fvcom, roms, ugrid
 
 from missionplan.errors import InputError
 from missionplan.mission import load
+from missionplan.scenario.currents.area import in_degrees
 from missionplan.scenario.site_current import recorded_current
 from missionplan.studies.simulation.simulate import simulate
 from missionplan.studies.validate import validate
@@ -97,3 +100,37 @@ def test_validate_says_what_the_field_covers(tmp_path):
     assert "Current: from 2026-05-01 12:00 to 2026-05-01 15:00 UTC, " in found.summary
     assert "km east and " in found.summary
     assert found.summary.endswith("down to 28.47 m.")
+
+
+@pytest.mark.parametrize(
+    ("x", "y", "units", "are"),
+    [
+        *[
+            (360.0, -90.0, ("", ""), True),
+            (-123.0, 48.0, ("", ""), True),
+            (10.0, 90.1, ("", ""), False),
+            (360.1, 45.0, ("", ""), False),
+        ],
+        *[
+            (5e5, 5e6, ("", ""), False),
+            (1.0, 2.0, ("m", "km"), False),
+            (5e5, 5e6, ("degrees_east", "degrees_north"), True),
+        ],
+        *[
+            (1.0, 2.0, ("", "m"), False),
+            (5e5, 2.0, ("degrees_east", ""), True),
+            (1.0, 2.0, ("degrees_east", "m"), None),
+        ],
+    ],
+)
+def test_degrees_are_told_by_their_units_and_else_by_their_sizes(x, y, units, are):
+    variables = {
+        name: SimpleNamespace(name=name, attrs={"units": unit} if unit else {})
+        for name, unit in zip("xy", units, strict=True)
+    }
+    files = SimpleNamespace(variable=variables.__getitem__, problem=ValueError)
+    if are is None:
+        with pytest.raises(ValueError, match="one is in degrees, the other is not"):
+            in_degrees(files, ("x", "y"), np.array([x]), np.array([y]))
+    else:
+        assert in_degrees(files, ("x", "y"), np.array([0.0, x, np.nan]), np.array([0.0, y, np.nan])) == are
