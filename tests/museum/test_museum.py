@@ -99,3 +99,14 @@ def test_what_is_beside_a_heading_error_by_depth_is_seen():
     found = diagnosed(log, errors, seed=5)
     assert is_flagged(found)
     assert found.none_of_these > 0.5
+
+
+@pytest.mark.slow
+def test_speed_that_goes_by_the_course_is_no_answer_to_a_current():
+    """Of a faint current an answer many times as large as the effect's is the same: a fit of it settles elsewhere."""
+    log = drawn(np.random.default_rng(10), 80)
+    log = replace(log, speeds=np.full_like(log.speeds, 1.4), depths=np.full_like(log.depths, 20.0))
+    found = diagnosed(log, velocity_errors(log, Recipe(pace=lambda m: 1.0 + 0.3 * np.cos(m.heading - 4.0))), seed=5)
+    assert is_flagged(found)
+    assert "current-response" not in found.causes
+    assert found.none_of_these > 0.95

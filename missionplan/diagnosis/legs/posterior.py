@@ -247,11 +247,8 @@ class LegPosterior:
         values, logs = np.array([each for each, _ in alike]), np.array([log for _, log in alike])
         shares = np.exp(logs - logsumexp(logs))
         mean = shares @ values
-        kinds = [CATALOGUE[term.effect].parameters[name].searched for name in term.shapes]
-        apart = [
-            0.0 if kind == "course" or np.ptp(each) == 0.0 else np.diff(np.unique(each)).min()
-            for kind, each in zip(kinds, values.T, strict=True)
-        ]
+        between = [CATALOGUE[term.effect].parameters[name].searched != "course" for name in term.shapes]
+        apart = between * np.array([np.diff(np.unique(each)).min(initial=np.ptp(each)) for each in values.T])
         variance = shares @ (values - mean) ** 2 + np.square(apart) / 12.0
         shapes = tuple(
             Coordinate(term.effect, name, "shape", math.log(value), 1.0, 0.0)
@@ -292,13 +289,22 @@ class LegPosterior:
         )
 
     def _of_impossible_size(self, fits: Sequence[CauseFit]) -> set[int]:
-        """Numbers of named effects' terms whose size, in the likeliest set that has them, is none of the effect's."""
+        """Numbers of named effects' terms whose size, in the likeliest set that has them, is none of the effect's.
+
+        It is that for which the evidence speaks, too: a fit whose columns change with the size may settle elsewhere.
+        """
         found: dict[int, bool] = {}
         for fit in fits:
-            number = self._parts(fit.causes)[0].term
-            effect = self.inference.terms[number - 1].effect if number else ""
-            if effect and CATALOGUE[effect].tier != "neutral":
-                found.setdefault(number, is_possible(each for each in fit.estimates if each.effect == effect))
+            one, _ = self._parts(fit.causes)
+            term = self.inference.terms[one.term - 1].acting if one.term else None
+            if term is None or one.term in found or CATALOGUE[term.effect].tier == "neutral":
+                continue
+            law, shares = self._part(fit.causes)
+            mean, covariance = self._moments(law, one, shares)
+            coordinates = self.inference.model.with_term(term).coordinates
+            own = [index for index, each in enumerate(coordinates) if each in term.coordinates]
+            weighed = estimates([coordinates[i] for i in own], mean[own], covariance[np.ix_(own, own)])
+            found[one.term] = is_possible([*weighed, *(each for each in fit.estimates if each.effect == term.effect)])
         return {number for number, possible in found.items() if not possible}
 
     def _without_names(self, numbers: set[int]) -> "LegPosterior":

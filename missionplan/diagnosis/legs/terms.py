@@ -168,9 +168,10 @@ def _members(
 ) -> list[LegTerm]:
     """A term at each value of its shapes, or at some."""
     tried = _tried(model, info, term) if wanted is None else wanted
-    found = []
+    first, share = term.strengths[0], -math.log(max(len(tried), 1))
+    what = info.parameters[first].doc if info.tier == "neutral" else info.what
+    does_answer, found = _answers(model, info, term), []
     for shapes in tried:
-        does_answer = _answers(model, info, term)
         columns = _unit_columns(model, info, term, shapes)
         sizes = [
             info.parameters[name].scale if does_answer else _slab(model, info, name, columns[:, :, i])
@@ -182,17 +183,8 @@ def _members(
             Coordinate(info.id, name, "strength", 0.0, size, info.parameters[name].spike)
             for name, size in zip(term.strengths, sizes, strict=True)
         )
-        found.append(
-            LegTerm(
-                info.id,
-                term.strengths[0],
-                (info.parameters[term.strengths[0]].doc if info.tier == "neutral" else info.what),
-                columns * sizes,
-                -math.log(len(tried)),
-                ActingTerm(info.id, coordinates, shapes),
-                does_answer,
-            )
-        )
+        acting = ActingTerm(info.id, coordinates, shapes)
+        found.append(LegTerm(info.id, first, what, columns * sizes, share, acting, does_answer))
     return found
 
 
