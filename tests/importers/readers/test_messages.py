@@ -84,6 +84,24 @@ def test_states_of_imc_lie_north_and_east_of_their_reference(tmp_path):
     assert values_at(without.pitch, t) == pytest.approx(np.degrees(1.0), abs=1e-4)
 
 
+@pytest.mark.filterwarnings("ignore::DeprecationWarning")
+@pytest.mark.parametrize("ship", [20, 30])
+def test_a_ship_that_only_logs_fixes_is_not_taken_for_the_vehicle(ship, tmp_path):
+    """The system with the most states is the vehicle where none has both: fixes of another are not its own."""
+    imcpy = pytest.importorskip("imcpy", reason="imcpy is not installed")
+    made = []
+    for k in range(3):
+        for kind, source, count in (("EstimatedState", 26, 2), ("GpsFix", ship, 4)):
+            for part in range(count):
+                message = getattr(imcpy, kind)()
+                message.timestamp, message.src, message.lat = 1.7e9 + 10.0 * k + part, source, 0.8
+                made.append(message)
+    path = tmp_path / "Data.lsf"
+    path.write_bytes(b"".join(imcpy.Packet.serialize(each) for each in made))
+    found = track_of("imc", path)
+    assert (found.fixes.t.size, found.reckoned.t.size) == (0, 6)
+
+
 # --- ArduPilot: MAVLink in 1e-7 deg, mm, cm of dilution; dataflash in its own units; instance or core 0 alone -----------
 
 
