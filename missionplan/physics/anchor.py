@@ -103,10 +103,7 @@ class AnchorDesign:
 def cap_height(volume: float, radius: float) -> float:
     """Height h [m] of a spherical cap of a volume π h²(3R - h)/3 [m³], from the sphere's radius R [m].
 
-    Raises
-    ------
-    ValueError
-        When the volume is more than half the sphere, the volume of the nose.
+    Raises ValueError when the volume is more than half the sphere, the volume of the nose.
     """
     half = 2.0 / 3.0 * math.pi * radius**3
     if not 0.0 <= volume <= half * (1.0 + 1e-12):
@@ -143,6 +140,8 @@ def cylinder_and_trim(problem: AnchorProblem, weight: Scalars) -> tuple[Scalars,
     Dry (Eqs. 16–17, as masses: Eq. 17 lacks g): λC + m_t - ρπr²C = ρ(⅔πr³ - V_lost) - m_front - m_back.
     Wet (Eq. 15): Σ m_i (1 - ρ/ρ_i) g = W.
 
+    Raises ValueError when the two equations are linearly dependent: tube and ring of these materials cannot meet both.
+
     Parameters
     ----------
     weight : float or array, shape (n,)
@@ -152,11 +151,6 @@ def cylinder_and_trim(problem: AnchorProblem, weight: Scalars) -> tuple[Scalars,
     -------
     cylinder_length, trim_mass : float or array, shape (n,)
         C [m] and m_t [kg], of either sign.
-
-    Raises
-    ------
-    ValueError
-        When the two equations are linearly dependent: tube and ring of these materials cannot meet both.
     """
     parts, rho, r = problem.construction, problem.water_density, problem.radius
     sunk_tube = parts.tube_mass_per_length * (1.0 - rho / parts.tube_density)
@@ -247,6 +241,8 @@ def _failures(design: AnchorDesign) -> tuple[UnmetCondition, ...]:
 def layer_thicknesses(down_to: Array, depth: float) -> Array:
     """Thickness of each layer of the water column; the last one reaches the seafloor.
 
+    Raises ValueError when there is no layer, or the edges do not increase.
+
     Parameters
     ----------
     down_to : array, shape (k,)
@@ -258,11 +254,6 @@ def layer_thicknesses(down_to: Array, depth: float) -> Array:
     -------
     array, shape (k,)
         Thicknesses that add up to `depth`; 0 for a layer below the seafloor [m].
-
-    Raises
-    ------
-    ValueError
-        When there is no layer, or the edges do not increase.
     """
     edges = np.concatenate(([0.0], np.asarray(down_to, dtype=float)))
     if edges.size < 2 or np.any(np.diff(edges) <= 0.0):

@@ -28,8 +28,9 @@ def propeller_response(
 ) -> tuple[Array, Array]:
     """Simulate a propeller in a measured run, with its measured speed through the water.
 
-    The number of steps is fixed and the flow is stepped linearly implicitly, so that the result is a smooth function
-    of the propeller's constants, as fitting requires.
+    The number of steps is fixed and the flow is stepped linearly implicitly, so that the result is a smooth function of
+    the propeller's constants, as fitting requires. Raises ValueError when not exactly one of shaft rate and torque is
+    given.
 
     Parameters
     ----------
@@ -44,11 +45,6 @@ def propeller_response(
     -------
     shaft_rate, axial_flow : array, shape (samples,)
         n [rad/s] and u_p [m/s]; the flow is steady at the start.
-
-    Raises
-    ------
-    ValueError
-        When not exactly one of shaft rate and torque is given.
     """
     if shaft_rate is not None and motor_torque is None:
         drive, advance, rate = shaft_rate, _imposed_step, float(shaft_rate[0])
@@ -166,6 +162,8 @@ def quasi_steady_surge(propeller: Propeller, resistance: Resistance, shaft_rate:
 def cruise_speed(propeller: Propeller, shaft_rate: Scalars, drag: Callable[[Scalars], Scalars]) -> Scalars:
     """Speed through the water at a shaft rate, for any drag law.
 
+    Raises ArithmeticError when a hundred iterations do not converge.
+
     Parameters
     ----------
     shaft_rate : float or array
@@ -177,11 +175,6 @@ def cruise_speed(propeller: Propeller, shaft_rate: Scalars, drag: Callable[[Scal
     -------
     float or array
         u [m/s], to 1e-10 of itself.
-
-    Raises
-    ------
-    ArithmeticError
-        When a hundred iterations do not converge.
     """
     speed: Scalars = np.ones_like(np.asarray(shaft_rate))
     for _ in range(100):

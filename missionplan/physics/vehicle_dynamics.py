@@ -177,17 +177,13 @@ class Trim:
 def level_trim(body: Body, speed: Scalars) -> Trim:
     """Pitch and sternplane that keep depth at a speed without thrusters: equilibrium of Eqs. 5 and 6.
 
-    Newton's method from level pitch; the sternplane enters linearly and is eliminated by the heave equation.
+    Newton's method from level pitch; the sternplane enters linearly and is eliminated by the heave equation. Raises
+    ArithmeticError when no trim is found: no deflection keeps the vehicle at depth at that speed.
 
     Parameters
     ----------
     speed : float or array
         Surge velocity u > 0 [m/s].
-
-    Raises
-    ------
-    ArithmeticError
-        When no trim is found: no deflection keeps the vehicle at depth at that speed.
     """
     d = body.derivatives
     u = np.asarray(speed, dtype=float) + 0.0 * np.asarray(body.excess_buoyancy + body.x_g + body.z_g)

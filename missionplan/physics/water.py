@@ -126,6 +126,8 @@ def flooded_mass(dry_mass: Scalars, weight_in_water: Scalars) -> Scalars:
 def lamb_axial_coefficient(fineness: Scalars) -> Scalars:
     """Lamb's k₁: added mass of a prolate spheroid along its axis, over the mass that it displaces.
 
+    Raises ValueError when a fineness is below 1: an oblate body has another formula.
+
     Parameters
     ----------
     fineness : float or array
@@ -136,11 +138,6 @@ def lamb_axial_coefficient(fineness: Scalars) -> Scalars:
     float or array
         k₁ = α₀/(2 - α₀), α₀ = 2(1 - e²)/e³ · (artanh e - e), e the eccentricity (Lamb, Hydrodynamics, art. 114).
         1/2 for a sphere, 0.210 at l/d 2, 0.122 at 3, 0.0233 at 9.26.
-
-    Raises
-    ------
-    ValueError
-        When a fineness is below 1: an oblate body has another formula.
     """
     ratio = np.asarray(fineness, dtype=float)
     if np.any(ratio < 1.0):
@@ -219,15 +216,12 @@ class NodalState:
 def angular_frequencies(names: Sequence[str]) -> Array:
     """Angular frequencies of constituents, shape (k,) [rad/s].
 
+    Raises KeyError when UTide has no such constituent.
+
     Parameters
     ----------
     names : sequence of str
         Such as ``M2``.
-
-    Raises
-    ------
-    KeyError
-        When UTide has no such constituent.
     """
     from utide._ut_constants import ut_constants
 
@@ -238,7 +232,8 @@ def angular_frequencies(names: Sequence[str]) -> Array:
 def nodal_state(names: Sequence[str], moment: Scalars, latitude: float) -> NodalState:
     """Nodal corrections and Greenwich arguments of constituents at a moment.
 
-    They change by less than 1 % in a month, so that one moment serves a mission.
+    They change by less than 1 % in a month, so that one moment serves a mission. Raises KeyError when UTide has no such
+    constituent.
 
     Parameters
     ----------
@@ -248,11 +243,6 @@ def nodal_state(names: Sequence[str], moment: Scalars, latitude: float) -> Nodal
         Seconds since the start of 1970, UTC.
     latitude : float
         [rad]
-
-    Raises
-    ------
-    KeyError
-        When UTide has no such constituent.
     """
     from utide.harmonics import FUV
 
