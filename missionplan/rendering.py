@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING, Any, Protocol
 
 from missionplan.errors import InputError, Problem, did_you_mean, shown
 
@@ -25,19 +25,19 @@ class Rendered:
 class Presenter(Protocol):
     """All the ways in which a result of any study is shown."""
 
-    def report(self, result: object, /) -> Rendered:
+    def render_report(self, result: Any, /) -> Rendered:
         """Render the report."""
 
-    def headline(self, result: object, /) -> str:
+    def headline(self, result: Any, /) -> str:
         """Write the answer in a sentence or two."""
 
-    def text(self, result: object, /) -> str:
+    def text(self, result: Any, /) -> str:
         """Write one screen of text."""
 
-    def notebook(self, result: object, /) -> str:
+    def notebook(self, result: Any, /) -> str:
         """Write a part of an HTML page, as a notebook shows it."""
 
-    def plots(self, result: object, /) -> Mapping[str, Plot]:
+    def plots(self, result: Any, /) -> Mapping[str, Plot]:
         """Return its plots by name, the main one first."""
 
 
@@ -64,7 +64,7 @@ def presenter() -> Presenter:
 
 def render(result: object) -> Rendered:
     """Render the report of a result."""
-    return presenter().report(result)
+    return presenter().render_report(result)
 
 
 class Plots:

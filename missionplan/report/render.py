@@ -44,7 +44,7 @@ def shown_as_asked(result: Result) -> Iterator[None]:
         yield
 
 
-def render_report(result: Result) -> Rendered:
+def render_report(result: Result, /) -> Rendered:
     """Render a result as one self-contained page, its figures, and files for other programs."""
     made = result.provenance
     with shown_as_asked(result):
@@ -65,13 +65,18 @@ def terminal_view(result: Result, *, system: str | None = None) -> Terminal:
     return Terminal(typeset(page.sentence or page.answer), _cells(columns), cells, page.verdict)
 
 
+def headline(result: Result, /) -> str:
+    """Write the answer in a sentence or two, in the units of the mission file, whatever the reader's are."""
+    return terminal_view(result, system="").sentence
+
+
 def drawings_of(result: Result) -> Mapping[str, Drawing]:
     """Return the drawings of a result by name, the main one first; none where it has none."""
     with reading_in(units_of(result.provenance.data)):
         return _page(result).plots
 
 
-def plots_of(result: Result) -> dict[str, Plot]:
+def plots(result: Result, /) -> dict[str, Plot]:
     """Return the plots of a result by name, the main one first."""
     return {name: partial(_plot, result, draw) for name, draw in drawings_of(result).items()}
 
@@ -234,7 +239,7 @@ _MOST_OF_ANSWER = 10
 """Lines of the answer."""
 
 
-def _text(result: Result) -> str:
+def text(result: Result, /) -> str:
     """Write what the result is, its answer, and its main table as far as it fits a screen."""
     shown = terminal_view(result)
     answer = wrapped(shown.sentence, WIDTH).splitlines()
@@ -261,7 +266,7 @@ def heading(result: Result) -> str:
 _MOST_ROWS = 20
 
 
-def _notebook(result: Result) -> str:
+def notebook(result: Result, /) -> str:
     """Write the part of the page; it holds no style sheet and no script."""
     shown = terminal_view(result)
     parts = [
@@ -302,34 +307,3 @@ def _picture(result: Result) -> str:
         figure.savefig(buffer, format="svg", metadata={"Date": None})
     image = base64.b64encode(buffer.getvalue()).decode()
     return f'<img alt="{name}" style="max-width: 100%; background: white" src="data:image/svg+xml;base64,{image}">'
-
-
-def report(result: object, /) -> Rendered:
-    """Render the report."""
-    return render_report(_checked(result))
-
-
-def headline(result: object, /) -> str:
-    """Write the answer in a sentence or two, in the units of the mission file, whatever the reader's are."""
-    return terminal_view(_checked(result), system="").sentence
-
-
-def text(result: object, /) -> str:
-    """Write one screen of text."""
-    return _text(_checked(result))
-
-
-def notebook(result: object, /) -> str:
-    """Write a part of an HTML page: heading, answer, main table and key figure."""
-    return _notebook(_checked(result))
-
-
-def plots(result: object, /) -> Mapping[str, Plot]:
-    """Return the plots of a result by name, the main one first."""
-    return plots_of(_checked(result))
-
-
-def _checked(result: object) -> Result:
-    if not isinstance(result, Result):
-        raise TypeError(f"{type(result).__name__} is not the result of a study")
-    return result
