@@ -25,7 +25,7 @@ from missionplan.montecarlo.rare_events.strata import (
     strata,
 )
 from missionplan.montecarlo.rare_events.subset_simulation import Key, NormalPopulation
-from missionplan.studies.rare_failure.find_rare_failure import find_rare_failure
+from missionplan.studies.rare_failure import find_rare_failure
 
 TARGET = 200_000
 """Trials by which a probability of about 10⁻⁶ has to be known to `VARIATION`."""

@@ -20,21 +20,21 @@ if TYPE_CHECKING:
     from missionplan.importers.importing import import_logs as import_log
     from missionplan.mission import Mission, load
     from missionplan.store.reports import reports
-    from missionplan.studies.anchor.size_anchor import size_anchor
-    from missionplan.studies.comparison.compare_missions import compare, compare_missions
+    from missionplan.studies.anchor import size_anchor
+    from missionplan.studies.comparison import compare, compare_missions
     from missionplan.studies.exploration.explore import explore
     from missionplan.studies.export import export
-    from missionplan.studies.history.find_history import history
-    from missionplan.studies.identification.identify import identify
+    from missionplan.studies.history import history
+    from missionplan.studies.identification import identify
     from missionplan.studies.init import init
     from missionplan.studies.leg_length.plan_legs import plan_legs
     from missionplan.studies.leg_length.sweep_dmax import sweep_dmax
     from missionplan.studies.optimisation.optimise import optimise
-    from missionplan.studies.rare_failure.find_rare_failure import find_rare_failure
+    from missionplan.studies.rare_failure import find_rare_failure
     from missionplan.studies.schema import schema
     from missionplan.studies.simulation.simulate import simulate
     from missionplan.studies.sweep_transition import sweep_transition
-    from missionplan.studies.tide.find_tide import tide
+    from missionplan.studies.tide import tide
     from missionplan.studies.validate import validate
     from missionplan.verification import verify
 
@@ -76,15 +76,15 @@ __all__ = [
 
 _MODULES = {
     "Mission": "missionplan.mission",
-    "compare": "missionplan.studies.comparison.compare_missions",
-    "compare_missions": "missionplan.studies.comparison.compare_missions",
+    "compare": "missionplan.studies.comparison",
+    "compare_missions": "missionplan.studies.comparison",
     "diagnose": "missionplan.diagnosis.diagnose",
     "diagnose_campaign": "missionplan.diagnosis.campaign",
     "explore": "missionplan.studies.exploration.explore",
     "export": "missionplan.studies.export",
-    "find_rare_failure": "missionplan.studies.rare_failure.find_rare_failure",
-    "history": "missionplan.studies.history.find_history",
-    "identify": "missionplan.studies.identification.identify",
+    "find_rare_failure": "missionplan.studies.rare_failure",
+    "history": "missionplan.studies.history",
+    "identify": "missionplan.studies.identification",
     "import_logs": "missionplan.importers.importing",
     "init": "missionplan.studies.init",
     "load": "missionplan.mission",
@@ -94,10 +94,10 @@ _MODULES = {
     "schema": "missionplan.studies.schema",
     "score": "missionplan.diagnosis.scoring.score",
     "simulate": "missionplan.studies.simulation.simulate",
-    "size_anchor": "missionplan.studies.anchor.size_anchor",
+    "size_anchor": "missionplan.studies.anchor",
     "sweep_dmax": "missionplan.studies.leg_length.sweep_dmax",
     "sweep_transition": "missionplan.studies.sweep_transition",
-    "tide": "missionplan.studies.tide.find_tide",
+    "tide": "missionplan.studies.tide",
     "validate": "missionplan.studies.validate",
     "verify": "missionplan.verification",
     "why": "missionplan.diagnosis.why",

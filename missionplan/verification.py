@@ -4,13 +4,13 @@ import json
 import tempfile
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
-from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+import missionplan
 from missionplan.errors import InputError, Problem
 from missionplan.identity import differences, digest_of, leaves, program_part, running_program
 from missionplan.mission import Mission, load
@@ -26,8 +26,6 @@ from missionplan.studies.run import MAX_JOBS, identified
 if TYPE_CHECKING:
     from missionplan.results.base import Result
 
-SAMPLE = 3
-"""Blocks that are computed again where not all are: the first, the last and one between."""
 _SHOWN = 8
 Arrays = Mapping[str, NDArray[np.generic]]
 Leaves = dict[tuple[str, ...], object]
@@ -199,7 +197,7 @@ class _Made:
             different += _different_arrays(item[0], before, now)
         return values, different
 
-    def computed_whole(self, again: "Study", blocks: list[tuple[int, int]]) -> tuple[int, list[str]]:
+    def computed_whole(self, again: Callable[..., "Result"], blocks: list[tuple[int, int]]) -> tuple[int, list[str]]:
         """Run the study again; returns how many values there are and those that differ."""
         with tempfile.TemporaryDirectory(prefix="missionplan-verify-") as kept:
             checkpoint = Path(kept) / "blocks"
@@ -221,99 +219,69 @@ class _Made:
         return values, different
 
 
-Study = Callable[..., "Result"]
-"""Runs the study of a report (`_Made`) again."""
-
-
 def _simulate(made: _Made, **extra: Any) -> "Result":
-    from missionplan.studies.rare_failure.find_rare_failure import find_rare_failure
-    from missionplan.studies.simulation.simulate import simulate
-
     options = made.options
     if options.get("searched"):
         message = "was made with --searched, whose file a report does not keep: run simulate with it again"
         raise InputError([Problem(message, str(made.folder))])
     if options.get("rare"):
         chosen = {"event": options["rare"], "trials": options.get("trials"), "precision": options.get("precision")}
-        return find_rare_failure(made.mission(), **chosen, **made.seeded)
+        return missionplan.find_rare_failure(made.mission(), **chosen, **made.seeded)
     chosen = {name: bool(options.get(name)) for name in ("keep_trials", "assumptions")}
     chosen |= {"sheet": bool(options.get("sheet", True)), "as_exported": options.get("as_exported")}
-    return simulate(made.mission(), **chosen, **made.drawn, **extra)
+    return missionplan.simulate(made.mission(), **chosen, **made.drawn, **extra)
 
 
-_DRAWN: Mapping[str, tuple[str, tuple[str, ...]]] = {
-    "sweep-dmax": ("leg_length.sweep_dmax", ("method",)),
-    "plan-legs": ("leg_length.plan_legs", ("aim",)),
-    "size-anchor": ("anchor.size_anchor", ("probability", "phase")),
-    "optimise": ("optimisation.optimise", ("choose", "aim")),
+_OPTIONS: Mapping[str, Mapping[str, str]] = {
+    "sweep-dmax": {"method": "method"},
+    "plan-legs": {"aim": "aim"},
+    "size-anchor": {"probability": "probability", "phase": "phase"},
+    "optimise": {"choose": "choose", "aim": "aim"},
+    "sweep-transition": {"phase": "phase", "time_step": "time_step"},
+    "explore": {"vary": "vary", "aim": "aim", "only_best": "only_best", "quantity": "quantities"},
 }
-"""Studies of a mission with draws, by command: the module, which has the function's name, and options of its own."""
+"""Options of their own that studies of a mission state, and the arguments that they are, by command."""
 
 
-def _drawn(made: _Made) -> "Result":
-    place, options = _DRAWN[made.command]
-    study = getattr(import_module(f"missionplan.studies.{place}"), place.rpartition(".")[2])
-    chosen = {name: made.options[name] for name in options if name in made.options}
-    found: Result = study(made.mission(), **chosen, **made.drawn)
+def _of_mission(made: _Made) -> "Result":
+    chosen = {name: made.options[option] for option, name in _OPTIONS[made.command].items() if option in made.options}
+    run = {"progress": made.progress} if made.command == "sweep-transition" else made.drawn
+    found: Result = getattr(missionplan, made.command.replace("-", "_"))(made.mission(), **chosen, **run)
     return found
 
 
-def _sweep_transition(made: _Made) -> "Result":
-    from missionplan.studies.sweep_transition import sweep_transition
-
-    chosen = {name: made.options[name] for name in ("phase", "time_step") if name in made.options}
-    return sweep_transition(made.mission(), progress=made.progress, **chosen)
-
-
-def _explore(made: _Made) -> "Result":
-    from missionplan.studies.exploration.explore import explore
-
-    chosen = {name: made.options[name] for name in ("vary", "aim", "only_best") if name in made.options}
-    return explore(made.mission(), quantities=made.options.get("quantity", ()), **chosen, **made.drawn)
-
-
 def _diagnose(made: _Made) -> "Result":
-    from missionplan.diagnosis.campaign import diagnose_campaign
-    from missionplan.diagnosis.diagnose import diagnose
-
     options = made.options
     chosen = {"plan": bool(options.get("plan", True)), "allow_outside": made.allow_outside, **made.seeded}
     chosen |= {"holdout": options.get("holdout"), "next_trial": bool(options.get("next_trial"))}
     if "datasets" in options:
-        return diagnose_campaign(made.mission(), options["datasets"], **chosen)
-    return diagnose(made.mission(), options["dataset"], **chosen)
+        return missionplan.diagnose_campaign(made.mission(), options["datasets"], **chosen)
+    return missionplan.diagnose(made.mission(), options["dataset"], **chosen)
 
 
 def _score(made: _Made) -> "Result":
-    from missionplan.diagnosis.scoring.score import score
-
     seed = whole(made.summary.get("seed"))
-    return score(made.mission(), *made.options["datasets"], seed=seed, allow_outside=made.allow_outside)
+    return missionplan.score(made.mission(), *made.options["datasets"], seed=seed, allow_outside=made.allow_outside)
 
 
 def _identify(made: _Made) -> "Result":
-    from missionplan.studies.identification.identify import identify
-
-    return identify(str(made.summary.get("file")), allow_outside=made.allow_outside)
+    return missionplan.identify(str(made.summary.get("file")), allow_outside=made.allow_outside)
 
 
 def _tide(made: _Made) -> "Result":
-    from missionplan.studies.tide.find_tide import tide
-
     latitude, start = f"{made.options['latitude_deg']} deg", made.options.get("start")
-    return tide(str(made.summary.get("file")), latitude=latitude, start=start, progress=made.progress)
+    return missionplan.tide(str(made.summary.get("file")), latitude=latitude, start=start, progress=made.progress)
 
 
-_STUDIES: dict[str, Study] = {
+_STUDIES: dict[str, Callable[..., "Result"]] = {
     "simulate": _simulate,
-    **dict.fromkeys(_DRAWN, _drawn),
-    "sweep-transition": _sweep_transition,
-    "explore": _explore,
+    **dict.fromkeys(_OPTIONS, _of_mission),
     "diagnose": _diagnose,
     "score": _score,
     "identify": _identify,
     "tide": _tide,
 }
+"""What runs the study of a report again, by command."""
 
 
 def _answer(summary: Mapping[str, object]) -> Leaves:

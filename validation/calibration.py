@@ -16,7 +16,7 @@ import numpy as np
 from benchmarks.rare import four_legs
 from missionplan.mission import load
 from missionplan.scenario.scenario import Scenario
-from missionplan.studies.rare_failure.find_rare_failure import find_rare_failure
+from missionplan.studies.rare_failure import find_rare_failure
 from missionplan.studies.simulation.simulate import simulate
 from missionplan.studies.simulation.trial_block import run_block
 from missionplan.studies.tide.harmonic_analysis import Samples, fit_tide, tidal_velocity

@@ -16,7 +16,7 @@ from missionplan.physics import tank, tunnel_thruster
 from missionplan.scenario.anchors import worst_case_weight
 from missionplan.scenario.phases import dive_of
 from missionplan.scenario.scenario import Scenario
-from missionplan.studies.identification.identify import identify
+from missionplan.studies.identification import identify
 from missionplan.studies.simulation.simulate import simulate
 from missionplan.studies.sweep_transition import FORCE, PAIR, SUCTION, TransitionSweep, sweep_transition
 from tests.acceptance import test_avila as avila

@@ -12,8 +12,8 @@ from matplotlib.figure import Figure as MatplotlibFigure
 import missionplan
 from missionplan.physics import tunnel_thruster as tunnel
 from missionplan.report.page import BLUE, GREEN, GREY, ORANGE, Figure, style, to_figure
+from missionplan.studies.identification import identify
 from missionplan.studies.identification import page as pictures
-from missionplan.studies.identification.identify import identify
 from missionplan.studies.sweep_transition import sweep_transition
 from missionplan.studies.transition_page import all_figures
 from tests.physics import avila_example as avila

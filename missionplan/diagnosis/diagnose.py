@@ -28,7 +28,7 @@ from missionplan.results.learned.evidence import GroupScore, RankedSet
 from missionplan.results.learned.next_trial import NextTrial
 from missionplan.results.score import DatasetScore
 from missionplan.store.folder import as_path
-from missionplan.studies.history.find_history import parameter_levels
+from missionplan.studies.history import parameter_levels
 from missionplan.studies.run import Run, check_arguments
 
 Progress = Callable[[int, int], None]

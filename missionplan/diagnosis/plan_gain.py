@@ -81,7 +81,7 @@ def _leg_plan(point: SweepPoint) -> Plan:
 
 def anchor_choice(base: Mission, extended: Mission, seed: int, jobs: int) -> PlanGain:
     """Choose the anchor for the worst current of the design."""
-    from missionplan.studies.anchor.size_anchor import worst_case_anchor
+    from missionplan.studies.anchor import worst_case_anchor
 
     missions = [_carrying_net_buoyancy(mission) for mission in (base, extended)]
     chosen = [worst_case_anchor(mission) for mission in missions]

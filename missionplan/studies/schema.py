@@ -38,7 +38,7 @@ from missionplan.studies.exploration.result import Exploration
 from missionplan.studies.history.result import History
 from missionplan.studies.leg_length.plan_result import LegPlan
 from missionplan.studies.leg_length.sweep_result import Sweep
-from missionplan.studies.rare_failure.find_rare_failure import RareFailure
+from missionplan.studies.rare_failure import RareFailure
 from missionplan.studies.schema_sections import TEXT_OR_NUMBER, Schema, Sections, effects
 from missionplan.studies.sweep_transition import TransitionSweep
 from missionplan.studies.tide.result import TideResult

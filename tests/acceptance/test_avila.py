@@ -10,7 +10,7 @@ from missionplan.physics import tank
 from missionplan.physics import tank as osc
 from missionplan.physics.drag import reynolds_number
 from missionplan.physics.tunnel_thruster import bollard_pull
-from missionplan.studies.identification.identify import identify
+from missionplan.studies.identification import identify
 from tests.physics import avila_example as avila
 
 MEASURED = Path(__file__).parents[2] / "missions" / "measured"

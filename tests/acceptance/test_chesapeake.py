@@ -12,7 +12,7 @@ import pytest
 
 from missionplan.mission import load
 from missionplan.scenario.scenario import Scenario
-from missionplan.studies.anchor.size_anchor import size_anchor
+from missionplan.studies.anchor import size_anchor
 from missionplan.studies.simulation.simulate import simulate, simulate_block
 from missionplan.studies.simulation.trial_block import run_block
 

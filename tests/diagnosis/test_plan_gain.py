@@ -8,7 +8,7 @@ import pytest
 from missionplan.diagnosis.plan_gain import anchor_choice, plan_gain
 from missionplan.mission import Mission, load
 from missionplan.results.learned.diagnosis import PlanGain
-from missionplan.studies.anchor.size_anchor import worst_case_anchor
+from missionplan.studies.anchor import worst_case_anchor
 
 MISSIONS = Path(__file__).parents[2] / "missions"
 LIFT = {"lift": "2 N", "depth": "8 m", "thickness": "2 m"}

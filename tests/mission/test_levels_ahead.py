@@ -12,7 +12,7 @@ from missionplan.mission.learned import has_level
 from missionplan.montecarlo.levels import Seen
 from missionplan.montecarlo.posterior import NOWHERE, DamagedPosteriorError, PosteriorFile, WeightedDraws
 from missionplan.report.diagnosis.findings import trends_in_words
-from missionplan.studies.history.find_history import parameter_levels
+from missionplan.studies.history import parameter_levels
 from tests.fixtures import TRANSIT
 
 SPEED, DAY, START = ("speed-scale", "fraction", "strength"), 86400.0, 1.78e9

@@ -16,7 +16,7 @@ from missionplan.report.page import draw, drawing_by
 from missionplan.report.render import terminal_view
 from missionplan.report.wording import percent
 from missionplan.results.anchor_sizing import ProbableAnchor
-from missionplan.studies.anchor.size_anchor import size_anchor
+from missionplan.studies.anchor import size_anchor
 
 MISSIONS = Path(__file__).parents[2] / "missions"
 

@@ -24,7 +24,7 @@ from missionplan.report.quantities import (
     using_units,
 )
 from missionplan.report.render import render_report, terminal_view
-from missionplan.studies.anchor.size_anchor import size_anchor
+from missionplan.studies.anchor import size_anchor
 from missionplan.studies.leg_length.sweep_dmax import sweep_dmax
 
 pytestmark = pytest.mark.usefixtures("drawn", "unassumed")

@@ -18,8 +18,8 @@ from missionplan.results.learned.identification import (
     IdentifiedParameter,
 )
 from missionplan.studies.identification import page as identified
+from missionplan.studies.rare_failure import Cause, FailureMode, RareFailure, WayDriven
 from missionplan.studies.rare_failure import page as rare
-from missionplan.studies.rare_failure.find_rare_failure import Cause, FailureMode, RareFailure, WayDriven
 from missionplan.studies.tide import page as tidal
 from missionplan.studies.tide.result import Constituent, DepthTide, HeldOut, TideResult
 

@@ -11,8 +11,8 @@ from browsing import needs_browser, printed, show
 
 from missionplan.mission import load
 from missionplan.report.page import Drawn, drawing_by
-from missionplan.studies.anchor.size_anchor import size_anchor
-from missionplan.studies.comparison.compare_missions import compare
+from missionplan.studies.anchor import size_anchor
+from missionplan.studies.comparison import compare
 from missionplan.studies.leg_length.sweep_dmax import sweep_dmax
 from missionplan.studies.simulation.simulate import simulate
 

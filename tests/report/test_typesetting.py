@@ -12,9 +12,9 @@ from hypothesis import strategies as st
 from missionplan.mission import load
 from missionplan.report.render import render_report, terminal_view
 from missionplan.report.wording import in_words, keys_in_words, typeset, wrapped
-from missionplan.studies.anchor.size_anchor import size_anchor
-from missionplan.studies.comparison.compare_missions import compare
-from missionplan.studies.identification.identify import identify
+from missionplan.studies.anchor import size_anchor
+from missionplan.studies.comparison import compare
+from missionplan.studies.identification import identify
 from missionplan.studies.leg_length import optimise_legs
 from missionplan.studies.leg_length.analytic_transit import PolicyFamily
 from missionplan.studies.leg_length.plan_legs import plan_legs

@@ -12,7 +12,7 @@ from missionplan.montecarlo.distributions import Normal
 from missionplan.physics import propeller as p
 from missionplan.scenario.phases import dive_of
 from missionplan.scenario.scenario import Scenario
-from missionplan.studies.identification.identify import identify
+from missionplan.studies.identification import identify
 from missionplan.studies.simulation.simulate import simulate_block
 from tests.physics import propeller_example as example
 

@@ -10,7 +10,7 @@ from missionplan.errors import InputError
 from missionplan.mission import load
 from missionplan.scenario.phases import dive_of
 from missionplan.scenario.scenario import Scenario
-from missionplan.studies.anchor.size_anchor import size_anchor
+from missionplan.studies.anchor import size_anchor
 from missionplan.studies.held_vehicle import FASTEST, check_dives
 from missionplan.studies.simulation.simulate import simulate
 

@@ -5,7 +5,7 @@ import pytest
 from missionplan.diagnosis.diagnose import diagnose
 from missionplan.errors import InputError
 from missionplan.mission import load
-from missionplan.studies.identification.identify import identify
+from missionplan.studies.identification import identify
 from missionplan.studies.init import DATA_KINDS, init, init_data
 from missionplan.studies.validate import validate
 

@@ -28,7 +28,7 @@ from missionplan.mission import Mission
 from missionplan.mission.schema.phases import MoorPhase
 from missionplan.mission.units import QuantityError, parse_number_with_unit
 from missionplan.montecarlo.distributions import mean_of
-from missionplan.studies.anchor.size_anchor import worst_case_anchor
+from missionplan.studies.anchor import worst_case_anchor
 
 NEGLIGIBLE = 0.02
 """Probability below which a noise is not considered."""

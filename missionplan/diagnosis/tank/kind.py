@@ -42,7 +42,7 @@ from missionplan.montecarlo.distributions import mean_of, sd_of
 from missionplan.physics.drag import disc_area
 from missionplan.results.learned.diagnosis import PlanGain
 from missionplan.results.learned.evidence import ParameterEstimate
-from missionplan.studies.identification.identify import TURN, TransientRun
+from missionplan.studies.identification import TURN, TransientRun
 
 
 def extended_tank_mission(mission: Mission, best: CauseFit, data: TankData) -> dict[str, object]:

@@ -1,1 +1,305 @@
-"""`history`: what was learned of each parameter, from mission to mission."""
+"""`history`: read reports of `diagnose` and counts of failures below a folder, and follow what was learned."""
+
+import json
+import math
+import time
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from datetime import UTC, datetime
+from functools import partial
+from pathlib import Path
+
+import numpy as np
+from scipy.special import chdtrc
+
+from missionplan.effects import CATALOGUE
+from missionplan.errors import InputError, Problem, attempted
+from missionplan.identity import differences, digest_of, program_part
+from missionplan.mission import Mission, MissionOrPath, as_mission
+from missionplan.mission.documents import load_document, read_text
+from missionplan.mission.includes import hash_of, read_draws
+from missionplan.mission.learned import Series, series_of
+from missionplan.moments import moment_of
+from missionplan.montecarlo.levels import Measured, Seen
+from missionplan.montecarlo.posterior import FILE, DamagedPosteriorError
+from missionplan.results.base import Provenance
+from missionplan.results.entries import mapping, mappings, real
+from missionplan.results.learned.diagnosis import Level, ParameterLevels
+from missionplan.store.folder import as_path
+from missionplan.studies.history.result import History, Learned, Row, State, rates_file, read_counts, updated_rates
+
+
+def parameter_levels(seen: Sequence[Seen], reports: Mapping[str, str] | None = None) -> tuple[ParameterLevels, ...]:
+    """Return how each parameter that has a level went from mission to mission.
+
+    Parameters
+    ----------
+    seen : sequence of Seen
+        What records have told.
+    reports : mapping, optional
+        Names of the records by their hashes.
+    """
+    found = series_of(seen)
+    return tuple(_told(series, reports or {}) for key, series in found.items() if key[2] == "strength")
+
+
+def _told(series: Series, reports: Mapping[str, str]) -> ParameterLevels:
+    levels, then = series.levels()
+    mean, sd = levels.at(np.append(levels.measured.times, then))
+    missions = tuple(
+        Level(reports.get(each.record, each.record), each.date if math.isfinite(each.date) else None, *numbers)
+        for each, *numbers in zip(
+            series.records[-len(levels.measured.times) :],
+            mean[:-1].tolist(),
+            sd[:-1].tolist(),
+            levels.jumps.tolist(),
+            strict=True,
+        )
+    )
+    effect, name, _ = series.of
+    unit = CATALOGUE[effect].parameters[name].unit
+    trend, agreement = levels.trend, _agreement(levels.measured)
+    return ParameterLevels(effect, name, unit, missions, *trend, float(mean[-1]), float(sd[-1]), agreement=agreement)
+
+
+def _agreement(measured: Measured) -> float:
+    """Probability that measurements of one mission differ by chance as they do: χ² about their weighted means."""
+    _, mission = np.unique(measured.times, return_inverse=True)
+    weight = np.asarray(measured.sds) ** -2.0
+    mean = np.bincount(mission, weight * measured.values) / np.bincount(mission, weight)
+    free = len(mission) - len(mean)
+    return float(chdtrc(free, np.sum(weight * (measured.values - mean[mission]) ** 2))) if free else 1.0
+
+
+MAX_BYTES = 20_000_000
+"""Of a summary."""
+NUMBERS = ("value", "sd", "low", "high")
+
+
+@dataclass(frozen=True)
+class _Report:
+    """A report of `diagnose`: its place, its summary, and the start of its mission."""
+
+    place: str
+    summary: Mapping[str, object]
+    start: str
+    seen: tuple[Seen, ...] = ()
+    """What its mission has seen of levels."""
+
+    @property
+    def learned_from(self) -> frozenset[str] | None:
+        """Hashes of the legs, dives and runs that were new to its mission; None where the report does not say."""
+        hashes = self.summary.get("learned_from")
+        return frozenset(map(str, hashes)) if isinstance(hashes, list) else None
+
+    @property
+    def created(self) -> str:
+        return str(self.summary.get("created_utc", ""))
+
+
+def history(folder: str | Path, *, mission: MissionOrPath | None = None) -> History:
+    """Follow learned parameters from mission to mission, and update failure rates by a fleet's counts.
+
+    Reports are in the order of their missions' `start` where all have one, else of the time at which they were made.
+
+    Parameters
+    ----------
+    folder : str or Path
+        Holds report folders of `diagnose`, and `reliability.csv` (`per`, `failures`, `exposure`), at any depth.
+    mission : Mission, str or Path, optional
+        Whose `vehicle.reliability` is the prior of the failure rates.
+
+    Raises
+    ------
+    InputError
+        When there is no such folder, or neither report nor counts in it, or one cannot be read.
+    """
+    began, root = time.perf_counter(), as_path(folder, "folder")
+    if not root.is_dir():
+        raise InputError([Problem("no such folder", str(root))])
+    rows, copies = read_counts(root)
+    planned = None if mission is None else as_mission(mission)
+    rates = updated_rates(rows, planned)
+    if rows and not rates:
+        copies = (*copies, "the mission's failure rates have all counts in them already")
+    reports, foreign = _reports(root, needed=not rows)
+    reports, notices = _counted_once(reports)
+    by_start = all(report.start for report in reports)
+    reports.sort(key=lambda report: (_moment(report.start if by_start else report.created), report.place))
+    entries = [entry for report in reports for entry in _learned(report, report.start if by_start else report.created)]
+    told = (*foreign, *copies, *notices, *_other_programs(reports))
+    provenance = replace(_provenance(root, reports, rows, planned), notices=told, elapsed_s=time.perf_counter() - began)
+    written = rates_file(rates, planned) if rates else ""
+    levels = _levels(reports)
+    places = tuple(report.place for report in reports)
+    return History(provenance, places, tuple(_with_jumps(entries, levels)), by_start, levels, rates, written)
+
+
+def _levels(reports: Sequence[_Report]) -> tuple[ParameterLevels, ...]:
+    """Levels by all that the draws of reports have seen, each record once."""
+    names = {hash_of(report.summary.get("learned_from")): report.place for report in reports}
+    return parameter_levels([each for report in reports for each in report.seen], names)
+
+
+def _with_jumps(entries: Sequence[Learned], levels: Sequence[ParameterLevels]) -> Iterator[Learned]:
+    """Call changed what is told by a record before which its level jumped."""
+    jumped = {(each.effect, each.name, level.record) for each in levels for level in each.jumps}
+    for entry in entries:
+        yield replace(entry, state="changed") if (*entry.key, entry.report) in jumped else entry
+
+
+def _provenance(root: Path, reports: Sequence[_Report], rows: Sequence[Row], planned: Mission | None) -> Provenance:
+    missions = dict.fromkeys(str(report.summary.get("mission", "")) for report in reports)
+    return Provenance(
+        command="history",
+        mission=", ".join(missions),
+        file="",
+        seed=0,
+        trials=0,
+        options={"folder": str(root), **({} if planned is None else {"mission": planned.file})},
+        elapsed_s=0.0,
+        data={"folder": str(root), "reports": [report.place for report in reports]},
+        inputs={
+            "reports": {report.place: digest_of(report.summary) for report in reports},
+            **({"counts": digest_of([row.digest for row in rows])} if rows else {}),
+        },
+    )
+
+
+def _other_programs(reports: Sequence[_Report]) -> Iterator[str]:
+    """Name the reports that other code has made than the last, of which a jump may come."""
+    stated = [(report, mapping(report.summary.get("identity_parts"))) for report in reports]
+    programs = [(report, program_part(parts)) for report, parts in stated if parts]
+    for report, program in programs[:-1]:
+        if unlike := differences(program, programs[-1][1]):
+            yield f"the report {report.place} was made by other code than {programs[-1][0].place}: {'; '.join(unlike)}"
+
+
+def _reports(root: Path, *, needed: bool) -> tuple[list[_Report], tuple[str, ...]]:
+    """Read every report of `diagnose` below a folder; notices name what is none.
+
+    Raises InputError when there is none that can be read.
+    """
+    places = sorted(path.parent for path in root.rglob("diagnosis.json") if (path.parent / "summary.json").is_file())
+    if not places and needed:
+        words = "holds no report of diagnose (summary.json beside diagnosis.json) and no reliability.csv"
+        raise InputError([Problem(words, str(root))])
+    problems: list[Problem] = []
+    found = [attempted(partial(_read, place, root), problems) for place in places]
+    reports = [report for report in found if report is not None]
+    if problems and not reports:
+        raise InputError(problems)
+    return reports, tuple(f"left out: {problem}" for problem in problems)
+
+
+def _counted_once(reports: Sequence[_Report]) -> tuple[list[_Report], tuple[str, ...]]:
+    """Leave out reports that learned nothing new, or the same as one made later; name them and those that overlap."""
+    kept: list[_Report] = []
+    notices = []
+    for report in sorted(reports, key=lambda each: (_moment(each.created), each.place), reverse=True):
+        own = report.learned_from
+        same = next((other for other in kept if own is not None and other.learned_from == own), None)
+        if own == frozenset() or same is not None:
+            why = "nothing new" if same is None else f"the same data as {same.place}, which was made later"
+            notices.append(f"{report.place} learned from {why}, and is left out")
+            continue
+        shared = [(other, len(own & (other.learned_from or set()))) for other in kept] if own else []
+        notices += [
+            f"{report.place} and {other.place} learned from {count} legs, dives or runs in common, which count twice"
+            for other, count in shared
+            if count
+        ]
+        kept.append(report)
+    return kept, tuple(notices)
+
+
+def _read(place: Path, root: Path) -> _Report | None:
+    """Read a report; None for one of several data sets, whose diagnoses lie in folders of their own.
+
+    Raises InputError when its summary is no JSON of a diagnosis, or its mission cannot be read.
+    """
+    file = place / "summary.json"
+    try:
+        summary = json.loads(read_text(file, str(file), max_bytes=MAX_BYTES))
+    except (ValueError, RecursionError) as error:
+        raise InputError([Problem(f"is no JSON: {error}", str(file))]) from None
+    if isinstance(summary, dict) and "datasets" in summary:
+        return None
+    if not isinstance(summary, dict) or not isinstance(summary.get("ranking"), list) or not _can_be_told(summary):
+        raise InputError([Problem("is not the summary of a diagnosis", str(file))])
+    mission = load_document(place / "mission.yaml").data if (place / "mission.yaml").is_file() else {}
+    start = str(mapping(mission).get("start") or "")
+    return _Report(place.relative_to(root).as_posix(), summary, start, _seen(place / FILE))
+
+
+def _seen(file: Path) -> tuple[Seen, ...]:
+    """Read what a report's draws have seen of levels; nothing where there are none.
+
+    Raises InputError when they are damaged.
+    """
+    if not file.is_file():
+        return ()
+    try:
+        return read_draws(file).seen
+    except DamagedPosteriorError as error:
+        raise InputError([Problem(str(error), str(file))]) from error
+
+
+def _can_be_told(summary: Mapping[str, object]) -> bool:
+    """Whether every parameter of a summary has names and finite numbers."""
+    listed = [each for entry in mappings(summary["ranking"])[:1] for each in mappings(entry.get("parameters"))]
+    told = [(each, each) for each in listed]
+    told += [(each, mapping(each.get("posterior"))) for each in mappings(summary.get("confirmed"))]
+    return all(
+        all(isinstance(named.get(key), str) for key in ("effect", "name"))
+        and all(math.isfinite(real(value.get(key))) for key in NUMBERS)
+        for named, value in told
+    )
+
+
+def _moment(text: str) -> datetime:
+    """Time of a report; without a zone it is UTC."""
+    try:
+        return moment_of(text)
+    except (ValueError, OverflowError):
+        return datetime.min.replace(tzinfo=UTC)
+
+
+def _learned(report: _Report, moment: str) -> Iterator[Learned]:
+    """Yield what a diagnosis says of each parameter: of its causes, and of what the mission knew."""
+    summary = report.summary
+    best = mappings(summary.get("ranking"))[:1] if summary.get("causes") else []
+    likely = _probability(summary)
+    for parameter in [each for entry in best for each in mappings(entry.get("parameters"))]:
+        known = summary.get("changed_effects")  # older reports do not name them
+        changed = bool(summary.get("changed")) and (not isinstance(known, list) or parameter["effect"] in known)
+        entry = _entry(report, moment, parameter, parameter, "changed" if changed else "found")
+        yield replace(entry, probability=likely)
+    for each in mappings(summary.get("confirmed")):
+        for value in mappings([each.get("posterior")]):
+            entry = _entry(report, moment, each, value, "confirmed")
+            yield replace(entry, probability=real(each.get("probability", 1.0)))
+
+
+def _probability(summary: Mapping[str, object]) -> float:
+    """Probability that the causes found hold: less than 1 where the diagnosis left a doubt."""
+    doubt = mappings(summary.get("explanations"))
+    own = [real(each.get("probability")) for each in doubt if each.get("causes") == summary.get("causes")]
+    return own[0] if own else 1.0
+
+
+def _entry(
+    report: _Report, moment: str, named: Mapping[str, object], value: Mapping[str, object], state: State
+) -> Learned:
+    numbers = {key: real(value.get(key)) for key in NUMBERS}
+    return Learned(
+        report=report.place,
+        mission=str(report.summary.get("mission", "")),
+        dataset=str(report.summary.get("dataset", "")),
+        time=moment,
+        effect=str(named["effect"]),
+        name=str(named["name"]),
+        unit=str(value.get("unit", "")),
+        state=state,
+        **numbers,
+    )

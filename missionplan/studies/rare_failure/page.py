@@ -10,7 +10,7 @@ from missionplan.report.page import Block, Cells, Page, PageSection, Table
 from missionplan.report.quantities import Unit, reader_unit
 from missionplan.report.simulation.quantities import failure_in_words
 from missionplan.report.wording import capitalised, in_words, number
-from missionplan.studies.rare_failure.find_rare_failure import Cause, FailureMode, RareFailure, WayDriven
+from missionplan.studies.rare_failure import Cause, FailureMode, RareFailure, WayDriven
 
 _FAILS = "not total.success"
 _DEGREES = Unit("°", math.radians(1.0))

@@ -9,7 +9,7 @@ from missionplan.diagnosis.diagnose import diagnose
 from missionplan.errors import InputError
 from missionplan.mission import Mission
 from missionplan.physics.drag import disc_area
-from missionplan.studies.identification.identify import TURN, TransientRun
+from missionplan.studies.identification import TURN, TransientRun
 
 GEOMETRY = {"diameter": "0.3 m", "wake_fraction": 0.15, "axial_flow_factor": 0.2}
 MISSION = Mission.from_data({"phases": []})

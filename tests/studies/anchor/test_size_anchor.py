@@ -10,8 +10,8 @@ import pytest
 from missionplan.errors import InputError
 from missionplan.mission import Mission, load
 from missionplan.scenario.scenario import Scenario
+from missionplan.studies.anchor import size_anchor, worst_case_anchor
 from missionplan.studies.anchor.lightest_anchor import Demand, lightest_anchor
-from missionplan.studies.anchor.size_anchor import size_anchor, worst_case_anchor
 from missionplan.studies.anchor.sizing import AnchorSizer, AnchorTrials
 from missionplan.studies.judgement import FRESH
 

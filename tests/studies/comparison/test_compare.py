@@ -12,7 +12,7 @@ import missionplan
 from missionplan.errors import InputError
 from missionplan.report.render import render_report, terminal_view
 from missionplan.results.base import to_yaml
-from missionplan.studies.comparison.compare_missions import compare
+from missionplan.studies.comparison import compare
 from missionplan.studies.comparison.two_reports import holm, summary_numbers
 
 FIG8 = Path(__file__).parents[3] / "missions" / "fig8.yaml"

@@ -8,7 +8,7 @@ import yaml
 
 from missionplan.errors import InputError, RunError
 from missionplan.report.render import render_report, terminal_view
-from missionplan.studies.identification.identify import identify
+from missionplan.studies.identification import identify
 from tests.physics import propeller_example as example
 
 

@@ -23,6 +23,7 @@ from missionplan.montecarlo.rare_events.subset_simulation import Key, NormalPopu
 from missionplan.montecarlo.streams import BLOCK, LegNormals, stream
 from missionplan.report.quantities import reading_in
 from missionplan.scenario.scenario import Scenario
+from missionplan.studies.rare_failure import Cause, find_rare_failure
 from missionplan.studies.rare_failure.driven_trials import (
     DrivenMission,
     RareEvent,
@@ -30,7 +31,6 @@ from missionplan.studies.rare_failure.driven_trials import (
     drawn_inputs,
     units_of_inputs,
 )
-from missionplan.studies.rare_failure.find_rare_failure import Cause, find_rare_failure
 from missionplan.studies.rare_failure.page import _value
 from missionplan.studies.simulation.simulate import simulate
 from missionplan.studies.simulation.trial_block import run_block

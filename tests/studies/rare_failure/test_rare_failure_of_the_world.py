@@ -8,7 +8,7 @@ import pytest
 import scipy
 
 from missionplan.mission import Mission
-from missionplan.studies.rare_failure.find_rare_failure import find_rare_failure
+from missionplan.studies.rare_failure import find_rare_failure
 
 pytest.importorskip("shapely")
 
