@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from missionplan.importers.importing import import_logs
     from missionplan.importers.importing import import_logs as import_log
     from missionplan.mission import Mission, load
-    from missionplan.store.reports import reports
+    from missionplan.store import reports
     from missionplan.studies.anchor import size_anchor
     from missionplan.studies.comparison import compare, compare_missions
     from missionplan.studies.exploration.explore import explore
@@ -88,7 +88,7 @@ _MODULES = {
     "import_logs": "missionplan.importers.importing",
     "init": "missionplan.studies.init",
     "load": "missionplan.mission",
-    "reports": "missionplan.store.reports",
+    "reports": "missionplan.store",
     "optimise": "missionplan.studies.optimisation.optimise",
     "plan_legs": "missionplan.studies.leg_length.plan_legs",
     "schema": "missionplan.studies.schema",

@@ -1,4 +1,4 @@
-"""What a result depends on: the program that computes it, the contents of its inputs, its options and its seed.
+"""What a result depends on: the program with plug-ins and libraries, the contents of its inputs, options and seed.
 
 One identity serves all: finished blocks are used again only by a run of the same, workers of a cluster prove the
 program's part of it, every summary states it, and `compare`, `history` and `verify` name in what two of them differ.
@@ -8,13 +8,65 @@ import hashlib
 import json
 import os
 import platform
+import sys
+import traceback
 from collections.abc import Iterable, Iterator, Mapping
+from contextlib import redirect_stdout
 from dataclasses import dataclass, field
 from functools import cache
-from importlib.metadata import entry_points
+from importlib.metadata import EntryPoint, entry_points, requires, version
 from importlib.util import find_spec
 
-from missionplan.packages import PLUGINS, version_of
+PLUGINS = ("missionplan.effects", "missionplan.importers")
+"""Entry points by which other packages add code."""
+
+
+version_of = cache(version)
+"""Version of a package that is installed: its metadata are read once."""
+
+
+class PluginError(Exception):
+    """A plug-in cannot be loaded; its words say why."""
+
+
+def load_plugin(entry: EntryPoint) -> object:
+    """Load what an entry point names; what its module prints goes to standard error.
+
+    Raises
+    ------
+    PluginError
+        Whatever somebody else's code raises, also when it would end the program.
+    """
+    try:
+        with redirect_stdout(sys.stderr):
+            return entry.load()
+    except (Exception, SystemExit) as error:
+        raise PluginError(f"{type(error).__name__}: {error}") from error
+
+
+def blamed_plugin(error: BaseException) -> str | None:
+    """Name the plug-in in whose code an error arose, here or in another process; None where it arose in none."""
+    frames = [line for line in "".join(traceback.format_exception(error)).splitlines() if 'File "' in line]
+    for entry in (entry for group in PLUGINS for entry in entry_points(group=group)):
+        if any(place in frame for place in _places(entry.module.partition(".")[0]) for frame in frames):
+            return entry.name
+    return None
+
+
+def _places(package: str) -> list[str]:
+    """Return where the code of a package lies: its folders, or its file."""
+    spec = find_spec(package)
+    if spec is None:
+        return []
+    return [f'"{folder}/' for folder in spec.submodule_search_locations or ()] or [f'"{spec.origin}"']
+
+
+def how_to_install(extra: str) -> str:
+    """Write the command that installs the libraries of an extra, wherever this package itself came from."""
+    needed = [each.split(";") for each in requires("missionplan") or ()]
+    libraries = [name.strip() for name, *marker in needed if f'extra == "{extra}"' in "".join(marker).replace("'", '"')]
+    return " ".join(["pip install", *(f"'{library}'" for library in libraries)])
+
 
 LIBRARIES = ("numpy", "scipy", "pandas", "pint", "gsw", "pyproj", "utide")
 """Whose versions may change the numbers; Python's own sums changed with 3.12."""

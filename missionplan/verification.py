@@ -16,7 +16,7 @@ from missionplan.identity import differences, digest_of, leaves, program_part, r
 from missionplan.mission import Mission, load
 from missionplan.montecarlo.blocks import Progress, run_blocks
 from missionplan.montecarlo.streams import sized_blocks
-from missionplan.results.base import OF_THE_RUN, to_json
+from missionplan.results import OF_THE_RUN, to_json
 from missionplan.results.entries import mapping, whole
 from missionplan.store.checkpoints import read_block
 from missionplan.store.folder import as_path
@@ -24,7 +24,7 @@ from missionplan.studies.comparison.two_reports import read_summary
 from missionplan.studies.run import MAX_JOBS, identified
 
 if TYPE_CHECKING:
-    from missionplan.results.base import Result
+    from missionplan.results import Result
 
 _SHOWN = 8
 Arrays = Mapping[str, NDArray[np.generic]]

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import pytest
 
-from missionplan import import_log, packages
+from missionplan import identity, import_log
 from missionplan.cli.running import progress_bar
 from missionplan.effects import CATALOGUE
 from missionplan.effects.catalogue import entry_problems, with_plugins
@@ -22,7 +22,7 @@ def _plugin(monkeypatch, tmp_path, text, group="missionplan.effects") -> importl
     name = f"plugin_{tmp_path.name.replace('-', '_')}"
     (tmp_path / f"{name}.py").write_text(text)
     entry = importlib.metadata.EntryPoint("barnacles", f"{name}:INFO", group)
-    for module in (packages, importer):
+    for module in (identity, importer):
         monkeypatch.setattr(module, "entry_points", lambda group: [entry] if group == entry.group else [])
     return entry
 
@@ -38,7 +38,7 @@ def test_a_plugin_that_fails_or_ends_the_program_is_left_out_with_the_reason(mon
 
 def test_what_a_plugin_prints_is_no_part_of_the_answer(monkeypatch, tmp_path, capsys):
     entry = _plugin(monkeypatch, tmp_path, "print('hello')\nINFO = 3\ndef hook():\n    print('again')\n")
-    assert packages.load_plugin(entry) == 3
+    assert identity.load_plugin(entry) == 3
     with progress_bar("simulate", shown=False):
         sys.modules[entry.module].hook()
     said = capsys.readouterr()
@@ -48,7 +48,7 @@ def test_what_a_plugin_prints_is_no_part_of_the_answer(monkeypatch, tmp_path, ca
 
 def test_an_error_in_a_hook_names_its_plugin(monkeypatch, tmp_path):
     entry = _plugin(monkeypatch, tmp_path, f"INFO = 3\n{HOOK}")
-    packages.load_plugin(entry)
+    identity.load_plugin(entry)
     hook = sys.modules[entry.module].hook
     with (
         pytest.raises(RunError, match=r"the plug-in barnacles failed: ZeroDivisionError"),
@@ -87,7 +87,7 @@ def test_a_line_longer_than_any_cell_is_no_traceback(tmp_path):
 
 
 def test_the_command_that_installs_an_extra_names_its_libraries():
-    assert packages.how_to_install("parquet") == "pip install 'pyarrow>=14'"
-    assert packages.how_to_install("netcdf").startswith("pip install 'xarray")
+    assert identity.how_to_install("parquet") == "pip install 'pyarrow>=14'"
+    assert identity.how_to_install("netcdf").startswith("pip install 'xarray")
     listed = importlib.metadata.metadata("missionplan").get_all("Provides-Extra")
-    assert all(packages.how_to_install(extra).count("'") >= 2 for extra in listed)
+    assert all(identity.how_to_install(extra).count("'") >= 2 for extra in listed)

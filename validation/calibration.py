@@ -322,7 +322,7 @@ def _tide(_: Options) -> list[float]:
     cost=20.0,
 )
 def _search_areas(_: Options) -> list[float]:
-    from tests.studies.overdue import test_overdue as sheet
+    from tests.studies.simulation import test_overdue as sheet
 
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "drifting.yaml"
@@ -358,7 +358,7 @@ def _search_areas(_: Options) -> list[float]:
     cost=10.0,
 )
 def _time_to_find(_: Options) -> list[float]:
-    from tests.studies.overdue import test_time_to_find as searched
+    from tests.studies.simulation import test_time_to_find as searched
 
     found = np.array([searched.times_to_find(*sea) for sea in searched.SEAS]).mean(axis=2) / 3600.0
     return [float((1.0 - found[:, 0] / found[:, 1]).min()), float(found[:, 0].max()), float(found[:, 1].min())]

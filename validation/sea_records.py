@@ -12,7 +12,7 @@ from missionplan import diagnose
 from missionplan.importers.geodesy import displacement
 from missionplan.importers.importing import import_logs
 from missionplan.mission import Mission, load
-from missionplan.results.learned.diagnosis import Diagnosis
+from missionplan.results.learned import Diagnosis
 from validation.rows import NotMeasurableHereError, Options, at_least, at_most, between, near, reported, row
 
 

@@ -19,7 +19,7 @@ from missionplan.datasets.legs import TRANSIT
 from missionplan.datasets.summaries import SUMMARY
 from missionplan.datasets.tank import TANK_FORMATS
 from missionplan.effects import CATALOGUE
-from missionplan.exporters.formats import conformance_table
+from missionplan.exporters import conformance_table
 from missionplan.mission import Mission
 from missionplan.mission.schema.quantity_parser import Limit, QuantityParser
 from missionplan.mission.schema.vehicle import Vehicle

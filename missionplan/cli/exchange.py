@@ -216,7 +216,7 @@ def _place(text: str | None) -> tuple[float, float] | None:
 PlanFormat = Literal[
     "csv", "json", "svg", "gpx", "geojson", "kml", "gpkg", "slocum", "moos", "neptus", "iver", "qgc"
 ]  # fmt: skip
-"""Formats that a plan is written in; the names are those of `missionplan.exporters.formats`."""
+"""Formats that a plan is written in; the names are those of `missionplan.exporters`."""
 _To = Annotated[
     PlanFormat, o.choice(PlanFormat, "--to", metavar="FORMAT", help=f"One of {', '.join(get_args(PlanFormat))}.")
 ]

@@ -16,7 +16,7 @@ from missionplan.cli.running import deliver, progress_bar, report_folder
 from missionplan.errors import InputError, Problem, did_you_mean, shown
 
 if TYPE_CHECKING:
-    from missionplan.store.reports import ReportEntry
+    from missionplan.store import ReportEntry
     from missionplan.studies.validate import Validated
 
 
@@ -183,7 +183,7 @@ def verify(
             report, all_blocks=all_blocks, jobs=processes, allow_outside=allow_outside, progress=progress
         )
     if as_json:
-        from missionplan.results.base import to_json
+        from missionplan.results import to_json
 
         sys.stdout.write(to_json(found.summary()))
     elif not quiet:

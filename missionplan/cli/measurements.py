@@ -13,7 +13,7 @@ from missionplan.cli.running import Progress, deliver, loaded, progress_bar, rep
 
 if TYPE_CHECKING:
     from missionplan.mission import Mission
-    from missionplan.results.base import Result
+    from missionplan.results import Result
     from missionplan.results.score import Score
 
 
@@ -107,7 +107,7 @@ def diagnosed(
 
 def identify(dataset: o.DatasetFolder, *, output: o.OutputOptions, allow_outside: o.AllowOutside = False) -> None:
     """Identify hydrodynamic or thruster parameters from tank data, with errors, for a vehicle file."""
-    from missionplan.datasets.reading import dataset_files
+    from missionplan.datasets import dataset_files
 
     with report_folder(output, dataset.resolve().name, "identify", dataset_files(dataset)) as folder:
         deliver(missionplan.identify(dataset, allow_outside=allow_outside), folder, output)

@@ -26,7 +26,7 @@ _MANY_TRIALS = 8192
 CostMethod = Literal["both", "analytic", "monte-carlo"]
 LegObjective = Literal["mean", "p95", "energy"]
 VehicleFormat = Literal["slocum", "moos", "neptus", "iver", "qgc"]
-"""Formats that a vehicle carries out; the names are those of `missionplan.exporters.formats`."""
+"""Formats that a vehicle carries out; the names are those of `missionplan.exporters`."""
 
 
 @contextmanager

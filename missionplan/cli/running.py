@@ -13,14 +13,14 @@ from typing import TYPE_CHECKING, NoReturn, TypeVar
 
 from missionplan.cli.options import OutputOptions, answering, note, remark
 from missionplan.errors import InputError, MissionplanError, Problem, RunError, attempted
-from missionplan.packages import blamed_plugin
+from missionplan.identity import blamed_plugin
 
 if TYPE_CHECKING:
     from rich.progress import Task
     from rich.text import Text
 
     from missionplan.mission import Mission
-    from missionplan.results.base import Result
+    from missionplan.results import Result
 
 
 _Result = TypeVar("_Result", bound="Result")
@@ -65,7 +65,7 @@ def loaded(path: Path, datasets: Sequence[Path], folder: Path, *, allow_outside:
     mission = attempted(partial(load, path, allow_outside=allow_outside), problems)
     files = [] if mission is None else [*mission.sources]
     for dataset in datasets:
-        from missionplan.datasets.reading import dataset_files
+        from missionplan.datasets import dataset_files
         from missionplan.studies.data_sets import check_dataset
 
         found = attempted(partial(dataset_files, dataset), problems)
@@ -124,7 +124,7 @@ def _drawing_in_parallel(jobs: object) -> AbstractContextManager[None]:
 
 
 def _print_summary(result: "Result") -> None:
-    from missionplan.results.base import to_json
+    from missionplan.results import to_json
 
     text = to_json(result.summary())
     try:

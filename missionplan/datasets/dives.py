@@ -16,7 +16,7 @@ import pandas as pd
 from typing_extensions import Doc
 
 from missionplan.arrays import Array
-from missionplan.datasets.reading import DatasetFormat, DatasetSettings, RawDataset, read_dataset
+from missionplan.datasets import DatasetFormat, DatasetSettings, RawDataset, read_dataset
 from missionplan.datasets.records import DescentData, MeasuredDive, as_other, listed, repeated
 from missionplan.datasets.table import Columns, problems_at
 from missionplan.errors import Problem, counted, did_you_mean

@@ -14,8 +14,8 @@ from pydantic import Field
 from typing_extensions import Doc
 
 from missionplan.arrays import Array
+from missionplan.datasets import DatasetFormat, DatasetSettings, read_dataset
 from missionplan.datasets.dives import DEEPEST
-from missionplan.datasets.reading import DatasetFormat, DatasetSettings, read_dataset
 from missionplan.datasets.records import TransitData, as_other, listed, repeated
 from missionplan.datasets.table import Columns, problems_at
 from missionplan.errors import InputError, Problem, counted

@@ -10,8 +10,8 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from missionplan.arrays import Array
+from missionplan.datasets import DatasetFormat, RawDataset, read_dataset
 from missionplan.datasets.dives import DEEPEST, DiveConditions, DivesSettings, conditions_of_runs, date_of_runs
-from missionplan.datasets.reading import DatasetFormat, RawDataset, read_dataset
 from missionplan.datasets.records import row_identities, row_texts, written_once
 from missionplan.datasets.table import Columns, problems_at
 from missionplan.errors import Problem, did_you_mean

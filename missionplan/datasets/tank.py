@@ -13,7 +13,7 @@ from pydantic import Field
 from typing_extensions import Doc
 
 from missionplan.arrays import Array
-from missionplan.datasets.reading import (
+from missionplan.datasets import (
     DatasetFormat,
     DatasetSettings,
     RawDataset,

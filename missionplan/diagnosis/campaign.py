@@ -4,12 +4,12 @@ import time
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
-from missionplan.datasets.reading import dataset_kind, load_dataset_document
+from missionplan.datasets import dataset_kind, load_dataset_document
 from missionplan.diagnosis.diagnose import diagnose
 from missionplan.diagnosis.kinds import KINDS
 from missionplan.errors import InputError
 from missionplan.mission import Mission, MissionOrPath
-from missionplan.results.learned.diagnosis import Campaign
+from missionplan.results.learned import Campaign
 from missionplan.store.folder import as_path
 from missionplan.studies.run import Run, check_arguments
 

@@ -16,7 +16,7 @@ from missionplan.diagnosis.plan_gain import anchor_choice, plan_gain
 from missionplan.effects import instruments
 from missionplan.mission import Mission
 from missionplan.montecarlo.posterior import NOWHERE, Place
-from missionplan.results.learned.diagnosis import PlanGain
+from missionplan.results.learned import PlanGain
 from missionplan.results.learned.evidence import Alias, Causes, ParameterEstimate, Verdict, WrongFix
 
 

@@ -10,7 +10,7 @@ import numpy as np
 import pandas as pd
 from threadpoolctl import threadpool_limits
 
-from missionplan.datasets.reading import files_outside
+from missionplan.datasets import files_outside
 from missionplan.diagnosis.data_kind import DataKind
 from missionplan.diagnosis.explanations import Weighed, hypotheses, odds, weighed, with_found
 from missionplan.diagnosis.extended_mission import extended_mission
@@ -22,8 +22,8 @@ from missionplan.diagnosis.pipeline import Judgement, PipelineResult, judge, rea
 from missionplan.diagnosis.plan_gain import with_urgency
 from missionplan.mission import Mission, MissionOrPath
 from missionplan.montecarlo.blocks import parallel_map
-from missionplan.results.base import Provenance
-from missionplan.results.learned.diagnosis import Diagnosis, ParameterLevels, PlanGain
+from missionplan.results import Provenance
+from missionplan.results.learned import Diagnosis, ParameterLevels, PlanGain
 from missionplan.results.learned.evidence import GroupScore, RankedSet
 from missionplan.results.learned.next_trial import NextTrial
 from missionplan.results.score import DatasetScore

@@ -5,7 +5,7 @@ from importlib import import_module
 from pathlib import Path
 from typing import cast
 
-from missionplan.datasets.reading import dataset_kind
+from missionplan.datasets import dataset_kind
 from missionplan.diagnosis.data_kind import DataKind
 from missionplan.mission import Mission
 

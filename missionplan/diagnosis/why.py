@@ -10,7 +10,7 @@ from missionplan.mission import MissionOrPath
 from missionplan.store.folder import as_path
 
 if TYPE_CHECKING:
-    from missionplan.results.learned.diagnosis import Diagnosis
+    from missionplan.results.learned import Diagnosis
 
 DATASET = "dataset"
 """Folder of the data set, in the one of the report."""

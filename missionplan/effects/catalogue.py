@@ -25,7 +25,7 @@ from missionplan.effects.dive_responses import RESPONSES
 from missionplan.effects.info import BASES, Effect, EffectInfo, Instrument, Phase, Scatter
 from missionplan.effects.oscillation import MODULATION_PARAMETERS, Oscillation
 from missionplan.errors import shown
-from missionplan.packages import PluginError, load_plugin
+from missionplan.identity import PluginError, load_plugin
 from missionplan.phases.hooks import MarkovProcess, TransitEffect
 
 _ID = re.compile(r"[a-z][a-z0-9]*(-[a-z0-9]+)*")

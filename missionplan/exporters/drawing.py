@@ -10,7 +10,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from xml.etree import ElementTree
 
-from missionplan.exporters.formats import Element, add, document, one_interval
+from missionplan.exporters import Element, add, document, one_interval
 from missionplan.results.plan import Plan
 from missionplan.results.plan_states import ACTIONS, State, Transition, states_of
 

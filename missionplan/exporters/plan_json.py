@@ -8,7 +8,7 @@ from importlib.resources import files as files_of
 from typing import cast
 
 from missionplan.exporters.table import OF_MOORINGS, OF_TRANSITS, known, place, waypoint_row
-from missionplan.results.base import to_json
+from missionplan.results import to_json
 from missionplan.results.plan import Plan, PlannedMooring, PlannedTransit
 from missionplan.results.plan_states import ACTIONS, GUARDS, State, states_of
 

@@ -3,8 +3,8 @@
 import math
 from collections.abc import Iterator
 
-from missionplan.exporters.formats import header, one_line, zones_lost
-from missionplan.results.base import to_csv
+from missionplan.exporters import header, one_line, zones_lost
+from missionplan.results import to_csv
 from missionplan.results.plan import Plan, PlannedMooring, PlannedTransit, Waypoint
 
 TITLE = "CSV"

@@ -15,6 +15,7 @@ import numpy as np
 
 from missionplan.arrays import Array, Scalars
 from missionplan.errors import InputError, Problem, shown
+from missionplan.identity import how_to_install
 from missionplan.importers.mapping import MappedName
 from missionplan.importers.track import Fixes, Positions, Series, Track, positions
 from missionplan.mission.schema.place import (
@@ -24,7 +25,6 @@ from missionplan.mission.schema.place import (
     to_geographic,
     to_plane,
 )
-from missionplan.packages import how_to_install
 
 
 def metres_per_degree(latitude: Scalars) -> tuple[Array, Array]:

@@ -22,9 +22,9 @@ from numpy.typing import NDArray
 
 from missionplan.arrays import Array
 from missionplan.errors import InputError, Problem, shown
+from missionplan.identity import PluginError, how_to_install, load_plugin
 from missionplan.importers.mapping import MappedName
 from missionplan.importers.track import Break, Series, Track, series
-from missionplan.packages import PluginError, how_to_install, load_plugin
 
 DAMAGED = (OSError, ValueError, LookupError, EOFError, RuntimeError, ArithmeticError, TypeError, zlib.error)
 """Errors by which libraries say that a file is damaged."""

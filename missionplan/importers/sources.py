@@ -14,7 +14,7 @@ import yaml
 from missionplan.errors import InputError, Problem, did_you_mean, shown
 from missionplan.importers.importer import DAMAGED, Identity, Importer, unpacked
 from missionplan.importers.track import Track
-from missionplan.results.base import Provenance
+from missionplan.results import Provenance
 from missionplan.results.imported import SourceEntry
 from missionplan.store.folder import check_name, is_file, is_folder
 

@@ -13,9 +13,8 @@ from types import ModuleType
 from typing import TYPE_CHECKING, Generic, TypeVar
 
 from missionplan.errors import InputError, MissionplanError, Problem, RunError
-from missionplan.identity import Program, differences, running_program
+from missionplan.identity import Program, differences, how_to_install, running_program
 from missionplan.montecarlo.pool import interrupts_blocked
-from missionplan.packages import how_to_install
 
 if TYPE_CHECKING:
     from distributed import Client, Future

@@ -13,7 +13,7 @@ from matplotlib.patches import PathPatch
 from matplotlib.path import Path
 
 from missionplan.arrays import Array
-from missionplan.exporters.maps.geometry import COLOURS, circle
+from missionplan.exporters.geojson import COLOURS, circle
 from missionplan.report.axes import grid_of_panels, name_axis, round_length
 from missionplan.report.page import BLUE, GREEN, INK, PINK, SKY, YELLOW, Figure, to_figure
 from missionplan.report.quantities import quantity

@@ -10,7 +10,7 @@ from missionplan.report.page import Block, PageSection, Table
 from missionplan.report.quantities import DIMENSIONS, as_written, in_unit_of, reader_system, reader_unit
 from missionplan.report.site_map import site_map
 from missionplan.report.wording import capitalised, in_words, set_number
-from missionplan.results.base import Provenance
+from missionplan.results import Provenance
 from missionplan.results.decision import changes_of
 from missionplan.results.entries import mapping
 

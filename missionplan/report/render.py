@@ -24,7 +24,7 @@ from missionplan.report.page import Block, Drawing, Figure, Listing, Page, PageS
 from missionplan.report.planned import changed, planned_sections
 from missionplan.report.quantities import reading_in, units_of
 from missionplan.report.wording import typeset, wrapped
-from missionplan.results.base import Result
+from missionplan.results import Result
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -14,7 +14,7 @@ from matplotlib.text import Annotation
 
 from missionplan.arrays import Array
 from missionplan.errors import InputError
-from missionplan.exporters.maps.geometry import circle
+from missionplan.exporters.geojson import circle
 from missionplan.mission.schema.place import BathymetryFile, Geographic, to_plane
 from missionplan.mission.units import QuantityError, parse_number_with_unit
 from missionplan.report.axes import name_axis

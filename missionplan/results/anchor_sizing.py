@@ -9,7 +9,7 @@ import pandas as pd
 
 from missionplan.montecarlo.statistics import Probability
 from missionplan.physics.anchor_remedies import TrimState
-from missionplan.results.base import Provenance, Result, to_csv
+from missionplan.results import Provenance, Result, to_csv
 from missionplan.results.decision import MemberOutcome
 from missionplan.results.entries import Entry, Record
 from missionplan.results.simulation import Outcome, judgement_summary

@@ -9,7 +9,7 @@ from typing import Annotated, ClassVar
 import pandas as pd
 
 from missionplan.arrays import Array
-from missionplan.results.base import Provenance, Result, to_csv, to_json, to_yaml
+from missionplan.results import Provenance, Result, to_csv, to_json, to_yaml
 from missionplan.results.entries import Entry, Record
 
 

@@ -8,7 +8,7 @@ from typing import Annotated, ClassVar, Literal
 import pandas as pd
 
 from missionplan.montecarlo.statistics import Probability
-from missionplan.results.base import Provenance, Result, to_csv, to_yaml
+from missionplan.results import Provenance, Result, to_csv, to_yaml
 from missionplan.results.decision import Axis, MemberOutcome
 from missionplan.results.entries import Entry, Record
 from missionplan.results.simulation import Outcome, PhaseOutcome, RequirementOutcome

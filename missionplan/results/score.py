@@ -9,7 +9,7 @@ import pandas as pd
 
 from missionplan.arrays import Array
 from missionplan.montecarlo.statistics import Probability, wilson
-from missionplan.results.base import Provenance, Result, to_csv, to_json
+from missionplan.results import Provenance, Result, to_csv, to_json
 from missionplan.results.entries import Entry, Record, summary_of
 
 STATED = 0.9

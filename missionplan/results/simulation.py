@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from missionplan.arrays import Array
 from missionplan.montecarlo.sensitivity import Influence
 from missionplan.montecarlo.statistics import Probability, Statistic, trials_to_decide
-from missionplan.results.base import Provenance, Result, to_csv
+from missionplan.results import Provenance, Result, to_csv
 from missionplan.results.decision import Assumption, ExplainedOutcome, MemberOutcome, PlaceContact, SeaChart
 from missionplan.results.entries import Entry, Record
 from missionplan.results.plan import Plan

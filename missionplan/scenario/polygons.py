@@ -12,10 +12,10 @@ import numpy as np
 
 from missionplan.arrays import Array
 from missionplan.errors import InputError, Problem, shown
+from missionplan.identity import how_to_install
 from missionplan.mission.schema.place import BathymetryFile, Geographic, to_geographic, to_plane
 from missionplan.mission.units import QuantityError, parse_number_with_unit
 from missionplan.moments import moment_of, utc
-from missionplan.packages import how_to_install
 from missionplan.phases.zones import Zone
 
 DEGREES = "EPSG:4326"

@@ -27,9 +27,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from missionplan.errors import InputError, Problem, RunError
-from missionplan.identity import Identity, differences, digest_of
+from missionplan.identity import Identity, differences, digest_of, how_to_install
 from missionplan.montecarlo.pool import interrupts_deferred
-from missionplan.packages import how_to_install
 from missionplan.store.folder import write_atomically
 
 if TYPE_CHECKING:

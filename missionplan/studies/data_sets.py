@@ -3,9 +3,9 @@
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
+from missionplan.datasets import dataset_kind, files_outside
 from missionplan.datasets.dives import read_descent
 from missionplan.datasets.legs import read_transit
-from missionplan.datasets.reading import dataset_kind, files_outside
 from missionplan.datasets.records import DescentData, TransitData
 from missionplan.datasets.summaries import SummaryData, read_summary
 from missionplan.datasets.tank import TANK_FORMATS, read_tank_data

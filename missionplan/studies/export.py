@@ -10,14 +10,14 @@ from pathlib import Path
 import numpy as np
 
 from missionplan.errors import InputError, Problem
-from missionplan.exporters.formats import FORMATS, execution_of, format_named, refusals_of
+from missionplan.exporters import FORMATS, execution_of, format_named, refusals_of
 from missionplan.mission import Mission, MissionOrPath
 from missionplan.mission.schema.place import to_geographic
 from missionplan.mission.views import navigation_of, required_origin
 from missionplan.montecarlo.distributions import mean_of
 from missionplan.phases.transit.plan import Execution
 from missionplan.physics.propulsion import JOULES_PER_WATT_HOUR
-from missionplan.results.base import to_yaml
+from missionplan.results import to_yaml
 from missionplan.results.plan import Fence, Plan
 from missionplan.scenario.scenario import Scenario
 from missionplan.scenario.site_current import recorded_current
@@ -140,7 +140,7 @@ def export(
     mission : Mission, str or Path
         With at least one transit; uncertain quantities are taken at their means.
     to : str
-        Name of the format, of `missionplan.exporters.formats.FORMATS`.
+        Name of the format, of `missionplan.exporters.FORMATS`.
     out : str or Path, optional
         The file; of a format of several files, or where a folder of that name exists, the folder. Default: named after
         the mission file, in the working directory.

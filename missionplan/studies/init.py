@@ -17,7 +17,7 @@ from missionplan.mission.views import navigation_of, transit_of
 from missionplan.moments import moment_of
 from missionplan.montecarlo.distributions import mean_of
 from missionplan.montecarlo.streams import stream
-from missionplan.results.base import to_csv, to_json
+from missionplan.results import to_csv, to_json
 from missionplan.scenario.scenario import Scenario
 from missionplan.store.folder import as_path, vacant, write_atomically
 from missionplan.studies.schema import READ, Kind, schema

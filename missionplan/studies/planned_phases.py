@@ -8,7 +8,7 @@ import numpy as np
 
 from missionplan.arrays import Array, Scalars
 from missionplan.errors import InputError, Problem
-from missionplan.exporters.formats import Executes
+from missionplan.exporters import Executes
 from missionplan.mission.schema.phases import LegTableSection, MoorPhase, TransitPhase
 from missionplan.mission.schema.place import to_geographic
 from missionplan.montecarlo.distributions import Distribution, Quantity, mean_of

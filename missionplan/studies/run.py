@@ -12,7 +12,7 @@ from missionplan.mission import Mission, as_mission
 from missionplan.mission.views import ExplainedMission, under_each_explanation
 from missionplan.montecarlo.blocks import IN_THIS_PROCESS, Backend, Progress, Workers
 from missionplan.phases.currents import Current
-from missionplan.results.base import Provenance
+from missionplan.results import Provenance
 from missionplan.scenario.site_current import members_of, trials_of_each, under_each_member
 from missionplan.studies.coverage import checked_ranges, probability_holds
 
@@ -85,7 +85,7 @@ def identified(mission: Mission) -> dict[str, object]:
 
 def identified_datasets(folders: Iterable[Path]) -> dict[str, object]:
     """Return data sets as an input of an identity: the SHA-256 of each of their files."""
-    from missionplan.datasets.reading import dataset_files  # pandas: half a second
+    from missionplan.datasets import dataset_files  # pandas: half a second
 
     found = []
     for folder in folders:

@@ -11,9 +11,9 @@ from typing import Annotated, Any, Literal, Union, get_args, get_origin, get_typ
 
 from pydantic import BaseModel
 
+from missionplan.datasets import DatasetFormat
 from missionplan.datasets.dives import DESCENT
 from missionplan.datasets.legs import TRANSIT
-from missionplan.datasets.reading import DatasetFormat
 from missionplan.datasets.summaries import SUMMARY
 from missionplan.datasets.tank import DRAG, FREE_OSCILLATION, PROPELLER_TRANSIENT, THRUSTER
 from missionplan.errors import InputError, Problem, did_you_mean, shown
@@ -23,19 +23,19 @@ from missionplan.mission.schema.section import IDENTITY, SCHEMAS
 from missionplan.mission.schema.vehicle import Vehicle
 from missionplan.mission.sections import MOST_LEARNED
 from missionplan.montecarlo.statistics import Probability, Statistic
+from missionplan.results import SCHEMA, Provenance, Result
 from missionplan.results.anchor_sizing import AnchorSizing
-from missionplan.results.base import SCHEMA, Provenance, Result
 from missionplan.results.decision import Decision
 from missionplan.results.entries import Record, StatedField, stated
 from missionplan.results.imported import ImportedData
-from missionplan.results.learned.diagnosis import Campaign, Diagnosis
-from missionplan.results.learned.identification import Identification
+from missionplan.results.learned import Campaign, Diagnosis
 from missionplan.results.optimisation import Optimised
 from missionplan.results.score import Score
 from missionplan.results.simulation import Outcome
 from missionplan.studies.comparison.result import Alternatives, Comparison
 from missionplan.studies.exploration.result import Exploration
 from missionplan.studies.history.result import History
+from missionplan.studies.identification.fits import Identification
 from missionplan.studies.leg_length.plan_result import LegPlan
 from missionplan.studies.leg_length.sweep_result import Sweep
 from missionplan.studies.rare_failure import RareFailure

@@ -19,7 +19,7 @@ from missionplan.phases.transition_simulation import simulate_transition
 from missionplan.physics.propulsion import JOULES_PER_WATT_HOUR
 from missionplan.physics.tunnel_thruster import hover_power, revolutions_for
 from missionplan.physics.vehicle_dynamics import level_trim
-from missionplan.results.base import Provenance, Result, to_csv, to_grid
+from missionplan.results import Provenance, Result, to_csv, to_grid
 from missionplan.results.entries import Entry
 from missionplan.scenario.phases import manoeuvre, transition_vehicle
 from missionplan.scenario.scenario import Scenario

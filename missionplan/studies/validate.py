@@ -180,7 +180,7 @@ def validate(paths: MissionOrPath | Iterable[MissionOrPath], *, allow_outside: b
         else:
             valid.append(mission)
     if datasets:
-        from missionplan.datasets.reading import files_outside
+        from missionplan.datasets import files_outside
         from missionplan.studies.data_sets import validated_dataset
 
         with files_outside(allowed=allow_outside):

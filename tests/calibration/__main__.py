@@ -15,7 +15,7 @@ import numpy as np
 
 import missionplan
 from missionplan.mission import Mission
-from missionplan.results.learned.diagnosis import Diagnosis
+from missionplan.results.learned import Diagnosis
 
 from .dives import dives
 from .truths import names, outside, truth

@@ -13,7 +13,7 @@ import missionplan
 from missionplan.cli import main
 from missionplan.cli.exchange import PlanFormat
 from missionplan.errors import InputError
-from missionplan.exporters.formats import FORMATS, format_named
+from missionplan.exporters import FORMATS, format_named
 
 MISSIONS = Path(__file__).parents[2] / "missions"
 CHESAPEAKE = str(MISSIONS / "chesapeake.yaml")

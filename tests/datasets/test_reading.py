@@ -4,8 +4,8 @@ import pytest
 import yaml
 
 import missionplan
+from missionplan.datasets import dataset_kind, read_dataset
 from missionplan.datasets.legs import read_transit
-from missionplan.datasets.reading import dataset_kind, read_dataset
 from missionplan.datasets.summaries import SUMMARY, read_summary
 from missionplan.datasets.tank import DRAG, FREE_OSCILLATION, TANK_FORMATS, read_tank_data
 from missionplan.errors import InputError

@@ -8,7 +8,7 @@ import pytest
 import yaml
 
 import missionplan
-from missionplan.results.learned.diagnosis import Campaign, Diagnosis
+from missionplan.results.learned import Campaign, Diagnosis
 from tests.hidden_effects.cases import draw_case
 
 COMPASS = 4.0

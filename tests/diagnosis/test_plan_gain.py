@@ -7,7 +7,7 @@ import pytest
 
 from missionplan.diagnosis.plan_gain import anchor_choice, plan_gain
 from missionplan.mission import Mission, load
-from missionplan.results.learned.diagnosis import PlanGain
+from missionplan.results.learned import PlanGain
 from missionplan.studies.anchor import worst_case_anchor
 
 MISSIONS = Path(__file__).parents[2] / "missions"

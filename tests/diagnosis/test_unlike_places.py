@@ -9,7 +9,7 @@ import yaml
 
 import missionplan
 from missionplan.mission import Mission
-from missionplan.results.learned.diagnosis import Campaign
+from missionplan.results.learned import Campaign
 from tests.fixtures import TRANSIT
 
 M2 = 2.0 * np.pi / (12.4206 * 3600.0)

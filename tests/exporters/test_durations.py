@@ -5,7 +5,7 @@ from dataclasses import asdict, replace
 import pytest
 from planned_missions import chesapeake
 
-from missionplan.exporters.formats import FORMATS, format_named
+from missionplan.exporters import FORMATS, format_named
 from missionplan.mission.schema.phases import MoorPhase
 from missionplan.mission.validation_errors import keys_of, parsers_of
 from missionplan.montecarlo.distributions import mean_of

@@ -12,7 +12,7 @@ import pytest
 from made_plans import PLANS, metres_apart
 from test_vehicle_files import LINE, block, decimal, for_a_glider, in_order, read_bhv, read_ma, read_mi, written
 
-from missionplan.exporters.formats import FORMATS, VEHICLES, execution_of
+from missionplan.exporters import FORMATS, VEHICLES, execution_of
 
 
 @pytest.fixture(params=PLANS)

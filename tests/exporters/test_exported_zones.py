@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 from made_plans import PLANS, on_earth
 
-from missionplan.exporters.formats import FORMATS, format_named
-from missionplan.exporters.maps.geometry import areas
+from missionplan.exporters import FORMATS, format_named
+from missionplan.exporters.geojson import areas
 from missionplan.exporters.plan_json import plan_schema
 from missionplan.results.plan import Fence
 

@@ -11,10 +11,9 @@ import pandas as pd
 import pytest
 from made_plans import GEOD, PLANS, metres_apart
 
-from missionplan.exporters.formats import FORMATS, format_named
-from missionplan.exporters.maps.geojson import feature, line_feature
-from missionplan.exporters.maps.geometry import COLOURS, kml_colour, parts, simplestyle
-from missionplan.exporters.maps.kml import kml
+from missionplan.exporters import FORMATS, format_named
+from missionplan.exporters.geojson import COLOURS, feature, kml_colour, line_feature, parts, simplestyle
+from missionplan.exporters.kml import kml
 from missionplan.results.plan_states import ACTIONS, states_of
 
 

@@ -15,10 +15,10 @@ from pyproj import Geod
 
 import missionplan
 from missionplan.errors import InputError
-from missionplan.exporters.formats import VEHICLES, conformance, conformance_table
+from missionplan.exporters import VEHICLES, conformance, conformance_table
 from missionplan.exporters.plan_json import plan_data, plan_json
 from missionplan.mission import Mission
-from missionplan.results.base import to_yaml
+from missionplan.results import to_yaml
 from missionplan.results.plan import time_out
 from missionplan.results.plan_states import GUARDS, states_of
 from missionplan.studies.export import mission_plan

@@ -20,9 +20,9 @@ from made_plans import PLANS, metres_apart, on_earth
 from pyproj import Transformer
 
 from missionplan.errors import InputError
-from missionplan.exporters.formats import format_named
-from missionplan.exporters.vehicles.moos import utm_zone
-from missionplan.exporters.vehicles.slocum import degrees_minutes
+from missionplan.exporters import format_named
+from missionplan.exporters.moos import utm_zone
+from missionplan.exporters.slocum import degrees_minutes
 from missionplan.results.plan import Fence
 
 FORMATS = ["csv", "gpx", "geojson", "kml", "slocum", "moos", "neptus", "iver", "qgc"]

@@ -17,7 +17,7 @@ from matplotlib.figure import Figure
 import missionplan
 from missionplan.cli.running import _print_result
 from missionplan.errors import InputError
-from missionplan.exporters.formats import token
+from missionplan.exporters import token
 from missionplan.mission import Mission
 from missionplan.report.html.rendering import named_apart
 from missionplan.report.page import Drawn, Page, PageSection

@@ -17,7 +17,7 @@ import numpy as np
 import missionplan
 from missionplan.effects import CATALOGUE
 from missionplan.mission import Mission
-from missionplan.results.learned.diagnosis import Diagnosis
+from missionplan.results.learned import Diagnosis
 from tests.hidden_effects.cases import draw_case
 
 from .faults import PAIRS, Pair, log_of_pair, still_speed

@@ -11,7 +11,6 @@ EDGES = (
     "studies/planned_phases.py",
     "studies/optimisation",
     "studies/exploration",
-    "studies/overdue",
     "studies/history",
     "diagnosis/next_trial",
     "phases/mooring",
@@ -22,7 +21,7 @@ EDGES = (
 
 TABLE = {
     "results/plan.py": ["exporters"],
-    "results/whereabouts": ["studies/overdue"],
+    "results/whereabouts": ["studies/simulation/test_times_of_the_sheet.py", "studies/simulation/test_overdue.py"],
     "results/choosing": ["studies/optimisation", "studies/comparison"],
     "results/leg_length": ["studies/leg_length"],
     "results/mooring": ["studies/anchor", "studies/simulation"],
@@ -50,7 +49,10 @@ TABLE = {
     "importers/mapping.py": ["importers"],
     "importers/readers/ardupilot.py": ["importers/test_ardupilot.py", "importers"],
     "importers/readers/slocum.py": ["importers/test_structure_of_slocum.py", "importers"],
-    "studies/overdue": ["studies/overdue/test_times_of_the_sheet.py", "studies/overdue"],
+    "studies/simulation/overdue.py": [
+        "studies/simulation/test_times_of_the_sheet.py",
+        "studies/simulation/test_overdue.py",
+    ],
     "studies/held_vehicle.py": ["scenario/test_held_vehicle.py", "studies/test_standing_vehicle.py"],
     "phases/gridded_current.py": ["phases/test_field_lookups.py", "scenario/currents"],
     "mission/schema/place.py": ["exporters", "mission"],
@@ -70,7 +72,7 @@ def judges(module: str, tests: Path) -> list[str]:
     Parameters
     ----------
     module : str
-        Path below the package, such as ``exporters/vehicles/iver.py``.
+        Path below the package, such as ``exporters/iver.py``.
     tests : Path
         The folder of tests.
     """

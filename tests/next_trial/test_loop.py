@@ -10,7 +10,7 @@ import missionplan
 from missionplan import score, simulate
 from missionplan.diagnosis.diagnose import diagnose
 from missionplan.mission import Mission, load
-from missionplan.results.learned.diagnosis import Diagnosis
+from missionplan.results.learned import Diagnosis
 
 from .loop import write_first, write_second, write_third
 

@@ -16,7 +16,7 @@ from missionplan.diagnosis.next_trial.leg_trials import LegTrials
 from missionplan.diagnosis.next_trial.next_trial import Valuation
 from missionplan.mission import Mission, load
 from missionplan.report.diagnosis.plan import next_trial_section
-from missionplan.results.learned.diagnosis import Diagnosis
+from missionplan.results.learned import Diagnosis
 from missionplan.results.learned.next_trial import NextTrial
 from tests.hidden_effects.cases import draw_case
 

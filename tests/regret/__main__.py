@@ -24,7 +24,7 @@ from missionplan import diagnose
 from missionplan.diagnosis.explanations import explained_missions
 from missionplan.errors import MissionplanError
 from missionplan.mission import Mission
-from missionplan.results.learned.diagnosis import Diagnosis
+from missionplan.results.learned import Diagnosis
 
 from .ambiguous_dives import Hidden, draw_dives
 from .ambiguous_legs import draw_legs

@@ -8,7 +8,7 @@ import numpy as np
 from missionplan.mission import load
 from missionplan.montecarlo.sensitivity import sensitivities
 from missionplan.montecarlo.statistics import RunningStatistic, wilson
-from missionplan.results.base import Provenance
+from missionplan.results import Provenance
 from missionplan.results.simulation import (
     Attrition,
     Histogram,

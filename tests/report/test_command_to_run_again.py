@@ -12,7 +12,7 @@ import missionplan
 from missionplan.cli import app
 from missionplan.mission import load
 from missionplan.report.html.rendering import rerun_command
-from missionplan.results.base import Provenance
+from missionplan.results import Provenance
 
 MISSION = Path(__file__).parents[2] / "missions" / "chesapeake.yaml"
 TRIALS = 40

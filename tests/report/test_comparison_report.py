@@ -5,7 +5,7 @@ from dataclasses import replace
 import pytest
 
 from missionplan.report.page import Table
-from missionplan.results.base import Provenance
+from missionplan.results import Provenance
 from missionplan.studies.comparison.changes_page import answer, page
 from missionplan.studies.comparison.result import ChangedValue, ComparedNumber, ComparedRun, Comparison
 

@@ -6,7 +6,7 @@ from typing import Any
 import pytest
 
 from missionplan.report.diagnosis.plan import plan_section, plan_words
-from missionplan.results.learned.diagnosis import PlanGain
+from missionplan.results.learned import PlanGain
 
 
 def diagnosed(

@@ -12,7 +12,7 @@ import yaml
 import missionplan
 from missionplan.mission import Mission
 from missionplan.report.render import terminal_view
-from missionplan.results.base import Result
+from missionplan.results import Result
 from missionplan.studies.leg_length import optimise_legs
 from missionplan.studies.leg_length.analytic_transit import PolicyFamily
 

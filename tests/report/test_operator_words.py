@@ -10,7 +10,7 @@ from missionplan.effects import CATALOGUE
 from missionplan.report.diagnosis.findings import finding_in_words
 from missionplan.report.diagnosis.kinds import REPORTS
 from missionplan.report.diagnosis.page import _confirmed
-from missionplan.results.learned.diagnosis import Diagnosis
+from missionplan.results.learned import Diagnosis
 from missionplan.results.learned.evidence import ExplanationOdds, ParameterEstimate, Readings
 
 

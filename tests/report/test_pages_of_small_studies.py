@@ -10,14 +10,14 @@ from matplotlib.figure import Figure
 
 from missionplan.montecarlo.statistics import Probability
 from missionplan.report.quantities import reading_in
-from missionplan.results.learned.identification import (
+from missionplan.studies.identification import page as identified
+from missionplan.studies.identification.fits import (
     FitCurve,
     FitPanel,
     FittedModel,
     Identification,
     IdentifiedParameter,
 )
-from missionplan.studies.identification import page as identified
 from missionplan.studies.rare_failure import Cause, FailureMode, RareFailure, WayDriven
 from missionplan.studies.rare_failure import page as rare
 from missionplan.studies.tide import page as tidal

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from outcome_example import example
 
-from missionplan.exporters.maps.geometry import circle
+from missionplan.exporters.geojson import circle
 from missionplan.report.plan_view import area, circular_error, ellipse, median_trial, rings, track
 from missionplan.results.simulation import Tracks
 

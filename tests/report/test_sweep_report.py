@@ -7,7 +7,7 @@ import pytest
 from missionplan.mission import load
 from missionplan.montecarlo.statistics import wilson
 from missionplan.report.render import terminal_view
-from missionplan.results.base import Provenance
+from missionplan.results import Provenance
 from missionplan.studies.leg_length import sweep_page
 from missionplan.studies.leg_length.sweep_dmax import sweep_dmax
 from missionplan.studies.leg_length.sweep_page import page

@@ -13,7 +13,7 @@ import pytest
 from outcome_example import example
 from pyproj import Geod
 
-from missionplan.exporters.maps.geometry import COLOURS, circle, longitudes_latitudes, parts
+from missionplan.exporters.geojson import COLOURS, circle, longitudes_latitudes, parts
 from missionplan.report.page import BLUE, GREEN, ORANGE, PINK, SKY, YELLOW
 from missionplan.report.simulation.tracks import SAMPLES, sample_trials, track_geojson, track_kml, track_points
 

@@ -2,7 +2,7 @@
 
 import pandas as pd
 
-from missionplan.results.base import to_csv
+from missionplan.results import to_csv
 
 
 def test_text_that_looks_like_a_formula_is_quoted():

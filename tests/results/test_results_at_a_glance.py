@@ -13,7 +13,7 @@ from matplotlib.figure import Figure
 
 import missionplan
 from missionplan.errors import InputError
-from missionplan.results.base import Result
+from missionplan.results import Result
 
 pytestmark = pytest.mark.usefixtures("drawn")
 

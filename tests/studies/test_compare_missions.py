@@ -7,7 +7,7 @@ import pytest
 
 import missionplan
 from missionplan.errors import InputError
-from missionplan.results.base import to_yaml
+from missionplan.results import to_yaml
 from missionplan.studies.comparison.alternatives_page import answer
 from missionplan.studies.exploration.variation import with_values
 

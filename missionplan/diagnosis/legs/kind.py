@@ -34,7 +34,7 @@ from missionplan.effects import CATALOGUE
 from missionplan.mission import Mission
 from missionplan.mission.schema.place import Geographic, to_geographic
 from missionplan.montecarlo.posterior import Place
-from missionplan.results.learned.diagnosis import PlanGain
+from missionplan.results.learned import PlanGain
 from missionplan.results.learned.evidence import Alias, Causes, WrongFix
 
 _MOSTLY = 0.9

@@ -9,9 +9,9 @@ import numpy as np
 from threadpoolctl import threadpool_limits
 
 from missionplan.arrays import Array
+from missionplan.datasets import dataset_kind, files_outside
 from missionplan.datasets.dives import read_descent
 from missionplan.datasets.legs import read_transit
-from missionplan.datasets.reading import dataset_kind, files_outside
 from missionplan.datasets.records import TransitData
 from missionplan.diagnosis.dives.forward import NO_BOTTOM, STEP, DiveHistories
 from missionplan.diagnosis.dives.model import check_leaves_surface, descent_model

@@ -40,7 +40,7 @@ from missionplan.mission import Mission
 from missionplan.mission.schema.vehicle import Vehicle
 from missionplan.montecarlo.distributions import mean_of, sd_of
 from missionplan.physics.drag import disc_area
-from missionplan.results.learned.diagnosis import PlanGain
+from missionplan.results.learned import PlanGain
 from missionplan.results.learned.evidence import ParameterEstimate
 from missionplan.studies.identification import TURN, TransientRun
 

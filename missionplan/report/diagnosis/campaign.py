@@ -15,7 +15,7 @@ from missionplan.report.diagnosis.page import page as page_of
 from missionplan.report.diagnosis.plan import next_trial_section
 from missionplan.report.page import Block, Page, PageSection, Table
 from missionplan.results.entries import mapping, real
-from missionplan.results.learned.diagnosis import Campaign
+from missionplan.results.learned import Campaign
 
 LEFT = 0.05
 """Probability of none of the explanations from which it is told."""

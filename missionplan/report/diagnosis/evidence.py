@@ -12,7 +12,7 @@ from missionplan.report.diagnosis.kinds import REPORTS
 from missionplan.report.page import BLUE, GREY, ORANGE, Block, Figure, PageSection, Table, to_figure
 from missionplan.report.quantities import Unit, length_in_words, reader_unit
 from missionplan.report.wording import number, parameter_in_words
-from missionplan.results.learned.diagnosis import Diagnosis
+from missionplan.results.learned import Diagnosis
 from missionplan.results.learned.evidence import (
     SURE,
     Discrepancy,

@@ -13,7 +13,7 @@ from missionplan.effects import CATALOGUE
 from missionplan.report.axes import name_axis
 from missionplan.report.page import BLUE, GREY, ORANGE, Figure, PageSection, to_figure
 from missionplan.report.wording import listed
-from missionplan.results.learned.diagnosis import Diagnosis
+from missionplan.results.learned import Diagnosis
 from missionplan.results.learned.evidence import Causes, ParameterEstimate
 
 _LAGS = 16

@@ -14,7 +14,7 @@ from missionplan.report.diagnosis.kind_report import KindReport, ResidualSeries,
 from missionplan.report.page import BLUE, GREY, ORANGE, Figure, to_figure
 from missionplan.report.quantities import reader_unit, time_in_words
 from missionplan.report.wording import in_words, number, split_key
-from missionplan.results.learned.diagnosis import Diagnosis
+from missionplan.results.learned import Diagnosis
 
 _MOST_PANELS = 9
 

@@ -40,7 +40,7 @@ from missionplan.report.diagnosis.plan import (
 from missionplan.report.diagnosis.scoring import dataset_sections, told
 from missionplan.report.page import Block, Page, PageSection, Table
 from missionplan.report.wording import listed
-from missionplan.results.learned.diagnosis import Diagnosis
+from missionplan.results.learned import Diagnosis
 from missionplan.results.learned.evidence import SURE, NextMeasurement, ParameterEstimate
 
 

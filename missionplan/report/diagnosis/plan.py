@@ -8,7 +8,7 @@ from missionplan.report.diagnosis.kind_report import names, part, percent
 from missionplan.report.page import Block, PageSection, Table
 from missionplan.report.quantities import Unit, length_in_words, quantity, reader_unit
 from missionplan.report.wording import capitalised, number
-from missionplan.results.learned.diagnosis import Diagnosis, Plan
+from missionplan.results.learned import Diagnosis, Plan
 from missionplan.results.learned.next_trial import NextTrial, OutcomeRule, ValuedDesign
 
 _COLUMNS = {

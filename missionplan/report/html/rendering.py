@@ -16,7 +16,7 @@ from missionplan.rendering import Rendered
 from missionplan.report.page import BLUE, GRID, INK, Block, Figure, Page, PageSection, Table
 from missionplan.report.quantities import given_units
 from missionplan.report.wording import capitalised
-from missionplan.results.base import Provenance, to_yaml
+from missionplan.results import Provenance, to_yaml
 from missionplan.results.entries import mapping
 
 _LARGEST = 1.7

@@ -12,7 +12,7 @@ from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
 
 from missionplan.arrays import Array
-from missionplan.exporters.maps.geometry import COLOURS
+from missionplan.exporters.geojson import COLOURS
 from missionplan.montecarlo.statistics import Probability
 from missionplan.report.axes import grid_of_panels, name_axis
 from missionplan.report.page import BLUE, GREY, INK, ORANGE, SKY, Figure, to_figure

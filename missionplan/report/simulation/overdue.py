@@ -9,8 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure as MatplotlibFigure
 
 from missionplan.arrays import Array
-from missionplan.exporters.maps.geojson import collection, feature
-from missionplan.exporters.maps.geometry import longitudes_latitudes
+from missionplan.exporters.geojson import collection, feature, longitudes_latitudes
 from missionplan.moments import moment_of, zone_written
 from missionplan.report.axes import name_axis
 from missionplan.report.page import BLUE, GREEN, INK, ORANGE, PINK, Block, Figure, PageSection, Table, to_figure

@@ -8,9 +8,17 @@ from itertools import chain
 
 import numpy as np
 
-from missionplan.exporters.maps.geojson import Feature, area_feature, collection, feature, line_feature
-from missionplan.exporters.maps.geometry import Origin, longitudes_latitudes, parts
-from missionplan.exporters.maps.kml import kml, plan_folders, properties_of
+from missionplan.exporters.geojson import (
+    Feature,
+    Origin,
+    area_feature,
+    collection,
+    feature,
+    line_feature,
+    longitudes_latitudes,
+    parts,
+)
+from missionplan.exporters.kml import kml, plan_folders, properties_of
 from missionplan.exporters.table import known
 from missionplan.report.plan_view import describe, median_trial, rings
 from missionplan.results.plan import PlannedMooring

@@ -6,7 +6,7 @@ from typing import Literal
 
 import pandas as pd
 
-from missionplan.results.base import to_csv, to_yaml
+from missionplan.results import to_csv, to_yaml
 from missionplan.results.learned.evidence import Causes
 
 LossUnit = Literal["W h", "min"]

@@ -13,9 +13,9 @@ import pandas as pd
 
 from missionplan.datasets.table import plain_table
 from missionplan.errors import InputError, Problem
+from missionplan.identity import how_to_install
 from missionplan.mission.includes import REMOTE
 from missionplan.moments import epoch_seconds, utc
-from missionplan.packages import how_to_install
 from missionplan.phases.gridded_current import GriddedCurrent
 from missionplan.phases.recorded_currents import SeriesCurrent
 from missionplan.scenario.currents.area import Area

@@ -16,8 +16,8 @@ from missionplan.montecarlo.blocks import Backend, Progress
 from missionplan.physics.anchor import AnchorDesign, wet_centre
 from missionplan.physics.anchor_remedies import TrimState, Weight, trim
 from missionplan.physics.water import STANDARD_GRAVITY
+from missionplan.results import Provenance
 from missionplan.results.anchor_sizing import AnchorSizing, ExplainedAnchor, ProbableAnchor
-from missionplan.results.base import Provenance
 from missionplan.results.decision import MemberOutcome
 from missionplan.results.simulation import Outcome
 from missionplan.results.sized_anchor import SizedAnchor

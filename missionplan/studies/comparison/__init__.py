@@ -17,7 +17,7 @@ from missionplan.mission.documents import load_document
 from missionplan.montecarlo.alternatives import LEVEL, paired_difference
 from missionplan.montecarlo.blocks import Progress, Workers
 from missionplan.montecarlo.streams import sized_blocks
-from missionplan.results.base import Provenance
+from missionplan.results import Provenance
 from missionplan.results.decision import Aim
 from missionplan.store.folder import as_path, is_folder
 from missionplan.studies.comparison.reported_choices import CHOOSING, aim_of, check_kinds, reported_alternative

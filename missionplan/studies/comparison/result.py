@@ -8,7 +8,7 @@ from typing import Annotated, ClassVar, Literal
 import pandas as pd
 
 from missionplan.montecarlo.statistics import Probability
-from missionplan.results.base import Provenance, Result, to_csv
+from missionplan.results import Provenance, Result, to_csv
 from missionplan.results.decision import Aim
 from missionplan.results.entries import Entry, Record, mapping, mappings
 from missionplan.results.simulation import RequirementOutcome

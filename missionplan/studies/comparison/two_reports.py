@@ -17,7 +17,7 @@ from missionplan.identity import differences, digest_of, program_part
 from missionplan.mission.documents import load_document, read_text
 from missionplan.mission.quantity_paths import written_phases
 from missionplan.mission.units import QuantityError, parse_number_with_unit
-from missionplan.results.base import Provenance, without_run
+from missionplan.results import Provenance, without_run
 from missionplan.results.entries import mapping, mappings, real, whole
 from missionplan.store.folder import as_path
 from missionplan.studies.comparison.reported_choices import CHOOSING

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from missionplan.mission import Mission
 from missionplan.montecarlo.alternatives import compare_with_best, pareto_front
 from missionplan.montecarlo.statistics import Count, Probability, Statistic
-from missionplan.results.base import Provenance, Result, to_csv, to_grid
+from missionplan.results import Provenance, Result, to_csv, to_grid
 from missionplan.results.decision import Aim, Axis, MemberOutcome
 from missionplan.results.entries import Counted, Entry, Record
 from missionplan.results.simulation import RequirementOutcome

@@ -22,9 +22,9 @@ from missionplan.mission.learned import Series, series_of
 from missionplan.moments import moment_of
 from missionplan.montecarlo.levels import Measured, Seen
 from missionplan.montecarlo.posterior import FILE, DamagedPosteriorError
-from missionplan.results.base import Provenance
+from missionplan.results import Provenance
 from missionplan.results.entries import mapping, mappings, real
-from missionplan.results.learned.diagnosis import Level, ParameterLevels
+from missionplan.results.learned import Level, ParameterLevels
 from missionplan.store.folder import as_path
 from missionplan.studies.history.result import History, Learned, Row, State, rates_file, read_counts, updated_rates
 

@@ -13,7 +13,7 @@ from missionplan.report.diagnosis.findings import jumps_in_words, trends_in_word
 from missionplan.report.page import BLUE, GREY, ORANGE, Cells, Figure, Page, PageSection, Table, to_figure
 from missionplan.report.quantities import Unit, reader_unit
 from missionplan.report.wording import capitalised, listed, parameter_in_words
-from missionplan.results.learned.diagnosis import ParameterLevels
+from missionplan.results.learned import ParameterLevels
 from missionplan.studies.history.result import FailureRate, History, Learned
 
 MOST_PANELS = 12

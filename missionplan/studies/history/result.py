@@ -19,9 +19,9 @@ from missionplan.mission.documents import read_text
 from missionplan.mission.schema.vehicle import Hazard, Leaves, Per
 from missionplan.montecarlo.distributions import Quantity, mean_of, sd_of
 from missionplan.montecarlo.reliability import chance_of_counts, counts_of_rate, rate_quantile
-from missionplan.results.base import Provenance, Result, to_csv, to_json
+from missionplan.results import Provenance, Result, to_csv, to_json
 from missionplan.results.entries import Entry, Record, mapping, mappings, stated
-from missionplan.results.learned.diagnosis import ParameterLevels
+from missionplan.results.learned import ParameterLevels
 
 State = Literal["found", "confirmed", "changed"]
 """Whether a parameter is new to the mission, as the mission knew it, or not so."""

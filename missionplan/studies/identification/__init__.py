@@ -1,7 +1,7 @@
 """`identify`: hydrodynamic and thruster parameters, with their errors, from tank data.
 
 A propeller's constants from a transient: quasi-steady, and with axial-flow dynamics (Blanke et al.). Other kinds of
-data have a module each; `least_squares` is the one fitting routine.
+data have a module each; `fits` has the one fitting routine.
 """
 
 import math
@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 
 from missionplan.arrays import Array
-from missionplan.datasets.reading import files_outside
+from missionplan.datasets import files_outside
 from missionplan.datasets.tank import (
     DragSettings,
     OscillationSettings,
@@ -26,17 +26,20 @@ from missionplan.errors import InputError, Problem
 from missionplan.physics.drag import disc_area
 from missionplan.physics.propeller import Propeller, thrust
 from missionplan.physics.propulsion import propeller_response
-from missionplan.results.base import Provenance
-from missionplan.results.learned.identification import (
+from missionplan.results import Provenance
+from missionplan.studies.identification.drag import identify_drag
+from missionplan.studies.identification.fits import (
     FitCurve,
     FitPanel,
+    FitParameter,
     FittedModel,
     Identification,
     IdentifiedParameter,
     TankAnalysis,
+    f_test_prefers,
+    fit,
+    scaled_estimate,
 )
-from missionplan.studies.identification.drag import identify_drag
-from missionplan.studies.identification.least_squares import FitParameter, f_test_prefers, fit, scaled_estimate
 from missionplan.studies.identification.oscillation import identify_oscillation
 from missionplan.studies.identification.thruster import identify_thruster
 from missionplan.studies.run import identified_datasets

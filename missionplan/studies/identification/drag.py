@@ -10,8 +10,15 @@ from missionplan.datasets.tank import DragSettings, TankData
 from missionplan.errors import RunError
 from missionplan.physics.drag import drag_force, reynolds_number
 from missionplan.physics.tank import drag_coefficient, reynolds_drag_coefficient
-from missionplan.results.learned.identification import FitCurve, FitPanel, FittedModel, TankAnalysis
-from missionplan.studies.identification.least_squares import FitParameter, fit, preferred_first
+from missionplan.studies.identification.fits import (
+    FitCurve,
+    FitPanel,
+    FitParameter,
+    FittedModel,
+    TankAnalysis,
+    fit,
+    preferred_first,
+)
 
 BLUFF_REYNOLDS = 1e5
 """Reynolds number above which Avila et al. call the coefficients constant."""

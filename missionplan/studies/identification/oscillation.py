@@ -12,19 +12,18 @@ from missionplan.datasets.tank import OscillationSettings, TankData
 from missionplan.errors import RunError
 from missionplan.physics import tank as osc
 from missionplan.physics.tank import full_size_mass
-from missionplan.results.learned.identification import (
+from missionplan.studies.identification.fits import (
+    INTERVAL,
     FitCurve,
     FitPanel,
+    FitParameter,
     FittedModel,
     IdentifiedParameter,
     TankAnalysis,
-)
-from missionplan.studies.identification.least_squares import (
-    INTERVAL,
-    FitParameter,
     fit,
     preferred_first,
     scaled_estimate,
+    with_interval,
 )
 
 IMPOSSIBLE = 3.0
@@ -98,15 +97,7 @@ def _added_masses(data: TankData, settings: OscillationSettings) -> FittedModel:
         raise RunError(f"{words}: without water the frequency is {air:.3g} Hz; is it right, and stiffness and mass?")
     quantile = float(ndtri(0.5 + INTERVAL / 2.0))
     estimates = tuple(
-        IdentifiedParameter(
-            name=f"added_mass_{mode}",
-            symbol=f"m_ad {mode}",
-            value=float(mass),
-            sd=float(sd),
-            low=float(mass - quantile * sd),
-            high=float(mass + quantile * sd),
-            unit="kg",
-        )
+        with_interval(f"added_mass_{mode}", f"m_ad {mode}", "kg", float(mass), float(sd), quantile)
         for mode, mass, sd in zip(data.labels["mode"], added, added_sd, strict=True)
     )
     return FittedModel(

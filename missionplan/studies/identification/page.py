@@ -25,8 +25,8 @@ from missionplan.report.page import (
     to_figure,
 )
 from missionplan.report.wording import capitalised
-from missionplan.results.base import to_yaml
-from missionplan.results.learned.identification import (
+from missionplan.results import to_yaml
+from missionplan.studies.identification.fits import (
     FitCurve,
     FitPanel,
     FittedModel,

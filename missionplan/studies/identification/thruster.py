@@ -10,8 +10,15 @@ from missionplan.datasets.tank import NoiseLevels, TankData, ThrusterGeometry, T
 from missionplan.errors import RunError
 from missionplan.physics import tunnel_thruster as tt
 from missionplan.physics.tunnel_thruster import bollard_pull
-from missionplan.results.learned.identification import FitCurve, FitPanel, FittedModel, TankAnalysis
-from missionplan.studies.identification.least_squares import FitParameter, fit, preferred_first
+from missionplan.studies.identification.fits import (
+    FitCurve,
+    FitPanel,
+    FitParameter,
+    FittedModel,
+    TankAnalysis,
+    fit,
+    preferred_first,
+)
 
 
 def identify_tunnel_thruster(

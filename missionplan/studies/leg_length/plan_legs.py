@@ -12,7 +12,7 @@ from missionplan.mission import MissionOrPath
 from missionplan.montecarlo.blocks import Backend, Progress, Workers
 from missionplan.montecarlo.statistics import Count, Moments, RunningStatistic, wilson
 from missionplan.montecarlo.streams import block_count, block_size
-from missionplan.results.base import Provenance
+from missionplan.results import Provenance
 from missionplan.results.decision import label
 from missionplan.studies.judgement import judged
 from missionplan.studies.leg_length.analytic_transit import LegSpread, analytic_obstacle

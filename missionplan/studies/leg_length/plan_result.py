@@ -10,7 +10,7 @@ from missionplan.arrays import Array
 from missionplan.montecarlo.statistics import Probability, Statistic
 from missionplan.phases.transit.plan import LegTable
 from missionplan.physics.propulsion import JOULES_PER_WATT_HOUR
-from missionplan.results.base import Provenance, Result, to_csv, to_yaml
+from missionplan.results import Provenance, Result, to_csv, to_yaml
 from missionplan.results.decision import MemberOutcome
 from missionplan.results.entries import Entry, Record
 from missionplan.results.simulation import JUDGED, Outcome

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated, ClassVar
 import numpy as np
 
 from missionplan.montecarlo.statistics import Probability
-from missionplan.results.base import Provenance, Result, to_csv, to_grid
+from missionplan.results import Provenance, Result, to_csv, to_grid
 from missionplan.results.decision import MemberOutcome
 from missionplan.results.entries import Entry, Record
 from missionplan.results.simulation import JUDGED, Outcome

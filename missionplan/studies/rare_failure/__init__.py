@@ -20,7 +20,7 @@ from missionplan.montecarlo.rare_events.strata import ReliabilityIndices, Strata
 from missionplan.montecarlo.rare_events.subset_simulation import NormalPopulation
 from missionplan.montecarlo.statistics import Probability, wilson
 from missionplan.montecarlo.streams import stream
-from missionplan.results.base import Provenance, Result, to_csv
+from missionplan.results import Provenance, Result, to_csv
 from missionplan.results.entries import MET, Entry, Failure, Record
 from missionplan.scenario.scenario import Scenario
 from missionplan.studies.rare_failure.driven_trials import (

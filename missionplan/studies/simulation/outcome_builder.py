@@ -13,7 +13,7 @@ from missionplan.mission.schema.sweep import Requirement
 from missionplan.montecarlo.sensitivity import sensitivities
 from missionplan.montecarlo.statistics import Count, Integers, Probability, RunningStatistic, Statistic
 from missionplan.phases.place import Cause
-from missionplan.results.base import Provenance
+from missionplan.results import Provenance
 from missionplan.results.decision import Causes, ExplainedOutcome, PlaceContact
 from missionplan.results.entries import LIMITS, MET, Counted, CountedKind
 from missionplan.results.simulation import (

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
-from missionplan.exporters.formats import VEHICLES, format_named
+from missionplan.exporters import VEHICLES, format_named
 from missionplan.identity import Identity, digest_of_files
 from missionplan.mission import Mission, MissionOrPath
 from missionplan.montecarlo.blocks import Backend, Progress
@@ -22,8 +22,6 @@ from missionplan.scenario.site_current import recorded_current
 from missionplan.store.checkpoints import Checkpoints, TrialsTable
 from missionplan.store.folder import as_path
 from missionplan.studies.export import executions, mission_plan, plan_if_any
-from missionplan.studies.overdue.losses import Search, read_searches
-from missionplan.studies.overdue.overdue import overdue
 from missionplan.studies.run import Run, RunArguments, identified
 from missionplan.studies.simulation.block_sequence import BlockItem, BlockSequence, BlockTask, MergedBlocks, Precision
 from missionplan.studies.simulation.checks import (
@@ -35,7 +33,9 @@ from missionplan.studies.simulation.checks import (
     mooring_anchors,
     run_notices,
 )
+from missionplan.studies.simulation.losses import Search, read_searches
 from missionplan.studies.simulation.outcome_builder import OutcomeBuilder
+from missionplan.studies.simulation.overdue import overdue
 from missionplan.studies.simulation.trial_block import MapTracks, MissionTrials, run_block
 
 MAX_TRIALS = 10_000_000
@@ -86,7 +86,7 @@ def simulate(
     searched : str or Path, optional
         GeoJSON of areas that were searched in vain, which the search areas allow for (`read_searches`).
     as_exported : str, optional
-        Format of a vehicle, of `missionplan.exporters.formats.VEHICLES`: run what that vehicle does with its files, by
+        Format of a vehicle, of `missionplan.exporters.VEHICLES`: run what that vehicle does with its files, by
         its own rules, instead of what the mission means. A notice says what of it is lost.
     assumptions : bool
         Run the mission again without each of its assumptions (`judgement.ledger`), and tell what they are worth.

@@ -17,7 +17,7 @@ from missionplan.identity import digest_of_files
 from missionplan.mission.units import QuantityError, parse_number_with_unit
 from missionplan.moments import moment_of
 from missionplan.physics.water import DAY
-from missionplan.results.base import Provenance
+from missionplan.results import Provenance
 from missionplan.store.folder import as_path
 from missionplan.studies.tide.harmonic_analysis import FORTNIGHT, HALF_A_YEAR, Samples, fit_tide, tidal_velocity
 from missionplan.studies.tide.result import CurrentRecord, DepthTide, HeldOut, TideResult, read_current_record

@@ -17,9 +17,9 @@ from typing_extensions import override
 from missionplan.arrays import Array
 from missionplan.datasets.csv_cells import check_file, read_cells, read_header
 from missionplan.errors import InputError, Problem, did_you_mean
+from missionplan.identity import how_to_install
 from missionplan.moments import epoch_of, is_since, utc
-from missionplan.packages import how_to_install
-from missionplan.results.base import Provenance, Result, to_csv, to_yaml
+from missionplan.results import Provenance, Result, to_csv, to_yaml
 from missionplan.results.entries import Entry, Record
 from missionplan.scenario.currents.attributes import FieldAttributeError, depths, moments, speed_factor, tidied
 

@@ -12,7 +12,7 @@ from missionplan.datasets.legs import read_transit
 from missionplan.diagnosis import diagnose as diagnosing
 from missionplan.diagnosis.scoring.ensemble import Ensemble, Noise, Part
 from missionplan.diagnosis.scoring.score import scored_record
-from missionplan.results.learned.diagnosis import Diagnosis
+from missionplan.results.learned import Diagnosis
 from tests.diagnosis.scoring.test_score_legs import Truth, made_legs, mission
 
 SLOW = 4e5

@@ -11,7 +11,7 @@ from scipy.stats import norm
 import missionplan
 from missionplan.errors import InputError
 from missionplan.report.render import render_report, terminal_view
-from missionplan.results.base import to_yaml
+from missionplan.results import to_yaml
 from missionplan.studies.comparison import compare
 from missionplan.studies.comparison.two_reports import holm, summary_numbers
 

@@ -8,7 +8,7 @@ import pytest
 import missionplan
 from missionplan.errors import InputError
 from missionplan.report.render import terminal_view
-from missionplan.results.base import to_yaml
+from missionplan.results import to_yaml
 from missionplan.studies.comparison.alternatives_page import answer, page
 from missionplan.studies.comparison.choices_page import task_in_words
 from missionplan.studies.comparison.result import Alternatives, parts_of_task

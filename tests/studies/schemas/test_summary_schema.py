@@ -9,7 +9,7 @@ import jsonschema
 import pytest
 
 import missionplan
-from missionplan.results.base import to_json
+from missionplan.results import to_json
 
 MISSIONS = Path(__file__).parents[3] / "missions"
 SCHEMA: dict[str, Any] = missionplan.schema("summary")

@@ -12,7 +12,7 @@ from missionplan.errors import InputError
 from missionplan.mission import load
 from missionplan.montecarlo.reliability import age_at_chance, age_weibull, rate_of_counts
 from missionplan.results.entries import Failure
-from missionplan.studies.overdue.overdue import _first_failures
+from missionplan.studies.simulation.overdue import _first_failures
 from missionplan.studies.simulation.simulate import simulate_block
 
 Z = np.random.default_rng(1).standard_normal(200_000)

@@ -211,7 +211,7 @@ def test_shoals_are_gone_round_too(write):
 
 
 def test_maps_and_exports_hold_depths_and_fences(write, tmp_path):
-    from missionplan.exporters.maps import geojson, kml
+    from missionplan.exporters import geojson, kml
 
     mission = write(
         lambda x, y: 40.0 + 0.01 * x,

@@ -16,9 +16,9 @@ from missionplan.phases.place import Place
 from missionplan.phases.zones import Fence, Zone
 from missionplan.results.whereabouts import AFLOAT, DriftAssumption
 from missionplan.scenario.scenario import Scenario
-from missionplan.studies.overdue.drift import UNSTATED_ERROR, UNSTATED_TIME, Drift
-from missionplan.studies.overdue.losses import Losses, Search, encloses, read_searches
-from missionplan.studies.overdue.overdue import search_areas
+from missionplan.studies.simulation.drift import UNSTATED_ERROR, UNSTATED_TIME, Drift
+from missionplan.studies.simulation.losses import Losses, Search, encloses, read_searches
+from missionplan.studies.simulation.overdue import search_areas
 
 DAY = 86_400.0
 WINDY = """

@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from xml.etree import ElementTree
 
-from missionplan.exporters.formats import Element, add, document, header, one_interval, zones_lost
+from missionplan.exporters import Element, add, document, header, one_interval, zones_lost
 from missionplan.exporters.table import Cell, course_row, mooring_row, waypoint_row
 from missionplan.results.plan import Plan, PlannedTransit
 

@@ -18,8 +18,8 @@ from missionplan.physics.propulsion import JOULES_PER_WATT_HOUR
 from missionplan.results.entries import Failure
 from missionplan.results.whereabouts import AFLOAT, SHARES, DriftAssumption, ExpectedTime, Overdue, SearchArea
 from missionplan.scenario.scenario import Scenario
-from missionplan.studies.overdue.drift import Drift
-from missionplan.studies.overdue.losses import Losses, Search, losses
+from missionplan.studies.simulation.drift import Drift
+from missionplan.studies.simulation.losses import Losses, Search, losses
 from missionplan.studies.simulation.phase_trials import Flags, PhaseTrials
 from missionplan.studies.simulation.trial_block import MissionTrials
 

@@ -11,7 +11,7 @@ from collections.abc import Iterator, Mapping, Sequence
 
 import numpy as np
 
-from missionplan.exporters.formats import (
+from missionplan.exporters import (
     FIXED_POINTS,
     header,
     no_battery,

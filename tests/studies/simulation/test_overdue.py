@@ -19,7 +19,7 @@ from missionplan.report.simulation.overdue import overdue_section
 from missionplan.results.simulation import Outcome
 from missionplan.results.whereabouts import SearchArea
 from missionplan.scenario.scenario import Scenario
-from missionplan.studies.overdue.drift import Drift
+from missionplan.studies.simulation.drift import Drift
 from missionplan.studies.simulation.simulate import simulate
 from missionplan.studies.simulation.trial_block import MissionTrials, run_block
 

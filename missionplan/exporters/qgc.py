@@ -19,8 +19,9 @@ from collections.abc import Iterator, Mapping, Sequence
 
 import numpy as np
 
-from missionplan.exporters.formats import FIXED_POINTS, header, limits_lost, no_battery, token, unheld_moorings
+from missionplan.exporters import FIXED_POINTS, header, limits_lost, no_battery, token, unheld_moorings
 from missionplan.phases.transit.plan import Execution
+from missionplan.phases.transit.transit import Execution
 from missionplan.results.plan import Plan, PlannedTransit, Waypoint
 from missionplan.results.plan_states import GuardKind
 

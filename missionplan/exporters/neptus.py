@@ -18,7 +18,7 @@ from xml.etree import ElementTree
 
 import numpy as np
 
-from missionplan.exporters.formats import (
+from missionplan.exporters import (
     FIXED_POINTS,
     Element,
     add,

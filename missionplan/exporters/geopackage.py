@@ -7,10 +7,10 @@ from importlib import import_module
 from pathlib import Path
 
 from missionplan.errors import InputError, Problem
-from missionplan.exporters.formats import header, one_interval
-from missionplan.exporters.maps.geojson import Feature, features
-from missionplan.exporters.maps.kml import properties_of
-from missionplan.packages import how_to_install
+from missionplan.exporters import header, one_interval
+from missionplan.exporters.geojson import Feature, features
+from missionplan.exporters.kml import properties_of
+from missionplan.identity import how_to_install
 from missionplan.results.plan import Plan
 
 TITLE = "GeoPackage"

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from matplotlib.path import Path
 
-from missionplan.studies.overdue.overdue import Cloud
+from missionplan.studies.simulation.overdue import Cloud
 
 
 def inside(polygons, points):

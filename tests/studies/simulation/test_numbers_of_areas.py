@@ -14,9 +14,9 @@ from missionplan.phases.currents import layers
 from missionplan.phases.recorded_currents import SeriesCurrent
 from missionplan.results.entries import Failure
 from missionplan.results.whereabouts import SHARES, DriftAssumption, ExpectedTime, Overdue, SearchArea
-from missionplan.studies.overdue.drift import HELD, Drift, dormand_prince
-from missionplan.studies.overdue.losses import Losses, Search, encloses, read_searches
-from missionplan.studies.overdue.overdue import Cloud, _assumptions, _first_failures, search_areas
+from missionplan.studies.simulation.drift import HELD, Drift, dormand_prince
+from missionplan.studies.simulation.losses import Losses, Search, encloses, read_searches
+from missionplan.studies.simulation.overdue import Cloud, _assumptions, _first_failures, search_areas
 
 STILL = Drift(layers([1.0], [0.0], [0.0]), (), 3000)
 ANGLE = np.radians(30.0)

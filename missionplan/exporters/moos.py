@@ -16,8 +16,9 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from missionplan.exporters.formats import header, no_battery, no_correction, one_interval, plain, token, zones_lost
+from missionplan.exporters import header, no_battery, no_correction, one_interval, plain, token, zones_lost
 from missionplan.phases.transit.plan import Execution
+from missionplan.phases.transit.transit import Execution
 from missionplan.results.plan import CLIMB, SURFACE_DEPTH, Plan, PlannedMooring, PlannedTransit, Waypoint
 from missionplan.results.plan_states import GuardKind
 

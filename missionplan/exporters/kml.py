@@ -4,9 +4,8 @@ from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 from xml.etree import ElementTree
 
-from missionplan.exporters.formats import Element, add, document, header, one_interval
-from missionplan.exporters.maps.geojson import Feature, features
-from missionplan.exporters.maps.geometry import COLOURS, STYLES, WIDTHS, kml_colour
+from missionplan.exporters import Element, add, document, header, one_interval
+from missionplan.exporters.geojson import COLOURS, STYLES, WIDTHS, Feature, features, kml_colour
 from missionplan.results.plan import Plan
 
 TITLE = "KML 2.2"

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from missionplan.physics.propulsion import JOULES_PER_WATT_HOUR
-from missionplan.studies.overdue.losses import _last_fix, losses
-from missionplan.studies.overdue.overdue import _reach, _spent, _surfacings, _time
+from missionplan.studies.simulation.losses import _last_fix, losses
+from missionplan.studies.simulation.overdue import _reach, _spent, _surfacings, _time
 from missionplan.studies.simulation.phase_trials import PhaseTrials
 from missionplan.studies.simulation.trial_block import MissionTrials
 

@@ -1,1 +1,0 @@
-"""The plan for maps, plotters and geographic information systems; `geometry` and `colours` are shared with reports."""
