@@ -32,10 +32,7 @@ class PluginError(Exception):
 def load_plugin(entry: EntryPoint) -> object:
     """Load what an entry point names; what its module prints goes to standard error.
 
-    Raises
-    ------
-    PluginError
-        Whatever somebody else's code raises, also when it would end the program.
+    Raises PluginError: whatever somebody else's code raises, also when it would end the program.
     """
     try:
         with redirect_stdout(sys.stderr):
@@ -159,10 +156,7 @@ def digest_of(value: object) -> str:
 def digest_of_files(paths: Iterable[str | os.PathLike[str]]) -> str:
     """SHA-256 of the contents of files, one after the other.
 
-    Raises
-    ------
-    OSError
-        When one cannot be read.
+    Raises OSError when one cannot be read.
     """
     digest = hashlib.sha256()
     for path in paths:

@@ -83,10 +83,7 @@ def _of_parts(matched: re.Match[str]) -> datetime:
 def zone_of(words: str) -> timezone:
     """Read a zone by its offset; none named is UTC.
 
-    Raises
-    ------
-    ValueError
-        When it is not UTC and has no offset: names such as EST are of several zones.
+    Raises ValueError when it is not UTC and has no offset: names such as EST are of several zones.
     """
     if words.strip().upper() in ("", "Z", "UTC", "GMT", "ZULU", "UT"):
         return UTC
@@ -150,10 +147,7 @@ def _days_between_calendars(year: int) -> int:
 def epoch_of(text: str) -> float:
     """Read a time as seconds since 1970; without a zone it is UTC.
 
-    Raises
-    ------
-    ValueError
-        When it is neither ISO 8601 nor a number.
+    Raises ValueError when it is neither ISO 8601 nor a number.
     """
     words = text.strip()
     try:

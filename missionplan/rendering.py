@@ -52,10 +52,7 @@ def register_presenter(load: Callable[[], Presenter]) -> None:
 def presenter() -> Presenter:
     """Return what presents results.
 
-    Raises
-    ------
-    LookupError
-        When none is registered.
+    Raises LookupError when none is registered.
     """
     if not _registered:
         raise LookupError("no presenter is registered: import missionplan first")

@@ -25,14 +25,7 @@ from missionplan.errors import InputError, Problem, RunError, did_you_mean, show
 def choice(kind: Any, flag: str, **settings: Any) -> Any:
     """Make an option that takes one of some words: it refuses another one with the nearest, whatever typer's version.
 
-    Parameters
-    ----------
-    kind : Literal
-        The words.
-    flag : str
-        As ``--units``.
-    **settings
-        As of ``typer.Option``.
+    `kind`: the words. `flag`: as ``--units``. `**settings`: as of ``typer.Option``.
     """
     words = get_args(kind)
 
@@ -220,15 +213,8 @@ def remark(text: str) -> None:
 def answering(saved: str = "") -> Iterator[None]:
     """Write the answer to standard output; a reader that has gone away, like `head`, is no error.
 
-    Parameters
-    ----------
-    saved : str
-        What the message says where the answer cannot be written.
-
-    Raises
-    ------
-    RunError
-        When it cannot be written, as on a full disk.
+    `saved`: what the message says where the answer cannot be written. Raises RunError when it cannot be written, as on
+    a full disk.
     """
     try:
         yield

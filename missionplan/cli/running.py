@@ -53,10 +53,7 @@ def run_study(
 def loaded(path: Path, datasets: Sequence[Path], folder: Path, *, allow_outside: bool) -> "Mission":
     """Load a mission, and read data sets for what is wrong with them; the report's folder may hold none of their files.
 
-    Raises
-    ------
-    InputError
-        All that is wrong with any of them.
+    Raises InputError: all that is wrong with any of them.
     """
     from missionplan.mission import load
     from missionplan.store.folder import check_holds_no_input
@@ -159,10 +156,7 @@ def progress_bar(label: str, *, shown: bool) -> Iterator[Progress]:
 
     What plug-ins print meanwhile goes to standard error too, and their errors tell of them.
 
-    Raises
-    ------
-    RunError
-        When the code of a plug-in fails.
+    Raises RunError when the code of a plug-in fails.
     """
     try:
         with redirect_stdout(sys.stderr), _bar(label, shown=shown) as progress:
@@ -227,12 +221,7 @@ def discard_blocks(folder: Path) -> None:
 def resume_hint(folder: Path, *, resumed: bool) -> Iterator[None]:
     """Print how to resume a run that is interrupted or fails, where it has finished blocks; drop those of one refused.
 
-    Parameters
-    ----------
-    folder : Path
-        The report's.
-    resumed : bool
-        Whether its blocks may be those of another run.
+    `folder`: the report's. `resumed`: whether its blocks may be those of another run.
     """
     try:
         yield

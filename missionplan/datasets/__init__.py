@@ -76,15 +76,7 @@ class RawDataset(Generic[S_co]):
     def checked(self, problems: Iterable[Problem] = ()) -> S_co:
         """Return the settings of a data set with which nothing is wrong.
 
-        Parameters
-        ----------
-        problems : iterable of Problem
-            Further ones, of what the rows say.
-
-        Raises
-        ------
-        InputError
-            All problems of the folder at once.
+        `problems`: further ones, of what the rows say. Raises InputError: all problems of the folder at once.
         """
         found = [*self.problems, *problems]
         if found or self.settings is None:
@@ -95,10 +87,7 @@ class RawDataset(Generic[S_co]):
 def load_dataset_document(folder: Path) -> Document:
     """Load ``dataset.yaml``.
 
-    Raises
-    ------
-    InputError
-        When there is none, or it is no mapping.
+    Raises InputError when there is none, or it is no mapping.
     """
     if is_file(folder):
         raise InputError([Problem("is a file; a data set is a folder with dataset.yaml", str(folder))])
@@ -111,10 +100,7 @@ def load_dataset_document(folder: Path) -> Document:
 def dataset_files(folder: Path) -> tuple[Path, ...]:
     """Return the files of a data set: ``dataset.yaml`` and each that one of its values names.
 
-    Raises
-    ------
-    InputError
-        When there is no ``dataset.yaml``, or it is no mapping.
+    Raises InputError when there is no ``dataset.yaml``, or it is no mapping.
     """
     found, left = [folder / "dataset.yaml"], list(load_dataset_document(folder).data.values())
     while left:
@@ -129,17 +115,7 @@ def dataset_files(folder: Path) -> tuple[Path, ...]:
 def dataset_kind(folder: Path, known: Iterable[str]) -> str:
     """Return the kind of a data set, from its ``dataset.yaml`` alone.
 
-    Parameters
-    ----------
-    folder : Path
-        Of the data set.
-    known : iterable of str
-        Kinds that are expected.
-
-    Raises
-    ------
-    InputError
-        When the file is missing or its kind is none of these.
+    `known`: kinds that are expected. Raises InputError when the file is missing or its kind is none of these.
     """
     return _checked_kind(load_dataset_document(folder), tuple(known))
 
@@ -158,17 +134,8 @@ def _checked_kind(document: Document, known: tuple[str, ...]) -> str:
 def read_dataset(folder: Path, form: DatasetFormat[S_co]) -> RawDataset[S_co]:
     """Read a data set folder.
 
-    Parameters
-    ----------
-    folder : Path
-        The folder.
-    form : DatasetFormat
-        Of the kind that is expected.
-
-    Raises
-    ------
-    InputError
-        When it is of another kind or holds no table with the columns of that kind: all problems at once.
+    `form`: of the kind that is expected. Raises InputError when it is of another kind or holds no table with the
+    columns of that kind: all problems at once.
     """
     document = load_dataset_document(folder)
     _checked_kind(document, (form.kind,))

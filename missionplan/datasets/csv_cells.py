@@ -49,10 +49,8 @@ _BROKEN = (EOFError, BadZipFile, LZMAError, zlib.error, NotImplementedError, Run
 def open_table(path: Path) -> Iterator[IO[bytes]]:
     """Open a table, unpacked where it is compressed.
 
-    Raises
-    ------
-    InputError
-        When it cannot be read, is not compressed as its name says, or unpacks to more than `MAX_UNPACKED`.
+    Raises InputError when it cannot be read, is not compressed as its name says, or unpacks to more than
+    `MAX_UNPACKED`.
     """
     if path.suffix.lower() not in _KINDS:
         with path.open("rb") as stream:
@@ -84,10 +82,7 @@ BLANKS = ("", "nan", "NaN", "NA", "N/A", "null")
 def check_file(path: Path, max_bytes: int) -> None:
     """Check that a file can be read and is not too large.
 
-    Raises
-    ------
-    InputError
-        When it is not.
+    Raises InputError when it is not.
     """
     file = str(path)
     check_name(file)
@@ -108,10 +103,7 @@ def check_file(path: Path, max_bytes: int) -> None:
 def read_header(path: Path) -> list[str]:
     """Read the names of the columns.
 
-    Raises
-    ------
-    InputError
-        When the file is empty or not UTF-8 text.
+    Raises InputError when the file is empty or not UTF-8 text.
     """
     file = str(path)
     try:
@@ -146,21 +138,9 @@ def long_rows(path: Path, width: int) -> list[int]:
 def read_cells(path: Path, header: Sequence[str], used: Sequence[str], text: Sequence[str]) -> pd.DataFrame:
     """Read some of the columns; the index is the file's line.
 
-    Parameters
-    ----------
-    path : Path
-        The file.
-    header : sequence of str
-        Names of all columns.
-    used : sequence of str
-        Those to read; of two with one name the first.
-    text : sequence of str
-        Columns of text; the others are floats, nan where blank, or all of them text where a cell holds no number.
-
-    Raises
-    ------
-    InputError
-        When the file is no table.
+    `header`: names of all columns. `used`: those to read; of two with one name the first. `text`: columns of text; the
+    others are floats, nan where blank, or all of them text where a cell holds no number. Raises InputError when the
+    file is no table.
     """
     names = [name if name in used and name not in header[:k] else f"#{k}" for k, name in enumerate(header)]
     numbers = [name for name in used if name not in text]

@@ -77,14 +77,8 @@ def conditions_of_runs(
 ) -> tuple[dict[str, DiveConditions], list[Problem]]:
     """Return the conditions of the runs, and what is wrong with them.
 
-    Parameters
-    ----------
-    names : iterable of str
-        Of the runs.
-    raw : RawDataset
-        What ``dataset.yaml`` says of them.
-    mission : Mission
-        Where the rest is taken from, at its means.
+    `names`: of the runs. `raw`: what ``dataset.yaml`` says of them. `mission`: where the rest is taken from, at its
+    means.
     """
     conditions: dict[str, DiveConditions] = {}
     problems: list[Problem] = []
@@ -152,17 +146,8 @@ DESCENT = DatasetFormat(
 def read_descent(folder: Path, mission: Mission) -> DescentData:
     """Read a data set of kind ``descent``.
 
-    Parameters
-    ----------
-    folder : Path
-        Of the data set.
-    mission : Mission
-        For anchor, line and site where the runs say nothing of them.
-
-    Raises
-    ------
-    InputError
-        All problems of the folder at once.
+    `mission`: for anchor, line and site where the runs say nothing of them. Raises InputError: all problems of the
+    folder at once.
     """
     raw = read_dataset(folder, DESCENT)
     raw, undated = _from_separations(raw)

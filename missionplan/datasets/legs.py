@@ -42,12 +42,7 @@ OVERLAP = 1.0
 def check_legs(legs: pd.DataFrame, file: str) -> list[Problem]:
     """Return everything that is wrong with the legs of a log.
 
-    Parameters
-    ----------
-    legs : DataFrame
-        Columns of a data set of kind ``transit``; the index is the file's line.
-    file : str
-        As messages name it.
+    `legs`: columns of a data set of kind ``transit``; the index is the file's line. `file`: as messages name it.
     """
     problems = []
     if 0 < len(legs) < MIN_LEGS:
@@ -147,17 +142,8 @@ def read_transit(folder: Path, mission: Mission) -> TransitData:
     Positions by latitude and longitude become metres in an azimuthal equidistant plane about the site's origin, or
     about the first fix.
 
-    Parameters
-    ----------
-    folder : Path
-        Of the data set.
-    mission : Mission
-        For the origin of the coordinates and the start of time.
-
-    Raises
-    ------
-    InputError
-        All problems of the folder at once.
+    `mission`: for the origin of the coordinates and the start of time. Raises InputError: all problems of the folder at
+    once.
     """
     raw = read_dataset(folder, TRANSIT)
     raw = replace(raw, table=raw.table.rename(columns=dict(zip(STAMPS, TIMES, strict=True))))
@@ -258,10 +244,7 @@ def _counted_once(data: TransitData) -> TransitData:
 def enough(kept: TransitData, which: str, needed: str = NEEDED) -> TransitData:
     """Return the legs that are left of a log.
 
-    Raises
-    ------
-    InputError
-        When they are fewer than `MIN_LEGS`: `which` they are, and what is needed.
+    Raises InputError when they are fewer than `MIN_LEGS`: `which` they are, and what is needed.
     """
     if kept.n < MIN_LEGS:
         raise InputError(f"{kept.name}: {counted(kept.n, 'leg')} {which}, too few: {needed}")

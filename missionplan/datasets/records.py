@@ -54,12 +54,7 @@ def dive_identity(t: Array, depth: Array) -> str:
 def row_identities(kind: str, rows: Sequence[str]) -> tuple[str, ...]:
     """Return the hashes of rows that may agree by chance: the second of two that agree is known as the second.
 
-    Parameters
-    ----------
-    kind : str
-        Of data.
-    rows : sequence of str
-        Numbers of each row, as `row_texts` writes them.
+    `kind`: of data. `rows`: numbers of each row, as `row_texts` writes them.
     """
     return tuple(_hash(kind, (row, number)) for row, number in zip(rows, _occurrences(rows), strict=True))
 

@@ -74,17 +74,8 @@ class SummaryData:
 def read_summary(folder: Path, mission: Mission) -> SummaryData:
     """Read a data set of kind ``summary``.
 
-    Parameters
-    ----------
-    folder : Path
-        Of the data set.
-    mission : Mission
-        For anchor, line and site where the runs say nothing of them.
-
-    Raises
-    ------
-    InputError
-        All problems of the folder at once.
+    `mission`: for anchor, line and site where the runs say nothing of them. Raises InputError: all problems of the
+    folder at once.
     """
     raw = read_dataset(folder, SUMMARY)
     runs = {str(name): run for name, run in raw.table.groupby("run", sort=False)}

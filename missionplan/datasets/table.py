@@ -66,10 +66,7 @@ class CsvTable:
 def plain_table(path: Path, columns: Collection[str], max_bytes: int) -> pd.DataFrame:
     """Read a CSV file that has some columns, once each, and rows, as pandas reads its cells.
 
-    Raises
-    ------
-    InputError
-        When it is no such file.
+    Raises InputError when it is no such file.
     """
     file = str(path)
     check_file(path, max_bytes)
@@ -103,17 +100,7 @@ def plain_table(path: Path, columns: Collection[str], max_bytes: int) -> pd.Data
 def read_table(path: Path, columns: Columns) -> CsvTable:
     """Read the columns of a kind of data from a CSV.
 
-    Parameters
-    ----------
-    path : Path
-        The file.
-    columns : Columns
-        Of that kind.
-
-    Raises
-    ------
-    InputError
-        When the file cannot be read as a table, or lacks columns.
+    `columns`: of that kind. Raises InputError when the file cannot be read as a table, or lacks columns.
     """
     file = str(path)
     check_file(path, columns.max_bytes)
@@ -242,12 +229,7 @@ def _blanks(words: "pd.Series[str]", file: str, name: str) -> list[Problem]:
 def problems_at(lines: Sequence[int] | pd.Index, problem: Callable[[int], Problem]) -> list[Problem]:
     """Return the problems of the first of some lines, the last of them with the number of the rest.
 
-    Parameters
-    ----------
-    lines : sequence of int
-        Lines with problems of one sort.
-    problem : callable
-        From a line to its problem.
+    `lines`: lines with problems of one sort. `problem`: from a line to its problem.
     """
     found = [problem(int(line)) for line in lines[:MAX_SHOWN]]
     if len(lines) > MAX_SHOWN:

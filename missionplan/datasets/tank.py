@@ -249,15 +249,8 @@ def _density_and_viscosity(water: WaterSection | None) -> tuple[float, float]:
 def read_tank_data(folder: str | Path) -> TankData:
     """Read a data set of one of the kinds drag, free-oscillation, thruster and propeller-transient.
 
-    Parameters
-    ----------
-    folder : str or Path
-        Folder with `dataset.yaml` and its CSV file.
-
-    Raises
-    ------
-    InputError
-        With every problem of `dataset.yaml` and of the tables.
+    `folder`: folder with `dataset.yaml` and its CSV file. Raises InputError with every problem of `dataset.yaml` and of
+    the tables.
     """
     folder = as_path(folder, "dataset")
     form = TANK_FORMATS[dataset_kind(folder, TANK_FORMATS)]

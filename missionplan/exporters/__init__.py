@@ -31,12 +31,7 @@ _NAMES = 6
 def header(plan: Plan, title: str, lost: Sequence[str]) -> tuple[str, ...]:
     """Return the lines of a file's header.
 
-    Parameters
-    ----------
-    title : str
-        Of the format.
-    lost : sequence of str
-        What the format cannot hold, in words.
+    `title`: of the format. `lost`: what the format cannot hold, in words.
     """
     return tuple(
         one_line(line)

@@ -29,10 +29,7 @@ _LAYERS = {
 def files(plan: Plan, stem: str) -> dict[str, str | bytes]:
     """Write one file with the layers `waypoints`, `courses`, `circles` and `zones`; their metadata hold the header.
 
-    Raises
-    ------
-    InputError
-        When pyogrio is not installed.
+    Raises InputError when pyogrio is not installed.
     """
     try:
         import_module("pyogrio")

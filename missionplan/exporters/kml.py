@@ -34,10 +34,7 @@ def plan_folders(plan: Plan, *, circles: bool = True) -> dict[str, list[Feature]
 def kml(name: str, description: str, folders: Mapping[str, Sequence[Feature]]) -> str:
     """Write a document of features, folder by folder.
 
-    Parameters
-    ----------
-    folders : mapping of str to sequence of Feature
-        As GeoJSON has them; a feature's kind gives its style, its properties are what viewers show of it.
+    `folders`: as GeoJSON has them; a feature's kind gives its style, its properties are what viewers show of it.
     """
     root = ElementTree.Element("kml", xmlns=NAMESPACE)
     container = add(root, "Document")

@@ -279,17 +279,8 @@ def mission_files(data: Mapping[str, object]) -> dict[str, str | bytes]:
 def to_grid(frame: "pd.DataFrame", dimensions: Sequence[str], unit: Mapping[str, str]) -> "xarray.Dataset":
     """Arrange a table whose rows are the cells of a grid as arrays.
 
-    Parameters
-    ----------
-    dimensions : sequence of str
-        Columns that tell the cells apart.
-    unit : mapping
-        Unit of each column, written to its attribute ``units``.
-
-    Raises
-    ------
-    InputError
-        When xarray is not installed.
+    `dimensions`: columns that tell the cells apart. `unit`: unit of each column, written to its attribute ``units``.
+    Raises InputError when xarray is not installed.
     """
     try:
         import_module("xarray")

@@ -46,20 +46,9 @@ Arrays = Mapping[str, NDArray[np.generic]]
 class Checkpoints:
     """The folder of a run's finished blocks.
 
-    Parameters
-    ----------
-    folder : Path
-        Created if necessary.
-    identity : Identity
-    resume : bool
-        Whether to use the blocks that the folder holds.
-
-    Raises
-    ------
-    InputError
-        When the folder holds a run and `resume` is not given, or a different run; then with the difference.
-    RunError
-        When the folder cannot be written.
+    `folder`: created if necessary. `resume`: whether to use the blocks that the folder holds. Raises InputError when
+    the folder holds a run and `resume` is not given, or a different run; then with the difference. Raises RunError when
+    the folder cannot be written.
     """
 
     def __init__(self, folder: Path, identity: Identity, *, resume: bool = False) -> None:
@@ -129,10 +118,7 @@ class Checkpoints:
     def write(self, block: int, size: int, arrays: Arrays) -> None:
         """Save a finished block.
 
-        Raises
-        ------
-        RunError
-            When the disk is full, or the folder is missing or not writable.
+        Raises RunError when the disk is full, or the folder is missing or not writable.
         """
         if not self._folder.is_dir():
             raise RunError(f"cannot write {self._path(block, size)}: the folder {self._folder} no longer exists")
@@ -219,10 +205,7 @@ class TrialsTable:
     def __init__(self) -> None:
         """Start an empty table.
 
-        Raises
-        ------
-        InputError
-            When pyarrow, which writes it, is not installed: found out before the first trial is run.
+        Raises InputError when pyarrow, which writes it, is not installed: found out before the first trial is run.
         """
         try:
             import_module("pyarrow")
@@ -255,10 +238,7 @@ class TrialsTable:
 def read_trials(content: bytes | None) -> "pd.DataFrame":
     """Read the table that a run kept.
 
-    Raises
-    ------
-    InputError
-        When it kept none.
+    Raises InputError when it kept none.
     """
     if content is None:
         hint = "simulate(..., keep_trials=True) keeps them"

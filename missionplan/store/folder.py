@@ -21,10 +21,7 @@ from missionplan.errors import UNPRINTABLE, InputError, Problem, RunError, shown
 def as_path(value: object, argument: str) -> Path:
     """Return an argument of a Python call as a path.
 
-    Raises
-    ------
-    InputError
-        When it is neither text nor a path, or holds a control character.
+    Raises InputError when it is neither text nor a path, or holds a control character.
     """
     if not isinstance(value, str | PurePath):
         raise InputError([Problem(f"given {shown(value)}, expected a path", key=argument)])
@@ -35,10 +32,7 @@ def as_path(value: object, argument: str) -> Path:
 def check_name(name: str) -> None:
     """Refuse a file name that no message and no report could show.
 
-    Raises
-    ------
-    InputError
-        When it holds a control character.
+    Raises InputError when it holds a control character.
     """
     if UNPRINTABLE.search(name):
         raise InputError([Problem("is no name for a file: it holds a control character", file=name)])
@@ -67,10 +61,7 @@ def exists(path: Path) -> bool:
 def vacant(folder: Path, names: Iterable[str]) -> list[Path]:
     """Return the paths of files to write in a folder, none of which is there yet.
 
-    Raises
-    ------
-    InputError
-        When the folder is a file, or one of the files is there already.
+    Raises InputError when the folder is a file, or one of the files is there already.
     """
     if exists(folder) and not is_folder(folder):
         raise InputError([Problem("is a file; a folder was expected", str(folder))])
@@ -109,10 +100,7 @@ _LONGEST_NAME = 240
 def write_atomically(path: Path, content: str | bytes) -> None:
     """Write a file under a temporary name and rename it, so that a reader never sees half of it.
 
-    Raises
-    ------
-    RunError
-        When the disk is full, or the folder is missing or not writable.
+    Raises RunError when the disk is full, or the folder is missing or not writable.
     """
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
@@ -132,11 +120,8 @@ def write_atomically(path: Path, content: str | bytes) -> None:
 def check_new_folder(folder: Path, *, force: bool = False) -> None:
     """Refuse a folder that is not empty or that no report can be written to, before any work is done.
 
-    Raises
-    ------
-    InputError
-        When it is a file, a link to nothing, or not empty without `force`, when its name is invalid, or when it holds
-        folders with names of a report's files.
+    Raises InputError when it is a file, a link to nothing, or not empty without `force`, when its name is invalid, or
+    when it holds folders with names of a report's files.
     """
     check_name(str(folder))
     try:
@@ -181,10 +166,7 @@ def _content_problem(folder: Path, *, force: bool) -> Problem | None:
 def check_holds_no_input(folder: Path, inputs: Iterable[Path]) -> None:
     """Refuse a report folder that holds files that were read, whatever their names: a report never replaces them.
 
-    Raises
-    ------
-    InputError
-        With each of these files.
+    Raises InputError with each of these files.
     """
     places = {(folder / name).resolve() for name in ("", "figures", "blocks")}
     inside = [path for path in inputs if {path.parent.resolve(), path.resolve().parent} & places]
@@ -205,12 +187,8 @@ def claimed(folder: Path, *, force: bool = False) -> Iterator[None]:
 
     The lock, a hidden file beside the folder, ends with the process whatever ends it.
 
-    Raises
-    ------
-    InputError
-        When another run holds the folder, or `check_new_folder` refuses it. Nothing in it has been changed then.
-    RunError
-        When the lock cannot be written.
+    Raises InputError when another run holds the folder, or `check_new_folder` refuses it. Nothing in it has been
+    changed then. Raises RunError when the lock cannot be written.
     """
     check_new_folder(folder, force=force)
     place, me = folder.resolve(), threading.get_ident()

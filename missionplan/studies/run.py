@@ -42,21 +42,10 @@ def check_arguments(
 ) -> Mission:
     """Check the arguments that studies share, and return the mission, loaded where its path is given.
 
-    Parameters
-    ----------
-    mission : object
-        Expected to be a `Mission` or the path of its file.
-    trials, seed, jobs : object
-        Expected to be whole numbers; None, for the first two, is the mission's.
-    one_of : mapping, optional
-        By argument: what is given, and what may be.
-    text : mapping, optional
-        Arguments that are text or None.
-
-    Raises
-    ------
-    InputError
-        With every argument that is wrong, else every problem of the mission's file.
+    `mission`: expected to be a `Mission` or the path of its file. `trials`, `seed`, `jobs`: expected to be whole
+    numbers; None, for the first two, is the mission's. `one_of`: by argument: what is given, and what may be. `text`:
+    arguments that are text or None. Raises InputError with every argument that is wrong, else every problem of the
+    mission's file.
     """
     kinds = (
         ("mission", mission, isinstance(mission, Mission | str | PurePath), "a Mission, or the path of a mission file"),
@@ -123,17 +112,9 @@ class Run:
     ) -> "Run":
         """Begin a run: check all arguments, and load the mission where its path is given.
 
-        Parameters
-        ----------
-        mission, one_of, text
-            As `check_arguments` takes them.
-        **asked
-            Trials, seed, jobs, backend, scheduler, precision and progress.
-
-        Raises
-        ------
-        InputError
-            With every argument that is wrong, else every problem of the mission's file.
+        `mission`, `one_of`, `text`: as `check_arguments` takes them. `**asked`: trials, seed, jobs, backend, scheduler,
+        precision and progress. Raises InputError with every argument that is wrong, else every problem of the mission's
+        file.
         """
         started = time.perf_counter()
         trials, seed, precision = asked.get("trials"), asked.get("seed"), asked.get("precision")
@@ -174,16 +155,8 @@ class Run:
     ) -> Provenance:
         """Tell where the result comes from, as the run ends.
 
-        Parameters
-        ----------
-        options : mapping
-            The study's.
-        notices : iterable of str
-            On the input.
-        trials : int, optional
-            That were run, where these are not those asked for.
-        datasets : sequence of Path
-            Folders that it read besides.
+        `options`: the study's. `notices`: on the input. `trials`: that were run, where these are not those asked for.
+        `datasets`: folders that it read besides.
         """
         return Provenance(
             command=self.command,

@@ -32,12 +32,7 @@ from missionplan.studies.history.result import History, Learned, Row, State, rat
 def parameter_levels(seen: Sequence[Seen], reports: Mapping[str, str] | None = None) -> tuple[ParameterLevels, ...]:
     """Return how each parameter that has a level went from mission to mission.
 
-    Parameters
-    ----------
-    seen : sequence of Seen
-        What records have told.
-    reports : mapping, optional
-        Names of the records by their hashes.
+    `seen`: what records have told. `reports`: names of the records by their hashes.
     """
     found = series_of(seen)
     return tuple(_told(series, reports or {}) for key, series in found.items() if key[2] == "strength")

@@ -182,10 +182,7 @@ class Row:
 def read_counts(root: Path) -> tuple[list[Row], tuple[str, ...]]:
     """Read the counts of every `reliability.csv` below a folder; notices name copies, which count once.
 
-    Raises
-    ------
-    InputError
-        With every cell that is wrong.
+    Raises InputError with every cell that is wrong.
     """
     rows: list[Row] = []
     problems: list[Problem] = []
@@ -247,10 +244,7 @@ def updated_rates(rows: Sequence[Row], mission: Mission | None) -> tuple[Failure
     The prior is the mission's; a distribution of another form counts as the gamma of its mean and variance. Without
     one, or without uncertainty, it is Jeffreys' prior. Rows that the mission's hazard was learned from do not count.
 
-    Raises
-    ------
-    InputError
-        When a row could belong to two hazards of the mission.
+    Raises InputError when a row could belong to two hazards of the mission.
     """
     hazards = mission.vehicle.reliability if mission is not None and mission.vehicle is not None else ()
     by_key: dict[Key, list[Hazard[Quantity]]] = {}

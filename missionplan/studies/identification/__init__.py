@@ -54,10 +54,7 @@ def identify_propeller(data: TankData, settings: PropellerSettings) -> TankAnaly
     The damping of the flow is given (2ρA_p, or the data set's): at rest, thrust alone does not determine one
     combination of T°, m_f and d_f.
 
-    Raises
-    ------
-    InputError
-        When the shaft rate was not measured and the data set lacks what it follows from.
+    Raises InputError when the shaft rate was not measured and the data set lacks what it follows from.
     """
     geometry = settings.geometry
     run = TransientRun(data, geometry)

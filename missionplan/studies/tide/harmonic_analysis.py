@@ -148,10 +148,7 @@ class HarmonicFit:
 def fit_tide(samples: Samples) -> HarmonicFit:
     """Fit the constituents that a record is long enough to tell apart and that it holds.
 
-    Parameters
-    ----------
-    samples : Samples
-        At least some days of them.
+    `samples`: at least some days of them.
     """
     candidates = [wave.name for wave in _solve(samples, "auto")[0]]
     samples = _without_outliers(samples, _fit(samples, candidates))
