@@ -8,71 +8,41 @@ from importlib import import_module
 from importlib.metadata import version
 from typing import TYPE_CHECKING
 
-from missionplan.errors import InputError, MissionplanError, RunError
-from missionplan.rendering import Presenter, register_presenter
+from missionplan.errors import InputError as InputError
+from missionplan.errors import MissionplanError as MissionplanError
+from missionplan.errors import RunError as RunError
 
 if TYPE_CHECKING:
-    from missionplan.diagnosis.campaign import diagnose_campaign
-    from missionplan.diagnosis.diagnose import diagnose
-    from missionplan.diagnosis.scoring.score import score
-    from missionplan.diagnosis.why import why
-    from missionplan.importers.importing import import_logs
-    from missionplan.importers.importing import import_logs as import_log
-    from missionplan.mission import Mission, load
-    from missionplan.store import reports
-    from missionplan.studies.anchor import size_anchor
-    from missionplan.studies.comparison import compare, compare_missions
-    from missionplan.studies.exploration.explore import explore
-    from missionplan.studies.export import export
-    from missionplan.studies.history import history
-    from missionplan.studies.identification import identify
-    from missionplan.studies.init import init
-    from missionplan.studies.leg_length.plan_legs import plan_legs
-    from missionplan.studies.leg_length.sweep_dmax import sweep_dmax
-    from missionplan.studies.optimisation.optimise import optimise
-    from missionplan.studies.rare_failure import find_rare_failure
-    from missionplan.studies.schema import schema
-    from missionplan.studies.simulation.simulate import simulate
-    from missionplan.studies.sweep_transition import sweep_transition
-    from missionplan.studies.tide import tide
-    from missionplan.studies.validate import validate
-    from missionplan.verification import verify
+    from missionplan.diagnosis.campaign import diagnose_campaign as diagnose_campaign
+    from missionplan.diagnosis.diagnose import diagnose as diagnose
+    from missionplan.diagnosis.scoring.score import score as score
+    from missionplan.diagnosis.why import why as why
+    from missionplan.importers.importing import import_logs as import_logs
+    from missionplan.mission import Mission as Mission
+    from missionplan.mission import load as load
+    from missionplan.store import reports as reports
+    from missionplan.studies.anchor import size_anchor as size_anchor
+    from missionplan.studies.comparison import compare as compare
+    from missionplan.studies.comparison import compare_missions as compare_missions
+    from missionplan.studies.exploration.explore import explore as explore
+    from missionplan.studies.export import export as export
+    from missionplan.studies.history import history as history
+    from missionplan.studies.identification import identify as identify
+    from missionplan.studies.init import init as init
+    from missionplan.studies.leg_length.plan_legs import plan_legs as plan_legs
+    from missionplan.studies.leg_length.sweep_dmax import sweep_dmax as sweep_dmax
+    from missionplan.studies.optimisation.optimise import optimise as optimise
+    from missionplan.studies.rare_failure import find_rare_failure as find_rare_failure
+    from missionplan.studies.schema import schema as schema
+    from missionplan.studies.simulation.simulate import simulate as simulate
+    from missionplan.studies.sweep_transition import sweep_transition as sweep_transition
+    from missionplan.studies.tide import tide as tide
+    from missionplan.studies.validate import validate as validate
+    from missionplan.verification import verify as verify
+
+    import_log = import_logs
 
 __version__ = version("missionplan")
-
-__all__ = [
-    "InputError",
-    "Mission",
-    "MissionplanError",
-    "RunError",
-    "__version__",
-    "compare",
-    "compare_missions",
-    "diagnose",
-    "diagnose_campaign",
-    "explore",
-    "export",
-    "find_rare_failure",
-    "history",
-    "identify",
-    "import_log",
-    "import_logs",
-    "init",
-    "load",
-    "optimise",
-    "plan_legs",
-    "reports",
-    "schema",
-    "score",
-    "simulate",
-    "size_anchor",
-    "sweep_dmax",
-    "sweep_transition",
-    "tide",
-    "validate",
-    "verify",
-    "why",
-]
 
 _MODULES = {
     "Mission": "missionplan.mission",
@@ -106,6 +76,8 @@ _MODULES = {
 _ALIASES = {"import_log": "import_logs"}
 """Second names: of one log or several."""
 
+__all__ = ["InputError", "MissionplanError", "RunError", "__version__", *_MODULES, *_ALIASES]
+
 
 def __getattr__(name: str) -> object:
     name = _ALIASES.get(name, name)
@@ -116,13 +88,3 @@ def __getattr__(name: str) -> object:
 
 def __dir__() -> list[str]:
     return sorted(__all__)
-
-
-def _presenter() -> Presenter:
-    """Load what presents results, when the first is saved or shown."""
-    from missionplan.report import render as presenter
-
-    return presenter
-
-
-register_presenter(_presenter)

@@ -70,6 +70,14 @@ def moment_of(value: object) -> datetime:
     raise ValueError(f"expected a date and time such as {EXAMPLE}")
 
 
+def moment_or_none(value: object) -> datetime | None:
+    """Read a moment where a value is one."""
+    try:
+        return moment_of(value)
+    except (ValueError, OverflowError):
+        return None
+
+
 def _of_parts(matched: re.Match[str]) -> datetime:
     year, month, day, hour, minute, second = (
         int(matched[name] or 0) for name in ("year", "month", "day", "hour", "minute", "second")

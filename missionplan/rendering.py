@@ -1,8 +1,9 @@
-"""How a result becomes a report: the package registers its presenter, so that results need not import reports."""
+"""How a result becomes a report: what presents it is loaded when the first is shown, so that results import none."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any, Protocol
+from importlib import import_module
+from typing import TYPE_CHECKING, Any, Protocol, cast
 
 from missionplan.errors import InputError, Problem, did_you_mean, shown
 
@@ -41,22 +42,9 @@ class Presenter(Protocol):
         """Return its plots by name, the main one first."""
 
 
-_registered: list[Callable[[], Presenter]] = []
-
-
-def register_presenter(load: Callable[[], Presenter]) -> None:
-    """Register the function that loads what presents every result; the last one registered is used."""
-    _registered[:] = [load]
-
-
 def presenter() -> Presenter:
-    """Return what presents results.
-
-    Raises LookupError when none is registered.
-    """
-    if not _registered:
-        raise LookupError("no presenter is registered: import missionplan first")
-    return _registered[0]()
+    """Return what presents results."""
+    return cast(Presenter, import_module("missionplan.report.render"))
 
 
 def render(result: object) -> Rendered:

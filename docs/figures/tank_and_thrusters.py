@@ -15,7 +15,7 @@ from missionplan.report.page import BLUE, GREEN, GREY, ORANGE, Figure, style, to
 from missionplan.studies.identification import identify
 from missionplan.studies.identification import page as pictures
 from missionplan.studies.sweep_transition import sweep_transition
-from missionplan.studies.transition_page import all_figures
+from missionplan.studies.transition_page import energy_figure, history_figure, pitch_by_variant, unassisted_figure
 from tests.physics import avila_example as avila
 from tests.physics import propeller_example as example
 
@@ -100,7 +100,9 @@ def main() -> None:
             analysis = identify(MISSIONS / "measured" / name)
             figures += [("avila-", pictures.panel_figure(panel)) for panel in analysis.panels]
         sweep = sweep_transition(missionplan.load(MISSIONS / "autosub-transition.yaml"))
-        figures += [("transition-", figure) for figure in all_figures(sweep)]
+        drawn = [unassisted_figure(sweep), *(history_figure(sweep, number) for number in (6, 7, 8, 9))]
+        drawn += [energy_figure(sweep, "a"), energy_figure(sweep, "b"), pitch_by_variant(sweep)]
+        figures += [("transition-", figure) for figure in drawn]
     for prefix, figure in figures:
         (HERE / f"{prefix}{figure.name}.svg").write_text(figure.svg, encoding="utf-8")
 

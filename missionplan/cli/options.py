@@ -11,11 +11,11 @@ import shutil
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
-from dataclasses import dataclass, fields, is_dataclass
+from dataclasses import asdict, dataclass, fields, is_dataclass
 from functools import wraps
 from io import TextIOWrapper
 from pathlib import Path
-from typing import Annotated, Any, Literal, TypedDict, get_args, get_type_hints
+from typing import Annotated, Any, Literal, get_args, get_type_hints
 
 import typer
 
@@ -72,16 +72,6 @@ Json = Annotated[
 ]
 
 
-class MonteCarloArguments(TypedDict):
-    """Keyword arguments of a study with a Monte Carlo."""
-
-    trials: int | None
-    seed: int | None
-    jobs: int
-    backend: ParallelBackend
-    scheduler: str | None
-
-
 @dataclass(frozen=True)
 class MonteCarloOptions:
     """Options of a command that runs a Monte Carlo."""
@@ -92,15 +82,9 @@ class MonteCarloOptions:
     backend: _Backend = "loky"
     scheduler: _Scheduler = None
 
-    def arguments(self) -> MonteCarloArguments:
-        """Return the options as a study takes them."""
-        return {
-            "trials": self.trials,
-            "seed": self.seed,
-            "jobs": worker_count(self.jobs),
-            "backend": self.backend,
-            "scheduler": self.scheduler,
-        }
+    def arguments(self) -> dict[str, Any]:
+        """Return the options as a study with a Monte Carlo takes them."""
+        return {**asdict(self), "jobs": worker_count(self.jobs)}
 
     @property
     def other_processes(self) -> int:

@@ -7,7 +7,6 @@ import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from datetime import datetime
-from functools import partial
 from pathlib import Path
 from typing import Annotated
 
@@ -18,7 +17,7 @@ from typing_extensions import Doc
 from missionplan.arrays import Array
 from missionplan.datasets import DatasetFormat, DatasetSettings, RawDataset, read_dataset
 from missionplan.datasets.records import DescentData, MeasuredDive, as_other, listed, repeated
-from missionplan.datasets.table import Columns, problems_at
+from missionplan.datasets.table import Columns, wrong_cells
 from missionplan.errors import Problem, counted, did_you_mean
 from missionplan.mission import Mission
 from missionplan.mission.schema import quantity_parser as q
@@ -222,10 +221,6 @@ _CHECKS = (_check_still_diving, _check_above_seafloor)
 """Of a dive whose site and line are known."""
 
 
-def _reading_problem(message: str, file: str, line: int) -> Problem:
-    return Problem(message, file, line, "depth_m")
-
-
 def _described(raw: RawDataset[DescentSettings]) -> list[str]:
     """Names under ``runs:``, whether or not all is well with them."""
     runs = raw.document.data.get("runs")
@@ -250,7 +245,7 @@ def _check_run(name: str, run: pd.DataFrame, raw: RawDataset[DescentSettings]) -
         (run["depth_m"] < HIGHEST, f"stands more than {-HIGHEST:g} m above the water"),
         (run["depth_m"] > DEEPEST, f"lies deeper than the deepest sea, {DEEPEST:g} m"),
     ):
-        problems += problems_at(run.index[wrong], partial(_reading_problem, message, raw.file))
+        problems += wrong_cells(run.index[wrong], message, raw.file, "depth_m")
     return problems or _check_measured(name, run["depth_m"].to_numpy(), raw.file, first)
 
 

@@ -17,7 +17,7 @@ from missionplan.arrays import Array
 from missionplan.datasets import DatasetFormat, DatasetSettings, read_dataset
 from missionplan.datasets.dives import DEEPEST
 from missionplan.datasets.records import TransitData, as_other, listed, repeated
-from missionplan.datasets.table import Columns, problems_at
+from missionplan.datasets.table import Columns, wrong_cells
 from missionplan.errors import InputError, Problem, counted
 from missionplan.mission import Mission
 from missionplan.mission.schema import quantity_parser as q
@@ -55,10 +55,6 @@ def check_legs(legs: pd.DataFrame, file: str) -> list[Problem]:
     return problems
 
 
-def _at(lines: pd.Index, message: str, file: str, column: str) -> list[Problem]:
-    return problems_at(lines, lambda line: Problem(message, file, line, column))
-
-
 def _check_durations(legs: pd.DataFrame, file: str) -> list[Problem]:
     surface = legs["surface_s"].fillna(0.0) if "surface_s" in legs else pd.Series(0.0, index=legs.index)
     short = legs.index[legs["t_end_s"] - legs["t_start_s"] - surface <= 0.0]
@@ -68,10 +64,10 @@ def _check_durations(legs: pd.DataFrame, file: str) -> list[Problem]:
     depth = legs["depth_m"] if "depth_m" in legs else pd.Series(0.0, index=legs.index)
     nowhere = legs.index[(depth < HIGHEST) | (depth > DEEPEST)]
     return [
-        *_at(nowhere, f"expected the leg's mean depth in metres, {HIGHEST:g} to {DEEPEST:g}", file, "depth_m"),
-        *_at(poor, "expected more than 0 m", file, "fix_sd_m"),
-        *_at(short, "the leg ends before it has begun", file, "t_end_s"),
-        *_at(negative, "is negative", file, "surface_s"),
+        *wrong_cells(nowhere, f"expected the leg's mean depth in metres, {HIGHEST:g} to {DEEPEST:g}", file, "depth_m"),
+        *wrong_cells(poor, "expected more than 0 m", file, "fix_sd_m"),
+        *wrong_cells(short, "the leg ends before it has begun", file, "t_end_s"),
+        *wrong_cells(negative, "is negative", file, "surface_s"),
     ]
 
 
@@ -81,7 +77,7 @@ def _check_degrees(legs: pd.DataFrame, file: str) -> list[Problem]:
         for column in columns:
             if column in legs:
                 message = f"expected degrees, at most {limit:g}"
-                problems += _at(legs.index[legs[column].abs() > limit], message, file, column)
+                problems += wrong_cells(legs.index[legs[column].abs() > limit], message, file, column)
     return problems
 
 
@@ -90,10 +86,10 @@ def _check_order(run: pd.DataFrame, file: str) -> list[Problem]:
     repeated = run.index[run["t_start_s"].duplicated()]
     ordered = run.sort_values("t_start_s")
     starts, ends = ordered["t_start_s"].to_numpy(), ordered["t_end_s"].to_numpy()
-    overlaps = (starts[1:] < ends[:-1] - OVERLAP) & (np.diff(starts) > 0.0)
+    early = ordered.index[1:][(starts[1:] < ends[:-1] - OVERLAP) & (np.diff(starts) > 0.0)]
     return [
-        *_at(repeated, "two legs start at the same time", file, "t_start_s"),
-        *_at(ordered.index[1:][overlaps], "the leg starts before the one before it has ended", file, "t_start_s"),
+        *wrong_cells(repeated, "two legs start at the same time", file, "t_start_s"),
+        *wrong_cells(early, "the leg starts before the one before it has ended", file, "t_start_s"),
     ]
 
 

@@ -13,7 +13,7 @@ from missionplan.arrays import Array
 from missionplan.datasets import DatasetFormat, RawDataset, read_dataset
 from missionplan.datasets.dives import DEEPEST, DiveConditions, DivesSettings, conditions_of_runs, date_of_runs
 from missionplan.datasets.records import row_identities, row_texts, written_once
-from missionplan.datasets.table import Columns, problems_at
+from missionplan.datasets.table import Columns, problems_at, wrong_cells
 from missionplan.errors import Problem, did_you_mean
 from missionplan.mission import Mission
 
@@ -103,15 +103,12 @@ def _check_quantities(raw: RawDataset[DivesSettings]) -> list[Problem]:
         message = f"given {quantities[line]!r}, expected one of {', '.join(KNOWN)}"
         return Problem(message, raw.file, line, "quantity", did_you_mean(quantities[line], KNOWN))
 
-    def at(lines: pd.Index, message: str, column: str) -> list[Problem]:
-        return problems_at(lines, lambda line: Problem(message, raw.file, line, column))
-
     problems = problems_at(quantities.index[~quantities.isin(KNOWN)], unknown)
-    problems += at(raw.table.index[raw.table["value"] <= 0.0], "expected more than 0", "value")
+    problems += wrong_cells(raw.table.index[raw.table["value"] <= 0.0], "expected more than 0", raw.file, "value")
     if "sd" in raw.table:
-        problems += at(raw.table.index[raw.table["sd"] <= 0.0], "expected more than 0", "sd")
+        problems += wrong_cells(raw.table.index[raw.table["sd"] <= 0.0], "expected more than 0", raw.file, "sd")
     twice = raw.table.duplicated(["run", "quantity"])
-    problems += at(raw.table.index[twice], "this run has this quantity already", "quantity")
+    problems += wrong_cells(raw.table.index[twice], "this run has this quantity already", raw.file, "quantity")
     if not quantities.isin(MEASURED).any() and not raw.table.empty:
         problems.append(Problem(f"holds none of {', '.join(MEASURED)}", raw.file))
     return problems

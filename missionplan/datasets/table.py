@@ -119,7 +119,8 @@ def read_table(path: Path, columns: Columns) -> CsvTable:
         raise InputError(problems)
     complete = [name for name in (*needed, *columns.complete) if name in used and name not in columns.text]
     rows, incomplete = _without_incomplete(rows, complete, columns.text)
-    problems += [problem for name in needed if name in columns.text for problem in _blanks(rows[name], file, name)]
+    for name in (name for name in needed if name in columns.text):
+        problems += wrong_cells(rows.index[rows[name] == ""], "is blank; expected a name", file, name)
     if rows.empty and not problems:
         problems.append(Problem("has no rows of data", file))
     notices = tuple(f"{path.name}: {note}" for note in (*_unused(header, used), *marked, *incomplete))
@@ -222,10 +223,6 @@ def _without_incomplete(
     return rows[~incomplete], notices
 
 
-def _blanks(words: "pd.Series[str]", file: str, name: str) -> list[Problem]:
-    return problems_at(words.index[words == ""], lambda line: Problem("is blank; expected a name", file, line, name))
-
-
 def problems_at(lines: Sequence[int] | pd.Index, problem: Callable[[int], Problem]) -> list[Problem]:
     """Return the problems of the first of some lines, the last of them with the number of the rest.
 
@@ -235,3 +232,8 @@ def problems_at(lines: Sequence[int] | pd.Index, problem: Callable[[int], Proble
     if len(lines) > MAX_SHOWN:
         found[-1] = replace(found[-1], message=f"{found[-1].message}; {len(lines) - MAX_SHOWN} more like it")
     return found
+
+
+def wrong_cells(lines: Sequence[int] | pd.Index, message: str, file: str, column: str, hint: str = "") -> list[Problem]:
+    """Return a problem of a column's cells in some lines, as `problems_at` does."""
+    return problems_at(lines, partial(Problem, message, file, key=column, hint=hint))

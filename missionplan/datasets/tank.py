@@ -23,7 +23,7 @@ from missionplan.datasets import (
     read_named_table,
 )
 from missionplan.datasets.records import ROW_BY_ROW, row_identities, row_texts, table_identity, written_once
-from missionplan.datasets.table import Columns, CsvTable, problems_at
+from missionplan.datasets.table import Columns, CsvTable, wrong_cells
 from missionplan.errors import Problem
 from missionplan.mission.schema import quantity_parser as q
 from missionplan.mission.schema.quantity_parser import QuantityParser
@@ -297,14 +297,12 @@ _POSITIVE = {
 
 def _not_positive(raw: RawDataset[Settings]) -> list[Problem]:
     """List the cells that must be more than nil, and are not."""
-    kind = raw.document.data.get("kind")
-
-    def at(name: str, hint: str) -> list[Problem]:
-        rows = raw.table.index[raw.table[name] <= 0.0]
-        return problems_at(rows, lambda line: Problem("expected more than 0", raw.file, line, name, hint))
-
-    columns = [(name, hint) for (of, name), hint in _POSITIVE.items() if of == kind and name in raw.table]
-    return [problem for name, hint in columns for problem in at(name, hint)]
+    found = []
+    for (kind, name), hint in _POSITIVE.items():
+        if kind == raw.document.data.get("kind") and name in raw.table:
+            rows = raw.table.index[raw.table[name] <= 0.0]
+            found += wrong_cells(rows, "expected more than 0", raw.file, name, hint)
+    return found
 
 
 def _unmoved(raw: RawDataset[Settings]) -> list[Problem]:

@@ -18,7 +18,6 @@ import numpy as np
 from missionplan.errors import InputError, Problem
 from missionplan.exporters import header, no_battery, one_interval, plain, unheld_moorings, zones_lost
 from missionplan.phases.transit.plan import Execution
-from missionplan.phases.transit.transit import Execution
 from missionplan.results.plan import Plan, PlannedTransit
 from missionplan.results.plan_states import GuardKind
 

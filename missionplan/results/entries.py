@@ -136,10 +136,15 @@ def _plain(value: Any) -> Any:
     if isinstance(value, Mapping):
         return {name: _plain(inner) for name, inner in value.items()}
     if is_dataclass(value):
-        return {field.name: _plain(getattr(value, field.name)) for field in fields(value)}
+        return fields_of(value)
     if isinstance(value, tuple | list):
         return [_plain(inner) for inner in value]
     return value
+
+
+def fields_of(value: Any) -> dict[str, Any]:
+    """Return the fields of a data class by their names, as they stand in a summary."""
+    return {field.name: _plain(getattr(value, field.name)) for field in fields(value)}
 
 
 def _only(parts: tuple[str, ...], stands: Any) -> Any:

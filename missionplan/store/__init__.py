@@ -9,7 +9,7 @@ from datetime import datetime
 from pathlib import Path
 
 from missionplan.errors import InputError, Problem
-from missionplan.moments import moment_of
+from missionplan.moments import moment_or_none
 from missionplan.store.folder import as_path, is_folder
 
 _MAX_DEPTH = 4
@@ -75,14 +75,8 @@ def _entry(folder: Path) -> ReportEntry:
         return ReportEntry(folder, "", "", None, "its summary.json is none of missionplan's")
     answer = html.unescape(re.sub(r"<[^>]*>|\s+", " ", found[1])).strip() if found else ""
     mission = summary.get("mission") or summary.get("file") or ""
-    return ReportEntry(folder, str(summary.get("command", "")), str(mission), _created(summary), answer)
-
-
-def _created(summary: dict[str, object]) -> datetime | None:
-    try:
-        return moment_of(summary.get("created_utc"))
-    except ValueError:
-        return None
+    created = moment_or_none(summary.get("created_utc"))
+    return ReportEntry(folder, str(summary.get("command", "")), str(mission), created, answer)
 
 
 def _time(entry: ReportEntry) -> float:

@@ -91,9 +91,9 @@ class Checkpoints:
 
         Those that are there and do not agree are named in a warning.
         """
-        present = [item for item in blocks if self._path(*item).exists()]
+        present = [item for item in blocks if _block_file(self._folder, *item).exists()]
         kept = {item for item in present if self.holds(*item)}
-        damaged = [self._path(*item).name for item in present if item not in kept]
+        damaged = [_block_file(self._folder, *item).name for item in present if item not in kept]
         if damaged:
             more = f" and {len(damaged) - _MAX_NAMED} more" if len(damaged) > _MAX_NAMED else ""
             _log.warning(
@@ -120,17 +120,15 @@ class Checkpoints:
 
         Raises RunError when the disk is full, or the folder is missing or not writable.
         """
+        path = _block_file(self._folder, block, size)
         if not self._folder.is_dir():
-            raise RunError(f"cannot write {self._path(block, size)}: the folder {self._folder} no longer exists")
+            raise RunError(f"cannot write {path}: the folder {self._folder} no longer exists")
         content = BytesIO()
         label = {"digest": np.array(self._digest), "block": np.array([block, size])}
         with interrupts_deferred():  # a ZIP file that an exception leaves half opened raises another when it is closed
             np.savez_compressed(content, **label, **dict(arrays))  # type: ignore[arg-type]
             checksum = hashlib.sha256(content.getvalue()).digest()
-            write_atomically(self._path(block, size), content.getvalue() + checksum)
-
-    def _path(self, block: int, size: int) -> Path:
-        return _block_file(self._folder, block, size)
+            write_atomically(path, content.getvalue() + checksum)
 
 
 Item = TypeVar("Item", bound=tuple[int, ...])

@@ -247,34 +247,29 @@ def new_folder(folder: Path, *, force: bool = False) -> Iterator[Path]:
 
     With `force`, files of the same name in an existing folder are replaced and others are kept.
     """
-    with claimed(folder, force=force), _filled(folder) as temporary:
-        yield temporary
-
-
-@contextmanager
-def _filled(folder: Path) -> Iterator[Path]:
-    target = folder.resolve() if folder.is_symlink() else folder  # a link stays one
-    try:
-        _remove_strays(target)
-        temporary = Path(tempfile.mkdtemp(dir=target.parent, prefix=f".{target.name}."))
-    except OSError as error:
-        raise RunError(f"cannot write in {target.parent}: {error.strerror or error}") from error
-    try:
-        temporary.chmod(0o755)
-        with (temporary / _OWNER).open("w") as lock:
-            _locks(lock)
-            yield temporary
-        (temporary / _OWNER).unlink()
-        if target.is_dir() and any(target.iterdir()):
-            _move_files(temporary, target)
-        else:
-            if target.is_dir():
-                target.rmdir()
-            temporary.rename(target)
-    except OSError as error:
-        raise RunError(f"cannot write {folder}: {error.strerror or error}") from error
-    finally:
-        shutil.rmtree(temporary, ignore_errors=True)
+    with claimed(folder, force=force):
+        target = folder.resolve() if folder.is_symlink() else folder  # a link stays one
+        try:
+            _remove_strays(target)
+            temporary = Path(tempfile.mkdtemp(dir=target.parent, prefix=f".{target.name}."))
+        except OSError as error:
+            raise RunError(f"cannot write in {target.parent}: {error.strerror or error}") from error
+        try:
+            temporary.chmod(0o755)
+            with (temporary / _OWNER).open("w") as lock:
+                _locks(lock)
+                yield temporary
+            (temporary / _OWNER).unlink()
+            if target.is_dir() and any(target.iterdir()):
+                _move_files(temporary, target)
+            else:
+                if target.is_dir():
+                    target.rmdir()
+                temporary.rename(target)
+        except OSError as error:
+            raise RunError(f"cannot write {folder}: {error.strerror or error}") from error
+        finally:
+            shutil.rmtree(temporary, ignore_errors=True)
 
 
 def _locks(file: TextIO) -> bool:
@@ -293,13 +288,9 @@ def _locks(file: TextIO) -> bool:
 def _remove_strays(folder: Path) -> None:
     """Remove what killed reports have left beside a folder; what is still written to is locked."""
     for stray in folder.parent.glob(f".{glob.escape(folder.name)}.*"):
-        if stray.is_dir() and not stray.is_symlink() and _is_abandoned(stray / _OWNER):
+        owner, is_own = stray / _OWNER, stray.is_dir() and not stray.is_symlink()
+        if fcntl is not None and is_own and owner.exists() and _is_free(owner):  # without locks nothing is known
             shutil.rmtree(stray, ignore_errors=True)
-
-
-def _is_abandoned(owner: Path) -> bool:
-    """Whether a temporary folder's owner has ended; where there are no locks nothing is known."""
-    return fcntl is not None and owner.exists() and _is_free(owner)
 
 
 def _is_free(path: Path) -> bool:

@@ -1,7 +1,7 @@
 """Report of `sweep-transition`: depth, pitch and energy of slowing down to hover, after Palmer, Hearn & Stevenson."""
 
 import shlex
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 
 import matplotlib as mpl
 import numpy as np
@@ -56,8 +56,11 @@ def _mark_saturation(angles: Axes, depth: Axes, result: TransitionSweep) -> None
     )
 
 
-def draw_histories(axes: Axes, tracks: Sequence[TimeHistory], y: Callable[[TimeHistory], Array], label: str) -> None:
-    """Draw a line against time for each run."""
+def _draw_histories(
+    axes: Axes, result: TransitionSweep, y: Callable[[TimeHistory], Array], label: str, by_steepness: bool
+) -> None:
+    """Draw a line against time for each mid-transition speed, or for each steepness."""
+    tracks = result.by_steepness if by_steepness else result.by_mid_speed
     colours = mpl.colormaps["viridis"](np.linspace(0.0, 0.85, len(tracks)))
     for track, colour in zip(tracks, colours, strict=True):
         shown = (track.time >= 0.0) & (track.time <= _SHOWN_UNTIL)
@@ -88,24 +91,12 @@ def history_figure(result: TransitionSweep, number: int) -> Figure:
 
 def rise(axes: Axes, result: TransitionSweep, *, by_steepness: bool = False) -> None:
     """Draw the rise above the target depth for each mid-transition speed, or for each steepness."""
-    tracks = result.by_steepness if by_steepness else result.by_mid_speed
-    draw_histories(axes, tracks, rise_of, "rise above target (m)")
+    _draw_histories(axes, result, lambda track: -track.depth, "rise above target (m)", by_steepness)
 
 
 def pitch(axes: Axes, result: TransitionSweep, *, by_steepness: bool = False) -> None:
     """Draw the pitch for each mid-transition speed, or for each steepness."""
-    tracks = result.by_steepness if by_steepness else result.by_mid_speed
-    draw_histories(axes, tracks, pitch_of, "pitch (°)")
-
-
-def rise_of(track: TimeHistory) -> Array:
-    """Height above the target depth [m]."""
-    return -track.depth
-
-
-def pitch_of(track: TimeHistory) -> Array:
-    """Pitch [deg]."""
-    return np.degrees(track.pitch)
+    _draw_histories(axes, result, lambda track: np.degrees(track.pitch), "pitch (°)", by_steepness)
 
 
 def energy_figure(result: TransitionSweep, option: str) -> Figure:
@@ -145,23 +136,12 @@ def pitch_by_variant(result: TransitionSweep) -> Figure:
     axes = figure.subplots()
     for track, colour, dash in zip(result.by_variant, (BLUE, ORANGE, GREEN), ("-", "--", "-"), strict=True):
         shown = track.time >= 0.0
-        axes.plot(track.time[shown], pitch_of(track)[shown], dash, color=colour, label=track.label)
+        axes.plot(track.time[shown], np.degrees(track.pitch)[shown], dash, color=colour, label=track.label)
     axes.set_xlabel("time since the deceleration began (s)")
     axes.set_ylabel("pitch (°)")
     axes.legend()
     alt = "Pitch against time of the three variants: the pair's oscillation dies out, the others' goes on."
     return to_figure(figure, "fig-14-pitch", alt, "The three variants (the paper's Fig. 14).")
-
-
-def all_figures(result: TransitionSweep) -> list[Figure]:
-    """Every figure of the page, in its order."""
-    return [
-        unassisted_figure(result),
-        *(history_figure(result, number) for number in _HISTORIES),
-        energy_figure(result, "a"),
-        energy_figure(result, "b"),
-        pitch_by_variant(result),
-    ]
 
 
 def page(result: TransitionSweep) -> Page:

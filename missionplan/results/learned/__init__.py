@@ -1,7 +1,4 @@
-"""The answer of a diagnosis: what the simulation gets wrong, why, and what the extended model gains.
-
-Its parts are in `evidence`; `next_trial` is the trial that it proposes.
-"""
+"""The answer of a diagnosis: what the simulation gets wrong, why, and what is gained; its parts are in `evidence`."""
 
 from collections import Counter
 from collections.abc import Mapping
@@ -12,7 +9,7 @@ from typing import Annotated, ClassVar
 import pandas as pd
 
 from missionplan.results import Provenance, Result, mission_files, to_csv, to_json
-from missionplan.results.entries import Entry, Record
+from missionplan.results.entries import Entry, Record, fields_of
 from missionplan.results.learned.evidence import (
     SURE,
     Causes,
@@ -33,6 +30,7 @@ LIKELY, SDS, FEWEST = 0.9, 3.0, 3
 """Probability of a trend from which it is told, standard deviations that it has at least, and missions."""
 LIKELY_JUMP = 0.5
 """Probability of a jump from which it is told."""
+_RESPONSE = ("axis", "what", "probability")
 
 
 @dataclass(frozen=True)
@@ -211,7 +209,7 @@ class Diagnosis(Result):
             "causes": list(self.causes),
             "misfit": self.misfit,
             "credible_set": [list(causes) for causes in self.credible_set],
-            "ranking": [entry.summary() for entry in self.ranking],
+            "ranking": [fields_of(entry) for entry in self.ranking],
             "remainder": self.discrepancy.summary(),
             "base_remainder": self.base_discrepancy.summary(),
             "outlying_groups": [{"group": group, "p_value": p_value} for group, p_value in self.outlying_groups],
@@ -231,7 +229,8 @@ class Diagnosis(Result):
             "not_constant": list(self.not_constant),
             "suspect_labels": self.suspect_labels,
             "none_of_these": self.none_of_these,
-            **self.readings.summary(),
+            **fields_of(self.readings),
+            "responses": [dict(zip(_RESPONSE, each, strict=True)) for each in self.readings.responses],
             "coverage_scale": self.coverage.scale if self.coverage is not None else 1.0,
             **({"next_trial": self.next_trial.summary()} if self.next_trial is not None else {}),
         }

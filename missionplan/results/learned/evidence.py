@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass, field
+from dataclasses import dataclass, field
 from typing import Literal
 
 from missionplan.arrays import Array
@@ -147,19 +147,6 @@ class Readings:
     confounded_with_reckoning: Causes = ()
     """Causes no larger than the doubt of a dead reckoning that was made without a logged speed."""
 
-    def summary(self) -> dict[str, object]:
-        """Return the entries of ``diagnosis.json``."""
-        return {
-            "inclusion": dict(self.inclusion),
-            "responses": [{"axis": axis, "what": what, "probability": p} for axis, what, p in self.responses],
-            "not_computed": self.not_computed,
-            "families": [[list(causes) for causes in family] for family in self.families],
-            "aliases": [asdict(alias) for alias in self.aliases],
-            "plan_with": self.plan_with,
-            "wrong_fixes": [asdict(fix) for fix in self.wrong_fixes],
-            "confounded_with_reckoning": list(self.confounded_with_reckoning),
-        }
-
 
 @dataclass(frozen=True)
 class RankedSet:
@@ -177,18 +164,6 @@ class RankedSet:
     """Where it was measured: the best few."""
     share_explained: float
     """Share of the base model's squared residuals that goes with these causes."""
-
-    def summary(self) -> dict[str, object]:
-        """Return the entry of ``ranking``."""
-        return {
-            "causes": list(self.causes),
-            "log_bayes_factor": self.log_bayes_factor,
-            "score": self.score,
-            "posterior": self.posterior,
-            "parameters": [asdict(parameter) for parameter in self.parameters],
-            "held_out": asdict(self.held_out) if self.held_out else None,
-            "share_explained": self.share_explained,
-        }
 
 
 @dataclass(frozen=True)

@@ -9,7 +9,7 @@ from matplotlib.dates import AutoDateLocator, ConciseDateFormatter, DateFormatte
 from matplotlib.figure import Figure as MatplotlibFigure
 
 from missionplan.mission.units import QuantityError, parse_number_with_unit
-from missionplan.moments import moment_of
+from missionplan.moments import moment_or_none
 from missionplan.report.page import Figure, PageSection, Table, to_figure
 from missionplan.report.planned import value_in_words
 from missionplan.report.wording import (
@@ -217,10 +217,7 @@ def _name(key: str) -> str:
 
 def _moment(value: str) -> datetime | None:
     """Return a start; None where the value is none."""
-    try:
-        return moment_of(value) if "T" in value else None
-    except ValueError:
-        return None
+    return moment_or_none(value) if "T" in value else None
 
 
 def _shown(found: Alternatives, value: str) -> str:

@@ -92,17 +92,12 @@ Columns = Mapping[str, NDArray[np.generic]]
 
 
 @dataclass(frozen=True)
-class InvalidCell:
-    """A cell whose mission cannot be run, and why."""
-
-    reason: str
-
-
-@dataclass(frozen=True)
-class CellBlock:
-    """A block of a cell's trials: by name `total.success`, each requirement, what left the record, quantities."""
+class CellTrials:
+    """Trials of a cell, or a block of them: `total.success`, each requirement, what left the record, quantities."""
 
     columns: Columns
+    reason: str = ""
+    """Why its mission cannot be run, where it cannot: there are no trials then."""
 
 
 @dataclass(frozen=True, eq=False)  # hashed by identity, as Dask asks for
@@ -124,7 +119,7 @@ class MissionTask:
     def _streams(self) -> CommonStreams:
         return CommonStreams(self.seed)
 
-    def __call__(self, item: CellItem) -> CellBlock | InvalidCell:
+    def __call__(self, item: CellItem) -> CellTrials:
         """Run one block; what is wrong with its mission is returned, not raised, so that others go on."""
         cell, block, size = item
         try:
@@ -133,18 +128,18 @@ class MissionTask:
         except InputError as error:
             # without the file, which is that of every cell
             reasons = (f"{each.key}: {each.message}" if each.key else each.message for each in error.problems)
-            return InvalidCell("; ".join(reasons))
+            return CellTrials({}, "; ".join(reasons))
         except MissionplanError:
             raise
         except Exception as error:
-            return InvalidCell(f"block {block}: {type(error).__name__}: {error}")
+            return CellTrials({}, f"block {block}: {type(error).__name__}: {error}")
         columns = trials.columns()
         met = requirement_flags(means.mission, columns)
         flags = {SUCCESS: trials.success, **{str(counted): flags for counted, flags in met.items()}}
         left = [phase.limits[LEFT_RECORD] for phase in trials.phases if LEFT_RECORD in phase.limits]
         if left and means.current is not None and means.current.is_binding:
             flags[LEFT_RECORD] = np.any(left, axis=0)
-        return CellBlock(flags | {name: columns[name] for name in self.quantities})
+        return CellTrials(flags | {name: columns[name] for name in self.quantities})
 
 
 @dataclass(frozen=True, eq=False)
@@ -188,26 +183,21 @@ def checked_means(mission: Mission, current: SharedCurrent) -> Scenario:
 MAX_BLOCKS = 100_000
 """Blocks of one cell: a checkpoint numbers the blocks of all cells in one sequence."""
 _REASON = "reason"
-RunCell = Callable[[CellItem], CellBlock | InvalidCell]
-
-
-@dataclass(frozen=True)
-class CellTrials:
-    """All trials of a cell, by column; none where it cannot be run, for a reason."""
-
-    columns: Mapping[str, NDArray[np.generic]]
-    reason: str = ""
 
 
 def cell_trials(
-    task: RunCell, items: Sequence[CellItem], cells: Sequence[int], workers: Workers, store: Checkpoints | None = None
+    task: Callable[[CellItem], CellTrials],
+    items: Sequence[CellItem],
+    cells: Sequence[int],
+    workers: Workers,
+    store: Checkpoints | None = None,
 ) -> list[CellTrials]:
     """Run the blocks that are not in the checkpoint, and return the trials of each of some cells.
 
     `task`: runs a block of a cell. `items`: in any order; the blocks of a cell ascend. `workers`: told the trials done.
     `store`: where finished blocks are kept.
     """
-    gathered: dict[int, list[CellBlock | InvalidCell]] = {cell: [] for cell in cells}
+    gathered: dict[int, list[CellTrials]] = {cell: [] for cell in cells}
     run, form = partial(workers.quiet.run, task), (_arrays_of, _from_arrays)
     with closing(kept_or_run(items, run, store, _numbered, form, workers.progress)) as blocks:
         for item, block in blocks:
@@ -220,17 +210,17 @@ def _numbered(item: CellItem) -> tuple[int, int]:
     return cell * MAX_BLOCKS + block, size
 
 
-def _arrays_of(block: CellBlock | InvalidCell) -> Columns:
-    return block.columns if isinstance(block, CellBlock) else {_REASON: np.array(block.reason)}
+def _arrays_of(block: CellTrials) -> Columns:
+    return {_REASON: np.array(block.reason)} if block.reason else block.columns
 
 
-def _from_arrays(arrays: Columns) -> CellBlock | InvalidCell:
-    return InvalidCell(str(arrays[_REASON])) if _REASON in arrays else CellBlock(arrays)
+def _from_arrays(arrays: Columns) -> CellTrials:
+    return CellTrials({}, str(arrays[_REASON])) if _REASON in arrays else CellTrials(arrays)
 
 
-def _joined(blocks: Sequence[CellBlock | InvalidCell]) -> CellTrials:
-    invalid = [block.reason for block in blocks if isinstance(block, InvalidCell)]
+def _joined(blocks: Sequence[CellTrials]) -> CellTrials:
+    invalid = [block for block in blocks if block.reason]
     if invalid:
-        return CellTrials({}, invalid[0])
-    parts = [block.columns for block in blocks if isinstance(block, CellBlock)]
+        return invalid[0]
+    parts = [block.columns for block in blocks]
     return CellTrials({name: np.concatenate([part[name] for part in parts]) for name in parts[0]} if parts else {})

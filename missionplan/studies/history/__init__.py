@@ -19,7 +19,7 @@ from missionplan.mission import Mission, MissionOrPath, as_mission
 from missionplan.mission.documents import load_document, read_text
 from missionplan.mission.includes import hash_of, read_draws
 from missionplan.mission.learned import Series, series_of
-from missionplan.moments import moment_of
+from missionplan.moments import moment_or_none
 from missionplan.montecarlo.levels import Measured, Seen
 from missionplan.montecarlo.posterior import FILE, DamagedPosteriorError
 from missionplan.results import Provenance
@@ -254,10 +254,7 @@ def _can_be_told(summary: Mapping[str, object]) -> bool:
 
 def _moment(text: str) -> datetime:
     """Time of a report; without a zone it is UTC."""
-    try:
-        return moment_of(text)
-    except (ValueError, OverflowError):
-        return datetime.min.replace(tzinfo=UTC)
+    return moment_or_none(text) or datetime.min.replace(tzinfo=UTC)
 
 
 def _learned(report: _Report, moment: str) -> Iterator[Learned]:

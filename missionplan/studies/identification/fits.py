@@ -168,11 +168,15 @@ class Identification(TankAnalysis, Result):
         rows += [{"model": "derived", **estimate.summary()} for estimate in self.derived]
         return pd.DataFrame(rows)
 
+    def residuals(self) -> pd.DataFrame:
+        """Data, preferred model and residuals of every panel."""
+        return pd.concat([panel.residuals() for panel in self.panels], ignore_index=True)
+
     def files(self) -> dict[str, str | bytes]:
         """Return the tables and the vehicle fragment."""
         return {
             "parameters.csv": to_csv(self.to_frame()),
-            "residuals.csv": to_csv(pd.concat([panel.residuals() for panel in self.panels], ignore_index=True)),
+            "residuals.csv": to_csv(self.residuals()),
             "vehicle-fragment.yaml": to_yaml(self.fragment),
         }
 
@@ -181,7 +185,6 @@ INTERVAL = 0.90
 """Probability of the intervals."""
 RANK_TOLERANCE = 1e-9
 """Least singular value over the largest, of the scaled Jacobian, below which a parameter is not identifiable."""
-
 IMPROBABLE = 1e-3
 """Probability of a chi-squared as large below which it is no chance."""
 STATED_WITHIN = 1.5
@@ -316,8 +319,7 @@ def _covariance(name: str, jacobian: Array, parameters: Sequence[FitParameter]) 
         confounded = [p.name for p, weight in zip(parameters, rows[-1], strict=True) if abs(weight) > 0.1]
         raise RunError(f"{name}: {' and '.join(confounded)} cannot be distinguished with these data")
     inverse = (rows.T / singular**2) @ rows
-    covariance: Array = inverse / np.outer(norms, norms)
-    return covariance
+    return np.asarray(inverse / np.outer(norms, norms))
 
 
 def scaled_estimate(

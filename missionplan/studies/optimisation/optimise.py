@@ -1,6 +1,6 @@
 """`optimise`: anchor, line, legs, speed and start together: all requirements met at the least energy or time."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal
@@ -10,6 +10,7 @@ import numpy as np
 from missionplan.errors import InputError, Problem
 from missionplan.mission import MissionOrPath
 from missionplan.montecarlo.alternatives import paired_difference, pareto_front
+from missionplan.montecarlo.blocks import Progress
 from missionplan.results.optimisation import Obstacle, Optimised, Relaxation, Tried
 from missionplan.results.simulation import Outcome
 from missionplan.store.checkpoints import Checkpoints
@@ -34,7 +35,6 @@ from missionplan.studies.run import Run
 
 MOST_CHECKS = 12
 """Choices that are checked with all trials, the best first."""
-Progress = Callable[[int, int], None]
 
 
 def optimise(

@@ -29,7 +29,6 @@ from missionplan.studies.rare_failure.driven_trials import (
     FailingTrials,
     RareEvent,
     discrete_values,
-    drawn_inputs,
     margins,
     units_of_inputs,
     variation_asked,
@@ -268,7 +267,7 @@ def _with_ways(means: Scenario, event: RareEvent, seed: int) -> tuple[DrivenMiss
         int(np.count_nonzero(plain.failed)),
         np.append(np.count_nonzero(fails_by, axis=1), np.count_nonzero(without)),
         _without_margin(driven, trials),
-        drawn_inputs(trials),
+        trials.inputs(),
     )
     return driven, ReliabilityIndices.of(plain), usual
 

@@ -265,7 +265,7 @@ class DrivenMission:
         return FailingTrials(
             weights=weights[failed],
             columns={name: values[failed] for name, values in trials.columns().items()},
-            inputs=tuple(drawn_inputs(trials)),
+            inputs=tuple(trials.inputs()),
             steps=_first_steps(trials)[failed],
         )
 
@@ -297,14 +297,6 @@ def discrete_values(mission: Mission, means: Scenario) -> dict[Key, Sequence[Dis
             for number in range(len(ends) - 1)
         ]
     return found
-
-
-def drawn_inputs(trials: MissionTrials) -> dict[str, Array]:
-    """What was drawn, by the names of the table of trials; what is drawn each leg as its sum over the legs."""
-    inputs = dict(trials.draws)
-    for phase in trials.phases:
-        inputs |= {f"{phase.name}.{name}": values for name, values in phase.inputs.items()}
-    return inputs
 
 
 def units_of_inputs(mission: Mission, names: Iterable[str]) -> dict[str, str]:

@@ -249,13 +249,10 @@ def failures_by_step(trials: MissionTrials) -> dict[Counted, Flags]:
 
 
 def _sample(trials: MissionTrials, columns: Mapping[str, Array | Flags]) -> dict[tuple[Sampled, str], Array]:
-    inputs = dict(trials.draws)
-    for phase in trials.phases:
-        inputs |= {f"{phase.name}.{name}": values for name, values in phase.inputs.items()}
     kinds = [(phase.name, phase.kind) for phase in trials.phases] + [("total", "total")]
     figures = [f"{phase}.{name}" for phase, kind in kinds for name in KEY_FIGURES[kind]]
     return (
-        {(Sampled.INPUT, name): values for name, values in inputs.items()}
+        {(Sampled.INPUT, name): values for name, values in trials.inputs().items()}
         | {(Sampled.OUTPUT, name): np.asarray(columns[name], dtype=float) for name in figures}
         | {(Sampled.MISS, phase.name): phase.miss for phase in trials.phases}
     )

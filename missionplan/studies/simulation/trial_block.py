@@ -117,6 +117,13 @@ class MissionTrials:
     draws: Mapping[str, Array]
     """The uncertain quantities of the mission, by key path, shape (n,)."""
 
+    def inputs(self) -> dict[str, Array]:
+        """What was drawn, by the names of the table; what is drawn each leg as its sum over the legs."""
+        found = dict(self.draws)
+        for phase in self.phases:
+            found |= {f"{phase.name}.{name}": values for name, values in phase.inputs.items()}
+        return found
+
     def columns(self) -> dict[str, Array | Flags]:
         """One array a column of the table of trials, shape (n,) each."""
         found: dict[str, Array | Flags] = dict(self.draws)

@@ -28,7 +28,6 @@ from missionplan.studies.rare_failure.driven_trials import (
     DrivenMission,
     RareEvent,
     discrete_values,
-    drawn_inputs,
     units_of_inputs,
 )
 from missionplan.studies.rare_failure.page import _value
@@ -268,7 +267,7 @@ def test_what_is_unlike_usual_is_said_in_its_declared_unit_and_the_readers():
     data["vehicle"]["anchor"]["flooded_mass"] = {"mean": "2.6 kg", "sd": "0.1 kg"}
     mission = Mission.from_data(data)
     trials = run_block(Scenario.at_means(mission), 1, 0, 20)
-    inputs = drawn_inputs(trials)
+    inputs = trials.inputs()
     units = units_of_inputs(mission, inputs)
     assert units["vehicle.anchor.flooded_mass"] == "kg"
     assert units["effects.compass-bias.angle"] == units["effects.tidal-current.m2_east_phase"] == "rad"
