@@ -14,11 +14,11 @@ from benchmarks.common import MISSIONS, Options, Row, Section
 from missionplan.mission import Mission, load
 from missionplan.montecarlo.blocks import IN_THIS_PROCESS
 from missionplan.results.decision import Axis
+from missionplan.studies.exploration import read_axes
 from missionplan.studies.exploration.cells import CellTrials, cell_trials
 from missionplan.studies.exploration.explore import CellPlan, race
 from missionplan.studies.exploration.result import ENERGY, cell_of, rank
-from missionplan.studies.exploration.variation import read_axes
-from missionplan.studies.optimisation.choosable import Lattice, Point
+from missionplan.studies.optimisation import Lattice, Point
 from missionplan.studies.optimisation.evaluations import Evaluation, Evaluations, columns_needed, demands_of
 from missionplan.studies.optimisation.search import Search
 

@@ -27,10 +27,10 @@ from missionplan.scenario.anchors import laden, worst_case_weight
 from missionplan.scenario.phases import start_of
 from missionplan.scenario.scenario import Scenario
 from missionplan.studies.anchor.sizing import AnchorSizer, AnchorTrials
+from missionplan.studies.exploration import read_axes
 from missionplan.studies.exploration.cells import CellTrials, cell_trials
 from missionplan.studies.exploration.explore import CellPlan
 from missionplan.studies.exploration.result import cell_of
-from missionplan.studies.exploration.variation import read_axes
 from missionplan.studies.optimisation.evaluations import columns_needed
 from missionplan.studies.simulation.block_statistics import requirement_flags
 from missionplan.studies.simulation.mooring_trials import mooring_trials

@@ -15,9 +15,9 @@ import yaml
 from missionplan import Mission
 from missionplan.phases.transit.plan import LegTable
 from missionplan.phases.transit.policy import best_legs
+from missionplan.studies.leg_length import SweepScenario
 from missionplan.studies.leg_length.analytic_transit import replace_first_leg
 from missionplan.studies.leg_length.paired_trials import LegsAtSpeed, run_plans
-from missionplan.studies.leg_length.sweep_scenario import SweepScenario
 
 FOLDER = Path(__file__).parent
 MODES = ("none", "forecast", "last-leg", "mean", "filter")

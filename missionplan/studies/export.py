@@ -24,7 +24,7 @@ from missionplan.scenario.site_current import recorded_current
 from missionplan.store.folder import as_path, exists, is_file, is_folder, write_atomically
 from missionplan.studies.planned_phases import PhaseBuilder
 from missionplan.studies.run import check_arguments
-from missionplan.studies.simulation.checks import check_complete, check_cover
+from missionplan.studies.simulation import check_complete, check_cover
 
 
 def mission_plan(

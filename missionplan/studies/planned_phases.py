@@ -18,8 +18,8 @@ from missionplan.phases.transit.transit import transit
 from missionplan.results.plan import PlannedMooring, PlannedTransit, SurfacingRule, Waypoint
 from missionplan.scenario.phases import deployed, transit_normals
 from missionplan.scenario.scenario import Scenario, leg_table
+from missionplan.studies.leg_length import SweepScenario
 from missionplan.studies.leg_length.paired_trials import PILOT_BLOCK, LegsAtSpeed, arrival_shortfall, run_plans
-from missionplan.studies.leg_length.sweep_scenario import SweepScenario
 
 TRIALS = 1024
 """Trials from which the 99 % durations are taken, and on which a table and intervals are compared."""

@@ -23,9 +23,9 @@ from missionplan.scenario.phases import moor_plan, room_in_depth
 from missionplan.scenario.scenario import Scenario, leg_spread
 from missionplan.scenario.ways import blocked
 from missionplan.store.folder import as_path, is_folder
-from missionplan.studies.leg_length.sweep_scenario import SweepScenario
-from missionplan.studies.optimisation.choosable import read_lattice
-from missionplan.studies.simulation.checks import (
+from missionplan.studies.leg_length import SweepScenario
+from missionplan.studies.optimisation import read_lattice
+from missionplan.studies.simulation import (
     check_complete,
     cover_in_words,
     covered_means,

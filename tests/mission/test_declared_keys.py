@@ -16,7 +16,7 @@ from missionplan.mission.schema.phases import MoorPhase, TransitPhase
 from missionplan.mission.schema.quantity_parser import Limit
 from missionplan.mission.schema.vehicle import Vehicle
 from missionplan.mission.validation_errors import keys_of, meaning_of, parsers_of, sections_in
-from missionplan.studies.exploration.variation import known_keys
+from missionplan.studies.exploration import known_keys
 from missionplan.studies.schema import schema
 
 MISSIONS = Path(__file__).parents[2] / "missions"

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from missionplan.errors import InputError
 from missionplan.mission import Mission, load
 from missionplan.mission.quantity_paths import SECTIONS, phase_keys, resolved_path
-from missionplan.studies.exploration.variation import known_key, with_values
+from missionplan.studies.exploration import known_key, with_values
 
 MISSIONS = Path(__file__).parents[2] / "missions"
 CHESAPEAKE = load(MISSIONS / "chesapeake.yaml")

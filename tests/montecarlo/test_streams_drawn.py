@@ -11,7 +11,7 @@ from missionplan.mission.schema.site import LeewaySection
 from missionplan.montecarlo.streams import BLOCK, BlockStreams
 from missionplan.scenario.scenario import Scenario
 from missionplan.scenario.site_current import STREAM
-from missionplan.studies.exploration.variation import with_values
+from missionplan.studies.exploration import with_values
 from missionplan.studies.simulation.trial_block import run_trials
 
 MISSIONS = Path(__file__).parents[2] / "missions"

@@ -9,7 +9,7 @@ import missionplan
 from missionplan.errors import InputError
 from missionplan.results import to_yaml
 from missionplan.studies.comparison.alternatives_page import answer
-from missionplan.studies.exploration.variation import with_values
+from missionplan.studies.exploration import with_values
 
 MISSIONS = Path(__file__).parents[2] / "missions"
 

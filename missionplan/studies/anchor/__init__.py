@@ -29,7 +29,7 @@ from missionplan.studies.anchor.sizing import AnchorSizer, AnchorTrials
 from missionplan.studies.held_vehicle import held_vehicle
 from missionplan.studies.judgement import doubted, judged
 from missionplan.studies.run import Run, RunArguments
-from missionplan.studies.simulation.checks import covered_means
+from missionplan.studies.simulation import covered_means
 
 HEAVIER = (1.005, 1.01, 1.02, 1.03, 1.05)
 """Factors by which an anchor is made heavier where fresh draws do not agree with those on which it was found."""

@@ -22,11 +22,11 @@ from missionplan.results.decision import Axis
 from missionplan.scenario.scenario import Scenario
 from missionplan.scenario.site_current import current_source, is_netcdf, recorded_current
 from missionplan.store.checkpoints import Checkpoints, kept_or_run
-from missionplan.studies.exploration.variation import with_values
+from missionplan.studies.exploration import with_values
 from missionplan.studies.held_vehicle import check_dives
 from missionplan.studies.run import identified
+from missionplan.studies.simulation import check_complete
 from missionplan.studies.simulation.block_statistics import requirement_flags
-from missionplan.studies.simulation.checks import check_complete
 from missionplan.studies.simulation.trial_block import run_trials
 
 

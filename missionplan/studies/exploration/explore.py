@@ -20,6 +20,7 @@ from missionplan.scenario.scenario import Scenario
 from missionplan.scenario.site_current import members_drawn, members_of
 from missionplan.store.checkpoints import Checkpoints
 from missionplan.store.folder import as_path
+from missionplan.studies.exploration import OPTION, first_start, read_axes
 from missionplan.studies.exploration.cells import SUCCESS, CellItem, CellTask, CellTrials, SharedCurrent, cell_trials
 from missionplan.studies.exploration.result import (
     AIM_COLUMNS,
@@ -31,10 +32,9 @@ from missionplan.studies.exploration.result import (
     find_best,
     rank,
 )
-from missionplan.studies.exploration.variation import OPTION, first_start, read_axes
 from missionplan.studies.run import Run, RunArguments
+from missionplan.studies.simulation import check_complete, input_notices
 from missionplan.studies.simulation.block_statistics import requirement_key
-from missionplan.studies.simulation.checks import check_complete, input_notices
 
 MAX_TRIALS = 25_000_000
 """Trials of all cells together: their results are kept in memory, to be compared pair by pair."""

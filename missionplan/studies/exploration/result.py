@@ -16,7 +16,7 @@ from missionplan.results.decision import Aim, Axis, MemberOutcome
 from missionplan.results.entries import Counted, Entry, Record
 from missionplan.results.simulation import RequirementOutcome
 from missionplan.studies.exploration.cells import LEFT_RECORD, SUCCESS
-from missionplan.studies.simulation.checks import TOLERATED
+from missionplan.studies.simulation import TOLERATED
 from missionplan.studies.simulation.outcome_builder import requirement_outcome
 
 if TYPE_CHECKING:

@@ -2,7 +2,7 @@
 
 import math
 import shlex
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -13,6 +13,7 @@ from missionplan.report.diagnosis.findings import jumps_in_words, trends_in_word
 from missionplan.report.page import BLUE, GREY, ORANGE, Cells, Figure, Page, PageSection, Table, to_figure
 from missionplan.report.quantities import Unit, reader_unit
 from missionplan.report.wording import capitalised, listed, parameter_in_words
+from missionplan.results.learned import ParameterLevels
 from missionplan.studies.history.result import FailureRate, History, Learned
 
 MOST_PANELS = 12
@@ -68,6 +69,11 @@ def answer(history: History) -> str:
     return " ".join([*([_learned_in_words(history)] if history.reports else []), *told]) or "Nothing new was counted."
 
 
+def _contradicted(levels: Iterable[ParameterLevels]) -> str:
+    """Name parameters that measurements of one mission do not agree on."""
+    return listed([parameter_in_words(each.effect, each.name) for each in levels if each.agreement < UNLIKELY])
+
+
 def _rate_in_words(rate: FailureRate) -> str:
     counted = f"{rate.failures:g} failures in {rate.exposure:g} {rate.unit}"
     words = f"{capitalised(counted)}: {rate.rate:.2g} per {rate.per} ({rate.low:.2g} to {rate.high:.2g})"
@@ -106,9 +112,7 @@ def _learned_in_words(history: History) -> str:
     if not many:
         return f"{who} {learned} learned no parameter."
     words = f"{who} {tells} of {many} parameter{'' if many == 1 else 's'}."
-    disagreeing = [each for each in history.levels if each.agreement < UNLIKELY]
-    if disagreeing:
-        unlike = listed([parameter_in_words(each.effect, each.name) for each in disagreeing])
+    if unlike := _contradicted(history.levels):
         unlike = f"Those of one date do not agree on the {unlike}: are they of one vehicle?"
         return f"{words} {unlike} Give each its own folder."
     levels = {(each.effect, each.name) for each in history.levels if each.jumps or each.has_trend}  # which say it

@@ -19,6 +19,7 @@ from missionplan.phases.transit.compensation import Compensation, CompletedLeg, 
 from missionplan.phases.transit.expectation import MAX_RATIO, TransitExpectation, expected_transit
 from missionplan.phases.transit.plan import LegTable
 from missionplan.phases.transit.policy import JUMP, best_d_max, best_legs
+from missionplan.studies.leg_length import SweepScenario, start_of
 from missionplan.studies.leg_length.paired_trials import (
     PILOT_BLOCK,
     LegsAtSpeed,
@@ -28,7 +29,6 @@ from missionplan.studies.leg_length.paired_trials import (
     pilot_work,
     run_plans,
 )
-from missionplan.studies.leg_length.sweep_scenario import SweepScenario, start_of
 
 
 def analytic_obstacle(scenario: SweepScenario) -> str:

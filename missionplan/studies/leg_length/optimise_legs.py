@@ -20,6 +20,7 @@ from missionplan.arrays import Array
 from missionplan.errors import InputError, Problem
 from missionplan.montecarlo.blocks import IN_THIS_PROCESS, Progress, Workers
 from missionplan.phases.transit.plan import LegTable
+from missionplan.studies.leg_length import SweepScenario
 from missionplan.studies.leg_length.analytic_transit import (
     SPREAD_FACTORS,
     AnalyticTransit,
@@ -39,7 +40,6 @@ from missionplan.studies.leg_length.paired_trials import (
     run_plans,
 )
 from missionplan.studies.leg_length.plan_result import FoundLegs
-from missionplan.studies.leg_length.sweep_scenario import SweepScenario
 
 Aim = Literal["mean", "p95", "energy"]
 

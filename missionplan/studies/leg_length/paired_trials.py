@@ -19,7 +19,7 @@ from missionplan.phases.hooks import TransitEffect, TrialState
 from missionplan.phases.transit.compensation import Compensation
 from missionplan.phases.transit.plan import Environment, LegTable, LegTables, TransitNormals, TransitPlan, VelocityError
 from missionplan.phases.transit.transit import transit
-from missionplan.studies.leg_length.sweep_scenario import SweepScenario, start_of
+from missionplan.studies.leg_length import SweepScenario, start_of
 
 PILOT_BLOCK = 1 << 40
 """Block of the pilot trials, on which plans are chosen: never one of those on which chosen plans are evaluated."""

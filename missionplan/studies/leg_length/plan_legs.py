@@ -15,6 +15,7 @@ from missionplan.montecarlo.streams import block_count, block_size
 from missionplan.results import Provenance
 from missionplan.results.decision import label
 from missionplan.studies.judgement import judged
+from missionplan.studies.leg_length import SweepScenario
 from missionplan.studies.leg_length.analytic_transit import LegSpread, analytic_obstacle
 from missionplan.studies.leg_length.optimise_legs import (
     DEADLINE_QUANTILE,
@@ -40,7 +41,6 @@ from missionplan.studies.leg_length.plan_result import (
     MeanAndError,
     SampledCost,
 )
-from missionplan.studies.leg_length.sweep_scenario import SweepScenario
 from missionplan.studies.run import Run, RunArguments
 
 TRACKED_TRIALS = 6

@@ -15,9 +15,9 @@ from missionplan.montecarlo.streams import block_count, block_size
 from missionplan.phases.transit.expectation import TransitExpectation
 from missionplan.results.decision import MemberOutcome
 from missionplan.studies.judgement import judged
+from missionplan.studies.leg_length import CellTotals, SweepScenario, run_cells
 from missionplan.studies.leg_length.analytic_transit import analytic_curves, analytic_obstacle
 from missionplan.studies.leg_length.sweep_result import ExplainedSweep, Sweep, SweepCurve, SweepPoint
-from missionplan.studies.leg_length.sweep_scenario import CellTotals, SweepScenario, run_cells
 from missionplan.studies.run import Run, RunArguments
 
 Method = Literal["both", "analytic", "monte-carlo"]

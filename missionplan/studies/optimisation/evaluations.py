@@ -23,9 +23,9 @@ from missionplan.scenario.scenario import Scenario
 from missionplan.store.checkpoints import Checkpoints
 from missionplan.studies.exploration.cells import CellTask, cell_trials, checked_means
 from missionplan.studies.exploration.result import AIM_COLUMNS, DURATION, ENERGY
-from missionplan.studies.optimisation.choosable import Lattice, Point
+from missionplan.studies.optimisation import Lattice, Point
+from missionplan.studies.simulation import mooring_anchors
 from missionplan.studies.simulation.block_statistics import SCALES, bound_of, requirement_key
-from missionplan.studies.simulation.checks import mooring_anchors
 
 Columns = Mapping[str, NDArray[np.generic]]
 

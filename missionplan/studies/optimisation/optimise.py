@@ -15,11 +15,11 @@ from missionplan.results.optimisation import Obstacle, Optimised, Relaxation, Tr
 from missionplan.results.simulation import Outcome
 from missionplan.store.checkpoints import Checkpoints
 from missionplan.store.folder import as_path
+from missionplan.studies.exploration import first_start, with_values
 from missionplan.studies.exploration.cells import SUCCESS, SharedCurrent
 from missionplan.studies.exploration.result import AIM_COLUMNS
-from missionplan.studies.exploration.variation import first_start, with_values
 from missionplan.studies.judgement import is_good, judged, simulated_with
-from missionplan.studies.optimisation.choosable import Lattice, Point, read_lattice
+from missionplan.studies.optimisation import Lattice, Point, read_lattice
 from missionplan.studies.optimisation.evaluations import (
     ChoiceTask,
     Demand,

@@ -15,7 +15,7 @@ from missionplan.arrays import Array
 from missionplan.montecarlo.alternatives import Kriging, expected_improvement, paired_difference
 from missionplan.results.decision import Aim
 from missionplan.studies.exploration.result import AIM_COLUMNS
-from missionplan.studies.optimisation.choosable import Point
+from missionplan.studies.optimisation import Point
 from missionplan.studies.optimisation.evaluations import Demand, Evaluation, Evaluations, is_feasible, violations
 
 COARSE, FINE = 128, 1024

@@ -1,7 +1,4 @@
-"""The probability of a rare failure of a mission, and how it comes about.
-
-Read then `driven_trials`: what counts as failure, how near a trial came to each, and missions run from given normals.
-"""
+"""The probability of a rare failure of a mission, and how it comes about; what counts as failure: `driven_trials`."""
 
 import math
 from collections.abc import Mapping, Sequence
@@ -34,8 +31,8 @@ from missionplan.studies.rare_failure.driven_trials import (
     variation_asked,
 )
 from missionplan.studies.run import Run, RunArguments
+from missionplan.studies.simulation import check_complete, covered_means, input_notices
 from missionplan.studies.simulation.block_statistics import failures_by_step
-from missionplan.studies.simulation.checks import check_complete, covered_means, input_notices
 from missionplan.studies.simulation.trial_block import MissionTrials
 
 

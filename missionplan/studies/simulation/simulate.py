@@ -23,8 +23,7 @@ from missionplan.store.checkpoints import Checkpoints, TrialsTable
 from missionplan.store.folder import as_path
 from missionplan.studies.export import executions, mission_plan, plan_if_any
 from missionplan.studies.run import Run, RunArguments, identified
-from missionplan.studies.simulation.block_sequence import BlockItem, BlockSequence, BlockTask, MergedBlocks, Precision
-from missionplan.studies.simulation.checks import (
+from missionplan.studies.simulation import (
     check_complete,
     check_trials,
     covered_means,
@@ -33,6 +32,7 @@ from missionplan.studies.simulation.checks import (
     mooring_anchors,
     run_notices,
 )
+from missionplan.studies.simulation.block_sequence import BlockItem, BlockSequence, BlockTask, MergedBlocks, Precision
 from missionplan.studies.simulation.losses import Search, read_searches
 from missionplan.studies.simulation.outcome_builder import OutcomeBuilder
 from missionplan.studies.simulation.overdue import overdue

@@ -12,7 +12,7 @@ from missionplan.results import to_yaml
 from missionplan.studies.comparison.alternatives_page import answer, page
 from missionplan.studies.comparison.choices_page import task_in_words
 from missionplan.studies.comparison.result import Alternatives, parts_of_task
-from missionplan.studies.exploration.variation import with_values
+from missionplan.studies.exploration import with_values
 
 pytestmark = pytest.mark.usefixtures("unassumed")
 

@@ -20,7 +20,8 @@ from missionplan.results.decision import (
 )
 from missionplan.results.optimisation import Optimised, RuledOut, Tried
 from missionplan.results.simulation import RequirementOutcome
-from missionplan.studies.exploration.cells import CellBlock, InvalidCell, _joined, _numbered
+from missionplan.studies.exploration import first_start, steps
+from missionplan.studies.exploration.cells import CellTrials, _joined, _numbered
 from missionplan.studies.exploration.explore import _misses, _to_run_after_all
 from missionplan.studies.exploration.result import (
     NOT_RUN,
@@ -31,7 +32,6 @@ from missionplan.studies.exploration.result import (
     find_best,
     statistic_of,
 )
-from missionplan.studies.exploration.variation import first_start, steps
 
 NAN = math.nan
 SPEED = Axis(
@@ -201,9 +201,9 @@ def test_cells_that_were_dropped_for_one_that_fails_in_the_end_are_run_after_all
 
 
 def test_blocks_are_joined_in_their_order_and_numbered_apart():
-    found = _joined([CellBlock({"a": np.array([1.0, 2.0])}), CellBlock({"a": np.array([3.0])})])
+    found = _joined([CellTrials({"a": np.array([1.0, 2.0])}), CellTrials({"a": np.array([3.0])})])
     assert found.columns["a"].tolist() == [1.0, 2.0, 3.0]
-    assert _joined([CellBlock({"a": np.ones(1)}), InvalidCell("first"), InvalidCell("second")]).reason == "first"
+    assert _joined([CellTrials({"a": np.ones(1)}), CellTrials({}, "first"), CellTrials({}, "second")]).reason == "first"
     numbers = [_numbered((cell, block, 7))[0] for cell in range(3) for block in range(4)]
     assert len(set(numbers)) == 12
     assert _numbered((2, 3, 7))[1] == 7

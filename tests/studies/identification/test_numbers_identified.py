@@ -7,7 +7,7 @@ import pytest
 import yaml
 from scipy import stats
 
-from missionplan.studies.identification.identify import identify
+from missionplan.studies.identification import identify
 
 
 def folder(tmp_path, settings, **tables):

@@ -11,13 +11,12 @@ from missionplan.mission import load
 from missionplan.montecarlo.statistics import wilson
 from missionplan.phases.place import Place
 from missionplan.phases.transit.plan import LegTable
-from missionplan.studies.leg_length import optimise_legs, paired_trials
+from missionplan.studies.leg_length import SweepScenario, optimise_legs, paired_trials
 from missionplan.studies.leg_length.analytic_transit import PolicyFamily, fit_leg_spread
 from missionplan.studies.leg_length.paired_trials import LegsAtSpeed, best_plan, run_plans
 from missionplan.studies.leg_length.plan_legs import plan_legs
 from missionplan.studies.leg_length.plan_result import MeanAndError
 from missionplan.studies.leg_length.sweep_dmax import sweep_dmax
-from missionplan.studies.leg_length.sweep_scenario import SweepScenario
 
 pytestmark = pytest.mark.usefixtures("unassumed")
 

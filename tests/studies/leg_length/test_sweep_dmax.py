@@ -9,11 +9,10 @@ import pytest
 from missionplan.errors import InputError
 from missionplan.mission import Mission, load
 from missionplan.studies.judgement import FRESH
-from missionplan.studies.leg_length import optimise_legs
+from missionplan.studies.leg_length import MAX_PAIRED, CellTotals, _totals, optimise_legs
 from missionplan.studies.leg_length.analytic_transit import PolicyFamily
 from missionplan.studies.leg_length.plan_legs import plan_legs
 from missionplan.studies.leg_length.sweep_dmax import sweep_dmax
-from missionplan.studies.leg_length.sweep_scenario import MAX_PAIRED, CellTotals, _totals
 
 pytestmark = pytest.mark.usefixtures("unassumed")
 

@@ -7,7 +7,7 @@ import pytest
 
 from missionplan.errors import InputError
 from missionplan.results.decision import Axis
-from missionplan.studies.optimisation.choosable import Lattice, _default_step
+from missionplan.studies.optimisation import Lattice, _default_step
 
 SPEED = Axis(("out.speed", "back.speed"), ("1 m/s", "2 m/s", "4 m/s"), ("1", "2", "4"), (1.0, 2.0, 4.0), "m/s")
 ANCHOR = Axis(("vehicle",), ({"a": 1}, {"b": 2}, {"c": 3}, {"d": 4}), ("a", "b", "c", "d"))

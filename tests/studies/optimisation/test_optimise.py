@@ -11,8 +11,8 @@ import missionplan
 from missionplan.errors import InputError
 from missionplan.mission import Mission
 from missionplan.report.optimisation import answer
-from missionplan.studies.exploration.variation import with_values
-from missionplan.studies.optimisation.choosable import read_lattice
+from missionplan.studies.exploration import with_values
+from missionplan.studies.optimisation import read_lattice
 
 pytestmark = pytest.mark.usefixtures("unassumed")
 

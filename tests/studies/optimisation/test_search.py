@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from missionplan.results.decision import Axis
-from missionplan.studies.optimisation.choosable import Lattice
+from missionplan.studies.optimisation import Lattice
 from missionplan.studies.optimisation.evaluations import Demand, Evaluation, Evaluations, is_feasible
 from missionplan.studies.optimisation.search import FINE, Search
 

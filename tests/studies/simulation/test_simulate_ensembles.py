@@ -16,8 +16,8 @@ from missionplan.report.simulation.page import answer
 from missionplan.scenario.scenario import Scenario
 from missionplan.scenario.site_current import recorded_current, under_each_member
 from missionplan.studies.anchor import size_anchor
+from missionplan.studies.exploration import with_values
 from missionplan.studies.exploration.explore import explore
-from missionplan.studies.exploration.variation import with_values
 from missionplan.studies.leg_length import optimise_legs, paired_trials
 from missionplan.studies.leg_length.analytic_transit import PolicyFamily
 from missionplan.studies.leg_length.plan_legs import plan_legs
