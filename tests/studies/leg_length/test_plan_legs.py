@@ -1,6 +1,7 @@
 """Legs planned for a mission: the table, its trials beside the best fixed d_max, and the mission that it gives."""
 
 from dataclasses import fields, replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -10,9 +11,16 @@ from missionplan.errors import InputError
 from missionplan.mission import load
 from missionplan.montecarlo.statistics import wilson
 from missionplan.phases.place import Place
+from missionplan.phases.transit.compensation import Compensation
 from missionplan.phases.transit.plan import LegTable
-from missionplan.studies.leg_length import SweepScenario, optimise_legs, paired_trials
-from missionplan.studies.leg_length.analytic_transit import PolicyFamily, fit_leg_spread
+from missionplan.studies.leg_length import SweepScenario, analytic_transit, optimise_legs, paired_trials
+from missionplan.studies.leg_length.analytic_transit import (
+    AnalyticTransit,
+    LegSpread,
+    PolicyFamily,
+    _RecordingCompensation,
+    fit_leg_spread,
+)
 from missionplan.studies.leg_length.paired_trials import LegsAtSpeed, best_plan, run_plans
 from missionplan.studies.leg_length.plan_legs import plan_legs
 from missionplan.studies.leg_length.plan_result import MeanAndError
@@ -355,6 +363,32 @@ def test_the_spread_of_legs_is_estimated_from_pilot_trials(mission):
     spread = fit_leg_spread(scenario, 1)
     assert spread.sigma == pytest.approx(0.05, rel=0.03)
     assert spread.base < 5.0
+
+
+def test_a_leg_that_is_meant_to_end_short_errs_by_what_it_misses_besides():
+    class Short(Compensation):
+        def offset(self, memory, leg):
+            return self.undershoot(memory, leg) + 7.0
+
+        def undershoot(self, memory, leg):
+            return np.array([[30.0], [-40.0]])
+
+    recording, duration = _RecordingCompensation(Short()), np.array([100.0, 200.0])
+    planned = SimpleNamespace(duration=duration)
+    memory = recording.begin(2)
+    np.testing.assert_array_equal(recording.offset(memory, planned), [[37.0], [-33.0]])
+    miss = np.array([[-30.0 + 3.0, 50.0], [40.0 + 4.0, 60.0]])  # the second trial is already there
+    recording.update(memory, SimpleNamespace(duration=np.array([90.0, 0.0]), miss=miss))
+    assert np.concatenate(recording.durations).tolist() == [100.0]
+    assert np.concatenate(recording.squared_misses).tolist() == [25.0]
+
+
+def test_legs_for_larger_errors_and_dearer_surfacings_are_those_of_a_mission_that_has_them(mission, monkeypatch):
+    scenario, asked, legs = SweepScenario.of(mission), [], LegTable(np.array([50.0]), np.array([100.0]))
+    monkeypatch.setattr(analytic_transit, "_best_legs", lambda *args: asked.append(args) or SimpleNamespace(legs=legs))
+    AnalyticTransit(scenario, LegSpread(0.04, 8.0), 1.0, 90.0).best_table(2.0, 1.5)
+    AnalyticTransit(scenario, LegSpread(2.0 * 0.04, 2.0 * 8.0), 1.0, 1.5 * 90.0).best_table()
+    assert asked[0] == asked[1] == (scenario.distance, 1.0, 50.0, 0.08, 135.0, 16.0)
 
 
 def test_sweep_and_plan_agree_on_the_best_d_max(mission, plan):
