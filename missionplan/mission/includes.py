@@ -16,7 +16,7 @@ from missionplan.mission.schema.section import invalid
 from missionplan.montecarlo.posterior import MOST_BYTES, DamagedPosteriorError, PosteriorFile, sha256
 from missionplan.store.folder import is_file, matching, real_path
 
-CLASSES = Path(__file__).parents[2] / "starter" / "reliability"
+CLASSES = Path(__file__).parents[1] / "starter" / "reliability"
 """Starter values of `vehicle.reliability`, a file for each class of vehicle."""
 REMOTE = ("http://", "https://", "dods://")
 """Beginnings of addresses that are read over the network (OPeNDAP)."""
