@@ -26,6 +26,7 @@ def told(
     none_of_these: float = 0.0,
     not_constant: tuple[str, ...] = (),
     made: tuple[str, ...] = (),
+    changed: tuple[str, ...] = (),
 ) -> str:
     causes = tuple(dict.fromkeys(each.effect for each in found))
     best = SimpleNamespace(parameters=found, held_out=None)
@@ -40,6 +41,7 @@ def told(
             next_measurements=entries,
             none_of_these=none_of_these,
             not_constant=not_constant,
+            changed=changed,
             readings=Readings(confounded_with_reckoning=made),
         )
     )
@@ -202,3 +204,11 @@ def test_what_the_mission_has_in_doubt_is_not_said_to_be_confirmed():
     words = _confirmed(diagnosis)
     assert "angle of compass jump is 0.9° ± 0.2°" in words
     assert "moment" not in words
+
+
+@pytest.mark.parametrize(("angle", "is_gone"), [(0.004, True), (-0.004, True), (0.03, False)])
+def test_an_effect_that_the_mission_has_and_the_vehicle_no_longer_is_no_order_to_correct_it(angle, is_gone):
+    """A compass that was swung after the last mission."""
+    words = told(estimate("compass-bias", "angle", angle, 0.0052, "rad"), changed=("compass-bias",))
+    assert ("swing it" in words) == (not is_gone)
+    assert words.startswith("Compass bias, which the mission has, is gone: plan on") == is_gone

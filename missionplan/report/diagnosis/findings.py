@@ -17,6 +17,8 @@ from missionplan.results.learned.evidence import Coverage, ParameterEstimate, Wr
 _PERCENT, _HOUR = 100.0, 3600.0
 UNLIKELY = 0.05
 """Probability of what has no name from which nothing is ordered."""
+_TELLING = 2.0
+"""Standard deviations from nothing to the size of an effect of the mission's own, below which it may be gone."""
 _RIVALS = 2
 """Other explanations that the headline names."""
 
@@ -30,7 +32,10 @@ def finding_in_words(diagnosis: Diagnosis) -> str:
     """
     found, disputed = claimed_parameters(diagnosis), disputed_causes(diagnosis)
     certain = _certain_causes(diagnosis, disputed)
-    told = [_clause(cause, found, is_order=cause in certain) for cause in diagnosis.causes]
+    told = [
+        _clause(cause, found, is_order=cause in certain, is_known=cause in diagnosis.changed)
+        for cause in diagnosis.causes
+    ]
     if not told or not all(told):
         return ""
     hedge = "It looks as if " if diagnosis.verdict in ("ambiguous", "partly-explained") else ""
@@ -84,12 +89,15 @@ def _find_out(diagnosis: Diagnosis, disputed: frozenset[str], *, is_all: bool) -
     return f"{else_it_is}: correct nothing {'yet' if is_all else 'else yet'}, {tells}."
 
 
-def _clause(cause: str, found: tuple[ParameterEstimate, ...], *, is_order: bool) -> str:
+def _clause(cause: str, found: tuple[ParameterEstimate, ...], *, is_order: bool, is_known: bool) -> str:
     info = CATALOGUE[cause]
     mine = {each.name: each for each in found if each.effect == cause}
     finding = next((t.finding for t in info.terms if t.finding and {*t.strengths} <= {*mine}), info.finding)
     if finding is None:
         return ""
+    if is_known and _is_gone(finding, mine):
+        gone = f"{names((cause,))}, which the mission has, is gone"
+        return f"{gone}: plan on with mission.yaml of this folder, and take out what corrects it" if is_order else gone
     limit = info.likeness
     if limit is not None and limit.parameter in mine and abs(mine[limit.parameter].value) > limit.size:
         return ""
@@ -97,6 +105,12 @@ def _clause(cause: str, found: tuple[ParameterEstimate, ...], *, is_order: bool)
     if info.tier == "neutral":
         return f"{words}: no effect that I know does that"
     return f"{words}: {finding.remedy}" if words and finding.remedy and is_order else words
+
+
+def _is_gone(finding: Finding, mine: Mapping[str, ParameterEstimate]) -> bool:
+    """Whether what is told of an effect may be nothing."""
+    strengths = [mine.get(name) for name in finding.toward or (finding.parameter,)]
+    return all(each is not None and abs(each.value) < _TELLING * each.sd for each in strengths)
 
 
 def sized_clause(finding: Finding, mine: Mapping[str, ParameterEstimate]) -> str:
