@@ -193,7 +193,8 @@ def _claim(diagnosis: Diagnosis) -> str:
         others = [names(causes) for causes in diagnosis.rivals[:3]]
         rest = f"; {' or '.join(others)} would do nearly as well" if others else "; so few numbers prove nothing"
         return f"The data fit {named}{rest}."
-    return f"The misfit is explained by {named}.{_told_as_one(diagnosis)}"
+    change = "a change of " if {*diagnosis.causes} <= {*diagnosis.changed} else ""
+    return f"The misfit is explained by {change}{named}.{_told_as_one(diagnosis)}"
 
 
 def _told_as_one(diagnosis: Diagnosis) -> str:
