@@ -12,7 +12,7 @@ from threadpoolctl import threadpool_limits
 
 from missionplan.datasets import files_outside
 from missionplan.diagnosis.data_kind import DataKind
-from missionplan.diagnosis.explanations import Weighed, hypotheses, odds, weighed, with_found
+from missionplan.diagnosis.explanations import Weighed, hypotheses, odds, searched, weighed, with_found
 from missionplan.diagnosis.extended_mission import extended_mission
 from missionplan.diagnosis.given.effects import forecast_notice
 from missionplan.diagnosis.inference.experiment_design import Discrimination, discriminations
@@ -105,11 +105,12 @@ def _diagnose(mission: Mission, dataset: Path, seed: int, jobs: int, wanted: _Wa
     started = time.perf_counter()
     share = wanted.holdout
     part = None if share is None else partial(_first_part, share=share, seed=seed)
-    explanations = weighed(mission, dataset, seed, jobs, part)
+    explanations, selection = searched(weighed(mission, dataset, seed, jobs, part), jobs)
     bound = explanations[0].bound
     stage()
     is_new = not bound.is_known
-    found = as_reported(bound, run_pipeline(bound.model, lambda what, done, of: stage(), jobs, search=is_new), jobs)
+    found = run_pipeline(bound.model, lambda *_: stage(), jobs, search=is_new, selection=selection)
+    found = as_reported(bound, found, jobs)
     found = found if is_new else found.without_learning(bound.known)
     judgement = judge(bound, found)
     scale = judgement.coverage.scale if judgement.coverage is not None else 1.0

@@ -17,7 +17,7 @@ from missionplan.arrays import Array
 from missionplan.diagnosis.data_kind import DataKind
 from missionplan.diagnosis.hypotheses import Hypothesis
 from missionplan.diagnosis.inference.model import CauseFit, FailedFit, fitted
-from missionplan.diagnosis.inference.selection import CREDIBLE
+from missionplan.diagnosis.inference.selection import CREDIBLE, Selection
 from missionplan.diagnosis.kinds import bind_dataset
 from missionplan.diagnosis.pipeline import PipelineResult
 from missionplan.effects import CATALOGUE, exclusive_groups
@@ -26,6 +26,8 @@ from missionplan.mission import Mission
 from missionplan.phases.hooks import MarkovProcess
 from missionplan.results.learned.evidence import Causes, ExplanationOdds
 
+UNLIKE, NEGLIGIBLE = 3.0, 0.01
+"""Nats below the likeliest explanation from which causes are searched beside another, unless its prior is less."""
 MOST, FEW = 12, 3
 """Combinations of explanations that are compared, the likeliest, and explanations of one doubt that all are."""
 
@@ -51,12 +53,12 @@ class Weighed:
     """The data set, bound to its mission."""
     base: CauseFit | None
     """Its base model fitted; None where the mission has no doubt."""
-    probability: float
-    """After the data: prior times evidence of the base models."""
+    log_weight: float
+    """Log of prior times evidence of the base model."""
     extended: CauseFit | None = None
-    """With the causes found beside the likeliest explanation, where they are better than none beside this one."""
+    """With the causes found beside the likeliest explanation, or beside this one, where they are better than none."""
     gain: float = 0.0
-    """What these causes add to the log of its weight."""
+    """What causes add to the log of its weight."""
 
     @property
     def fit(self) -> CauseFit | None:
@@ -114,22 +116,62 @@ def weighed(
     bound = [bind_dataset(dataset, explained.mission, seed) for explained in each]
     bound = bound if part is None else [part(one) for one in bound]
     if len(each) == 1 or bound[0].is_known:
-        return tuple(Weighed(one, data, None, one.prior) for one, data in zip(each, bound, strict=True))
+        return tuple(Weighed(one, data, None, math.log(one.prior)) for one, data in zip(each, bound, strict=True))
     fits = [fitted(one.model, [((), ())], jobs)[0] for one in bound]
     logs = np.array([_log_weight(explained, fit) for explained, fit in zip(each, fits, strict=True)])
     if not np.any(np.isfinite(logs)):
         raise RunError("the base model cannot be fitted with any of the mission's explanations")
-    shares = np.exp(logs - logs.max())
     found = [
-        Weighed(explained, one, fit, float(share))
-        for explained, one, fit, share in zip(each, bound, fits, shares / shares.sum(), strict=True)
+        Weighed(explained, one, fit, float(log))
+        for explained, one, fit, log in zip(each, bound, fits, logs, strict=True)
         if isinstance(fit, CauseFit)
     ]
-    return tuple(sorted(found, key=lambda one: -one.probability))
+    return tuple(sorted(found, key=lambda one: -one.log_weight))
 
 
 def _log_weight(explained: Explained, fit: CauseFit | FailedFit) -> float:
     return -math.inf if isinstance(fit, FailedFit) else math.log(explained.prior) + fit.log_evidence
+
+
+def searched(explanations: Sequence[Weighed], jobs: int) -> tuple[tuple[Weighed, ...], Selection | None]:
+    """Search causes beside each explanation that the data are unlike as it stands, and order all by what they then are.
+
+    A law of errors that was learned describes a new current too, if badly: against an explanation without that law its
+    evidence is that of the better one only where that has a cause for the current as well.
+
+    Parameters
+    ----------
+    explanations : sequence of Weighed
+        As `weighed` returns them.
+    jobs : int
+        Processes.
+
+    Returns
+    -------
+    explanations : tuple of Weighed
+        The likeliest with its causes first. Those whose base models are as good as the best one's gain as much as it.
+    selection : Selection or None
+        All sets of causes beside the first; None where none was searched.
+    """
+    first, *others = explanations
+    unlike = [one for one in others if one.log_weight < first.log_weight - UNLIKE and one.explained.prior > NEGLIGIBLE]
+    if not unlike or first.bound.is_known:
+        return tuple(explanations), None
+    selections = {id(one): one.bound.model.all_sets(jobs=jobs) for one in (first, *unlike)}
+    gain = log_gain(selections[id(first)])
+    each = [
+        _with_own(one, selections[id(one)]) if one is not first and id(one) in selections else replace(one, gain=gain)
+        for one in explanations
+    ]
+    best = max(range(len(each)), key=lambda place: each[place].log_weight + each[place].gain)
+    return (each[best], *each[:best], *each[best + 1 :]), selections.get(id(explanations[best]))
+
+
+def _with_own(one: Weighed, selection: Selection) -> Weighed:
+    """Let an explanation have the likeliest causes that were found beside it."""
+    likeliest = max(selection.posterior, key=lambda causes: selection.posterior[causes])
+    fit = next((candidate.fit for candidate in selection.ranking if candidate.causes == likeliest), None)
+    return replace(one, extended=fit, gain=log_gain(selection))
 
 
 def with_found(explanations: Sequence[Weighed], found: PipelineResult, jobs: int) -> tuple[Weighed, ...]:
@@ -148,7 +190,7 @@ def with_found(explanations: Sequence[Weighed], found: PipelineResult, jobs: int
     if not found.best.causes:
         return tuple(explanations)
     first, others = explanations[0], explanations[1:]
-    gain, own = _gain(found), _added(first, found.best.causes, jobs)
+    gain, own = log_gain(found.selection), _added(first, found.best.causes, jobs)
     if not others or own is None:
         return (replace(first, gain=gain), *others)
     first = replace(first, gain=gain, extended=own[0])  # fitted as beside the others: what they share is told once
@@ -158,11 +200,10 @@ def with_found(explanations: Sequence[Weighed], found: PipelineResult, jobs: int
 def _with_causes(one: Weighed, causes: Causes, odds: float, jobs: int) -> Weighed:
     """Add causes, of which those without an explanation have log odds in prior and checks, to an explanation."""
     added = _added(one, causes, jobs)
-    if added is None:
-        return one
-    fit, evidence = added
-    gain = odds + evidence
-    return replace(one, extended=fit, gain=gain) if gain > 0.0 else one
+    own = one.gain if one.extended is not None else 0.0
+    if added is not None and odds + added[1] > own:
+        return replace(one, extended=added[0], gain=odds + added[1])
+    return replace(one, gain=own)
 
 
 def _added(one: Weighed, causes: Causes, jobs: int) -> tuple[CauseFit, float] | None:
@@ -178,9 +219,9 @@ def _added(one: Weighed, causes: Causes, jobs: int) -> tuple[CauseFit, float] | 
     return fit, fit.log_evidence - one.base.log_evidence
 
 
-def _gain(found: PipelineResult) -> float:
-    """Log odds that something is behind the data beside the likeliest explanation."""
-    return -math.log(max(found.posterior.get((), 0.0), 1e-300))
+def log_gain(selection: Selection) -> float:
+    """What all sets of causes together add to the log evidence of none."""
+    return -math.log(max(selection.posterior.get((), 0.0), 1e-300))
 
 
 def hypotheses(explanations: Sequence[Weighed], found: PipelineResult, scale: float) -> tuple[Hypothesis, ...]:
@@ -236,7 +277,7 @@ def explanation_weights(explanations: Sequence[Weighed]) -> Array:
     explanations : sequence of Weighed
         As `with_found` returns them.
     """
-    logs = [math.log(max(one.probability, 1e-300)) + one.gain for one in explanations]
+    logs = [one.log_weight + one.gain for one in explanations]
     return np.asarray(np.exp(np.array(logs) - max(logs)))
 
 

@@ -142,7 +142,12 @@ class PipelineResult:
 
 
 def run_pipeline(
-    model: WeighsAllSets, progress: Progress = no_progress, jobs: int = 1, *, search: bool = True
+    model: WeighsAllSets,
+    progress: Progress = no_progress,
+    jobs: int = 1,
+    *,
+    search: bool = True,
+    selection: Selection | None = None,
 ) -> PipelineResult:
     """Diagnose a model of a data set.
 
@@ -156,6 +161,8 @@ def run_pipeline(
         Processes.
     search : bool
         Whether causes are looked for; else the base model alone is tested.
+    selection : Selection, optional
+        All sets of causes, where they have been searched.
 
     Raises
     ------
@@ -163,7 +170,7 @@ def run_pipeline(
         When not even the base model can be fitted.
     """
     try:
-        selection = model.all_sets(progress, jobs) if search else _base_alone(model)
+        selection = selection or (model.all_sets(progress, jobs) if search else _base_alone(model))
     except np.linalg.LinAlgError as error:
         raise RunError(f"the base model cannot be fitted: {error}") from error
     held_out = _held_out(model, selection, progress, jobs)

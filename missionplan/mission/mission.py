@@ -187,8 +187,8 @@ class Mission(Sections[V], Generic[V]):
         if posterior is not None:
             effects = effects.having_learned(turned_draws(posterior.draws, start - posterior.epoch, latitude))
         longitude = self.site.origin.longitude if self.site and self.site.origin else math.nan
-        here = (latitude, longitude, start)
-        return self.model_copy(update={"effect_list": effects}).at_place(here, self.dated(start))
+        date = self.dated(start)
+        return self.model_copy(update={"effect_list": effects}).at_place((latitude, longitude, date), date)
 
     def dated(self: "Mission", date: float) -> float:
         """Return a date that counts from the mission's start; nan where that start was not moved since it learned."""

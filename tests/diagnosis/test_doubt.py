@@ -96,6 +96,34 @@ def test_data_that_can_tell_end_the_doubt(ambiguous, folder, legs):
     assert abs(estimate.value + 0.06) < 3.0 * estimate.sd
 
 
+def carried(t, heading):
+    return np.broadcast_to([[-0.1], [0.05]], (2, len(t)))
+
+
+def test_a_law_of_errors_in_doubt_does_not_take_a_new_current_for_itself(folder, transit_mission, legs):
+    """The law describes the current better than nothing does, but not better than a current."""
+    law = {"sigma": {"median": "0.02 m/s", "factor": 1.6}, "time": {"median": "9000 s", "factor": 2.5}}
+    doubtful = transit_mission.with_(
+        effects=[{"one-of": [{"probability": 0.25, "effects": [{"persistent-error": law}]}]}]
+    )
+    found = diagnose(doubtful, folder(KIND, legs(20, seed=4, sigma=0.02, error=carried)), plan=False)
+    assert found.causes == ("mean-current",)
+    assert found.explanations[0].causes == ()
+
+
+def test_what_was_learned_after_the_start_in_the_file_is_handed_on_until_that_is_moved(folder, transit_mission, legs):
+    """Who diagnoses one mission file again and again leaves its start as it was."""
+    began = "2026-04-20T00:00:00Z"  # the legs are of 28 May
+    found = diagnose(
+        transit_mission.with_(start=began), folder(KIND, dated(legs(12, seed=4, error=carried))), plan=False
+    )
+    assert found.causes == ("mean-current",)
+    extended = Mission.from_data(found.extended)
+    assert "mean-current" in extended.effect_list.learned.draws.effects
+    moved = extended.with_(start="2026-04-21T00:00:00Z")
+    assert "mean-current" not in moved.effect_list.learned.draws.effects
+
+
 @pytest.mark.slow
 def test_what_is_found_leaves_a_doubt_of_which_the_data_say_nothing(folder, transit_mission, legs):
     """Dives left two explanations; legs that find something else are as likely with either."""
