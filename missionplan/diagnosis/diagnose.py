@@ -23,8 +23,9 @@ from missionplan.diagnosis.plan_gain import with_urgency
 from missionplan.mission import Mission, MissionOrPath
 from missionplan.montecarlo.blocks import parallel_map
 from missionplan.results import Provenance
-from missionplan.results.learned import Diagnosis, ParameterLevels, PlanGain
+from missionplan.results.learned import Diagnosis, PlanGain
 from missionplan.results.learned.evidence import GroupScore, RankedSet
+from missionplan.results.learned.levels import ParameterLevels
 from missionplan.results.learned.next_trial import NextTrial
 from missionplan.results.score import DatasetScore
 from missionplan.store.folder import as_path

@@ -12,7 +12,8 @@ from missionplan.montecarlo.blocks import parallel_map
 from missionplan.montecarlo.distributions import mean_of
 from missionplan.montecarlo.posterior import NOWHERE
 from missionplan.results.entries import SUCCESS, Counted
-from missionplan.results.learned import ParameterLevels, Plan, PlanGain
+from missionplan.results.learned import Plan, PlanGain
+from missionplan.results.learned.levels import ParameterLevels
 from missionplan.studies.leg_length.sweep_result import SweepCurve, SweepPoint
 
 Choice = Callable[[Mission, Mission, int, int], PlanGain]

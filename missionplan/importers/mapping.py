@@ -238,3 +238,14 @@ def times(words: Words, unit: str) -> Array:
 
 def _stamps(moments: Moments) -> Array:
     return np.array((moments - pd.Timestamp(0, tz="UTC")).dt.total_seconds(), dtype=float)
+
+
+_PLACES = (("lat", "lon"), ("dr_lat", "dr_lon"), ("x", "y"), ("dr_x", "dr_y"))
+
+
+def check_mapping(names: Mapping[str, MappedName], path: Path) -> None:
+    """Raise InputError unless columns of time, and of position or depth, are named."""
+    has_place = any(set(pair) <= set(names) for pair in _PLACES)
+    if "time" not in names or not (has_place or "depth" in names):
+        hint = "--map time=UTC[iso] lat=Latitude[deg] lon=Longitude[deg] depth=z[m]"
+        raise InputError([Problem("which columns have time and position, or depth?", str(path), hint=hint)])

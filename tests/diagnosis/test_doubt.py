@@ -138,7 +138,7 @@ def test_what_is_found_leaves_a_doubt_of_which_the_data_say_nothing(folder, tran
     draws = found.extended["posterior"].draws
     assert draws.probability("drag-bias") == pytest.approx(0.6, abs=1e-3)
     assert draws.probability("depth-scale") == pytest.approx(0.4, abs=1e-3)
-    assert draws.probability("speed-scale") > 0.995  # with either; a response without a name has the rest
+    assert draws.probability("speed-scale") > 0.98  # with either; a response without a name has the rest
     drag, scale = (draws.column(each)[0] for each in (("drag-bias", "fraction"), ("speed-scale", "fraction")))
     assert (drag.mean(), drag.std()) == pytest.approx((0.3, 0.02), rel=0.01)
     assert abs(scale.mean() + 0.06) < 3.0 * scale.std()

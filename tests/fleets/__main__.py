@@ -20,7 +20,8 @@ import numpy as np
 
 from missionplan import diagnose
 from missionplan.mission import Mission
-from missionplan.results.learned import Diagnosis, Level, ParameterLevels
+from missionplan.results.learned import Diagnosis
+from missionplan.results.learned.levels import Level, ParameterLevels
 
 from .dives import BEGIN, DAYS, DRAG, Diving
 from .legs import COMPASS, LOG, Sailing

@@ -18,7 +18,6 @@ import numpy as np
 import pandas as pd
 
 from missionplan.arrays import Array
-from missionplan.errors import InputError, Problem
 from missionplan.importers.dives import split_at_surface
 from missionplan.importers.geodesy import origin_of, plane_positions
 from missionplan.importers.importer import (
@@ -30,7 +29,7 @@ from missionplan.importers.importer import (
     needed_module,
     unpacked,
 )
-from missionplan.importers.mapping import QUANTITIES, MappedName, angles, quantities, times
+from missionplan.importers.mapping import QUANTITIES, MappedName, angles, check_mapping, quantities, times
 from missionplan.importers.readers.netcdf import MAGIC, Variables, mapped_parts, opened
 from missionplan.importers.track import Fixes, Positions, Series, Track, fixes, positions, series
 from missionplan.moments import utc
@@ -38,7 +37,6 @@ from missionplan.moments import utc
 _ANGLES = ("lat", "lon", "dr_lat", "dr_lon")
 _NO_COLUMNS = ("origin", "gps", "odometry")
 _QUALITIES = {"hdop": "hdop", "accuracy": "hacc", "satellites": "satellites", "valid": "valid"}
-_PLACES = (("lat", "lon"), ("dr_lat", "dr_lon"), ("x", "y"), ("dr_x", "dr_y"))
 
 
 def recognises(path: Path, head: bytes) -> bool:
@@ -64,19 +62,12 @@ def read(files: Sequence[Path], options: ReadOptions, log: SourceLog) -> Track:
             elif is_nmea(path, head):
                 add_nmea(path, found)
             else:
-                _check_mapping(options.names, path)
+                check_mapping(options.names, path)
                 for part in _parts(path, head, options.names):  # some rows at a time
                     store.add(part)
     given = fixes(found["t"], found["lat"], found["lon"], hdop=found["hdop"], satellites=found["satellites"],
                   valid=found["valid"])  # fmt: skip
     return _track(files, store, given, options)
-
-
-def _check_mapping(names: Mapping[str, MappedName], path: Path) -> None:
-    has_place = any(set(pair) <= set(names) for pair in _PLACES)
-    if "time" not in names or not (has_place or "depth" in names):
-        hint = "--map time=UTC[iso] lat=Latitude[deg] lon=Longitude[deg] depth=z[m]"
-        raise InputError([Problem("which columns have time and position, or depth?", str(path), hint=hint)])
 
 
 def _parts(path: Path, head: bytes, names: Mapping[str, MappedName]) -> Iterator[dict[str, Array]]:

@@ -11,8 +11,9 @@ from missionplan.report.diagnosis.kind_report import names, part, percent
 from missionplan.report.diagnosis.kinds import REPORTS
 from missionplan.report.quantities import quantity
 from missionplan.report.wording import capitalised, listed, parameter_in_words
-from missionplan.results.learned import Diagnosis, ParameterLevels
+from missionplan.results.learned import Diagnosis
 from missionplan.results.learned.evidence import Coverage, ParameterEstimate, WrongFix
+from missionplan.results.learned.levels import ParameterLevels
 
 _PERCENT, _HOUR = 100.0, 3600.0
 UNLIKELY = 0.05

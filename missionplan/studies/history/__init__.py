@@ -24,7 +24,7 @@ from missionplan.montecarlo.levels import Measured, Seen
 from missionplan.montecarlo.posterior import FILE, DamagedPosteriorError
 from missionplan.results import Provenance
 from missionplan.results.entries import mapping, mappings, real
-from missionplan.results.learned import Level, ParameterLevels
+from missionplan.results.learned.levels import Level, ParameterLevels
 from missionplan.store.folder import as_path
 from missionplan.studies.history.result import History, Learned, Row, State, rates_file, read_counts, updated_rates
 

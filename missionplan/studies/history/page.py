@@ -13,7 +13,7 @@ from missionplan.report.diagnosis.findings import jumps_in_words, trends_in_word
 from missionplan.report.page import BLUE, GREY, ORANGE, Cells, Figure, Page, PageSection, Table, to_figure
 from missionplan.report.quantities import Unit, reader_unit
 from missionplan.report.wording import capitalised, listed, parameter_in_words
-from missionplan.results.learned import ParameterLevels
+from missionplan.results.learned.levels import ParameterLevels
 from missionplan.studies.history.result import FailureRate, History, Learned
 
 MOST_PANELS = 12
@@ -115,22 +115,27 @@ def _learned_in_words(history: History) -> str:
     if unlike := _contradicted(history.levels):
         unlike = f"Those of one date do not agree on the {unlike}: are they of one vehicle?"
         return f"{words} {unlike} Give each its own folder."
-    levels = {(each.effect, each.name) for each in history.levels if each.jumps or each.has_trend}  # which say it
-    changes = [each for each in history.changes if (each.effect, each.name) not in levels]
+    return f"{words}{_followed_in_words(history)}"
+
+
+def _followed_in_words(history: History) -> str:
+    """Say what changed, went elsewhere or held still, but for what is told of levels that jumped or drift."""
+    levels = {(each.effect, each.name) for each in history.levels if each.jumps or each.has_trend}
+    changes = [each for each in history.changes if each.key not in levels]
     if changes:
         told = "; ".join(f"{_named(each)} in {each.report}, to {_valued(each)}" for each in changes[-3:])
-        return f"{words} Not as before: {told}."
+        return f" Not as before: {told}."
     if history.changes:
-        return words
+        return ""
     followed = [entries for entries in history.parameters.values() if len(entries) > 1]
     sure = [each for each in followed if each[-1].key not in levels and each[-1].probability >= SURE]
     if not sure:
-        return words if followed else f"{words} None was seen twice yet."
+        return "" if followed else " None was seen twice yet."
     if moved := [f"{_named(each[0])} from {_valued(each[0])} to {_valued(each[-1])}" for each in sure if _moved(each)]:
-        return f"{words} With time went {'; '.join(moved)}."
+        return f" With time went {'; '.join(moved)}."
     last = max(sure, key=len)
     none = "No other" if levels else "None"
-    return f"{words} {none} changed: {_named(last[-1])} is {_valued(last[-1])} after {len(last)} diagnoses."
+    return f" {none} changed: {_named(last[-1])} is {_valued(last[-1])} after {len(last)} diagnoses."
 
 
 def _moved(entries: Sequence[Learned]) -> bool:

@@ -21,7 +21,7 @@ from missionplan.montecarlo.distributions import Quantity, mean_of, sd_of
 from missionplan.montecarlo.reliability import chance_of_counts, counts_of_rate, rate_quantile
 from missionplan.results import Provenance, Result, to_csv, to_json
 from missionplan.results.entries import Entry, Record, mapping, mappings, stated
-from missionplan.results.learned import ParameterLevels
+from missionplan.results.learned.levels import ParameterLevels
 
 State = Literal["found", "confirmed", "changed"]
 """Whether a parameter is new to the mission, as the mission knew it, or not so."""
