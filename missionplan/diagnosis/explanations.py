@@ -26,8 +26,9 @@ from missionplan.mission import Mission
 from missionplan.phases.hooks import MarkovProcess
 from missionplan.results.learned.evidence import Causes, ExplanationOdds
 
-UNLIKE, NEGLIGIBLE = 3.0, 0.01
-"""Nats below the likeliest explanation from which causes are searched beside another, unless its prior is less."""
+UNLIKE, NEGLIGIBLE, SEARCHED = 3.0, 0.01, 2
+"""Nats below the likeliest explanation from which causes are searched beside another, unless its prior is less, and how
+many are searched at most, those of the greatest prior: the search takes as long as a diagnosis."""
 MOST, FEW = 12, 3
 """Combinations of explanations that are compared, the likeliest, and explanations of one doubt that all are."""
 
@@ -155,6 +156,7 @@ def searched(explanations: Sequence[Weighed], jobs: int) -> tuple[tuple[Weighed,
     """
     first, *others = explanations
     unlike = [one for one in others if one.log_weight < first.log_weight - UNLIKE and one.explained.prior > NEGLIGIBLE]
+    unlike = sorted(unlike, key=lambda one: -one.explained.prior)[:SEARCHED]
     if not unlike or first.bound.is_known:
         return tuple(explanations), None
     selections = {id(one): one.bound.model.all_sets(jobs=jobs) for one in (first, *unlike)}

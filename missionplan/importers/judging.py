@@ -146,13 +146,16 @@ def _jumps(fixes: Fixes) -> NDArray[np.bool_]:
 
 
 def _worst_of_pairs(fixes: Fixes) -> NDArray[np.intp]:
-    """Of each two neighbours too far from one another, the one farther from the median of those about it."""
+    """Of each two neighbours too far from one another, the one farther from the median of those nearest in time."""
     steps = np.hypot(*displacement(fixes.latitude[:-1], fixes.longitude[:-1], fixes.latitude[1:], fixes.longitude[1:]))
     pairs = np.flatnonzero(steps - _ALLOWED > FASTEST * np.diff(fixes.t))
     if not len(pairs):
         return np.empty(0, dtype=np.intp)
-    half = _WINDOW // 2
-    about = np.clip(np.arange(len(fixes))[:, None] + np.arange(-half, half + 1), 0, len(fixes) - 1)
+    about = np.arange(len(fixes))[:, None] + np.arange(1 - _WINDOW, _WINDOW)
+    is_one, about = (about >= 0) & (about < len(fixes)), np.clip(about, 0, len(fixes) - 1)
+    apart = np.where(is_one, np.abs(fixes.t[about] - fixes.t[:, None]), np.inf)
+    nearest = np.argsort(apart, axis=1, kind="stable")[:, : min(_WINDOW, len(fixes))]
+    about = np.take_along_axis(about, nearest, axis=1)
     middle = np.median(fixes.latitude[about], axis=1), np.median(fixes.longitude[about], axis=1)
     away = np.hypot(*displacement(*middle, fixes.latitude, fixes.longitude))
     return np.unique(np.where(away[pairs] >= away[pairs + 1], pairs, pairs + 1))

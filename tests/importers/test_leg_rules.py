@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 from made_tracks import START, made
 
@@ -166,6 +166,7 @@ def test_the_accuracy_of_a_fix_goes_with_its_leg():
 
 @settings(max_examples=25, deadline=None)
 @given(st.integers(1, 38), st.floats(500.0, 50_000.0), st.floats(0.0, 6.28))
+@example(8, 633.0, 0.0)  # the last of a surfacing, towards the next one
 def test_a_wrong_fix_is_left_out(which, away, angle):
     log = made(legs=4)
     fixed = log.track.fixes

@@ -7,7 +7,7 @@ import pytest
 from scipy import stats
 
 from missionplan.montecarlo.levels import REDRAWN, WALKS, Ageing, Measured, in_missions, levels
-from missionplan.results.learned import LIKELY, SDS
+from missionplan.results.learned.levels import LIKELY, SDS
 
 STILL = Ageing(trend=0.0, walk=0.0, redrawn=0.0, jump=0.0, is_trend=0.0, is_jump=0.0)
 USUAL = Ageing(trend=1.2, walk=0.8, redrawn=0.2, jump=8.0, is_trend=0.4, is_jump=0.04)
