@@ -17,7 +17,7 @@ from missionplan.arrays import Array
 from missionplan.diagnosis.data_kind import DataKind
 from missionplan.diagnosis.hypotheses import Hypothesis
 from missionplan.diagnosis.inference.model import CauseFit, FailedFit, fitted
-from missionplan.diagnosis.inference.selection import CREDIBLE, Selection
+from missionplan.diagnosis.inference.selection import CREDIBLE, Selection, log_prior
 from missionplan.diagnosis.kinds import bind_dataset
 from missionplan.diagnosis.pipeline import PipelineResult
 from missionplan.effects import CATALOGUE, exclusive_groups
@@ -222,8 +222,12 @@ def _added(one: Weighed, causes: Causes, jobs: int) -> tuple[CauseFit, float] | 
 
 
 def log_gain(selection: Selection) -> float:
-    """What all sets of causes together add to the log evidence of none."""
-    return -math.log(max(selection.posterior.get((), 0.0), 1e-300))
+    """What all that may be there adds to the log evidence of nothing; by the likeliest set where that has no number."""
+    if selection.nothing > 0.0:
+        return -math.log(selection.nothing)
+    best = selection.ranking[0]
+    prior = log_prior(len(best.causes), selection.catalogue)
+    return best.log_bayes_factor + prior - math.log(selection.posterior[best.causes])
 
 
 def hypotheses(explanations: Sequence[Weighed], found: PipelineResult, scale: float) -> tuple[Hypothesis, ...]:

@@ -5,8 +5,10 @@ import pytest
 import yaml
 
 from missionplan import diagnose
-from missionplan.diagnosis.explanations import explained_missions
+from missionplan.diagnosis.explanations import explained_missions, log_gain
 from missionplan.diagnosis.given.priors import given_priors
+from missionplan.diagnosis.inference.model import CauseFit
+from missionplan.diagnosis.inference.selection import Candidate, Selection
 from missionplan.effects import CATALOGUE
 from missionplan.mission import Mission, load
 from missionplan.report.diagnosis.kind_report import explanations_in_words
@@ -109,6 +111,17 @@ def test_a_law_of_errors_in_doubt_does_not_take_a_new_current_for_itself(folder,
     found = diagnose(doubtful, folder(KIND, legs(20, seed=4, sigma=0.02, error=carried)), plan=False)
     assert found.causes == ("mean-current",)
     assert found.explanations[0].causes == ()
+
+
+@pytest.mark.parametrize(("bayes_factor", "nothing"), [(30.0, None), (5000.0, 0.0)])
+def test_causes_are_worth_their_evidence_also_where_nothing_has_no_number(bayes_factor, nothing):
+    """One cause of a catalogue of 20, of a record of many legs: e⁻⁵⁰⁰⁰ is none."""
+    fit = CauseFit(("mean-current",), bayes_factor, (), {}, True, None)
+    odds = bayes_factor - np.log(20.0)
+    nothing = 1.0 / (1.0 + np.exp(odds)) if nothing is None else nothing
+    share = {("mean-current",): 1.0 - nothing, (): nothing}
+    found = Selection(fit, (Candidate(fit, bayes_factor),), (), (), 20, share, nothing=nothing)
+    assert log_gain(found) == pytest.approx(odds)
 
 
 def test_what_was_learned_after_the_start_in_the_file_is_handed_on_until_that_is_moved(folder, transit_mission, legs):
