@@ -12,7 +12,7 @@ from threadpoolctl import threadpool_limits
 
 from missionplan.datasets import files_outside
 from missionplan.diagnosis.data_kind import DataKind
-from missionplan.diagnosis.explanations import Weighed, hypotheses, odds, searched, weighed, with_found
+from missionplan.diagnosis.explanations import Weighed, hypotheses, odds, weighed, weighed_with_causes, with_found
 from missionplan.diagnosis.extended_mission import extended_mission
 from missionplan.diagnosis.given.effects import forecast_notice
 from missionplan.diagnosis.inference.experiment_design import Discrimination, discriminations
@@ -106,7 +106,7 @@ def _diagnose(mission: Mission, dataset: Path, seed: int, jobs: int, wanted: _Wa
     started = time.perf_counter()
     share = wanted.holdout
     part = None if share is None else partial(_first_part, share=share, seed=seed)
-    explanations, selection = searched(weighed(mission, dataset, seed, jobs, part), jobs)
+    explanations, selection = weighed_with_causes(weighed(mission, dataset, seed, jobs, part), jobs)
     bound = explanations[0].bound
     stage()
     is_new = not bound.is_known

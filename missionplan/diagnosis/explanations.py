@@ -26,7 +26,7 @@ from missionplan.mission import Mission
 from missionplan.phases.hooks import MarkovProcess
 from missionplan.results.learned.evidence import Causes, ExplanationOdds
 
-UNLIKE, NEGLIGIBLE, SEARCHED = 3.0, 0.01, 2
+UNLIKE, NEGLIGIBLE, MOST_SEARCHED = 3.0, 0.01, 2
 """Nats below the likeliest explanation from which causes are searched beside another, unless its prior is less, and how
 many are searched at most, those of the greatest prior: the search takes as long as a diagnosis."""
 MOST, FEW = 12, 3
@@ -134,7 +134,7 @@ def _log_weight(explained: Explained, fit: CauseFit | FailedFit) -> float:
     return -math.inf if isinstance(fit, FailedFit) else math.log(explained.prior) + fit.log_evidence
 
 
-def searched(explanations: Sequence[Weighed], jobs: int) -> tuple[tuple[Weighed, ...], Selection | None]:
+def weighed_with_causes(explanations: Sequence[Weighed], jobs: int) -> tuple[tuple[Weighed, ...], Selection | None]:
     """Search causes beside each explanation that the data are unlike as it stands, and order all by what they then are.
 
     A law of errors that was learned describes a new current too, if badly: against an explanation without that law its
@@ -156,7 +156,7 @@ def searched(explanations: Sequence[Weighed], jobs: int) -> tuple[tuple[Weighed,
     """
     first, *others = explanations
     unlike = [one for one in others if one.log_weight < first.log_weight - UNLIKE and one.explained.prior > NEGLIGIBLE]
-    unlike = sorted(unlike, key=lambda one: -one.explained.prior)[:SEARCHED]
+    unlike = sorted(unlike, key=lambda one: -one.explained.prior)[:MOST_SEARCHED]
     if not unlike or first.bound.is_known:
         return tuple(explanations), None
     selections = {id(one): one.bound.model.all_sets(jobs=jobs) for one in (first, *unlike)}

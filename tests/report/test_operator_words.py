@@ -208,7 +208,10 @@ def test_what_the_mission_has_in_doubt_is_not_said_to_be_confirmed():
 
 @pytest.mark.parametrize(("angle", "is_gone"), [(0.004, True), (-0.004, True), (0.03, False)])
 def test_an_effect_that_the_mission_has_and_the_vehicle_no_longer_is_no_order_to_correct_it(angle, is_gone):
-    """A compass that was swung after the last mission."""
+    """A compass that was swung, or whose correction was entered, after the last mission: neither is to be undone."""
     words = told(estimate("compass-bias", "angle", angle, 0.0052, "rad"), changed=("compass-bias",))
     assert ("swing it" in words) == (not is_gone)
-    assert words.startswith("Compass bias, which the mission has, is gone: plan on") == is_gone
+    assert (
+        words.startswith("Compass bias, which the mission has, is gone, as after a correction: correct nothing more")
+        == is_gone
+    )

@@ -97,8 +97,8 @@ def _clause(cause: str, found: tuple[ParameterEstimate, ...], *, is_order: bool,
     if finding is None:
         return ""
     if is_known and _is_gone(finding, mine):
-        gone = f"{names((cause,))}, which the mission has, is gone"
-        return f"{gone}: plan on with mission.yaml of this folder, and take out what corrects it" if is_order else gone
+        gone = f"{names((cause,))}, which the mission has, is gone, as after a correction"
+        return f"{gone}: correct nothing more, and plan on with mission.yaml of this folder" if is_order else gone
     limit = info.likeness
     if limit is not None and limit.parameter in mine and abs(mine[limit.parameter].value) > limit.size:
         return ""
