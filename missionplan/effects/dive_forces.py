@@ -99,14 +99,19 @@ DRAG_CRISIS = EffectInfo(
 
 @dataclass(frozen=True)
 class BroadsideStart(DescentEffect):
-    """Both bodies' drag times ``1 + extra_drag·exp(−t/time)``, t since the line is taut."""
+    """Both bodies' drag times ``1 + extra_drag·sin³θ``, θ the angle of the hull to its way, with sin θ = sech(t/time).
+
+    Across the flow at first, t since the line is taut: the law of a cylinder's cross-flow drag (Hoerner 1965, ch. III),
+    and the turn of a hull whose nose is pulled by a steady force and whose water resists in proportion to the rate.
+    """
 
     extra_drag: Scalars = 0.0
     time: Scalars = 1.5
 
     def drag_factor(self, since_taut: Scalars, speed: Scalars) -> Scalars:
         """Return the factor on both bodies' drag."""
-        return 1.0 + self.extra_drag * np.exp(-np.maximum(since_taut, 0.0) / self.time)
+        turned = np.exp(-np.maximum(since_taut, 0.0) / self.time)
+        return 1.0 + self.extra_drag * (2.0 * turned / (1.0 + np.square(turned))) ** 3
 
 
 BROADSIDE_START = EffectInfo(

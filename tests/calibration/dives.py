@@ -107,7 +107,7 @@ KINDS: dict[str, Kind] = {
         {"time": (2.0, 1.9, 0.1, 8.0)},
         "extra_drag",
         False,
-        lambda size, time: DiveEffect(drag=lambda t, u, z, n: 1.0 + size * float(np.exp(-max(t, 0.0) / time))),
+        lambda size, time: DiveEffect(drag=lambda t, u, z, n: 1.0 + size / float(np.cosh(max(t, 0.0) / time)) ** 3),
     ),
     "added-mass": Kind(0.4, -0.1, 3.0, {}, "fraction", True, lambda size: DiveEffect(mass=1.0 + size)),
     "sensor-lag": Kind(

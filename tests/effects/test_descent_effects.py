@@ -50,7 +50,7 @@ def test_stratification_is_a_step_of_given_thickness():
 def test_broadside_drag_falls_off():
     start = BroadsideStart(5.0, 2.0)
     assert start.drag_factor(0.0, 1.0) == 6.0
-    assert start.drag_factor(2.0, 1.0) == pytest.approx(1.0 + 5.0 / np.e)
+    assert start.drag_factor(2.0, 1.0) == pytest.approx(1.0 + 5.0 / np.cosh(1.0) ** 3)
 
 
 def test_drag_falls_beyond_the_critical_speed():

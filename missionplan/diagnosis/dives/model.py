@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 from functools import partial
 
 import numpy as np
-from numpy.lib.stride_tricks import sliding_window_view
+from scipy.ndimage import median_filter
 from scipy.special import logsumexp
 
 from missionplan.arrays import Array
@@ -285,7 +285,7 @@ def check_leaves_surface(data: DescentData, mission: Mission) -> None:
     InputError
         With each of them.
     """
-    floating = [dive for dive in data.dives if float(_running_median(dive.depth).max()) < AT_SURFACE]
+    floating = [dive for dive in data.dives if float(median_filter(dive.depth, SMOOTHED).max()) < AT_SURFACE]
     if not floating:
         return
     problems = []
@@ -310,9 +310,3 @@ def _taut_times(dives: list[MeasuredDive], mission: Mission) -> Array:
     effects = [effect for effect in given_effects(mission) if isinstance(effect, DescentEffect)]
     dive = replace(descent_builder(mission)(weights, lines), site_depth=depths)
     return descent_stages(dive, DescentHooks(effects), len(dives)).taut_at
-
-
-def _running_median(values: Array) -> Array:
-    """Median of each value and its neighbours, the record mirrored at its ends."""
-    mirrored = np.pad(values, SMOOTHED // 2, mode="symmetric")
-    return np.asarray(np.median(sliding_window_view(mirrored, SMOOTHED), axis=-1))

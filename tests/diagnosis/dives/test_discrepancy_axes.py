@@ -75,7 +75,7 @@ def test_a_force_changes_later_readings_only(measured):
     [
         ("drag-crisis", {"fraction": 0.3, "speed": 1.3, "width": 0.1}, "drag that changes with speed"),
         ("stratification", {"lift": 3.0, "depth": 8.0, "thickness": 1.0}, "a lift that changes with depth"),
-        ("broadside-start", {"extra_drag": 3.0, "time": 2.0}, "drag that changes with time"),
+        ("broadside-start", {"extra_drag": 3.0, "time": 4.0}, "drag that changes with time"),
     ],
 )
 def test_a_discrepancy_is_recognised_for_what_it_is(measured, name, parameters, looks_like):

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp, trapezoid
 
+from missionplan.effects.dive_forces import BroadsideStart
 from missionplan.phases.currents import layers
 from missionplan.phases.hooks import DescentEffect
 from missionplan.phases.mooring.descent import descend
@@ -52,7 +53,7 @@ def turned(dive, body=BODY, step=0.1):
 
 
 def reference(dive, body, speed):
-    """Time to nose down and the nose's depth then, from the kinetic energy of body and anchor, differentiated by steps."""
+    """Way to nose down: places of the centre and pitch, from the kinetic energy of body and anchor, by differences."""
     masses = np.array([dive.free_mass, body.lateral_mass])
     places = np.linspace(body.centre - body.length, body.centre, 401)
 
@@ -91,9 +92,7 @@ def reference(dive, body, speed):
 
     down.terminal = True
     begun = np.linalg.solve(mass_matrix(0.0), dive.lone_mass * speed * np.array([0.0, 1.0, body.centre]))
-    found = solve_ivp(rate, (0.0, 20.0), [0.0, 0.0, 0.0, *begun], events=down, rtol=1e-8, atol=1e-10)
-    _, z, pitch = found.y_events[0][0][:3]
-    return found.t_events[0][0], z + body.centre * np.sin(pitch)
+    return solve_ivp(rate, (0.0, 20.0), [0.0, 0.0, 0.0, *begun], events=down, rtol=1e-8, atol=1e-10)
 
 
 @pytest.mark.parametrize(
@@ -109,9 +108,21 @@ def test_time_and_depth_against_lagranges_equations(centre, ahead, below, weight
     body = replace(BODY, centre=centre, ahead=ahead, below=below)
     dive = replace(DIVE, wet_weight=weight, line_length=line)
     found = turned(dive, body, step=0.02)
-    time, depth = reference(dive, body, lone_fall(dive).speed[0])
-    assert found.stage.time[0] == pytest.approx(time, abs=5e-3)
-    assert found.stage.depth[0] == pytest.approx(depth, abs=5e-3)
+    way = reference(dive, body, lone_fall(dive).speed[0])
+    _, z, pitch = way.y_events[0][0][:3]
+    assert found.stage.time[0] == pytest.approx(way.t_events[0][0], abs=5e-3)
+    assert found.stage.depth[0] == pytest.approx(z + centre * np.sin(pitch), abs=5e-3)
+
+
+@pytest.mark.parametrize(("weight", "drag"), [(11.7, 68.0), (11.7, 200.0), (6.0, 68.0), (25.0, 68.0)])
+def test_the_effect_that_stands_for_it_turns_alike(weight, drag):
+    """From the time at which the hull is at 30° to its way, its angle at all others."""
+    dive = replace(DIVE, wet_weight=weight)
+    way = reference(dive, replace(BODY, drag_per_length=drag), lone_fall(dive).speed[0])
+    across = np.cos(way.y[2])
+    time = np.interp(-0.5, -across, way.t) / np.arccosh(2.0)
+    sine = np.cbrt(BroadsideStart(1.0, time).drag_factor(way.t, 1.0) - 1.0)
+    assert np.abs(sine - across).max() < 0.12
 
 
 def test_the_default_step_is_fine_enough():
