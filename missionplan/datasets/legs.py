@@ -22,7 +22,7 @@ from missionplan.errors import InputError, Problem, counted
 from missionplan.mission import Mission
 from missionplan.mission.schema import quantity_parser as q
 from missionplan.mission.schema.place import Geographic, to_plane
-from missionplan.mission.schema.section import FileSection
+from missionplan.mission.schema.section import FileSection, Moment
 from missionplan.moments import EPOCH_SCALE
 
 MIN_LEGS = 8
@@ -105,6 +105,7 @@ class LegNoise(FileSection):
 class TransitSettings(DatasetSettings):
     """Keys of a data set of kind ``transit``."""
 
+    start: Annotated[Moment | None, Doc("zero of times in seconds; default: the start of the mission")] = None
     noise: Annotated[LegNoise, Doc("errors of what was measured")] = LegNoise()
 
 
@@ -146,7 +147,7 @@ def read_transit(folder: Path, mission: Mission) -> TransitData:
     numbers = [name for name in raw.table if name not in TRANSIT.columns.text]
     settings = raw.checked(check_legs(raw.table.drop_duplicates(numbers), raw.file))
     notices = list(raw.notices)
-    legs = _in_order(raw.table, notices)
+    legs = _since_start(_in_order(raw.table, notices), settings, notices)
     start, reckoned, end, origin = _positions(legs, mission, notices, raw.file)
     surface = legs["surface_s"].fillna(0.0).to_numpy() if "surface_s" in legs else np.zeros(len(legs))
     t_start = legs["t_start_s"].to_numpy()
@@ -188,6 +189,16 @@ def _in_order(legs: pd.DataFrame, notices: list[str]) -> pd.DataFrame:
     if not legs["t_start_s"].is_monotonic_increasing and "run" not in legs:
         notices.append("the legs were not in the order of time; they have been sorted")
     return legs.assign(_run=pd.factorize(runs)[0]).sort_values(["_run", "t_start_s"], kind="stable")
+
+
+def _since_start(legs: pd.DataFrame, settings: TransitSettings, notices: list[str]) -> pd.DataFrame:
+    """Turn times from the data set's own zero into seconds since 1970."""
+    if settings.start is None:
+        return legs
+    if legs["t_start_s"].min() > EPOCH_SCALE:
+        notices.append("start of the data set is not used: its times are dates")
+        return legs
+    return legs.assign(**{name: legs[name] + settings.start.timestamp() for name in TIMES})
 
 
 def _positions(
