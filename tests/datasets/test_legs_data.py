@@ -169,7 +169,9 @@ def test_a_start_of_the_data_set_is_the_zero_of_its_seconds_whatever_the_mission
     for start in ("2026-05-01T06:00:00Z", "2026-06-01T06:00:00Z"):
         data = read_transit(place, transit_mission.with_(start=start))
         began = np.datetime64(start[:-1]) + (data.t_start[0] * 1e9).astype("timedelta64[ns]")
-        assert began == np.datetime64("2026-05-01T08:00:00") + np.timedelta64(round(table["t_start_s"].min() * 1e9), "ns")
+        assert began == np.datetime64("2026-05-01T08:00:00") + np.timedelta64(
+            round(table["t_start_s"].min() * 1e9), "ns"
+        )
     table[["t_start_s", "t_end_s"]] += 1.6e9
     dated = read_transit(folder({**KIND, "start": "2026-05-01T10:00:00+02:00"}, table), transit_mission)
     assert dated.epoch == 1.6e9 + legs()["t_start_s"].min()

@@ -1,5 +1,6 @@
 """What a diagnosis tells the operator: size, sign and remedy, as the effects declare them."""
 
+from collections.abc import Mapping
 from functools import partial
 from types import SimpleNamespace
 
@@ -27,6 +28,9 @@ def told(
     not_constant: tuple[str, ...] = (),
     made: tuple[str, ...] = (),
     changed: tuple[str, ...] = (),
+    inclusion: Mapping[str, float] | None = None,
+    ranking: Mapping[tuple[str, ...], float] | None = None,
+    kind: str = "transit",
 ) -> str:
     causes = tuple(dict.fromkeys(each.effect for each in found))
     best = SimpleNamespace(parameters=found, held_out=None)
@@ -36,13 +40,14 @@ def told(
             causes=causes,
             best=best,
             verdict=verdict,
-            kind="transit",
+            kind=kind,
             rivals=rivals,
+            ranking=[SimpleNamespace(causes=each, posterior=share) for each, share in (ranking or {}).items()],
             next_measurements=entries,
             none_of_these=none_of_these,
             not_constant=not_constant,
             changed=changed,
-            readings=Readings(confounded_with_reckoning=made),
+            readings=Readings(confounded_with_reckoning=made, inclusion=inclusion or {}),
         )
     )
 
@@ -51,7 +56,7 @@ def test_a_speed_no_further_off_than_a_reckoning_was_made_in_doubt_is_no_order()
     slow = estimate("speed-scale", "fraction", -0.1, 0.01, "")
     assert "calibrate" in told(slow)
     assert told(slow, made=("speed-scale",)) == (
-        "The vehicle goes 10.0 ± 1.0\u00a0% slower than it reckons. But it may as well be the dead reckoning itself, "
+        "The vehicle goes 10.0 ± 1.0\u00a0% slower than it reckons. But it may be the dead reckoning itself, "
         "which was made without a logged speed: correct nothing yet, first log the vehicle's speed, or its own position, "
         "under water."
     )
@@ -63,27 +68,51 @@ def test_a_compass_that_reads_low_is_told_so(angle, side):
     assert words == f"The compass reads 2.9° ± 0.3° {side}: swing it, or enter the correction."
 
 
-def test_a_share_is_told_in_per_cent_and_doubt_is_told():
-    words = told(estimate("speed-scale", "fraction", -0.03, 0.004, ""), verdict="ambiguous")
-    assert words.startswith("It looks as if the vehicle goes 3.0 ± 0.4\u00a0% slower than it reckons: ")
+def test_a_share_is_told_in_per_cent_and_doubt_with_its_probability():
+    found = estimate("speed-scale", "fraction", -0.03, 0.004, "")
+    words = told(found, verdict="ambiguous", inclusion={"speed-scale": 0.84})
+    assert words == (
+        "It looks as if the vehicle goes 3.0 ± 0.4\u00a0% slower than it reckons (84 %). But that is not sure enough to "
+        "act on: correct nothing yet, first sail legs on other headings, at another speed and of other lengths."
+    )
 
 
-def test_a_cause_that_a_rival_does_without_is_no_order():
+def test_a_cause_that_may_not_be_there_is_no_order():
     """A speed scale and a current that such legs cannot tell apart: to calibrate the log would be to toss a coin."""
     found = estimate("speed-scale", "fraction", -0.13, 0.01, "")
     words = told(
         found,
         verdict="ambiguous",
-        rivals=(("mean-current",), ("mean-current", "heavy-tails")),
+        inclusion={"speed-scale": 0.6, "mean-current": 0.4},
+        rivals=(("mean-current",), ("mean-current", "heavy-tails"), ("response", "mean-current")),
+        ranking={("mean-current",): 0.31, ("mean-current", "heavy-tails"): 0.09},
         measurements=("two opposite legs of 400 m",),
     )
     assert "calibrate" not in words
+    assert words.startswith("It looks as if the vehicle goes 13.0 ± 1.0\u00a0% slower than it reckons (60 %). ")
     assert words.endswith(
-        "But it may as well be mean current or mean current and heavy tails: correct nothing yet, first two opposite "
-        "legs of 400 m."
+        "But it may be mean current (31 %) or mean current and heavy tails (9 %): correct nothing yet, first two "
+        "opposite legs of 400 m."
     )
-    shared = told(found, verdict="ambiguous", rivals=(("speed-scale", "heavy-tails"),))
-    assert "correct nothing" not in shared, "every explanation has it"
+    shared = told(found, verdict="ambiguous", rivals=(("speed-scale", "heavy-tails"),), inclusion={"speed-scale": 0.99})
+    assert "calibrate" in shared, "every explanation has it"
+    assert "It looks as if" not in shared
+    assert "correct nothing" not in shared
+
+
+def test_a_cause_that_is_sure_is_an_order_beside_what_may_have_no_name():
+    found = estimate("speed-scale", "fraction", -0.13, 0.01, "")
+    words = told(found, verdict="ambiguous", inclusion={"speed-scale": 0.999}, none_of_these=0.11)
+    assert "calibrate" in words
+    assert words.endswith("Beside that, something that no effect of the catalogue explains may be there (11 %).")
+
+
+def test_nothing_is_ordered_from_numbers_that_prove_nothing():
+    found = estimate("drag-bias", "fraction", 0.2, 0.01, "")
+    words = told(found, verdict="ambiguous", inclusion={"drag-bias": 0.999}, kind="summary")
+    assert words.endswith(
+        "But so few numbers prove nothing: correct nothing yet, first log depth and time all the way down."
+    )
 
 
 def test_a_cause_that_is_not_the_same_all_along_is_no_order():
@@ -93,7 +122,9 @@ def test_a_cause_that_is_not_the_same_all_along_is_no_order():
     assert "swing it" not in words
     assert words.endswith("But the record does not agree on its size: correct nothing yet, first a swing.")
     words = told(found, verdict="partly-explained", not_constant=("compass-bias",))
-    assert words.endswith("correct nothing yet, first take more data.")
+    assert words.endswith(
+        "correct nothing yet, first sail legs on other headings, at another speed and of other lengths."
+    )
 
 
 def test_a_law_of_the_errors_beside_a_cause_in_doubt_is_no_order_and_a_cause_beside_it_that_all_have_is_one():
@@ -101,24 +132,23 @@ def test_a_law_of_the_errors_beside_a_cause_in_doubt_is_no_order_and_a_cause_bes
         estimate("speed-scale", "fraction", -0.13, 0.01, ""),
         estimate("persistent-error", "sigma", 0.07, 0.01, "m/s"),
     )
-    words = told(*found, verdict="partly-explained", none_of_these=0.3)
+    words = told(*found, verdict="partly-explained", none_of_these=0.6)
     assert "surface more often" not in words
     assert "calibrate" not in words
     assert "correct nothing yet" in words
     pair = estimate("speed-scale", "fraction", -0.13, 0.01, ""), estimate("compass-bias", "angle", 0.05, 0.005, "rad")
-    words = told(*pair, verdict="ambiguous", rivals=(("compass-bias", "mean-current"),))
-    assert "swing it" in words
+    words = told(*pair, verdict="ambiguous", rivals=(("compass-bias", "mean-current"),), inclusion={"speed-scale": 0.8})
+    assert words.startswith("The compass reads 2.9° ± 0.3° low: swing it, or enter the correction; and it looks as if ")
     assert "calibrate" not in words
     assert "correct nothing else yet" in words
 
 
-@pytest.mark.parametrize("verdict", ["ambiguous", "partly-explained"])
-def test_a_cause_in_the_place_of_which_something_without_a_name_may_be_is_no_order(verdict):
-    words = told(estimate("speed-scale", "fraction", -0.13, 0.01, ""), verdict=verdict, none_of_these=0.3)
+def test_a_cause_in_the_place_of_which_something_without_a_name_may_be_is_no_order():
+    words = told(estimate("speed-scale", "fraction", -0.13, 0.01, ""), verdict="partly-explained", none_of_these=0.6)
     assert "calibrate" not in words
     assert words.endswith(
-        "But it may as well be something that no effect of the catalogue explains: correct nothing yet, first take data "
-        "that tell them apart."
+        "But it may be something that no effect of the catalogue explains (60 %): correct nothing yet, first sail "
+        "legs on other headings, at another speed and of other lengths."
     )
 
 

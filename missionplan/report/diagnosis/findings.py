@@ -12,12 +12,16 @@ from missionplan.report.diagnosis.kinds import REPORTS
 from missionplan.report.quantities import quantity
 from missionplan.report.wording import capitalised, listed, parameter_in_words
 from missionplan.results.learned import Diagnosis
-from missionplan.results.learned.evidence import Coverage, ParameterEstimate, WrongFix
+from missionplan.results.learned.evidence import SURE, Causes, Coverage, ParameterEstimate, WrongFix
 from missionplan.results.learned.levels import ParameterLevels
 
 _PERCENT, _HOUR = 100.0, 3600.0
 UNLIKELY = 0.05
-"""Probability of what has no name from which nothing is ordered."""
+"""Probability of what has no name from which it is told."""
+_LIKELIER = 0.5
+"""Probability of what has no name from which nothing is ordered: a cause that is named may be its likeness."""
+_NO_NAME = "no effect of the catalogue explains"
+_DOUBTFUL = ("ambiguous", "partly-explained")
 _TELLING = 2.0
 """Standard deviations from nothing to the size of an effect of the mission's own, below which it may be gone."""
 _RIVALS = 2
@@ -27,21 +31,33 @@ _RIVALS = 2
 def finding_in_words(diagnosis: Diagnosis) -> str:
     """Write what was found and what to do: ``The compass reads 2.9° ± 0.3° low: swing it, …``; empty without causes.
 
-    What the catalogue says nothing of, or too large to be its cause, is left to the verdict. A cause that a rival
-    explanation does without, or beside which something without a name is likely, is no order: what the crew is to do
-    is then to find out.
+    What the catalogue says nothing of, or too large to be its cause, is left to the verdict. A cause that may not be
+    there is no order: what the crew is to do is then to find out.
     """
     found, disputed = claimed_parameters(diagnosis), disputed_causes(diagnosis)
     certain = _certain_causes(diagnosis, disputed)
-    told = [
-        _clause(cause, found, is_order=cause in certain, is_known=cause in diagnosis.changed)
+    told = {
+        cause: _clause(cause, found, is_order=cause in certain, is_known=cause in diagnosis.changed)
         for cause in diagnosis.causes
-    ]
-    if not told or not all(told):
+    }
+    if not told or not all(told.values()):
         return ""
-    hedge = "It looks as if " if diagnosis.verdict in ("ambiguous", "partly-explained") else ""
-    words = capitalised(f"{hedge}{'; and '.join(told)}{_gained(diagnosis)}.")
-    return f"{words} {_find_out(diagnosis, disputed, is_all=not certain)}" if disputed else words
+    doubted = [f"{words}{_chance(diagnosis, cause)}" for cause, words in told.items() if cause not in certain]
+    if doubted and diagnosis.verdict in _DOUBTFUL:
+        doubted[0] = f"it looks as if {doubted[0]}"
+    clauses = [*(words for cause, words in told.items() if cause in certain), *doubted]
+    words = capitalised(f"{'; and '.join(clauses)}{_gained(diagnosis)}.")
+    if disputed:
+        return f"{words} {_find_out(diagnosis, disputed, is_all=not certain)}"
+    if diagnosis.verdict in _DOUBTFUL and diagnosis.none_of_these > UNLIKELY:
+        words += f" Beside that, something that {_NO_NAME} may be there ({part(diagnosis.none_of_these)})."
+    return words
+
+
+def _chance(diagnosis: Diagnosis, cause: str) -> str:
+    """Write how likely it is that a cause is there, where that is in doubt."""
+    probability = diagnosis.readings.inclusion.get(cause, 1.0)
+    return f" ({part(probability)})" if probability < SURE else ""
 
 
 def _certain_causes(diagnosis: Diagnosis, disputed: frozenset[str]) -> frozenset[str]:
@@ -51,43 +67,51 @@ def _certain_causes(diagnosis: Diagnosis, disputed: frozenset[str]) -> frozenset
 
 
 def disputed_causes(diagnosis: Diagnosis) -> frozenset[str]:
-    """Physical causes of the likeliest set to act on which is to toss a coin.
+    """Physical causes of the likeliest set from which nothing is ordered.
 
-    They are not in every rival, what has no name may be there in their place, they are not the same all along, or they
-    are no larger than what a made dead reckoning is in doubt by.
+    With a probability above 5 % they are not there, what has no name is likelier than not, they are not the same all
+    along, the data are of a kind that proves nothing, or they are no larger than what a made dead reckoning is in doubt
+    by.
     """
     made = frozenset(diagnosis.readings.confounded_with_reckoning)
     return made | _disputed_by_the_data(diagnosis)
 
 
 def _disputed_by_the_data(diagnosis: Diagnosis) -> frozenset[str]:
-    if diagnosis.verdict not in ("ambiguous", "partly-explained"):
+    if diagnosis.verdict not in _DOUBTFUL:
         return frozenset()
-    physical = {cause for cause in diagnosis.causes if CATALOGUE[cause].tier == "physical"}
-    if _may_have_no_name(diagnosis):
-        return frozenset(physical)
-    changing = frozenset(physical & {*diagnosis.not_constant})
-    return changing | frozenset(cause for cause in physical if any(cause not in rival for rival in diagnosis.rivals))
-
-
-def _may_have_no_name(diagnosis: Diagnosis) -> bool:
-    return diagnosis.none_of_these > UNLIKELY
+    physical = frozenset(cause for cause in diagnosis.causes if CATALOGUE[cause].tier == "physical")
+    if REPORTS[diagnosis.kind].proves_nothing or diagnosis.none_of_these >= _LIKELIER:
+        return physical
+    doubtful = {cause for cause, probability in diagnosis.readings.inclusion.items() if probability < SURE}
+    return physical & {*doubtful, *diagnosis.not_constant}
 
 
 def _find_out(diagnosis: Diagnosis, disputed: frozenset[str], *, is_all: bool) -> str:
-    """Write what else it may be, and what would tell."""
-    rivals = [names(rival) if rival else "chance" for rival in diagnosis.rivals if not disputed <= set(rival)][:_RIVALS]
-    if _may_have_no_name(diagnosis):
-        rivals.append("something that no effect of the catalogue explains")
-    until = next((entry.measurement for entry in diagnosis.next_measurements), "")
+    """Write what else it may be, how likely that is, and what would tell."""
+    chances = {entry.causes: entry.posterior for entry in diagnosis.ranking if entry.posterior is not None}
+    others = [causes for causes in diagnosis.rivals if not disputed <= {*causes} and _has_name(causes)][:_RIVALS]
+    rivals = [
+        f"{names(causes) if causes else 'chance'}{f' ({part(chances[causes])})' if causes in chances else ''}"
+        for causes in others
+    ]
+    if diagnosis.none_of_these > UNLIKELY:
+        rivals.append(f"something that {_NO_NAME} ({part(diagnosis.none_of_these)})")
+    until = next((entry.measurement for entry in diagnosis.next_measurements), REPORTS[diagnosis.kind].more_data)
     if disputed & {*diagnosis.readings.confounded_with_reckoning}:
         rivals.append("the dead reckoning itself, which was made without a logged speed")
         until = "log the vehicle's speed, or its own position, under water"
-    tells = f"first {until or ('take data that tell them apart' if rivals else 'take more data')}"
-    else_it_is = (
-        f"But it may as well be {' or '.join(rivals)}" if rivals else "But the record does not agree on its size"
-    )
-    return f"{else_it_is}: correct nothing {'yet' if is_all else 'else yet'}, {tells}."
+    if rivals:
+        else_it_is = f"But it may be {listed(rivals, 'or')}"
+    elif disputed & {*diagnosis.not_constant}:
+        else_it_is = "But the record does not agree on its size"
+    else:
+        else_it_is = f"But {REPORTS[diagnosis.kind].proves_nothing or 'that is not sure enough to act on'}"
+    return f"{else_it_is}: correct nothing {'yet' if is_all else 'else yet'}, first {until}."
+
+
+def _has_name(causes: Causes) -> bool:
+    return all(CATALOGUE[cause].tier != "neutral" for cause in causes)
 
 
 def _clause(cause: str, found: tuple[ParameterEstimate, ...], *, is_order: bool, is_known: bool) -> str:

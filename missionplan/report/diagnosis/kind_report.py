@@ -111,6 +111,10 @@ class KindReport:
     sentence, or nothing."""
     not_constant: str = ""
     """What is said of causes that do not hold still, after their names."""
+    more_data: str = "take more data"
+    """What to do where it is not known what would tell explanations apart."""
+    proves_nothing: str = ""
+    """Why no cause found in such data is an order; empty where one may be."""
     calibration: Mapping[str, str] = field(default_factory=dict)
     """Keys of `Diagnosis.calibration` in words."""
 

@@ -87,6 +87,7 @@ _DIVE_REPORT = KindReport(
     data_figure=_dive_figure,
     residual_figures=_dive_residuals,
     not_constant="not the same in all dives",
+    more_data="dive with another anchor and another line",
     calibration={
         "dive_scatter": "Scatter from dive to dive, of the usual",
         "depth_walk_m2_s": "Turbulence: rate at which the depth wanders (m²/s)",
@@ -122,7 +123,13 @@ def _summary_figure(diagnosis: Diagnosis) -> Figure:
     )
 
 
-_SUMMARY_REPORT = KindReport(unit="sd", data_figure=_summary_figure, calibration=_DIVE_REPORT.calibration)
+_SUMMARY_REPORT = KindReport(
+    unit="sd",
+    data_figure=_summary_figure,
+    more_data="log depth and time all the way down",
+    proves_nothing="so few numbers prove nothing",
+    calibration=_DIVE_REPORT.calibration,
+)
 
 
 _COMPONENTS = ("east", "north")
@@ -245,6 +252,7 @@ _LEG_REPORT = KindReport(
     data_figure=_leg_figure,
     residual_figures=_leg_residuals,
     not_constant="not constant over the record: the halves of the record disagree",
+    more_data="sail legs on other headings, at another speed and of other lengths",
     calibration={
         "sigma_v_m_s": "Velocity error of a leg, σ_v (m/s)",
         "sigma_v_factor": "Factor within which σ_v is known in two of three cases",
@@ -300,7 +308,12 @@ def _tank_residuals(diagnosis: Diagnosis) -> list[Figure]:
 
 
 _TANK_REPORTS = {
-    kind: KindReport(unit=unit, data_figure=_tank_figure, residual_figures=_tank_residuals)
+    kind: KindReport(
+        unit=unit,
+        data_figure=_tank_figure,
+        residual_figures=_tank_residuals,
+        more_data="measure again, at other speeds too",
+    )
     for kind, unit in _UNITS.items()
 }
 """By kind."""

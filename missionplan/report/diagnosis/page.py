@@ -180,18 +180,18 @@ def _left_over(diagnosis: Diagnosis) -> str:
 def _claim(diagnosis: Diagnosis) -> str:
     """Write what is claimed, and how far."""
     named = found_causes(diagnosis.causes, claimed_parameters(diagnosis))
-    is_told = bool(disputed_causes(diagnosis) and finding_in_words(diagnosis))  # and what else it may be
+    is_told = bool(finding_in_words(diagnosis))  # and what else it may be
     if diagnosis.verdict == "partly-explained":
         is_left = diagnosis.discrepancy.axis is not None
         left = f"what is left {resemblance(diagnosis.discrepancy)}." if is_left else ""
-        if is_told:
+        if is_told and disputed_causes(diagnosis):
             return _sentence(left)
         return f"The largest share of the misfit resembles {named}, but not all of it{f': {left}' if left else '.'}"
     if diagnosis.verdict == "ambiguous":
         if is_told:
             return ""
         others = [names(causes) for causes in diagnosis.rivals[:3]]
-        rest = f"; {' or '.join(others)} would do nearly as well" if others else "; so few numbers prove nothing"
+        rest = f"; {' or '.join(others)} would do nearly as well" if others else ", which is not sure"
         return f"The data fit {named}{rest}."
     change = "a change of " if {*diagnosis.causes} <= {*diagnosis.changed} else ""
     return f"The misfit is explained by {change}{named}.{_told_as_one(diagnosis)}"
