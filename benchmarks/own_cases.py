@@ -40,8 +40,8 @@ from missionplan.montecarlo.sensitivity import Influence, sensitivities
 from missionplan.montecarlo.statistics import RunningStatistics
 from missionplan.montecarlo.streams import BLOCK, LegNormals, block_count, block_size, stream
 from missionplan.phases.hooks import TrialState
+from missionplan.phases.transit import transit
 from missionplan.phases.transit.plan import TransitNormals, TransitPlan, VelocityError
-from missionplan.phases.transit.transit import transit
 from missionplan.studies.leg_length.sweep_dmax import sweep_dmax
 from missionplan.studies.simulation import outcome_builder as outcome
 from missionplan.studies.simulation.simulate import simulate

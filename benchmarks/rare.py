@@ -15,6 +15,7 @@ from benchmarks.common import Options, Row, Section, duration
 from benchmarks.rare_problems import PROBLEMS, Problem
 from benchmarks.rare_ways import drawn
 from missionplan.mission import Mission
+from missionplan.montecarlo.rare_events import Key, NormalPopulation
 from missionplan.montecarlo.rare_events.failure_search import FailureSearch, Found, find
 from missionplan.montecarlo.rare_events.strata import (
     DiscreteValue,
@@ -24,7 +25,6 @@ from missionplan.montecarlo.rare_events.strata import (
     TrialMargins,
     strata,
 )
-from missionplan.montecarlo.rare_events.subset_simulation import Key, NormalPopulation
 from missionplan.studies.rare_failure import find_rare_failure
 
 TARGET = 200_000

@@ -14,8 +14,8 @@ from scipy.integrate import quad
 from scipy.special import ndtr, ndtri
 from scipy.stats import norm
 
+from missionplan.montecarlo.rare_events import Key
 from missionplan.montecarlo.rare_events.strata import DiscreteValue, StrataView, TrialMargins
-from missionplan.montecarlo.rare_events.subset_simulation import Key
 
 Margin = Callable[[StrataView], np.ndarray]
 KINDS = ("normal", "log-normal", "uniform", "heavy tail", "distance", "correlated", "discrete")

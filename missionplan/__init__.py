@@ -14,10 +14,10 @@ from missionplan.errors import RunError as RunError
 
 if TYPE_CHECKING:
     from missionplan.diagnosis.campaign import diagnose_campaign as diagnose_campaign
+    from missionplan.diagnosis.campaign import why as why
     from missionplan.diagnosis.diagnose import diagnose as diagnose
-    from missionplan.diagnosis.scoring.score import score as score
-    from missionplan.diagnosis.why import why as why
-    from missionplan.importers.importing import import_logs as import_logs
+    from missionplan.diagnosis.scoring import score as score
+    from missionplan.importers import import_logs as import_logs
     from missionplan.mission import Mission as Mission
     from missionplan.mission import load as load
     from missionplan.store import reports as reports
@@ -55,14 +55,14 @@ _MODULES = {
     "find_rare_failure": "missionplan.studies.rare_failure",
     "history": "missionplan.studies.history",
     "identify": "missionplan.studies.identification",
-    "import_logs": "missionplan.importers.importing",
+    "import_logs": "missionplan.importers",
     "init": "missionplan.studies.init",
     "load": "missionplan.mission",
     "reports": "missionplan.store",
     "optimise": "missionplan.studies.optimisation.optimise",
     "plan_legs": "missionplan.studies.leg_length.plan_legs",
     "schema": "missionplan.studies.schema",
-    "score": "missionplan.diagnosis.scoring.score",
+    "score": "missionplan.diagnosis.scoring",
     "simulate": "missionplan.studies.simulation.simulate",
     "size_anchor": "missionplan.studies.anchor",
     "sweep_dmax": "missionplan.studies.leg_length.sweep_dmax",
@@ -70,7 +70,7 @@ _MODULES = {
     "tide": "missionplan.studies.tide",
     "validate": "missionplan.studies.validate",
     "verify": "missionplan.verification",
-    "why": "missionplan.diagnosis.why",
+    "why": "missionplan.diagnosis.campaign",
 }
 """Module of each public name, imported when the name is first used."""
 _ALIASES = {"import_log": "import_logs"}

@@ -42,6 +42,8 @@ def utc(moment: datetime) -> datetime:
 def moment_of(value: object) -> datetime:
     """Read a moment as a file or a caller gives it.
 
+    Raises ValueError when it is anything else, such as a bare number, or of a zone that has only a name.
+
     Parameters
     ----------
     value : object
@@ -51,11 +53,6 @@ def moment_of(value: object) -> datetime:
     -------
     datetime
         In UTC, which is the zone of what names none.
-
-    Raises
-    ------
-    ValueError
-        When it is anything else, such as a bare number, or of a zone that has only a name.
     """
     if isinstance(value, datetime):
         return utc(value)
@@ -116,6 +113,8 @@ def is_since(units: object) -> bool:
 def since(units: str, calendar: str = "") -> tuple[float, float]:
     """Read units of times (``days since 1950-01-01``, UDUNITS and CF 1.11, section 4.4).
 
+    Raises ValueError when they are none.
+
     Parameters
     ----------
     units : str
@@ -126,11 +125,6 @@ def since(units: str, calendar: str = "") -> tuple[float, float]:
     -------
     zero, length : float
         The moment since which times count, from the start of 1970, and their unit [s].
-
-    Raises
-    ------
-    ValueError
-        When they are none.
     """
     kind = calendar.strip().lower()
     if kind not in _CALENDARS:

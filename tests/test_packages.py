@@ -8,8 +8,7 @@ import pytest
 
 from missionplan import identity, import_log
 from missionplan.cli.running import progress_bar
-from missionplan.effects import CATALOGUE
-from missionplan.effects.catalogue import entry_problems, with_plugins
+from missionplan.effects import CATALOGUE, entry_problems, with_plugins
 from missionplan.errors import InputError, RunError
 from missionplan.importers import importer
 

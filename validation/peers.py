@@ -16,7 +16,7 @@ from scipy.stats import norm
 
 from benchmarks import line as moordyn_lines
 from missionplan.mission import Mission
-from missionplan.montecarlo.rare_events.subset_simulation import NormalPopulation
+from missionplan.montecarlo.rare_events import NormalPopulation
 from missionplan.montecarlo.sensitivity import sensitivities
 from missionplan.phases.mooring.pitch_over import NOSE_DOWN
 from missionplan.physics.held_line import HeldLine, hang

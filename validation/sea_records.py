@@ -9,8 +9,8 @@ import numpy as np
 import pandas as pd
 
 from missionplan import diagnose
+from missionplan.importers import import_logs
 from missionplan.importers.geodesy import displacement
-from missionplan.importers.importing import import_logs
 from missionplan.mission import Mission, load
 from missionplan.results.learned import Diagnosis
 from validation.rows import NotMeasurableHereError, Options, at_least, at_most, between, near, reported, row

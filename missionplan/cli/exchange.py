@@ -83,8 +83,8 @@ class ImportOptions:
 
     def imported(self, sources: list[str], progress: Progress) -> "ImportedData":
         """Import the logs."""
+        from missionplan.importers import import_logs
         from missionplan.importers.dives import LegRules
-        from missionplan.importers.importing import import_logs
 
         rules = LegRules(
             _quantity(self.shortest, "shortest", "s"),
@@ -157,7 +157,7 @@ def why(
     It is `import` and `diagnose` in one. The folder holds the report, mission.yaml extended by what was found, the data
     set in `dataset`, and what was made of the logs in dataset/report.html. Example: missionplan why logs/
     """
-    from missionplan.diagnosis.why import DATASET, MISSION
+    from missionplan.diagnosis.campaign import DATASET, MISSION
     from missionplan.report.imported import answer
     from missionplan.report.wording import typeset
 

@@ -18,7 +18,7 @@ from typing_extensions import Doc
 from missionplan.datasets.table import Columns, CsvTable, read_table
 from missionplan.errors import InputError, Problem, did_you_mean, shown
 from missionplan.mission.documents import Document, load_document
-from missionplan.mission.schema.section import DatasetSchema, FileSection
+from missionplan.mission.schema import DatasetSchema, FileSection
 from missionplan.mission.validation_errors import validation_problems
 from missionplan.store.folder import is_file, real_path
 

@@ -20,8 +20,8 @@ from missionplan.datasets.records import DescentData, MeasuredDive, as_other, li
 from missionplan.datasets.table import Columns, wrong_cells
 from missionplan.errors import Problem, counted, did_you_mean
 from missionplan.mission import Mission
+from missionplan.mission.schema import FileSection, Moment
 from missionplan.mission.schema import quantity_parser as q
-from missionplan.mission.schema.section import FileSection, Moment
 from missionplan.moments import EPOCH_SCALE
 from missionplan.montecarlo.distributions import mean_of
 

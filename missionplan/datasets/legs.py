@@ -20,9 +20,9 @@ from missionplan.datasets.records import TransitData, as_other, listed, repeated
 from missionplan.datasets.table import Columns, wrong_cells
 from missionplan.errors import InputError, Problem, counted
 from missionplan.mission import Mission
+from missionplan.mission.schema import FileSection, Moment
 from missionplan.mission.schema import quantity_parser as q
 from missionplan.mission.schema.place import Geographic, to_plane
-from missionplan.mission.schema.section import FileSection, Moment
 from missionplan.moments import EPOCH_SCALE
 
 MIN_LEGS = 8

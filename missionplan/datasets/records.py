@@ -43,10 +43,7 @@ def leg_identities(data: "TransitData") -> tuple[str, ...]:
 def dive_identity(t: Array, depth: Array) -> str:
     """Return the hash of a dive: its depths, and their times from the first.
 
-    Parameters
-    ----------
-    t, depth : array, shape (m,)
-        Times [s] and readings [m], as logged.
+    `t`, `depth`, shape (m,): times [s] and readings [m], as logged.
     """
     return _hash("dive", np.concatenate([_steps(t - t[0], TIME), _steps(depth, DEPTH)]))
 

@@ -25,9 +25,9 @@ from missionplan.datasets import (
 from missionplan.datasets.records import ROW_BY_ROW, row_identities, row_texts, table_identity, written_once
 from missionplan.datasets.table import Columns, CsvTable, wrong_cells
 from missionplan.errors import Problem
+from missionplan.mission.schema import FileSection, Moment, ReadBy, invalid
 from missionplan.mission.schema import quantity_parser as q
 from missionplan.mission.schema.quantity_parser import QuantityParser
-from missionplan.mission.schema.section import FileSection, Moment, ReadBy, invalid
 from missionplan.mission.schema.site import WaterSection
 from missionplan.moments import EPOCH_SCALE
 from missionplan.montecarlo.distributions import Quantity, mean_of

@@ -1,17 +1,23 @@
-"""`diagnose` with several data sets of one campaign: the posterior of one is the prior of the next."""
+"""Diagnoses of several steps: of logs, imported first; of data sets, the posterior of one the prior of the next."""
 
 import time
 from collections.abc import Callable, Sequence
 from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 from missionplan.datasets import dataset_kind, load_dataset_document
+from missionplan.diagnosis.data_kind import KINDS
 from missionplan.diagnosis.diagnose import diagnose
-from missionplan.diagnosis.kinds import KINDS
 from missionplan.errors import InputError
+from missionplan.importers import import_logs
 from missionplan.mission import Mission, MissionOrPath
 from missionplan.results.learned import Campaign
 from missionplan.store.folder import as_path
 from missionplan.studies.run import Run, check_arguments
+
+if TYPE_CHECKING:
+    from missionplan.results.learned import Diagnosis
+
 
 ORDER = ("drag", "free-oscillation", "thruster", "propeller-transient", "summary", "descent", "transit")
 """Kinds of data in the order in which they are diagnosed: the tank, which measures a thing by itself, first."""
@@ -103,3 +109,48 @@ def _place(folder: Path) -> tuple[int, str, str]:
     """Place of a data set in the order: by its kind, its name, its folder."""
     kind = dataset_kind(folder, KINDS)
     return ORDER.index(kind), str(load_dataset_document(folder).data.get("name") or ""), str(folder)
+
+
+DATASET = "dataset"
+"""Folder of the data set, in the one of the report."""
+MISSION = "mission.yaml"
+"""Mission of the legs themselves, which an import writes beside them."""
+
+
+def why(
+    sources: str | Path | Sequence[str | Path],
+    folder: str | Path,
+    *,
+    mission: MissionOrPath | None = None,
+    seed: int | None = None,
+    jobs: int = 1,
+    next_trial: bool = False,
+    progress: Callable[[int, int], None] | None = None,
+    **reading: Any,
+) -> "Diagnosis":
+    """Import logs and diagnose what they hold.
+
+    Parameters
+    ----------
+    sources : str, Path or sequence of them
+        Log files, and folders of them.
+    folder : str or Path
+        The data set is written to ``dataset`` in it; save the result there too.
+    mission : Mission, str or Path, optional
+        That the vehicle sailed; default: one that is made of its logs.
+    seed, jobs, next_trial
+        See `diagnose`.
+    progress : callable, optional
+        Called with what is done and the total.
+    **reading
+        See `import_logs`.
+
+    Raises
+    ------
+    InputError
+        When the logs, the mission or an option are wrong.
+    """
+    dataset = as_path(folder, "folder") / DATASET
+    import_logs(sources, progress=progress, **reading).save(dataset, force=True)
+    sailed = dataset / MISSION if mission is None else mission
+    return diagnose(sailed, dataset, seed=seed, jobs=jobs, next_trial=next_trial, progress=progress)

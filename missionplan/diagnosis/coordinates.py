@@ -57,12 +57,7 @@ class Coordinate:
 def coordinates_of(info: EffectInfo, names: Iterable[str] | None = None) -> tuple[Coordinate, ...]:
     """Return the coordinates of an effect.
 
-    Parameters
-    ----------
-    info : EffectInfo
-        The effect.
-    names : iterable of str, optional
-        Parameters to fit; default all of them but those of a modulation, which is random.
+    `info`: the effect. `names`: parameters to fit; default all of them but those of a modulation, which is random.
     """
     wanted = [name for name in info.parameters if not (info.is_modulated and name in MODULATION_PARAMETERS)]
     if names is not None:
@@ -120,14 +115,8 @@ def estimates(coordinates: Sequence[Coordinate], mean: Array, covariance: Array)
     An amplitude and its phase by linear propagation of errors (the delta method); intervals are clipped to the
     parameter's range.
 
-    Parameters
-    ----------
-    coordinates : sequence of Coordinate, length k
-        The fitted ones.
-    mean : array, shape (k,)
-        Posterior mean.
-    covariance : array, shape (k, k)
-        Posterior covariance.
+    `coordinates`: the fitted ones. `mean`, shape (k,): posterior mean. `covariance`, shape (k, k): posterior
+    covariance.
     """
     found: list[ParameterEstimate] = []
     for index, coordinate in enumerate(coordinates):

@@ -1,14 +1,16 @@
-"""What the diagnosis asks of a kind of data; `kinds` lists them all."""
+"""What the diagnosis asks of a kind of data, and the kinds: a new one has a folder of its own and a line in `KINDS`."""
 
 from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
+from importlib import import_module
 from pathlib import Path
-from typing import ClassVar, Protocol, Self
+from typing import ClassVar, Protocol, Self, cast
 
 import pandas as pd
 
+from missionplan.datasets import dataset_kind
 from missionplan.diagnosis.coordinates import Coordinate
-from missionplan.diagnosis.given.effects import GivenEffect
+from missionplan.diagnosis.given import GivenEffect
 from missionplan.diagnosis.inference.experiment_design import DirectMeasurement
 from missionplan.diagnosis.inference.model import CauseFit
 from missionplan.diagnosis.inference.selection import Selection, WeighsAllSets
@@ -116,20 +118,9 @@ class DataKind(ABC):
     def bind(cls, kind: str, folder: Path, mission: Mission, seed: int) -> Self:
         """Read a data set and bind a mission to it.
 
-        Parameters
-        ----------
-        kind : str
-            One of `ids`.
-        folder : Path
-            Of the data set.
-        mission : Mission
-        seed : int
-            Of draws from the mission's own uncertainty, where the model needs them.
+        `kind` is one of `ids`; `seed` of draws from the mission's own uncertainty, where the model needs them.
 
-        Raises
-        ------
-        InputError
-            All problems of the data set, or all that the mission lacks.
+        Raises InputError: all problems of the data set, or all that the mission lacks.
         """
 
     @abstractmethod
@@ -194,3 +185,32 @@ class DataKind(ABC):
     def limited_verdict(self, verdict: Verdict) -> Verdict:
         """Return the verdict, or a weaker one where data of this kind cannot support it."""
         return verdict
+
+
+KINDS: Mapping[str, tuple[str, str]] = {
+    "transit": ("missionplan.diagnosis.legs.kind", "TransitKind"),
+    "descent": ("missionplan.diagnosis.dives.kind", "DescentKind"),
+    "drag": ("missionplan.diagnosis.tank.kind", "TankKind"),
+    "free-oscillation": ("missionplan.diagnosis.tank.kind", "TankKind"),
+    "thruster": ("missionplan.diagnosis.tank.kind", "TankKind"),
+    "propeller-transient": ("missionplan.diagnosis.tank.kind", "TankKind"),
+    "summary": ("missionplan.diagnosis.summaries", "SummaryKind"),
+}
+"""By ``kind`` in ``dataset.yaml``, the module and the class: one of them is imported, when it is needed."""
+
+
+def kind_named(name: str) -> type[DataKind]:
+    """Import a kind of data by its name in ``dataset.yaml``."""
+    module, of = KINDS[name]
+    return cast("type[DataKind]", getattr(import_module(module), of))
+
+
+def bind_dataset(folder: Path, mission: Mission, seed: int) -> DataKind:
+    """Read a data set of any kind and bind a mission to it.
+
+    ``dataset.yaml`` of the folder says which kind it is; `seed` is of draws from the mission's own uncertainty.
+
+    Raises InputError when there is no such kind; all problems of the data set, or all that the mission lacks.
+    """
+    given = dataset_kind(folder, KINDS)
+    return kind_named(given).bind(given, folder, mission, seed)

@@ -14,17 +14,17 @@ from missionplan.datasets import files_outside
 from missionplan.diagnosis.data_kind import DataKind
 from missionplan.diagnosis.explanations import Weighed, hypotheses, odds, weighed, weighed_with_causes, with_found
 from missionplan.diagnosis.extended_mission import extended_mission
-from missionplan.diagnosis.given.effects import forecast_notice
+from missionplan.diagnosis.given import forecast_notice
 from missionplan.diagnosis.inference.experiment_design import Discrimination, discriminations
 from missionplan.diagnosis.inference.model import CauseFit
 from missionplan.diagnosis.inference.selection import Candidate
-from missionplan.diagnosis.pipeline import Judgement, PipelineResult, judge, read, run_pipeline
+from missionplan.diagnosis.pipeline import PipelineResult, judge, read, run_pipeline
 from missionplan.diagnosis.plan_gain import with_urgency
 from missionplan.mission import Mission, MissionOrPath
 from missionplan.montecarlo.blocks import parallel_map
 from missionplan.results import Provenance
 from missionplan.results.learned import Diagnosis, PlanGain
-from missionplan.results.learned.evidence import GroupScore, RankedSet
+from missionplan.results.learned.evidence import GroupScore, Judgement, RankedSet
 from missionplan.results.learned.levels import ParameterLevels
 from missionplan.results.learned.next_trial import NextTrial
 from missionplan.results.score import DatasetScore
@@ -171,22 +171,16 @@ def _result(
 ) -> Diagnosis:
     residuals = bound.residual_table(found.selection.base, found.best)
     return Diagnosis(
+        **vars(judgement),
         provenance=provenance,
         kind=bound.kind,
         data=bound.data.name,
         source=bound.data.source,
-        verdict=judgement.verdict,
         causes=found.best.causes,
         known=bound.known,
         confirmed=found.best.given,
         misfit=bound.misfit(residuals),
-        credible_set=judgement.credible_set,
         ranking=ranked_sets(bound, found, residuals),
-        rivals=judgement.rivals,
-        not_constant=judgement.not_constant,
-        suspect_labels=judgement.suspect_labels,
-        none_of_these=judgement.none_of_these,
-        coverage=judgement.coverage,
         discrepancy=found.discrepancy,
         base_discrepancy=found.base_discrepancy,
         scores=group_scores(found),
@@ -218,7 +212,7 @@ class _Stages:
 
 def _next_trial(explanations: Sequence[Weighed], found: PipelineResult, scale: float, seed: int) -> NextTrial | None:
     """Value further trials; their models of dives and legs are imported for it alone."""
-    from missionplan.diagnosis.next_trial.next_trial import next_trial
+    from missionplan.diagnosis.next_trial import next_trial
 
     return next_trial(explanations, found, scale, seed)
 
@@ -264,14 +258,7 @@ def _reported_fits(bound: DataKind, fits: Sequence[CauseFit]) -> list[CauseFit]:
 def ranked_sets(bound: DataKind, found: PipelineResult, residuals: pd.DataFrame) -> tuple[RankedSet, ...]:
     """Return the best sets, best first.
 
-    Parameters
-    ----------
-    bound : DataKind
-        The data set.
-    found : PipelineResult
-        The diagnosis.
-    residuals : DataFrame
-        Of the data set under the best fit.
+    `residuals` are those under the best fit.
     """
     listed = found.selection.ranking[:LISTED]
     shares = bound.shares_explained(found.selection.base, [candidate.fit for candidate in listed], residuals)

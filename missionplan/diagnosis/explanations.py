@@ -14,11 +14,10 @@ from pathlib import Path
 import numpy as np
 
 from missionplan.arrays import Array
-from missionplan.diagnosis.data_kind import DataKind
-from missionplan.diagnosis.hypotheses import Hypothesis
+from missionplan.diagnosis.data_kind import DataKind, bind_dataset
+from missionplan.diagnosis.extended_mission import Hypothesis
 from missionplan.diagnosis.inference.model import CauseFit, FailedFit, fitted
 from missionplan.diagnosis.inference.selection import CREDIBLE, Selection, log_prior
-from missionplan.diagnosis.kinds import bind_dataset
 from missionplan.diagnosis.pipeline import PipelineResult
 from missionplan.effects import CATALOGUE, exclusive_groups
 from missionplan.errors import RunError
@@ -140,13 +139,6 @@ def weighed_with_causes(explanations: Sequence[Weighed], jobs: int) -> tuple[tup
     A law of errors that was learned describes a new current too, if badly: against an explanation without that law its
     evidence is that of the better one only where that has a cause for the current as well.
 
-    Parameters
-    ----------
-    explanations : sequence of Weighed
-        As `weighed` returns them.
-    jobs : int
-        Processes.
-
     Returns
     -------
     explanations : tuple of Weighed
@@ -180,14 +172,6 @@ def with_found(explanations: Sequence[Weighed], found: PipelineResult, jobs: int
     """Fit the causes claimed beside the likeliest explanation beside each other one too.
 
     Else what the explanations say nothing about, as legs of a doubt that dives left, would decide for the likeliest.
-
-    Parameters
-    ----------
-    explanations : sequence of Weighed
-        The likeliest first.
-    found : PipelineResult
-        With that explanation.
-    jobs : int
     """
     if not found.best.causes:
         return tuple(explanations)
@@ -235,14 +219,7 @@ def hypotheses(explanations: Sequence[Weighed], found: PipelineResult, scale: fl
 
     These are the sets of causes found beside the likeliest explanation, and the other explanations as they are.
 
-    Parameters
-    ----------
-    explanations : sequence of Weighed
-        As `with_found` returns them.
-    found : PipelineResult
-        With the likeliest.
-    scale : float
-        Of the random errors; see `DataKind.carried`.
+    `explanations` are as `with_found` returns them; `scale` is of the random errors, see `DataKind.carried`.
     """
     listed = possible_fits(explanations, found)
     total = sum(weight for *_, weight in listed)
@@ -276,13 +253,7 @@ def possible_fits(explanations: Sequence[Weighed], found: PipelineResult) -> lis
 
 
 def explanation_weights(explanations: Sequence[Weighed]) -> Array:
-    """Weights of the mission's explanations with what was found beside them, the greatest 1.
-
-    Parameters
-    ----------
-    explanations : sequence of Weighed
-        As `with_found` returns them.
-    """
+    """Weights of the mission's explanations with what was found beside them, the greatest 1."""
     logs = [one.log_weight + one.gain for one in explanations]
     return np.asarray(np.exp(np.array(logs) - max(logs)))
 

@@ -26,17 +26,7 @@ def unlearned(data: Data, mission: Mission) -> Data:
     """Return the part of a data set that a mission has not learned from, with a notice of what was left out.
 
     Where it has learned from everything, all is returned: such data can be laid against the mission, but teach nothing.
-
-    Parameters
-    ----------
-    data : TransitData, PreparedDives, SummaryData or TankData
-    mission : Mission
-        Its `learned_from` is what it has learned from.
-
-    Raises
-    ------
-    InputError
-        When too little is new.
+    Raises InputError when too little is new.
     """
     known = learned(data, mission)
     if not known.any():
@@ -62,12 +52,7 @@ def as_then(
 ) -> Mission:
     """Return a mission with what it has learned of the vehicle as it was when data were taken.
 
-    Parameters
-    ----------
-    data : TransitData, PreparedDives, SummaryData or TankData
-    mission : Mission
-    date : float
-        Of the data [s since 1970]; nan where it is not known: they are those of the next mission.
+    `date`: of the data [s since 1970]; nan where it is not known: they are those of the next mission.
     """
     return mission.at_place(NOWHERE, None if learned(data, mission).all() else date)
 

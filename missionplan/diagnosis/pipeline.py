@@ -7,7 +7,7 @@ from functools import partial
 import numpy as np
 
 from missionplan.diagnosis.data_kind import DataKind
-from missionplan.diagnosis.inference.discrepancy import discrepancy
+from missionplan.diagnosis.inference.discrepancy import Residuals, discrepancy, outlying_groups
 from missionplan.diagnosis.inference.model import (
     CauseFit,
     FailedFit,
@@ -18,7 +18,6 @@ from missionplan.diagnosis.inference.model import (
     fitted,
     interval_coverage,
 )
-from missionplan.diagnosis.inference.residual_tests import Residuals, outlying_groups
 from missionplan.diagnosis.inference.selection import (
     LIKELY,
     Candidate,
@@ -35,8 +34,8 @@ from missionplan.montecarlo.blocks import parallel_map
 from missionplan.results.learned.evidence import (
     SURE,
     Causes,
-    Coverage,
     Discrepancy,
+    Judgement,
     ParameterEstimate,
     Readings,
     Verdict,
@@ -151,6 +150,8 @@ def run_pipeline(
 ) -> PipelineResult:
     """Diagnose a model of a data set.
 
+    Raises RunError when not even the base model can be fitted.
+
     Parameters
     ----------
     model : WeighsAllSets
@@ -163,11 +164,6 @@ def run_pipeline(
         Whether causes are looked for; else the base model alone is tested.
     selection : Selection, optional
         All sets of causes, where they have been searched.
-
-    Raises
-    ------
-    RunError
-        When not even the base model can be fitted.
     """
     try:
         selection = selection or (model.all_sets(progress, jobs) if search else _base_alone(model))
@@ -219,25 +215,6 @@ def _tested_residuals(model: Model, fits: Sequence[CauseFit]) -> list[tuple[Disc
 
 def _tested(residuals: Residuals) -> tuple[Discrepancy, OutlyingGroups]:
     return discrepancy(residuals), outlying_groups(residuals)
-
-
-@dataclass(frozen=True)
-class Judgement:
-    """What may be said."""
-
-    verdict: Verdict
-    credible_set: tuple[Causes, ...]
-    """Sets that hold 95 % of the probability."""
-    rivals: tuple[Causes, ...]
-    """Sets within 3 nats of the claimed one."""
-    not_constant: Causes
-    """Claimed causes that do not hold still."""
-    suspect_labels: str
-    """Which labels of the record look wrong; empty where none do."""
-    none_of_these: float
-    """Probability that something outside the catalogue is left."""
-    coverage: Coverage | None
-    """Of the 90 % intervals of the model claimed, else of the base model's, on data held out; None where unknown."""
 
 
 def judge(bound: DataKind, found: PipelineResult) -> Judgement:

@@ -180,10 +180,7 @@ class SummaryModel(DescentModel):
 def summary_model(data: SummaryData, mission: Mission) -> SummaryModel:
     """Bind a mission's first mooring to summaries of dives.
 
-    Raises
-    ------
-    InputError
-        When the mission lacks what a descent needs.
+    Raises InputError when the mission lacks what a descent needs.
     """
     logs = tuple(as_log(test) for test in data.tests)
     return SummaryModel(SummaryForward(descent_builder(mission), logs, tests=data.tests), given_on_descent(mission))

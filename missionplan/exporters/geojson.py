@@ -33,12 +33,7 @@ def longitudes_latitudes(points: Array, origin: Origin) -> list[list[float]]:
 def parts(places: Sequence[list[float]], *, closed: bool = False) -> list[list[list[float]]]:
     """Cut a line, or the closed boundary of an area, where it crosses the antimeridian (RFC 7946, section 3.1.9).
 
-    Parameters
-    ----------
-    places : sequence of [longitude, latitude]
-        [deg]
-    closed : bool
-        Whether it bounds an area: each part is closed again, along the antimeridian.
+    `places` [deg]. `closed`: whether it bounds an area: each part is closed again, along the antimeridian.
 
     Returns
     -------

@@ -36,16 +36,10 @@ _BY_SINKING = "by the first steady sinking"
 def descent_data(reading: Reading, marks: Sequence[float] = ()) -> ImportedData:
     """Make a data set of dives, a run a dive.
 
-    Parameters
-    ----------
-    marks : sequence of float
-        Times at which the anchor separated, since 1970 [s]; else those of the log's marks, else the first steady
-        sinking of each dive.
+    Raises InputError when no depth was logged, or no dive is found.
 
-    Raises
-    ------
-    InputError
-        When no depth was logged, or no dive is found.
+    `marks`: times at which the anchor separated, since 1970 [s]; else those of the log's marks, else the first steady
+    sinking of each dive.
     """
     if not len(reading.track.depth):
         raise InputError([Problem("these logs hold no depth", key="kind")])
@@ -95,10 +89,7 @@ _ASSUMED = (
 def read_marks(marks: Sequence[str]) -> list[float]:
     """Read times of separation [s], in their order.
 
-    Raises
-    ------
-    InputError
-        With each that is no time.
+    Raises InputError with each that is no time.
     """
     found, problems = [], []
     for mark in marks:

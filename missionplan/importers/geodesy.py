@@ -62,10 +62,7 @@ _NEAR = 120.0
 def origin_of(name: MappedName | None) -> tuple[float, float] | None:
     """Read `origin=48.5,-123.1`.
 
-    Raises
-    ------
-    InputError
-        When it is no latitude and longitude.
+    Raises InputError when it is no latitude and longitude.
     """
     if name is None:
         return None
@@ -81,19 +78,11 @@ def origin_of(name: MappedName | None) -> tuple[float, float] | None:
 def plane_positions(t: Array, east: Array, north: Array, fixes: Fixes, origin: tuple[float, float] | None) -> Positions:
     """Turn metres into latitude and longitude.
 
-    Parameters
-    ----------
-    t, east, north : array, shape (n,)
-        Time since 1970 [s], position from the origin [m].
-    fixes : Fixes
-        By which the origin is found where it is not given: the position nearest in time to a fix is that fix.
-    origin : tuple or None
-        Latitude and longitude of the origin [deg].
+    Raises InputError when there is no origin, and no fix near a position.
 
-    Raises
-    ------
-    InputError
-        When there is no origin, and no fix near a position.
+    `t`, `east`, `north`, shape (n,): time since 1970 [s], position from the origin [m]. `fixes`: by which the origin is
+    found where it is not given: the position nearest in time to a fix is that fix. `origin`: latitude and longitude of
+    the origin [deg].
     """
     there = np.isfinite(t) & np.isfinite(east) & np.isfinite(north)
     t, east, north = t[there], east[there], north[there]
@@ -133,10 +122,7 @@ T = TypeVar("T", Fixes, Positions)
 def shifted(track: Track, latitude: float, longitude: float) -> Track:
     """Move all positions so that the first fix lies at a place [deg]; distances and directions from it are kept.
 
-    Raises
-    ------
-    InputError
-        When there is no such place, or one so near a pole that directions would turn.
+    Raises InputError when there is no such place, or one so near a pole that directions would turn.
     """
     if not (abs(latitude) <= 85.0 and abs(longitude) <= 180.0):
         message = f"given {latitude:g}, {longitude:g}, expected a latitude to 85 deg and a longitude to 180 deg"
@@ -178,12 +164,7 @@ def model_declination(latitude: float, longitude: float, t: float) -> float | No
     Before 2010 and after 2030 the nearest of its five-year models is extrapolated by at most two years; beyond, there
     is none.
 
-    Parameters
-    ----------
-    latitude, longitude : float
-        [deg].
-    t : float
-        Since 1970 [s].
+    `latitude`, `longitude` [deg]. `t`: since 1970 [s].
     """
     if find_spec("pygeomag") is None:
         return None

@@ -81,10 +81,7 @@ class SourceLog:
     def reading(self, path: Path, damaged: type[Exception] = OSError) -> Iterator[None]:
         """Read one file: what goes wrong inside is noted, and the file passed over.
 
-        Parameters
-        ----------
-        damaged : type
-            By which the reader's library says that a file is damaged, besides the usual ones.
+        `damaged` are the types by which the reader's library says that a file is damaged, besides the usual ones.
         """
         try:
             yield
@@ -133,10 +130,7 @@ def unpacked(path: Path) -> BinaryIO:
 def needed_module(name: str, extra: str, format_name: str) -> ModuleType:
     """Import a library that a format needs.
 
-    Raises
-    ------
-    InputError
-        When it is not installed: what to install.
+    Raises InputError when it is not installed: what to install.
     """
     try:
         return import_module(name)

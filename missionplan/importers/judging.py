@@ -189,12 +189,8 @@ class Limits:
 def judge(dives: pd.DataFrame, track: Track, reckoned: Sequence[Positions], limits: Limits) -> pd.DataFrame:
     """Judge each dive.
 
-    Parameters
-    ----------
-    dives : DataFrame
-        With the columns of a leg but `ok` and `reason`; dead-reckoned ends that are none become blank.
-    reckoned : sequence of Positions
-        Of each dive.
+    `dives`: with the columns of a leg but `ok` and `reason`; dead-reckoned ends that are none become blank. `reckoned`:
+    of each dive.
 
     Returns
     -------

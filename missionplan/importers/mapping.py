@@ -58,10 +58,7 @@ class MappedName:
 def read_mapping(entries: Sequence[str]) -> dict[str, MappedName]:
     """Read the entries of `--map`: `quantity=name[unit]`, several in one, or YAML files of them.
 
-    Raises
-    ------
-    InputError
-        All entries that are none.
+    Raises InputError: all entries that are none.
     """
     found: dict[str, MappedName] = {}
     problems: list[Problem] = []
@@ -172,10 +169,7 @@ def plain_numbers(words: Words) -> Array:
 def quantities(words: Words, unit: str, wanted: str) -> Array:
     """Numbers in a unit that pint knows, in the wanted one.
 
-    Raises
-    ------
-    InputError
-        When the unit is unknown, or of another kind.
+    Raises InputError when the unit is unknown, or of another kind.
     """
     numbers = plain_numbers(words)
     return numbers if unit == wanted or not wanted else numbers * unit_factor(unit, wanted)
@@ -185,10 +179,7 @@ def quantities(words: Words, unit: str, wanted: str) -> Array:
 def unit_factor(unit: str, wanted: str) -> float:
     """Return what a number in a unit is multiplied by to be in the wanted one; a pressure becomes a depth.
 
-    Raises
-    ------
-    InputError
-        When the unit is unknown, or of another kind.
+    Raises InputError when the unit is unknown, or of another kind.
     """
     try:
         return parse_number_with_unit(f"1 {unit}", wanted)
@@ -205,16 +196,10 @@ def unit_factor(unit: str, wanted: str) -> float:
 def times(words: Words, unit: str) -> Array:
     """Times as seconds since 1970; nan where a cell holds none.
 
-    Parameters
-    ----------
-    unit : str
-        ``iso``; ``epoch`` or ``s``, ``ms``, ``us``, ``ns`` since 1970; ``days`` since 1970; ``doy:2026`` (day of that
-        year, 1.0 at its first midnight); ``matlab`` (days since year 0); or a pattern such as ``%d.%m.%Y %H:%M:%S``.
+    Raises InputError when it is none of these.
 
-    Raises
-    ------
-    InputError
-        When it is none of these.
+    `unit`: ``iso``; ``epoch`` or ``s``, ``ms``, ``us``, ``ns`` since 1970; ``days`` since 1970; ``doy:2026`` (day of
+    that year, 1.0 at its first midnight); ``matlab`` (days since year 0); or a pattern such as ``%d.%m.%Y %H:%M:%S``.
     """
     kind = unit.lower()
     if "%" in unit:

@@ -44,14 +44,8 @@ def made_reckoning(
     The speed is the logged one, else the rate of the depth over the tangent of the pitch: the angle of attack is
     neglected. The vehicle's own declination is added to headings from magnetic north.
 
-    Parameters
-    ----------
-    start, end : float
-        Times of the two fixes [s].
-    latitude, longitude : float
-        Of the first [deg].
-    attack : float
-        Angle of attack [deg]: the path is steeper than the pitch by it.
+    `start`, `end`: times of the two fixes [s]. `latitude`, `longitude`: of the first [deg]. `attack`: angle of attack
+    [deg]: the path is steeper than the pitch by it.
     """
     t = _times(track, start, end)
     if len(t) < 2:
@@ -67,12 +61,7 @@ def made_reckoning(
 def made_doubt(track: Track, line: Positions, end: float) -> float:
     """Standard deviation of the end of a made reckoning [m]: by the angle of attack, or the speed, and the heading.
 
-    Parameters
-    ----------
-    line : Positions
-        As made.
-    end : float
-        Time of the fix after the dive [s].
+    `line`: as made. `end`: time of the fix after the dive [s].
     """
     if len(line) < 2:
         return float("nan")

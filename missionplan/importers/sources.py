@@ -87,6 +87,8 @@ def find_sources(
 ) -> Sources:
     """Find the files to read, and what reads them.
 
+    Raises InputError when a source is missing, nothing is recognised, or files of several formats are.
+
     Parameters
     ----------
     given : sequence of Path
@@ -97,11 +99,6 @@ def find_sources(
         Format of all files; None to recognise it.
     otherwise : str or None
         Format of files of which none is of another: tables whose columns the user names, alone or beside GPX and NMEA.
-
-    Raises
-    ------
-    InputError
-        When a source is missing, nothing is recognised, or files of several formats are.
     """
     if format_name is not None and format_name not in importers:
         hint = did_you_mean(format_name, importers) or f"one of {', '.join(importers)}"
@@ -131,15 +128,9 @@ def find_sources(
 def of_one(found: Sources, vehicle: str | None, deployment: str | None) -> tuple[Sources, Identity]:
     """Keep the files of one vehicle and deployment; those that tell neither are taken for its own.
 
-    Parameters
-    ----------
-    vehicle, deployment : str or None
-        As chosen; a deployment that no file names may be a date, which the caller looks for.
+    Raises InputError with the list, when files of several are given and none is chosen, or one that is not there.
 
-    Raises
-    ------
-    InputError
-        With the list, when files of several are given and none is chosen, or one that is not there.
+    `vehicle`, `deployment`: as chosen; a deployment that no file names may be a date, which the caller looks for.
     """
     reader = found.importer
     known = {each: _identity(reader.identify, each.path) for each in found.files}

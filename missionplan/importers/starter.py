@@ -100,13 +100,7 @@ def _errors(legs: pd.DataFrame) -> tuple[Array, Array, Array]:
 
 
 def mission_text(name: str, found: LegNumbers) -> str:
-    """Write a starter mission: the legs again, from the first fix on, with the errors that they had.
-
-    Parameters
-    ----------
-    name : str
-        Of the data set.
-    """
+    """Write a starter mission: the legs again, from the first fix on, with the errors that they had."""
     speed, length = max(found.speed, 0.01), max(found.length, 1.0)
     distance = max(found.way, 4.0 * length)
     angle = math.radians(found.course)

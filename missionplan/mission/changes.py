@@ -22,14 +22,8 @@ _SPREADS = ("mean", "sd", "low", "high", "median", "choices")
 def as_written(value: object, path: KeyPath, model: type[BaseModel]) -> object:
     """Return a value as a mission file holds it: bare numbers get the SI unit of their key, where that has one.
 
-    Parameters
-    ----------
-    value : object
-        Text, a number in SI, a distribution, or mappings and lists of them.
-    path : tuple of (str or int)
-        Its key path.
-    model : type
-        Of a mission.
+    `value`: text, a number in SI, a distribution, or mappings and lists of them; `path`: its key path; `model`: that of
+    a mission.
     """
     if isinstance(value, Mapping):
         return {str(key): as_written(inner, (*path, str(key)), model) for key, inner in value.items()}
@@ -103,15 +97,10 @@ def find_key(key: str, data: Mapping[str, object], model: type[BaseModel]) -> li
 
     Raises UnclearKeyError when it means nothing, or several things.
 
-    Parameters
-    ----------
-    key : str
-        A path as messages write it (``navigation.velocity_error.sigma``, ``phases[0].transit.speed``), one that starts
-        with a phase's name (``ingress.speed``) or with ``effects.`` and an effect's id, one of an explanation
-        (``effects[0].one-of[1].compass-bias.angle``), or a key alone (``speed``): that of every phase that has it, or
-        of the one section that has it.
-    model : type
-        Of a mission.
+    `key`: a path as messages write it (``navigation.velocity_error.sigma``, ``phases[0].transit.speed``), one that
+    starts with a phase's name (``ingress.speed``) or with ``effects.`` and an effect's id, one of an explanation
+    (``effects[0].one-of[1].compass-bias.angle``), or a key alone (``speed``): that of every phase that has it, or of
+    the one section that has it. `model`: of a mission.
     """
     named = phase_of_path(key, data)
     if named is not None:

@@ -12,7 +12,7 @@ from missionplan.effects import CATALOGUE
 from missionplan.errors import InputError, KeyPath, Problem, did_you_mean, shown
 from missionplan.identity import digest_of_files
 from missionplan.mission.documents import Document, load_document, nearest_file
-from missionplan.mission.schema.section import invalid
+from missionplan.mission.schema import invalid
 from missionplan.montecarlo.posterior import MOST_BYTES, DamagedPosteriorError, PosteriorFile, sha256
 from missionplan.store.folder import is_file, matching, real_path
 
@@ -25,14 +25,8 @@ REMOTE = ("http://", "https://", "dods://")
 def include_files(document: Document, folder: Path, *, allow_outside: bool) -> list[Problem]:
     """Put the files of the vehicle and the tide in their places and resolve the path of the current's file.
 
-    Parameters
-    ----------
-    document : Document
-        Of a mission; changed.
-    folder : Path
-        To which paths are relative.
-    allow_outside : bool
-        Whether files may lie outside the folder's tree.
+    `document`: of a mission; changed. `folder`: to which paths are relative. `allow_outside`: whether files may lie
+    outside the folder's tree.
 
     Returns
     -------
@@ -233,13 +227,6 @@ def read_posterior(path: Path, section: Mapping[str, object], learned_from: obje
     """Read the file of a posterior.
 
     Raises DamagedPosteriorError when it is damaged, beyond bounds, or not the one that the mission names.
-
-    Parameters
-    ----------
-    section : mapping
-        As the mission file has it.
-    learned_from : object
-        The mission's key of that name.
     """
     content = _content(path)
     own = sha256(content)

@@ -86,12 +86,8 @@ def phase_shifts(effect: str, seconds: float, latitude: float) -> dict[str, floa
 
     a·cos(ω(t + Δ) − φ) is a·cos(ωt − (φ − ωΔ)).
 
-    Parameters
-    ----------
-    seconds : float
-        From the date of the phases to the mission's start [s].
-    latitude : float
-        Of the mission's origin, nan where it has none [rad].
+    `seconds`: from the date of the phases to the mission's start [s]. `latitude`: of the mission's origin, nan where it
+    has none [rad].
     """
     info = CATALOGUE[effect]
     if info.frequency_of is None:
@@ -313,10 +309,7 @@ def _move(
 def _spread(own: Array, shares: Array, added: float, generator: np.random.Generator) -> Array:
     """What widens draws by a variance that is independent of all else, or narrows them by one.
 
-    Parameters
-    ----------
-    own, shares : array, shape (n,)
-        Draws, and their weights, whose sum is 1.
+    `own`, `shares`, shape (n,): draws, and their weights, whose sum is 1.
     """
     apart = own - shares @ own
     variance = float(shares @ np.square(apart))

@@ -11,7 +11,7 @@ from pydantic import PrivateAttr, ValidationError
 from missionplan.arrays import Scalars
 from missionplan.errors import InputError, LocalProblem, Problem, key_path, shown
 from missionplan.mission.changes import changed_data
-from missionplan.mission.checks.ranges import notices
+from missionplan.mission.checks import notices
 from missionplan.mission.checks.sections import (
     check_correlations,
     check_phases,
@@ -23,8 +23,8 @@ from missionplan.mission.documents import Document, unprintable_texts
 from missionplan.mission.includes import REMOTE, include_files, with_contents
 from missionplan.mission.learned import at_date, left_behind, still_alike, turned_draws, turned_effects
 from missionplan.mission.quantity_paths import SHARED, ValueInForce, changed, joined, name_in_force, values_in_force
+from missionplan.mission.schema import V
 from missionplan.mission.schema.effect_list import POSTERIOR
-from missionplan.mission.schema.section import V
 from missionplan.mission.sections import Sections
 from missionplan.mission.validation_errors import in_order, validation_problems
 from missionplan.mission.yaml_text import MissionText, dumped
@@ -266,10 +266,7 @@ class Mission(Sections[V], Generic[V]):
     def mapped(self, change: Callable[[str, Any], _New]) -> "Mission[_New]":
         """Return the mission with every quantity changed.
 
-        Parameters
-        ----------
-        change : callable
-            From a quantity's name, as in `quantities`, and its value to the new value.
+        `change` goes from a quantity's name, as in `quantities`, and its value to the new value.
         """
         inside: dict[str, object] = {}
         for name, value in self:

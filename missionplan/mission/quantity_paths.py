@@ -13,8 +13,8 @@ from pydantic import BaseModel
 from pydantic.fields import FieldInfo
 
 from missionplan.errors import KeyPath, key_path
+from missionplan.mission.schema import FileSection, ReadBy
 from missionplan.mission.schema.quantity_parser import QuantityParser
-from missionplan.mission.schema.section import FileSection, ReadBy
 from missionplan.mission.schema.vehicle import EnergyBudget
 from missionplan.montecarlo.normal_transform import NormalTransform
 
@@ -46,14 +46,8 @@ def _serves(name: str) -> bool:
 def named_phase(path: str, names: Iterable[str], *, with_sections: bool = True) -> tuple[str, str] | None:
     """Split a key path that begins with the name of a phase.
 
-    Parameters
-    ----------
-    path : str
-        As a person writes it.
-    names : iterable of str
-        Of the phases.
-    with_sections : bool
-        Whether the path may be that of a section, which goes before a phase of the same name.
+    `path`: as a person writes it. `names`: of the phases. `with_sections`: whether the path may be that of a section,
+    which goes before a phase of the same name.
 
     Returns
     -------
@@ -124,12 +118,8 @@ Change = Callable[[str, Any], Any]
 def changed(section: _Section, name: str, change: Change) -> _Section:
     """Return a section, or any value of one, with each of its quantities changed; itself where none is.
 
-    Parameters
-    ----------
-    name : str
-        Of the section in the names of its quantities, which are its key paths with phases by name.
-    change : callable
-        From a quantity's name and value to its new value.
+    `name` is the section's in the names of its quantities, which are its key paths with phases by name; `change` goes
+    from a quantity's name and value to its new value.
     """
     if isinstance(section, _QUANTITY):
         return cast("_Section", change(name, section))

@@ -13,15 +13,11 @@ from typing_extensions import Doc
 
 from missionplan.effects import CATALOGUE
 from missionplan.errors import KeyPath, LocalProblem, did_you_mean, key_path, shown
-from missionplan.mission.checks.ranges import Findings, check_effects, check_ranges
+from missionplan.mission.checks import Findings, check_effects, check_ranges
 from missionplan.mission.checks.relations import check_relations
 from missionplan.mission.includes import posterior_of
 from missionplan.mission.quantity_paths import joined, phase_keys
-from missionplan.mission.schema.effect_list import ONE_OF, EffectEntry, EffectList, Explanation, Learned, OneOf
-from missionplan.mission.schema.manoeuvring import TransitionPhase
-from missionplan.mission.schema.phases import MoorPhase, Navigation, Phase, PhaseEntry, TransitPhase
-from missionplan.mission.schema.quantity_parser import QuantityParser
-from missionplan.mission.schema.section import (
+from missionplan.mission.schema import (
     FileSection,
     Identity,
     MissionSchema,
@@ -31,6 +27,10 @@ from missionplan.mission.schema.section import (
     all_invalid,
     invalid,
 )
+from missionplan.mission.schema.effect_list import ONE_OF, EffectEntry, EffectList, Explanation, Learned, OneOf
+from missionplan.mission.schema.manoeuvring import TransitionPhase
+from missionplan.mission.schema.phases import MoorPhase, Navigation, Phase, PhaseEntry, TransitPhase
+from missionplan.mission.schema.quantity_parser import QuantityParser
 from missionplan.mission.schema.site import Site
 from missionplan.mission.schema.sweep import CorrelationSection, MonteCarlo, OptimiseSection, Requirement, SweepSection
 from missionplan.mission.schema.vehicle import EnergyBudget, Vehicle

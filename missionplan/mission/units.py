@@ -84,12 +84,7 @@ FACTORS: Mapping[str, Mapping[str, float]] = {
 def factor(name: str, unit: str) -> float | None:
     """Factor from a unit of the file to the SI unit of a quantity; None where the table does not have the pair.
 
-    Parameters
-    ----------
-    name : str
-        As the file writes it.
-    unit : str
-        SI unit of the quantity (temperatures in degC).
+    `name` is as the file writes it; temperatures are in degC.
     """
     return 1.0 if name == unit else FACTORS.get(unit, {}).get(name)
 
@@ -152,14 +147,8 @@ def parse_number_with_unit(value: object, unit: str, *, difference: bool = False
 
     Raises QuantityError with what was expected.
 
-    Parameters
-    ----------
-    value : object
-        What the file holds.
-    unit : str
-        Unit of the result; empty for a dimensionless quantity, which is a bare number.
-    difference : bool
-        Whether the value is a difference or a spread (matters for temperatures alone).
+    `value`: what the file holds. `unit`: unit of the result; empty for a dimensionless quantity, which is a bare
+    number. `difference`: whether the value is a difference or a spread (matters for temperatures alone).
 
     Returns
     -------

@@ -13,8 +13,8 @@ from typing_extensions import Doc
 
 from missionplan.errors import KeyPath, Problem, shown
 from missionplan.mission.documents import Document
+from missionplan.mission.schema import ReadBy
 from missionplan.mission.schema.quantity_parser import OrWord, QuantityParser
-from missionplan.mission.schema.section import ReadBy
 
 
 def fields_at(path: KeyPath, model: type[BaseModel]) -> dict[str, FieldInfo]:

@@ -7,10 +7,10 @@ from typing import Generic, TypeVar
 
 from missionplan.errors import InputError, Problem
 from missionplan.mission.mission import Mission
+from missionplan.mission.schema import V
 from missionplan.mission.schema.manoeuvring import Manoeuvring, TransitionPhase
 from missionplan.mission.schema.phases import MoorPhase, Navigation, Phase, TransitPhase
 from missionplan.mission.schema.place import Geographic
-from missionplan.mission.schema.section import V
 from missionplan.mission.schema.site import CurrentFile, ForecastError, Site, TidalCurrent, WaterSection
 from missionplan.mission.schema.vehicle import Anchor, Vehicle
 
@@ -77,10 +77,7 @@ class MooringMission(Generic[V]):
 
         Raises InputError with everything that is missing.
 
-        Parameters
-        ----------
-        depth : bool
-            Whether the site's depth is needed; data of dives bring their own.
+        The site's `depth` may not be needed: data of dives bring their own.
         """
         problems, vehicle, site = missing_for_moorings(mission, depth=depth), mission.vehicle, mission.site
         if problems or vehicle is None or vehicle.mass is None or vehicle.anchor is None:

@@ -37,14 +37,8 @@ def run_on_cluster(
     Raises InputError when dask.distributed is not installed, no scheduler answers or it has no workers, or a worker has
     another version of the package or none; RunError when the scheduler or all workers are lost.
 
-    Parameters
-    ----------
-    task : callable
-        Picklable.
-    jobs : int
-        Workers of the local cluster that is started where no `scheduler` is given.
-    scheduler : str or None
-        Address of the Dask scheduler.
+    `task`: picklable. `jobs`: workers of the local cluster that is started where no `scheduler` is given. `scheduler`:
+    address of the Dask scheduler.
     """
     with _connected(jobs, scheduler) as client:
         place = scheduler or "the local cluster"

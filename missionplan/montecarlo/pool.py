@@ -101,10 +101,7 @@ def interrupts_blocked(*, terminable: bool = False) -> Iterator[None]:
     Without it, Ctrl-C would reach the workers too: they would print tracebacks, or end in the middle of a result that
     this process waits for. This process shuts them down, and they end by themselves when it is gone.
 
-    Parameters
-    ----------
-    terminable : bool
-        Leave SIGTERM alone, by which Dask ends its workers.
+    `terminable` leaves SIGTERM alone, by which Dask ends its workers.
     """
     if sys.platform == "win32":
         _start_trackers()

@@ -219,14 +219,8 @@ class PosteriorFile(Mapping[str, object]):
     ) -> "PosteriorFile":
         """Write draws, with the hash of what they were learned from and a summary for the reader.
 
-        Parameters
-        ----------
-        epoch : float
-            Date from which phases count [s since 1970].
-        place : tuple of float
-            Latitude, longitude [rad] and date [s since 1970] at which they were learned.
-        seen : sequence of Seen
-            What each record has told of the levels of the vehicle's parameters.
+        `epoch`: date from which phases count [s since 1970]. `place`: latitude, longitude [rad] and date [s since 1970]
+        at which they were learned. `seen`: what each record has told of the levels of the vehicle's parameters.
         """
         effects = draws.effects
         held = np.array([[effect in own for effect in effects] for own in draws.sets], dtype=bool)

@@ -89,11 +89,7 @@ class QuantileSketch:
     def count_below(self, limits: Array, low: float = -math.inf, high: float = math.inf) -> Array:
         """Count the values below each limit, in any order, as if each bin were filled evenly between low and high.
 
-        Parameters
-        ----------
-        limits : array, shape (m,)
-        low, high : float
-            Range of the values, where known.
+        `limits`, shape (m,). `low`, `high`: range of the values, where known.
         """
         last = self.first + self.counts.size - 1
         numbers = np.minimum(np.maximum(_bin_numbers(limits), self.first), last)

@@ -39,12 +39,8 @@ class Influence:
 def sensitivities(inputs: Mapping[str, Array], outputs: Mapping[str, Array]) -> tuple[Influence, ...]:
     """Rank the inputs by the share of each output's variance that they explain.
 
-    Parameters
-    ----------
-    inputs : mapping of str to array, shape (n,)
-        Draws of each uncertain input.
-    outputs : mapping of str to array, shape (n,)
-        Results of the same trials; nan where a trial never reached one, which excludes that trial from it.
+    `inputs`, shape (n,): draws of each uncertain input. `outputs`, shape (n,): results of the same trials; nan where a
+    trial never reached one, which excludes that trial from it.
 
     Returns
     -------

@@ -232,12 +232,8 @@ class JointDistribution:
     def draw(self, seed: int, block: int, size: int = BLOCK) -> dict[str, Array]:
         """Draw each quantity once per trial.
 
-        Parameters
-        ----------
-        seed, block : int
-            See `stream`.
-        size : int
-            Trials in use, at most BLOCK: the first ones of a block that is always drawn whole.
+        `seed`, `block`: see `stream`. `size`: trials in use, at most BLOCK: the first ones of a block that is always
+        drawn whole.
 
         Returns
         -------

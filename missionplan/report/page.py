@@ -23,7 +23,7 @@ from matplotlib.backends.backend_svg import FigureCanvasSVG
 from matplotlib.text import Text
 
 from missionplan.report.axes import draw_in_units, set_ticks
-from missionplan.report.html.readings import Shown, Slider, name_series, readings
+from missionplan.report.readings import Shown, Slider, name_series, readings
 from missionplan.report.wording import typeset
 
 if TYPE_CHECKING:

@@ -19,7 +19,7 @@ from matplotlib.figure import Figure as MatplotlibFigure
 from missionplan.rendering import Plot, Rendered
 from missionplan.report.axes import draw_in_units
 from missionplan.report.explained import with_assumptions
-from missionplan.report.html.rendering import render_page
+from missionplan.report.html import render_page
 from missionplan.report.page import Block, Drawing, Figure, Listing, Page, PageSection, Table, Terminal, style
 from missionplan.report.planned import changed, planned_sections
 from missionplan.report.quantities import reading_in, units_of

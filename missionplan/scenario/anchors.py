@@ -126,10 +126,7 @@ def design_current(means: DrawnMission, phase: MoorPhase[Scalars]) -> tuple[Arra
     Raises InputError when the mission lacks what a mooring needs, or has no layers and not one `design_current`, as
     with a current from a file.
 
-    Parameters
-    ----------
-    means : DrawnMission
-        At the means.
+    `means`: at the means.
 
     Returns
     -------

@@ -21,7 +21,7 @@ from missionplan.phases.hooks import DescentEffect, TransitEffect
 from missionplan.phases.transit.plan import VelocityError
 from missionplan.physics.drag import VehicleDrag
 from missionplan.physics.water import Water, sea_water
-from missionplan.scenario.propulsion import PropelledVehicle, propeller, vehicle_drag
+from missionplan.scenario.transits import PropelledVehicle, propeller, vehicle_drag
 
 NO_BUDGET: EnergyBudget[Scalars] = EnergyBudget.model_construct(
     hotel=float("nan"), propulsive_efficiency=float("nan"), surfacing=float("nan")

@@ -274,12 +274,7 @@ def contours(chart: Chart) -> Grid:
 def _of_soundings(places: Array, depths: Array) -> Grid:
     """Make a grid of scattered depths: linear within Delaunay's triangles of them, missing outside.
 
-    Parameters
-    ----------
-    places : array, shape (2, k)
-        East and north of the origin [m].
-    depths : array, shape (k,)
-        [m]
+    `places`, shape (2, k): east and north of the origin [m]. `depths`, shape (k,) [m].
     """
     from scipy.interpolate import LinearNDInterpolator
     from scipy.spatial import cKDTree

@@ -9,9 +9,9 @@ from missionplan.mission.schema.vehicle import Vehicle
 from missionplan.mission.views import TransitionMission
 from missionplan.montecarlo.streams import NormalSource
 from missionplan.phases.hooks import TrialState
+from missionplan.phases.mooring import MoorPlan
 from missionplan.phases.mooring.forces import Dive
 from missionplan.phases.mooring.hold import Hold
-from missionplan.phases.mooring.mooring import MoorPlan
 from missionplan.phases.mooring.motion import CrossFlowBody, TiedBodies
 from missionplan.phases.transit.plan import TransitNormals
 from missionplan.phases.transition_plan import Manoeuvre, SternplaneControl, ThrusterControl, TransitionVehicle
@@ -29,8 +29,8 @@ from missionplan.physics.tunnel_thruster import TunnelThruster
 from missionplan.physics.vehicle_dynamics import Body, Derivatives, LineSpring, PitchingBody, mass_at_nose
 from missionplan.physics.water import STANDARD_GRAVITY, anchor_added_mass, lamb_lateral_coefficient
 from missionplan.scenario.anchors import anchor_flooded_mass, anchor_length, laden, wet_weight_of
-from missionplan.scenario.propulsion import surge_added_mass, sway_added_mass
 from missionplan.scenario.scenario import Scenario
+from missionplan.scenario.transits import surge_added_mass, sway_added_mass
 
 
 def hold_of(scenario: Scenario, phase: MoorPhase[Scalars], weight: Scalars) -> Hold:

@@ -184,12 +184,7 @@ def read_zones(chart: Chart, start: datetime | None, *, is_land: bool) -> list[Z
 
     Raises InputError when the file cannot be read, has no polygon, or a property is wrong.
 
-    Parameters
-    ----------
-    start : datetime or None
-        Of the mission, from which the times of zones count.
-    is_land : bool
-        Land has no times and depths.
+    `start`: of the mission, from which the times of zones count. `is_land`: land has no times and depths.
     """
     import shapely
 

@@ -24,10 +24,9 @@ from missionplan.phases.transit.plan import Environment, Execution, LegTable, Tr
 from missionplan.physics.propulsion import propulsive_power
 from missionplan.scenario.anchors import carried_anchors
 from missionplan.scenario.drawn_mission import DrawnMission
-from missionplan.scenario.drift_model import DriftSample, drift_model
 from missionplan.scenario.place import drawn_place, read_place
-from missionplan.scenario.propulsion import PropelledVehicle
 from missionplan.scenario.site_current import MEMBER, error_statistics, leeway, recorded_wind, with_error, with_member
+from missionplan.scenario.transits import DriftSample, PropelledVehicle, drift_model
 
 STILL_WATER = LayeredCurrent(np.ones(1), np.zeros(1), np.zeros(1))
 """For phases that need a current where the mission has none."""

@@ -39,10 +39,7 @@ class ReportEntry:
 def reports(root: str | Path = "reports") -> tuple[ReportEntry, ...]:
     """List the reports in a folder and below, the newest first.
 
-    Parameters
-    ----------
-    root : str or Path
-        Where studies write their reports by default.
+    `root`: where studies write their reports by default.
 
     Raises
     ------

@@ -13,8 +13,8 @@ from missionplan.mission.schema.phases import LegTableSection, MoorPhase, Transi
 from missionplan.mission.schema.place import to_geographic
 from missionplan.montecarlo.distributions import Distribution, Quantity, mean_of
 from missionplan.montecarlo.streams import BlockStreams
+from missionplan.phases.transit import transit
 from missionplan.phases.transit.plan import Execution, LegTable
-from missionplan.phases.transit.transit import transit
 from missionplan.results.plan import PlannedMooring, PlannedTransit, SurfacingRule, Waypoint
 from missionplan.scenario.phases import deployed, transit_normals
 from missionplan.scenario.scenario import Scenario, leg_table

@@ -19,7 +19,7 @@ from missionplan.datasets.tank import DRAG, FREE_OSCILLATION, PROPELLER_TRANSIEN
 from missionplan.errors import InputError, Problem, did_you_mean, shown
 from missionplan.exporters.plan_json import PLAN_FORMAT, plan_schema
 from missionplan.mission import Mission
-from missionplan.mission.schema.section import IDENTITY, SCHEMAS
+from missionplan.mission.schema import IDENTITY, SCHEMAS
 from missionplan.mission.schema.vehicle import Vehicle
 from missionplan.mission.sections import MOST_LEARNED
 from missionplan.montecarlo.statistics import Probability, Statistic

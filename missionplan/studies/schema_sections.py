@@ -16,9 +16,9 @@ from pydantic_core import PydanticUndefined
 from missionplan.effects import CATALOGUE
 from missionplan.effects.info import EffectInfo, Parameter
 from missionplan.mission.quantity_paths import default_of
+from missionplan.mission.schema import ReadBy
 from missionplan.mission.schema.effect_list import ONE_OF
 from missionplan.mission.schema.quantity_parser import CoordinateParser, Limit, OrWord, QuantityParser
-from missionplan.mission.schema.section import ReadBy
 from missionplan.mission.validation_errors import keys_of, meaning_of, parsers_of
 from missionplan.moments import EXAMPLE
 

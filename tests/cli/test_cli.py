@@ -151,7 +151,7 @@ command("validate", *(f"{missions}/{name}.yaml" for name in ("anchor-design", "a
 command("diagnose", chesapeake, damaged, "--out", out)
 from missionplan import diagnose, load
 import missionplan.diagnosis.diagnose
-from missionplan.diagnosis.kinds import bind_dataset
+from missionplan.diagnosis.data_kind import bind_dataset
 bind_dataset(Path(measured), load(chesapeake), 1)
 seen("bound")
 """

@@ -10,8 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from missionplan.diagnosis.coordinates import SIGMA_V, JointPosterior, coordinates_of
-from missionplan.diagnosis.extended_mission import extended_mission
-from missionplan.diagnosis.hypotheses import Hypothesis
+from missionplan.diagnosis.extended_mission import Hypothesis, extended_mission
 from missionplan.diagnosis.inference.model import CauseFit
 from missionplan.diagnosis.legs.kind import extended_transit_mission
 from missionplan.effects import CATALOGUE

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 import yaml
 
-from missionplan.diagnosis.given.effects import forecast_notice, with_forecast_error
+from missionplan.diagnosis.given import forecast_notice, with_forecast_error
 from missionplan.diagnosis.given.priors import given_priors
 from missionplan.effects import effects_of
 from missionplan.mission import load

@@ -4,8 +4,8 @@ from types import SimpleNamespace
 
 import pytest
 
-from missionplan.diagnosis import hypotheses
-from missionplan.diagnosis.hypotheses import seen_after
+from missionplan.diagnosis import extended_mission as hypotheses
+from missionplan.diagnosis.extended_mission import seen_after
 
 TOLD = {("drag",): {"drag": 0.3}, ("scale",): {"scale": -0.135}, ("drag", "scale"): {"drag": 0.29, "scale": 0.01}}
 

@@ -9,10 +9,9 @@ from scipy import stats
 
 from missionplan import diagnose
 from missionplan.diagnosis.dives.model import DescentModel, given_on_descent
-from missionplan.diagnosis.extended_mission import extended_mission
-from missionplan.diagnosis.given.effects import tied
+from missionplan.diagnosis.extended_mission import Hypothesis, extended_mission
+from missionplan.diagnosis.given import tied
 from missionplan.diagnosis.given.priors import given_priors
-from missionplan.diagnosis.hypotheses import Hypothesis
 from missionplan.diagnosis.inference.marginal_likelihood import gaussian_marginal
 from missionplan.diagnosis.inference.prior import Prior
 from missionplan.effects import effects_of

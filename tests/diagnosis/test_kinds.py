@@ -4,8 +4,8 @@ from pathlib import Path
 
 import pytest
 
+from missionplan.diagnosis.data_kind import KINDS, bind_dataset, kind_named
 from missionplan.diagnosis.inference.model import Model
-from missionplan.diagnosis.kinds import KINDS, bind_dataset, kind_named
 from missionplan.effects import CATALOGUE
 from missionplan.errors import InputError
 from missionplan.mission import load

@@ -15,9 +15,9 @@ from typing import Any
 
 import numpy as np
 
+from missionplan.diagnosis.data_kind import bind_dataset
 from missionplan.diagnosis.inference.model import CauseFit
 from missionplan.diagnosis.inference.model import fitted as fit_sets
-from missionplan.diagnosis.kinds import bind_dataset
 from missionplan.errors import InputError
 from missionplan.mission import load
 from tests.hidden_effects import dives, legs, tank

@@ -4,8 +4,15 @@ from dataclasses import dataclass, replace
 
 import pytest
 
-from missionplan.effects import CATALOGUE, EffectInfo, Parameter, TankEffect
-from missionplan.effects.catalogue import catalogue_problems, entry_problems, with_plugins
+from missionplan.effects import (
+    CATALOGUE,
+    EffectInfo,
+    Parameter,
+    TankEffect,
+    catalogue_problems,
+    entry_problems,
+    with_plugins,
+)
 from missionplan.effects.info import Instrument, Likeness
 from missionplan.phases.hooks import TransitEffect
 

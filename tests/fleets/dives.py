@@ -9,9 +9,9 @@ from pathlib import Path
 import numpy as np
 import yaml
 
+from missionplan.diagnosis.data_kind import bind_dataset
 from missionplan.diagnosis.explanations import explained_missions
 from missionplan.diagnosis.inference.model import CauseFit, fitted
-from missionplan.diagnosis.kinds import bind_dataset
 from missionplan.mission import Mission
 from tests.hidden_effects.dives.dynamics import Dive, DiveEffect
 from tests.hidden_effects.dives.files import measure, mission_files

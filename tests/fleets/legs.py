@@ -8,7 +8,7 @@ import numpy as np
 import yaml
 
 from missionplan.datasets.legs import read_transit
-from missionplan.diagnosis.legs.model_factory import transit_model
+from missionplan.diagnosis.legs.kind import transit_model
 from missionplan.mission import Mission
 
 COMPASS, LOG = "compass-bias", "speed-scale"

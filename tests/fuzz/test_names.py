@@ -19,7 +19,7 @@ from missionplan.cli.running import _print_result
 from missionplan.errors import InputError
 from missionplan.exporters import token
 from missionplan.mission import Mission
-from missionplan.report.html.rendering import named_apart
+from missionplan.report.html import named_apart
 from missionplan.report.page import Drawn, Page, PageSection
 from missionplan.report.page import Figure as PageFigure
 

@@ -9,7 +9,7 @@ from made_tracks import made
 from test_structure import agree
 
 from missionplan.errors import InputError
-from missionplan.importers.importing import import_logs
+from missionplan.importers import import_logs
 from missionplan.importers.readers.ardupilot import _records
 
 pytest.importorskip("pymavlink", reason="pymavlink is not installed")

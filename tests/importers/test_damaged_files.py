@@ -11,7 +11,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from missionplan.errors import InputError
-from missionplan.importers.importing import import_logs
+from missionplan.importers import import_logs
 from missionplan.importers.mapping import angles, ddmm_to_degrees, degrees_of, times
 
 MADE = (Path(__file__).parent / "made.gli").read_bytes()

@@ -6,8 +6,8 @@ import pytest
 import yaml
 
 from missionplan.errors import InputError
+from missionplan.importers import import_logs
 from missionplan.importers.descents import read_marks
-from missionplan.importers.importing import import_logs
 
 BEGAN = 1_700_000_000.0
 MARKS = [BEGAN + each for each in (100.0, 400.0, 700.0, 1000.0)]

@@ -9,9 +9,9 @@ import pytest
 from made_tracks import made
 
 from missionplan.errors import InputError
+from missionplan.importers import import_logs
 from missionplan.importers.cutting import cut
 from missionplan.importers.dives import LegRules
-from missionplan.importers.importing import import_logs
 from missionplan.importers.mapping import angles, ddmm_to_degrees, degrees_of, times
 
 LEGS = 4

@@ -19,14 +19,13 @@ from missionplan.cli import main
 from missionplan.datasets.legs import read_transit
 from missionplan.diagnosis.diagnose import diagnose
 from missionplan.errors import InputError
-from missionplan.importers import importer
+from missionplan.importers import import_logs, importer
 from missionplan.importers.descents import separations_by_sinking
 from missionplan.importers.geodesy import model_declination, with_declination
 from missionplan.importers.importer import Importer
-from missionplan.importers.importing import import_logs
 from missionplan.importers.track import Series, Track
 from missionplan.mission import load
-from missionplan.report.leg_basis import COLUMNS, basis_rows, explained_rows
+from missionplan.report.imported.leg_basis import COLUMNS, basis_rows, explained_rows
 from missionplan.report.page import draw, drawing_by
 
 MADE = Path(__file__).parent / "made.gli"

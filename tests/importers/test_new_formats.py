@@ -9,7 +9,7 @@ from made_tracks import made
 from test_structure import agree
 
 from missionplan.errors import InputError
-from missionplan.importers.importing import import_logs
+from missionplan.importers import import_logs
 
 VOYAGE = made(legs=4, duration=1800.0, pause=300.0, step=20.0)
 

@@ -12,12 +12,11 @@ from made_tracks import made
 from pyproj import Geod
 
 from missionplan.errors import InputError
-from missionplan.importers import geodesy
+from missionplan.importers import _of_current, geodesy, transit_data
 from missionplan.importers.cutting import cut
 from missionplan.importers.descents import _lines as lines_of_depth
 from missionplan.importers.dives import LegRules, depths_of, longest_gap
 from missionplan.importers.importer import clock_jumps
-from missionplan.importers.importing import _of_current, transit_data
 from missionplan.importers.judging import fix_sd
 from missionplan.importers.reckoning import HEADING_ERROR, VehicleCurrent
 from missionplan.importers.sources import Reading

@@ -8,9 +8,9 @@ import pytest
 
 from missionplan.datasets.legs import read_transit
 from missionplan.errors import InputError
+from missionplan.importers import import_logs
 from missionplan.importers.dives import LegRules
 from missionplan.importers.geodesy import displacement
-from missionplan.importers.importing import import_logs
 from missionplan.mission import load
 
 RAW = Path(__file__).parents[2].parent / "shared" / "data" / "raw"

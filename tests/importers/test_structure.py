@@ -7,8 +7,8 @@ import pytest
 from made_tracks import made
 
 from missionplan.errors import InputError
+from missionplan.importers import import_logs
 from missionplan.importers.geodesy import displacement
-from missionplan.importers.importing import import_logs
 
 VOYAGE = made(legs=4, duration=2400.0, pause=600.0, step=20.0)
 ENDS = ("lat_start", "lon_start", "lat_dr_end", "lon_dr_end", "lat_end", "lon_end", "t_start_s", "t_end_s")

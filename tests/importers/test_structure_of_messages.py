@@ -9,9 +9,9 @@ from made_tracks import made
 from test_structure import agree, alog
 
 from missionplan.errors import InputError
+from missionplan.importers import import_logs
 from missionplan.importers import importer as stores
 from missionplan.importers.geodesy import displacement
-from missionplan.importers.importing import import_logs
 
 VOYAGE = made(legs=4, duration=2400.0, pause=600.0, step=20.0)
 ELSEWHERE = made(legs=4, duration=2400.0, pause=600.0, step=20.0, headings=[90.0, 80.0, 70.0, 60.0])

@@ -12,7 +12,7 @@ from made_tracks import made
 from test_structure import agree
 
 from missionplan.errors import InputError
-from missionplan.importers.importing import import_logs
+from missionplan.importers import import_logs
 
 pytest.importorskip("dbdreader", reason="dbdreader is not installed")
 VOYAGE = made(legs=4, duration=2400.0, pause=600.0, step=20.0)

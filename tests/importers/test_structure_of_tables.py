@@ -9,7 +9,7 @@ from test_structure import VOYAGE as SEA_VOYAGE
 from test_structure import agree, gli, og1, seaglider
 
 from missionplan.errors import InputError
-from missionplan.importers.importing import import_logs
+from missionplan.importers import import_logs
 
 ELSEWHERE = made(legs=3, duration=1200.0, pause=240.0, step=20.0, headings=[45.0, 90.0, 135.0])
 

@@ -8,8 +8,7 @@ import pytest
 import scipy
 from scipy.stats import norm
 
-from missionplan.montecarlo.rare_events.strata import FIRST_WEIGHT, Estimate, TwoStages, runs_needed
-from missionplan.montecarlo.rare_events.subset_simulation import (
+from missionplan.montecarlo.rare_events import (
     STEPS,
     Drive,
     Levels,
@@ -20,6 +19,7 @@ from missionplan.montecarlo.rare_events.subset_simulation import (
     run_levels,
     run_pilots,
 )
+from missionplan.montecarlo.rare_events.strata import FIRST_WEIGHT, Estimate, TwoStages, runs_needed
 
 Margin = Callable[[NormalPopulation], np.ndarray]
 

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from scipy.stats import multivariate_normal, norm
 
+from missionplan.montecarlo.rare_events import Key, NormalPopulation
 from missionplan.montecarlo.rare_events.failure_search import FailureSearch, Found, find
 from missionplan.montecarlo.rare_events.strata import (
     RARE,
@@ -16,7 +17,6 @@ from missionplan.montecarlo.rare_events.strata import (
     TrialMargins,
     strata,
 )
-from missionplan.montecarlo.rare_events.subset_simulation import Key, NormalPopulation
 
 Inputs = Sequence[Callable[[np.ndarray], np.ndarray]]
 

@@ -27,7 +27,7 @@ TABLE = {
     "results/mooring": ["studies/anchor", "studies/simulation"],
     "scenario": ["scenario", "montecarlo/test_streams_drawn.py", "studies/simulation", "phases/mooring"],
     "scenario/place.py": ["scenario/place", "phases/place", "studies/simulation/test_over_ground.py"],
-    "scenario/drift_model.py": ["scenario/test_drift_model.py", "studies/simulation/test_kalman_filter_missions.py"],
+    "scenario/transits.py": ["scenario/test_drift_model.py", "studies/simulation/test_kalman_filter_missions.py"],
     "scenario/currents": ["scenario/currents", "phases/test_field_lookups.py"],
     "importers/readers/netcdf.py": ["importers/readers/test_netcdf_variables.py", "importers"],
     "datasets/tank.py": ["datasets", "studies/identification", "diagnosis/tank"],

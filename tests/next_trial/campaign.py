@@ -16,11 +16,11 @@ import numpy as np
 from missionplan.datasets.legs import read_transit
 from missionplan.diagnosis.coordinates import Coordinate
 from missionplan.diagnosis.explanations import weighed
+from missionplan.diagnosis.next_trial import Valuation, valuation
 from missionplan.diagnosis.next_trial.belief import to_do
+from missionplan.diagnosis.next_trial.designs import FAILURE
 from missionplan.diagnosis.next_trial.experiment import Experiment
 from missionplan.diagnosis.next_trial.leg_trials import LegTrials
-from missionplan.diagnosis.next_trial.losses import FAILURE
-from missionplan.diagnosis.next_trial.next_trial import Valuation, valuation
 from missionplan.diagnosis.pipeline import run_pipeline
 from missionplan.mission import Mission
 from tests.calibration import truths

@@ -22,10 +22,10 @@ import yaml
 from missionplan.datasets.dives import read_descent
 from missionplan.diagnosis.dives.preparation import DiveLog, prepare_dives
 from missionplan.diagnosis.explanations import weighed
+from missionplan.diagnosis.next_trial import Valuation
 from missionplan.diagnosis.next_trial.belief import Believed, believe, possible_fits
 from missionplan.diagnosis.next_trial.dive_trials import DiveTrials
 from missionplan.diagnosis.next_trial.experiment import Experiment, drawn, value_of_information
-from missionplan.diagnosis.next_trial.next_trial import Valuation
 from missionplan.diagnosis.next_trial.prediction import Explanation, Prediction
 from missionplan.diagnosis.pipeline import run_pipeline
 from missionplan.errors import MissionplanError

@@ -10,11 +10,10 @@ import pytest
 
 import missionplan
 from missionplan.datasets.legs import read_transit
-from missionplan.diagnosis.next_trial import losses as losing
-from missionplan.diagnosis.next_trial.designs import COSTING_TRIALS, cost_of
+from missionplan.diagnosis.next_trial import designs as losing
+from missionplan.diagnosis.next_trial.designs import COSTING_TRIALS, FAILURE, Alternatives, cost_of
 from missionplan.diagnosis.next_trial.dive_trials import DiveTrials, _counted, _deepened
 from missionplan.diagnosis.next_trial.leg_trials import SHAPES, SHARES, LegTrials
-from missionplan.diagnosis.next_trial.losses import FAILURE, Alternatives
 from missionplan.mission import Mission
 
 MISSIONS = Path(__file__).parents[2] / "missions"

@@ -10,10 +10,10 @@ import yaml
 
 from missionplan.datasets.legs import read_transit
 from missionplan.diagnosis.diagnose import diagnose
+from missionplan.diagnosis.next_trial import Valuation
 from missionplan.diagnosis.next_trial.belief import right_about_vehicle, to_do
 from missionplan.diagnosis.next_trial.experiment import Draws
 from missionplan.diagnosis.next_trial.leg_trials import LegTrials
-from missionplan.diagnosis.next_trial.next_trial import Valuation
 from missionplan.mission import Mission, load
 from missionplan.report.diagnosis.plan import next_trial_section
 from missionplan.results.learned import Diagnosis

@@ -11,7 +11,7 @@ from typer.testing import CliRunner
 import missionplan
 from missionplan.cli import app
 from missionplan.mission import load
-from missionplan.report.html.rendering import rerun_command
+from missionplan.report.html import rerun_command
 from missionplan.results import Provenance
 
 MISSION = Path(__file__).parents[2] / "missions" / "chesapeake.yaml"

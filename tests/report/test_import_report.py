@@ -8,7 +8,8 @@ import pandas as pd
 import pytest
 from matplotlib.figure import Figure
 
-from missionplan.report import imported, leg_basis
+from missionplan.report import imported
+from missionplan.report.imported import leg_basis
 from missionplan.report.quantities import reading_in
 from missionplan.results.imported import Basis, LegPicture
 

@@ -12,7 +12,7 @@ from missionplan.effects.tidal_current import PERIODS, TidalCurrent
 from missionplan.phases.hooks import DriftParts, TransitEffect
 from missionplan.phases.transit.compensation import Forecast, PlannedLeg
 from missionplan.phases.transit.kalman_filter import PERSISTENT, STEADY, SURFACE, WAVES, DriftFilter
-from missionplan.scenario.drift_model import DriftSample, drift_model
+from missionplan.scenario.transits import DriftSample, drift_model
 
 FORECAST = Forecast(current=None, mean_error=np.array([0.01, 0.0]), depth=5.0, surfacing_time=60.0)
 NORMALS = np.random.default_rng(1).standard_normal((4, 500))

@@ -56,13 +56,6 @@ def exchanged_labels(model: DescentFitting, base: CauseFit) -> ExchangedLabels |
     """Weigh exchanges of labels beside the base model; None where all dives have one.
 
     Only weights of the log book are exchanged. An exchange beyond the first costs as much as a further cause.
-
-    Parameters
-    ----------
-    model : DescentFitting
-        Of the dives.
-    base : CauseFit
-        The base model.
     """
     logs = model.forward.logs
     weights = sorted({log.wet_weight for log in logs})
@@ -122,13 +115,6 @@ def not_constant(model: "DescentModel", fit: CauseFit) -> Causes:
     """Return the causes whose strengths differ from dive to dive.
 
     A line that jams on its spool in some dives looks like a late clock, but not like the same one in all.
-
-    Parameters
-    ----------
-    model : DescentModel
-        Of the dives.
-    fit : CauseFit
-        The claimed set.
     """
     counts = [len(rows) for rows in model.parts]
     columns = {}

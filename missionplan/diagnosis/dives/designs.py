@@ -43,12 +43,7 @@ def design_dives(forward: DescentForward, entry: int | None) -> tuple[DiveLog, .
 def sampled_dives(forward: DescentForward, logs: Sequence[DiveLog]) -> tuple[DiveLog, ...]:
     """Return dives sampled evenly until the base model nears touchdown; their depths are zero.
 
-    Parameters
-    ----------
-    forward : DescentForward
-        The phase.
-    logs : sequence of DiveLog
-        With the dives' anchors, lines and depths, and readings as noisy as theirs.
+    The logs give the dives' anchors, lines and depths, and readings as noisy as theirs.
     """
     return tuple(
         _sampled(log, np.linspace(0.0, _near_touchdown(log, *run), MAX_SAMPLES))
@@ -61,12 +56,7 @@ def stretched_dives(forward: DescentForward, logs: Sequence[DiveLog]) -> tuple[D
 
     As many bins of readings as those logs have, so that each holds more of them, or fewer. Their depths are zero.
 
-    Parameters
-    ----------
-    forward : DescentForward
-        The phase.
-    logs : sequence of DiveLog
-        With the anchors, lines and depths of the dives to come, and the times and readings of others.
+    `logs` have the anchors, lines and depths of the dives to come, and the times and readings of others.
     """
     return tuple(_stretched(log, *run) for log, run in _base_runs(forward, logs))
 

@@ -35,15 +35,7 @@ MIN_SPEED_SHARE = 0.4
 
 
 def descent_axes(model: LinearisedDescent, linear: DiveLinearisation) -> list[Axis]:
-    """Errors of the depth, forces on all dives, and differences from dive to dive.
-
-    Parameters
-    ----------
-    model : LinearisedDescent
-        The dives.
-    linear : DiveLinearisation
-        Where the model is fitted.
-    """
+    """Errors of the depth, forces on all dives, and differences from dive to dive."""
     logs, readings = model.forward.logs, linear.readings
     speed = np.concatenate([_speed(log, readings[rows]) for log, rows in zip(logs, model.parts, strict=True)])
     extents = {"time": np.concatenate([log.t for log in logs]), "depth": readings, "speed": speed}
@@ -63,13 +55,6 @@ def _dive_by_dive(logs: Sequence[DiveLog], linear: DiveLinearisation) -> list[Ax
     """Each dive's own error of the depth, and delay; a force or a reading with a trend over dives.
 
     Errors of the depth follow the number of the reading, which come most often at first.
-
-    Parameters
-    ----------
-    logs : sequence of DiveLog
-        The dives.
-    linear : DiveLinearisation
-        Where the model is fitted.
     """
     dive, weight = np.repeat(np.arange(len(logs)), [len(log.t) for log in logs]), linear.sensitivity("weight")
     axes = []

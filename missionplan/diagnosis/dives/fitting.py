@@ -13,7 +13,7 @@ from missionplan.diagnosis.coordinates import Coordinate, estimates, is_approxim
 from missionplan.diagnosis.dives.likelihood import DescentLikelihood, NoiseGridLikelihood
 from missionplan.diagnosis.dives.linearised import DIFFERENCE, DiveLinearisation
 from missionplan.diagnosis.dives.noise import FORM_SD, NOMINAL_NOISE, Noise, noise_grid
-from missionplan.diagnosis.given.effects import RecordPosterior, held, tied
+from missionplan.diagnosis.given import RecordPosterior, held, tied
 from missionplan.diagnosis.inference.block_covariance import BlockCovariance
 from missionplan.diagnosis.inference.gauss_newton import GaussNewtonOptions, LeastSquares, Start, gauss_newton
 from missionplan.diagnosis.inference.marginal_likelihood import Marginal

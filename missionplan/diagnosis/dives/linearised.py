@@ -26,7 +26,7 @@ from missionplan.diagnosis.dives.noise import (
     dive_to_dive_covariance,
     sensor_and_turbulence_covariance,
 )
-from missionplan.diagnosis.given.effects import GivenEffect, coordinate_prior, held, places_in
+from missionplan.diagnosis.given import GivenEffect, coordinate_prior, held, places_in
 from missionplan.diagnosis.inference.gauss_newton import perturbed
 from missionplan.diagnosis.inference.prior import Prior
 from missionplan.effects import effects_of, named_effects

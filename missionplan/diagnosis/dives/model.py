@@ -20,16 +20,15 @@ from missionplan.diagnosis.dives.linearised import DiveLinearisation
 from missionplan.diagnosis.dives.noise import noise_grid
 from missionplan.diagnosis.dives.preparation import PreparedDives
 from missionplan.diagnosis.dives.supersets import log_gains
-from missionplan.diagnosis.given.effects import GivenEffect
+from missionplan.diagnosis.given import GivenEffect
 from missionplan.diagnosis.given.priors import check_together, given_effects, given_priors
 from missionplan.diagnosis.inference.axes import Axis
 from missionplan.diagnosis.inference.block_covariance import BlockCovariance, InnerProducts
-from missionplan.diagnosis.inference.discrepancy import Responses
+from missionplan.diagnosis.inference.discrepancy import Residuals, Responses
 from missionplan.diagnosis.inference.evidence_approximations import DRAWS, SampledEvidence, sampled_evidence
 from missionplan.diagnosis.inference.marginal_likelihood import QUANTILE_95
 from missionplan.diagnosis.inference.model import CauseFit, HeldOutScore
 from missionplan.diagnosis.inference.prior import inside_range
-from missionplan.diagnosis.inference.residual_tests import Residuals
 from missionplan.diagnosis.inference.selection import Progress, Selection, no_progress
 from missionplan.diagnosis.inference.weighing import NeutralResponses, weigh
 from missionplan.effects import effects_of

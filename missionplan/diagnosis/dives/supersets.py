@@ -30,15 +30,7 @@ USUAL = SCALES[1]
 
 
 def log_gains(model: DescentLikelihood, fits: Sequence[CauseFit], supersets: Sequence[Sequence[Causes]]) -> list[Array]:
-    """Return what further causes add to the log evidence of fits, shape (s,) for the supersets of each.
-
-    Parameters
-    ----------
-    model : DescentLikelihood
-    fits : sequence of CauseFit
-    supersets : sequence of sequence of set
-        Of each fit.
-    """
+    """Return what further causes add to the log evidence of fits, shape (s,) for the supersets of each."""
     if not fits:
         return []
     columns = _columns(model, fits)

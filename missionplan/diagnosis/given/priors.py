@@ -15,7 +15,7 @@ import numpy as np
 
 from missionplan.arrays import Array, Normals
 from missionplan.diagnosis.coordinates import Coordinate, coordinates_of, even_normals
-from missionplan.diagnosis.given.effects import ERROR_PLACE, GivenEffect, along_a_track
+from missionplan.diagnosis.given import ERROR_PLACE, GivenEffect, along_a_track
 from missionplan.effects import CATALOGUE, Effect, EffectInfo, exclusive_groups
 from missionplan.effects.oscillation import MODULATION, MODULATION_PARAMETERS
 from missionplan.errors import InputError, Problem
@@ -50,11 +50,7 @@ def learned_draws(mission: Mission, entries: Sequence[EffectEntry]) -> Drawn:
 def stated_draws(mission: Mission, stated: Mapping[str, Mapping[str, Quantity]]) -> Drawn:
     """Draw effects that a mission states, with its correlations.
 
-    Parameters
-    ----------
-    mission : Mission
-    stated : mapping
-        Parameters of each effect, by the beginning of their key paths.
+    `stated` has the parameters of each effect, by the beginning of their key paths.
     """
     own = {f"{place}.{name}": value for place, parameters in stated.items() for name, value in parameters.items()}
     joint = JointDistribution.of({**mission.quantities(), **own}, mission.correlated)
@@ -159,10 +155,7 @@ def check_together(
 ) -> None:
     """Refuse missions whose effects a diagnosis cannot hold together.
 
-    Raises
-    ------
-    InputError
-        With each pair.
+    Raises InputError with each pair.
     """
     names = [each.effect for each in given]
     twice = [name for name in dict.fromkeys(names) if names.count(name) > 1]

@@ -86,13 +86,8 @@ def _smooth(places: bytes, shape: tuple[int, int], length: float) -> Array:
 def principal_components(columns: Array, most: int, least: float) -> Array:
     """Principal components of columns, shape (N, c), as columns: (N, q).
 
-    Parameters
-    ----------
-    columns : array, shape (N, c)
-    most : int
-        So many at most.
-    least : float
-        Share of the first one's variance that each has at least, well above rounding.
+    `columns`, shape (N, c). `most`: so many at most. `least`: share of the first one's variance that each has at least,
+    well above rounding.
     """
     values, vectors = np.linalg.eigh(columns.T @ columns)
     kept = np.flatnonzero(values > least * values[-1])[::-1][:most]
@@ -102,14 +97,8 @@ def principal_components(columns: Array, most: int, least: float) -> Array:
 def pointwise(name: str, description: str, inputs: Array, directions: Array | None = None) -> Axis:
     """Return the axis of functions to which each value responds where it lies itself.
 
-    Parameters
-    ----------
-    name, description : str
-        Of the axis.
-    inputs : array, shape (N, d)
-        Where each value lies.
-    directions : array, shape (N, p), optional
-        Response of each value to each of p functions; default one function, to which all respond alike.
+    `name`, `description`: of the axis. `inputs`, shape (N, d): where each value lies. `directions`, shape (N, p),
+    optional: response of each value to each of p functions; default one function, to which all respond alike.
     """
     own = np.ones((len(inputs), 1)) if directions is None else directions
     if inputs.shape[1] > 1:
@@ -137,12 +126,7 @@ def directed(weights: Array, directions: Array) -> Array:
 def differing(description: str, directions: Array) -> Axis:
     """Return the axis of one number for each run, independent of those of the others.
 
-    Parameters
-    ----------
-    description : str
-        Of the axis.
-    directions : array, shape (N, p)
-        Response of each value to the number of each of p runs.
+    `description`: of the axis. `directions`, shape (N, p): response of each value to the number of each of p runs.
     """
     return Axis("run", description, np.zeros((1, 1)), directions)
 

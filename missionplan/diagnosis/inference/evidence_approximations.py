@@ -59,6 +59,7 @@ def laplace(
 
     The mode by BFGS with gradients from forward differences (Nocedal & Wright 2006, sections 6.1 and 8.1), the evidence
     by Laplace's method, ln p(mode) + (h/2) ln 2π − ½ ln |A| with A the negative curvature (MacKay 2003, chapter 27).
+    Raises numpy.linalg.LinAlgError when the mode lies on the boundary of the support, where there is no curvature.
 
     Parameters
     ----------
@@ -73,11 +74,6 @@ def laplace(
     keep_inside : bool
         Take a mode on the boundary of the support just inside it, which serves to draw about it: the evidence is that
         of a normal law that the boundary does not cut.
-
-    Raises
-    ------
-    numpy.linalg.LinAlgError
-        When the mode lies on the boundary of the support, where there is no curvature.
     """
     known: dict[bytes, float] = {}
 
@@ -176,21 +172,11 @@ class SampledEvidence:
 def sampled_evidence(log_joint: Callable[[Array], Array], mean: Array, covariance: Array) -> SampledEvidence:
     """Integrate a joint density of data and parameters with draws from a Student-t about the assumed posterior.
 
-    The evidence is the mean of the weights, joint density over proposal density (Owen 2013, section 9.1).
+    The evidence is the mean of the weights, joint density over proposal density (Owen 2013, section 9.1). Raises
+    numpy.linalg.LinAlgError when the covariance is not positive definite.
 
-    Parameters
-    ----------
-    log_joint : callable
-        ln p(data, parameters) of parameters, shape (s, k) → (s,); a value that is not finite counts as −∞.
-    mean : array, shape (k,)
-        Of the assumed posterior.
-    covariance : array, shape (k, k)
-        Of the assumed posterior.
-
-    Raises
-    ------
-    numpy.linalg.LinAlgError
-        When the covariance is not positive definite.
+    `log_joint`: ln p(data, parameters) of parameters, shape (s, k) → (s,); a value that is not finite counts as −∞.
+    `mean`, shape (k,): of the assumed posterior. `covariance`, shape (k, k): of the assumed posterior.
     """
     logs = _weighed(log_joint, mean, covariance)
     if np.all(np.isneginf(logs)):

@@ -49,18 +49,7 @@ def discriminations(
 ) -> tuple[Discrimination, ...]:
     """Find the cheapest measurement that separates each rival from the first set.
 
-    Parameters
-    ----------
-    model : Model
-        Which computes what further data would bring, by `Model.discrimination`.
-    first : CauseFit
-        The set taken as true.
-    rivals : sequence of CauseFit
-        The others.
-    direct : mapping
-        Instruments that measure one cause by itself.
-    jobs : int
-        Processes.
+    The first set is taken as true; `direct` are instruments that measure one cause by itself.
     """
     asked = [(rival, in_hand) for rival in rivals for in_hand in (False, True)]
     found = parallel_map(partial(_measurements, model, first, direct), asked, jobs=jobs)

@@ -95,19 +95,7 @@ def gauss_newton(
 ) -> list[GaussNewtonResult]:
     """Minimise from every start; each iteration calls the model once for all searches that still go on.
 
-    Parameters
-    ----------
-    problem : LeastSquares
-        Data, model, noise and priors.
-    starts : sequence of Start
-        Where to search from.
-    options : GaussNewtonOptions
-        How to search.
-
-    Raises
-    ------
-    numpy.linalg.LinAlgError
-        When the covariance of the noise is not positive definite.
+    Raises numpy.linalg.LinAlgError when the covariance of the noise is not positive definite.
     """
     if not starts:
         return []
@@ -129,14 +117,7 @@ def gauss_newton(
 def perturbed(at: Array, free: NDArray[np.int_], steps: Array) -> Array:
     """Settings with one of the free coordinates moved in each, (k,) → (k, a).
 
-    Parameters
-    ----------
-    at : array, shape (k,)
-        Coordinates.
-    free : array of int, shape (a,)
-        Those that are moved.
-    steps : array, shape (a,)
-        By how much.
+    `at`, shape (k,): coordinates. `free`, shape (a,): those that are moved. `steps`, shape (a,): by how much.
     """
     settings = np.repeat(at[:, None], len(free), axis=1)
     settings[free, np.arange(len(free))] += steps

@@ -49,7 +49,8 @@ def gaussian_marginal(gram: Array, prior_sd: Array, log_determinant: float, coun
     """Integrate out the coefficients of a linear model with normal errors and a normal prior about zero.
 
     Evidence and posterior of Bayesian linear regression (Rasmussen & Williams 2006, Eqs. 2.8 and 2.30; Bishop 2006,
-    Eqs. 3.49 to 3.51 and 3.86), from inner products of whitened columns.
+    Eqs. 3.49 to 3.51 and 3.86), from inner products of whitened columns. Raises numpy.linalg.LinAlgError when the
+    posterior has no covariance.
 
     Parameters
     ----------
@@ -61,11 +62,6 @@ def gaussian_marginal(gram: Array, prior_sd: Array, log_determinant: float, coun
         ln |covariance| of the noise.
     count : int
         Number of data.
-
-    Raises
-    ------
-    numpy.linalg.LinAlgError
-        When the posterior has no covariance.
     """
     factor, white = _standardised_posterior(gram, prior_sd)
     inverse, _ = lapack.dtrtri(factor, lower=1)

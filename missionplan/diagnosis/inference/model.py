@@ -16,8 +16,8 @@ from typing import Any, Protocol, runtime_checkable
 import numpy as np
 
 from missionplan.arrays import Array
+from missionplan.diagnosis.inference.discrepancy import Residuals
 from missionplan.diagnosis.inference.marginal_likelihood import QUANTILE_95
-from missionplan.diagnosis.inference.residual_tests import Residuals
 from missionplan.montecarlo.blocks import parallel_map
 from missionplan.montecarlo.statistics import wilson
 from missionplan.results.learned.evidence import Causes, Coverage, HeldOutGain, ParameterEstimate
@@ -121,12 +121,7 @@ class FitsTogether(Protocol):
     def relinearised(self, fits: Sequence[CauseFit | FailedFit], best: float) -> list[CauseFit | FailedFit]:
         """Linearise the best fits anew where their posteriors lie off the point of linearisation.
 
-        Parameters
-        ----------
-        fits : sequence
-            To improve.
-        best : float
-            Greatest log evidence of those fitted together: fits far below it need no improvement.
+        Fits far below the best log evidence of those fitted together need no improvement.
         """
         ...
 
@@ -134,14 +129,7 @@ class FitsTogether(Protocol):
 def fitted(model: Model, requests: Sequence[FitRequest], jobs: int = 1) -> list[CauseFit | FailedFit]:
     """Fit several sets; relinearise what is fitted together.
 
-    Parameters
-    ----------
-    model : Model
-        Which fits.
-    requests : sequence
-        Sets, each with fits to start from.
-    jobs : int
-        Processes.
+    Each request is a set, with fits to start from.
 
     Returns
     -------
@@ -215,11 +203,6 @@ def interval_coverage(scores: Sequence[HeldOutScore]) -> Coverage | None:
 
     A conformal factor: the quantile of the standardised errors of held-out groups (Vovk, Gammerman & Shafer 2005,
     *Algorithmic Learning in a Random World*), assessed on groups that it was not fitted to.
-
-    Parameters
-    ----------
-    scores : sequence of HeldOutScore
-        With standardised errors.
 
     Returns
     -------

@@ -87,10 +87,7 @@ class Prior:
     def root(self, sd: Array) -> Array:
         """Return a factor R of the covariance R Rᵀ, shape (k, k); the standard deviations, (k,), where nothing is tied.
 
-        Parameters
-        ----------
-        sd : array, shape (k,)
-            Of the coordinates that are not tied.
+        `sd`, shape (k,): of the coordinates that are not tied.
         """
         if not self.tied:
             return sd
@@ -148,12 +145,8 @@ def likeliest_scales(marginal_of: Callable[[Array], Marginal], prior: Prior) -> 
     The likeliest λ is (ν + E z²)/(ν + 1), E z² the posterior mean of the squared coordinate over sd²: a fixed point
     that expectation–maximisation reaches (Dempster, Laird & Rubin 1977).
 
-    Parameters
-    ----------
-    marginal_of : callable
-        Of `Prior.root`: the linear model with its coordinates integrated out.
-    prior : Prior
-        Of the coordinates; those of `Marginal` are counted from its centre.
+    `marginal_of` gives, of `Prior.root`, the linear model with its coordinates integrated out; those of `Marginal` are
+    counted from the prior's centre.
     """
     own = np.flatnonzero(prior.heavy) if prior.heavy is not None else np.zeros(0, dtype=int)
     if not len(own):
@@ -194,21 +187,11 @@ def integrated(
 ) -> Integrated:
     """Integrate a linear model: coordinates exactly, the noise by a sum over a grid, the scales by Laplace's method.
 
-    The scales are those at the likeliest noise.
+    The scales are those at the likeliest noise. Raises numpy.linalg.LinAlgError when the coordinates have no posterior.
 
-    Parameters
-    ----------
-    log_joint : callable
-        Of `Prior.root`: log density of the data at each noise, its log prior added, shape (g,).
-    marginal_of : callable
-        Of the number of a noise and of `Prior.root`: the model with its coordinates integrated out.
-    prior : Prior
-        Of the coordinates; those of `Marginal` are counted from its centre.
-
-    Raises
-    ------
-    numpy.linalg.LinAlgError
-        When the coordinates have no posterior.
+    `log_joint`: of `Prior.root`: log density of the data at each noise, its log prior added, shape (g,). `marginal_of`:
+    of the number of a noise and of `Prior.root`: the model with its coordinates integrated out. `prior`: of the
+    coordinates; those of `Marginal` are counted from its centre.
     """
     likely = int(np.argmax(log_joint(prior.root(prior.sd))))
     scales = likeliest_scales(partial(marginal_of, likely), prior)
@@ -224,10 +207,7 @@ def integrated(
 def _curvature(mean: Array, covariance: Array) -> Array:
     """Negative curvature of the log posterior along the ln λ at its mode, shape (h, h).
 
-    Parameters
-    ----------
-    mean, covariance : array, shape (h,) and (h, h)
-        Posterior of the coordinates over their standard deviations sd·√λ.
+    `mean`, `covariance`, shape (h,) and (h, h): posterior of the coordinates over their standard deviations sd·√λ.
     """
     return np.asarray(
         0.5 * (DOF + 1.0) * np.eye(len(mean)) - 0.5 * (2.0 * np.outer(mean, mean) * covariance + np.square(covariance))
@@ -251,11 +231,7 @@ def inside_range(mean: Array, covariance: Array, low: Array, high: Array) -> Ins
     After each the distribution is replaced by the normal one with its moments (assumed density filtering; Minka 2001,
     *Expectation Propagation for Approximate Bayesian Inference*): exact for one range.
 
-    Parameters
-    ----------
-    mean, covariance : array, shape (k,) and (k, k)
-    low, high : array, shape (k,)
-        Ends of the ranges, which may be infinite.
+    `mean`, `covariance`, shape (k,) and (k, k). `low`, `high`, shape (k,): ends of the ranges, which may be infinite.
     """
     mean, covariance, total = mean.copy(), covariance.copy(), 0.0
     for index in np.flatnonzero(np.isfinite(low) | np.isfinite(high)):

@@ -84,18 +84,7 @@ class LinearisedModel(Model, Protocol):
 def weigh(model: LinearisedModel, progress: Progress, jobs: int = 1) -> Selection:
     """Compute the posterior over all sets.
 
-    Parameters
-    ----------
-    model : LinearisedModel
-    progress : callable
-        Called with what is being done.
-    jobs : int
-        Processes.
-
-    Raises
-    ------
-    RunError
-        When not even the base model can be fitted.
+    Raises RunError when not even the base model can be fitted.
     """
     sets = _Sets(model, jobs)
     for size in range(1, MOST_CAUSES + 1):

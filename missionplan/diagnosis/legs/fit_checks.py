@@ -99,15 +99,7 @@ class OneStep:
 
 
 def one_step(model: TransitModel, fit: CauseFit) -> OneStep | None:
-    """Predict every leg from the eleventh on; None for a record that is too short.
-
-    Parameters
-    ----------
-    model : TransitModel
-        With its data.
-    fit : CauseFit
-        The set of causes.
-    """
+    """Predict every leg from the eleventh on; None for a record that is too short."""
     data = model.data
     if data.n < 2 * FIRST_PREDICTED:
         return None
@@ -138,12 +130,6 @@ def not_constant(model: TransitModel, fit: CauseFit) -> Causes:
 
     The halves are the first and the second, and even and odd blocks of five legs; a modulated oscillation is compared
     with its modulation in the model.
-
-    Parameters
-    ----------
-    model : TransitModel
-    fit : CauseFit
-        The claimed set, fitted to the whole log.
     """
     count, acting = model.data.n, model.with_term(fit.state.term)
     physical = [name for name in fit.causes if CATALOGUE[name].tier == "physical" and name in acting.by_effect]
@@ -174,12 +160,6 @@ def wrong_fixes(model: TransitModel, fit: CauseFit) -> tuple[WrongFix, ...]:
     Each fix within a run, its two legs predicted from all others, is weighed against one of the legs erring alone: all
     by an unknown displacement, normal with `OFF` each axis. Legs with others left out between them share no fix: the
     second begins away from where the first ends.
-
-    Parameters
-    ----------
-    model : TransitModel
-    fit : CauseFit
-        The claimed set.
     """
     data, found = model.data, []
     size = np.hypot(*(model.y - np.median(model.y, axis=1, keepdims=True)))
@@ -226,12 +206,6 @@ def aliases(model: TransitModel, fit: CauseFit) -> tuple[Alias, ...]:
     standard deviations of the errors of as many legs, on the same courses sailed the other way, later, at the mission's
     speed and depth. The trial that would part them is the shortest of a few legs more, all round the compass, that
     leaves `TOLD` nats between them.
-
-    Parameters
-    ----------
-    model : TransitModel
-    fit : CauseFit
-        The claimed set.
     """
     model = model.with_term(fit.state.term)
     here, back = _Legs.of(model, fit), _Legs.of(_on_the_way_back(model), fit)

@@ -9,8 +9,8 @@ from typing import Self, cast
 import numpy as np
 
 from missionplan.arrays import Array
-from missionplan.diagnosis.coordinates import Coordinate, JointPosterior, estimates, is_possible
-from missionplan.diagnosis.given.effects import GivenEffect, RecordPosterior, held, tied
+from missionplan.diagnosis.coordinates import SIGMA_V, Coordinate, JointPosterior, estimates, is_possible
+from missionplan.diagnosis.given import GivenEffect, RecordPosterior, held, tied
 from missionplan.diagnosis.inference.evidence_approximations import Laplace, laplace
 from missionplan.diagnosis.inference.marginal_likelihood import QUANTILE_95
 from missionplan.diagnosis.inference.model import CauseFit
@@ -19,15 +19,62 @@ from missionplan.diagnosis.legs.likelihood.hyperparameters import (
     SLAB_SCALE,
     Hyperparameter,
     HyperparameterPrior,
+    values_of,
 )
 from missionplan.diagnosis.legs.likelihood.linearised import LinearisedLegs
 from missionplan.diagnosis.legs.likelihood.markov_covariance import LegSelection
 from missionplan.diagnosis.legs.likelihood.mean import ActingTerm
 from missionplan.diagnosis.legs.likelihood.modulation import Forms, variance_of_mean
-from missionplan.diagnosis.legs.state import TransitState
 from missionplan.effects import CATALOGUE
 from missionplan.effects.oscillation import MODULATION
 from missionplan.results.learned.evidence import Causes, ParameterEstimate
+
+
+@dataclass(frozen=True)
+class TransitState:
+    """State of a fit: Laplace approximation of the hyperparameters, and the coefficients at their mode."""
+
+    forms: Forms
+    """Oscillations among the causes that are not steady."""
+    hyperparameters: tuple[Hyperparameter, ...]
+    """Those of the set of causes."""
+    posterior: Laplace
+    """Of their logarithms."""
+    mean: Array
+    """Posterior mean of all coordinates, the hyperparameters at their mode, shape (k,)."""
+    covariance: Array
+    """Posterior covariance of them, shape (k, k)."""
+    linear: LinearisedLegs
+    """The model as linearised last."""
+    term: ActingTerm | None = None
+    """Whose strengths are coordinates beside those of the model."""
+
+    @property
+    def values(self) -> dict[tuple[str, str], float]:
+        """Hyperparameters at their mode."""
+        return values_of(self.hyperparameters, self.posterior.mode)
+
+    def estimates(self, effects: Causes) -> tuple[ParameterEstimate, ...]:
+        """Estimates of the hyperparameters that are parameters of some effects."""
+        known = self.noise(effects)
+        own = [i for i, coordinate in enumerate(known.coordinates) if coordinate.effect]
+        return estimates([known.coordinates[i] for i in own], known.mean[own], known.covariance[np.ix_(own, own)])
+
+    def noise(self, effects: Causes) -> JointPosterior:
+        """Joint posterior of σ_v and of the hyperparameters that are parameters of some effects."""
+        chosen, shapes = [], []
+        for index, h in enumerate(self.hyperparameters):
+            if h.key == ("", SIGMA_V.name):
+                shapes.append(SIGMA_V)
+            elif h.effect in effects and h.name in CATALOGUE[h.effect].parameters:
+                shapes.append(Coordinate(h.effect, h.name, "shape", h.centre, h.spread, 0.0))
+            else:
+                continue
+            chosen.append(index)
+        return JointPosterior(
+            tuple(shapes), self.posterior.mode[chosen], self.posterior.covariance[np.ix_(chosen, chosen)]
+        )
+
 
 MAX_LINEARISATIONS = 5
 """Times, at most, that a nonlinear model is linearised anew."""
@@ -57,19 +104,8 @@ class TransitFitting(TransitCovariance):
 
         The hyperparameters' posterior is approximated by Laplace's method (Tierney & Kadane 1986); a set with causes
         that are not linear is linearised anew until its mean settles (Gauss–Newton). Each oscillation of the set is
-        steady or not, equally likely before; the fit is that of the likelier case.
-
-        Parameters
-        ----------
-        causes : tuple of str
-            The set.
-        near : sequence of CauseFit
-            Fits to start from.
-
-        Raises
-        ------
-        numpy.linalg.LinAlgError
-            When no covariance near the start is positive definite.
+        steady or not, equally likely before; the fit is that of the likelier case. Raises numpy.linalg.LinAlgError when
+        no covariance near the start is positive definite.
         """
         states, weights = self._in_each_form(causes, near)
         evidences = np.array([state.posterior.log_evidence for state in states])

@@ -14,9 +14,9 @@ from missionplan.arrays import Array
 from missionplan.datasets.records import TransitData
 from missionplan.diagnosis.inference.axes import Axis
 from missionplan.diagnosis.inference.block_covariance import BlockCovariance
+from missionplan.diagnosis.inference.discrepancy import Residuals
 from missionplan.diagnosis.inference.marginal_likelihood import QUANTILE_95, Normal
 from missionplan.diagnosis.inference.model import CauseFit, FailedFit, FitRequest, HeldOutScore
-from missionplan.diagnosis.inference.residual_tests import Residuals
 from missionplan.diagnosis.inference.selection import Progress, Selection, no_progress
 from missionplan.diagnosis.legs.designs import DESIGNS, designs_for, with_further_legs
 from missionplan.diagnosis.legs.fitting import TransitFitting
@@ -201,12 +201,8 @@ class TransitModel(TransitFitting):
     def predicted(self, fit: CauseFit, seen: NDArray[np.int_], wanted: NDArray[np.int_]) -> Normal:
         """Predict legs from others under a fit, by the precision of all of them (Rue & Held 2005, Theorem 2.5).
 
-        Parameters
-        ----------
-        fit : CauseFit
-            Hyperparameters to use: those of a fit to the legs seen, or of an earlier part of them.
-        seen, wanted : array of int
-            The legs seen and the m legs predicted.
+        `fit`: hyperparameters to use: those of a fit to the legs seen, or of an earlier part of them. `seen`, `wanted`:
+        the legs seen and the m legs predicted.
 
         Returns
         -------
@@ -273,12 +269,7 @@ class TransitModel(TransitFitting):
     def discrimination(self, first: CauseFit, second: CauseFit, entry: int | None) -> float:
         """Expected log Bayes factor of the first fit over the second, were the first true.
 
-        Parameters
-        ----------
-        first, second : CauseFit
-            Fits to compare.
-        entry : int or None
-            Of `designs`, added to the log; None for the log alone.
+        `first`, `second`: fits to compare. `entry`: of `designs`, added to the log; None for the log alone.
         """
         model = self if entry is None else self._with_design(entry)
         acting = model.with_term(first.state.term)

@@ -138,12 +138,7 @@ class NoiseSearch:
     def integrated(self, anchors: Sequence[Laplace], chosen: NDArray[np.bool_], count: int) -> Law:
         """Integrate sets over the noise, with a number of points about each anchor.
 
-        Parameters
-        ----------
-        anchors : sequence of Laplace
-        chosen : array of bool, shape (s, 1 + t)
-            Which sets, without a term and with which.
-        count : int
+        `chosen`, shape (s, 1 + t): which sets, without a term and with which.
         """
         inference = self.inference
         at, log_proposal = _drawn(anchors, count)

@@ -19,11 +19,10 @@ from missionplan.diagnosis.inference.evidence_approximations import Laplace
 from missionplan.diagnosis.inference.marginal_likelihood import SCALES
 from missionplan.diagnosis.inference.model import CauseFit
 from missionplan.diagnosis.inference.selection import FURTHER, Candidate, Selection, credible_set
-from missionplan.diagnosis.legs.fitting import by_quantiles
+from missionplan.diagnosis.legs.fitting import TransitState, by_quantiles
 from missionplan.diagnosis.legs.likelihood.mean import ActingTerm
 from missionplan.diagnosis.legs.noise_integration import Law
 from missionplan.diagnosis.legs.set_density import LegInference, MeanSet
-from missionplan.diagnosis.legs.state import TransitState
 from missionplan.diagnosis.legs.terms import without_a_name
 from missionplan.effects import CATALOGUE, effects_of
 from missionplan.results.learned.evidence import Causes

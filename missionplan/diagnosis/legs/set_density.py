@@ -18,9 +18,8 @@ from missionplan.arrays import Array
 from missionplan.diagnosis.inference.marginal_likelihood import SCALES, Block, GramMatrix, SetPriors, blocks_by_size
 from missionplan.diagnosis.inference.selection import FURTHER, log_prior
 from missionplan.diagnosis.legs.fitting import TransitFitting
-from missionplan.diagnosis.legs.joint_columns import JointColumns, LinearisedGroup, TailBound
 from missionplan.diagnosis.legs.likelihood.hyperparameters import Hyperparameter, values_of
-from missionplan.diagnosis.legs.likelihood.selected_legs import MIN_DOF
+from missionplan.diagnosis.legs.likelihood.linearised import MIN_DOF, JointColumns, LinearisedGroup, TailBound
 from missionplan.diagnosis.legs.terms import LegTerm, answers, at_size, refined
 from missionplan.effects import CATALOGUE, named_effects
 from missionplan.results.learned.evidence import Causes
@@ -58,11 +57,7 @@ class RandomErrors:
 class LegInference:
     """Computes the posterior of a model of legs.
 
-    Parameters
-    ----------
-    model : TransitFitting
-    terms : sequence of LegTerm
-        Of which a set may have one.
+    A set may have one of the terms.
     """
 
     def __init__(self, model: TransitFitting, terms: Sequence[LegTerm]) -> None:
@@ -95,13 +90,7 @@ class LegInference:
         Turns of the course are linear in small angles alone: the columns of the likeliest term are then those between
         nil and its size, beside the likeliest set. Returns the likeliest set of all, with its term.
 
-        Parameters
-        ----------
-        law : RandomErrors
-        levels : sequence of array
-            Logarithms of noises.
-        scores : array, shape (j, s, 1 + t)
-            Of the sets at these.
+        `levels`: logarithms of noises. `scores`, shape (j, s, 1 + t): of the sets at these.
         """
         level, row, column = np.unravel_index(np.argmax(scores[:, :, 1:]), scores[:, :, 1:].shape)
         best, likeliest = MeanSet(self.sets[row].causes, int(column) + 1), self.terms[column]

@@ -19,14 +19,8 @@ def transit_axes(data: TransitData, leg: Leg, principal: Array) -> list[Axis]:
     Along each a velocity fixed to the Earth, one ahead and one abeam. Values are ordered leg by leg, first principal
     axis then second.
 
-    Parameters
-    ----------
-    data : TransitData
-        The log.
-    leg : Leg
-        The legs in the form that effects take.
-    principal : array, shape (2, 2)
-        Principal axes as columns.
+    `data`: the log. `leg`: the legs in the form that effects take. `principal`, shape (2, 2): principal axes as
+    columns.
     """
     return [
         (around if name == "heading" else pointwise)(

@@ -10,8 +10,7 @@ from missionplan.arrays import Array
 from missionplan.diagnosis.coordinates import Coordinate
 from missionplan.diagnosis.data_kind import DataKind
 from missionplan.diagnosis.explanations import Weighed, possible_fits
-from missionplan.diagnosis.extended_mission import extended_mission
-from missionplan.diagnosis.hypotheses import Hypothesis
+from missionplan.diagnosis.extended_mission import Hypothesis, extended_mission
 from missionplan.diagnosis.inference.model import CauseFit
 from missionplan.diagnosis.next_trial.experiment import Draws
 from missionplan.diagnosis.next_trial.prediction import Explanation
@@ -62,13 +61,6 @@ def likely_fits(explanations: Sequence[Weighed], found: PipelineResult) -> tuple
     """Return the likeliest fits that may hold with probabilities that add up to 1, and those that are left out.
 
     The probabilities of those are of all that may hold, as the extended mission has it.
-
-    Parameters
-    ----------
-    explanations : sequence of Weighed
-        Of the mission, the likeliest first.
-    found : PipelineResult
-        With that one.
     """
     possible = possible_fits(explanations, found)
     likely = sum(weight for *_, weight in possible[:EXPLANATIONS])
@@ -89,19 +81,10 @@ def causes_of(one: Weighed, fit: CauseFit) -> Causes:
 def believe(fits: Fits, posterior_of: Callable[[DataKind, CauseFit], Posterior], scale: float) -> tuple[Believed, ...]:
     """Join fits with their parameters and their missions.
 
-    Parameters
-    ----------
-    fits : list
-        With their probabilities.
-    posterior_of : callable
-        What a fit to data bound to a mission says of the parameters.
-    scale : float
-        Of the random errors; see `DataKind.carried`.
+    Raises InputError when an extended mission is not valid.
 
-    Raises
-    ------
-    InputError
-        When an extended mission is not valid.
+    `fits`: with their probabilities. `posterior_of`: what a fit to data bound to a mission says of the parameters.
+    `scale`: of the random errors; see `DataKind.carried`.
     """
     found = []
     for one, fit, probability in fits:
@@ -129,14 +112,8 @@ def to_do(causes: Causes) -> frozenset[str]:
 def right_about_vehicle(asked: Sequence[frozenset[str]], draws: Draws, probabilities: Array) -> float:
     """Return the probability that the crew does what is right about the vehicle, if it does the likeliest.
 
-    Parameters
-    ----------
-    asked : sequence of frozenset, length s
-        What each set of causes asks for; see `to_do`.
-    draws : Draws
-        Of what is true.
-    probabilities : array, shape (n, s) or (s,)
-        Of the sets, as they are known then.
+    `asked`: what each set of causes asks for; see `to_do`. `draws`: of what is true. `probabilities`, shape (n, s) or
+    (s,): of the sets, as they are known then.
     """
     things = list(dict.fromkeys(asked))
     same = np.array([[own == thing for thing in things] for own in asked], dtype=float)

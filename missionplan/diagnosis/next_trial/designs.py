@@ -1,21 +1,118 @@
-"""What a trial is to the valuation, whatever is tried: a design with its mission, and its cost by the planner."""
+"""What a trial is to the valuation, whatever is tried: a design with its mission and its cost by the planner.
+
+And what each alternative costs under each draw of what is unknown: the mission itself, on common random numbers.
+"""
 
 from abc import ABC, abstractmethod
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 
+from missionplan.arrays import Array
+from missionplan.diagnosis.coordinates import parameters_from
 from missionplan.diagnosis.data_kind import DataKind
 from missionplan.diagnosis.inference.model import CauseFit
 from missionplan.diagnosis.next_trial.belief import Believed, Posterior
-from missionplan.diagnosis.next_trial.losses import Alternatives
+from missionplan.diagnosis.next_trial.experiment import DecisionProblem, Draws
 from missionplan.diagnosis.next_trial.prediction import Prediction
+from missionplan.effects import CATALOGUE
 from missionplan.errors import MissionplanError
 from missionplan.mission import Mission
+from missionplan.results.learned.next_trial import LossUnit
 from missionplan.scenario.scenario import Scenario
 from missionplan.scenario.site_current import recorded_current
 from missionplan.studies.simulation.trial_block import run_block
+
+FAILURE = 10.0
+"""Missions that work, of whose mean cost a mission that fails costs as much besides."""
+
+Change = Callable[[Mission, float], Mission]
+"""A mission with another value of what is chosen."""
+
+
+@dataclass(frozen=True)
+class Alternatives:
+    """What may be chosen."""
+
+    key: str
+    """``d_max_m`` or ``anchor_wet_weight_n``."""
+    values: Array
+    """[m or N], shape (a,)."""
+    change: Change
+    """The mission with one of them."""
+
+
+@dataclass(frozen=True)
+class Losses:
+    """The decision with the numbers that explain its losses."""
+
+    problem: DecisionProblem
+    """Losses in `unit`."""
+    unit: LossUnit
+    """Energy where the mission has a budget, else time."""
+    failure: float
+    """Loss counted for a failure besides [unit]."""
+    success: Array
+    """Probability of success with each alternative, shape (a,)."""
+
+
+def losses(
+    believed: Sequence[Believed],
+    draws: Draws,
+    alternatives: Alternatives,
+    seed: int,
+    generator: np.random.Generator,
+) -> Losses:
+    """Run the mission with every alternative under every draw, the same random numbers for all alternatives.
+
+    Each draw is one trial of the mission; `seed` is of the missions' other random numbers, `generator` of how the
+    effects differ from record to record.
+    """
+    found = [
+        _trials(each, parameters, alternatives, seed, generator)
+        for each, parameters in zip(believed, draws.parameters, strict=True)
+    ]
+    energy, duration, success = (np.concatenate([run[index] for run in found]) for index in range(3))
+    has_energy = bool(np.isfinite(energy).any())
+    cost = energy if has_energy else duration / 60.0
+    works = success > 0.0
+    usual = float(np.mean(cost[works & np.isfinite(cost)])) if np.any(works & np.isfinite(cost)) else 1.0
+    failure = FAILURE * usual
+    loss = np.where(np.isfinite(cost), cost, usual) + failure * (1.0 - success)
+    unit: LossUnit = "W h" if has_energy else "min"
+    return Losses(DecisionProblem(alternatives.values, loss, draws.weight), unit, failure, draws.weight @ success)
+
+
+def _trials(
+    each: Believed, parameters: Array, alternatives: Alternatives, seed: int, generator: np.random.Generator
+) -> tuple[Array, Array, Array]:
+    """Energy [W h], time [s] and success of every draw with every alternative, shape (n, a) each."""
+    spikes = np.array([coordinate.spike for coordinate in each.coordinates])
+    today = parameters + generator.standard_normal(parameters.shape) * spikes
+    own = _draws_of(each, today)
+    columns = []
+    for value in alternatives.values.tolist():
+        mission = alternatives.change(each.mission, value)
+        scenario = Scenario.at_means(mission, recorded_current(mission)).sampled(
+            seed=seed, block=0, size=len(parameters)
+        )
+        scenario = replace(scenario, drawn=scenario.drawn.at(own))
+        trials = run_block(scenario, seed, 0, len(parameters), inputs=False)
+        columns.append((trials.total["energy_wh"], trials.total["duration_s"], trials.success.astype(float)))
+    energy, duration, success = (np.stack(values, axis=1) for values in zip(*columns, strict=True))
+    return energy, duration, success
+
+
+def _draws_of(each: Believed, values: Array) -> dict[str, Array]:
+    """Draws of the parameters by their key paths in the mission, inside their ranges."""
+    found = {}
+    for effect, named in parameters_from(each.coordinates, values.T).items():
+        for name, drawn in named.items():
+            parameter = CATALOGUE[effect].parameters[name]
+            found[f"effects.{effect}.{name}"] = np.clip(drawn, parameter.low, parameter.high)
+    return found
+
 
 COSTING_TRIALS = 16
 """Runs of a trial's mission of which its cost is the mean."""
@@ -59,15 +156,7 @@ class TrialKind(ABC):
 
 
 def cost_of(trial: Mapping[str, object], seed: int) -> Cost | None:
-    """Time and energy of a trial's mission, the mean of a few runs of it; None where it cannot be made.
-
-    Parameters
-    ----------
-    trial : mapping
-        Mission file's data.
-    seed : int
-        Of the runs.
-    """
+    """Time and energy of a trial's mission, the mean of a few runs of it; None where it cannot be made."""
     try:
         mission = Mission.from_data(trial)
         means = Scenario.at_means(mission, recorded_current(mission))

@@ -20,8 +20,7 @@ from missionplan.diagnosis.dives.noise import SCATTER_FACTORS, Noise, noise_grid
 from missionplan.diagnosis.dives.preparation import DiveLog
 from missionplan.diagnosis.inference.model import CauseFit
 from missionplan.diagnosis.next_trial.belief import Believed, Posterior
-from missionplan.diagnosis.next_trial.designs import Cost, TrialKind, cost_of
-from missionplan.diagnosis.next_trial.losses import Alternatives
+from missionplan.diagnosis.next_trial.designs import Alternatives, Cost, TrialKind, cost_of
 from missionplan.diagnosis.next_trial.prediction import Prediction
 from missionplan.diagnosis.plan_gain import with_first_mooring
 from missionplan.mission import Mission
@@ -49,11 +48,7 @@ def made(logs: tuple[DiveLog, ...], believed: Sequence[Believed]) -> list[Predic
     fitted. What the causes add is uncertain by a smooth factor, as in a fit, but one that all these dives share, for
     their law has the same error in each; and by how much dives scatter is known only so far as the dives so far tell.
 
-    Parameters
-    ----------
-    logs : tuple of DiveLog
-    believed : sequence of Believed
-        The sets, all with data bound to the mission under the same explanation.
+    All sets have data bound to the mission under the same explanation.
     """
     model = cast("DescentKind", believed[0].bound).model
     model = replace(model, forward=replace(model.forward, logs=logs))
@@ -213,11 +208,7 @@ class DiveTrials(TrialKind):
     def predicted(self, logs: tuple[DiveLog, ...], believed: Sequence[Believed]) -> list[Prediction]:
         """Return the depths of dives that were made as each set of causes predicts them [m].
 
-        Parameters
-        ----------
-        logs : tuple of DiveLog
-        believed : sequence of Believed
-            With data bound to the mission under one explanation.
+        All sets have data bound to the mission under one explanation.
         """
         return made(logs, believed)
 

@@ -35,15 +35,7 @@ class Draws:
 
 
 def drawn(explanations: Sequence[Explanation], counts: Sequence[int], generator: np.random.Generator) -> Draws:
-    """Draw parameters under each explanation, so many of each.
-
-    Parameters
-    ----------
-    explanations : sequence of Explanation
-    counts : sequence of int
-        Draws of each.
-    generator : Generator
-    """
+    """Draw parameters under each explanation, so many of each."""
     parameters = tuple(
         each.mean + generator.standard_normal((count, len(each.mean))) @ square_root(each.covariance).T
         for each, count in zip(explanations, counts, strict=True)
@@ -192,11 +184,7 @@ def value_of_information(problem: DecisionProblem, summaries: Array) -> Saving:
     Of the data of an experiment this is the expected value of sample information; of the unknowns themselves that of
     perfect information.
 
-    Parameters
-    ----------
-    problem : DecisionProblem
-    summaries : array, shape (n, q)
-        For each draw, the columns of the regressions.
+    `summaries`, shape (n, q): for each draw, the columns of the regressions.
     """
     n = len(summaries)
     fold = np.arange(n) % FOLDS

@@ -14,13 +14,12 @@ from missionplan.arrays import Array, Scalars
 from missionplan.datasets.legs import MIN_LEGS
 from missionplan.datasets.records import TransitData
 from missionplan.diagnosis.data_kind import DataKind
-from missionplan.diagnosis.given.effects import held
+from missionplan.diagnosis.given import held
 from missionplan.diagnosis.inference.model import CauseFit
 from missionplan.diagnosis.legs.kind import TransitKind
 from missionplan.diagnosis.legs.model import TransitModel
 from missionplan.diagnosis.next_trial.belief import Believed, Posterior
-from missionplan.diagnosis.next_trial.designs import TrialKind
-from missionplan.diagnosis.next_trial.losses import Alternatives
+from missionplan.diagnosis.next_trial.designs import Alternatives, TrialKind
 from missionplan.diagnosis.next_trial.prediction import Prediction
 from missionplan.effects import CATALOGUE
 from missionplan.mission import Mission
@@ -162,11 +161,7 @@ class LegTrials(TrialKind):
     def predicted(self, data: TransitData, believed: Sequence[Believed]) -> list[Prediction]:
         """Return the velocity errors of legs, beyond the site's current, as each set of causes predicts them [m/s].
 
-        Parameters
-        ----------
-        data : TransitData
-            Legs of another day; where they ended is not used.
-        believed : sequence of Believed
+        They are legs of another day; where they ended is not used.
         """
         return [_prediction(data, each) for each in believed]
 

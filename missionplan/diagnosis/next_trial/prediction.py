@@ -147,12 +147,7 @@ class Updated:
         That with the noise known, exactly, less what is so learned more of the noise where the parameters are known
         than where they are not: a mean over draws, of nothing where there is one noise.
 
-        Parameters
-        ----------
-        parameters : array, shape (n, k)
-            Drawn.
-        data : array, shape (n, N)
-            Simulated with them.
+        `parameters`, shape (n, k): drawn. `data`, shape (n, N): simulated with them.
         """
         known = float(self.prediction.shares @ [each.information for each in self.at_noise])
         if len(self.at_noise) == 1:

@@ -13,9 +13,8 @@ from missionplan.diagnosis.dives.kind import DescentKind
 from missionplan.diagnosis.dives.model import descent_model
 from missionplan.diagnosis.dives.preparation import MIN_DIVES, PreparedDives
 from missionplan.diagnosis.learned_data import unlearned
-from missionplan.diagnosis.legs.kind import TransitKind
-from missionplan.diagnosis.legs.model_factory import transit_model
-from missionplan.diagnosis.scoring.score import read_record, scored_record
+from missionplan.diagnosis.legs.kind import TransitKind, transit_model
+from missionplan.diagnosis.scoring import read_record, scored_record
 from missionplan.errors import InputError
 from missionplan.mission import Mission
 from missionplan.montecarlo.posterior import NOWHERE
@@ -25,19 +24,10 @@ from missionplan.results.score import DatasetScore
 def first_part(bound: DataKind, share: float, seed: int) -> DataKind:
     """Return a record without its last share, bound to the same mission.
 
-    Parameters
-    ----------
-    bound : DataKind
-        Of legs or dives.
-    share : float
-        Of the legs or dives, from the end.
-    seed : int
-        Of draws from the mission's own uncertainty.
+    Raises InputError when it is not a share, a part is too short, or the data are neither legs nor dives.
 
-    Raises
-    ------
-    InputError
-        When it is not a share, a part is too short, or the data are neither legs nor dives.
+    `bound`: of legs or dives. `share`: of the legs or dives, from the end. `seed`: of draws from the mission's own
+    uncertainty.
     """
     if bound.is_known:
         raise InputError("holdout: the mission has learned from all of these data (learned_from): none is held out")

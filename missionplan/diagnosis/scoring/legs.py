@@ -13,8 +13,8 @@ from scipy.special import ndtri
 
 from missionplan.arrays import Array, Scalars
 from missionplan.datasets.records import TransitData
-from missionplan.diagnosis.legs.model_factory import check_cover
-from missionplan.diagnosis.scoring.ensemble import Ensemble, Noise, Part, explained
+from missionplan.diagnosis.legs.kind import check_cover
+from missionplan.diagnosis.scoring.predictive import Ensemble, Noise, Part, explained
 from missionplan.mission import Mission
 from missionplan.phases.hooks import TransitEffect
 from missionplan.phases.transit.ground_velocity import GroundVelocity
@@ -106,17 +106,7 @@ class _Sources:
 def leg_ensemble(data: TransitData, mission: Mission, seed: int) -> Ensemble:
     """Return a mission's distribution of the position errors of a log's legs [m].
 
-    Parameters
-    ----------
-    data : TransitData
-    mission : Mission
-    seed : int
-        Of the draws.
-
-    Raises
-    ------
-    InputError
-        When the mission has no transit or no navigation, or the log leaves the record of its current.
+    Raises InputError when the mission has no transit or no navigation, or the log leaves the record of its current.
     """
     recorded = recorded_current(mission)
     means = Scenario.at_means(mission, recorded)

@@ -147,6 +147,8 @@ def oscillation_forward(
 ) -> TankForward:
     """Bind the model of a record of displacement.
 
+    Raises InputError when the data are frequencies alone, as many numbers as unknowns.
+
     Parameters
     ----------
     data : TankData
@@ -157,11 +159,6 @@ def oscillation_forward(
         Of the mission.
     release_factor : float
         Factor on the displacement at the release, for a further measurement.
-
-    Raises
-    ------
-    InputError
-        When the data are frequencies alone, as many numbers as unknowns.
     """
     if "displacement_m" not in data.columns:
         words = "a frequency of each mode is one number for one unknown: nothing is left to test a model by"
@@ -189,10 +186,7 @@ def oscillation_forward(
 def _starts_of_mass(heavier: float) -> dict[tuple[str, str], tuple[float, ...]]:
     """For each strength that adds to the oscillating mass, where it alone gives the measured frequency.
 
-    Parameters
-    ----------
-    heavier : float
-        By which the oscillating mass is then larger, relative to the base model's.
+    `heavier`: by which the oscillating mass is then larger, relative to the base model's.
     """
     found: dict[tuple[str, str], tuple[float, ...]] = {}
     for info in effects_seen_in("free-oscillation"):
@@ -225,14 +219,8 @@ def full_size_added_mass(
 ) -> tuple[float, float]:
     """Added mass in surge at full size, and its standard deviation [kg], of a mass larger by a fraction.
 
-    Parameters
-    ----------
-    settings : OscillationSettings
-        Of the data set.
-    vehicle : Vehicle or None
-        Of the mission.
-    fraction, sd : float
-        By which the oscillating mass is larger than the base model's, and its standard deviation.
+    `settings`: of the data set. `vehicle`: of the mission. `fraction`, `sd`: by which the oscillating mass is larger
+    than the base model's, and its standard deviation.
     """
     base = base_mass(settings, vehicle)
     return (base * (1.0 + fraction) - settings.mass) * settings.scale**3, base * sd * settings.scale**3
@@ -270,15 +258,7 @@ class ThrusterModel:
 
 
 def thruster_forward(data: TankData, settings: ThrusterSettings) -> TankForward:
-    """Bind the model of a thruster's thrust.
-
-    Parameters
-    ----------
-    data : TankData
-        The rows.
-    settings : ThrusterSettings
-        Of the data set.
-    """
+    """Bind the model of a thruster's thrust."""
     thrust = data.columns["thrust_n"]
     command = data.columns["voltage_v"] if "voltage_v" in data.columns else data.columns["rpm"] / 60.0
     speed = data.columns.get("speed_m_s", np.zeros_like(thrust))

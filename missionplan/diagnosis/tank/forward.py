@@ -122,10 +122,7 @@ MAX_SINGLE_ROWS = 12
 def read_tank(folder: Path) -> TankData:
     """Read a data set of one of the tank's kinds, with the rows that are fitted.
 
-    Raises
-    ------
-    InputError
-        With every problem of `dataset.yaml` and of the tables.
+    Raises InputError with every problem of `dataset.yaml` and of the tables.
     """
     return decimated(read_tank_data(folder))
 

@@ -20,7 +20,7 @@ from missionplan.datasets.tank import (
 )
 from missionplan.diagnosis.coordinates import coordinates_of
 from missionplan.diagnosis.data_kind import DataKind
-from missionplan.diagnosis.given.effects import GivenEffect
+from missionplan.diagnosis.given import GivenEffect
 from missionplan.diagnosis.given.priors import check_together, given_priors
 from missionplan.diagnosis.inference.model import CauseFit
 from missionplan.diagnosis.learned_data import as_then, unlearned
@@ -50,14 +50,7 @@ def extended_tank_mission(mission: Mission, best: CauseFit, data: TankData) -> d
 
     As an effect it would act on a descent's anchor too. A mission without a vehicle carries nothing of that kind.
 
-    Parameters
-    ----------
-    mission : Mission
-        The base model.
-    best : CauseFit
-        The causes, and what is known now of what the mission knew already.
-    data : TankData
-        What was diagnosed.
+    `best` has the causes, and what is known now of what the mission knew already.
     """
     found, extended = (*best.given, *best.estimates), dict(mission.raw)
     keys = vehicle_keys(mission, best)
@@ -145,15 +138,7 @@ class PropellerModel:
 
 
 def propeller_forward(data: TankData, settings: PropellerSettings) -> TankForward:
-    """Bind the model of a propeller's thrust.
-
-    Parameters
-    ----------
-    data : TankData
-        The run.
-    settings : PropellerSettings
-        Of the data set.
-    """
+    """Bind the model of a propeller's thrust."""
     run = TransientRun(data, settings.geometry)
     thrust = data.columns["thrust_n"]
     diameter = settings.geometry.diameter
@@ -225,10 +210,7 @@ class TankKind(DataKind):
 def tank_forward(data: TankData, mission: Mission) -> TankForward:
     """Bind the base model of a kind of tank data, with the constants that the mission's vehicle file has.
 
-    Raises
-    ------
-    InputError
-        When the data hold as many unknowns as numbers, or nothing but zeros.
+    Raises InputError when the data hold as many unknowns as numbers, or nothing but zeros.
     """
     forward = _forward(data, mission)
     if not np.any(forward.y):
@@ -254,12 +236,8 @@ def given_in_tank(data: TankData, mission: Mission, candidates: Iterable[str]) -
     """Return the priors of the candidates of which the mission knows something.
 
     Its own effects; else, where an effect is stated by a key of the vehicle file and that key has a distribution, no
-    change on the mean, with that uncertainty.
-
-    Raises
-    ------
-    InputError
-        When a diagnosis cannot hold the mission's effects together.
+    change on the mean, with that uncertainty. Raises InputError when a diagnosis cannot hold the mission's effects
+    together.
     """
     effects = [CATALOGUE[name] for name in candidates]
     given = given_priors(mission, effects)

@@ -9,16 +9,14 @@ from scipy.special import logsumexp
 from missionplan.arrays import Array
 from missionplan.diagnosis.inference.axes import Axis, pointwise, scaled
 from missionplan.diagnosis.inference.block_covariance import BlockCovariance, InnerProducts
-from missionplan.diagnosis.inference.discrepancy import Responses
+from missionplan.diagnosis.inference.discrepancy import Residuals, Responses
 from missionplan.diagnosis.inference.evidence_approximations import SampledEvidence, sampled_evidence
 from missionplan.diagnosis.inference.marginal_likelihood import LOG_2PI
 from missionplan.diagnosis.inference.model import CauseFit, HeldOutScore
 from missionplan.diagnosis.inference.prior import inside_range
-from missionplan.diagnosis.inference.residual_tests import Residuals
 from missionplan.diagnosis.inference.selection import Progress, Selection, no_progress
 from missionplan.diagnosis.inference.weighing import NeutralResponses, weigh
-from missionplan.diagnosis.tank.fitting import TankFitting
-from missionplan.diagnosis.tank.linearised import LinearData, fitted_root
+from missionplan.diagnosis.tank.fitting import LinearData, TankFitting, fitted_root
 from missionplan.results.learned.evidence import Causes
 
 COVARIANCE_INFLATION = 9.0

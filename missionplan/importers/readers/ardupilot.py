@@ -91,10 +91,7 @@ def identity(path: Path) -> Identity:
 def read(files: Sequence[Path], options: ReadOptions, log: SourceLog) -> Track:
     """Read logs as one track.
 
-    Raises
-    ------
-    InputError
-        When they are of several vehicles of which none is chosen, or of one that does not dive.
+    Raises InputError when they are of several vehicles of which none is chosen, or of one that does not dive.
     """
     found = _Found()
     for path in log.each(sorted(files)):

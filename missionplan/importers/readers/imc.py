@@ -66,10 +66,7 @@ def recognises(path: Path, head: bytes) -> bool:
 def read(files: Sequence[Path], options: ReadOptions, log: SourceLog) -> Track:
     """Read LSF logs as one track.
 
-    Raises
-    ------
-    InputError
-        With the list, when they are of several vehicles of which none is chosen.
+    Raises InputError with the list, when they are of several vehicles of which none is chosen.
     """
     library = needed_module("imcpy", "imc", "imc")
     systems: dict[int, _System] = defaultdict(_System)

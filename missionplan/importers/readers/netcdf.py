@@ -55,10 +55,7 @@ def _names(path: Path, _modified: int, format_name: str) -> frozenset[str]:
 class Variables:
     """Variables of a file.
 
-    Parameters
-    ----------
-    data : xarray.Dataset
-        Opened without decoding times.
+    The data set is opened without decoding times.
     """
 
     def __init__(self, data: "Dataset") -> None:
@@ -113,12 +110,7 @@ class Variables:
         """Times of a variable's values since 1970 [s], along its own dimension.
 
         Several clocks may lie along one: the one that shares a part of its name with the variable is its own, else
-        the one of the shortest name.
-
-        Raises
-        ------
-        ValueError
-            When no time lies along its dimension.
+        the one of the shortest name. Raises ValueError when no time lies along its dimension.
         """
         along = self.dimension(name)
         clocks = [

@@ -48,10 +48,8 @@ def recognises(path: Path, head: bytes) -> bool:
 def read(files: Sequence[Path], options: ReadOptions, log: SourceLog) -> Track:
     """Read bags as one track.
 
-    Raises
-    ------
-    InputError
-        With the list, when several topics have a quantity and none is named, or the named one is not there.
+    Raises InputError with the list, when several topics have a quantity and none is named, or the named one is not
+    there.
     """
     library = needed_module("rosbags.highlevel", "rosbag", "rosbag")
     bags = {path: _bag_of(path) for path in sorted(files)}

@@ -136,12 +136,8 @@ def _all_fixes(parts: Sequence[Fixes]) -> Fixes:
 def summed(good: Fixes, t: Array, east: Array, north: Array) -> Positions:
     """Sum displacements from each fix to the next.
 
-    Parameters
-    ----------
-    good : Fixes
-        That count.
-    t, east, north : array, shape (n,)
-        Times since 1970 [s], in any order, and displacements since the reading before [m].
+    `good`: that count. `t`, `east`, `north`, shape (n,): times since 1970 [s], in any order, and displacements since
+    the reading before [m].
     """
     timed = np.flatnonzero(np.isfinite(t) & np.isfinite(east) & np.isfinite(north))
     t, first = np.unique(t[timed], return_index=True)

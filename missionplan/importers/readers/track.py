@@ -47,10 +47,7 @@ def recognises(path: Path, head: bytes) -> bool:
 def read(files: Sequence[Path], options: ReadOptions, log: SourceLog) -> Track:
     """Read tables and files of fixes as one track.
 
-    Raises
-    ------
-    InputError
-        When tables are given, but not which columns have time and position.
+    Raises InputError when tables are given, but not which columns have time and position.
     """
     store, found = ColumnStore(), Samples(FIX_COLUMNS)
     for path in log.each(sorted(files)):
@@ -182,15 +179,8 @@ _SEPARATORS = (",", ";", "\t", "|")
 def text_chunks(path: Path, wanted: Sequence[str]) -> Iterator[pd.DataFrame]:
     """Read columns as text, some rows at a time.
 
-    Parameters
-    ----------
-    wanted : sequence of str
-        Names of columns; one of the form `Date+Time` is several, joined by a space.
-
-    Raises
-    ------
-    ValueError
-        When no line has all these names.
+    A wanted name of the form `Date+Time` is several, joined by a space. Raises ValueError when no line has all these
+    names.
     """
     columns = list(dict.fromkeys(part for name in wanted for part in _names_in(name)))
     line, separator = _header(path, columns)

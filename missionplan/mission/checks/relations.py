@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from missionplan.errors import KeyPath, LocalProblem
-from missionplan.mission.checks.ranges import Findings, four_digits
+from missionplan.mission.checks import Findings, four_digits
 from missionplan.mission.checks.sections import phase_path
 from missionplan.mission.schema.phases import LegTableSection, MoorPhase, Navigation, Phase, TransitPhase
 from missionplan.mission.schema.place import Geographic, Position, to_plane

@@ -9,7 +9,7 @@ import numpy as np
 from missionplan.arrays import Array
 from missionplan.effects import CATALOGUE
 from missionplan.errors import KeyPath
-from missionplan.mission.schema.section import V
+from missionplan.mission.schema import V
 from missionplan.montecarlo.distributions import ROUNDING, WhichHolds
 from missionplan.montecarlo.posterior import Column, WeightedDraws
 from missionplan.montecarlo.streams import Correlation

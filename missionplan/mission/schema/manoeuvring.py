@@ -6,9 +6,9 @@ from typing import Annotated, Generic, Literal, Self
 from pydantic import Field, model_validator
 from typing_extensions import Doc
 
+from missionplan.mission.schema import FileSection, PhaseSection, ReadBy, V, invalid
 from missionplan.mission.schema import quantity_parser as q
 from missionplan.mission.schema.quantity_parser import Limit, QuantityParser
-from missionplan.mission.schema.section import FileSection, PhaseSection, ReadBy, V, invalid
 
 _Plain = Annotated[float, q.fixed("", -math.inf)]
 _Positive = Annotated[float, q.fixed("", open_low=True)]

@@ -12,11 +12,11 @@ from pydantic import Discriminator, Field, Tag, model_validator
 from typing_extensions import Doc
 
 from missionplan.arrays import Array
+from missionplan.mission.schema import FileSection, PhaseSection, V, invalid
 from missionplan.mission.schema import quantity_parser as q
 from missionplan.mission.schema.manoeuvring import TransitionPhase
 from missionplan.mission.schema.place import Position
 from missionplan.mission.schema.quantity_parser import Limit, QuantityParser
-from missionplan.mission.schema.section import FileSection, PhaseSection, V, invalid
 from missionplan.montecarlo.distributions import mean_of
 
 _FORCE = QuantityParser("N", low=0.0, open_low=True)

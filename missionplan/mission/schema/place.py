@@ -12,9 +12,9 @@ from pydantic import Discriminator, Field, Tag, model_validator
 from typing_extensions import Doc
 
 from missionplan.arrays import Array
+from missionplan.mission.schema import FileSection, ReadBy, V, invalid
 from missionplan.mission.schema import quantity_parser as q
 from missionplan.mission.schema.quantity_parser import CoordinateParser, Limit
-from missionplan.mission.schema.section import FileSection, ReadBy, V, invalid
 
 if TYPE_CHECKING:
     from pyproj import Proj

@@ -14,7 +14,7 @@ from typing import Annotated, Any, cast
 from pydantic import Field
 
 from missionplan.errors import LocalProblem, shown
-from missionplan.mission.schema.section import ReadBy, V, all_invalid
+from missionplan.mission.schema import ReadBy, V, all_invalid
 from missionplan.mission.units import QuantityError, each_read, parse_number_with_unit
 from missionplan.montecarlo.distributions import (
     Choices,

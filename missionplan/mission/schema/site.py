@@ -11,10 +11,10 @@ from pydantic import Discriminator, Field, Tag, model_validator
 from typing_extensions import Doc
 
 from missionplan.errors import LocalProblem
+from missionplan.mission.schema import FileSection, Moment, ReadBy, V, all_invalid, invalid
 from missionplan.mission.schema import quantity_parser as q
 from missionplan.mission.schema.place import BathymetryFile, Geographic, PlaceFile, TideHeight, TideOrHeight
 from missionplan.mission.schema.quantity_parser import Limit, QuantityParser
-from missionplan.mission.schema.section import FileSection, Moment, ReadBy, V, all_invalid, invalid
 
 _SPEED = Limit((0.0, 90.0), (0.0, 33.0), "force 12 begins at 33 m/s; gusts of 85 m/s have been measured")
 _SHARE = Limit((0.0, 0.2), (0.0, 0.07), "Allen and Plourde 1999: 0.4 to 7 % of the wind's speed")

@@ -12,9 +12,9 @@ from typing_extensions import Doc
 
 from missionplan.arrays import Array
 from missionplan.mission.quantity_paths import name_in_force, resolved_path
+from missionplan.mission.schema import FileSection, invalid
 from missionplan.mission.schema import quantity_parser as q
 from missionplan.mission.schema.quantity_parser import Limit, QuantityParser
-from missionplan.mission.schema.section import FileSection, invalid
 from missionplan.montecarlo.distributions import Quantity
 from missionplan.montecarlo.streams import Correlation
 

@@ -9,6 +9,7 @@ from pydantic import Discriminator, Field, Tag, model_validator
 from typing_extensions import Doc
 
 from missionplan.errors import LocalProblem
+from missionplan.mission.schema import FileSection, ReadBy, V, VehicleSchema, all_invalid, invalid
 from missionplan.mission.schema import quantity_parser as q
 from missionplan.mission.schema.manoeuvring import (
     Manoeuvring,
@@ -19,7 +20,6 @@ from missionplan.mission.schema.manoeuvring import (
     TunnelThrusterSection,
 )
 from missionplan.mission.schema.quantity_parser import Limit, QuantityParser
-from missionplan.mission.schema.section import FileSection, ReadBy, V, VehicleSchema, all_invalid, invalid
 from missionplan.mission.schema.site import LeewaySection
 
 Per = Literal["hour", "km", "surfacing", "dive", "release", "wake-up"]

@@ -7,6 +7,15 @@ from typing import Generic, Protocol, TypeVar
 import numpy as np
 
 from missionplan.arrays import Array
+from missionplan.montecarlo.rare_events import (
+    CHAINS,
+    MOST_LEVELS,
+    PILOT_CHAINS,
+    SHARE,
+    STEPS,
+    run_levels,
+    run_pilots,
+)
 from missionplan.montecarlo.rare_events.strata import (
     Estimate,
     Model,
@@ -16,15 +25,6 @@ from missionplan.montecarlo.rare_events.strata import (
     TwoStages,
     WayDrive,
     runs_needed,
-)
-from missionplan.montecarlo.rare_events.subset_simulation import (
-    CHAINS,
-    MOST_LEVELS,
-    PILOT_CHAINS,
-    SHARE,
-    STEPS,
-    run_levels,
-    run_pilots,
 )
 from missionplan.montecarlo.streams import stream
 
@@ -251,14 +251,8 @@ def find(
 ) -> Found[Description]:
     """Estimate the probability of a failure.
 
-    Parameters
-    ----------
-    variation : float
-        Coefficient of variation that is asked for.
-    most_trials : int
-        About; screening and the least number of runs are made in any case.
-    told : callable
-        Called with the trials done so far.
+    `variation` is the coefficient of variation that is asked for; screening and the least number of runs are made
+    whatever `most_trials`. `told` is called with the trials done so far.
     """
     going = _Search(search, run, told)
     screened = going.screened()

@@ -31,7 +31,7 @@ import scipy
 from numpy.typing import NDArray
 
 from missionplan.arrays import Array
-from missionplan.montecarlo.rare_events.subset_simulation import Groups, Key, NormalPopulation
+from missionplan.montecarlo.rare_events import Groups, Key, NormalPopulation
 
 RARE = 1.0 / 16.0
 """Probability of a value below which it gets a stratum: of a pilot's chains sixteen and more start at any other."""

@@ -39,10 +39,7 @@ def prediction_figure(each: DatasetScore) -> Figure:
 def draw_predictions(axes: Axes, score: Score, dataset: int = 0, part: int = 0) -> None:
     """Draw a data set of the score, by its number.
 
-    Parameters
-    ----------
-    part : int
-        Of legs, 0 for errors east and 1 for north; of dives, 0 for one step ahead and 1 for all the way.
+    `part`: of legs, 0 for errors east and 1 for north; of dives, 0 for one step ahead and 1 for all the way.
     """
     for given, most, key in ((dataset, len(score.datasets), "dataset"), (part, 2, "part")):
         if not isinstance(given, int) or not 0 <= given < most:

@@ -13,15 +13,14 @@ from missionplan.results.entries import fields_of
 from missionplan.results.learned.evidence import (
     SURE,
     Causes,
-    Coverage,
     Discrepancy,
     ExplanationOdds,
     GroupScore,
+    Judgement,
     NextMeasurement,
     ParameterEstimate,
     RankedSet,
     Readings,
-    Verdict,
 )
 from missionplan.results.learned.levels import ParameterLevels
 from missionplan.results.learned.next_trial import NextTrial
@@ -52,7 +51,7 @@ class PlanGain:
 
 
 @dataclass(frozen=True)
-class Diagnosis(Result):
+class Diagnosis(Judgement, Result):
     """What the simulation gets wrong, why, the extended model, the gain."""
 
     report: ClassVar[str] = "missionplan.report.diagnosis.page"
@@ -62,7 +61,6 @@ class Diagnosis(Result):
     data: str
     source: str
     """Of the data set."""
-    verdict: Verdict
     causes: Causes
     """The claimed set; empty if none."""
     known: tuple[ParameterEstimate, ...]
@@ -71,20 +69,8 @@ class Diagnosis(Result):
     """The same after these data, of the effects that have not changed."""
     misfit: str
     """Size of the base model's misfit in the planner's terms."""
-    credible_set: tuple[Causes, ...]
-    """Sets that hold 95 % of the probability, best first."""
     ranking: tuple[RankedSet, ...]
     """Best first."""
-    rivals: tuple[Causes, ...]
-    """Sets within 3 nats of the claimed one, and those that the data cannot separate from it."""
-    not_constant: Causes
-    """Claimed causes that do not hold still over the record."""
-    suspect_labels: str
-    """Which labels of the record look wrong, such as weights of dives; empty where none do."""
-    none_of_these: float
-    """Probability that something is left which no cause of the catalogue explains."""
-    coverage: Coverage | None
-    """Of the 90 % intervals on data held out, where it is known."""
     discrepancy: Discrepancy
     base_discrepancy: Discrepancy
     """What the claimed model leaves, and the base model."""

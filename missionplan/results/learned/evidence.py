@@ -229,3 +229,22 @@ class NextMeasurement:
             "measurement": self.measurement,
             "expected_log_bayes_factor": self.expected_log_bayes_factor,
         }
+
+
+@dataclass(frozen=True)
+class Judgement:
+    """What may be said after a diagnosis."""
+
+    verdict: Verdict
+    credible_set: tuple[Causes, ...]
+    """Sets that hold 95 % of the probability, best first."""
+    rivals: tuple[Causes, ...]
+    """Sets within 3 nats of the claimed one, and those that the data cannot separate from it."""
+    not_constant: Causes
+    """Claimed causes that do not hold still over the record."""
+    suspect_labels: str
+    """Which labels of the record look wrong, such as weights of dives; empty where none do."""
+    none_of_these: float
+    """Probability that something outside the catalogue is left."""
+    coverage: Coverage | None
+    """Of the 90 % intervals of the model claimed, else of the base model's, on data held out; None where unknown."""

@@ -67,12 +67,7 @@ class Area:
 
         Raises InputError when the coordinates are of a projection that nobody names, or of none.
 
-        Parameters
-        ----------
-        names : tuple of str
-            Of the variables that hold x and y.
-        x, y : array
-            Longitude and latitude [deg], or a projection's [m].
+        `names`: of the variables that hold x and y. `x`, `y`: longitude and latitude [deg], or a projection's [m].
 
         Returns
         -------
@@ -147,14 +142,8 @@ def at_columns(
 ) -> At:
     """Return what reads a variable at the columns of a grid of rows and columns.
 
-    Parameters
-    ----------
-    window : mapping of str to slice
-        Part of each horizontal dimension.
-    dims : sequence of str
-        Horizontal dimensions of the columns.
-    picked : tuple of array
-        Rows and columns of that part; default: all.
+    `window`: part of each horizontal dimension. `dims`: horizontal dimensions of the columns. `picked`: rows and
+    columns of that part; default: all.
     """
 
     def read(name: str) -> Array:
@@ -179,14 +168,7 @@ def layer_depths(files: FieldFiles, along: Sequence[str], at: At, times: int, co
 
     Raises what `vertical.level_depths` does.
 
-    Parameters
-    ----------
-    along : sequence of str
-        Dimension of the layers; none where the field holds the surface alone.
-    at : callable
-        See `vertical.At`.
-    times, columns : int
-        Of the field.
+    `along` has the dimensions of the layers; none where the field holds the surface alone.
     """
     if len(along) > 1:
         raise files.problem(f"cannot tell which of {', '.join(along)} is the depth")

@@ -65,12 +65,8 @@ def scale(variable: "DataArray", si: str, expected: str, otherwise: str = "") ->
 
     Raises FieldAttributeError when it has no `units`, or those of something else.
 
-    Parameters
-    ----------
-    expected : str
-        What a message says was expected.
-    otherwise : str
-        Unit where the variable has none: a model's, whose format fixes it.
+    A message says what was `expected`. `otherwise` is the unit where the variable has none: a model's, whose format
+    fixes it.
     """
     units = word(variable, "units") or otherwise
     if not units:

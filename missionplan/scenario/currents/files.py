@@ -122,12 +122,7 @@ class FieldFiles:
 
         Raises InputError when it lacks a time.
 
-        Parameters
-        ----------
-        window : mapping of str to slice
-            Part of each dimension.
-        order : sequence of str
-            Dimensions after the time, as wanted.
+        `window` is a part of each dimension, `order` the dimensions after the time, as wanted.
         """
         places = self._places(name)
         rows: list[NDArray[np.float32]] = []

@@ -48,14 +48,9 @@ def read_series_csv(
 
     Raises InputError with every problem of the file.
 
-    Parameters
-    ----------
-    limits : mapping of str to float
-        Columns, and the size beyond which a number of each is impossible.
-    start : datetime, optional
-        Of the mission: times by ISO 8601 count from it.
-    epoch : datetime, optional
-        From which the record's seconds count (`site.current.start`); default: from the mission's start, whenever it is.
+    `limits`: columns, and the size beyond which a number of each is impossible. `start`: of the mission: times by ISO
+    8601 count from it. `epoch`: from which the record's seconds count (`site.current.start`); default: from the
+    mission's start, whenever it is.
     """
     shown = str(path)
     frame = plain_table(path, limits, MAX_BYTES)

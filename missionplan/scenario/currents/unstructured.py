@@ -93,12 +93,8 @@ class Mesh:
     def at_faces(self, middles: Array, slopes: Array | None = None, beside: Indices | None = None) -> Grid:
         """Grid of values at the middles of the faces.
 
-        Parameters
-        ----------
-        middles : array, shape (2, m)
-            [m]
-        slopes, beside : array, optional
-            See `CellMesh`; default: the faces beside each, and the gradient that fits them best.
+        `middles`, shape (2, m) [m]. `slopes`, `beside`: see `CellMesh`; default: the faces beside each, and the
+        gradient that fits them best.
         """
         triangles, owners = self.triangles
         if slopes is None or beside is None:

@@ -76,12 +76,7 @@ def level_depths(files: FieldFiles, along: str, at: At, times: int) -> tuple[Arr
 
     Raises InputError or FieldAttributeError when nothing says where they are, or what is said cannot be used.
 
-    Parameters
-    ----------
-    at : callable
-        Values at the field's columns.
-    times : int
-        Of the field.
+    `at`: values at the field's columns. `times`: of the field.
 
     Returns
     -------

@@ -27,12 +27,7 @@ BLUFF_REYNOLDS = 1e5
 def identify_drag(data: TankData, settings: DragSettings) -> TankAnalysis:
     """Fit a constant drag coefficient and a power of the Reynolds number to drag against speed.
 
-    Parameters
-    ----------
-    data : TankData
-        Of kind drag: speed, force and, where known, its standard deviation.
-    settings : DragSettings
-        The data's.
+    `data`: of kind drag: speed, force and, where known, its standard deviation. `settings`: the data's.
 
     Returns
     -------

@@ -14,16 +14,16 @@ from numpy.typing import NDArray
 from missionplan.arrays import Array, Scalars
 from missionplan.errors import InputError, Problem
 from missionplan.mission import Mission
+from missionplan.mission.schema import V
 from missionplan.mission.schema.phases import LegTableSection, Navigation, TransitPhase
 from missionplan.mission.schema.place import Position
-from missionplan.mission.schema.section import V
 from missionplan.mission.views import navigation_of
 from missionplan.montecarlo.distributions import mean_of
 from missionplan.montecarlo.statistics import Moments
 from missionplan.montecarlo.streams import BlockStreams
 from missionplan.phases.hooks import TrialState
+from missionplan.phases.transit import transit
 from missionplan.phases.transit.plan import Environment, LegTable, TransitNormals, TransitPlan, VelocityError, column
-from missionplan.phases.transit.transit import transit
 from missionplan.physics.propulsion import JOULES_PER_WATT_HOUR
 from missionplan.scenario.phases import deployed, transit_normals
 from missionplan.scenario.scenario import Scenario, leg_table

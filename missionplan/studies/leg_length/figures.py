@@ -8,9 +8,9 @@ from matplotlib.figure import Figure as MatplotlibFigure
 
 from missionplan.arrays import Array
 from missionplan.report.axes import name_axis
-from missionplan.report.html.readings import Slider
 from missionplan.report.page import BLUE, GREEN, GREY, GRID, ORANGE, PINK, SKY, YELLOW, Figure, to_figure
 from missionplan.report.quantities import PERCENT, SECONDS, WATT_HOURS, Unit, length_in_words, quantity
+from missionplan.report.readings import Slider
 from missionplan.report.wording import number, share, typeset
 from missionplan.studies.leg_length.plan_result import LegPlan
 from missionplan.studies.leg_length.sweep_result import Sweep, SweepCurve

@@ -16,9 +16,9 @@ from missionplan.arrays import Array
 from missionplan.montecarlo.blocks import IN_THIS_PROCESS, Workers
 from missionplan.montecarlo.streams import BLOCK
 from missionplan.phases.hooks import TransitEffect, TrialState
+from missionplan.phases.transit import transit
 from missionplan.phases.transit.compensation import Compensation
 from missionplan.phases.transit.plan import Environment, LegTable, LegTables, TransitNormals, TransitPlan, VelocityError
-from missionplan.phases.transit.transit import transit
 from missionplan.studies.leg_length import SweepScenario, start_of
 
 PILOT_BLOCK = 1 << 40

@@ -12,9 +12,9 @@ from numpy.typing import NDArray
 from missionplan.arrays import Array
 from missionplan.mission import Mission, MissionOrPath
 from missionplan.montecarlo.blocks import Backend, Progress
+from missionplan.montecarlo.rare_events import NormalPopulation
 from missionplan.montecarlo.rare_events.failure_search import FailureSearch, Found, find
 from missionplan.montecarlo.rare_events.strata import ReliabilityIndices, StrataView, strata
-from missionplan.montecarlo.rare_events.subset_simulation import NormalPopulation
 from missionplan.montecarlo.statistics import Probability, wilson
 from missionplan.montecarlo.streams import stream
 from missionplan.results import Provenance, Result, to_csv

@@ -16,8 +16,8 @@ from missionplan.mission.checks.sections import quantity_unit
 from missionplan.mission.schema.phases import MoorPhase, Phase, TransitPhase
 from missionplan.mission.units import QuantityError, parse_number_with_unit
 from missionplan.montecarlo.distributions import Choices, WhichHolds
+from missionplan.montecarlo.rare_events import Key
 from missionplan.montecarlo.rare_events.strata import DiscreteValue, StrataView, TrialMargins
-from missionplan.montecarlo.rare_events.subset_simulation import Key
 from missionplan.phases.ensemble import Ensemble
 from missionplan.physics.propulsion import JOULES_PER_WATT_HOUR
 from missionplan.results.entries import MET, Counted, CountedKind, Failure

@@ -133,12 +133,7 @@ class Drift:
     def velocity(self, t: Array, place: Array) -> Array:
         """Velocity over the ground, shape (2, n) [m/s].
 
-        Parameters
-        ----------
-        t : array, shape (n,)
-            Since the mission's start [s].
-        place : array, shape (2, n)
-            [m]
+        `t`, shape (n,): since the mission's start [s]. `place`, shape (2, n) [m].
         """
         beyond = surface_velocity(self.effects, t, np.zeros(t.size), place) + _tide(self.effects, t)
         return self.current.velocity(t, 0.0, place) + beyond

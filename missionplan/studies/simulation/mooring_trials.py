@@ -17,7 +17,7 @@ from missionplan.mission.schema.site import SlopeSection
 from missionplan.montecarlo.reliability import Exposure
 from missionplan.phases.currents import Current, Span
 from missionplan.phases.hooks import TrialState
-from missionplan.phases.mooring.mooring import MoorPlan, MoorRecord, moor
+from missionplan.phases.mooring import MoorPlan, MoorRecord, moor
 from missionplan.phases.place import Contact, Place, Way
 from missionplan.physics.propulsion import JOULES_PER_WATT_HOUR
 from missionplan.results.entries import Failure

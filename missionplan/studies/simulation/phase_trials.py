@@ -14,9 +14,9 @@ from missionplan.montecarlo.streams import NormalSource
 from missionplan.phases.currents import Current
 from missionplan.phases.hooks import TrialState
 from missionplan.phases.place import Contact
+from missionplan.phases.transit import transit
 from missionplan.phases.transit.ground_velocity import random_part
 from missionplan.phases.transit.plan import Environment, TransitNormals, TransitPlan, TransitRecord, column
-from missionplan.phases.transit.transit import transit
 from missionplan.phases.transition_simulation import simulate_transition
 from missionplan.physics.propulsion import JOULES_PER_WATT_HOUR
 from missionplan.results.entries import MET, Failure

@@ -31,12 +31,7 @@ class ResidualProcess:
 def fit_residual(time: Array, east: Array, north: Array) -> ResidualProcess:
     """Fit the process by maximum likelihood, exactly for samples at any times.
 
-    Parameters
-    ----------
-    time : array, shape (k,)
-        Increasing, of the samples that are there [s].
-    east, north : array, shape (k,)
-        Residuals [m/s].
+    `time`, shape (k,): increasing, of the samples that are there [s]. `east`, `north`, shape (k,): residuals [m/s].
     """
     values = np.stack((east, north))
     spread = math.sqrt(float(np.mean(values**2)))
@@ -169,12 +164,7 @@ def fit_tide(samples: Samples) -> HarmonicFit:
 def tidal_velocity(waves: Sequence[Constituent], time: Array, latitude: float) -> Array:
     """Predict the tide, the nodal corrections those of each day, shape (2, k) [m/s].
 
-    Parameters
-    ----------
-    time : array, shape (k,)
-        Since the start of 1970 [s].
-    latitude : float
-        [rad]
+    `time`, shape (k,): since the start of 1970 [s]. `latitude` [rad].
     """
     total = np.zeros((2, len(time)))
     if not waves or not len(time):
@@ -204,12 +194,7 @@ def ellipse_errors(major: float, minor: float, variance: float) -> tuple[float, 
     Linearised about the two rotary components, whose amplitudes are half the sum and half their difference. An
     angle of which nothing is known has the error of a uniform one.
 
-    Parameters
-    ----------
-    major, minor : float
-        [m/s]
-    variance : float
-        Of each of the four coefficients [m²/s²].
+    `major`, `minor` [m/s]. `variance`: of each of the four coefficients [m²/s²].
 
     Returns
     -------

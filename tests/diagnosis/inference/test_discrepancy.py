@@ -8,9 +8,15 @@ from scipy.stats import multivariate_normal
 
 from missionplan.diagnosis.inference.axes import Axis, AxisScale, around, pointwise
 from missionplan.diagnosis.inference.block_covariance import BlockCovariance, InnerProducts
-from missionplan.diagnosis.inference.discrepancy import LENGTHS, MOST_COLUMNS, USUAL, discrepancy
+from missionplan.diagnosis.inference.discrepancy import (
+    LENGTHS,
+    MOST_COLUMNS,
+    USUAL,
+    Residuals,
+    discrepancy,
+    outlying_groups,
+)
 from missionplan.diagnosis.inference.marginal_likelihood import SCALE_PRIOR, SCALES
-from missionplan.diagnosis.inference.residual_tests import Residuals, outlying_groups
 
 N = 80
 

@@ -5,7 +5,7 @@ import pytest
 from scipy import stats
 
 from missionplan.diagnosis.inference.block_covariance import BlockCovariance
-from missionplan.diagnosis.inference.residual_tests import (
+from missionplan.diagnosis.inference.discrepancy import (
     OUTLYING,
     TEST_LEVEL,
     Residuals,

@@ -9,7 +9,7 @@ from scipy.stats import multivariate_normal
 
 from missionplan.datasets.legs import read_transit
 from missionplan.diagnosis.inference.marginal_likelihood import SCALES
-from missionplan.diagnosis.legs.model_factory import transit_model
+from missionplan.diagnosis.legs.kind import transit_model
 from missionplan.diagnosis.legs.noise_integration import NoiseSearch
 from missionplan.diagnosis.legs.set_density import LegInference, MeanSet
 from missionplan.diagnosis.legs.terms import UNNAMED, refined, terms_of, without_a_name

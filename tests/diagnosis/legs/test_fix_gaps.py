@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 from missionplan.datasets.records import TransitData
+from missionplan.diagnosis.legs.kind import with_fix_share
 from missionplan.diagnosis.legs.likelihood.fix_gaps import fix_gaps, share_of_fix_errors
 from missionplan.diagnosis.legs.model import TransitModel
-from missionplan.diagnosis.legs.model_factory import with_fix_share
 
 LEGS, SPEED, SIGMA, FIX = 240, 0.5, 0.02, 20.0
 

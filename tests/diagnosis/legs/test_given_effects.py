@@ -9,8 +9,8 @@ from scipy import stats
 from missionplan import diagnose
 from missionplan.datasets.legs import read_transit
 from missionplan.diagnosis.given.priors import BARE_SHAPE_LOG_SD, given_priors
+from missionplan.diagnosis.legs.kind import transit_model
 from missionplan.diagnosis.legs.likelihood.hyperparameters import values_of
-from missionplan.diagnosis.legs.model_factory import transit_model
 from missionplan.effects import CATALOGUE, effects_of
 from missionplan.errors import InputError
 from missionplan.mission import Mission, load

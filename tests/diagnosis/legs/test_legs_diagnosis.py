@@ -10,7 +10,7 @@ from scipy.stats import multivariate_normal
 from missionplan import diagnose
 from missionplan.datasets.legs import read_transit
 from missionplan.diagnosis.legs.designs import with_further_legs
-from missionplan.diagnosis.legs.model_factory import transit_model
+from missionplan.diagnosis.legs.kind import transit_model
 from missionplan.diagnosis.pipeline import run_pipeline
 from missionplan.effects import CATALOGUE
 from missionplan.errors import InputError

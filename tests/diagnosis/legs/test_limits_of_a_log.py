@@ -10,8 +10,7 @@ import yaml
 from missionplan import diagnose
 from missionplan.datasets.legs import read_transit
 from missionplan.diagnosis.legs.fit_checks import not_constant
-from missionplan.diagnosis.legs.kind import widened
-from missionplan.diagnosis.legs.model_factory import transit_model
+from missionplan.diagnosis.legs.kind import transit_model, widened
 from missionplan.mission import Mission
 from missionplan.report.diagnosis.page import answer
 from missionplan.report.render import render_report

@@ -7,13 +7,13 @@ import pytest
 
 from missionplan import diagnose, load
 from missionplan.datasets.legs import read_transit
+from missionplan.diagnosis.legs.kind import transit_model
 from missionplan.diagnosis.legs.likelihood.modulation import (
     LENGTH_OF_TIME,
     modulated_columns,
     smooth_functions,
     variance_of_mean,
 )
-from missionplan.diagnosis.legs.model_factory import transit_model
 from missionplan.effects import CATALOGUE
 from missionplan.phases.hooks import Leg
 from missionplan.physics.water import angular_frequencies

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from missionplan.datasets.legs import read_transit
-from missionplan.diagnosis.legs.model_factory import transit_model
+from missionplan.diagnosis.legs.kind import transit_model
 from missionplan.diagnosis.legs.smooth_axes import FLOW_LENGTH, across_lines, flow_axis
 from missionplan.diagnosis.legs.terms import terms_of
 

@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 
 import missionplan
-from missionplan.diagnosis.scoring.chance import anderson_darling
-from missionplan.diagnosis.scoring.yardsticks import yardsticks
+from missionplan.diagnosis.scoring.yardsticks import anderson_darling, yardsticks
 from tests.diagnosis.scoring.test_score_legs import Truth, made_legs, mission
 
 

@@ -10,8 +10,8 @@ import pytest
 import missionplan
 from missionplan.datasets.legs import read_transit
 from missionplan.diagnosis import diagnose as diagnosing
-from missionplan.diagnosis.scoring.ensemble import Ensemble, Noise, Part
-from missionplan.diagnosis.scoring.score import scored_record
+from missionplan.diagnosis.scoring import scored_record
+from missionplan.diagnosis.scoring.predictive import Ensemble, Noise, Part
 from missionplan.results.learned import Diagnosis
 from tests.diagnosis.scoring.test_score_legs import Truth, made_legs, mission
 

@@ -6,7 +6,7 @@ import yaml
 from scipy.stats import multivariate_normal, norm
 
 from missionplan.diagnosis.diagnose import diagnose
-from missionplan.diagnosis.tank.linearised import LinearData, marginal
+from missionplan.diagnosis.tank.fitting import LinearData, marginal
 from missionplan.mission import load
 from missionplan.physics.tank import displacement, natural_frequency
 

@@ -5,8 +5,8 @@ import pytest
 
 from missionplan.effects.dive_forces import BroadsideStart, DragBias, VerticalCurrent
 from missionplan.phases.currents import layers
+from missionplan.phases.mooring import ascend
 from missionplan.phases.mooring.forces import Dive
-from missionplan.phases.mooring.mooring import ascend
 from missionplan.physics.drag import QuadraticDrag
 
 DIVE = Dive(

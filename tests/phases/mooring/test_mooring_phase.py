@@ -3,9 +3,9 @@ import pytest
 
 from missionplan.phases.currents import layers
 from missionplan.phases.hooks import DescentEffect, TransitEffect, TrialState
+from missionplan.phases.mooring import MoorPlan, moor
 from missionplan.phases.mooring.forces import Dive
 from missionplan.phases.mooring.hold import Hold
-from missionplan.phases.mooring.mooring import MoorPlan, moor
 from missionplan.physics.drag import QuadraticDrag
 from missionplan.physics.held_line import HeldBody, HeldLine
 from missionplan.physics.seafloor import LyingAnchor

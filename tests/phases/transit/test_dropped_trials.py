@@ -10,8 +10,8 @@ from missionplan.effects import effects_of
 from missionplan.montecarlo.streams import BlockStreams
 from missionplan.phases.currents import LayeredCurrent, Leeway
 from missionplan.phases.hooks import TrialState
+from missionplan.phases.transit import transit
 from missionplan.phases.transit.plan import Environment, TransitNormals, VelocityError
-from missionplan.phases.transit.transit import transit
 
 TRIALS = 1024
 STREAMS = BlockStreams(3, 0)

@@ -5,8 +5,8 @@ import pytest
 from transit_examples import GOAL, normals, plan, start
 
 from missionplan.phases.currents import LayeredCurrent
+from missionplan.phases.transit import transit
 from missionplan.phases.transit.plan import Environment, Execution
-from missionplan.phases.transit.transit import transit
 
 ALONG, SPEED = 0.02, 1.25
 """Of the current, towards north, across the course; through the water [m/s]."""

@@ -10,10 +10,10 @@ from missionplan.effects.currents import CurrentShear
 from missionplan.montecarlo.streams import LegNormals
 from missionplan.phases.currents import LayeredCurrent
 from missionplan.phases.hooks import TransitEffect, TrialState
+from missionplan.phases.transit import transit
 from missionplan.phases.transit.expectation import expected_transit
 from missionplan.phases.transit.leg_loop import FARTHEST
 from missionplan.phases.transit.plan import Environment, LegTable, TransitNormals, VelocityError
-from missionplan.phases.transit.transit import transit
 
 
 def uniform(east, north):

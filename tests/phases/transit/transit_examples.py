@@ -4,8 +4,8 @@ import numpy as np
 
 from missionplan.montecarlo.streams import LegNormals
 from missionplan.phases.hooks import TrialState
+from missionplan.phases.transit import transit
 from missionplan.phases.transit.plan import Environment, TransitNormals, TransitPlan, VelocityError
-from missionplan.phases.transit.transit import transit
 
 GOAL = np.array([1000.0, 0.0])
 

@@ -18,8 +18,8 @@ from missionplan.cli import main
 from missionplan.errors import InputError
 from missionplan.mission import Mission
 from missionplan.montecarlo.distributions import mean_of
+from missionplan.montecarlo.rare_events import Key, NormalPopulation
 from missionplan.montecarlo.rare_events.strata import StrataView, strata
-from missionplan.montecarlo.rare_events.subset_simulation import Key, NormalPopulation
 from missionplan.montecarlo.streams import BLOCK, LegNormals, stream
 from missionplan.report.quantities import reading_in
 from missionplan.scenario.scenario import Scenario

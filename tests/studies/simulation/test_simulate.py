@@ -11,7 +11,7 @@ from simulate_missions import EXACT, GONE, MISSIONS, chesapeake, chesapeake_data
 from missionplan.errors import InputError, RunError
 from missionplan.mission import load
 from missionplan.montecarlo.streams import BLOCK
-from missionplan.phases.mooring import mooring as moored
+from missionplan.phases import mooring as moored
 from missionplan.scenario.anchors import carried_anchors, wet_weight_of
 from missionplan.scenario.phases import dive_of
 from missionplan.scenario.scenario import Scenario

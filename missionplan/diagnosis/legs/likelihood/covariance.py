@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from missionplan.arrays import Array, Scalars
-from missionplan.diagnosis.given.effects import GivenEffect, held
+from missionplan.diagnosis.given import GivenEffect, held
 from missionplan.diagnosis.inference.marginal_likelihood import (
     Marginal,
     gaussian_log_density,
@@ -23,11 +23,10 @@ from missionplan.diagnosis.legs.likelihood.hyperparameters import (
     values_of,
     wandering_scale,
 )
-from missionplan.diagnosis.legs.likelihood.linearised import LinearisedLegs
+from missionplan.diagnosis.legs.likelihood.linearised import LinearisedLegs, NoiseComponents, SelectedLegs
 from missionplan.diagnosis.legs.likelihood.markov_covariance import LegSelection, MarkovCovariance
 from missionplan.diagnosis.legs.likelihood.mean import TransitMean
 from missionplan.diagnosis.legs.likelihood.modulation import STEADY, Forms
-from missionplan.diagnosis.legs.likelihood.selected_legs import NoiseComponents, SelectedLegs
 from missionplan.effects import CATALOGUE, EffectInfo
 from missionplan.effects.oscillation import COHERENCE_TIME, MODULATION_PARAMETERS
 from missionplan.phases.hooks import MarkovProcess, TransitEffect
@@ -51,15 +50,7 @@ class TransitCovariance(TransitMean):
     """The legs with the covariance of their errors, and the likelihood at given hyperparameters."""
 
     def hyperparameters(self, causes: Causes, forms: Forms = STEADY) -> tuple[Hyperparameter, ...]:
-        """Hyperparameters under a set of causes.
-
-        Parameters
-        ----------
-        causes : tuple of str
-            The set.
-        forms : Forms
-            Oscillations that are not steady.
-        """
+        """Hyperparameters under a set of causes."""
         sigma = math.sqrt(max(0.5 * float(np.trace(self.covariance)), 1e-6))
         stated = self.data.typical_fix_sd or self.fix_error
         fix, spread = (stated, FIX_LOG_SD) if stated > 0.0 else FIX_UNSTATED
@@ -86,7 +77,7 @@ class TransitCovariance(TransitMean):
     def _random(self, info: EffectInfo) -> list[Hyperparameter]:
         """Sizes and times of a random cause: what persists for much longer than the record is a mean over it."""
         found = _of_shapes(info, info.parameters)
-        if not _has_process(info):
+        if not isinstance(info.make({}), MarkovProcess):
             return found
         ceiling = math.log(LONGEST * max(float(np.ptp(self.data.middle)), 1.0))
         return [replace(each, ceiling=ceiling) if info.parameters[each.name].unit == "s" else each for each in found]
@@ -176,22 +167,7 @@ class TransitCovariance(TransitMean):
         """Log density of some of the legs with the coefficients of the mean integrated out.
 
         Under an effect with heavy tails a leg's error is bivariate Student-t (Lange, Little & Taylor 1989), independent
-        of the others'.
-
-        Parameters
-        ----------
-        hyperparameters : sequence of Hyperparameter
-        logarithms : array
-            Of them.
-        linear : LinearisedLegs
-            Linearised mean.
-        rows : slice or array
-            Legs to use.
-
-        Raises
-        ------
-        numpy.linalg.LinAlgError
-            When the hyperparameters give no covariance.
+        of the others'. Raises numpy.linalg.LinAlgError when the hyperparameters give no covariance.
         """
         values, selected = values_of(hyperparameters, logarithms), self.selected(linear, rows)
         prior_sd, noise = linear.prior_sd(values), self.noise_components(values)
@@ -251,10 +227,6 @@ def _is_process(effect: TransitEffect) -> TypeGuard[MarkovProcess]:
     if kind not in _is_of_process:
         _is_of_process[kind] = isinstance(effect, MarkovProcess)
     return _is_of_process[kind]
-
-
-def _has_process(info: EffectInfo) -> bool:
-    return isinstance(info.make({}), MarkovProcess)
 
 
 _is_of_process: dict[type[TransitEffect], bool] = {}

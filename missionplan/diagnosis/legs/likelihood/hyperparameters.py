@@ -8,7 +8,7 @@ from typing import Literal
 import numpy as np
 
 from missionplan.arrays import Array
-from missionplan.diagnosis.given.effects import GivenEffect, tied
+from missionplan.diagnosis.given import GivenEffect, tied
 from missionplan.diagnosis.inference.marginal_likelihood import LOG_2PI
 from missionplan.diagnosis.inference.prior import DOF
 

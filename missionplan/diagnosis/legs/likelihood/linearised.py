@@ -1,17 +1,26 @@
-"""A set of causes linearised about given coordinates, as the likelihood of a log takes it, and effects held there."""
+"""A set of causes linearised about given coordinates, as the likelihood of a log takes it, and effects held there.
 
-from collections.abc import Mapping
-from dataclasses import dataclass
+What likelihoods share is computed once: inner products at many hyperparameters, and the whitened columns of all sets,
+side by side.
+"""
+
+import itertools
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.special import gammaln
 
 from missionplan.arrays import Array, Scalars
-from missionplan.diagnosis.inference.marginal_likelihood import Marginal
+from missionplan.diagnosis.inference.marginal_likelihood import LOG_2PI, GramMatrix, Marginal, student_marginal
 from missionplan.diagnosis.legs.likelihood.hyperparameters import SLAB_SCALE, HyperparameterValues
+from missionplan.diagnosis.legs.likelihood.markov_covariance import MarkovCovariance, WhitenedColumns
 from missionplan.diagnosis.legs.likelihood.modulation import Modulation
-from missionplan.phases.hooks import Leg, TransitEffect
+from missionplan.phases.hooks import Leg, MarkovProcess, TransitEffect
+from missionplan.results.learned.evidence import Causes
 
 
 @dataclass(frozen=True)
@@ -97,3 +106,170 @@ class HeldEffect(TransitEffect):
     def surface_velocity(self, t: Array, duration: Array, position: Array) -> Array | float:
         """Return the drift at the surface."""
         return self._effect.surface_velocity(t, duration, position)
+
+
+MIN_DOF = 2.02
+"""Degrees of freedom at and below which a Student-t error has practically no variance."""
+KEPT_GRAMS = 8
+"""Most inner products kept: a gradient by differences needs those of a point and of each step along a noise."""
+NoiseKey = tuple[float | MarkovProcess | None, ...]
+
+
+@dataclass(frozen=True)
+class NoiseComponents:
+    """Parts of the errors' covariance."""
+
+    white: Array
+    """Variance of the velocity error that is the same on every leg, on each axis, shape (2,) [m²/s²]."""
+    walk: float
+    """Growth of the variance of the position error under way, each axis [m²/s]."""
+    fix_sd: float
+    """Standard deviation of a fix, each axis [m]."""
+    process: MarkovProcess | None
+    """Error that persists from leg to leg."""
+    dof: float
+    """Degrees of freedom of the errors; infinite: normal."""
+
+    @cached_property
+    def key(self) -> NoiseKey:
+        """What distinguishes it from other noises of normal errors."""
+        return (*self.white.tolist(), self.walk, self.fix_sd, self.process)
+
+    def independent(self, under_way: Array) -> Array:
+        """Variance of the velocity error that no other leg shares, fixes apart, shape (2, n) [m²/s²]."""
+        return np.asarray(self.white[:, None] + self.walk / under_way)
+
+
+@dataclass(frozen=True)
+class SelectedLegs:
+    """Some legs of a linearised log."""
+
+    linear: LinearisedLegs
+    """The log."""
+    legs: MarkovCovariance
+    """Covariance between the n legs."""
+    joined: Array
+    """Their columns and, last, data, shape (2, n, k + 1)."""
+    _grams: dict[NoiseKey, tuple[Array, float]] = field(default_factory=dict)
+
+    @property
+    def count(self) -> int:
+        """Number of data."""
+        return 2 * int(self.joined.shape[1])
+
+    def gram(self, noise: NoiseComponents) -> tuple[Array, float]:
+        """Inner products of whitened columns and data, and ln |covariance|; those of the last few noises are kept."""
+        if noise.key not in self._grams:
+            while len(self._grams) >= KEPT_GRAMS:
+                del self._grams[next(iter(self._grams))]
+            independent = noise.independent(self.legs.under_way)
+            self._grams[noise.key] = self.legs.gram(self.joined, independent, noise.fix_sd, noise.process)
+        return self._grams[noise.key]
+
+    def student(self, noise: NoiseComponents, prior_sd: Array) -> Marginal:
+        """Marginalise the coefficients under errors with heavy tails."""
+        if noise.dof <= MIN_DOF:
+            raise np.linalg.LinAlgError("the variance of the errors does not exist")
+        variance = noise.independent(self.legs.under_way) + noise.fix_sd**2 * self.legs.fix_variance()
+        return student_marginal(self.joined[:, :, -1], self.joined[:, :, :-1], prior_sd, variance, noise.dof)
+
+
+@dataclass(frozen=True)
+class LinearisedGroup:
+    """The model of a group of sets, linearised."""
+
+    about: Array
+    """Point about which it is, shape (k,)."""
+    linear: LinearisedLegs
+    columns: Array
+    """Raw columns and those of modulations before their sizes, and, last, the data less what is there without them,
+    shape (2, n, c + 1)."""
+
+
+@dataclass(frozen=True)
+class JointColumns:
+    """Columns of some groups of sets, and of some terms beside them."""
+
+    values: Array
+    """Those that are the same in all groups, each group's own with its data, and the terms', smaller ones first, shape
+    (2, n, m)."""
+    places: Mapping[Causes, NDArray[np.int_]]
+    """Of each group's columns and, last, its data."""
+    first: int
+    """Place of the first column of a term."""
+    sizes: tuple[int, ...]
+    """Of the terms, in their order."""
+
+    @classmethod
+    def of(
+        cls, groups: Mapping[Causes, LinearisedGroup], differ: NDArray[np.bool_], terms: Sequence[Array]
+    ) -> "JointColumns":
+        """Join columns.
+
+        `groups`: by the effects that are not linear. `differ`, shape (c + 1,): which of a group's columns are its own.
+        `terms`, shape (2, n, q).
+        """
+        own, alike = np.flatnonzero(differ), np.flatnonzero(~differ)
+        any_group = next(iter(groups.values()))
+        parts, places, first = [any_group.columns[:, :, alike]], {}, len(alike)
+        for name, group in groups.items():
+            parts.append(group.columns[:, :, own])
+            places[name] = np.empty(len(differ), dtype=int)
+            places[name][alike], places[name][own] = np.arange(len(alike)), first + np.arange(len(own))
+            first += len(own)
+        sizes = tuple(term.shape[2] for term in terms)
+        parts += [terms[index] for index in np.argsort(sizes, kind="stable")]
+        return cls(np.concatenate(parts, axis=2), places, first, sizes)
+
+    def grams(self, white: WhitenedColumns, scale: Array) -> dict[Causes, GramMatrix]:
+        """Inner products of each group's columns and the terms' under a noise, a group's columns times a scale."""
+        core, further, inner = self._products(white)
+        normaliser = -0.5 * (white.log_determinant + self.values[:, :, 0].size * LOG_2PI)
+        return {
+            group: GramMatrix(
+                core[np.ix_(own, own)] * np.outer(scale, scale), normaliser, further[own] * scale[:, None], inner
+            )
+            for group, own in self.places.items()
+        }
+
+    def heavy_tailed(self, group: Causes, scale: Array, variance: Array, bound: "TailBound") -> GramMatrix:
+        """Return inner products under a normal lower bound of the density of errors with heavy tails."""
+        places = np.append(self.places[group], np.arange(self.first, self.values.shape[2]))
+        columns = (self.values * np.sqrt(bound.weight / variance)[:, :, None]).reshape(-1, self.values.shape[2])
+        alone = JointColumns(self.values[:, :, places], {group: np.arange(len(scale))}, len(scale), self.sizes)
+        core, further, inner = alone._products(WhitenedColumns(columns[:, places], (), 0.0))
+        return GramMatrix(core * np.outer(scale, scale), bound.log_normaliser, further * scale[:, None], inner)
+
+    def _products(self, white: WhitenedColumns) -> tuple[Array, Array, tuple[Array, ...]]:
+        """Inner products of all groups' columns, of these with the terms', and of each term's own."""
+        groups = slice(0, self.first)
+        inner, first = [], self.first
+        for size, alike in itertools.groupby(sorted(self.sizes)):
+            last = first + size * len(list(alike))
+            inner.append(white.products_of_blocks(slice(first, last), size))
+            first = last
+        return white.products(groups, groups), white.products(groups, slice(self.first, None)), tuple(inner)
+
+
+@dataclass(frozen=True)
+class TailBound:
+    """A normal lower bound of Student-t errors that touches them where a reference set is likeliest.
+
+    ln t of a leg is at least a parabola in its residuals with the weight (ν + 2)/(ν − 2 + q) of iterated least squares
+    (Lange, Little & Taylor 1989; Jaakkola & Jordan 2000, *Stat. Comput.* 10).
+    """
+
+    weight: Array
+    """Shape (n,)."""
+    log_normaliser: float
+
+    @classmethod
+    def at(cls, y: Array, white: Array, variance: Array, dof: float) -> "TailBound":
+        """Touch them at the likeliest coefficients, of standard normal priors, of columns (2, n, k) in data (2, n)."""
+        found = student_marginal(y, white, np.ones(white.shape[2]), variance, dof)
+        squared = np.sum((y - white @ found.mean) ** 2 / variance, axis=0)
+        weight = (dof + 2.0) / (dof - 2.0 + squared)
+        constant = gammaln(0.5 * dof + 1.0) - gammaln(0.5 * dof) - math.log(math.pi * (dof - 2.0))
+        log_normaliser = len(squared) * constant - 0.5 * float(np.log(variance).sum())
+        log_normaliser += float(np.sum(0.5 * weight * squared - 0.5 * (dof + 2.0) * np.log1p(squared / (dof - 2.0))))
+        return cls(np.asarray(weight), log_normaliser)

@@ -84,6 +84,8 @@ class MarkovCovariance:
     def whitened(self, values: Array, white: Array, fix_sd: float, process: MarkovProcess | None) -> WhitenedColumns:
         """Whiten columns.
 
+        Raises numpy.linalg.LinAlgError when the covariance is not positive definite.
+
         Parameters
         ----------
         values : array, shape (2, n, m)
@@ -94,11 +96,6 @@ class MarkovCovariance:
             Standard deviation of a fix, each axis [m].
         process : MarkovProcess, optional
             Error that persists from leg to leg.
-
-        Raises
-        ------
-        numpy.linalg.LinAlgError
-            When the covariance is not positive definite.
         """
         prior = None if process is None else _ProcessStates.of(self, process)
         variance = white.reshape(2, -1) + fix_sd**2 * self._unshared_fix_variance
@@ -171,12 +168,8 @@ class MarkovCovariance:
     def _states(self, weighted: Array, variance: Array, fix_sd: float, prior: "_ProcessStates | None") -> "_States":
         """States of both axes: the process at both ends of each leg, the fix after it over its standard deviation.
 
-        Parameters
-        ----------
-        weighted : array, shape (2, m, n)
-            Columns over the variance, those of a leg apart.
-        variance : array, shape (2, n)
-            That no state explains.
+        `weighted`, shape (2, m, n): columns over the variance, those of a leg apart. `variance`, shape (2, n): that no
+        state explains.
         """
         if prior is None:
             return self._fixes(weighted, variance, fix_sd)

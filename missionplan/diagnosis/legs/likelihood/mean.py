@@ -11,7 +11,7 @@ import numpy as np
 from missionplan.arrays import Array, Scalars
 from missionplan.datasets.records import TransitData
 from missionplan.diagnosis.coordinates import Coordinate, coordinates_of, parameters_from
-from missionplan.diagnosis.given.effects import GivenEffect, held, places_in, tied
+from missionplan.diagnosis.given import GivenEffect, held, places_in, tied
 from missionplan.diagnosis.legs.likelihood.fix_gaps import FixGaps, fix_gaps
 from missionplan.diagnosis.legs.likelihood.linearised import CoordinatePrior, HeldEffect, LinearisedLegs
 from missionplan.diagnosis.legs.likelihood.modulation import (
@@ -282,14 +282,8 @@ class TransitMean:
     def linearised(self, causes: Causes, about: Array | None = None, forms: Forms = STEADY) -> LinearisedLegs:
         """Linearise the model of a set about given coordinates, with columns that modulate its oscillations.
 
-        Parameters
-        ----------
-        causes : tuple of str
-            The set.
-        about : array, shape (k,), optional
-            Default as the mission expects.
-        forms : Forms
-            Oscillations that are not steady.
+        `causes`: the set. `about`, shape (k,), optional: default as the mission expects. `forms`: oscillations that are
+        not steady.
         """
         prior, y, columns = self.prior(causes), self.y, self.columns_as_expected
         if about is None:

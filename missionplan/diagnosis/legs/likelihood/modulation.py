@@ -99,12 +99,7 @@ class Modulation:
 def smooth_functions(effect: str, t: Array) -> tuple[Modulation, Array]:
     """Return cosines on a domain wider than the record, less their means over it, shape (n, m).
 
-    Parameters
-    ----------
-    effect : str
-        The oscillation.
-    t : array, shape (n,)
-        Middles of the legs [s].
+    `effect`: the oscillation. `t`, shape (n,): middles of the legs [s].
     """
     start, span = t.min() - MARGIN, float(np.ptp(t)) + 2.0 * MARGIN
     count = min(int(MAX_RADIANS * span / (math.pi * SHORTEST)), MAX_FUNCTIONS)
@@ -116,12 +111,8 @@ def smooth_functions(effect: str, t: Array) -> tuple[Modulation, Array]:
 def modulated_columns(functions: Array, in_phase: Array, in_quadrature: Array) -> Array:
     """Columns of Re(ε·w) for an oscillation Re(w), shape (2, n, 2m) [m/s].
 
-    Parameters
-    ----------
-    functions : array, shape (n, m)
-        Of ε.
-    in_phase, in_quadrature : array, shape (2, n)
-        The oscillation, and the same a quarter of a period later [m/s].
+    `functions`, shape (n, m): of ε. `in_phase`, `in_quadrature`, shape (2, n): the oscillation, and the same a quarter
+    of a period later [m/s].
     """
     return np.concatenate([part[:, :, None] * functions for part in (in_phase, in_quadrature)], axis=2)
 

@@ -12,7 +12,7 @@ from matplotlib.ticker import MaxNLocator
 
 from missionplan.arrays import Array
 from missionplan.report.axes import name_axis
-from missionplan.report.leg_basis import COLUMNS, basis_rows, common_words, explained_rows, explained_section
+from missionplan.report.imported.leg_basis import COLUMNS, basis_rows, common_words, explained_rows, explained_section
 from missionplan.report.page import (
     BLUE,
     GREY,
