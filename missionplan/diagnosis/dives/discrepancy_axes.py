@@ -20,7 +20,7 @@ from missionplan.diagnosis.dives.preparation import DiveLog
 from missionplan.diagnosis.inference.axes import Axis, AxisScale, differing, directed, pointwise, scaled
 from missionplan.phases.hooks import DescentEffect
 
-AXIS_LABELS = {"time": "Time since separation (s)", "speed": "Speed (m/s)", "depth": "Depth (m)"}
+AXIS_LABELS = {"time": "Time since the line is taut (s)", "speed": "Speed (m/s)", "depth": "Depth (m)"}
 DRAG_BY_DEPTH = "drag that changes with depth"
 NODES = 17
 """Nodes of the hat basis of a force along an axis."""
@@ -28,6 +28,8 @@ READING, DRAG, LIFT, DELAY = 0.3, 0.3, 1.5, 0.5
 """Usual sizes of errors of a reading [m], of shares of the drag, of lifts [N] and delays [s]: those of the effects."""
 WEIGHT = 0.15
 """Usual error of an anchor's wet weight in the log book, of itself."""
+SOON = 1.0
+"""Time in which a vehicle goes about its length: what the taut line sets off fades on a logarithm of its age [s]."""
 FORCE_STEP = 0.002
 """Step of the differences, of the drag or of the wet weight: more would shift the speeds by a good part of a hat."""
 MIN_SPEED_SHARE = 0.4
@@ -38,31 +40,30 @@ def descent_axes(model: LinearisedDescent, linear: DiveLinearisation) -> list[Ax
     """Errors of the depth, forces on all dives, and differences from dive to dive."""
     logs, readings = model.forward.logs, linear.readings
     speed = np.concatenate([_speed(log, readings[rows]) for log, rows in zip(logs, model.parts, strict=True)])
-    extents = {"time": np.concatenate([log.t for log in logs]), "depth": readings, "speed": speed}
+    since_taut = np.concatenate([log.t - log.t[0] for log in logs])  # which is when the vehicle begins to move
+    extents = {"time": since_taut, "depth": readings, "speed": speed}
     shared = [_reading_error(name, values) for name, values in extents.items()]
     forces = force_axes(model.forward.coarse, model.coordinates, linear.at, linear.release_delays, extents)
-    return [*shared, *forces, *_dive_by_dive(logs, linear)]
+    return [*shared, *forces, *_dive_by_dive(logs, linear, shared[0])]
 
 
 def _reading_error(name: str, values: Array) -> Axis:
-    """Error of the depth reading along an axis, the same in all dives."""
-    axis = pointwise(name, f"an error of the depth read that changes with {name}", scaled(values))
-    scale = AxisScale(float(values.min()), float(values.max()), AXIS_LABELS[name], "Error of the depth read (m)")
+    """Error of the depth reading along an axis, of time by its logarithm, the same in all dives."""
+    unit = SOON if name == "time" else None
+    places = values if unit is None else np.log1p(values / unit)
+    axis = pointwise(name, f"an error of the depth read that changes with {name}", scaled(places))
+    words = AXIS_LABELS[name], "Error of the depth read (m)"
+    scale = AxisScale(float(places.min()), float(places.max()), *words, unit=unit)
     return replace(axis, scale=scale, size=READING)
 
 
-def _dive_by_dive(logs: Sequence[DiveLog], linear: DiveLinearisation) -> list[Axis]:
-    """Each dive's own error of the depth, and delay; a force or a reading with a trend over dives.
-
-    Errors of the depth follow the number of the reading, which come most often at first.
-    """
+def _dive_by_dive(logs: Sequence[DiveLog], linear: DiveLinearisation, common: Axis) -> list[Axis]:
+    """Each dive's own of a common error of the depth, and delay; a force or a reading with a trend over dives."""
     dive, weight = np.repeat(np.arange(len(logs)), [len(log.t) for log in logs]), linear.sensitivity("weight")
     axes = []
     if len(logs) > 1:
         own = _of_each(logs)
-        words = "an error of the depth read that changes with time, dive by dive"
-        number = np.concatenate([np.linspace(0.0, 1.0, len(log.t)) for log in logs])
-        axes.append(replace(pointwise("run", words, number[:, None], own), size=READING))
+        axes.append(_otherwise_in_each(common, own))
         delays = own * linear.sensitivity("release")[:, None]
         axes.append(replace(differing("a delay that differs from dive to dive", delays), size=DELAY))
     if len(logs) > 2:
@@ -77,8 +78,12 @@ def _dive_by_dive(logs: Sequence[DiveLog], linear: DiveLinearisation) -> list[Ax
 def drag_of_each_dive(logs: Sequence[DiveLog], axes: Sequence[Axis]) -> list[Axis]:
     """Drag that changes with depth in each of several dives otherwise, from that in all of them among some axes."""
     common = next(axis for axis in axes if axis.description == DRAG_BY_DEPTH)
-    words, responses = f"{DRAG_BY_DEPTH}, dive by dive", directed(common.response, _of_each(logs))
-    return [Axis("run", words, common.places, responses, size=common.size)] if len(logs) > 1 else []
+    return [_otherwise_in_each(common, _of_each(logs))] if len(logs) > 1 else []
+
+
+def _otherwise_in_each(common: Axis, own: Array) -> Axis:
+    words = f"{common.description}, dive by dive"
+    return Axis("run", words, common.places, directed(common.response, own), size=common.size)
 
 
 def _of_each(logs: Sequence[DiveLog]) -> Array:
@@ -89,14 +94,8 @@ def _of_each(logs: Sequence[DiveLog]) -> Array:
 def _wrong_anchor(logs: Sequence[DiveLog], own: Array, weight: Array) -> Axis:
     """An anchor that weighs otherwise than the log book has it, in one dive or in all dives with its label.
 
-    Parameters
-    ----------
-    logs : sequence of DiveLog
-        The d dives.
-    own : array, shape (N, d)
-        1 where a reading is of a dive.
-    weight : array, shape (N,)
-        Sensitivity of the readings to the anchor's weight, of itself [m].
+    `own`, shape (N, d), is 1 where a reading is of a dive, `weight`, shape (N,), the sensitivity of the readings to the
+    anchor's weight, of itself [m].
     """
     written = np.array([log.wet_weight for log in logs])
     labels = [np.flatnonzero(written == each) for each in np.unique(written)]
@@ -211,7 +210,7 @@ def _force_kinds(weight: Array) -> list[_ForceKind]:
     """Kinds of force on dives with given wet weights, shape (d,) [N]."""
     shares = np.full(len(weight), FORCE_STEP)
     return [
-        _ForceKind("time", "drag that changes with time", "drag_in_time", shares, "Time since the line is taut (s)"),
+        _ForceKind("time", "drag that changes with time", "drag_in_time", shares, AXIS_LABELS["time"]),
         _ForceKind("speed", "drag that changes with speed", "drag_at_speed", shares, AXIS_LABELS["speed"]),
         _ForceKind(
             "depth", "a lift that changes with depth", "lift_at_depth", shares * weight.mean(), AXIS_LABELS["depth"]

@@ -95,13 +95,9 @@ class DescentPriors:
         """Prior of the coordinates."""
         return coordinate_prior(self.coordinates, causes, self.given)
 
-    def prior_sd(self, causes: Causes) -> Array:
-        """Prior standard deviations, those of the slabs at their usual scale, shape (k,)."""
-        return self.prior(causes).sd
-
     def nuisance_sd(self, causes: Causes) -> Array:
         """Prior standard deviations of all coordinates but those that are searched, which have 0, shape (k,)."""
-        sd = self.prior_sd(causes)
+        sd = self.prior(causes).sd
         sd[self.searched(causes)] = 0.0
         return sd
 

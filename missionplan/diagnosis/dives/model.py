@@ -1,6 +1,6 @@
 """Model of dive logs: fits of sets of causes, what they leave, and how well they predict dives held out or to come."""
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 
@@ -23,7 +23,7 @@ from missionplan.diagnosis.dives.supersets import log_gains
 from missionplan.diagnosis.given import GivenEffect
 from missionplan.diagnosis.given.priors import check_together, given_effects, given_priors
 from missionplan.diagnosis.inference.axes import Axis
-from missionplan.diagnosis.inference.block_covariance import BlockCovariance, InnerProducts
+from missionplan.diagnosis.inference.block_covariance import BlockCovariance
 from missionplan.diagnosis.inference.discrepancy import Residuals, Responses
 from missionplan.diagnosis.inference.evidence_approximations import DRAWS, SampledEvidence, sampled_evidence
 from missionplan.diagnosis.inference.marginal_likelihood import QUANTILE_95
@@ -69,7 +69,9 @@ class DescentModel(DescentFitting):
         Labels may be exchanged beside nothing.
         """
         responses = self.responses(fits[0])
-        gains = np.array([responses.log_gains(list(self._likely_products(fit, responses.joined))) for fit in fits])
+        states = [fit.state for fit in fits]
+        products = (self.products(s.linear, s.prior_sd, responses.joined, likely_noises(s)) for s in states)
+        gains = np.array([responses.log_gains(list(own)) for own in products])
         described = [(axis.name, axis.description) for axis in responses.axes]
         base = next((fit for fit in fits if not fit.causes), None)
         exchanged = self.exchanged_labels(base) if base is not None else None
@@ -81,10 +83,6 @@ class DescentModel(DescentFitting):
     def responses(self, fit: CauseFit) -> Responses:
         """Return responses along the axes of a fit: all that they may do, also what a cause of its set would."""
         return Responses.of(self.response_axes(fit.state.linear), self._covariance(fit))
-
-    def _likely_products(self, fit: CauseFit, columns: Array) -> Iterator[InnerProducts]:
-        """Inner products of columns and data at the noises that may be beside a fit."""
-        return self.products(fit.state.linear, fit.state.prior_sd, columns, likely_noises(fit.state))
 
     def exchanged_labels(self, base: CauseFit) -> ExchangedLabels | None:
         """Return the likeliest exchange of labels beside the base model."""

@@ -27,6 +27,13 @@ class AxisScale:
     """Labels of the axis and of the function, with units."""
     factor: float = 1.0
     """From a value of the function to the value shown."""
+    unit: float | None = None
+    """Where the ends are of the logarithm of one and the axis over this unit."""
+
+    def at(self, places: Array) -> Array:
+        """Return where on the axis the places between 0 and 1 are."""
+        ends = self.low + (self.high - self.low) * places
+        return ends if self.unit is None else self.unit * np.expm1(ends)
 
 
 @dataclass(frozen=True)

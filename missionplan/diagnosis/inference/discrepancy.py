@@ -311,7 +311,7 @@ def _shape(axis: Axis, residuals: Residuals) -> DiscrepancyShape | None:
         for (basis, unit), size in itertools.product(zip(bases, usual, strict=True), SCALES)
     )
     _, mean, sd = max(posteriors, key=lambda found: found[0])
-    at = scale.low + (scale.high - scale.low) * axis.places[:, 0]
+    at = scale.at(axis.places[:, 0])
     return DiscrepancyShape(scale.place, scale.value, at, scale.factor * mean, scale.factor * sd)
 
 

@@ -7,6 +7,7 @@ import pytest
 
 from missionplan.diagnosis.dives.discrepancy_axes import FORCE_STEP, force_axes
 from missionplan.diagnosis.dives.noise import noise_grid
+from missionplan.diagnosis.inference.axes import AxisScale
 from missionplan.diagnosis.inference.block_covariance import InnerProducts
 from missionplan.diagnosis.inference.discrepancy import discrepancy
 from missionplan.phases.hooks import DescentEffect
@@ -97,6 +98,11 @@ def test_the_shape_of_a_lost_drag_is_drawn_in_its_units(measured):
     fast = shape.at > 1.6
     assert np.abs(shape.mean[fast] + 200.0 * (0.85**-0.5 - 1.0)).max() < 3.0 * shape.sd[fast].max() < 12.0
     assert shape.mean[0] > shape.mean[fast].max() + 5.0
+
+
+def test_an_axis_of_logarithms_is_drawn_in_seconds():
+    scale = AxisScale(0.0, np.log(5.0), "Time (s)", "", unit=2.0)
+    assert scale.at(np.array([0.0, 0.5, 1.0])) == pytest.approx([0.0, 2.0 * (np.sqrt(5.0) - 1.0), 8.0])
 
 
 def test_products_are_those_of_the_whole_covariance(measured):

@@ -62,13 +62,13 @@ def test_the_base_model_is_the_density_of_the_mission_as_it_stands(measured, car
     (fit,) = model.relinearised(model.fit_all([((), ())]), 0.0)
     linear, sd_here = fit.state.linear, np.hypot(sd, SPIKE)
     drag = model.index("drag-bias")
-    assert model.prior_sd(())[drag] == pytest.approx(sd_here, rel=1e-3)
+    assert model.prior(()).sd[drag] == pytest.approx(sd_here, rel=1e-3)
     fractions = np.linspace(0.28, 0.48, 41)
     settings = np.repeat(model.prior(()).centre[:, None], len(fractions), axis=1)
     settings[drag] = fractions
     readings = model.forward.readings(model.coordinates, settings, delays=linear.release_delays)
     residuals = model.y[:, None] - readings + model.release_delay_shift(linear)[:, None]
-    others = model.prior_sd(())
+    others = model.prior(()).sd
     others[drag] = 0.0
     logs = []
     for noise in noise_grid():

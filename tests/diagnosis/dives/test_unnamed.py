@@ -47,6 +47,16 @@ def test_a_part_of_the_anchor_that_falls_off_is_told_carried_and_no_order(tmp_pa
 
 
 @pytest.mark.slow
+def test_a_line_that_stretches_is_no_hull_across_its_way(tmp_path):
+    """The vehicle swings on it after the first pull, within seconds."""
+    found = diagnosed(draw_case(79_100_018, "descent", "outside", "elastic-line"), tmp_path)
+    assert found.verdict == "unexplained"
+    assert found.causes == ()
+    likeliest = max(found.readings.responses, key=lambda response: response[2])
+    assert likeliest[1] == "an error of the depth read that changes with time"
+
+
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", [6301, 6302])
 def test_an_anchor_that_weighs_otherwise_than_the_log_book_says_is_described(seed, tmp_path):
     case = draw_case(seed, "descent", "control")
