@@ -84,7 +84,7 @@ def test_a_cause_that_may_not_be_there_is_no_order():
         found,
         verdict="ambiguous",
         inclusion={"speed-scale": 0.6, "mean-current": 0.4},
-        rivals=(("mean-current",), ("mean-current", "heavy-tails"), ("response", "mean-current")),
+        rivals=(("mean-current",), ("mean-current", "heavy-tails"), ("response", "mean-current"), ("random-walk",)),
         ranking={("mean-current",): 0.31, ("mean-current", "heavy-tails"): 0.09},
         measurements=("two opposite legs of 400 m",),
     )

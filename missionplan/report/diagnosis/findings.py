@@ -90,11 +90,9 @@ def _disputed_by_the_data(diagnosis: Diagnosis) -> frozenset[str]:
 def _find_out(diagnosis: Diagnosis, disputed: frozenset[str], *, is_all: bool) -> str:
     """Write what else it may be, how likely that is, and what would tell."""
     chances = {entry.causes: entry.posterior for entry in diagnosis.ranking if entry.posterior is not None}
-    others = [causes for causes in diagnosis.rivals if not disputed <= {*causes} and _has_name(causes)][:_RIVALS]
-    rivals = [
-        f"{names(causes) if causes else 'chance'}{f' ({part(chances[causes])})' if causes in chances else ''}"
-        for causes in others
-    ]
+    others = [causes for causes in diagnosis.rivals if not disputed <= {*causes} and _has_name(causes)]
+    rivals = [f"{names(causes)} ({part(chances[causes])})" for causes in others if causes in chances][:_RIVALS]
+    rivals = rivals or [names(causes) for causes in others[:_RIVALS]]
     if diagnosis.none_of_these > UNLIKELY:
         rivals.append(f"something that {_NO_NAME} ({part(diagnosis.none_of_these)})")
     until = next((entry.measurement for entry in diagnosis.next_measurements), REPORTS[diagnosis.kind].more_data)
