@@ -1,7 +1,8 @@
 """Rows that ask whether what is said with a probability is right as often as it says.
 
 Data are made by code that shares nothing with the models (`tests.calibration`, `tests.hidden_effects`, `tests.fleets`,
-`tests.next_trial`, `tests.regret`); long rows keep each case as a line of a file in the work folder.
+`tests.next_trial`, `tests.next_mission`, `tests.regret`); long rows keep each case as a line of a file in the work
+folder.
 """
 
 import json
@@ -435,6 +436,28 @@ def _next_trial(options: Options) -> list[float]:
     saving, saved, said, right = np.average(table, axis=0, weights=weight).tolist()
     error = float(np.sqrt(np.sum((weight * (table[:, 1] - saved)) ** 2)) / weight.sum())
     return [*information, saving, saved, error, said, right, said - right]
+
+
+@row(
+    "calibration.next-mission",
+    "What is planned after a diagnosis comes to pass",
+    case="60 seas of a compass, a log, a current and a tide that may each be off: a log of 12 to 39 legs, its "
+    "diagnosis, and a transit of 6 km a week later, another way; one draw each",
+    reference="`tests.next_mission`: log and transit sailed by code of its own",
+    seed=7_000,
+    accepted=[
+        between("duration within the 90 % interval", 0.82, 0.97),
+        between("within the 50 % interval", 0.37, 0.68),
+        reported("within the 90 % interval of the mission without the diagnosis"),
+        reported("within its 50 % interval"),
+        at_most("ranked probability score over that without the diagnosis", 0.9),
+    ],
+    cost=400.0,
+)
+def _next_mission(options: Options) -> list[float]:
+    from tests.next_mission import __main__ as loop
+
+    return loop.figures(lines(options.work / "calibration.next-mission.jsonl", range(7_000, 7_060), loop.made))
 
 
 @row(
