@@ -240,8 +240,8 @@ _RARE = ("closed.rare-ways", "calibration.rare-mission", "peer.openturns-problem
 ROWS_OF_COMMAND: Mapping[str, tuple[str, ...]] = {
     "compare": _MISSION,
     "diagnose": (
-        "calibration.legs", "calibration.hidden-legs", "calibration.hidden-dives", "calibration.tank", "sea.modena",
-        "sea.saanich",
+        "calibration.legs", "calibration.hidden-legs", "calibration.hidden-dives", "calibration.tank",
+        "calibration.next-mission", "sea.modena", "sea.saanich",
     ),
     "explore": _MISSION,
     "history": ("calibration.fleets",),
