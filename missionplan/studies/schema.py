@@ -19,9 +19,8 @@ from missionplan.datasets.tank import DRAG, FREE_OSCILLATION, PROPELLER_TRANSIEN
 from missionplan.errors import InputError, Problem, did_you_mean, shown
 from missionplan.exporters.plan_json import PLAN_FORMAT, plan_schema
 from missionplan.mission import Mission
-from missionplan.mission.schema import IDENTITY, SCHEMAS
+from missionplan.mission.schema import SCHEMAS
 from missionplan.mission.schema.vehicle import Vehicle
-from missionplan.mission.sections import MOST_LEARNED
 from missionplan.montecarlo.statistics import Probability, Statistic
 from missionplan.results import SCHEMA, Provenance, Result
 from missionplan.results.anchor_sizing import AnchorSizing
@@ -39,7 +38,7 @@ from missionplan.studies.identification.fits import Identification
 from missionplan.studies.leg_length.plan_result import LegPlan
 from missionplan.studies.leg_length.sweep_result import Sweep
 from missionplan.studies.rare_failure import RareFailure
-from missionplan.studies.schema_sections import TEXT_OR_NUMBER, Schema, Sections, effects
+from missionplan.studies.schema_sections import Schema, effects, written
 from missionplan.studies.sweep_transition import TransitionSweep
 from missionplan.studies.tide.result import TideResult
 
@@ -188,25 +187,6 @@ VERSIONS: Mapping[Kind, str] = {
     "plan": f"missionplan/plan/{PLAN_FORMAT}",
 }
 """Name and version of each form: the number goes up when a file of it would be read otherwise or no more."""
-_DEPENDENT: Mapping[tuple[str, str], Schema] = {
-    ("Requirement", "at_most"): TEXT_OR_NUMBER,
-    ("Requirement", "at_least"): TEXT_OR_NUMBER,
-    ("SweepGrid", "from"): TEXT_OR_NUMBER,
-    ("SweepGrid", "to"): TEXT_OR_NUMBER,
-}
-"""Keys whose unit follows from others."""
-_POSTERIOR: Schema = {
-    "type": "object",
-    "description": "draws of what was learned, as diagnose writes them beside the mission",
-    "properties": {"file": {"type": "string"}, "sha256": {"type": "string"}, "summary": {"type": "object"}},
-    "required": ["file", "sha256"],
-    "additionalProperties": False,
-}
-_LEARNED: Schema = {
-    "type": "array",
-    "items": {"type": "string", "pattern": f"^{IDENTITY.pattern}$"},
-    "maxItems": MOST_LEARNED,
-}
 
 
 def schema(kind: Kind) -> dict[str, object]:
@@ -232,32 +212,32 @@ def schema(kind: Kind) -> dict[str, object]:
 
 
 def _of_model(model: type[BaseModel]) -> Schema:
-    listed, definitions = effects()
-    own = {"effects": listed, "posterior": _POSTERIOR, "learned_from": _LEARNED}
-    sections = Sections({**_DEPENDENT, **{("Mission", key): each for key, each in own.items()}})
-    top = sections.written(model)
+    (top,), definitions = written(model)
+    vehicle = top
     if model is Mission:
+        vehicle = definitions["Vehicle"]
         file: Schema = {"type": "string", "description": "the vehicle's file, relative to this one"}
-        top["properties"]["vehicle"] = {"anyOf": [file, sections.of(Vehicle)]}
-    vehicle = top if model is Vehicle else sections.definitions["Vehicle"]
+        top["properties"]["vehicle"] = {"anyOf": [file, top["properties"]["vehicle"]]}
+        listed, effect = effects()
+        top["properties"]["effects"] |= listed
+        definitions |= effect
     name: Schema = {"type": "string", "description": "a class of vehicle, or a file"}
     vehicle["properties"]["reliability"] = {"anyOf": [name, vehicle["properties"]["reliability"]]}
-    return {**top, "definitions": {**sections.definitions, **(definitions if model is Mission else {})}}
+    return {**top, "definitions": definitions}
 
 
 def _of_datasets() -> Schema:
-    sections = Sections(_DEPENDENT)
+    settings, definitions = written(*(form.settings for form in _FORMATS))
     kinds: list[Schema] = []
-    for form in _FORMATS:
-        written = sections.written(form.settings)
-        written["properties"]["kind"] = {"const": form.kind}
-        kinds.append({"if": {"properties": {"kind": {"const": form.kind}}}, "then": written})
+    for form, own in zip(_FORMATS, settings, strict=True):
+        own["properties"]["kind"] = {"const": form.kind}
+        kinds.append({"if": {"properties": {"kind": {"const": form.kind}}}, "then": own})
     return {
         "type": "object",
         "properties": {"kind": {"enum": [form.kind for form in _FORMATS]}},
         "required": ["kind"],
         "allOf": kinds,
-        "definitions": sections.definitions,
+        "definitions": definitions,
     }
 
 

@@ -1,28 +1,27 @@
-"""JSON schemas of the sections that read files: quantities, effects of the catalogue, every key with its range."""
+"""JSON schemas of the sections that read files, as pydantic writes them: quantities, effects of the catalogue, keys."""
 
 import inspect
 import math
 import re
 from collections.abc import Mapping
-from dataclasses import dataclass, field
-from datetime import date, datetime
-from types import NoneType, UnionType
-from typing import Annotated, Any, Literal, Union, get_args, get_origin
+from typing import Any, get_args, get_origin
 
 from pydantic import BaseModel
 from pydantic.fields import FieldInfo
-from pydantic_core import PydanticUndefined
+from pydantic.json_schema import GenerateJsonSchema, models_json_schema
+from pydantic_core import core_schema
 
 from missionplan.effects import CATALOGUE
 from missionplan.effects.info import EffectInfo, Parameter
 from missionplan.mission.quantity_paths import default_of
-from missionplan.mission.schema import ReadBy
+from missionplan.mission.schema import IDENTITY, read_moment
 from missionplan.mission.schema.effect_list import ONE_OF
 from missionplan.mission.schema.quantity_parser import CoordinateParser, Limit, OrWord, QuantityParser
+from missionplan.mission.sections import MOST_LEARNED
 from missionplan.mission.validation_errors import keys_of, meaning_of, parsers_of
 from missionplan.moments import EXAMPLE
 
-Schema = dict[str, object]
+Schema = dict[str, Any]
 
 NUMBER_WITH_UNIT = r"^\s*[+-]?([0-9]+\.?[0-9]*|\.[0-9]+)([eE][+-]?[0-9]+)?(\s+\S|[^0-9\s.]).*$"
 _FORMS = (("mean", "sd"), ("mean", "sd", "low", "high"), ("low", "high"), ("median", "factor"), ("choices",))
@@ -147,9 +146,7 @@ def effects() -> tuple[Schema, dict[str, Schema]]:
         "additionalProperties": False,
     }
     listed: Schema = {"type": "array", "items": {"anyOf": [{"$ref": "#/definitions/effect"}, doubt]}}
-    return {**listed, "description": "effects of the catalogue, each as `effect-id: {parameter: quantity}`"}, {
-        "effect": {**entry, "minProperties": 1}
-    }
+    return listed, {"effect": {**entry, "minProperties": 1}}
 
 
 def _entry(info: EffectInfo) -> Schema:
@@ -163,100 +160,106 @@ def _entry(info: EffectInfo) -> Schema:
     }
 
 
-_PLAIN: Mapping[object, Schema] = {
-    str: {"type": ["string", "number"]},
-    int: {"type": "integer"},
-    float: {"type": "number"},
-    bool: {"type": "boolean"},
-    datetime: {"type": "string", "description": "a time, ISO 8601", "examples": [EXAMPLE]},
-    date: {"type": "string", "description": "a date, ISO 8601"},
-    NoneType: {"type": "null"},
-    object: {},
-}
-_LIMITS = {"ge": "minimum", "gt": "exclusiveMinimum", "le": "maximum", "lt": "exclusiveMaximum"}
-TEXT_OR_NUMBER: Schema = {"anyOf": [{"type": "string", "pattern": NUMBER_WITH_UNIT}, {"type": "number"}]}
+_TEXT_OR_NUMBER: Schema = {"anyOf": [{"type": "string", "pattern": NUMBER_WITH_UNIT}, {"type": "number"}]}
 """A quantity whose unit follows from other keys."""
+_POSTERIOR: Schema = {
+    "type": "object",
+    "description": "draws of what was learned, as diagnose writes them beside the mission",
+    "properties": {"file": {"type": "string"}, "sha256": {"type": "string"}, "summary": {"type": "object"}},
+    "required": ["file", "sha256"],
+    "additionalProperties": False,
+}
+_LEARNED: Schema = {
+    "type": "array",
+    "items": {"type": "string", "pattern": f"^{IDENTITY.pattern}$"},
+    "maxItems": MOST_LEARNED,
+}
+_REPLACED: Mapping[tuple[str, str], Schema] = {
+    ("Mission", "effects"): {"description": "effects of the catalogue, each as `effect-id: {parameter: quantity}`"},
+    ("Mission", "posterior"): _POSTERIOR,
+    ("Mission", "learned_from"): _LEARNED,
+    ("Requirement", "at_most"): _TEXT_OR_NUMBER,
+    ("Requirement", "at_least"): _TEXT_OR_NUMBER,
+    ("SweepGrid", "from"): _TEXT_OR_NUMBER,
+    ("SweepGrid", "to"): _TEXT_OR_NUMBER,
+}
+"""Schemas of keys that no annotation tells, by the section's name and the key."""
 
 
-@dataclass
-class Sections:
-    """Definitions of sections, by name, as they are met."""
+def written(*sections: type[BaseModel]) -> tuple[list[dict[str, Any]], dict[str, dict[str, Any]]]:
+    """Return the schemas of sections, and the definitions of those inside them, by name."""
+    _, whole = models_json_schema(
+        [(each, "validation") for each in sections], ref_template="#/definitions/{model}", schema_generator=_Writer
+    )
+    definitions = whole["$defs"]
+    for each in definitions.values():
+        each.pop("title", None)
+    return [definitions.pop(each.__name__) for each in sections], definitions
 
-    replaced: Mapping[tuple[str, str], Schema]
-    """Schemas of keys that no annotation tells, by the section's name and the key."""
-    definitions: dict[str, dict[str, Any]] = field(default_factory=dict)
 
-    def of(self, section: type[BaseModel]) -> Schema:
-        """Return a reference to a section, which is defined where it is not yet."""
-        name = section.__name__
-        if name not in self.definitions:
-            self.definitions[name] = {}  # sections may hold themselves
-            self.definitions[name] = self.written(section)
-        return {"$ref": f"#/definitions/{name}"}
+class _Writer(GenerateJsonSchema):
+    """What pydantic writes of a section, as people write files: quantities with units, nothing for null."""
 
-    def written(self, section: type[BaseModel]) -> dict[str, Any]:
-        """Write a section out."""
-        keys = keys_of(section)
-        if "kind" in section.model_fields and not section.model_fields["kind"].exclude:
-            keys = {"kind": section.model_fields["kind"], **keys}
-        required = [name for name, each in keys.items() if each.default is PydanticUndefined and each.is_required()]
-        return {
-            "type": "object",
-            "description": inspect.getdoc(section) or "",
-            "properties": {name: self._key(section, name, each) for name, each in keys.items()},
-            **({"required": required} if required else {}),
-            "additionalProperties": False,
+    def model_schema(self, schema: core_schema.ModelSchema) -> dict[str, Any]:
+        section, inner = schema["cls"], self.generate_inner(schema["schema"])
+        own = {name: info for name, info in section.model_fields.items() if name == "kind" and not info.exclude}
+        properties = {
+            name: _described(info, _REPLACED.get((section.__name__, name), inner["properties"][name]))
+            for name, info in (own | keys_of(section)).items()
         }
+        described = {"description": inspect.getdoc(section) or "", "additionalProperties": False}
+        return {**inner, **described, "properties": properties}
 
-    def _key(self, section: type[BaseModel], name: str, info: FieldInfo) -> Schema:
-        replaced = self.replaced.get((section.__name__, name))
-        schema = dict(replaced) if replaced is not None else self._annotated(info.annotation, info.metadata)
-        words = [each for each in (meaning_of(info), schema.get("description")) if each]
-        if words and "$ref" not in schema:
-            schema["description"] = ": ".join(map(str, words))
-        default = default_of(info)
-        if isinstance(default, str | int | float) and not re.match("nan|$", str(default)) and "$ref" not in schema:
-            schema["default"] = default
-        return schema if "$ref" in schema else {**schema, **example(info)}
+    def function_plain_schema(self, schema: Any) -> Schema:
+        read = schema["function"]["function"]
+        if isinstance(read, OrWord):
+            return {"anyOf": [{"enum": list(read.words)}, quantity(read.parser)]}
+        if read is read_moment:
+            return {"type": "string", "description": "a time, ISO 8601", "examples": [EXAMPLE]}
+        return quantity(read) if isinstance(read, QuantityParser) else {}
 
-    def _annotated(self, annotation: object, metadata: list[object]) -> Schema:
-        for item in metadata:
-            if isinstance(item, ReadBy) and annotation is not datetime:
-                return self._read(item)
-        schema = self._value(annotation)
-        for item in metadata:
-            for name, keyword in _LIMITS.items():
-                if getattr(item, name, None) is not None:
-                    schema = {**schema, keyword: getattr(item, name)}
-        return schema
+    def date_schema(self, schema: core_schema.DateSchema) -> Schema:
+        return {"type": "string", "description": "a date, ISO 8601"}
 
-    def _read(self, reader: ReadBy) -> Schema:
-        if isinstance(reader.read, QuantityParser):
-            return quantity(reader.read)
-        if isinstance(reader.read, OrWord):
-            words: Schema = {"enum": list(reader.read.words)}
-            return {"anyOf": [words, quantity(reader.read.parser)]}
+    def default_schema(self, schema: Any) -> Schema:
+        return self.generate_inner(schema["schema"])
+
+    nullable_schema = default_schema
+
+    def dict_schema(self, schema: core_schema.DictSchema) -> Schema:
+        return {"type": "object", "additionalProperties": self.generate_inner(schema["values_schema"])}
+
+    def field_title_should_be_set(self, schema: object) -> bool:
+        return False
+
+    def list_schema(self, schema: core_schema.ListSchema) -> Schema:
         return {}
 
-    def _value(self, annotation: object) -> Schema:
-        origin, arguments = get_origin(annotation), get_args(annotation)
-        if origin is Annotated:
-            return self._annotated(arguments[0], list(arguments[1:]))
-        if origin in (Union, UnionType):
-            several = [self._value(each) for each in arguments if each is not NoneType]
-            return several[0] if len(several) == 1 else {"anyOf": several}
-        if origin is Literal:
-            return {"enum": list(arguments), "examples": [arguments[0]]}
-        if origin is tuple:
-            return self._list(arguments)
-        if isinstance(origin, type) and issubclass(origin, Mapping):
-            return {"type": "object", "additionalProperties": self._value(arguments[1])}
-        if isinstance(annotation, type) and issubclass(annotation, BaseModel):
-            return self.of(annotation)
-        return dict(_PLAIN.get(annotation, {}))
+    def literal_schema(self, schema: core_schema.LiteralSchema) -> Schema:
+        return {"enum": schema["expected"], "examples": schema["expected"][:1]}
 
-    def _list(self, items: tuple[object, ...]) -> Schema:
-        if len(items) == 2 and items[1] is Ellipsis:
-            return {"type": "array", "items": self._value(items[0])}
-        written = [self._value(each) for each in items]
-        return {"type": "array", "items": written, "minItems": len(items), "maxItems": len(items)}
+    def str_schema(self, schema: core_schema.StringSchema) -> Schema:
+        return {"type": ["string", "number"]}
+
+    def tagged_union_schema(self, schema: core_schema.TaggedUnionSchema) -> Schema:
+        return {"anyOf": [self.generate_inner(each) for each in schema["choices"].values()]}
+
+    def tuple_schema(self, schema: core_schema.TupleSchema) -> Schema:
+        items = [self.generate_inner(each) for each in schema["items_schema"]]
+        if "variadic_item_index" in schema:
+            return {"type": "array", "items": items[0]}
+        return {"type": "array", "items": items, "minItems": len(items), "maxItems": len(items)}
+
+
+def _described(info: FieldInfo, value: Schema) -> Schema:
+    """Return the schema of a key: of its values, with its meaning, default and an example."""
+    if "$ref" in value:
+        return value
+    schema = dict(value)
+    words = [each for each in (meaning_of(info), schema.get("description")) if each]
+    if words:
+        schema["description"] = ": ".join(map(str, words))
+    default = default_of(info)
+    if isinstance(default, str | int | float) and not re.match("nan|$", str(default)):
+        schema["default"] = default
+    return {**schema, **example(info)}

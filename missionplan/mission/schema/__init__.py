@@ -107,7 +107,8 @@ def all_invalid(problems: Sequence[LocalProblem]) -> PydanticCustomError:
     return PydanticCustomError("section", "{words}", {"words": problems[0].message, "problems": list(problems)})
 
 
-def _read(value: object) -> datetime:
+def read_moment(value: object) -> datetime:
+    """Read a moment as a pydantic validator does."""
     try:
         return moment_of(value)
     except (ValueError, OverflowError) as error:
@@ -115,5 +116,5 @@ def _read(value: object) -> datetime:
         raise invalid(f"given {shown(value)}: {words}") from None
 
 
-Moment = Annotated[datetime, ReadBy(_read)]
+Moment = Annotated[datetime, ReadBy(read_moment)]
 """Read by `missionplan.moments.moment_of`."""
