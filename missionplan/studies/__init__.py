@@ -2,5 +2,5 @@
 
 Beside the folders lie `run` (arguments, workers, provenance of every study), `judgement`, `coverage`, `held_vehicle`,
 which several ask, and the small studies: `validate` (of missions, and lazily of `data_sets`), `export` (the plan, of
-`planned_phases`), `sweep_transition`, `schema` (JSON; sections by pydantic, `schema_sections`) and `init` (the starter folder).
+`planned_phases`), `sweep_transition`, `schema` (JSON; `schema_sections` by pydantic) and `init` (the starter folder).
 """
