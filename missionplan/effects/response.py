@@ -40,7 +40,8 @@ class ShapedResponse(TransitEffect):
 
     @cached_property
     def _acting(self) -> tuple[str, ...]:
-        return tuple(name for name in _FACTORS if np.any(getattr(self, name)))
+        strengths = ((name, getattr(self, name)) for name in _FACTORS)
+        return tuple(name for name, value in strengths if (value if isinstance(value, float) else np.any(value)))
 
     def velocity(self, leg: Leg) -> Array:
         """Return the velocity error of each leg but for what the current does, shape (2, n) [m/s]."""

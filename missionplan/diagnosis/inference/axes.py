@@ -5,7 +5,6 @@ from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import lapack
 
 from missionplan.arrays import Array
 
@@ -59,13 +58,8 @@ class Axis:
     there, shape (N, p)."""
 
     def smooth(self, length: float) -> Array:
-        """Return columns B, shape (m, r), with B Bᵀ ≈ exp(−½(d/length)²) between places (m, m).
-
-        The squared-exponential covariance (Rasmussen & Williams 2006, Eq. 4.9) by a Cholesky factorisation with
-        pivoting, stopped where the remaining variance is negligible (Harbrecht, Peters & Schneider 2012,
-        *Appl. Numer. Math.* 62).
-        """
-        return _smooth(self.places.tobytes(), self.places.shape, length)
+        """Return `smooth_functions` of the places."""
+        return smooth_functions(self.places, length)
 
     @property
     def functions(self) -> int:
@@ -80,14 +74,28 @@ class Axis:
         return np.asarray((self.response.reshape(count, self.functions, -1) @ smooth).reshape(count, -1))
 
 
+def smooth_functions(places: Array, length: float) -> Array:
+    """Return columns B, shape (m, r), with B Bᵀ ≈ exp(−½(d/length)²) between places, shape (m, d).
+
+    The squared-exponential covariance (Rasmussen & Williams 2006, Eq. 4.9) by a Cholesky factorisation with pivoting,
+    stopped where the remaining variance is negligible, of which the pivots' columns alone are computed (Harbrecht,
+    Peters & Schneider 2012, *Appl. Numer. Math.* 62).
+    """
+    return _smooth(places.tobytes(), places.shape, length)
+
+
 @lru_cache(maxsize=64)
 def _smooth(places: bytes, shape: tuple[int, int], length: float) -> Array:
     at = np.frombuffer(places).reshape(shape)
-    squared = np.sum((at[:, None] - at[None, :]) ** 2, axis=2)
-    factor, pivots, rank, _ = lapack.dpstrf(np.exp(-0.5 * squared / length**2), tol=NEGLIGIBLE, lower=1)
-    basis = np.empty((shape[0], rank))
-    basis[pivots - 1] = np.tril(factor)[:, :rank]
-    return basis
+    remaining, rank, rows = np.ones(len(at)), 0, np.empty((0, len(at)))
+    while remaining[pivot := int(np.argmax(remaining))] > NEGLIGIBLE:
+        if rank == len(rows):
+            rows = np.concatenate([rows, np.empty((rank + 32, len(at)))])
+        covariance = np.exp(-0.5 * np.sum((at - at[pivot]) ** 2, axis=1) / length**2)
+        rows[rank] = (covariance - rows[:rank, pivot] @ rows[:rank]) / np.sqrt(remaining[pivot])
+        remaining = remaining - rows[rank] ** 2
+        remaining[pivot], rank = 0.0, rank + 1
+    return np.ascontiguousarray(rows[:rank].T)
 
 
 def principal_components(columns: Array, most: int, least: float) -> Array:

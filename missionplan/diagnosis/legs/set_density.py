@@ -9,7 +9,7 @@ import itertools
 import math
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -204,7 +204,8 @@ class LegInference:
         scale[self._k : self._k + len(modulation)] = modulation
         independent = noise.independent(legs.under_way)
         if math.isinf(noise.dof):
-            return joint.grams(legs.whitened(joint.values, independent, noise.fix_sd, noise.process), scale)
+            whiten = partial(legs.whitened, white=independent, fix_sd=noise.fix_sd, process=noise.process)
+            return joint.grams(whiten, scale)
         if noise.dof <= MIN_DOF:
             raise np.linalg.LinAlgError("the variance of the errors does not exist")
         variance = independent + noise.fix_sd**2 * legs.fix_variance()

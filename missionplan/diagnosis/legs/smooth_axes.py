@@ -6,7 +6,7 @@ import numpy as np
 
 from missionplan.arrays import Array
 from missionplan.datasets.records import TransitData
-from missionplan.diagnosis.inference.axes import Axis, around, pointwise, scaled
+from missionplan.diagnosis.inference.axes import Axis, around, pointwise, scaled, smooth_functions
 from missionplan.phases.hooks import Leg
 
 VARIES = 0.1
@@ -57,14 +57,13 @@ FLOW_LENGTH = 0.25
 """Correlation length of a flow, of the record's extent: eddies of a few legs."""
 
 
-def flow_axis(data: TransitData, principal: Array) -> Axis:
-    """Return the axis of a steady flow that neither wells up nor sinks: the curl of a function of place."""
-    step, n = 0.1 * FLOW_LENGTH, data.n
+def flow_columns(data: TransitData, principal: Array) -> Array:
+    """Return responses to a steady flow that neither wells up nor sinks, the curl of a smooth function, (2n, r)."""
+    step = 0.1 * FLOW_LENGTH
     beside = [_place(data) + step * np.array(way) for way in ((0, 1), (0, -1), (1, 0), (-1, 0))]
-    slope, none = FLOW_LENGTH / (2.0 * step) * np.eye(n), np.zeros((n, 2 * n))
-    curl = np.stack([np.hstack([-slope, slope, none]), np.hstack([none, slope, -slope])])
-    response = np.tensordot(principal.T, curl, 1).swapaxes(0, 1).reshape(2 * n, 4 * n)
-    return Axis("place", "a velocity that changes with place as in eddies", np.concatenate(beside), response)
+    north, south, east, west = smooth_functions(np.concatenate(beside), FLOW_LENGTH).reshape(4, data.n, -1)
+    curl = FLOW_LENGTH / (2.0 * step) * np.stack([south - north, east - west])
+    return np.asarray(np.tensordot(principal.T, curl, 1).swapaxes(0, 1).reshape(2 * data.n, -1))
 
 
 BEARINGS, LINES = 6, np.linspace(0.15, 0.85, 6)

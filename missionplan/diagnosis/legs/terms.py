@@ -21,7 +21,7 @@ from missionplan.diagnosis.coordinates import Coordinate
 from missionplan.diagnosis.inference.axes import Axis, principal_components
 from missionplan.diagnosis.legs.fitting import TransitFitting
 from missionplan.diagnosis.legs.likelihood.mean import ActingTerm
-from missionplan.diagnosis.legs.smooth_axes import FLOW_LENGTH, across_lines, flow_axis, paired_axes, transit_axes
+from missionplan.diagnosis.legs.smooth_axes import FLOW_LENGTH, across_lines, flow_columns, paired_axes, transit_axes
 from missionplan.effects import CATALOGUE, EffectInfo, effects_of
 from missionplan.effects.info import Term
 from missionplan.phases.hooks import TransitEffect, velocity_error
@@ -265,7 +265,9 @@ def _smooth(model: TransitFitting) -> list[LegTerm]:
     axes = transit_axes(model.data, model.leg, model.axes)
     wanted = [axis for axis in axes if (axis.name, axis.description) != IS_DESCRIBED]
     found = [replace(_along(axis, length), log_share=-math.log(len(LENGTHS))) for axis in wanted for length in LENGTHS]
-    found += [_along(flow_axis(model.data, model.axes), FLOW_LENGTH), *_beyond_lines(model)]
+    flow = SMOOTH_SIZE * principal_components(flow_columns(model.data, model.axes), MOST_COLUMNS, LEAST_SHARE)
+    eddies = "a velocity that changes with place as in eddies"
+    found += [LegTerm("", "place", eddies, _by_leg(flow), 0.0, shape=(FLOW_LENGTH,)), *_beyond_lines(model)]
     return found + [_along(axis, LENGTHS[0]) for axis in paired_axes(model.data, model.leg, model.axes)]
 
 

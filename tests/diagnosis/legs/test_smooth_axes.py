@@ -5,7 +5,7 @@ import pytest
 
 from missionplan.datasets.legs import read_transit
 from missionplan.diagnosis.legs.kind import transit_model
-from missionplan.diagnosis.legs.smooth_axes import FLOW_LENGTH, across_lines, flow_axis
+from missionplan.diagnosis.legs.smooth_axes import FLOW_LENGTH, across_lines, flow_columns
 from missionplan.diagnosis.legs.terms import terms_of
 
 
@@ -17,7 +17,7 @@ def bound(folder, transit_mission, legs):
 
 def test_a_flow_has_the_covariance_of_the_curl_of_a_normal_function(bound):
     """Of ψ with the covariance exp(−r²/2ℓ²), that of −ℓ ∂ψ/∂y and ℓ ∂ψ/∂x is (1 − dy²/ℓ², 1 − dx²/ℓ²) exp(…)."""
-    columns = flow_axis(bound.data, np.eye(2)).smooth_columns(FLOW_LENGTH)
+    columns = flow_columns(bound.data, np.eye(2))
     found = columns @ columns.T
     middle = 0.5 * (bound.data.start + bound.data.dead_reckoned)
     d = (middle[:, :, None] - middle[:, None, :]) / np.ptp(middle, axis=1).max() / FLOW_LENGTH

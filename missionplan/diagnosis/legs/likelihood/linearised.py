@@ -6,7 +6,7 @@ side by side.
 
 import itertools
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 
@@ -186,19 +186,20 @@ class LinearisedGroup:
     shape (2, n, c + 1)."""
 
 
+TOGETHER = 256
+"""Columns of terms that are whitened together: they then stay in a processor's cache."""
+
+
 @dataclass(frozen=True)
 class JointColumns:
     """Columns of some groups of sets, and of some terms beside them."""
 
     values: Array
-    """Those that are the same in all groups, each group's own with its data, and the terms', smaller ones first, shape
-    (2, n, m)."""
+    """Those that are the same in all groups, then each group's own with its data, shape (2, n, m)."""
     places: Mapping[Causes, NDArray[np.int_]]
     """Of each group's columns and, last, its data."""
-    first: int
-    """Place of the first column of a term."""
-    sizes: tuple[int, ...]
-    """Of the terms, in their order."""
+    terms: tuple[tuple[int, Array], ...]
+    """Columns of some terms of the same number q together, smaller ones first: q, and shape (2, n, b·q)."""
 
     @classmethod
     def of(
@@ -217,13 +218,18 @@ class JointColumns:
             places[name] = np.empty(len(differ), dtype=int)
             places[name][alike], places[name][own] = np.arange(len(alike)), first + np.arange(len(own))
             first += len(own)
-        sizes = tuple(term.shape[2] for term in terms)
-        parts += [terms[index] for index in np.argsort(sizes, kind="stable")]
-        return cls(np.concatenate(parts, axis=2), places, first, sizes)
+        together = []
+        for size, alike_terms in itertools.groupby(sorted(terms, key=_number), key=_number):
+            of_size, count = list(alike_terms), max(1, TOGETHER // size)
+            parts_of_size = (of_size[start : start + count] for start in range(0, len(of_size), count))
+            together += [(size, _side_by_side(some)) for some in parts_of_size]
+        return cls(_side_by_side(parts), places, tuple(together))
 
-    def grams(self, white: WhitenedColumns, scale: Array) -> dict[Causes, GramMatrix]:
+    def grams(self, whiten: Callable[[Array], WhitenedColumns], scale: Array) -> dict[Causes, GramMatrix]:
         """Inner products of each group's columns and the terms' under a noise, a group's columns times a scale."""
-        core, further, inner = self._products(white)
+        white = whiten(self.values)
+        further, inner = self._with_terms(white, whiten)
+        core = white.products(white)
         normaliser = -0.5 * (white.log_determinant + self.values[:, :, 0].size * LOG_2PI)
         return {
             group: GramMatrix(
@@ -234,21 +240,36 @@ class JointColumns:
 
     def heavy_tailed(self, group: Causes, scale: Array, variance: Array, bound: "TailBound") -> GramMatrix:
         """Return inner products under a normal lower bound of the density of errors with heavy tails."""
-        places = np.append(self.places[group], np.arange(self.first, self.values.shape[2]))
-        columns = (self.values * np.sqrt(bound.weight / variance)[:, :, None]).reshape(-1, self.values.shape[2])
-        alone = JointColumns(self.values[:, :, places], {group: np.arange(len(scale))}, len(scale), self.sizes)
-        core, further, inner = alone._products(WhitenedColumns(columns[:, places], (), 0.0))
-        return GramMatrix(core * np.outer(scale, scale), bound.log_normaliser, further * scale[:, None], inner)
+        root = np.sqrt(bound.weight / variance)[:, None]
 
-    def _products(self, white: WhitenedColumns) -> tuple[Array, Array, tuple[Array, ...]]:
-        """Inner products of all groups' columns, of these with the terms', and of each term's own."""
-        groups = slice(0, self.first)
-        inner, first = [], self.first
-        for size, alike in itertools.groupby(sorted(self.sizes)):
-            last = first + size * len(list(alike))
-            inner.append(white.products_of_blocks(slice(first, last), size))
-            first = last
-        return white.products(groups, groups), white.products(groups, slice(self.first, None)), tuple(inner)
+        def whiten(columns: Array) -> WhitenedColumns:
+            return WhitenedColumns(np.ascontiguousarray(np.swapaxes(columns, 1, 2)) * root, (), 0.0)
+
+        white = whiten(self.values[:, :, self.places[group]])
+        further, inner = self._with_terms(white, whiten)
+        core = white.products(white) * np.outer(scale, scale)
+        return GramMatrix(core, bound.log_normaliser, further * scale[:, None], inner)
+
+    def _with_terms(
+        self, white: WhitenedColumns, whiten: Callable[[Array], WhitenedColumns]
+    ) -> tuple[Array, tuple[Array, ...]]:
+        """Inner products of whitened columns with the terms', and of each term's own, by their sizes."""
+        further = [np.empty((white.added.shape[1], 0))]
+        inner: dict[int, list[Array]] = {}
+        for size, columns in self.terms:
+            some = whiten(columns)
+            further.append(white.products(some))
+            inner.setdefault(size, []).append(some.products_of_blocks(size))
+        return np.concatenate(further, axis=1), tuple(np.concatenate(blocks) for blocks in inner.values())
+
+
+def _number(columns: Array) -> int:
+    return int(columns.shape[2])
+
+
+def _side_by_side(parts: Sequence[Array]) -> Array:
+    """Columns of some arrays, shape (2, n, q) each, side by side, with each one's numbers together in memory."""
+    return np.swapaxes(np.concatenate([np.swapaxes(part, 1, 2) for part in parts], axis=1), 1, 2)
 
 
 @dataclass(frozen=True)

@@ -25,33 +25,33 @@ LegSelection = slice | NDArray[np.int_]
 
 @dataclass(frozen=True)
 class WhitenedColumns:
-    """Columns X of legs of covariance Σ, as A and B_i with Xᵀ Σ⁻¹ X = Aᵀ A − Σ B_iᵀ B_i."""
+    """Columns X of legs of covariance Σ, as A and B of each axis with Xᵀ Σ⁻¹ X = Σ A Aᵀ − Σ B Bᵀ."""
 
     added: Array
-    """A, shape (2n, m)."""
+    """A, shape (2, m, n)."""
     removed: tuple[Array, ...]
-    """B of each axis, shape (s, m): what is known of the states that legs share."""
+    """B, shape (m, s) each: what is known of the states that legs share."""
     log_determinant: float
     """ln |Σ|, both axes together."""
 
-    def products(self, first: slice, second: slice) -> Array:
-        """Inner products xᵀ Σ⁻¹ y of some columns and others."""
-        found = self.added[:, first].T @ self.added[:, second]
-        for each in self.removed:
-            found -= each[:, first].T @ each[:, second]
+    def products(self, other: "WhitenedColumns") -> Array:
+        """Inner products xᵀ Σ⁻¹ y of these columns and others."""
+        found = np.sum([mine @ theirs.T for mine, theirs in zip(self.added, other.added, strict=True)], axis=0)
+        for mine, theirs in zip(self.removed, other.removed, strict=True):
+            found -= mine @ theirs.T
         return np.asarray(found)
 
-    def products_of_blocks(self, chosen: slice, size: int) -> Array:
+    def products_of_blocks(self, size: int) -> Array:
         """Inner products within each of b consecutive blocks of columns of the same size q, shape (b, q, q)."""
-        found = _of_blocks(self.added[:, chosen], size)
+        found = np.sum([_of_blocks(each, size) for each in self.added], axis=0)
         for each in self.removed:
-            found -= _of_blocks(each[:, chosen], size)
-        return found
+            found -= _of_blocks(each, size)
+        return np.asarray(found)
 
 
 def _of_blocks(columns: Array, size: int) -> Array:
-    """Inner products within blocks of columns, (N, b·q) → (b, q, q)."""
-    blocks = np.ascontiguousarray(columns.T).reshape(-1, size, len(columns))
+    """Inner products within blocks of columns, (b·q, N) → (b, q, q)."""
+    blocks = columns.reshape(-1, size, columns.shape[1])
     return np.asarray(blocks @ blocks.swapaxes(1, 2))
 
 
@@ -79,7 +79,7 @@ class MarkovCovariance:
     def gram(self, values: Array, white: Array, fix_sd: float, process: MarkovProcess | None) -> tuple[Array, float]:
         """Σ over axes of valuesᵀ Σ⁻¹ values, shape (m, m), and ln |Σ|, both axes together; arguments of `whitened`."""
         found = self.whitened(values, white, fix_sd, process)
-        return found.products(slice(None), slice(None)), found.log_determinant
+        return found.products(found), found.log_determinant
 
     def whitened(self, values: Array, white: Array, fix_sd: float, process: MarkovProcess | None) -> WhitenedColumns:
         """Whiten columns.
@@ -102,22 +102,20 @@ class MarkovCovariance:
         variance = variance if prior is None else variance + prior.rest
         if not np.all(variance > 0.0):
             raise np.linalg.LinAlgError("a variance is not positive")
-        added = values / np.sqrt(variance)[:, :, None]
-        log_determinant = float(np.log(variance).sum())
-        independent = WhitenedColumns(added.reshape(-1, values.shape[2]), (), log_determinant)
+        columns = np.ascontiguousarray(np.swapaxes(values, 1, 2))
+        independent = WhitenedColumns(columns / np.sqrt(variance)[:, None], (), float(np.log(variance).sum()))
         if prior is None and not self._shares_any_fix:
             return independent
-        weighted = np.ascontiguousarray(np.swapaxes(values, 1, 2)) / variance[:, None, :]
-        states = self._states(weighted, variance, fix_sd, prior)
+        states, log_determinant = self._states(columns / variance[:, None], variance, fix_sd, prior), 0.0
         removed = []
         for axis in (0, 1):
             factor, failed = lapack.dpbtrf(states.band[axis].T, lower=1)
             if failed:
                 raise np.linalg.LinAlgError("the covariance is not positive definite")
             whitened, _ = lapack.dtbtrs(factor, states.right[axis].T, uplo="L", overwrite_b=1)
-            removed.append(whitened)
+            removed.append(whitened.T)
             log_determinant += 2.0 * float(np.log(factor[0]).sum()) + states.log_determinant
-        return WhitenedColumns(independent.added, tuple(removed), log_determinant)
+        return WhitenedColumns(independent.added, tuple(removed), independent.log_determinant + log_determinant)
 
     @cached_property
     def _unshared_fix_variance(self) -> Array:
