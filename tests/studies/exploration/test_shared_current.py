@@ -57,3 +57,11 @@ def test_a_mission_at_another_place_reads_its_own(tmp_path):
     assert shared.for_mission(mission(tmp_path, FIRST)) is shared.current
     elsewhere = mission(tmp_path, FIRST + timedelta(hours=2.0), goal="900 m")
     assert met(shared.for_mission(elsewhere), 0.0) == pytest.approx([0.08, 0.008])
+
+
+@pytest.mark.parametrize("site", [{"depth": "25 m"}, {"origin": {"latitude": "60 deg", "longitude": "5 deg"}}])
+def test_a_mission_in_another_depth_or_about_another_origin_reads_its_own(tmp_path, site):
+    first = mission(tmp_path, FIRST)
+    shared = SharedCurrent.of(first, FIRST)
+    other = Mission.from_data({**first.raw, "site": {**first.raw["site"], **site}})
+    assert shared.for_mission(other) is not shared.current
