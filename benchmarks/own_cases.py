@@ -1,6 +1,6 @@
 """Run the transit under missionplan: ``python -m benchmarks.own_cases function|simulate|sweep CASES WORKERS``.
 
-``function`` gives the blocks of `run_blocks` the same scalar function that monaco runs, with inputs from named
+``function`` gives the blocks of `Workers` the same scalar function that monaco runs, with inputs from named
 streams and outputs into streaming statistics; ``simulate`` runs the transit as a mission, with everything that its
 report needs; ``sweep`` computes the cost of its 16 d_max, each trial of each being a case. Prints JSON as
 `benchmarks.monaco_cases` does; the model of ``simulate`` and ``sweep`` is `transit`, on the same legs. The
@@ -34,7 +34,7 @@ from benchmarks.transit_trial import (
 )
 from missionplan.arrays import Array
 from missionplan.mission import Mission
-from missionplan.montecarlo.blocks import run_blocks
+from missionplan.montecarlo.blocks import Workers
 from missionplan.montecarlo.pool import process_pool
 from missionplan.montecarlo.sensitivity import Influence, sensitivities
 from missionplan.montecarlo.statistics import RunningStatistics
@@ -71,7 +71,7 @@ def run_function(cases: int, workers: int) -> dict[str, float]:
     """Run the scalar function in blocks."""
     items = [(block, block_size(cases, block)) for block in range(block_count(cases))]
     started = time.perf_counter()
-    blocks, inside = zip(*run_blocks(function_block, items, jobs=workers), strict=True)
+    blocks, inside = zip(*Workers(jobs=workers).run(function_block, items), strict=True)
     found = {name: running.statistic() for name, running in reduce(RunningStatistics.merge, blocks).items()}
     return {"wall": time.perf_counter() - started, "inside": sum(inside), "mean": found["duration"].mean}
 

@@ -14,7 +14,7 @@ import missionplan
 from missionplan.errors import InputError, Problem
 from missionplan.identity import differences, digest_of, leaves, program_part, running_program
 from missionplan.mission import Mission, load
-from missionplan.montecarlo.blocks import Progress, run_blocks
+from missionplan.montecarlo.blocks import Progress, Workers
 from missionplan.montecarlo.streams import sized_blocks
 from missionplan.results import OF_THE_RUN, to_json
 from missionplan.results.entries import mapping, whole
@@ -189,7 +189,7 @@ class _Made:
             means = replace(means, executions=executions(mission, to, plan))
         task = BlockTask(means, whole(self.summary.get("seed")), bool(self.options.get("keep_trials")))
         values, different = 0, list[str]()
-        results = run_blocks(task, chosen, jobs=self.jobs, progress=self.progress)
+        results = Workers(self.jobs, progress=self.progress).run(task, chosen)
         for item, result in zip(chosen, results, strict=True):
             before = self.stored(item)
             now = result.to_arrays() if isinstance(result, BlockResult) else {}

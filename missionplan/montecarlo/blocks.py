@@ -28,61 +28,52 @@ _MAX_PENDING = 64
 """Results that may wait for an earlier one: the work that this process may do while its workers start."""
 
 
-def run_blocks(
-    task: Callable[[Item], Result],
-    items: Sequence[Item],
-    *,
-    jobs: int = 1,
-    backend: Backend = "loky",
-    scheduler: str | None = None,
-    progress: Progress | None = None,
-) -> Generator[Result, None, None]:
-    """Run a task on every item and yield the results in the order of the items, as soon as they are available.
-
-    Raises InputError when an option is invalid, Dask is not installed or does not answer, or its workers run other
-    code; RunError when a worker process dies, or the cluster is lost.
-
-    Parameters
-    ----------
-    task : callable
-        Deterministic function of its item; picklable where `backend` is not threading.
-    items : sequence
-        Such as block numbers.
-    jobs : int
-        Processes, this one included, or threads, or workers of a local cluster; -1 uses every core.
-    backend : {'loky', 'threading', 'dask'}
-    scheduler : str, optional
-        Address of the Dask scheduler, such as ``tcp://10.0.0.1:8786``; without it a local cluster of `jobs`.
-    progress : callable, optional
-    """
-    if backend not in ("loky", "threading", "dask"):
-        raise InputError([Problem(f"given {backend!r}, expected loky, threading or dask", key="backend")])
-    if jobs == 0 or jobs < -1:
-        raise InputError([Problem(f"given {jobs}, expected a positive number, or -1 for every core", key="jobs")])
-    total = len(items)
-    if progress is not None:
-        progress(0, total)
-    with closing(_results(task, items, jobs, backend, scheduler)) as results:
-        for done, result in enumerate(results, start=1):
-            if progress is not None:
-                progress(done, total)
-            yield result
-
-
 @dataclass(frozen=True)
 class Workers:
-    """Where tasks run, and who is told of those done: see `run_blocks`."""
+    """Where tasks run, and who is told of those done."""
 
     jobs: int = 1
+    """Processes, this one included, or threads, or workers of a local cluster; -1 uses every core."""
     backend: Backend = "loky"
     scheduler: str | None = None
+    """Address of the Dask scheduler, such as ``tcp://10.0.0.1:8786``; without it a local cluster of `jobs`."""
     progress: Progress | None = None
 
     def run(self, task: Callable[[Item], Result], items: Sequence[Item]) -> Generator[Result, None, None]:
-        """Run a task on every item."""
-        return run_blocks(
-            task, items, jobs=self.jobs, backend=self.backend, scheduler=self.scheduler, progress=self.progress
-        )
+        """Run a task on every item and yield the results in the order of the items, as soon as they are available.
+
+        `task`: deterministic function of its item; picklable where the backend is not threading. `items`: such as block
+        numbers. Raises InputError when an option is invalid, Dask is not installed or does not answer, or its workers
+        run other code; RunError when a worker process dies, or the cluster is lost.
+        """
+        if self.backend not in ("loky", "threading", "dask"):
+            raise InputError([Problem(f"given {self.backend!r}, expected loky, threading or dask", key="backend")])
+        if self.jobs == 0 or self.jobs < -1:
+            message = f"given {self.jobs}, expected a positive number, or -1 for every core"
+            raise InputError([Problem(message, key="jobs")])
+        told, total = self.progress, len(items)
+        if told is not None:
+            told(0, total)
+        with closing(self._results(task, items)) as results:
+            for done, result in enumerate(results, start=1):
+                if told is not None:
+                    told(done, total)
+                yield result
+
+    def _results(self, task: Callable[[Item], Result], items: Sequence[Item]) -> Generator[Result, None, None]:
+        """Results in the order of the items, by the backend; in this process where nothing is gained by others."""
+        if not items or (self.backend != "dask" and (self.jobs == 1 or len(items) == 1)):
+            return (task(item) for item in items)
+        jobs = self.jobs
+        if jobs == -1:
+            from loky import cpu_count
+
+            jobs = cpu_count()
+        if self.backend == "loky":
+            return _by_pool(task, items, min(jobs, len(items)) - 1)
+        if self.backend == "dask":
+            return run_on_cluster(task, items, jobs, self.scheduler)
+        return _by_threads(task, items, jobs)
 
     @property
     def quiet(self) -> "Workers":
@@ -91,23 +82,6 @@ class Workers:
 
 
 IN_THIS_PROCESS = Workers()
-
-
-def _results(
-    task: Callable[[Item], Result], items: Sequence[Item], jobs: int, backend: Backend, scheduler: str | None
-) -> Generator[Result, None, None]:
-    """Results in the order of the items, by the backend; in this process where nothing is gained by others."""
-    if not items or (backend != "dask" and (jobs == 1 or len(items) == 1)):
-        return (task(item) for item in items)
-    if jobs == -1:
-        from loky import cpu_count
-
-        return _results(task, items, cpu_count(), backend, scheduler)
-    if backend == "loky":
-        return _by_pool(task, items, min(jobs, len(items)) - 1)
-    if backend == "dask":
-        return run_on_cluster(task, items, jobs, scheduler)
-    return _by_threads(task, items, jobs)
 
 
 def _by_pool(task: Callable[[Item], Result], items: Sequence[Item], workers: int) -> Generator[Result, None, None]:
@@ -238,7 +212,7 @@ def parallel_map(
     if jobs < 2 or len(items) < 2:
         return task(items)
     if separately:
-        return list(run_blocks(partial(_alone, task), items, jobs=min(jobs, MAX_PROCESSES)))
+        return list(Workers(min(jobs, MAX_PROCESSES)).run(partial(_alone, task), items))
     parts = min(jobs, MAX_PROCESSES, len(items))
     with borrowed_pool(min(jobs, MAX_PROCESSES) - 1) as executor:
         # pickled here, not by the executor's thread: this process may change the task's caches while it runs its part

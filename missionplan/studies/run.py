@@ -20,7 +20,7 @@ MAX_JOBS = 10_000
 
 
 class RunArguments(TypedDict, total=False):
-    """What studies may be asked for; see `run_blocks`."""
+    """What studies may be asked for; see `montecarlo.blocks.Workers`."""
 
     trials: int | None
     seed: int | None

@@ -298,11 +298,11 @@ def test_a_run_that_is_cut_short_tells_how_to_go_on(
     status: int,
     blocks: int,
 ) -> None:
-    def cut_short(task: Callable[[object], object], items: Sequence[object], **_: object) -> Iterator[object]:
+    def cut_short(_: object, task: Callable[[object], object], items: Sequence[object]) -> Iterator[object]:
         yield from map(task, items[:blocks])
         raise error
 
-    monkeypatch.setattr("missionplan.montecarlo.blocks.run_blocks", cut_short)
+    monkeypatch.setattr("missionplan.montecarlo.blocks.Workers.run", cut_short)
     out = mission.with_name("report")
     assert run(monkeypatch, "simulate", str(mission), "--trials", "5000", "--out", str(out)) == status
     assert (f"--resume --out {out}" in capsys.readouterr().err.replace("\n", "")) == bool(blocks)

@@ -17,7 +17,7 @@ import pytest
 import missionplan
 from missionplan.errors import InputError, RunError
 from missionplan.montecarlo import dask_cluster
-from missionplan.montecarlo.blocks import run_blocks
+from missionplan.montecarlo.blocks import Workers
 
 pytest.importorskip("distributed")
 pytestmark = pytest.mark.filterwarnings("ignore")  # of Dask's own making
@@ -68,8 +68,8 @@ def start_worker(start: Start, scheduler: str, path: Path = PACKAGE.parent) -> N
 
 def test_a_cluster_of_one_thread_gives_the_results_in_order(start: Start, scheduler: str) -> None:
     start_worker(start, scheduler)
-    assert list(run_blocks(abs, range(-6, 6), backend="dask", scheduler=scheduler)) == [*range(6, 0, -1), *range(6)]
-    (session,) = run_blocks(os.getsid, [0], backend="dask", scheduler=scheduler)
+    assert list(Workers(backend="dask", scheduler=scheduler).run(abs, range(-6, 6))) == [*range(6, 0, -1), *range(6)]
+    (session,) = Workers(backend="dask", scheduler=scheduler).run(os.getsid, [0])
     assert session != os.getsid(0)
 
 
@@ -79,7 +79,7 @@ def test_a_worker_with_other_code_is_named_and_not_believed(start: Start, schedu
     changed.write_text(changed.read_text() + "\nCHANGED = 1.0\n")
     start_worker(start, scheduler, tmp_path / "other")
     with pytest.raises(InputError, match=r"the worker tcp://127\.0\.0\.1:\d+ runs missionplan .* code "):
-        list(run_blocks(abs, range(2), backend="dask", scheduler=scheduler))
+        list(Workers(backend="dask", scheduler=scheduler).run(abs, range(2)))
 
 
 def test_a_worker_without_the_package_is_named(start: Start, scheduler: str, tmp_path: Path) -> None:
@@ -87,7 +87,7 @@ def test_a_worker_without_the_package_is_named(start: Start, scheduler: str, tmp
     (tmp_path / "without" / "missionplan.py").write_text("raise ModuleNotFoundError('no module named missionplan')")
     start_worker(start, scheduler, tmp_path / "without")
     with pytest.raises(InputError, match=r"the worker tcp://127\.0\.0\.1:\d+ cannot run missionplan: .*no module"):
-        list(run_blocks(abs, range(2), backend="dask", scheduler=scheduler))
+        list(Workers(backend="dask", scheduler=scheduler).run(abs, range(2)))
 
 
 def test_a_scheduler_without_the_package_is_said(start: Start, tmp_path: Path) -> None:
@@ -100,14 +100,14 @@ def test_a_scheduler_without_the_package_is_said(start: Start, tmp_path: Path) -
     start(*words, path=tmp_path / "without")
     start_worker(start, address)
     with pytest.raises(InputError, match=r"the Dask scheduler at .* cannot run missionplan: .*") as caught:
-        list(run_blocks(abs, range(2), backend="dask", scheduler=address))
+        list(Workers(backend="dask", scheduler=address).run(abs, range(2)))
     assert len(caught.value.problems) == 1
 
 
 def test_a_scheduler_without_workers_is_said(scheduler: str, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("missionplan.montecarlo.dask_cluster.ANSWER_TIME", 1)
     with pytest.raises(InputError, match="has no workers"):
-        list(run_blocks(abs, range(2), backend="dask", scheduler=scheduler))
+        list(Workers(backend="dask", scheduler=scheduler).run(abs, range(2)))
 
 
 def test_another_service_at_the_address_is_said(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -126,7 +126,7 @@ def test_another_service_at_the_address_is_said(monkeypatch: pytest.MonkeyPatch)
         threading.Thread(target=answer, daemon=True).start()
         address = f"tcp://127.0.0.1:{server.getsockname()[1]}"
         with pytest.raises(InputError, match=f"no Dask scheduler answers at {address}"):
-            list(run_blocks(abs, range(2), backend="dask", scheduler=address))
+            list(Workers(backend="dask", scheduler=address).run(abs, range(2)))
         server.shutdown(socket.SHUT_RDWR)
     # A client left half-made would be closed by the garbage collector amid the start of the next, and block it.
     assert not [thread for thread in threading.enumerate() if thread.name == "IO loop"]
@@ -138,7 +138,7 @@ def test_a_scheduler_that_is_lost_ends_the_run(start: Start, tmp_path: Path) -> 
         address = f"tcp://127.0.0.1:{free.getsockname()[1]}"
     process = start("scheduler", "--host", "127.0.0.1", "--port", address.rsplit(":")[-1], "--no-dashboard")
     start_worker(start, address)
-    results = run_blocks(time.sleep, [0.1] * 10_000, backend="dask", scheduler=address)
+    results = Workers(backend="dask", scheduler=address).run(time.sleep, [0.1] * 10_000)
     assert next(results) is None
     process.kill()
     with pytest.raises(RunError, match=r"no longer answers|no workers"):

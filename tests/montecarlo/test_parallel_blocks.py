@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 from missionplan.errors import InputError, RunError
-from missionplan.montecarlo.blocks import run_blocks
+from missionplan.montecarlo.blocks import Workers
 from missionplan.montecarlo.distributions import LogNormal, Normal
 from missionplan.montecarlo.pool import interrupts_deferred, process_pool, shut_down_pool
 from missionplan.montecarlo.statistics import RunningStatistic
@@ -41,7 +41,7 @@ def reference():
     ("jobs", "backend"), [(1, "loky"), (2, "loky"), (4, "loky"), (2, "threading"), (4, "threading")]
 )
 def test_bits_do_not_depend_on_jobs_or_backend(jobs, backend):
-    blocks = list(run_blocks(block_of_trials, range(6), jobs=jobs, backend=backend))
+    blocks = list(Workers(jobs=jobs, backend=backend).run(block_of_trials, range(6)))
     assert all(np.array_equal(found, expected) for found, expected in zip(blocks, reference(), strict=True))
     merged = functools.reduce(RunningStatistic.merge, map(RunningStatistic.of, blocks)).statistic()
     assert merged == functools.reduce(RunningStatistic.merge, map(RunningStatistic.of, reference())).statistic()
@@ -62,14 +62,14 @@ class CountingTask:
 def test_a_worker_keeps_the_task_for_its_next_items():
     """What a task has computed for one item serves the others; a new run begins anew."""
     for _ in range(2):
-        found = list(run_blocks(CountingTask(), range(60), jobs=2))
+        found = list(Workers(jobs=2).run(CountingTask(), range(60)))
         assert len(set(found)) == len(found)  # no count twice in a process
         assert min(count for _, count in found) == 1
 
 
 def test_bits_do_not_depend_on_the_order_of_blocks():
     order = [4, 0, 5, 2, 1, 3]
-    for block, found in zip(order, run_blocks(block_of_trials, order), strict=True):
+    for block, found in zip(order, Workers().run(block_of_trials, order), strict=True):
         assert np.array_equal(found, reference()[block])
 
 
@@ -97,7 +97,7 @@ def test_what_was_submitted_is_not_cancelled(monkeypatch, interrupted):
     """A cancelled future ends the thread of loky that would kill the workers at shutdown, and the command then hangs."""
     pool = IdlePool()
     monkeypatch.setattr("missionplan.montecarlo.blocks.borrowed_pool", lambda count: nullcontext(pool))
-    results = run_blocks(interrupted_after_the_first, range(9), jobs=2)
+    results = Workers(jobs=2).run(interrupted_after_the_first, range(9))
     assert next(results) == 0
     if interrupted:
         with pytest.raises(KeyboardInterrupt):
@@ -152,7 +152,7 @@ def test_other_threads_defer_nothing():
 def test_results_come_in_order_with_progress(jobs):
     calls = []
     done = list(
-        run_blocks(slow_block, range(7), jobs=jobs, backend="threading", progress=lambda *call: calls.append(call))
+        Workers(jobs=jobs, backend="threading", progress=lambda *call: calls.append(call)).run(slow_block, range(7))
     )
     assert done == list(range(7))
     assert calls == [(count, 7) for count in range(8)]
@@ -160,7 +160,7 @@ def test_results_come_in_order_with_progress(jobs):
 
 def test_nothing_waits_for_the_workers_to_start():
     shut_down_pool()
-    assert set(run_blocks(worker_after, range(3), jobs=2)) == {os.getpid()}
+    assert set(Workers(jobs=2).run(worker_after, range(3))) == {os.getpid()}
 
 
 @pytest.fixture
@@ -170,7 +170,7 @@ def warm_worker():
 
 @pytest.mark.usefixtures("warm_worker")
 def test_a_part_is_done_here():
-    processes = list(run_blocks(worker_after, range(20), jobs=2))
+    processes = list(Workers(jobs=2).run(worker_after, range(20)))
     assert processes[0] == os.getpid()
     assert len(set(processes)) > 1
 
@@ -184,16 +184,16 @@ def die_elsewhere(here, block):
 @pytest.mark.usefixtures("warm_worker")
 def test_a_dead_worker_is_reported_and_replaced():
     with pytest.raises(RunError, match="worker process died"):
-        list(run_blocks(functools.partial(die_elsewhere, os.getpid()), range(20), jobs=2))
-    assert list(run_blocks(slow_block, range(4), jobs=2)) == [0, 1, 2, 3]
+        list(Workers(jobs=2).run(functools.partial(die_elsewhere, os.getpid()), range(20)))
+    assert list(Workers(jobs=2).run(slow_block, range(4))) == [0, 1, 2, 3]
 
 
 @pytest.mark.parametrize(("jobs", "backend"), [(1, "loky"), (2, "loky"), (2, "threading")])
 def test_a_reader_may_stop_early(jobs, backend):
-    results = run_blocks(slow_block, range(50), jobs=jobs, backend=backend)
+    results = Workers(jobs=jobs, backend=backend).run(slow_block, range(50))
     assert next(results) == 0
     results.close()
-    assert list(run_blocks(slow_block, range(3), jobs=jobs, backend=backend)) == [0, 1, 2]
+    assert list(Workers(jobs=jobs, backend=backend).run(slow_block, range(3))) == [0, 1, 2]
 
 
 def worker_after(block):
@@ -203,37 +203,37 @@ def worker_after(block):
 
 @pytest.mark.usefixtures("warm_worker")
 def test_workers_outlive_a_reader_who_stops_early():
-    before = set(run_blocks(worker_after, range(12), jobs=2))
+    before = set(Workers(jobs=2).run(worker_after, range(12)))
     assert len(before) > 1
-    results = run_blocks(worker_after, range(50), jobs=2)
+    results = Workers(jobs=2).run(worker_after, range(50))
     next(results)
     results.close()
-    assert set(run_blocks(worker_after, range(12), jobs=2)) <= before
+    assert set(Workers(jobs=2).run(worker_after, range(12))) <= before
 
 
 def test_an_error_in_a_block_reaches_the_caller():
     with pytest.raises(ZeroDivisionError):
-        list(run_blocks(functools.partial(divmod, 1), [1, 0], jobs=2))
+        list(Workers(jobs=2).run(functools.partial(divmod, 1), [1, 0]))
 
 
 @pytest.mark.parametrize("options", [{"backend": "carrier-pigeon"}, {"jobs": 0}, {"jobs": -2}])
 def test_bad_options_are_refused(options):
     with pytest.raises(InputError, match="expected"):
-        list(run_blocks(slow_block, range(2), **options))
+        list(Workers(**options).run(slow_block, range(2)))
 
 
 def test_dask_says_what_to_install(monkeypatch):
     monkeypatch.setitem(sys.modules, "distributed", None)
     with pytest.raises(InputError, match="pip install 'dask>="):
-        list(run_blocks(slow_block, range(2), backend="dask"))
+        list(Workers(backend="dask").run(slow_block, range(2)))
 
 
 INTERRUPTED = """
 import sys, time
-from missionplan.montecarlo.blocks import run_blocks
+from missionplan.montecarlo.blocks import Workers
 from missionplan.montecarlo.pool import shut_down_pool
 try:
-    for _ in run_blocks(time.sleep, [0.0] + [60.0] * int(sys.argv[1]), jobs=2):
+    for _ in Workers(jobs=2).run(time.sleep, [0.0] + [60.0] * int(sys.argv[1])):
         print("block", flush=True)
         time.sleep(float(sys.argv[2]))
 except KeyboardInterrupt:

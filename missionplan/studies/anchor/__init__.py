@@ -59,7 +59,7 @@ def size_anchor(
     trials, seed : int, optional
         Default: the mission's.
     jobs, backend, scheduler, progress
-        See `run_blocks`; the blocks are those of the anchor that is being tried.
+        See `montecarlo.blocks.Workers`; the blocks are those of the anchor that is being tried.
 
     Raises
     ------

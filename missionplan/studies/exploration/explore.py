@@ -157,7 +157,7 @@ def explore(
     trials, seed : int, optional
         Of each cell; default: the mission's.
     jobs, backend, scheduler
-        See `run_blocks`. The result does not depend on them, to the last bit.
+        See `montecarlo.blocks.Workers`. The result does not depend on them, to the last bit.
     checkpoint : str or Path, optional
         Folder in which finished blocks are kept.
     resume : bool

@@ -224,7 +224,7 @@ def plan_legs(
     trials, seed : int, optional
         Default: the mission's.
     jobs, backend, scheduler, progress
-        See `run_blocks`.
+        See `montecarlo.blocks.Workers`.
 
     Raises
     ------

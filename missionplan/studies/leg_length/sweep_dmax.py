@@ -45,7 +45,7 @@ def sweep_dmax(
     trials, seed : int, optional
         Default: the mission's.
     jobs, backend, scheduler, progress
-        See `run_blocks`.
+        See `montecarlo.blocks.Workers`.
     method : {'both', 'analytic', 'monte-carlo'}, optional
         Default: both where the analytic form applies, else Monte Carlo.
 

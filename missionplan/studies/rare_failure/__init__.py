@@ -205,7 +205,7 @@ def find_rare_failure(
         Trials that are run at most (default `MAX_TRIALS`; screening and twelve runs of each way that counts are always
         made); default seed: the mission's.
     jobs, backend, scheduler
-        See `run_blocks`. The result does not depend on them, to the last bit.
+        See `montecarlo.blocks.Workers`. The result does not depend on them, to the last bit.
     precision : str, optional
         Coefficient of variation at which the search ends, such as ``5%``; default `VARIATION`.
     progress : callable, optional

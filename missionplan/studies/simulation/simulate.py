@@ -73,7 +73,7 @@ def simulate(
     trials, seed : int, optional
         Default: the mission's. With `precision`, `trials` is the most that are run (default `MAX_TRIALS`).
     jobs, backend, scheduler
-        See `run_blocks`. The result does not depend on them, to the last bit.
+        See `montecarlo.blocks.Workers`. The result does not depend on them, to the last bit.
     precision : str, optional
         Stop after the first block at which a standard error is below it: ``0.5%`` (of P(success)),
         ``success=0.002``, ``total.duration=0.5%``, ``moor.offset=0.1 m``. The run then equals one of that many trials.
