@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from missionplan.arrays import Array
 from missionplan.importers.dives import LegRules
 from missionplan.importers.geodesy import displacement
-from missionplan.importers.track import Fixes, Positions, Track
+from missionplan.importers.track import Fixes, Positions, Track, columns_of
 
 WORST_ACCURACY = 100.0
 """Stated horizontal accuracy beyond which a fix does not count [m]."""
@@ -58,10 +58,9 @@ class JudgedFixes:
         """Reject some of the good ones, shape (n,), too."""
         if not which.any():
             return self
-        every = [np.concatenate([getattr(each, name) for each in (self.rejected, self.good[which])])
-                 for name in Fixes.__dataclass_fields__]  # fmt: skip
+        every = columns_of(Fixes, (self.rejected, self.good[which]))
         reasons = (*self.reasons, *[reason] * int(which.sum()))
-        return JudgedFixes(self.good[~which], self.sd[~which], Fixes(*every), reasons, self.by[~which])
+        return JudgedFixes(self.good[~which], self.sd[~which], Fixes(**every), reasons, self.by[~which])
 
 
 def judge_fixes(fixes: Fixes) -> JudgedFixes:

@@ -1,5 +1,6 @@
 """What a reader makes of a source: a track with fixes, dead-reckoned positions and what else was logged."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from dataclasses import fields as dataclass_fields
 from itertools import pairwise
@@ -136,6 +137,12 @@ def fixes(
     steps = (np.abs(np.diff(each)) for each in (found.latitude, found.longitude))
     again = (np.diff(found.t) == 0.0) & np.all([step < _SAME_PLACE for step in steps], axis=0)
     return found[np.append(True, ~again)[: len(found)]]
+
+
+def columns_of(kind: type[Series | Positions | Fixes], parts: Sequence[object]) -> dict[str, Array]:
+    """Columns of several series, positions or fixes by name, those of one part after another's."""
+    names = [each.name for each in dataclass_fields(kind)]
+    return {name: np.concatenate([getattr(part, name) for part in parts] or [_NONE]) for name in names}
 
 
 @dataclass(frozen=True)

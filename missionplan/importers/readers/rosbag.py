@@ -20,7 +20,7 @@ from missionplan.errors import InputError, Problem, shown
 from missionplan.importers.geodesy import origin_of, plane_positions
 from missionplan.importers.importer import Importer, ReadOptions, Samples, SourceLog, needed_module
 from missionplan.importers.mapping import PASCALS_A_METRE
-from missionplan.importers.track import Positions, Series, Track, fixes, positions, series
+from missionplan.importers.track import Positions, Series, Track, columns_of, fixes, positions, series
 
 if TYPE_CHECKING:
     from rosbags.highlevel import AnyReader
@@ -169,17 +169,6 @@ def _time(message: Any, logged: float) -> float:
     return stamp.sec + 1e-9 * stamp.nanosec if stamp.sec else logged
 
 
-def _joined(parts: Sequence[Positions]) -> Positions:
-    """Positions of several bags as one line."""
-    if not parts:
-        return Positions()
-    return positions(
-        np.concatenate([part.t for part in parts]),
-        np.concatenate([part.latitude for part in parts]),
-        np.concatenate([part.longitude for part in parts]),
-    )
-
-
 def _track(
     files: Sequence[Path], options: ReadOptions, chosen: Mapping[str, str], fixed: Samples, deep: Samples,
     lines: Sequence[Samples],
@@ -202,7 +191,7 @@ def _track(
         name=files[0].stem,
         format="rosbag",
         fixes=found,
-        reckoned=_joined(parts),
+        reckoned=positions(**columns_of(Positions, parts)),
         reckoning=f"the vehicle's own ({chosen.get('odometry', 'no odometry')})",
         depth=series(deep["t"], deep["depth"]) if len(deep) else own_depth,
         pitch=series(t, np.degrees(joined("pitch"))),

@@ -19,7 +19,7 @@ from missionplan.importers.geodesy import moved
 from missionplan.importers.importer import Identity, Importer, ReadOptions, SourceLog
 from missionplan.importers.judging import judge_fixes
 from missionplan.importers.readers.netcdf import MAGIC, Variables, opened, variable_names
-from missionplan.importers.track import Fixes, Positions, Series, Track, fixes, positions, series
+from missionplan.importers.track import Fixes, Positions, Series, Track, columns_of, fixes, positions, series
 
 _SEAGLIDER = {"log_gps_lat", "log_gps_lon"}
 _OG1 = {"latitude_gps", "longitude_gps"}
@@ -100,19 +100,16 @@ def _joined(parts: Sequence[_Part], name: str, format_name: str) -> Track:
     """Make one track of all files, with displacements summed from the fixes that count."""
 
     def all_of(quantity: str) -> Series:
-        found: list[Series] = [getattr(part, quantity) for part in parts]
-        return series(_concatenated([each.t for each in found]), _concatenated([each.values for each in found]))
+        return series(**columns_of(Series, [getattr(part, quantity) for part in parts]))
 
-    every = _all_fixes([part.fixes for part in parts])
-    ways = [_concatenated([part.ways[k] for part in parts]) for k in range(3)]
+    every = fixes(**columns_of(Fixes, [part.fixes for part in parts]))
+    ways = [np.concatenate([part.ways[k] for part in parts] or [np.empty(0)]) for k in range(3)]
     reckoned = [summed(judge_fixes(every).good, *ways), *(part.reckoned for part in parts)]
     return Track(
         name=name,
         format=format_name,
         fixes=every,
-        reckoned=positions(
-            *(_concatenated([getattr(each, axis) for each in reckoned]) for axis in ("t", "latitude", "longitude"))
-        ),
+        reckoned=positions(**columns_of(Positions, reckoned)),
         reckoning="; ".join(dict.fromkeys(part.reckoning for part in parts if part.reckoning)) or _NONE,
         depth=all_of("depth"),
         pitch=all_of("pitch"),
@@ -122,15 +119,6 @@ def _joined(parts: Sequence[_Part], name: str, format_name: str) -> Track:
         declination=all_of("declination"),
         at_surface=all_of("at_surface"),
     )
-
-
-def _concatenated(parts: Sequence[Array]) -> Array:
-    return np.concatenate(parts) if parts else np.empty(0)
-
-
-def _all_fixes(parts: Sequence[Fixes]) -> Fixes:
-    columns = {name: _concatenated([getattr(each, name) for each in parts]) for name in Fixes.__dataclass_fields__}
-    return fixes(**columns)
 
 
 def summed(good: Fixes, t: Array, east: Array, north: Array) -> Positions:
