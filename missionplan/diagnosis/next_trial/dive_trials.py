@@ -10,6 +10,7 @@ from typing import cast
 import numpy as np
 
 from missionplan.arrays import Array
+from missionplan.datasets.dives import DiveConditions
 from missionplan.diagnosis.data_kind import DataKind
 from missionplan.diagnosis.dives.designs import stretched_dives, with_depths
 from missionplan.diagnosis.dives.fitting import DescentState
@@ -106,20 +107,11 @@ FACTORS = np.array([0.5, 0.65, 0.8, 1.0, 1.25, 1.5, 1.8, 2.2, 2.6])
 
 
 @dataclass(frozen=True)
-class _Dive:
-    """One dive: anchor's wet weight [N], line [m] and the site's depth [m]."""
-
-    wet_weight: float
-    line_length: float
-    site_depth: float
-
-
-@dataclass(frozen=True)
 class _Dives:
     """Dives of a trial, all in one place."""
 
     name: str
-    dives: tuple[_Dive, ...]
+    dives: tuple[DiveConditions, ...]
 
 
 @dataclass(frozen=True)
@@ -140,7 +132,7 @@ class DiveTrials(TrialKind):
     @cached_property
     def _plans(self) -> tuple[_Dives, ...]:
         """Dives with what is in stock, then with what may have to be made or reached; those at a place that differ."""
-        used = dict.fromkeys(_Dive(log.wet_weight, log.line_length, log.site_depth) for log in self._logs)
+        used = dict.fromkeys(DiveConditions(log.wet_weight, log.line_length, log.site_depth) for log in self._logs)
         stock = list(used)[:STOCK]
         first = stock[0]
         weights = self._in_stock("anchor_wet_weight", "N") or (LIGHT * first.wet_weight,)
@@ -224,7 +216,7 @@ class DiveTrials(TrialKind):
         return Cost(count * cost.minutes, None if cost.energy_wh is None else count * cost.energy_wh)
 
     @cached_property
-    def _costs(self) -> dict[_Dive, Cost | None]:
+    def _costs(self) -> dict[DiveConditions, Cost | None]:
         return {}
 
     def trial(self, design: int) -> Mapping[str, object]:
