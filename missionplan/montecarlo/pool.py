@@ -27,7 +27,9 @@ if TYPE_CHECKING:
 Result = TypeVar("Result")
 
 WORKER_DIED = "a worker process died (out of memory, or killed)"
-_ONE_THREAD = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "BLIS_NUM_THREADS"), "1")
+_THREADS = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "BLIS_NUM_THREADS"), "1")
+_ENVIRONMENT = {**_THREADS, "LOKY_MAX_MEMORY_LEAK_SIZE": "1e15"}
+"""Of a worker: it begins with nothing, and is not leaking when it has loaded what a diagnosis needs."""
 
 PATIENCE = 0.1
 """Time for which a wait for the pool is deaf to Ctrl-C [s]."""
@@ -58,7 +60,7 @@ def process_pool(count: int) -> "ProcessPoolExecutor":
 def _started(count: int) -> "ProcessPoolExecutor":
     from loky import ProcessPoolExecutor  # which many a run needs none of
 
-    executor = ProcessPoolExecutor(max_workers=count, env=_ONE_THREAD, initializer=_end_with, initargs=(os.getpid(),))
+    executor = ProcessPoolExecutor(max_workers=count, env=_ENVIRONMENT, initializer=_end_with, initargs=(os.getpid(),))
     try:
         executor.submit(int)  # starts them
     except Exception as error:

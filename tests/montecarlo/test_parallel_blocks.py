@@ -168,6 +168,20 @@ def warm_worker():
     process_pool(1).submit(worker_after, 0).result()
 
 
+def filled(megabytes):
+    """Keep memory in use in this process, and its number."""
+    process_pool.__dict__["filled"] = np.ones(megabytes * 2**17)
+    time.sleep(1.1)  # loky looks no more than once a second
+    return os.getpid()
+
+
+@pytest.mark.usefixtures("warm_worker")
+def test_a_worker_that_uses_more_memory_than_at_first_is_no_leak():
+    """It begins with nothing: what a diagnosis loads alone is more than the 300 MB from which loky replaces it."""
+    pytest.importorskip("psutil")
+    assert process_pool(1).submit(filled, 400).result() == process_pool(1).submit(filled, 0).result()
+
+
 @pytest.mark.usefixtures("warm_worker")
 def test_a_part_is_done_here():
     processes = list(Workers(jobs=2).run(worker_after, range(20)))
