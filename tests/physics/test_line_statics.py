@@ -336,11 +336,12 @@ def test_floats_carry_a_heavy_line(floats, weight, speed):
     assert pose.nose[[0, 2], 0] == pytest.approx(place, abs=0.02)
 
 
-def arch(across, weight, lift, before, after):
-    """Heights and horizontal length of the line that a float lifts, so much of it before and after the float."""
+def arch(across, weight, lift, before, after, give):
+    """Heights and horizontal length of the elastic line that a float lifts, so much of it before and after the float."""
     ends = np.array([-weight * before, lift - weight * before, lift - weight * (before + after)])
-    high = (np.hypot(across, ends[0]) - across) / weight
-    fall = (np.hypot(across, ends[1]) - np.hypot(across, ends[2])) / weight
+    stretched = give / 2.0 * ends**2
+    high = (np.hypot(across, ends[0]) - across + stretched[0]) / weight
+    fall = (np.hypot(across, ends[1]) - np.hypot(across, ends[2]) + stretched[1] - stretched[2]) / weight
     spans = np.arcsinh(-ends[0] / across) + np.arcsinh(ends[1] / across) - np.arcsinh(ends[2] / across)
     return high, fall, across / weight * spans
 
@@ -359,15 +360,14 @@ def test_what_a_float_lifts_from_the_seafloor_is_an_arch_of_catenaries(weight, a
     lift, length = lift * weight, hangs + 3.0 + beyond
     before = 0.5 * lift / weight
     if before > beyond:  # down to the anchor: as high before the float as after it
-        before = brentq(lambda x: np.subtract(*arch(across, weight, lift, x, beyond)[:2]), 0.0, before)
+        before = brentq(lambda x: np.subtract(*arch(across, weight, lift, x, beyond, give)[:2]), 0.0, before)
     after = min(before, beyond)
     line = HeldLine(length, wet_weight=weight, compliance=give, floats=(Float(hangs + 3.0, lift),))
     up = weight * hangs
     found = laid(line, uniform(0.0), np.array([5.0]), np.array([[across], [0.0], [up]]))
     level = across / weight * np.arcsinh(up / across) + (3.0 - before) + (beyond - after)
-    expected = level + arch(across, weight, lift, before, after)[2] + across * give * length
-    loose = pytest.approx(expected, rel=2e-3 if give else 1e-5)  # stretched more by its own weight's share
-    assert found.fallen[-1, 0, 0] == loose
+    expected = level + arch(across, weight, lift, before, after, give)[2] + across * give * length
+    assert found.fallen[-1, 0, 0] == pytest.approx(expected, rel=1e-5)
     if not give:
         left = lift - weight * (before + beyond)
         assert found.load[:, 0] == pytest.approx([across, 0.0, max(left, 0.0)], abs=1e-4)
