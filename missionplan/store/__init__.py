@@ -1,8 +1,6 @@
 """Files on disk: the reports made so far; report folders, and checkpoints of finished blocks of trials."""
 
-import html
 import json
-import re
 from collections.abc import Iterator
 from dataclasses import dataclass
 from datetime import datetime
@@ -15,7 +13,6 @@ from missionplan.store.folder import as_path, is_folder
 _MAX_DEPTH = 4
 """Folders below the root in which reports are looked for."""
 _MAX_BYTES = 64_000_000
-_ANSWER = re.compile(r"<h1[^>]*>(.*?)</h1>", re.DOTALL)
 
 
 @dataclass(frozen=True)
@@ -28,7 +25,7 @@ class ReportEntry:
     created: datetime | None
     """UTC; None where the summary does not say."""
     answer: str
-    """The report's first sentence; why it cannot be read, where it cannot."""
+    """What to do, as its decision says; why it cannot be read, where it cannot."""
 
     @property
     def page(self) -> Path:
@@ -65,12 +62,12 @@ def _folders(folder: Path, depth: int) -> Iterator[Path]:
 def _entry(folder: Path) -> ReportEntry:
     try:
         summary = json.loads(_text(folder / "summary.json"))
-        found = _ANSWER.search(_text(folder / "report.html"))
     except (OSError, ValueError, RecursionError) as error:
         return ReportEntry(folder, "", "", None, f"cannot be read: {error}")
     if not isinstance(summary, dict):
         return ReportEntry(folder, "", "", None, "its summary.json is none of missionplan's")
-    answer = html.unescape(re.sub(r"<[^>]*>|\s+", " ", found[1])).strip() if found else ""
+    decision = summary.get("decision")
+    answer = str(decision.get("do", "")) if isinstance(decision, dict) else ""
     mission = summary.get("mission") or summary.get("file") or ""
     created = moment_or_none(summary.get("created_utc"))
     return ReportEntry(folder, str(summary.get("command", "")), str(mission), created, answer)

@@ -24,7 +24,7 @@ from missionplan.report.wording import (
 )
 from missionplan.results.entries import mapping, mappings
 from missionplan.results.simulation import RequirementOutcome
-from missionplan.studies.comparison.result import Alternative, Alternatives
+from missionplan.studies.comparison.result import Alternative, Alternatives, PartOfTask
 
 _WORDS = {
     "phases": "their phases",
@@ -36,11 +36,10 @@ _WORDS = {
 _OF_SEVERAL = {"from": "where {} begin", "to": "where {} lead", "hold": "how long {} hold"}
 
 
-def task_in_words(differs: Mapping[str, Sequence[str]]) -> str:
+def task_in_words(differs: Mapping[PartOfTask, Sequence[str]]) -> str:
     """Write ``in where ingress leads, in the depth of the water and in what is required``."""
     parts = []
-    for part, paths in differs.items():
-        names = list(dict.fromkeys(path.partition(".")[0] for path in paths))
+    for part, names in differs.items():
         several = len(names) > 1 and part in _OF_SEVERAL
         parts.append((_OF_SEVERAL if several else _WORDS)[part].format(" and ".join(names)))
     return listed([f"in {words}" for words in parts])

@@ -1,28 +1,46 @@
 """Results of `compare`: what changed between two reports, and which of several missions is better, by how much."""
 
-import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Annotated, ClassVar, Literal
+from typing import Annotated, ClassVar, Literal, NamedTuple, get_args
 
 import pandas as pd
 
+from missionplan import errors
+from missionplan.errors import key_path
 from missionplan.montecarlo.statistics import Probability
 from missionplan.results import Provenance, Result, to_csv
 from missionplan.results.decision import Aim
 from missionplan.results.entries import Entry, Record, mapping, mappings
 from missionplan.results.simulation import RequirementOutcome
 
-_PARTS = {
-    "phases": re.compile(r"phases"),
-    "place": re.compile(r"site\.origin\b.*"),
-    "depth": re.compile(r"site\.depth\b.*"),
-    "from": re.compile(r"(?!site\.|requirements)[^.]+\.from\b.*"),
-    "to": re.compile(r"(?!site\.|requirements)[^.]+\.to\b.*"),
-    "hold": re.compile(r"[^.]+\.hold\b.*"),
-    "requirements": re.compile(r"requirements\b.*"),
-}
-"""Key paths, with phases by name, by the part of the task that they tell."""
+PartOfTask = Literal["phases", "place", "depth", "from", "to", "hold", "requirements"]
+"""What of its task a value of a mission tells."""
+
+
+class Leaf(NamedTuple):
+    """Where a value of a mission stands: its keys within a section of the file, or within a phase."""
+
+    keys: errors.KeyPath
+    phase: str = ""
+    """What stands for the phase in key paths; empty in a section."""
+
+    def path(self) -> str:
+        """Return its key path, with phases by name."""
+        return ".".join(filter(None, (self.phase, key_path(self.keys))))
+
+    def part(self) -> PartOfTask | None:
+        """Return the part of the mission's task that it tells; None for a way to do it."""
+        match self.phase, self.keys:
+            case "", ("site", "origin", *_):
+                return "place"
+            case "", ("site", "depth", *_):
+                return "depth"
+            case "", ("requirements", *_):
+                return "requirements"
+            case str(name), (("from" | "to" | "hold") as key, *_) if name:
+                return key
+        return None
 
 
 @dataclass(frozen=True)
@@ -31,16 +49,16 @@ class DifferingValue(Record):
 
     path: Annotated[str, Entry("key path, with phases by name")]
     values: Annotated[tuple[str, ...], Entry("in the order of the missions; empty where one does not have it")]
+    leaf: Leaf
 
 
-def parts_of_task(paths: Iterable[str]) -> dict[str, list[str]]:
-    """Return the key paths that belong to a mission's task, by its part, such as ``from`` and ``to``."""
-    found: dict[str, list[str]] = {}
-    for path in paths:
-        for part, pattern in _PARTS.items():
-            if pattern.fullmatch(path):
-                found.setdefault(part, []).append(path)
-    return {part: found[part] for part in _PARTS if part in found}
+def parts_of_task(leaves: Iterable[Leaf], *, phases_differ: bool) -> dict[PartOfTask, list[str]]:
+    """Return the parts of a mission's task that some values tell, in the order of `PartOfTask`, and in which phases."""
+    found: dict[PartOfTask | None, list[str]] = {"phases": []} if phases_differ else {}
+    for leaf in leaves:
+        found.setdefault(leaf.part(), []).append(leaf.phase)
+    parts: tuple[PartOfTask, ...] = get_args(PartOfTask)
+    return {part: list(dict.fromkeys(found[part])) for part in parts if part in found}
 
 
 def phase_names(mission: object) -> tuple[str, ...]:
@@ -78,6 +96,8 @@ class ChangedValue(Record):
     path: Annotated[str, Entry("key path, or name of the option")]
     first: Annotated[str, Entry("of the first run")]
     second: Annotated[str, Entry("of the second run")]
+    leaf: Leaf | None = None
+    """Of a value of the mission."""
 
 
 @dataclass(frozen=True)
@@ -154,10 +174,11 @@ class Comparison(Result):
         return phase_names(self.provenance.data.get("first")), phase_names(self.provenance.data.get("second"))
 
     @property
-    def task_differs(self) -> Mapping[str, Sequence[str]]:
-        """Key paths in which the tasks of the missions differ, by their parts; empty where they have one task."""
+    def task_differs(self) -> Mapping[PartOfTask, Sequence[str]]:
+        """Parts in which the tasks of the missions differ, and their phases; empty where they have one task."""
         first, second = self.phases
-        return parts_of_task([*(["phases"] if first != second else []), *(each.path for each in self.mission_changes)])
+        leaves = (each.leaf for each in self.mission_changes if each.leaf is not None)
+        return parts_of_task(leaves, phases_differ=first != second)
 
     @property
     def alike(self) -> bool:
@@ -288,10 +309,10 @@ class Alternatives(Result):
     differing: Annotated[tuple[DifferingValue, ...], Entry("values in which the missions differ")] = ()
 
     @property
-    def task_differs(self) -> Mapping[str, Sequence[str]]:
-        """Key paths in which the tasks of the missions differ, by their parts; empty where they have one task."""
+    def task_differs(self) -> Mapping[PartOfTask, Sequence[str]]:
+        """Parts in which the tasks of the missions differ, and their phases; empty where they have one task."""
         phases = {phase_names(self.provenance.data.get(each.name)) for each in self.alternatives}
-        return parts_of_task([*(["phases"] if len(phases) > 1 else []), *(each.path for each in self.differing)])
+        return parts_of_task((each.leaf for each in self.differing), phases_differ=len(phases) > 1)
 
     @property
     def best_one(self) -> Alternative:

@@ -29,6 +29,7 @@ from missionplan.studies.comparison.result import (
     Comparison,
     DifferingValue,
     KeyPath,
+    Leaf,
 )
 from missionplan.studies.coverage import coverage_of
 
@@ -37,35 +38,36 @@ _TRAILING_UNIT = re.compile(r"\s*[+-]?[\d.]+(?:[eE][+-]?\d+)?\s*(\S.*?)\s*")
 
 def changed_values(first: object, second: object) -> tuple[ChangedValue, ...]:
     """List the values that differ, by key path with phases by name; ``75 ft`` and ``22.86 m`` are the same."""
-    return tuple(ChangedValue(each.path, *each.values) for each in differing_values((first, second)))
+    found = differing_values((first, second))
+    return tuple(ChangedValue(each.path, each.values[0], each.values[1], each.leaf) for each in found)
 
 
 def differing_values(missions: Sequence[object]) -> tuple[DifferingValue, ...]:
     """List the values in which any of some missions differs from the first, by key path with phases by name."""
-    leaves = [dict(_leaves(mission, "")) for mission in missions]
+    leaves = [dict(_leaves(mission, Leaf(()))) for mission in missions]
     return tuple(
-        DifferingValue(path, tuple(_value_shown(each.get(path)) for each in leaves))
-        for path in dict.fromkeys(path for each in leaves for path in each)
-        if not all(_same(leaves[0].get(path), each.get(path)) for each in leaves[1:])
+        DifferingValue(leaf.path(), tuple(_value_shown(each.get(leaf)) for each in leaves), leaf)
+        for leaf in dict.fromkeys(leaf for each in leaves for leaf in each)
+        if not all(_same(leaves[0].get(leaf), each.get(leaf)) for each in leaves[1:])
     )
 
 
-def _leaves(value: object, path: str) -> Iterator[tuple[str, object]]:
-    if isinstance(value, Mapping) and path == "posterior":
-        yield path, str(value.get("sha256", ""))[:12]
+def _leaves(value: object, at: Leaf) -> Iterator[tuple[Leaf, object]]:
+    if isinstance(value, Mapping) and at == Leaf(("posterior",)):
+        yield at, str(value.get("sha256", ""))[:12]
         for effect, known in mapping(value.get("summary")).items():
-            yield f"{path}.{effect}", mapping(known).get("probability")
+            yield Leaf((*at.keys, effect)), mapping(known).get("probability")
     elif isinstance(value, Mapping):
         for key, inner in value.items():
-            yield from _leaves(inner, f"{path}.{key}" if path else str(key))
-    elif isinstance(value, list) and path == "phases":
+            yield from _leaves(inner, Leaf((*at.keys, str(key)), at.phase))
+    elif isinstance(value, list) and at == Leaf(("phases",)):
         for phase in written_phases({"phases": value}):
-            yield from _leaves(phase.section, phase.key)
-    elif isinstance(value, list) and path != "learned_from":
+            yield from _leaves(phase.section, Leaf((), phase.key))
+    elif isinstance(value, list) and at != Leaf(("learned_from",)):
         for index, inner in enumerate(value):
-            yield from _leaves(inner, f"{path}[{index}]")
+            yield from _leaves(inner, Leaf((*at.keys, index), at.phase))
     else:
-        yield path, value
+        yield at, value
 
 
 def _same(first: object, second: object) -> bool:

@@ -4,6 +4,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import yaml
 
 import missionplan
 from missionplan.errors import InputError
@@ -11,7 +12,8 @@ from missionplan.report.render import terminal_view
 from missionplan.results import to_yaml
 from missionplan.studies.comparison.alternatives_page import answer, page
 from missionplan.studies.comparison.choices_page import task_in_words
-from missionplan.studies.comparison.result import Alternatives, parts_of_task
+from missionplan.studies.comparison.result import Alternatives, Leaf, parts_of_task
+from missionplan.studies.comparison.two_reports import differing_values
 from missionplan.studies.exploration import with_values
 
 pytestmark = pytest.mark.usefixtures("unassumed")
@@ -140,25 +142,30 @@ def test_requirements_of_one_quantity_are_told_apart(folder):
     assert rows["offset of the anchor (moor) at most 60 ft"][0] == "–"
 
 
-@pytest.mark.parametrize(
-    ("path", "part"),
-    [
-        ("ingress.to[0]", "to"),
-        ("ingress.from.latitude", "from"),
-        ("site.origin.latitude", "place"),
-        ("requirements[1].at_most", "requirements"),
-        ("moor.hold", "hold"),
-    ],
-)
-def test_parts_of_the_task(path, part):
-    assert list(parts_of_task([path])) == [part]
-
-
-@pytest.mark.parametrize("path", ["ingress.speed", "optimise.choose[0].from", "site.current.file", "sweep.d_max.to"])
-def test_ways_to_do_it_are_not_the_task(path):
-    assert not parts_of_task([path])
+def test_parts_of_the_task_and_ways_to_do_it():
+    task = {
+        "phases": [{"transit": {"name": "out", "to": ["1 km", "0 m"], "speed": "1 m/s"}}, {"moor": {"hold": "1 h"}}],
+        "site": {"origin": {"latitude": "1 deg"}, "depth": "20 m", "current": {"file": "a.csv"}},
+        "requirements": [{"quantity": "out.duration", "at_most": "1 h"}],
+        "optimise": {"choose": [{"from": "1 m"}]},
+        "sweep": {"d_max": {"to": "1 km"}},
+    }
+    other = yaml.safe_load(yaml.safe_dump(task).replace("1 ", "2 ").replace("20 m", "30 m").replace("a.csv", "b.csv"))
+    parts = {each.path: each.leaf.part() for each in differing_values((task, other))}
+    assert parts == {
+        "out.to[0]": "to",
+        "out.speed": None,
+        "moor.hold": "hold",
+        "site.origin.latitude": "place",
+        "site.depth": "depth",
+        "site.current.file": None,
+        "requirements[0].at_most": "requirements",
+        "optimise.choose[0].from": None,
+        "sweep.d_max.to": None,
+    }
 
 
 def test_the_task_in_words():
-    differs = parts_of_task(["out.to[0]", "back.to[1]", "out.hold", "site.depth"])
+    leaves = [Leaf(("to", 0), "out"), Leaf(("to", 1), "back"), Leaf(("hold",), "out"), Leaf(("site", "depth"))]
+    differs = parts_of_task(leaves, phases_differ=False)
     assert task_in_words(differs) == "in the depth of the water, in where out and back lead and in how long out holds"
