@@ -1,1 +1,1 @@
-"""Speed relative to reference programs, measured in one run: ``python -m benchmarks`` (`docs/validation/speed.md`)."""
+"""Speed relative to reference programs, measured in one run: ``python -m benchmarks`` (`validation/measured`)."""

@@ -1,4 +1,4 @@
-"""Run the comparisons and update the tables of `docs/validation/speed.md`: ``python -m benchmarks``.
+"""Run the comparisons and update `validation/measured/speed.json`: ``python -m benchmarks``.
 
 Each comparison alternates with its reference program and gives ratios. On two idle cores all of them
 take about eight minutes; name one to run it alone, --quick for a smoke test, --long to add ten million trials.
@@ -31,7 +31,7 @@ QUICK = 8
 
 
 def main() -> None:
-    """Run the comparisons asked for, print their tables and write them to the page."""
+    """Run the comparisons asked for, print their tables and write them down."""
     parser = argparse.ArgumentParser(
         prog="python -m benchmarks", description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
@@ -39,7 +39,7 @@ def main() -> None:
     parser.add_argument("--repeats", type=int, default=3, help="times that each side is run; the median counts")
     parser.add_argument("--quick", action="store_true", help=f"sizes divided by {QUICK}, one repeat, nothing written")
     parser.add_argument("--long", action="store_true", help="also ten million trials")
-    parser.add_argument("--no-write", action="store_true", help=f"leave {table.PAGE.name} as it is")
+    parser.add_argument("--no-write", action="store_true", help=f"leave {table.STORE.name} as it is")
     asked = parser.parse_args()
     unknown = [name for name in asked.names if name not in COMPARISONS]
     if unknown:
@@ -49,7 +49,7 @@ def main() -> None:
         load = load_average()
         section = COMPARISONS[name](options)
         measured = circumstances(section.packages, load)
-        print(f"{name}: {measured}\n{table.as_text(section)}\n", flush=True)
+        print(f"{name}: {measured.words()}\n{table.as_text(section)}\n", flush=True)
         if not (asked.quick or asked.no_write):
             table.write(name, section, measured)
 

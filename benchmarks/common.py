@@ -165,16 +165,42 @@ def _peak_of(pid: int) -> int:
     return int(line.split()[1]) * 1024
 
 
-def load_average() -> str:
-    """Return the load of the machine in words; other load makes absolute times longer."""
-    return f"load average {os.getloadavg()[0]:.1f} before" if hasattr(os, "getloadavg") else ""
+@dataclass(frozen=True)
+class Circumstances:
+    """When and where a comparison ran; no names, no paths.
+
+    Attributes
+    ----------
+    date : str
+    machine : sequence of str
+        Processors, memory and system.
+    versions : sequence of str
+        Python and the packages that matter.
+    load : float or None
+        Load average before; other load makes absolute times longer.
+    """
+
+    date: str
+    machine: Sequence[str]
+    versions: Sequence[str]
+    load: float | None
+
+    def words(self) -> str:
+        """Return all of it on one line."""
+        load = () if self.load is None else (f"load average {self.load:.1f} before",)
+        return ", ".join((self.date, *self.machine, *self.versions, *load))
 
 
-def circumstances(packages: Sequence[str], load: str) -> str:
-    """Return when and where a comparison ran: date, processor, versions, load; no names, no paths."""
-    parts = [f"{datetime.now(UTC):%Y-%m-%d}", f"{os.cpu_count()} × {_processor()}", _memory(), platform.system()]
-    parts += [f"Python {platform.python_version()}", *(f"{name} {_version(name)}" for name in packages)]
-    return ", ".join(part for part in (*parts, load) if part)
+def load_average() -> float | None:
+    """Return the load of the machine, where it is known."""
+    return round(os.getloadavg()[0], 1) if hasattr(os, "getloadavg") else None
+
+
+def circumstances(packages: Sequence[str], load: float | None) -> Circumstances:
+    """Return when and where a comparison runs."""
+    machine = (f"{os.cpu_count()} × {_processor()}", _memory(), platform.system())
+    versions = (f"Python {platform.python_version()}", *(f"{name} {_version(name)}" for name in packages))
+    return Circumstances(f"{datetime.now(UTC):%Y-%m-%d}", [part for part in machine if part], versions, load)
 
 
 def _processor() -> str:

@@ -1,10 +1,12 @@
-"""Tables of the comparisons: as text, and between markers in `docs/validation/speed.md`."""
+"""Tables of the comparisons: as text, as records in `validation/measured/speed.json`, and from these as Markdown."""
 
-import re
+import json
+from dataclasses import asdict
+from typing import Any
 
-from benchmarks.common import ROOT, Row, Section
+from benchmarks.common import ROOT, Circumstances, Row, Section
 
-PAGE = ROOT / "docs" / "validation" / "speed.md"
+STORE = ROOT / "validation" / "measured" / "speed.json"
 HEADINGS = ("", "missionplan", "reference", "ratio", "target", "met")
 MET = {None: "", True: "yes", False: "**no**"}
 
@@ -21,29 +23,41 @@ def as_text(section: Section) -> str:
     return "\n".join([*lines, *(f"  {note}" for note in section.notes)])
 
 
-def as_markdown(section: Section, measured: str) -> str:
+def as_markdown(section: Section, measured: Circumstances) -> str:
     """Format a section as a Markdown table without empty columns, with when and where it was measured."""
     cells = [HEADINGS, *(_cells(row) for row in section.rows)]
     kept = [column for column in zip(*cells, strict=True) if any(column[1:])]
     lines = ["| " + " | ".join(row) + " |" for row in zip(*kept, strict=True)]
     lines.insert(1, "|" + " --- |" * len(kept))
-    return "\n".join([*lines, "", *section.notes, f"Measured {measured}."])
+    return "\n".join([*lines, "", *section.notes, f"Measured {measured.words()}."])
 
 
-def write(name: str, section: Section, measured: str) -> None:
-    """Write a section's table between its markers and leave the rest of the page unchanged.
+def write(name: str, section: Section, measured: Circumstances) -> None:
+    """Write a comparison down in place of what it measured before."""
+    record = {
+        "measured": asdict(measured),
+        "notes": section.notes,
+        "rows": [{key: value for key, value in asdict(row).items() if value not in ("", None)} for row in section.rows],
+    }
+    text = json.dumps({**_kept(), name: record}, indent=1, sort_keys=True, ensure_ascii=False)
+    STORE.write_text(f"{text}\n", encoding="utf-8")
+
+
+def load(name: str) -> tuple[Section, Circumstances]:
+    """Return what a comparison measured, when and where.
 
     Raises
     ------
-    ValueError
-        When the page has no such markers.
+    KeyError
+        When it is not in the file.
     """
-    page = PAGE.read_text(encoding="utf-8")
-    marked = re.compile(rf"(<!-- begin {name} -->\n).*?(<!-- end {name} -->)", re.DOTALL)
-    if not marked.search(page):
-        raise ValueError(f"{PAGE.name} has no markers for {name}")
-    content = as_markdown(section, measured)
-    PAGE.write_text(marked.sub(lambda found: f"{found[1]}{content}\n{found[2]}", page), encoding="utf-8")
+    record = _kept()[name]
+    rows = tuple(Row(**row) for row in record["rows"])
+    return Section(rows, notes=tuple(record["notes"])), Circumstances(**record["measured"])
+
+
+def _kept() -> dict[str, Any]:
+    return json.loads(STORE.read_text(encoding="utf-8"))
 
 
 def _cells(row: Row) -> tuple[str, ...]:

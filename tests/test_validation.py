@@ -1,14 +1,19 @@
-"""The validation table: every row is well formed, and the page says what was measured."""
+"""The validation table: every row is well formed, and the pages show what was measured."""
 
+import json
 import math
+from dataclasses import replace
 
 import typer
 
+from benchmarks import table
+from benchmarks.common import Circumstances, Section
+from benchmarks.common import Row as SpeedRow
 from missionplan.cli import app
 from missionplan.results.decision import RANGES, ROWS_OF_COMMAND, Assumption
 from validation import pages, record
-from validation.__main__ import main
-from validation.rows import LEVELS, ROOT, Accepted, Measured, Options, Row, all_rows, at_most, near
+from validation.__main__ import SHOWN, main
+from validation.rows import LEVELS, PAGES, ROOT, Accepted, Measured, Options, Row, all_rows, at_most, near
 
 
 def made(accepted, values, **more):
@@ -47,13 +52,41 @@ def test_a_row_that_breaks_fails_and_the_others_go_on(tmp_path):
     assert "ValueError" in found.why
 
 
-def test_the_pages_are_what_was_measured():
+def test_the_pages_show_all_that_was_measured():
+    shown = {name: pages.page(name) for name in SHOWN}
+    assert not any(pages.MARK.search(text) or "**fails**" in text for text in shown.values())
+    for each in all_rows().values():
+        assert f"| {each.claim} | {each.case} |" in shown[PAGES[each.level]]
+    for record_of_speed in json.loads(table.STORE.read_text(encoding="utf-8")).values():
+        assert all(f"| {row['what']} | {row['ours']} |" in shown["speed"] for row in record_of_speed["rows"])
+
+
+def test_measuring_again_leaves_the_lines_of_other_rows(tmp_path, monkeypatch):
+    kept = {path.name: path.read_bytes() for path in record.STORE.glob("*.json") if path != table.STORE}
     found = record.load()
-    written = {page.name: page.read_text(encoding="utf-8") for page in record.FOLDER.glob("*.md")}
-    assert pages.summary(found) in written["index.md"]
-    for level in LEVELS:
-        assert any(pages.table(level, found) in text for text in written.values()), level
-    assert not any("**fails**" in text for text in written.values())
+    monkeypatch.setattr(record, "STORE", tmp_path)
+    record.save(dict(reversed(found.items())))
+    assert {path.name: path.read_bytes() for path in tmp_path.iterdir()} == kept
+    record.save({**found, "fault.kill": replace(found["fault.kill"], cpu_s=1.5)})
+    assert record.load()["fault.kill"].cpu_s == 1.5
+    changed = set((tmp_path / "faults.json").read_bytes().splitlines()) - set(kept["faults.json"].splitlines())
+    assert changed == {b'  "cpu_s": 1.5,'}
+
+
+def test_a_comparison_is_written_down_in_place_of_what_it_was(tmp_path, monkeypatch):
+    monkeypatch.setattr(table, "STORE", tmp_path / "speed.json")
+    table.STORE.write_text("{}", encoding="utf-8")
+    section = Section(
+        (SpeedRow("a b", "2 s", "1 s", "2 × as long", "≤ 1.5", met=False), SpeedRow("c", "3 s")), notes=("N.",)
+    )
+    measured = Circumstances("2026-11-28", ("2 × X", "1 GiB"), ("Python 3",), 0.5)
+    table.write("made", replace(section, rows=()), measured)
+    table.write("made", section, measured)
+    assert table.as_markdown(*table.load("made")) == table.as_markdown(section, measured)
+    assert table.as_markdown(section, measured).endswith(
+        "| a b | 2 s | 1 s | 2 × as long | ≤ 1.5 | **no** |\n| c | 3 s |  |  |  |  |\n\nN.\n"
+        "Measured 2026-11-28, 2 × X, 1 GiB, Python 3, load average 0.5 before."
+    )
 
 
 def test_reports_name_rows_and_commands_that_there_are():

@@ -1,4 +1,4 @@
 """What the tool computes, measured against closed forms, papers, peer programs, made-up data and the sea.
 
-``python -m validation`` measures every cheap row again and writes `docs/validation`; see `validation.__main__`.
+``python -m validation`` measures every cheap row again and writes `validation/measured`; see `validation.__main__`.
 """

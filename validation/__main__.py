@@ -1,4 +1,4 @@
-"""Measure the rows of the validation table and write `docs/validation`: ``python -m validation``.
+"""Measure the rows of the validation table and write `validation/measured`: ``python -m validation``.
 
 Without IDs every row is measured that costs less than a minute of CPU; --costly adds the others, an ID measures that
 row alone, whatever it costs. Peer programs come with ``pip install 'missionplan[validation]'``; a row whose peer or
@@ -17,9 +17,11 @@ os.environ.setdefault("OMP_NUM_THREADS", "1")
 from missionplan.mission import load
 from missionplan.studies.judgement import ledger
 from validation import pages, record, sea_records
-from validation.rows import CHEAP, ROOT, Options, Row, all_rows
+from validation.rows import CHEAP, PAGES, ROOT, Options, Row, all_rows
 
 DATA = ROOT.parent / "shared" / "data"
+SHOWN = ("index", *PAGES.values(), "speed")
+"""The pages with tables."""
 
 
 def _parse(words: Sequence[str] | None) -> argparse.Namespace:
@@ -41,8 +43,10 @@ def _parse(words: Sequence[str] | None) -> argparse.Namespace:
     parser.add_argument(
         "--assumptions", action="store_true", help="print what each shipped mission takes for granted, and its worth"
     )
-    parser.add_argument("--page", action="store_true", help="write the page from what was measured, and measure none")
-    parser.add_argument("--no-write", action="store_true", help="leave docs/validation as it is")
+    parser.add_argument(
+        "--show", metavar="PAGE", choices=SHOWN, help=f"print a page with its tables: {', '.join(SHOWN)}"
+    )
+    parser.add_argument("--no-write", action="store_true", help="leave validation/measured as it is")
     return parser.parse_args(words)
 
 
@@ -54,8 +58,8 @@ def main(words: Sequence[str] | None = None) -> int:
         print(f"no row {', '.join(unknown)}; --list prints them", file=sys.stderr)
         return 2
     chosen = [each for each in rows.values() if _is_asked(each, asked)]
-    if asked.page:
-        pages.write(record.load())
+    if asked.show:
+        print(pages.page(asked.show))
         return 0
     if asked.records:
         return _records(asked.records)
@@ -108,7 +112,7 @@ def _is_asked(row: Row, asked: argparse.Namespace) -> bool:
 
 
 def _measure(row: Row, options: Options, *, write: bool) -> bool:
-    """Measure a row, print it, and write the pages; False if it fails."""
+    """Measure a row, print it, and write it down; False if it fails."""
     found = record.measured(row, options, figures=record.FIGURES if write else None)
     numbers = (f"{name} {pages.shown(value)}" for name, value in found.values.items())
     print(f"{row.name}: {found.verdict} {found.why}; {'; '.join(numbers)} ({found.cpu_s:g} s)", flush=True)
@@ -117,7 +121,6 @@ def _measure(row: Row, options: Options, *, write: bool) -> bool:
         if found.verdict != record.NOT_MEASURED or row.name not in known:
             known[row.name] = found
         record.save(known)
-        pages.write(known)
     return found.verdict != record.FAILS
 
 

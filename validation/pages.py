@@ -1,45 +1,46 @@
-"""The pages of `docs/validation` that are made from what the rows measured."""
+"""What was measured as the tables of `docs/validation`: put into the pages of the site, and printed."""
 
 import math
 import re
-from pathlib import Path
 
-from validation.record import DIFFERS, FAILS, FOLDER, HOLDS, NOT_MEASURED, Found
-from validation.rows import CHEAP, LEVELS, Accepted, Row, all_rows, rows_of
+from benchmarks import table as speed
+from validation.record import DIFFERS, FAILS, FOLDER, HOLDS, LIBRARIES, NOT_MEASURED, Found, load
+from validation.rows import CHEAP, LEVELS, PAGES, Accepted, Row, all_rows, rows_of
 
-_INDEX = FOLDER / "index.md"
-_PAGES = {
-    "closed": FOLDER / "closed-forms.md",
-    "paper": FOLDER / "papers.md",
-    "peer": FOLDER / "peers.md",
-    "calibration": FOLDER / "calibration.md",
-    "sea": FOLDER / "logs.md",
-    "fault": FOLDER / "faults.md",
-}
-"""The page of each level of rows."""
-_MARKED = re.compile(r"(<!-- begin rows -->\n).*?(<!-- end rows -->)", re.DOTALL)
+MARK = re.compile(r"^\[Measured: (.+)\]\(.+\)$", re.MULTILINE)
+"""The line of a page that stands for a table; where the pages are read without it, it leads to the data."""
 _VERDICTS = {HOLDS: "holds", DIFFERS: "differs", FAILS: "**fails**", NOT_MEASURED: "not measured"}
 
 
-def write(found: dict[str, Found]) -> None:
-    """Write each level's rows and the summary between the markers of their pages; what stands around them stays."""
-    _put(_INDEX, summary(found))
-    for level, page in _PAGES.items():
-        _put(page, table(level, found))
+def page(name: str) -> str:
+    """Return a page of `docs/validation`, by its name, with its tables."""
+    return with_tables((FOLDER / f"{name}.md").read_text(encoding="utf-8"))
 
 
-def _put(page: Path, text: str) -> None:
-    before = page.read_text(encoding="utf-8")
-    if not _MARKED.search(before):
-        raise ValueError(f"{page.name} has no markers for the rows")
-    page.write_text(_MARKED.sub(lambda marks: f"{marks[1]}{text}\n{marks[2]}", before), encoding="utf-8")
+def with_tables(text: str) -> str:
+    """Return a page with the tables in place of the lines that stand for them."""
+    return MARK.sub(lambda mark: measured(mark[1]), text)
+
+
+def measured(what: str) -> str:
+    """Return the table of a page, the summary of all pages, or the table of a comparison of speeds.
+
+    Raises
+    ------
+    KeyError
+        When there is nothing of this name.
+    """
+    if what == "all rows":
+        return summary(load())
+    levels = {name: level for level, name in PAGES.items()}
+    return table(levels[what], load()) if what in levels else speed.as_markdown(*speed.load(what))
 
 
 def summary(found: dict[str, Found]) -> str:
     """Return how many rows of each level hold, differ, fail and are not measured, with links to the pages."""
     lines = ["| compared with | rows | hold | differ | fail | not measured |", "|" + "---|" * 6]
     for level, title in LEVELS.items():
-        lines.append(_counts(f"[{title}]({_PAGES[level].name})", list(rows_of(level)), found))
+        lines.append(_counts(f"[{title}]({PAGES[level]}.md)", list(rows_of(level)), found))
     return "\n".join([*lines, _counts("all", list(all_rows().values()), found)])
 
 
@@ -75,14 +76,9 @@ def _line(row: Row, found: Found | None) -> str:
     peers = [f"{name} {found.versions[name]}" for name in row.packages if found and name in found.versions]
     reference = f"{row.reference} ({', '.join(peers)})" if peers else row.reference
     accepted = "; ".join(_limits(each) for each in row.accepted if each.is_limited) or "reported"
-    anchor = f'<span id="{anchor_of(row.name)}"></span>`{row.name}`'
+    anchor = f'<span id="{row.name.replace(".", "-")}"></span>`{row.name}`'
     cells = (anchor, row.claim, row.case, reference, measured, accepted, verdict, f"`{row.command}`")
     return "| " + " | ".join(cell.replace("|", "\\|") for cell in cells) + " |"
-
-
-def anchor_of(name: str) -> str:
-    """Return the anchor of a row on its page."""
-    return name.replace(".", "-")
 
 
 def shown(value: float | None) -> str:
@@ -117,5 +113,6 @@ def _circumstances(row: Row, found: Found) -> str:
     """A row that went on from what was done before does not know what it cost."""
     cost = f"{found.cpu_s:g} s" if found.cpu_s > 0.05 * row.cost or row.cost <= CHEAP else "continued"
     seed = "–" if found.seed is None else str(found.seed)
-    used = ", ".join(f"{package} {version}" for package, version in found.versions.items())
+    packages = ("Python", *LIBRARIES, *row.packages)
+    used = ", ".join(f"{name} {found.versions[name]}" for name in packages if name in found.versions)
     return f"| `{row.name}` | {found.date} | {found.commit} | {seed} | {cost} | {used} |"

@@ -1,4 +1,4 @@
-"""What the rows measured, kept in `docs/validation/measured.json`: numbers, verdict, seed, versions, commit, date."""
+"""What the rows measured, kept in `validation/measured`: numbers, verdict, seed, versions, commit, date."""
 
 import json
 import math
@@ -10,15 +10,16 @@ from dataclasses import asdict, dataclass
 from datetime import UTC, datetime
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
+from typing import Any
 
 from missionplan.report.page import draw, style
-from validation.rows import ROOT, NotMeasurableHereError, Options, Row, all_rows
+from validation.rows import PAGES, ROOT, NotMeasurableHereError, Options, Row, all_rows, rows_of
 
 FOLDER = ROOT / "docs" / "validation"
 FIGURES = FOLDER / "figures"
-STORE = FOLDER / "measured.json"
+STORE = ROOT / "validation" / "measured"
 HOLDS, DIFFERS, FAILS, NOT_MEASURED = "holds", "differs", "fails", "not measured"
-_LIBRARIES = ("numpy", "scipy")
+LIBRARIES = ("numpy", "scipy")
 _WHITE = '<rect width="100%" height="100%" fill="#ffffff"/>'
 """Behind a figure, so that it is legible on any page."""
 
@@ -86,21 +87,23 @@ def measured(row: Row, options: Options, *, figures: Path | None) -> Found:
 
 def load() -> dict[str, Found]:
     """Return what was measured, by ID, but for rows that are no longer in the table or have other numbers now."""
-    if not STORE.exists():
-        return {}
-    kept = json.loads(STORE.read_text(encoding="utf-8"))
+    kept: dict[str, Any] = {}
+    for page in PAGES.values():
+        kept |= json.loads((STORE / f"{page}.json").read_text(encoding="utf-8"))
     found = {name: Found(**kept[name]) for name in all_rows() if name in kept}
     return {
         name: each
         for name, each in found.items()
-        if not each.values or list(each.values) == [number.name for number in all_rows()[name].accepted]
+        if not each.values or each.values.keys() == {number.name for number in all_rows()[name].accepted}
     }
 
 
 def save(found: dict[str, Found]) -> None:
-    """Write what was measured."""
-    written = {name: asdict(found[name]) for name in all_rows() if name in found}
-    STORE.write_text(json.dumps(written, indent=1, ensure_ascii=False) + "\n", encoding="utf-8")
+    """Write what was measured, one file a page, sorted, so that what differs is what was measured again."""
+    for level, page in PAGES.items():
+        written = {each.name: asdict(found[each.name]) for each in rows_of(level) if each.name in found}
+        text = json.dumps(written, indent=1, sort_keys=True, ensure_ascii=False)
+        (STORE / f"{page}.json").write_text(f"{text}\n", encoding="utf-8")
 
 
 def commit() -> str:
@@ -117,7 +120,7 @@ def commit() -> str:
 def versions(packages: tuple[str, ...]) -> dict[str, str]:
     """Return the versions of Python, the numerical libraries and the peers that are installed."""
     found = {"Python": platform.python_version()}
-    for name in (*_LIBRARIES, *packages):
+    for name in (*LIBRARIES, *packages):
         try:
             found[name] = version(name)
         except PackageNotFoundError:

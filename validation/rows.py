@@ -20,6 +20,15 @@ LEVELS = {
     "fault": "Faults survived",
 }
 """What a row is compared with, in the order of the table; an ID begins with its level."""
+PAGES = {
+    "closed": "closed-forms",
+    "paper": "papers",
+    "peer": "peers",
+    "calibration": "calibration",
+    "sea": "logs",
+    "fault": "faults",
+}
+"""The page of `docs/validation` of each level, and the file of `validation/measured` with what its rows measured."""
 CHEAP = 60.0
 """CPU time up to which a row is measured unless it is asked for [s]."""
 

@@ -1,4 +1,4 @@
-"""Pages that are made while the site is built: the reference, from the code itself, and the gallery, by running it."""
+"""Made while the site is built: the reference, from code; the gallery, by running it; tables of what was measured."""
 
 import sys
 from pathlib import Path
@@ -6,12 +6,16 @@ from typing import Any
 
 from mkdocs.config.defaults import MkDocsConfig
 from mkdocs.structure.files import File, Files
+from mkdocs.structure.pages import Page
 
 HERE = Path(__file__).parent
 sys.path.insert(0, str(HERE))
+sys.path.append(str(HERE.parents[1]))
 
 import gallery  # noqa: E402  (beside this file, which is no package)
 import reference  # noqa: E402
+
+from validation import pages  # noqa: E402
 
 
 def on_files(files: Files, config: MkDocsConfig) -> Files:
@@ -21,6 +25,11 @@ def on_files(files: Files, config: MkDocsConfig) -> Files:
         files.append(File.generated(config, path, content=content))
     _put_gallery_into_nav(config.nav, [path for path in made if path.startswith("gallery/") and path.endswith(".md")])
     return files
+
+
+def on_page_markdown(markdown: str, page: Page, config: MkDocsConfig, files: Files) -> str:
+    """Put the tables of what was measured into a page."""
+    return pages.with_tables(markdown) if page.file.src_uri.startswith("validation/") else markdown
 
 
 def _put_gallery_into_nav(nav: Any, pages: list[str]) -> None:

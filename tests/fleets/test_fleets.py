@@ -32,7 +32,7 @@ def test_dives_have_their_date_and_are_parted_into_a_light_and_a_heavy_one():
 
 @pytest.mark.slow
 def test_levels_are_told_mission_after_mission():
-    """One vehicle a way of those of ``python -m tests.fleets``, whose figures docs/validation/calibration.md gives."""
+    """One vehicle a way of those of ``python -m tests.fleets``, whose figures validation/measured/calibration.json has."""
     found = [fleets.run(seed) for seed in range(4)]
     held = np.concatenate([(*fleet.held, *fleet.beside) for fleet in found])
     assert held.mean() > 0.8
