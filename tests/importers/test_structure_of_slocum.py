@@ -13,6 +13,7 @@ from test_structure import agree
 
 from missionplan.errors import InputError
 from missionplan.importers import import_logs
+from missionplan.importers.importer import ReadOptions, SourceLog, known_importers
 
 pytest.importorskip("dbdreader", reason="dbdreader is not installed")
 VOYAGE = made(legs=4, duration=2400.0, pause=600.0, step=20.0)
@@ -167,6 +168,13 @@ def test_the_variation_of_the_compass_is_positive_west(tmp_path):
               for row in cycles()]  # fmt: skip
     true = import_logs([dbd(tmp_path / "1" / "a.sbd", cycles(), sensors=without)])
     agree(true, import_logs([dbd(tmp_path / "2" / "a.sbd", turned, sensors=without)]), metres=1.0)
+
+
+def test_its_estimate_of_the_current_is_east_along_x_and_north_along_y(tmp_path):
+    rows = [{**row, "m_water_vx": 0.25, "m_water_vy": -0.5} for row in cycles()]
+    path = dbd(tmp_path / "1.sbd", rows, sensors=FLIGHT | {"m_water_vx": 4, "m_water_vy": 4})
+    track = known_importers()[0]["slocum"].read([path], ReadOptions(), SourceLog())
+    assert (set(track.current_east.values), set(track.current_north.values)) == ({0.25}, {-0.5})
 
 
 @pytest.mark.parametrize(("away", "left"), [(1200.0, 3), (-200.0, 4), (20.0, 4)])

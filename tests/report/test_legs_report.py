@@ -4,11 +4,13 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from matplotlib.figure import Figure as MatplotlibFigure
 
 from missionplan.mission import load
 from missionplan.montecarlo.statistics import Statistic, wilson
 from missionplan.report.page import Figure, Listing, Table
 from missionplan.report.render import terminal_view
+from missionplan.studies.leg_length import figures
 from missionplan.studies.leg_length.plan_legs import plan_legs
 from missionplan.studies.leg_length.plan_page import answer, page
 from missionplan.studies.leg_length.plan_result import CandidatePlan, MeanAndError
@@ -113,3 +115,51 @@ def test_an_aim_of_energy_is_judged_by_energy(adaptive):
     assert not replace(plan, cases=(unsure,)).recommended
     sure = replace(case, saved_energy=MeanAndError(350.0, 10.0))
     assert not replace(plan, cases=(sure,)).recommended  # less than 1 %
+
+
+def drawn(draw_it, *given):
+    axes = MatplotlibFigure().add_subplot()
+    draw_it(axes, *given)
+    return axes, [np.array(line.get_data(), dtype=float) for line in axes.get_lines()]
+
+
+def test_a_table_is_drawn_by_the_lengths_and_the_aims_of_its_legs(adaptive):
+    """Knots at 20, 1000 and 3000 m: of 500 m left a leg has 250 m; a fixed one of 800 m goes to the target from there."""
+    plan = replace(
+        adaptive, left=np.array([20.0, 1000.0, 3000.0]), leg=np.array([20.0, 500.0, 900.0]), fixed_d_max=800.0
+    )
+    _, (fixed, table, knots) = drawn(figures.draw_lengths, plan)
+    assert knots == pytest.approx(np.array([[1.0, 3.0], [0.5, 0.9]]))
+    assert np.interp([0.51, 2.0], *table) == pytest.approx([0.26, 0.7], abs=1e-3)
+    assert np.interp([0.5, 2.0], *fixed) == pytest.approx([0.5, 0.8], abs=2e-3)
+    _, (fixed, table, radius) = drawn(figures.draw_aims, plan)
+    assert np.interp([510.0, 2000.0], *table) == pytest.approx([250.0, 1300.0], rel=2e-3)
+    assert np.isnan(fixed[1, fixed[0] < 800.0]).all()
+    assert np.interp(2000.0, *fixed) == pytest.approx(1200.0, rel=2e-3)
+    assert set(radius[1]) == {20.0}
+
+
+def test_tracks_are_turned_along_the_course_with_port_upward(adaptive):
+    """To the east of north by 90°: what lies 30 m north of a course to the east lies to port."""
+    tracks = np.array([[[100.0], [1100.0], [2100.0], [np.nan]], [[50.0], [80.0], [50.0], [np.nan]]])
+    plan = replace(adaptive, goal=(2100.0, 50.0), arrival_radius=20.0, fixed_tracks=tracks)
+    _, (circle, way) = drawn(figures._draw_tracks, plan, tracks)
+    assert way == pytest.approx(np.array([[0.0, 1.0, 2.0], [0.0, 30.0, 0.0]]))
+    assert (circle[0].min(), circle[0].max(), circle[1].max()) == pytest.approx((1.98, 2.02, 20.0))
+
+
+def test_savings_are_drawn_case_under_case_with_95_percent_intervals(adaptive):
+    names, saved = ("", "more error", "a current"), (50.0, -20.0, 10.0)
+    cases = [
+        replace(adaptive.cases[0], name=name, saved=MeanAndError(mean, 5.0))
+        for name, mean in zip(names, saved, strict=True)
+    ]
+    axes, ((at, place), *_) = drawn(figures.draw_savings, replace(adaptive, cases=tuple(cases)))
+    labels = dict(zip(axes.get_yticks(), [label.get_text() for label in axes.get_yticklabels()], strict=True))
+    assert [(labels[y], x) for x, y in zip(at, place, strict=True)] == [
+        ("as the mission", 50.0),
+        *zip(names[1:], saved[1:], strict=True),
+    ]
+    assert place.tolist() == sorted(place, reverse=True)
+    (bars,) = axes.collections[:1]
+    assert [np.ptp(segment[:, 0]) for segment in bars.get_segments()] == pytest.approx([2.0 * 1.96 * 5.0] * 3)

@@ -8,12 +8,15 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from matplotlib.collections import LineCollection
+from matplotlib.figure import Figure as MatplotlibFigure
 from outcome_example import MAPPED, example
 
 from missionplan.mission import load
 from missionplan.montecarlo.statistics import wilson
 from missionplan.report.page import Figure, draw, drawing_by, style
 from missionplan.report.render import render_report, terminal_view
+from missionplan.report.simulation import figures
 from missionplan.report.simulation import page as simulation
 from missionplan.report.simulation.quantities import judged
 from missionplan.report.wording import percent
@@ -283,3 +286,45 @@ def test_the_sheet_tells_the_hour_in_utc_and_in_the_zone_of_the_mission():
     there, here = (int(hour) for hour in re.findall(r"Jun (\d\d):", local))
     assert (there - here) % 24 == 5
     assert any("nothing of it (energy.capacity)" in block for block in west.blocks if isinstance(block, str))
+
+
+def test_bars_of_the_waterfall_stand_on_one_another_from_all_trials_down(outcome):
+    axes = MatplotlibFigure().add_subplot()
+    figures.draw_waterfall(axes, outcome)
+    tops = [bar.get_x() + bar.get_width() for bar in axes.patches]
+    assert tops == pytest.approx([100.0, *(bar.get_x() for bar in axes.patches[:-1])])
+    assert (axes.patches[-1].get_x(), tops[-1]) == (0.0, pytest.approx(100.0 * outcome.total.events["success"].value))
+
+
+def test_a_histogram_has_the_trials_the_band_the_median_and_the_limit_in_the_mission_s_unit(outcome):
+    moor, foot = outcome.phases[1], 0.3048
+    axes, values = MatplotlibFigure().add_subplot(), moor.quantities["offset_m"]
+    figures.draw_histogram(axes, outcome, moor, "offset_m")
+    stairs, band = axes.patches
+    heights, edges, _ = stairs.get_data()
+    assert (heights.sum(), edges[-1]) == pytest.approx((100.0, moor.histograms["offset_m"].edges[-1] / foot))
+    assert (heights > 2.0 * 100.0 / 40).any()
+    ends = band.get_window_extent().transformed(axes.transData.inverted())
+    assert (ends.x0, ends.x1) == pytest.approx((values.p05 / foot, values.p95 / foot))
+    median, limit = (line.get_xdata()[0] for line in axes.get_lines())
+    assert (median, limit) == pytest.approx((values.p50 / foot, 75.0))
+
+
+def test_tracks_and_depths_of_trials_that_fail_are_orange_with_a_cross_where_they_end(outcome):
+    tracks = outcome.tracks
+    last = [np.flatnonzero(np.isfinite(tracks.time[:, trial]))[-1] for trial in range(MAPPED)]
+    failed = np.flatnonzero(~tracks.success)
+    assert 0 < len(failed) < MAPPED
+    for draw_it, ends in (
+        (figures.draw_tracks, [tracks.position[last[trial], :, trial] for trial in failed]),
+        (figures.draw_profile, [tracks.profile[:, last[trial], trial] / (60.0, 1.0) for trial in failed]),
+    ):
+        axes = MatplotlibFigure().add_subplot()
+        draw_it(axes, outcome)
+        good, bad = (each for each in axes.collections if isinstance(each, LineCollection))
+        assert [each.get_color()[0, 0] > 0.5 for each in (good, bad)] == [False, True]
+        assert [len(each.get_segments()) for each in (good, bad)] == [MAPPED - len(failed), len(failed)]
+        crosses = [np.ravel(line.get_data()) for line in axes.get_lines() if line.get_marker() == "x"]
+        assert np.array(crosses) == pytest.approx(np.array(ends))
+        for segment, end in zip(bad.get_segments(), ends, strict=True):
+            assert segment[np.isfinite(segment).all(axis=1)][-1] == pytest.approx(end)

@@ -2,13 +2,15 @@
 
 from dataclasses import replace
 
+import numpy as np
 import pytest
+from matplotlib.figure import Figure
 
 from missionplan.mission import load
 from missionplan.montecarlo.statistics import wilson
 from missionplan.report.render import terminal_view
 from missionplan.results import Provenance
-from missionplan.studies.leg_length import sweep_page
+from missionplan.studies.leg_length import figures, sweep_page
 from missionplan.studies.leg_length.sweep_dmax import sweep_dmax
 from missionplan.studies.leg_length.sweep_page import page
 from missionplan.studies.leg_length.sweep_result import ExplainedSweep, Sweep, SweepCurve, SweepPoint
@@ -185,3 +187,28 @@ def test_under_an_explanation_the_choice_loses_or_keeps():
     assert [plain(cell) for cell in section.blocks[0].rows[0]] == ["compass bias", "30.0 %", "400 m", "100 %", "18.2 %"]
     assert "But with compass bias it is 400 m, and the other takes 18 % longer then" in plain(page(found).answer)
     assert plain(page(found).answer).startswith("Nothing to choose yet: as the mission stands, d_max = 700 m is best")
+
+
+def test_curves_of_a_sweep_go_through_their_points_and_the_slider_tells_each():
+    own = replace(point(0.0, 0.13, 500), excess_error=0.002)
+    found = three_curves(table=own)
+    axes, below = Figure().add_subplot(), Figure().add_subplot()
+    figures.draw_costs(axes, found)
+    figures.draw_surfacings(below, found)
+    lines = axes.get_lines()
+    dots, rings = ([line for line in lines if line.get_marker() == marker] for marker in ".o")
+    level = [line.get_ydata()[0] for line in lines if line.get_linestyle() == "--" and len(set(line.get_ydata())) == 1]
+    assert level == pytest.approx([13.0] * 3)
+    for number, sigma in enumerate((0.08, 0.02, 0.05)):
+        costs = [100.0 * (0.1 + 0.001 * abs(k - 14) + sigma + 0.12 * (k == 10)) for k in range(6, 21)]
+        assert dots[number].get_xdata() == pytest.approx([0.05 * k for k in range(6, 21)])
+        assert dots[number].get_ydata() == pytest.approx(costs)
+        assert np.ravel(rings[number].get_data()) == pytest.approx([0.7, min(costs)])
+        band = axes.collections[number].get_paths()[0].vertices[:, 1]
+        assert (band.min(), band.max()) == pytest.approx((min(costs) - 0.196, max(costs) + 0.196))
+        assert below.get_lines()[number].get_ydata() == pytest.approx(range(6, 21))
+    slider = figures._along_d_max(found)
+    assert (slider.places[slider.start], slider.places[0]) == pytest.approx((0.7, 0.3))
+    assert plain(slider.texts[0]).startswith(
+        "300 m. σ_v 0.08 m/s: cost 18.80 %, 100 % arrive, 6.0 surfacings; σ_v 0.02"
+    )

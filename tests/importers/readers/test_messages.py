@@ -277,6 +277,32 @@ def test_a_phase_of_og1_that_is_surface_drift():
     assert len(seaglider._drifting(netcdf(TIME=("n", [0.0], SINCE), PHASE=("n", [1.0], {})), "PHASE")) == 0
 
 
+def test_a_deployment_of_og1():
+    """Its model's speed leads on where it has neither displacements nor positions that it calls dead-reckoned."""
+    gps, own = ("gps",), ("n",)
+    given = {
+        "TIME_GPS": (gps, [10.0, 20.0], SINCE), "LATITUDE_GPS": (gps, [48.0, 48.1], {}), "LONGITUDE_GPS": (gps, [-123.0, -123.1], {}),
+        "LATITUDE_GPS_QC": (gps, [1.0, 4.0], {}), "TIME": (own, [30.0, 40.0], SINCE), "DEPTH": (own, [5.0, 6.0], {"units": "m"}),
+        "PITCH": (own, [-20.0, -21.0], {}), "HEADING": (own, [100.0, 110.0], {}), "GLIDER_HORZ_VELO_MODEL": (own, [30.0, 31.0], {"units": "cm/s"}),
+        "MAGNETIC_DECLINATION": (own, [15.0, 15.5], {}), "LATITUDE": (own, [48.2, 48.3], {}), "LONGITUDE": (own, [-123.2, -123.3], {}),
+    }  # fmt: skip
+    found = seaglider._deployment(netcdf(**given))
+    assert (found.fixes.t.tolist(), found.fixes.latitude.tolist()) == ([10.0, 20.0], [48.0, 48.1])
+    assert (found.fixes.longitude.tolist(), found.fixes.valid.tolist()) == ([-123.0, -123.1], [1.0, 0.0])
+    for name, values in {"depth": [5.0, 6.0], "pitch": [-20.0, -21.0], "heading": [100.0, 110.0], "speed": [0.3, 0.31],
+                         "declination": [15.0, 15.5]}.items():  # fmt: skip
+        assert values_at(getattr(found, name), [30.0, 40.0]) == pytest.approx(values), name
+    ways = {
+        f"{axis}_displacement": (own, steps, {"units": "m"})
+        for axis, steps in (("east", [1.0, 2.0]), ("north", [3.0, 4.0]))
+    }
+    led = seaglider._deployment(netcdf(**given, **ways))
+    assert ([each.tolist() for each in led.ways], len(led.speed)) == ([[30.0, 40.0], [1.0, 2.0], [3.0, 4.0]], 0)
+    flagged = seaglider._deployment(netcdf(**given, **ways, DEAD_RECKONING=(own, [0.0, 1.0], {})))
+    assert (flagged.reckoned.t.tolist(), flagged.reckoned.latitude.tolist()) == ([40.0], [48.3])
+    assert (flagged.reckoned.longitude.tolist(), flagged.ways[0].size, len(flagged.speed)) == ([-123.3], 0, 0)
+
+
 def test_displacements_are_summed_from_each_fix_to_the_next():
     """In any order, against a plain loop; what comes before the first fix leads from nowhere."""
     rng = np.random.default_rng(2)
@@ -316,6 +342,12 @@ def test_qualities_of_a_slocum_s_fixes_are_those_of_their_moment():
     np.testing.assert_array_equal(found.valid, [1.0, 0.0, NAN])
     np.testing.assert_array_equal(found.accuracy, [NAN, 5.0, 6.0])
     np.testing.assert_array_equal(found.satellites, [7.0, NAN, 8.0])
+
+
+def test_a_slocum_s_mission_began_anew_where_its_start_moves_by_more_than_a_minute():
+    store = ChannelStore()
+    store.add("m_present_secs_into_mission", 1e9 + 100.0 * np.arange(5), np.array([500.0, 600.0, 641.0, 20.0, 120.0]))
+    assert [(each.t, each.at_surface_too) for each in slocum._restarts(store)] == [(1e9 + 300.0, False)]
 
 
 def test_columns_of_a_seaexplorer(tmp_path):
