@@ -18,16 +18,40 @@ navigation: {velocity_error: {sigma: 0.035 m/s}, surfacing_time: 90 s}
 phases:
   - transit: {name: ingress, from: [0 m, 0 m], to: [4 nmi, 0 m], speed: 1.25 m/s, d_max: 4 nmi, arrival_radius: 50 m}
 """
-TWO_RUNS = """
-import sys
+UNDRAWN = """
 from missionplan.cli import main
-for more in ([], ["--json"]):
-    sys.argv = ["missionplan", *sys.argv[1:8], "--out", f"out{len(more)}", *more]
-    try:
+from missionplan.report.page import Drawn, drawing_by
+def undrawn():
+    with drawing_by(lambda figure, shown: Drawn("<svg/>")):
         main()
-    except SystemExit as ended:
-        print("\\nstatus", ended.code, flush=True)
 """
+COPIES = (
+    UNDRAWN
+    + """
+import os, sys
+def broken():
+    reading, writing = os.pipe()
+    os.close(reading)
+    return writing
+def ended(name, *more):
+    opened = {"full": lambda: os.open("/dev/full", os.O_WRONLY), "gone": broken}
+    out = opened.get(name.partition("-")[0], lambda: os.open(name + ".out", os.O_WRONLY | os.O_CREAT))()
+    said = os.open(name + ".err", os.O_WRONLY | os.O_CREAT)
+    if copy := os.fork():
+        return os.waitstatus_to_exitcode(os.waitpid(copy, 0)[1])
+    os.dup2(out, 1), os.dup2(said, 2)
+    sys.argv = ["missionplan", *words, "--out", name, *more]
+    undrawn()
+words, names = sys.argv[2:], sys.argv[1].split()
+sys.argv = ["missionplan", *words, "--out", "first", "--quiet"]
+try:
+    undrawn()  # what it imports, its copies need not
+except SystemExit:
+    pass
+print(*[ended(name, *(["--json"] if name.endswith("json") else [])) for name in names])
+"""
+)
+"""Runs of one process's copies, each to an end of its own."""
 NEEDS_FULL = pytest.mark.skipif(not Path("/dev/full").exists(), reason="this system has no /dev/full")
 
 
@@ -42,31 +66,43 @@ def simulate(folder, *more):
     return ["simulate", str(mission), "--trials", "20", "--jobs", "1", "--no-assumptions", "--out", str(folder), *more]
 
 
-@pytest.mark.parametrize(
-    "encoding", ["ascii", *(pytest.param(each, marks=pytest.mark.slow) for each in ("latin-1", "cp1252"))]
-)
-def test_every_encoding_can_be_printed(tmp_path, encoding):
-    """A table, and a summary as JSON, one after the other in one process."""
+def runs(folder, names, encoding):
+    """Exit statuses of runs of the small mission, by their names, whose outputs are in the folder."""
     environment = {**os.environ, "PYTHONIOENCODING": encoding, "PYTHONUTF8": "0"}
-    command = [sys.executable, "-c", TWO_RUNS, *simulate(tmp_path / "out")[:-2]]
-    printed = subprocess.run(command, capture_output=True, env=environment, cwd=tmp_path, check=False)
-    assert b"Traceback" not in printed.stderr
-    table, first, summary, second, _ = re.split(r"\nstatus (\d)", printed.stdout.decode(encoding))
-    assert "min" in table
-    assert json.loads(summary)["trials"] == 20
-    assert {first, second} <= {"0", "3"}
+    command = [sys.executable, "-c", COPIES, " ".join(names), *simulate(folder / "out")[:-2]]
+    done = subprocess.run(command, capture_output=True, env=environment, cwd=folder, check=True)
+    return dict(zip(names, map(int, done.stdout.split()), strict=True))
+
+
+def check_printed(folder, ends, encoding):
+    """A table, and a summary as JSON."""
+    assert {ends["table"], ends["json"]} <= {0, 3}
+    assert b"Traceback" not in (folder / "table.err").read_bytes() + (folder / "json.err").read_bytes()
+    assert "min" in (folder / "table.out").read_bytes().decode(encoding)
+    assert json.loads((folder / "json.out").read_bytes().decode(encoding))["trials"] == 20
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("encoding", ["latin-1", "cp1252"])
+def test_every_encoding_can_be_printed(tmp_path, encoding):
+    check_printed(tmp_path, runs(tmp_path, ["table", "json"], encoding), encoding)
 
 
 @NEEDS_FULL
-@pytest.mark.parametrize("more", [(), pytest.param(("--json",), marks=pytest.mark.slow)])
-def test_a_full_output_is_said_after_the_report_is_saved(tmp_path, more):
-    with Path("/dev/full").open("wb") as full:
-        done = run(simulate(tmp_path / "out", *more), stdout=full)
-    assert done.returncode == 1
-    assert b"cannot write to standard output" in done.stderr
-    assert b"Traceback" not in done.stderr
-    assert b"the report is saved in" in done.stderr
-    assert (tmp_path / "out" / "report.html").is_file()
+def test_ascii_can_be_printed_a_full_output_is_said_and_a_reader_that_has_gone_away_is_no_error(tmp_path):
+    ends = runs(tmp_path, ["table", "json", "full", "full-json", "gone", "gone-json"], "ascii")
+    check_printed(tmp_path, ends, "ascii")
+    for name in ("full", "full-json"):
+        said = (tmp_path / f"{name}.err").read_bytes()
+        assert ends[name] == 1
+        assert b"cannot write to standard output" in said
+        assert b"Traceback" not in said
+        assert b"the report is saved in" in said
+        assert (tmp_path / name / "report.html").is_file()
+    for name in ("gone", "gone-json"):
+        said = (tmp_path / f"{name}.err").read_bytes()
+        assert (ends[name] in (0, 3), b"Traceback" in said, b"Error" in said) == (True, False, False)
+        assert (tmp_path / name / "report.html").is_file()
 
 
 @NEEDS_FULL
@@ -77,18 +113,9 @@ def test_other_commands_say_it_too(words):
     assert (done.returncode, b"Traceback" in done.stderr) == (1, False)
 
 
-@pytest.mark.parametrize("more", [pytest.param((), marks=pytest.mark.slow), ("--json",)])
-def test_a_reader_that_has_gone_away_is_no_error(tmp_path, more):
-    reading, writing = os.pipe()
-    os.close(reading)
-    done = run(simulate(tmp_path / "out", *more), stdout=writing)
-    os.close(writing)
-    assert (done.returncode in (0, 3), b"Traceback" in done.stderr, b"Error" in done.stderr) == (True, False, False)
-
-
 def test_closed_streams_are_no_error(tmp_path):
-    words = " ".join(simulate(tmp_path / "out"))
-    done = subprocess.run(["sh", "-c", f"{sys.executable} -m missionplan {words} >&- 2>&-"], check=False)
+    command = [sys.executable, "-c", f"{UNDRAWN}undrawn()", *simulate(tmp_path / "out")]
+    done = subprocess.run(["sh", "-c", 'exec "$@" >&- 2>&-', "sh", *command], check=False)
     assert done.returncode in (0, 3)
     assert (tmp_path / "out" / "report.html").is_file()
 

@@ -13,8 +13,9 @@ from missionplan.importers import import_logs
 from missionplan.importers import importer as stores
 from missionplan.importers.geodesy import displacement
 
-VOYAGE = made(legs=4, duration=2400.0, pause=600.0, step=20.0)
-ELSEWHERE = made(legs=4, duration=2400.0, pause=600.0, step=20.0, headings=[90.0, 80.0, 70.0, 60.0])
+STEP = 40.0
+VOYAGE = made(legs=4, duration=1200.0, pause=240.0, step=STEP)
+ELSEWHERE = made(legs=4, duration=1200.0, pause=240.0, step=STEP, headings=[90.0, 80.0, 70.0, 60.0])
 
 
 # --- IMC --------------------------------------------------------------------------------------------------------------
@@ -202,8 +203,9 @@ def fill(bag, voyage=VOYAGE, fix="/fix", odometry="/odom", within=(-np.inf, np.i
 
 @pytest.mark.parametrize("kind", ["mcap", "db3", "bag"])
 def test_bags_of_any_kind_names_types_and_frames_say_the_same(plain, tmp_path, kind):
-    changes = ({}, {"fix": "/gnss/raw", "odometry": "/nav/state"}, {"stamped": True}, {"ned": True},
-               {"ned": True, "frame": "world"}, {"flat": True})  # fmt: skip
+    changes = [{}, {"stamped": True}, {"flat": True}]  # each type of message in each kind of bag
+    if kind == "mcap":
+        changes += [{"fix": "/gnss/raw", "odometry": "/nav/state"}, {"ned": True}, {"ned": True, "frame": "world"}]
     for k, change in enumerate(changes):
         path = tmp_path / f"{k}.bag" if kind == "bag" else tmp_path / str(k)
         with Bag(path, kind) as bag:
@@ -275,13 +277,13 @@ def navigation_alone(path, in_metres=False):
 def test_moos_with_positions_of_its_filter_alone(plain, tmp_path):
     found = import_logs([navigation_alone(tmp_path / "a.alog")])
     assert any("one position alone" in each for each in found.provenance.notices)
-    agree(plain, found, metres=8.0, seconds=20.1)  # the first row of a dive is taken for one at the surface
+    agree(plain, found, metres=8.0, seconds=STEP + 0.1)  # the first row of a dive is taken for one at the surface
     (tmp_path / "metres").mkdir()
     path = navigation_alone(tmp_path / "metres" / "a.alog", in_metres=True)
     with pytest.raises(InputError, match="origin is not known"):
         import_logs([path])
     (tmp_path / "metres" / "targ._moos").write_text("// LatOrigin = 1\nLatOrigin = 48.0\nLongOrigin = -123.0 // here\n")
-    agree(plain, import_logs([path]), metres=8.0, seconds=20.1)
+    agree(plain, import_logs([path]), metres=8.0, seconds=STEP + 0.1)
 
 
 def test_a_packed_log_of_moos(tmp_path):

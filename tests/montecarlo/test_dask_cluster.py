@@ -2,6 +2,7 @@
 
 import logging
 import os
+import re
 import shutil
 import socket
 import subprocess
@@ -66,48 +67,46 @@ def start_worker(start: Start, scheduler: str, path: Path = PACKAGE.parent) -> N
     start("worker", scheduler, *words, path=path)
 
 
-def test_a_cluster_of_one_thread_gives_the_results_in_order(start: Start, scheduler: str) -> None:
-    start_worker(start, scheduler)
-    assert list(Workers(backend="dask", scheduler=scheduler).run(abs, range(-6, 6))) == [*range(6, 0, -1), *range(6)]
-    (session,) = Workers(backend="dask", scheduler=scheduler).run(os.getsid, [0])
-    assert session != os.getsid(0)
+def package_that_fails(folder: Path) -> Path:
+    (folder / "without").mkdir()
+    (folder / "without" / "missionplan.py").write_text("raise ModuleNotFoundError('no module named missionplan')")
+    return folder / "without"
 
 
-def test_a_worker_with_other_code_is_named_and_not_believed(start: Start, scheduler: str, tmp_path: Path) -> None:
-    shutil.copytree(PACKAGE, tmp_path / "other" / "missionplan")
+def test_workers_that_are_not_there_have_other_code_or_no_package_are_said(
+    start: Start, scheduler: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    with monkeypatch.context() as patch:
+        patch.setattr("missionplan.montecarlo.dask_cluster.ANSWER_TIME", 0.5)
+        with pytest.raises(InputError, match="has no workers"):
+            list(Workers(backend="dask", scheduler=scheduler).run(abs, range(2)))
+    shutil.copytree(PACKAGE, tmp_path / "other" / "missionplan", ignore=shutil.ignore_patterns("__pycache__"))
     changed = tmp_path / "other" / "missionplan" / "physics" / "water.py"
     changed.write_text(changed.read_text() + "\nCHANGED = 1.0\n")
-    start_worker(start, scheduler, tmp_path / "other")
-    with pytest.raises(InputError, match=r"the worker tcp://127\.0\.0\.1:\d+ runs missionplan .* code "):
+    for path in (tmp_path / "other", package_that_fails(tmp_path)):
+        start_worker(start, scheduler, path)
+    with dask_cluster._connected(1, scheduler) as client:
+        while len(client.nthreads()) < 2:
+            time.sleep(0.05)
+    with pytest.raises(InputError) as caught:
         list(Workers(backend="dask", scheduler=scheduler).run(abs, range(2)))
-
-
-def test_a_worker_without_the_package_is_named(start: Start, scheduler: str, tmp_path: Path) -> None:
-    (tmp_path / "without").mkdir()
-    (tmp_path / "without" / "missionplan.py").write_text("raise ModuleNotFoundError('no module named missionplan')")
-    start_worker(start, scheduler, tmp_path / "without")
-    with pytest.raises(InputError, match=r"the worker tcp://127\.0\.0\.1:\d+ cannot run missionplan: .*no module"):
-        list(Workers(backend="dask", scheduler=scheduler).run(abs, range(2)))
+    told = sorted(problem.message.partition("missionplan")[2] for problem in caught.value.problems)
+    assert len(told) == 2
+    assert re.match(r" .* with other code \(code of missionplan: ", told[0])
+    assert re.match(r": .*no module", told[1])
+    assert len(set(re.findall(r"the worker (tcp://127\.0\.0\.1:\d+) (?:runs|cannot run) ", str(caught.value)))) == 2
 
 
 def test_a_scheduler_without_the_package_is_said(start: Start, tmp_path: Path) -> None:
-    (tmp_path / "without").mkdir()
-    (tmp_path / "without" / "missionplan.py").write_text("raise ModuleNotFoundError('no module named missionplan')")
     with socket.socket() as free:
         free.bind(("127.0.0.1", 0))
         address = f"tcp://127.0.0.1:{free.getsockname()[1]}"
     words = ("scheduler", "--host", "127.0.0.1", "--port", address.rsplit(":")[-1], "--no-dashboard")
-    start(*words, path=tmp_path / "without")
+    start(*words, path=package_that_fails(tmp_path))
     start_worker(start, address)
     with pytest.raises(InputError, match=r"the Dask scheduler at .* cannot run missionplan: .*") as caught:
         list(Workers(backend="dask", scheduler=address).run(abs, range(2)))
     assert len(caught.value.problems) == 1
-
-
-def test_a_scheduler_without_workers_is_said(scheduler: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("missionplan.montecarlo.dask_cluster.ANSWER_TIME", 1)
-    with pytest.raises(InputError, match="has no workers"):
-        list(Workers(backend="dask", scheduler=scheduler).run(abs, range(2)))
 
 
 def test_another_service_at_the_address_is_said(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -132,12 +131,15 @@ def test_another_service_at_the_address_is_said(monkeypatch: pytest.MonkeyPatch)
     assert not [thread for thread in threading.enumerate() if thread.name == "IO loop"]
 
 
-def test_a_scheduler_that_is_lost_ends_the_run(start: Start, tmp_path: Path) -> None:
+def test_a_cluster_of_one_thread_gives_the_results_in_order_until_it_is_lost(start: Start) -> None:
     with socket.socket() as free:
         free.bind(("127.0.0.1", 0))
         address = f"tcp://127.0.0.1:{free.getsockname()[1]}"
     process = start("scheduler", "--host", "127.0.0.1", "--port", address.rsplit(":")[-1], "--no-dashboard")
     start_worker(start, address)
+    assert list(Workers(backend="dask", scheduler=address).run(abs, range(-6, 6))) == [*range(6, 0, -1), *range(6)]
+    (session,) = Workers(backend="dask", scheduler=address).run(os.getsid, [0])
+    assert session != os.getsid(0)
     results = Workers(backend="dask", scheduler=address).run(time.sleep, [0.1] * 10_000)
     assert next(results) is None
     process.kill()

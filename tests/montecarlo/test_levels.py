@@ -192,7 +192,10 @@ def named(trend):
     return probability >= LIKELY and abs(value) >= SDS * sd
 
 
-@pytest.mark.parametrize("kind", KINDS)
+SAME_BUT_FOR_UNITS = ["log", *(pytest.param(kind, marks=pytest.mark.slow) for kind in KINDS if kind != "log")]
+
+
+@pytest.mark.parametrize("kind", SAME_BUT_FOR_UNITS)
 @pytest.mark.parametrize("way", WAYS)
 def test_levels_of_vehicles_of_every_kind(kind, way):
     """Seed 7; the priors were chosen on seed 1."""
@@ -227,10 +230,12 @@ def drawn(kind, rng):
     return held
 
 
-@pytest.mark.parametrize("kind", KINDS)
-def test_intervals_hold_what_is_drawn_from_the_prior_as_often_as_they_say(kind):
+@pytest.mark.parametrize(
+    ("kind", "vehicles"), [("log", 40), *(pytest.param(kind, 100, marks=pytest.mark.slow) for kind in KINDS)]
+)
+def test_intervals_hold_what_is_drawn_from_the_prior_as_often_as_they_say(kind, vehicles):
     rng = np.random.default_rng(43)
-    held = np.array([drawn(kind, rng) for _ in range(100)])
+    held = np.array([drawn(kind, rng) for _ in range(vehicles)])
     error = held.mean(axis=1).std() / len(held) ** 0.5  # the missions of one vehicle go together
     assert held.mean() == pytest.approx(0.9, abs=3.0 * error)
 

@@ -88,31 +88,36 @@ def trials(pilots: tuple[Levels, ...], found: Run, chains: int) -> int:
 
 
 @pytest.mark.parametrize(
-    "case",
+    ("case", "count"),
     [
-        linear(3.1, 3),
-        *(pytest.param(each, marks=pytest.mark.slow) for each in (sphere(1e-3, 6), series_system(3.5, 3))),
-        walk(9.0),
+        (linear(3.1, 3), 50),
+        *(
+            pytest.param(each, 50, marks=pytest.mark.slow)
+            for each in (sphere(1e-3, 6), series_system(3.5, 3), walk(9.0))
+        ),
+        (walk(9.0), 10),
     ],
-    ids=["linear", "sphere", "series", "walk"],
+    ids=["linear", "sphere", "series", "walk", "few walks"],
 )
-def test_runs_are_unbiased_and_their_intervals_hold_the_truth(case: tuple[Margin, float]) -> None:
+def test_runs_are_unbiased_and_their_intervals_hold_the_truth(case: tuple[Margin, float], count: int) -> None:
     margin, truth = case
-    runs = [run(margin, seed, groups=12, chains=48)[2] for seed in range(50)]
+    runs = [run(margin, seed, groups=12, chains=48)[2] for seed in range(count)]
     values = np.array([each.value for each in runs]) / truth
-    assert values.mean() == pytest.approx(1.0, abs=3.0 * values.std() / math.sqrt(50))
+    assert values.mean() == pytest.approx(1.0, abs=3.0 * values.std() / math.sqrt(count))
     assert values.std() < 0.25
-    assert np.mean([each.low <= truth <= each.high for each in runs]) > 0.90
-    assert np.mean([each.variation for each in runs]) == pytest.approx(values.std(), rel=0.25)
+    missed = sum(not each.low <= truth <= each.high for each in runs)
+    assert missed <= scipy.stats.binom.ppf(0.9, count, 0.05)
+    within = 2.5 / math.sqrt(2.0 * count)  # of the scatter of so many
+    assert np.mean([each.variation for each in runs]) == pytest.approx(values.std(), rel=within)
 
 
 @pytest.mark.parametrize("case", [linear(4.753424, 40), sphere(1e-6, 10), series_system(4.9, 2)])
 def test_one_in_a_million_is_known_to_a_tenth_by_two_hundred_thousand_trials(case: tuple[Margin, float]) -> None:
     margin, truth = case
-    runs = [run(margin, seed, groups=10, chains=256) for seed in range(6)]
+    runs = [run(margin, seed, groups=10, chains=256) for seed in range(3)]
     assert max(trials(pilots, found, 256) for pilots, found, _ in runs) < 2.3e5
     assert np.mean([estimate.variation for _, _, estimate in runs]) < 0.12
-    assert [estimate.value / truth for _, _, estimate in runs] == pytest.approx([1.0] * 6, abs=0.36)
+    assert [estimate.value / truth for _, _, estimate in runs] == pytest.approx([1.0] * 3, abs=0.36)
 
 
 def test_the_failing_sample_is_distributed_as_the_failures_are() -> None:

@@ -1,6 +1,6 @@
 """Fields as models published them, shared beside the repository (skipped if absent), against brute force.
 
-A thousand random places and times each, to 1 mm/s; the sources are told in the folder's README.
+Two hundred random places and times each, to 1 mm/s; the sources are told in the folder's README.
 """
 
 from pathlib import Path
@@ -16,7 +16,7 @@ from tests.scenario.currents import brute_force as slow
 
 xarray = pytest.importorskip("xarray")
 DATA = Path(__file__).parents[3].parent / "shared" / "data" / "currents"
-POINTS = 1000
+POINTS = 200
 WITHIN = 1e-3
 
 
@@ -49,7 +49,7 @@ def drawn(points, t_end, deepest):
 
 
 def compare(current, points, t_end, deepest, reference):
-    """Largest difference from the reference at places that it holds, which have to be a thousand."""
+    """Largest difference from the reference at places that it holds, which have to be `POINTS`."""
     place, t, depth = drawn(points, t_end, deepest)
     held = current.covers(Span(t, t, 0.0, (place, place)))
     found, worst, compared = current.velocity(t, depth, place), 0.0, 0
