@@ -1,6 +1,8 @@
 """Shared by all tests: hypothesis settings, missions, and data set folders."""
 
 import threading
+from collections.abc import Callable, Iterator
+from contextlib import AbstractContextManager, nullcontext
 from dataclasses import replace
 
 import numpy as np
@@ -18,6 +20,7 @@ from missionplan.report.page import Drawn, draw, drawing_by
 from missionplan.studies import judgement
 from missionplan.studies.simulation import simulate as simulation
 from tests.depth_readings import simulate_readings
+from tests.few_causes import COMMON, few
 
 # no time limits: a busy machine is slow
 settings.register_profile("untimed", deadline=None, max_examples=25, suppress_health_check=[HealthCheck.too_slow])
@@ -115,6 +118,20 @@ def unplanned():
     """Simulate without the plan for the boat, of which each leg has its duration: for modules that do not look at it."""
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(simulation, "plan_if_any", lambda mission, means, seed: None)
+        yield
+
+
+@pytest.fixture(scope="module", params=["few-causes", pytest.param("all-causes", marks=pytest.mark.slow)])
+def causes(request: pytest.FixtureRequest) -> Callable[[], AbstractContextManager[None]]:
+    """Within it the catalogue is small, but in the long runs; a module may list `CAUSES` of its own."""
+    names = getattr(request.module, "CAUSES", COMMON)
+    return (lambda: few(names)) if request.param == "few-causes" else nullcontext
+
+
+@pytest.fixture
+def among_few(causes: Callable[[], AbstractContextManager[None]]) -> Iterator[None]:
+    """Diagnose with a small catalogue, but in the long runs."""
+    with causes():
         yield
 
 

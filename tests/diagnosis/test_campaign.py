@@ -1,5 +1,7 @@
 """Several data sets of one campaign: one extended mission, in any order, with every hidden effect found."""
 
+from collections.abc import Callable
+from contextlib import AbstractContextManager
 from pathlib import Path
 
 import numpy as np
@@ -52,11 +54,13 @@ def campaign(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, list[Path]
 
 
 @pytest.fixture(scope="module")
-def found(campaign: tuple[Path, list[Path]]) -> Campaign:
-    return missionplan.diagnose_campaign(*campaign, plan=False)
+def found(campaign: tuple[Path, list[Path]], causes: Callable[[], AbstractContextManager[None]]) -> Campaign:
+    with causes():
+        return missionplan.diagnose_campaign(*campaign, plan=False)
 
 
 @pytest.mark.slow
+@pytest.mark.usefixtures("among_few")
 def test_the_order_of_data_sets_does_not_matter(campaign: tuple[Path, list[Path]], found: Campaign) -> None:
     path, folders = campaign
     assert missionplan.diagnose_campaign(path, folders[::-1], plan=False).extended == found.extended

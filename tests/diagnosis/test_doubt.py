@@ -8,7 +8,7 @@ from missionplan import diagnose
 from missionplan.diagnosis.explanations import explained_missions, log_gain
 from missionplan.diagnosis.given.priors import given_priors
 from missionplan.diagnosis.inference.model import CauseFit
-from missionplan.diagnosis.inference.selection import Candidate, Selection
+from missionplan.diagnosis.inference.selection import CREDIBLE, Candidate, Selection
 from missionplan.effects import CATALOGUE
 from missionplan.mission import Mission, load
 from missionplan.report.diagnosis.kind_report import explanations_in_words
@@ -29,12 +29,13 @@ def slow_and_aside(t, heading):
 
 
 @pytest.fixture(scope="module")
-def ambiguous(tmp_path_factory):
+def ambiguous(tmp_path_factory, causes):
     """Diagnose legs within a narrow range of headings of a vehicle that is slow, or meets a current."""
     place = tmp_path_factory.mktemp("legs")
     (place / "dataset.yaml").write_text(yaml.safe_dump({"file": "rows.csv", **KIND}))
     dated(make_legs(30, seed=3, about=EASTWARD, error=slow_and_aside)).to_csv(place / "rows.csv", index=False)
-    return diagnose(Mission.from_data(TRANSIT), place, plan=False), place
+    with causes():
+        return diagnose(Mission.from_data(TRANSIT), place, plan=False), place
 
 
 def shares(extended):
@@ -68,6 +69,7 @@ def test_an_ambiguous_verdict_is_carried_as_draws(ambiguous, tmp_path):
     assert "in each trial one of the explanations" in render_report(found).html
 
 
+@pytest.mark.usefixtures("among_few")
 def test_nothing_grows_on_the_same_data(ambiguous):
     found, place = ambiguous
     again = diagnose(Mission.from_data(found.extended), place, plan=False)
@@ -76,7 +78,7 @@ def test_nothing_grows_on_the_same_data(ambiguous):
     carried, listed = shares(found.extended), {each.causes for each in found.explanations}
     assert listed <= {each.causes for each in again.explanations}
     total = sum(carried[each.causes] for each in again.explanations)
-    assert total > 0.97
+    assert total > CREDIBLE
     for each in again.explanations:
         assert each.prior == pytest.approx(carried[each.causes] / total, abs=0.01)
         assert each.probability == pytest.approx(each.prior, abs=1e-6)
@@ -84,6 +86,7 @@ def test_nothing_grows_on_the_same_data(ambiguous):
     assert f"(was {100.0 * again.explanations[0].prior:.1f}" in words.replace("\u202f", " ")
 
 
+@pytest.mark.usefixtures("among_few")
 def test_data_that_can_tell_end_the_doubt(ambiguous, folder, legs):
     found, _ = ambiguous
     later = dated(legs(30, seed=5, error=slow), hours=12.0)
@@ -102,6 +105,7 @@ def carried(t, heading):
     return np.broadcast_to([[-0.1], [0.05]], (2, len(t)))
 
 
+@pytest.mark.usefixtures("among_few")
 def test_a_law_of_errors_in_doubt_does_not_take_a_new_current_for_itself(folder, transit_mission, legs):
     """The law describes the current better than nothing does, but not better than a current."""
     law = {"sigma": {"median": "0.02 m/s", "factor": 1.6}, "time": {"median": "9000 s", "factor": 2.5}}
@@ -124,6 +128,7 @@ def test_causes_are_worth_their_evidence_also_where_nothing_has_no_number(bayes_
     assert log_gain(found) == pytest.approx(odds)
 
 
+@pytest.mark.usefixtures("among_few")
 def test_what_was_learned_after_the_start_in_the_file_is_handed_on_until_that_is_moved(folder, transit_mission, legs):
     """Who diagnoses one mission file again and again leaves its start as it was."""
     began = "2026-04-20T00:00:00Z"  # the legs are of 28 May

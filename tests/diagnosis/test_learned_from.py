@@ -58,12 +58,13 @@ def angle(found):
 
 
 @pytest.fixture(scope="module")
-def learned(tmp_path_factory):
+def learned(tmp_path_factory, causes):
     """A mission that has learned of its compass from a log."""
     place = tmp_path_factory.mktemp("first")
     (place / "dataset.yaml").write_text(yaml.safe_dump({"kind": "transit", "name": "first", "file": "rows.csv"}))
     log().to_csv(place / "rows.csv", index=False)
-    found = missionplan.diagnose(Mission.from_data(TRANSIT), place, plan=False)
+    with causes():
+        found = missionplan.diagnose(Mission.from_data(TRANSIT), place, plan=False)
     assert found.causes == ("compass-bias",)
     return found
 

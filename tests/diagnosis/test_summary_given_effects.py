@@ -42,6 +42,7 @@ def measured_summary(folder, descent_mission):
 
 
 @pytest.mark.parametrize("less_simulated", [pytest.param(False, marks=pytest.mark.slow), True])
+@pytest.mark.usefixtures("among_few")
 def test_a_summary_diagnosed_again_is_adequate_and_nothing_grows(descent_mission, measured_summary, less_simulated):
     data = measured_summary(less_simulated)
     found = diagnose(descent_mission, data, plan=False)

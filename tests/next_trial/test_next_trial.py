@@ -1,5 +1,7 @@
 """The next trial: a log on one heading cannot tell a compass from a current; the trials offered can."""
 
+from collections.abc import Callable
+from contextlib import AbstractContextManager
 from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
@@ -23,6 +25,8 @@ from tests.hidden_effects.cases import draw_case
 from .sea import Truth, Vehicle, mission, sail, write_log
 
 LEGS = 14
+CAUSES = ("mean-current", "compass-bias", "compass-deviation", "persistent-error")
+"""Which one heading cannot tell."""
 VEHICLE = Vehicle()
 
 
@@ -34,9 +38,10 @@ def sailed(folder: Path, truth: Truth, headings: np.ndarray, seed: int = 1) -> D
 
 
 @pytest.fixture(scope="module")
-def one_way(tmp_path_factory: pytest.TempPathFactory) -> Diagnosis:
+def one_way(tmp_path_factory: pytest.TempPathFactory, causes: Callable[[], AbstractContextManager[None]]) -> Diagnosis:
     """Legs to the north alone by a compass that is 5° off."""
-    return sailed(tmp_path_factory.mktemp("one-way"), Truth(compass=np.radians(5.0)), np.zeros(LEGS))
+    with causes():
+        return sailed(tmp_path_factory.mktemp("one-way"), Truth(compass=np.radians(5.0)), np.zeros(LEGS))
 
 
 @pytest.fixture(scope="module")

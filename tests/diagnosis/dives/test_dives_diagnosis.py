@@ -77,6 +77,7 @@ def test_effect_free_dives_are_adequate(measured):
         pytest.param("vertical-current", {"speed": 0.2}, marks=pytest.mark.slow),
     ],
 )
+@pytest.mark.usefixtures("among_few")
 def test_a_hidden_cause_is_found_and_measured(measured, name, parameters):
     found = run_pipeline(measured(name, **parameters))
     assert found.best.causes == (name,)

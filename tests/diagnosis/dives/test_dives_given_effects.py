@@ -113,6 +113,7 @@ def test_a_shape_of_the_missions_own_effect_is_fitted(measured, carrying):
     assert fit.log_evidence > without.log_evidence + 20.0
 
 
+@pytest.mark.usefixtures("among_few")
 def test_an_effect_that_is_as_the_mission_knows_is_confirmed(carrying, logged):
     mission = carrying({"drag-bias": {"fraction": {"mean": 0.35, "sd": 0.05}}})
     found = diagnose(mission, logged("drag-bias", fraction=0.38), plan=False)

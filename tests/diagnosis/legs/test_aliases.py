@@ -29,6 +29,7 @@ def planned_at(tmp_path):
     return make
 
 
+@pytest.mark.usefixtures("among_few")
 def test_what_legs_of_one_speed_cannot_tell_apart_matters_where_another_speed_is_planned(planned_at, folder, legs):
     """A sideslip falls as the square of the speed, a compass errs as much at any speed."""
     faster = diagnose(planned_at(2.4), folder(KIND, legs(24, sigma=0.02, error=turned)), plan=False)

@@ -123,6 +123,7 @@ def test_an_effect_that_is_as_the_mission_knows_is_confirmed(carrying, folder, l
     assert after["sd"] == pytest.approx(precision**-0.5, rel=0.05)
 
 
+@pytest.mark.usefixtures("among_few")
 def test_an_effect_that_changed_is_a_cause_of_its_own(carrying, folder, legs):
     """Three degrees in the mission, six in the data."""
     mission = carrying({"compass-bias": {"angle": {"mean": "3 deg", "sd": "0.3 deg"}}})
@@ -210,6 +211,7 @@ def test_effects_without_size_are_left_out(carrying):
     assert given_priors(mission, effects_of("transit")) == ()
 
 
+@pytest.mark.usefixtures("among_few")
 def test_the_mission_written_is_yaml_that_reads_back(carrying, folder, legs, tmp_path):
     mission = carrying({"compass-bias": {"angle": {"mean": "3 deg", "sd": "0.3 deg"}}})
     found = diagnose(mission, folder(KIND, legs(error=turned(3.3))), plan=False)

@@ -204,6 +204,7 @@ def test_effect_free_legs_are_adequate(quick, legs):
     assert found.none_of_these < 0.05
 
 
+@pytest.mark.usefixtures("among_few")
 def test_what_is_likely_to_have_no_name_is_told_with_its_probability_and_what_it_is_like(quick, legs):
     found = quick(legs())
     like = Readings(responses=(("time", "a velocity ahead that changes with time", 0.7),))

@@ -1,6 +1,8 @@
 """The last share of a record is kept away from the diagnosis, and scored."""
 
 import shutil
+from collections.abc import Callable
+from contextlib import AbstractContextManager
 from dataclasses import fields
 from pathlib import Path
 
@@ -28,9 +30,10 @@ def trial(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @pytest.fixture(scope="module")
-def found(trial: Path) -> Diagnosis:
+def found(trial: Path, causes: Callable[[], AbstractContextManager[None]]) -> Diagnosis:
     """Without the last 13 legs."""
-    return missionplan.diagnose(trial / "mission.yaml", trial / "sea-trial", plan=False, holdout=0.4)
+    with causes():
+        return missionplan.diagnose(trial / "mission.yaml", trial / "sea-trial", plan=False, holdout=0.4)
 
 
 def test_the_extended_mission_predicts_what_was_held_out(found: Diagnosis, tmp_path: Path) -> None:
@@ -83,6 +86,7 @@ def test_the_diagnosis_is_given_what_comes_before(
 
 
 @pytest.mark.slow
+@pytest.mark.usefixtures("among_few")
 def test_what_is_held_out_changes_nothing_before(found: Diagnosis, trial: Path, scrambled: Path) -> None:
     """Scrambled errors in the last legs leave the diagnosis bit for bit."""
     again = missionplan.diagnose(trial / "mission.yaml", scrambled, plan=False, holdout=0.4)
