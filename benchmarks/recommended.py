@@ -22,7 +22,7 @@ from missionplan.montecarlo.blocks import IN_THIS_PROCESS
 from missionplan.montecarlo.streams import BlockStreams, stream
 from missionplan.phases.hooks import TrialState
 from missionplan.results.anchor_sizing import ProbableAnchor
-from missionplan.results.entries import Counted
+from missionplan.results.failures import Counted
 from missionplan.scenario.anchors import laden, worst_case_weight
 from missionplan.scenario.phases import start_of
 from missionplan.scenario.scenario import Scenario

@@ -36,6 +36,7 @@ from missionplan.results.learned.evidence import (
     Causes,
     Discrepancy,
     Judgement,
+    OutlyingGroup,
     ParameterEstimate,
     Readings,
     Verdict,
@@ -97,7 +98,7 @@ SCORED = 3
 CONTENDING = 6.0
 """Nats below the best score within which a set's held-out gain is measured."""
 
-OutlyingGroups = tuple[tuple[str, float], ...]
+OutlyingGroups = tuple[OutlyingGroup, ...]
 """Groups and their p-values."""
 
 

@@ -11,7 +11,7 @@ from missionplan.mission.schema.phases import MoorPhase
 from missionplan.montecarlo.blocks import parallel_map
 from missionplan.montecarlo.distributions import mean_of
 from missionplan.montecarlo.posterior import NOWHERE
-from missionplan.results.entries import SUCCESS, Counted
+from missionplan.results.failures import SUCCESS, Counted
 from missionplan.results.learned import Plan, PlanGain
 from missionplan.results.learned.levels import ParameterLevels
 from missionplan.studies.leg_length.sweep_result import SweepCurve, SweepPoint

@@ -1,19 +1,15 @@
 """Entries of results: a field states meaning, quantity and name once; summaries, rows and schemas come from that.
 
-Ways to fail, as results name them. Parts of plain data, as a mission's file or a report's `summary.json` holds them: of
-the kind expected, or empty. What these data hold is not checked when they are read back: a report may be of another
-version, a mission half written.
+Parts of plain data, as a mission's file or a report's `summary.json` holds them: of the kind expected, or empty. What
+these data hold is not checked when they are read back: a report may be of another version, a mission half written.
 """
 
 import math
 from collections.abc import Iterator, Mapping, Sized
 from dataclasses import dataclass, fields, is_dataclass, replace
-from enum import StrEnum
 from functools import cache
 from inspect import cleandoc
-from typing import Annotated, Any, NamedTuple, get_args, get_origin
-
-from missionplan.phases.place import Cause
+from typing import Annotated, Any, get_args, get_origin
 
 
 @dataclass(frozen=True)
@@ -38,6 +34,8 @@ class Entry:
     """Entries of its own that are taken; default: all."""
     after: str = ""
     """Attribute that a property follows in tables; default: the last one."""
+    inline: bool = False
+    """Whether the entries of its value, a record, stand in its place."""
 
 
 @dataclass(frozen=True)
@@ -79,6 +77,9 @@ def summary_of(record: Any) -> dict[str, Any]:
         for name in item.groups:
             group = group.setdefault(name, {})
         stands = _plain(_scaled(value, item.entry))
+        if item.entry.inline:
+            group.update(stands)
+            continue
         if item.entry.parts:
             stands = _only(item.entry.parts, stands)
         if isinstance(group.get(item.key), dict):  # other fields stand in this entry
@@ -137,6 +138,8 @@ def _plain(value: Any) -> Any:
         return {name: _plain(inner) for name, inner in value.items()}
     if is_dataclass(value):
         return fields_of(value)
+    if isinstance(value, tuple) and hasattr(value, "_asdict"):
+        return value._asdict()
     if isinstance(value, tuple | list):
         return [_plain(inner) for inner in value]
     return value
@@ -178,86 +181,3 @@ def real(value: object) -> float:
         return float(value) if isinstance(value, int | float) else math.nan
     except OverflowError:
         return math.nan
-
-
-class CountedKind(StrEnum):
-    """What trials are counted for."""
-
-    EVENT = "event"
-    FAILURE = "failure"
-    LIMIT = "limit"
-    REQUIREMENT = "requirement"
-    EXPLANATION = "explained"
-
-
-class Counted(NamedTuple):
-    """What trials are counted by."""
-
-    kind: CountedKind
-    of: str
-    """Phase, or ``total``; place of a list of explanations; empty of limits and requirements."""
-    name: str
-    """Event, `Failure`, limit, or number of a requirement or an explanation."""
-
-    @classmethod
-    def event(cls, key: str) -> "Counted":
-        """Return the event of a key such as ``moor.within_radius``."""
-        phase, _, name = key.rpartition(".")
-        return cls(CountedKind.EVENT, phase, name)
-
-    @classmethod
-    def requirement(cls, number: int) -> "Counted":
-        """Return the requirement of a number, from 0: that it is met."""
-        return cls(CountedKind.REQUIREMENT, "", str(number))
-
-    def __str__(self) -> str:
-        """Write it as results do: ``moor.within_radius``, ``moor: anchor dragged``, ``requirement 0``."""
-        if self.kind is CountedKind.EVENT:
-            return f"{self.of}.{self.name}"
-        return f"{self.of}: {self.name}" if self.kind is CountedKind.FAILURE else f"{self.kind} {self.name}"
-
-
-SUCCESS = Counted.event("total.success")
-
-
-class Failure(StrEnum):
-    """Why a phase ends a trial."""
-
-    NOT_ARRIVED = "not arrived"
-    OUTRUN = "current faster than the vehicle"
-    LEFT_RECORD = "left the record of the current"
-    AGROUND = "aground"
-    ON_LAND = "on-land"
-    KEEP_OUT = "keep-out"
-    UNCHARTED = "left the grid of depths"
-    EQUIPMENT = "equipment"
-    OUT_OF_ENERGY = "out of energy"
-    TOO_SHALLOW = "line and vehicle longer than the water is deep"
-    FLOODED_EARLY = "anchor flooded before its release"
-    TOO_LIGHT = "anchor too light to sink the vehicle"
-    LINE_PARTED = "line parted"
-    NOT_DOWN = "anchor did not reach the seafloor"
-    OUTSIDE = "anchor outside the radius"
-    STRUCK = "struck the seafloor"
-    DRAGGED = "anchor dragged"
-    GROUNDED = "grounded in the hold"
-    NOT_SURFACED = "did not surface"
-    NOT_HOVERING = "did not come to hover"
-
-
-MET = {
-    Cause.AGROUND: Failure.AGROUND,
-    Cause.ON_LAND: Failure.ON_LAND,
-    Cause.KEEP_OUT: Failure.KEEP_OUT,
-    Cause.UNCHARTED: Failure.UNCHARTED,
-}
-"""Failures by what a trial has met."""
-LIMITS: tuple[Failure, ...] = (
-    Failure.EQUIPMENT,
-    Failure.LEFT_RECORD,
-    Failure.OUTRUN,
-    *MET.values(),
-    Failure.TOO_SHALLOW,
-    Failure.TOO_LIGHT,
-)
-"""Failures where the world sets a limit: reported where some trial met it."""

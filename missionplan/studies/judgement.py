@@ -17,7 +17,7 @@ from missionplan.mission.schema.site import CurrentFile, TidalCurrent
 from missionplan.mission.schema.vehicle import Anchor
 from missionplan.montecarlo.distributions import Distribution
 from missionplan.results.decision import Assumption
-from missionplan.results.entries import SUCCESS, Counted
+from missionplan.results.failures import SUCCESS, Counted
 from missionplan.results.simulation import Outcome
 from missionplan.studies.simulation.simulate import event_probabilities, simulate
 

@@ -99,10 +99,13 @@ class _Records:
             hints = {} if hasattr(kind, "summary") else get_type_hints(kind)
             return _object({name: self._value(hint) for name, hint in hints.items()}) if hints else {"type": "object"}
         top = self.written(Provenance) if issubclass(kind, Result) else _object({})
+        decision = self.written(Decision) if issubclass(kind, Result) else {}
         for item in stated(kind):  # type: ignore[arg-type]  # a class is hashable
-            self._put(top, item)
-        if issubclass(kind, Result):  # a diagnosis adds to it what the planner chooses before and after
-            decision = {**self.written(Decision), "additionalProperties": True}
+            if decision and item.key == "decision":
+                decision = _together(decision, self.written(item.kind))  # type: ignore[arg-type]
+            else:
+                self._put(top, item)
+        if decision:
             top["properties"]["decision"] = {"description": "what the crew is to do", **decision}
             top["required"].append("decision")
         return top if kind.summary in (Record.summary, Result.summary) else {**top, "additionalProperties": True}
@@ -111,10 +114,13 @@ class _Records:
         group, entry = top, item.entry
         for name in item.groups:
             group = group["properties"].setdefault(name, _object({}))
+        if entry.inline:
+            group.update(_together(group, self.written(item.kind)))  # type: ignore[arg-type]
+            return
         schema = self._value(item.kind, entry.parts)
         before = group["properties"].get(item.key)
         if before and "properties" in schema:  # other entries stand in this one
-            schema = _object(before["properties"] | schema["properties"], before["required"] + schema["required"])
+            schema = _together(before, schema)
         unit = {"unit": entry.unit} if entry.unit else {}
         if "$ref" in schema:  # beside a reference nothing counts
             schema = {"allOf": [schema]}
@@ -134,7 +140,7 @@ class _Records:
             return {"type": "array", "items": self._value(arguments[0], parts)}
         if isinstance(origin, type) and issubclass(origin, Mapping):
             return {"type": "object", "additionalProperties": self._value(arguments[1], parts)}
-        if isinstance(annotation, type) and is_dataclass(annotation):
+        if isinstance(annotation, type) and (is_dataclass(annotation) or issubclass(annotation, tuple)):
             return self.of(annotation, parts)
         return dict(_PLAIN.get(annotation, {}))
 
@@ -146,6 +152,11 @@ def _object(properties: Mapping[str, Schema], required: Sequence[str] | None = N
         "required": list(properties if required is None else required),
         "additionalProperties": False,
     }
+
+
+def _together(first: Mapping[str, Any], second: Mapping[str, Any]) -> dict[str, Any]:
+    """Return an object with the entries of two."""
+    return _object(first["properties"] | second["properties"], first["required"] + second["required"])
 
 
 def summaries() -> Schema:

@@ -318,7 +318,7 @@ def tracks_lost(means: Scenario) -> tuple[str, ...]:
     if means.place is None:
         return ()
     # what simulates is loaded for missions with a place alone
-    from missionplan.results.entries import MET
+    from missionplan.results.failures import MET
     from missionplan.studies.simulation.block_statistics import failures_by_step
     from missionplan.studies.simulation.trial_block import run_block
 

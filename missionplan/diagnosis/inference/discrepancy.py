@@ -21,7 +21,7 @@ from missionplan.arrays import Array
 from missionplan.diagnosis.inference.axes import Axis, differing, principal_components
 from missionplan.diagnosis.inference.block_covariance import BlockCovariance, InnerProducts
 from missionplan.diagnosis.inference.marginal_likelihood import SCALES, log_slab_factor
-from missionplan.results.learned.evidence import Causes, Discrepancy, DiscrepancyShape, ResidualTest
+from missionplan.results.learned.evidence import Causes, Discrepancy, DiscrepancyShape, OutlyingGroup, ResidualTest
 
 
 @dataclass(frozen=True)
@@ -136,7 +136,7 @@ def rejects(tests: tuple[ResidualTest, ...]) -> bool:
     return any(test.p_value < TEST_LEVEL / len(tests) for test in tests)
 
 
-def outlying_groups(residuals: Residuals) -> tuple[tuple[str, float], ...]:
+def outlying_groups(residuals: Residuals) -> tuple[OutlyingGroup, ...]:
     """Return groups that the others do not predict, with their p-values (Bonferroni over groups).
 
     The squared Mahalanobis length of a group's error is χ² with as many degrees of freedom as the group has values.
@@ -148,7 +148,7 @@ def outlying_groups(residuals: Residuals) -> tuple[tuple[str, float], ...]:
         squared = float(error @ np.linalg.solve(covariance, error))
         p_value = min(1.0, float(chdtrc(len(error), squared)) * len(names))
         if p_value < OUTLYING and len(names) > 1:
-            found.append((name, p_value))
+            found.append(OutlyingGroup(name, p_value))
     return tuple(found)
 
 

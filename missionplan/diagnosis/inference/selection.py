@@ -10,7 +10,7 @@ import numpy as np
 from scipy.special import logsumexp
 
 from missionplan.diagnosis.inference.model import CauseFit, FailedFit, Model
-from missionplan.results.learned.evidence import Causes
+from missionplan.results.learned.evidence import Causes, Response
 
 FURTHER = 3.0
 """Nats of prior that each cause beyond the first costs."""
@@ -71,8 +71,8 @@ class Selection:
     """Number of effects in the catalogue."""
     posterior: Mapping[Causes, float] = field(default_factory=lambda: {(): 1.0})
     """Probability of each set."""
-    responses: tuple[tuple[str, str, float], ...] = ()
-    """Neutral responses by axis and in words, with their probabilities."""
+    responses: tuple[Response, ...] = ()
+    """Neutral responses."""
     families: tuple[tuple[Causes, ...], ...] = ()
     """Sets that differ in nothing that the data show, and that are told as one."""
     nothing: float = 1.0

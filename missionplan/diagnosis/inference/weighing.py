@@ -31,7 +31,7 @@ from missionplan.diagnosis.inference.selection import (
 )
 from missionplan.errors import RunError
 from missionplan.montecarlo.blocks import parallel_map
-from missionplan.results.learned.evidence import Causes
+from missionplan.results.learned.evidence import Causes, Response
 
 MOST_CAUSES = 3
 FITTED_WITHIN = 5.0
@@ -258,7 +258,7 @@ class _Sets:
             credible=tuple(credible_set(told_together({c: p for c, p in posterior.items() if c in self.fits}))),
         )
 
-    def _without_a_name(self, joint: Mapping[tuple[Causes, int], float]) -> tuple[tuple[str, str, float], ...]:
+    def _without_a_name(self, joint: Mapping[tuple[Causes, int], float]) -> tuple[Response, ...]:
         """What has no name with its probability: effects and what is smooth, those in the same words together."""
         smooth = self._responses.described if self._responses is not None else ()
         found = dict.fromkeys([*self._unnamed.values(), *smooth], 0.0)
@@ -266,7 +266,7 @@ class _Sets:
             words = [self._unnamed[name] for name in causes if name in self._unnamed]
             for each in [*words, *([smooth[number - 1]] if number else [])]:
                 found[each] += probability
-        return tuple((*words, probability) for words, probability in found.items())
+        return tuple(Response(*words, probability) for words, probability in found.items())
 
 
 def _log_gains(model: LinearisedModel, asked: Sequence[tuple[CauseFit, Sequence[Causes]]]) -> list[Array]:

@@ -25,7 +25,7 @@ from missionplan.diagnosis.legs.noise_integration import Law
 from missionplan.diagnosis.legs.set_density import LegInference, MeanSet
 from missionplan.diagnosis.legs.terms import without_a_name
 from missionplan.effects import CATALOGUE, effects_of
-from missionplan.results.learned.evidence import Causes
+from missionplan.results.learned.evidence import Causes, Response
 
 LISTED = 12
 """Sets, at most, that are fitted for the report."""
@@ -118,7 +118,7 @@ class LegPosterior:
         return causes
 
     @property
-    def responses(self) -> tuple[tuple[str, str, float], ...]:
+    def responses(self) -> tuple[Response, ...]:
         """Neutral terms and smooth errors with their probabilities, greatest first."""
         by_term = self.left.copy()
         for (_, number), mass in self.log_masses.items():
@@ -130,7 +130,7 @@ class LegPosterior:
                 found[key] = found.get(key, 0.0) + probability
         for (_, key), mass in self.beside_terms.items():
             found[key] = found.get(key, 0.0) + math.exp(mass - self._total)
-        return tuple((*key, p) for key, p in sorted(found.items(), key=lambda item: -item[1]))
+        return tuple(Response(*key, p) for key, p in sorted(found.items(), key=lambda item: -item[1]))
 
     @property
     def not_computed(self) -> float:

@@ -9,7 +9,7 @@ from missionplan.montecarlo.statistics import Statistic
 from missionplan.report.page import PageSection, Table
 from missionplan.report.quantities import PERCENT, Unit, si_per_unit, unit_for, with_error
 from missionplan.report.wording import capitalised, in_words, listed, number, percent, phase_in_words
-from missionplan.results.entries import Failure
+from missionplan.results.failures import Failure
 from missionplan.results.simulation import Attrition, Outcome, PhaseOutcome, RequirementOutcome, Sensitivity
 
 _FAILURES: Mapping[str, str] = {

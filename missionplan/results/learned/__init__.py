@@ -2,14 +2,14 @@
 
 from collections import Counter
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass, field
+from dataclasses import dataclass, field
 from pathlib import Path
-from typing import ClassVar
+from typing import Annotated, ClassVar
 
 import pandas as pd
 
 from missionplan.results import Provenance, Result, mission_files, to_csv, to_json
-from missionplan.results.entries import fields_of
+from missionplan.results.entries import Entry, Record, summary_of
 from missionplan.results.learned.evidence import (
     SURE,
     Causes,
@@ -17,37 +17,40 @@ from missionplan.results.learned.evidence import (
     ExplanationOdds,
     GroupScore,
     Judgement,
+    KnownParameter,
     NextMeasurement,
+    OutlyingGroup,
     ParameterEstimate,
     RankedSet,
     Readings,
+    joined,
 )
 from missionplan.results.learned.levels import ParameterLevels
 from missionplan.results.learned.next_trial import NextTrial
 from missionplan.results.score import DatasetScore
 
-_RESPONSE = ("axis", "what", "probability")
 Plan = Mapping[str, float | None]
 """What is chosen, and how it fares; keys end with their units."""
 
 
 @dataclass(frozen=True)
-class PlanGain:
+class PlanGain(Record):
     """What the planner would choose before and after a diagnosis."""
 
-    before: Plan = field(default_factory=dict)
-    after: Plan = field(default_factory=dict)
-    """Plans with the base and with the extended mission; empty where there is none."""
-    base_choice_under_extended: Plan | None = None
-    """How the base mission's choice fares when the extended mission is true."""
-    reason: str | None = None
-    """Why there is no plan to compare."""
-    as_written_under_extended: Plan | None = None
-    """How what stands in the mission file fares when the extended mission is true; None where that is no one value."""
-
-    def summary(self) -> dict[str, object]:
-        """Return the entry of ``decision``."""
-        return {name: value for name, value in asdict(self).items() if value is not None}
+    before: Annotated[Plan, Entry("plan with the base mission; empty where there is none")] = field(
+        default_factory=dict
+    )
+    after: Annotated[Plan, Entry("plan with the extended mission; empty where there is none")] = field(
+        default_factory=dict
+    )
+    base_choice_under_extended: Annotated[
+        Plan | None, Entry("how the base mission's choice fares when the extended mission is true", optional=True)
+    ] = None
+    reason: Annotated[str | None, Entry("why there is no plan to compare", optional=True)] = None
+    as_written_under_extended: Annotated[
+        Plan | None,
+        Entry("how what stands in the mission file, if one value, fares when the extended is true", optional=True),
+    ] = None
 
 
 @dataclass(frozen=True)
@@ -57,54 +60,48 @@ class Diagnosis(Judgement, Result):
     report: ClassVar[str] = "missionplan.report.diagnosis.page"
 
     provenance: Provenance
-    kind: str
-    data: str
+    kind: Annotated[str, Entry("of the data set")]
+    data: Annotated[str, Entry("name of the data set", key="dataset")]
     source: str
     """Of the data set."""
-    causes: Causes
-    """The claimed set; empty if none."""
+    causes: Annotated[Causes, Entry("the claimed set; empty if none")]
     known: tuple[ParameterEstimate, ...]
     """What the mission knew of its own effects."""
     confirmed: tuple[ParameterEstimate, ...]
     """The same after these data, of the effects that have not changed."""
-    misfit: str
-    """Size of the base model's misfit in the planner's terms."""
-    ranking: tuple[RankedSet, ...]
-    """Best first."""
-    discrepancy: Discrepancy
-    base_discrepancy: Discrepancy
-    """What the claimed model leaves, and the base model."""
+    misfit: Annotated[str, Entry("size of the base model's misfit in the planner's terms")]
+    ranking: Annotated[tuple[RankedSet, ...], Entry("sets of causes, best first")]
+    discrepancy: Annotated[Discrepancy, Entry("what the claimed model leaves", key="remainder")]
+    base_discrepancy: Annotated[Discrepancy, Entry("what the base model leaves", key="base_remainder")]
     scores: tuple[GroupScore, ...]
     """Held-out scores of the best set, group by group; empty where there are none."""
-    outlying_groups: tuple[tuple[str, float], ...]
-    """Group and p-value."""
+    outlying_groups: Annotated[tuple[OutlyingGroup, ...], Entry("what the rest of the record does not predict")]
     indistinguishable: tuple[tuple[Causes, Causes], ...]
     """Pairs of sets that these data cannot tell apart."""
-    next_measurements: tuple[NextMeasurement, ...]
-    decision: PlanGain
-    """What the planner would choose before and after."""
-    calibration: Mapping[str, float]
-    """Nuisance parameters of the base model as fitted."""
-    untestable: Mapping[str, str]
-    failures: Mapping[str, str]
-    """Effects that the data could not show and sets that could not be fitted, and why."""
+    next_measurements: Annotated[tuple[NextMeasurement, ...], Entry("what would separate the likeliest sets")]
+    decision: Annotated[PlanGain, Entry("what the planner would choose before and after")]
+    calibration: Annotated[Mapping[str, float], Entry("nuisance parameters of the base model as fitted")]
+    untestable: Annotated[Mapping[str, str], Entry("effects that the data could not show, and why")]
+    failures: Annotated[Mapping[str, str], Entry("sets that could not be fitted, and why")]
     residuals: pd.DataFrame
     """Row by row: data, base model, extended model, residuals."""
     extended: Mapping[str, object]
     """The mission's data with the causes as effects."""
-    next_trial: NextTrial | None = None
-    """The trial worth making next, where it was asked for."""
-    explanations: tuple[ExplanationOdds, ...] = ()
-    """What is in doubt, as that mission carries it; empty where nothing is."""
+    next_trial: Annotated[
+        NextTrial | None, Entry("the trial worth making next, where it was asked for", optional=True)
+    ] = None
+    explanations: Annotated[
+        tuple[ExplanationOdds, ...], Entry("what is in doubt, as the extended mission carries it; empty: nothing")
+    ] = ()
     last_part: DatasetScore | None = None
     """The extended mission's score on the part of the record that was held out of everything, where one was."""
-    learned_from: tuple[str, ...] = ()
-    """Hash of each leg, dive or run that was new to the mission."""
-    readings: Readings = field(default_factory=Readings)
+    learned_from: Annotated[tuple[str, ...], Entry("hash of each leg, dive or run that was new to the mission")] = ()
+    readings: Annotated[Readings, Entry(inline=True)] = field(default_factory=Readings)
     """What else the posterior says."""
-
-    levels: tuple[ParameterLevels, ...] = ()
-    """How what the vehicle has went from mission to mission, as the extended mission has learned it."""
+    levels: Annotated[
+        tuple[ParameterLevels, ...],
+        Entry("how what the vehicle has went from mission to mission, as the extended mission has learned it"),
+    ] = ()
 
     @property
     def best(self) -> RankedSet | None:
@@ -112,7 +109,7 @@ class Diagnosis(Judgement, Result):
         return self.ranking[0] if self.ranking else None
 
     @property
-    def changed(self) -> Causes:
+    def changed(self) -> Annotated[Causes, Entry(key="changed_effects")]:
         """Effects of the mission that are not as it knew them."""
         return tuple(cause for cause in self.causes if any(cause == estimate.effect for estimate in self.known))
 
@@ -129,56 +126,40 @@ class Diagnosis(Judgement, Result):
         effects = dict.fromkeys(estimate.effect for estimate in self.confirmed)
         return tuple(effect for effect in effects if self.probability_of(effect) >= SURE)
 
-    def _confirmed_summary(self) -> list[dict[str, object]]:
+    @property
+    def before_and_after(self) -> Annotated[tuple[KnownParameter, ...], Entry(key="confirmed")]:
+        """Parameters that these data confirm, before and after."""
         before = {(estimate.effect, estimate.name): estimate for estimate in self.known}
-        return [
-            {
-                "effect": after.effect,
-                "name": after.name,
-                "prior": before[after.effect, after.name].quantity_summary(),
-                "posterior": after.quantity_summary(),
-                "probability": self.probability_of(after.effect),
-            }
+        return tuple(
+            KnownParameter(
+                after.effect, after.name, before[after.effect, after.name], after, self.probability_of(after.effect)
+            )
             for after in self.confirmed
-        ]
+        )
+
+    @property
+    def has_changed(self) -> Annotated[bool, Entry(key="changed")]:
+        """Whether an effect of the mission is not as it knew it."""
+        return bool(self.changed)
+
+    @property
+    def not_told_apart(self) -> Annotated[tuple[tuple[str, ...], ...], Entry(key="indistinguishable")]:
+        """Pairs of sets that these data cannot tell apart, each with plus signs between its causes."""
+        return tuple(tuple(map(joined, pair)) for pair in self.indistinguishable)
+
+    @property
+    def coverage_scale(self) -> Annotated[float, Entry()]:
+        """Factor on the random errors with which 90 % of the held-out values would have been inside."""
+        return self.coverage.scale if self.coverage is not None else 1.0
+
+    @property
+    def extended_mission(self) -> Annotated[str, Entry()]:
+        """File of the extended mission, beside this one."""
+        return "mission.yaml"
 
     def diagnosis(self) -> dict[str, object]:
         """Return the dictionary of ``diagnosis.json``."""
-        return {
-            "verdict": self.verdict,
-            "causes": list(self.causes),
-            "misfit": self.misfit,
-            "credible_set": [list(causes) for causes in self.credible_set],
-            "ranking": [fields_of(entry) for entry in self.ranking],
-            "remainder": self.discrepancy.summary(),
-            "base_remainder": self.base_discrepancy.summary(),
-            "outlying_groups": [{"group": group, "p_value": p_value} for group, p_value in self.outlying_groups],
-            "indistinguishable": [["+".join(causes) for causes in pair] for pair in self.indistinguishable],
-            "next_measurements": [entry.summary() for entry in self.next_measurements],
-            "decision": self.decision.summary(),
-            "calibration": dict(self.calibration),
-            "learned_from": list(self.learned_from),
-            "untestable": dict(self.untestable),
-            "failures": dict(self.failures),
-            "extended_mission": "mission.yaml",
-            "confirmed": self._confirmed_summary(),
-            "levels": [each.summary() for each in self.levels],
-            "explanations": [each.summary() for each in self.explanations],
-            "changed": bool(self.changed),
-            "changed_effects": list(self.changed),
-            "not_constant": list(self.not_constant),
-            "suspect_labels": self.suspect_labels,
-            "none_of_these": self.none_of_these,
-            **fields_of(self.readings),
-            "responses": [dict(zip(_RESPONSE, each, strict=True)) for each in self.readings.responses],
-            "coverage_scale": self.coverage.scale if self.coverage is not None else 1.0,
-            **({"next_trial": self.next_trial.summary()} if self.next_trial is not None else {}),
-        }
-
-    def summary(self) -> dict[str, object]:
-        """Return the dictionary of ``summary.json``."""
-        entries = {**self.provenance.summary(), "dataset": self.data, "kind": self.kind, **self.diagnosis()}
-        return self.with_decision(entries)
+        return summary_of(self)
 
     @property
     def certainty(self) -> Mapping[str, object] | None:
@@ -192,7 +173,7 @@ class Diagnosis(Judgement, Result):
         """One row a set of the ranking."""
         rows = [
             {
-                "causes": "+".join(entry.causes),
+                "causes": joined(entry.causes),
                 "log_bayes_factor": entry.log_bayes_factor,
                 "score": entry.score,
                 "posterior": entry.posterior,
@@ -250,7 +231,7 @@ class Campaign(Result):
         )
 
     @property
-    def informed_by(self) -> dict[str, tuple[str, ...]]:
+    def informed_by(self) -> Annotated[dict[str, tuple[str, ...]], Entry()]:
         """By effect that the extended mission has learned of, the data sets that had a say in it."""
         found: dict[str, list[str]] = {}
         for each, name in zip(self.diagnoses, self.names, strict=True):
@@ -260,22 +241,23 @@ class Campaign(Result):
         return {effect: tuple(names) for effect, names in found.items()}
 
     @property
-    def shared(self) -> tuple[str, ...]:
+    def shared(self) -> Annotated[tuple[str, ...], Entry()]:
         """Effects of which more than one data set had a say."""
         return tuple(effect for effect, names in self.informed_by.items() if len(names) > 1)
 
+    @property
+    def datasets(self) -> Annotated[tuple[Mapping[str, object], ...], Entry()]:
+        """The diagnosis of each data set."""
+        return tuple({"name": each.data, **each.diagnosis()} for each in self.diagnoses)
+
+    @property
+    def extended_mission(self) -> Annotated[str, Entry()]:
+        """File of the extended mission, beside this one."""
+        return "mission.yaml"
+
     def diagnosis(self) -> dict[str, object]:
         """Return the dictionary of ``diagnosis.json``."""
-        return {
-            "datasets": [{"name": each.data, "kind": each.kind, **each.diagnosis()} for each in self.diagnoses],
-            "informed_by": {effect: list(names) for effect, names in self.informed_by.items()},
-            "shared": list(self.shared),
-            "extended_mission": "mission.yaml",
-        }
-
-    def summary(self) -> dict[str, object]:
-        """Return the dictionary of ``summary.json``."""
-        return self.with_decision({**self.provenance.summary(), **self.diagnosis()})
+        return summary_of(self)
 
     def to_frame(self) -> pd.DataFrame:
         """One row a data set."""
@@ -284,9 +266,9 @@ class Campaign(Result):
                 "dataset": each.data,
                 "kind": each.kind,
                 "verdict": each.verdict,
-                "causes": "+".join(each.causes),
-                "changed": "+".join(each.changed),
-                "confirmed": "+".join(each.borne_out),
+                "causes": joined(each.causes),
+                "changed": joined(each.changed),
+                "confirmed": joined(each.borne_out),
             }
             for each in self.diagnoses
         ]

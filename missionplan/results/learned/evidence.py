@@ -3,9 +3,10 @@
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Literal
+from typing import Annotated, Literal, NamedTuple
 
 from missionplan.arrays import Array
+from missionplan.results.entries import Entry, Record
 
 Verdict = Literal["adequate", "explained", "ambiguous", "partly-explained", "unexplained"]
 Causes = tuple[str, ...]
@@ -14,20 +15,30 @@ SURE = 0.95
 
 
 @dataclass(frozen=True)
-class ParameterEstimate:
-    """A parameter of a cause: value, standard deviation and 90 % interval [unit]."""
+class ParameterEstimate(Record):
+    """A parameter of a cause, in its unit."""
 
-    effect: str
-    name: str
-    value: float
-    sd: float
-    low: float
-    high: float
-    unit: str
+    effect: Annotated[str, Entry("whose parameter it is")]
+    name: Annotated[str, Entry("of the parameter")]
+    value: Annotated[float, Entry("estimate, in the parameter's unit")]
+    sd: Annotated[float, Entry("its standard deviation")]
+    low: Annotated[float, Entry("lower end of the 90 % interval")]
+    high: Annotated[float, Entry("upper end of the 90 % interval")]
+    unit: Annotated[str, Entry("of the parameter")]
 
-    def quantity_summary(self) -> dict[str, float | str]:
-        """Return value, standard deviation, interval and unit."""
-        return {"value": self.value, "sd": self.sd, "low": self.low, "high": self.high, "unit": self.unit}
+
+_QUANTITY = ("value", "sd", "low", "high", "unit")
+
+
+@dataclass(frozen=True)
+class KnownParameter(Record):
+    """A parameter of one of the mission's own effects, before the data and after them."""
+
+    effect: Annotated[str, Entry("whose parameter it is")]
+    name: Annotated[str, Entry("of the parameter")]
+    prior: Annotated[ParameterEstimate, Entry("as the mission knew it", parts=_QUANTITY)]
+    posterior: Annotated[ParameterEstimate, Entry("by these data too", parts=_QUANTITY)]
+    probability: Annotated[float, Entry("of the effect, after these data")]
 
 
 @dataclass(frozen=True)
@@ -45,22 +56,17 @@ class GroupScore:
 
 
 @dataclass(frozen=True)
-class HeldOutGain:
-    """Held-out scores of an extended model beside the base model's, as in ``diagnosis.json``."""
+class HeldOutGain(Record):
+    """Held-out scores of an extended model beside the base model's."""
 
-    log_score_gain: float
-    """Sum over groups of the difference in ln p(group | the others)."""
-    paired_se: float
-    """Standard error of that sum, from the groups' differences."""
-    groups_improved: int
-    groups: int
-    """How many groups the extended model predicts better, of how many."""
-    rmse_base: float
-    rmse_extended: float
-    """Root mean square error of the predictions [units of the data]."""
-    coverage_90_base: float
-    coverage_90_extended: float
-    """Share of values inside their 90 % prediction intervals."""
+    log_score_gain: Annotated[float, Entry("sum over groups of the difference in ln p(group | the others)")]
+    paired_se: Annotated[float, Entry("standard error of that sum, from the groups' differences")]
+    groups_improved: Annotated[int, Entry("how many groups the extended model predicts better")]
+    groups: Annotated[int, Entry("of how many")]
+    rmse_base: Annotated[float, Entry("root mean square error of the base model's predictions, in the data's unit")]
+    rmse_extended: Annotated[float, Entry("the same of the extended model's")]
+    coverage_90_base: Annotated[float, Entry("share of values inside the base model's 90 % prediction intervals")]
+    coverage_90_extended: Annotated[float, Entry("the same of the extended model's")]
 
     def __str__(self) -> str:
         """Gain and its standard error, which a single group does not have."""
@@ -87,83 +93,81 @@ class Coverage:
 
 
 @dataclass(frozen=True)
-class ExplanationOdds:
+class ExplanationOdds(Record):
     """One of several explanations, as the extended mission carries them."""
 
-    causes: Causes
-    """Its effects; empty where none of the others holds."""
-    prior: float | None
-    """Probability in the mission given; None where that had no doubt."""
-    probability: float
-    """After the data."""
-
-    def summary(self) -> dict[str, object]:
-        """Return the entry of ``explanations``."""
-        before = {} if self.prior is None else {"prior": self.prior}
-        return {"causes": list(self.causes), **before, "probability": self.probability}
+    causes: Annotated[Causes, Entry("its effects; empty where none of the others holds")]
+    prior: Annotated[float | None, Entry("in the mission given; left out where that had no doubt", optional=True)]
+    probability: Annotated[float, Entry("after the data")]
 
 
 @dataclass(frozen=True)
-class Alias:
+class Alias(Record):
     """An effect that does to these data what a claimed cause does, but not on the way back."""
 
-    claimed: str
-    other: str
-    matters_from: float
-    """Distance from which it would matter which it is [m]."""
-    trial: str
-    """What tells them apart."""
+    claimed: Annotated[str, Entry("the cause claimed")]
+    other: Annotated[str, Entry("the effect that does the same to these data")]
+    matters_from: Annotated[float, Entry("distance from which it would matter which it is [m]")]
+    trial: Annotated[str, Entry("what tells them apart")]
 
 
 @dataclass(frozen=True)
-class WrongFix:
+class WrongFix(Record):
     """A GPS fix by which one leg errs, and the next the other way."""
 
-    leg: str
-    """After which it was taken."""
-    east_m: float
-    north_m: float
-    """Where it lies of where it should [m]."""
-    probability: float
-    """Beside one of both legs erring alone, and neither."""
+    leg: Annotated[str, Entry("after which it was taken")]
+    east_m: Annotated[float, Entry("where it lies east of where it should", "m", ending=False)]
+    north_m: Annotated[float, Entry("and north", "m", ending=False)]
+    probability: Annotated[float, Entry("beside one of both legs erring alone, and neither")]
+
+
+class Response(NamedTuple):
+    """A smooth error outside the catalogue."""
+
+    axis: Annotated[str, Entry("along which it is smooth")]
+    what: Annotated[str, Entry("what it does, in words")]
+    probability: Annotated[float, Entry("of it")]
+
+
+class OutlyingGroup(NamedTuple):
+    """A dive, run or block of legs that the others do not predict."""
+
+    group: Annotated[str, Entry("its name")]
+    p_value: Annotated[float, Entry("for all groups together (Bonferroni)")]
 
 
 @dataclass(frozen=True)
-class Readings:
+class Readings(Record):
     """What else the posterior says."""
 
-    inclusion: Mapping[str, float] = field(default_factory=dict)
-    """Probability of each effect."""
-    responses: tuple[tuple[str, str, float], ...] = ()
-    """Smooth errors outside the catalogue by axis and in words, with their probabilities."""
-    not_computed: float = 0.0
-    """Estimate of the probability of sets that were not computed."""
-    families: tuple[tuple[Causes, ...], ...] = ()
-    """Sets that are reported as one, as the data cannot separate them."""
-    aliases: tuple[Alias, ...] = ()
-    plan_with: bool | None = None
-    """Whether the extended mission predicts data kept away better, one step and all the way; None where unknown."""
-    wrong_fixes: tuple[WrongFix, ...] = ()
-    confounded_with_reckoning: Causes = ()
-    """Causes no larger than the doubt of a dead reckoning that was made without a logged speed."""
+    inclusion: Annotated[Mapping[str, float], Entry("probability of each effect")] = field(default_factory=dict)
+    responses: Annotated[tuple[Response, ...], Entry("smooth errors outside the catalogue, likeliest first")] = ()
+    not_computed: Annotated[float, Entry("estimate of the probability of sets that were not computed")] = 0.0
+    families: Annotated[
+        tuple[tuple[Causes, ...], ...], Entry("sets that are reported as one, as the data cannot separate them")
+    ] = ()
+    aliases: Annotated[tuple[Alias, ...], Entry("effects that do to these data what a claimed cause does")] = ()
+    plan_with: Annotated[
+        bool | None,
+        Entry("whether the extended mission predicts data kept away better, one step and all the way; null: unknown"),
+    ] = None
+    wrong_fixes: Annotated[tuple[WrongFix, ...], Entry("GPS fixes that look wrong")] = ()
+    confounded_with_reckoning: Annotated[
+        Causes, Entry("causes no larger than the doubt of a dead reckoning made without a logged speed")
+    ] = ()
 
 
 @dataclass(frozen=True)
-class RankedSet:
+class RankedSet(Record):
     """A set of causes in the ranking."""
 
-    causes: Causes
-    log_bayes_factor: float
-    """Over the base model."""
-    score: float
-    """Less 3 nats for each cause beyond the first."""
-    posterior: float | None
-    """Probability; None where it was not computed."""
-    parameters: tuple[ParameterEstimate, ...]
-    held_out: HeldOutGain | None
-    """Where it was measured: the best few."""
-    share_explained: float
-    """Share of the base model's squared residuals that goes with these causes."""
+    causes: Annotated[Causes, Entry("effects of the set")]
+    log_bayes_factor: Annotated[float, Entry("over the base model")]
+    score: Annotated[float, Entry("less 3 nats for each cause beyond the first")]
+    posterior: Annotated[float | None, Entry("probability; null where it was not computed")]
+    parameters: Annotated[tuple[ParameterEstimate, ...], Entry("of its effects")]
+    held_out: Annotated[HeldOutGain | None, Entry("on data held out, where measured: the best few")]
+    share_explained: Annotated[float, Entry("of the base model's squared residuals, what goes with these causes")]
 
 
 @dataclass(frozen=True)
@@ -188,13 +192,13 @@ class DiscrepancyShape:
 
 
 @dataclass(frozen=True)
-class Discrepancy:
+class Discrepancy(Record):
     """What a model leaves of the data beyond its noise."""
 
-    log_bayes_factor: float
-    """Of a smooth discrepancy along some axis over none; the axes share the prior equally."""
-    axis: str | None
-    """Along which, where there is one: ``time`` where only a residual test says so."""
+    log_bayes_factor: Annotated[
+        float, Entry("of a smooth discrepancy along some axis over none; the axes share the prior equally")
+    ]
+    axis: Annotated[str | None, Entry("along which, where there is one: ``time`` where only a residual test says so")]
     by_axis: tuple[tuple[str, float], ...]
     """What would be smooth along each axis, in words, and its own ln Bayes factor, greatest first."""
     tests: tuple[ResidualTest, ...]
@@ -209,42 +213,38 @@ class Discrepancy:
         """Whether there is a discrepancy."""
         return self.axis is not None
 
-    def summary(self) -> dict[str, object]:
-        """Return the entry of ``remainder``."""
-        return {"log_bayes_factor": self.log_bayes_factor, "axis": self.axis}
-
 
 @dataclass(frozen=True)
-class NextMeasurement:
+class NextMeasurement(Record):
     """A measurement that would separate two sets of causes."""
 
     separates: tuple[Causes, Causes]
-    measurement: str
-    expected_log_bayes_factor: float
+    measurement: Annotated[str, Entry("what to measure, in words")]
+    expected_log_bayes_factor: Annotated[float, Entry("of the set that holds over the other, after it")]
 
-    def summary(self) -> dict[str, object]:
-        """Return the entry of ``next_measurements``; a set of several causes is written with plus signs."""
-        return {
-            "separates": ["+".join(causes) for causes in self.separates],
-            "measurement": self.measurement,
-            "expected_log_bayes_factor": self.expected_log_bayes_factor,
-        }
+    @property
+    def separated(self) -> Annotated[tuple[str, ...], Entry(key="separates")]:
+        """Both sets, each with plus signs between its causes."""
+        return tuple(map(joined, self.separates))
+
+
+def joined(causes: Causes) -> str:
+    """Write a set of causes as tables do: with plus signs."""
+    return "+".join(causes)
 
 
 @dataclass(frozen=True)
 class Judgement:
     """What may be said after a diagnosis."""
 
-    verdict: Verdict
-    credible_set: tuple[Causes, ...]
-    """Sets that hold 95 % of the probability, best first."""
+    verdict: Annotated[Verdict, Entry("what may be said of the causes")]
+    credible_set: Annotated[tuple[Causes, ...], Entry("sets that hold 95 % of the probability, best first")]
     rivals: tuple[Causes, ...]
     """Sets within 3 nats of the claimed one, and those that the data cannot separate from it."""
-    not_constant: Causes
-    """Claimed causes that do not hold still over the record."""
-    suspect_labels: str
-    """Which labels of the record look wrong, such as weights of dives; empty where none do."""
-    none_of_these: float
-    """Probability that something outside the catalogue is left."""
+    not_constant: Annotated[Causes, Entry("claimed causes that do not hold still over the record")]
+    suspect_labels: Annotated[
+        str, Entry("which labels of the record look wrong, such as weights of dives; empty where none do")
+    ]
+    none_of_these: Annotated[float, Entry("probability that something outside the catalogue is left")]
     coverage: Coverage | None
     """Of the 90 % intervals of the model claimed, else of the base model's, on data held out; None where unknown."""

@@ -27,7 +27,7 @@ from missionplan.physics.anchor import (
 from missionplan.physics.anchor_remedies import buildable_weights, find_remedies
 from missionplan.physics.drag import DragBuildUp, QuadraticDrag, anchor_drag, range_notes, terminal_velocity
 from missionplan.results.anchor_sizing import DesignLayer, Deviation, ProbableAnchor
-from missionplan.results.entries import SUCCESS, Counted, CountedKind
+from missionplan.results.failures import SUCCESS, Counted, CountedKind
 from missionplan.results.sized_anchor import DiveProbabilities, SizedAnchor
 from missionplan.scenario.anchors import anchor_problem, design_current
 from missionplan.scenario.phases import dive_of, start_of

@@ -13,7 +13,8 @@ from missionplan.montecarlo.alternatives import compare_with_best, pareto_front
 from missionplan.montecarlo.statistics import Count, Probability, Statistic
 from missionplan.results import Provenance, Result, to_csv, to_grid
 from missionplan.results.decision import Aim, Axis, MemberOutcome
-from missionplan.results.entries import Counted, Entry, Record
+from missionplan.results.entries import Entry, Record
+from missionplan.results.failures import Counted
 from missionplan.results.simulation import RequirementOutcome
 from missionplan.studies.exploration.cells import LEFT_RECORD, SUCCESS
 from missionplan.studies.simulation import TOLERATED

@@ -18,7 +18,8 @@ from missionplan.montecarlo.rare_events.strata import ReliabilityIndices, Strata
 from missionplan.montecarlo.statistics import Probability, wilson
 from missionplan.montecarlo.streams import stream
 from missionplan.results import Provenance, Result, to_csv
-from missionplan.results.entries import MET, Entry, Failure, Record
+from missionplan.results.entries import Entry, Record
+from missionplan.results.failures import MET, Failure
 from missionplan.scenario.scenario import Scenario
 from missionplan.studies.rare_failure.driven_trials import (
     FAILS,

@@ -20,7 +20,7 @@ from missionplan.montecarlo.rare_events import Key
 from missionplan.montecarlo.rare_events.strata import DiscreteValue, StrataView, TrialMargins
 from missionplan.phases.ensemble import Ensemble
 from missionplan.physics.propulsion import JOULES_PER_WATT_HOUR
-from missionplan.results.entries import MET, Counted, CountedKind, Failure
+from missionplan.results.failures import MET, Counted, CountedKind, Failure
 from missionplan.scenario.phases import line_strength
 from missionplan.scenario.scenario import Scenario
 from missionplan.scenario.site_current import MEMBER

@@ -15,7 +15,7 @@ from missionplan.mission.checks.sections import quantity_unit
 from missionplan.mission.units import QuantityError, parse_number_with_unit
 from missionplan.montecarlo.blocks import Progress
 from missionplan.montecarlo.streams import BLOCK
-from missionplan.results.entries import Counted
+from missionplan.results.failures import Counted
 from missionplan.scenario.scenario import Scenario
 from missionplan.scenario.site_current import members_of
 from missionplan.store.checkpoints import Checkpoints, kept_or_run

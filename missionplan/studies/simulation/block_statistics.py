@@ -15,7 +15,7 @@ from missionplan.mission.schema.sweep import Requirement
 from missionplan.montecarlo.quantile_sketch import QuantileSketch
 from missionplan.montecarlo.statistics import Count, Moments, RunningStatistics
 from missionplan.physics.propulsion import JOULES_PER_WATT_HOUR
-from missionplan.results.entries import MET, SUCCESS, Counted, CountedKind
+from missionplan.results.failures import MET, SUCCESS, Counted, CountedKind
 from missionplan.scenario.site_current import MEMBER
 from missionplan.studies.simulation.phase_trials import Flags
 from missionplan.studies.simulation.trial_block import MissionTrials

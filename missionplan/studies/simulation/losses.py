@@ -16,7 +16,7 @@ from missionplan.mission import Mission
 from missionplan.mission.schema.place import to_plane
 from missionplan.mission.views import required_origin
 from missionplan.moments import moment_of
-from missionplan.results.entries import Failure
+from missionplan.results.failures import Failure
 from missionplan.results.whereabouts import AFLOAT, WAYS, Way
 from missionplan.studies.simulation.phase_trials import Flags, PhaseTrials
 

@@ -20,7 +20,7 @@ from missionplan.phases.hooks import TrialState
 from missionplan.phases.mooring import MoorPlan, MoorRecord, moor
 from missionplan.phases.place import Contact, Place, Way
 from missionplan.physics.propulsion import JOULES_PER_WATT_HOUR
-from missionplan.results.entries import Failure
+from missionplan.results.failures import Failure
 from missionplan.scenario.phases import dive_of, fix_normals, line_strength, moor_plan, room_in_depth
 from missionplan.scenario.scenario import STILL_WATER, Scenario
 from missionplan.studies.held_vehicle import sinking_speed

@@ -15,7 +15,7 @@ from missionplan.montecarlo.statistics import Count, Integers, Probability, Runn
 from missionplan.phases.place import Cause
 from missionplan.results import Provenance
 from missionplan.results.decision import Causes, ExplainedOutcome, PlaceContact
-from missionplan.results.entries import LIMITS, MET, Counted, CountedKind
+from missionplan.results.failures import LIMITS, MET, Counted, CountedKind
 from missionplan.results.simulation import (
     Attrition,
     Histogram,

@@ -15,7 +15,7 @@ from missionplan.arrays import Array
 from missionplan.montecarlo.streams import stream
 from missionplan.phases.recorded_currents import RecordedCurrent
 from missionplan.physics.propulsion import JOULES_PER_WATT_HOUR
-from missionplan.results.entries import Failure
+from missionplan.results.failures import Failure
 from missionplan.results.whereabouts import AFLOAT, SHARES, DriftAssumption, ExpectedTime, Overdue, SearchArea
 from missionplan.scenario.scenario import Scenario
 from missionplan.studies.simulation.drift import Drift

@@ -19,7 +19,7 @@ from missionplan.phases.transit.ground_velocity import random_part
 from missionplan.phases.transit.plan import Environment, TransitNormals, TransitPlan, TransitRecord, column
 from missionplan.phases.transition_simulation import simulate_transition
 from missionplan.physics.propulsion import JOULES_PER_WATT_HOUR
-from missionplan.results.entries import MET, Failure
+from missionplan.results.failures import MET, Failure
 from missionplan.scenario.phases import manoeuvre, transit_normals, transition_vehicle
 from missionplan.scenario.scenario import Scenario
 

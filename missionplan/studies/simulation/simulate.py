@@ -13,7 +13,7 @@ from missionplan.montecarlo.blocks import Backend, Progress
 from missionplan.montecarlo.statistics import Probability
 from missionplan.montecarlo.streams import BLOCK, sized_blocks
 from missionplan.results.decision import SeaChart
-from missionplan.results.entries import SUCCESS, Counted, CountedKind
+from missionplan.results.failures import SUCCESS, Counted, CountedKind
 from missionplan.results.plan import Plan
 from missionplan.results.simulation import Outcome
 from missionplan.results.whereabouts import Overdue

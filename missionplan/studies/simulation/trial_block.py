@@ -16,7 +16,7 @@ from missionplan.montecarlo.reliability import Exposure, age_at_chance, age_at_r
 from missionplan.montecarlo.streams import BlockStreams, NormalSource
 from missionplan.phases.hooks import TrialState
 from missionplan.physics.propulsion import JOULES_PER_WATT_HOUR
-from missionplan.results.entries import Failure
+from missionplan.results.failures import Failure
 from missionplan.scenario.phases import deployed
 from missionplan.scenario.scenario import Scenario
 from missionplan.studies.simulation.mooring_trials import mooring_trials

@@ -1,12 +1,15 @@
 """Navigation logs end to end: what is hidden is found, what is not there is not."""
 
+import json
 from dataclasses import replace
 
+import jsonschema
 import numpy as np
 import pytest
 import yaml
 from scipy.stats import multivariate_normal
 
+import missionplan
 from missionplan import diagnose
 from missionplan.datasets.legs import read_transit
 from missionplan.diagnosis.legs.designs import with_further_legs
@@ -18,6 +21,7 @@ from missionplan.mission import Mission
 from missionplan.phases.hooks import velocity_error
 from missionplan.report.diagnosis.page import answer
 from missionplan.report.render import render_report
+from missionplan.results import to_json
 from missionplan.results.learned.evidence import Readings
 from tests.fixtures import TRANSIT, make_legs
 from tests.learned import held, moments
@@ -274,6 +278,15 @@ def test_a_diagnosis_of_the_extended_mission_finds_nothing_more(folder, transit_
 def test_the_result_is_deterministic(quick, legs):
     table = legs(30)
     assert quick(table).diagnosis() == quick(table).diagnosis()
+
+
+def test_the_summary_is_as_its_schema_says_and_nothing_in_it_is_left_open(in_a_current):
+    summary, schema = json.loads(to_json(in_a_current.summary())), missionplan.schema("summary")
+    assert [error.message for error in jsonschema.Draft7Validator(schema).iter_errors(summary)] == []
+    for place in (summary, summary["ranking"][0], summary["ranking"][0]["parameters"][0], summary["decision"]):
+        place["mistyped"] = 1
+        assert list(jsonschema.Draft7Validator(schema).iter_errors(summary))
+        del place["mistyped"]
 
 
 def test_diagnosis_json_has_the_contracts_keys(in_a_current):

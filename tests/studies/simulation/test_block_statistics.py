@@ -6,7 +6,7 @@ from hypothesis.extra.numpy import arrays
 from simulate_missions import chesapeake
 
 from missionplan.montecarlo.statistics import Count, RunningStatistic, RunningStatistics
-from missionplan.results.entries import SUCCESS, Counted, CountedKind, Failure
+from missionplan.results.failures import SUCCESS, Counted, CountedKind, Failure
 from missionplan.studies.simulation.block_statistics import (
     BlockStatistics,
     Sampled,

@@ -11,7 +11,7 @@ from test_over_ground import MISSION, failing
 from missionplan.errors import InputError
 from missionplan.mission import load
 from missionplan.montecarlo.reliability import age_at_chance, age_weibull, rate_of_counts
-from missionplan.results.entries import Failure
+from missionplan.results.failures import Failure
 from missionplan.studies.simulation.overdue import _first_failures
 from missionplan.studies.simulation.simulate import simulate_block
 

@@ -12,7 +12,7 @@ from pyproj import Geod
 from missionplan.mission import Mission
 from missionplan.phases.currents import layers
 from missionplan.phases.recorded_currents import SeriesCurrent
-from missionplan.results.entries import Failure
+from missionplan.results.failures import Failure
 from missionplan.results.whereabouts import SHARES, DriftAssumption, ExpectedTime, Overdue, SearchArea
 from missionplan.studies.simulation.drift import HELD, Drift, dormand_prince
 from missionplan.studies.simulation.losses import Losses, Search, encloses, read_searches

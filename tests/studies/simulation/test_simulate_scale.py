@@ -13,7 +13,7 @@ from simulate_missions import chesapeake, chesapeake_data
 from missionplan.errors import InputError, RunError
 from missionplan.montecarlo.statistics import Count, RunningStatistics
 from missionplan.montecarlo.streams import BLOCK
-from missionplan.results.entries import SUCCESS
+from missionplan.results.failures import SUCCESS
 from missionplan.scenario.scenario import Scenario
 from missionplan.studies.simulation import block_sequence as task
 from missionplan.studies.simulation import simulate as module
@@ -244,7 +244,7 @@ RUN = """
 import sys
 from pathlib import Path
 from missionplan.mission import load
-from missionplan.results.entries import SUCCESS
+from missionplan.results.failures import SUCCESS
 from missionplan.scenario.scenario import Scenario
 from missionplan.studies.simulation.simulate import simulate
 if __name__ == "__main__":
