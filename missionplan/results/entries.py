@@ -61,7 +61,8 @@ class Record:
 
     def row(self) -> dict[str, Any]:
         """Return the entries as the row of a table: numbers alone, nan for what is not known."""
-        return {item.key: _cell(_scaled(getattr(self, item.attribute), item.entry)) for item in stated(type(self))}  # type: ignore[arg-type]
+        items = [item for item in stated(type(self)) if not item.entry.when or getattr(self, item.entry.when)]  # type: ignore[arg-type]
+        return {item.key: _cell(_scaled(getattr(self, item.attribute), item.entry)) for item in items}
 
 
 def summary_of(record: Any) -> dict[str, Any]:

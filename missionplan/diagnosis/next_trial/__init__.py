@@ -35,7 +35,7 @@ from missionplan.diagnosis.pipeline import PipelineResult
 from missionplan.effects import CATALOGUE
 from missionplan.effects.info import Instrument
 from missionplan.errors import MissionplanError
-from missionplan.results.learned.next_trial import NextTrial, OutcomeRule, TrialOutcome, ValuedDesign
+from missionplan.results.learned.next_trial import NextTrial, OutcomeRule, PossibleSet, TrialOutcome, ValuedDesign
 
 
 def instruments_for(believed: Sequence[Believed]) -> Mapping[Coordinate, Instrument]:
@@ -195,7 +195,7 @@ class Valuation:
             success=float(self.losses.success[problem.choice]),
             failure_loss=self.losses.failure,
             perfect=perfect.mean if perfect.changes else 0.0,
-            explanations=tuple((each.causes, each.explanation.probability) for each in self.believed),
+            explanations=tuple(PossibleSet(each.causes, each.explanation.probability) for each in self.believed),
             designs=tuple(valued for valued, _, _ in found),
             right=self.right(),
         )
@@ -218,6 +218,7 @@ class Valuation:
             saving.mean,
             saving.error,
             self.right(experiment.probabilities(data)),
+            self.losses.unit,
         )
         return valued, saving
 

@@ -1,12 +1,13 @@
 """The trial worth making next: what each design costs and tells, what that saves, and what its outcomes would mean."""
 
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass
-from typing import Literal
+from dataclasses import dataclass
+from typing import Annotated, Literal, NamedTuple
 
 import pandas as pd
 
 from missionplan.results import to_csv, to_yaml
+from missionplan.results.entries import Entry, Record
 from missionplan.results.learned.evidence import Causes
 
 LossUnit = Literal["W h", "min"]
@@ -15,94 +16,152 @@ MORE_RIGHT, NEARLY_RIGHT = 0.05, 0.03
 
 
 @dataclass(frozen=True)
-class ValuedDesign:
+class ValuedDesign(Record):
     """A trial that could be made."""
 
-    name: str
-    """In words."""
-    minutes: float
-    """Time that it takes by the planner's model, without the way there and back [min]."""
-    energy_wh: float | None
-    """Energy that it takes [W h]; None where the mission has no energy budget, or the vehicle stays out of the water.
-    """
-    information: float
-    """Expected gain in information about the causes and their sizes [nats]."""
-    saving: float
-    saving_error: float
-    """Expected reduction of a mission's loss by the choice made after it, and its standard error [the loss's unit]."""
-    right: float
-    """Probability that what the crew then does about the vehicle is right: swing, calibrate, clean, or nothing."""
-
-
-@dataclass(frozen=True)
-class TrialOutcome:
-    """One way in which the trial may come out."""
-
-    probability: float
-    causes: Causes
-    """Likeliest then."""
-    choice: float
-    """What would then be chosen [m or N]."""
-    saving: float
-    """Expected reduction of a mission's loss then [the loss's unit]."""
-
-
-@dataclass(frozen=True)
-class OutcomeRule:
-    """The simplest rule that tells from the trial's diagnosis whether another choice is right."""
-
-    effect: str
-    name: str
-    unit: str
-    """Parameter whose estimate decides."""
-    threshold: float
-    """Threshold [unit]."""
-    above: bool
-    """Whether the choice changes above the threshold or below it."""
-    causes: Causes
-    """Likeliest then."""
-    choice: float
-    """Commonest choice then [m or N]."""
-    agreement: float
-    """Share of the simulated outcomes in which the rule and the full calculation agree on whether the choice changes.
-    """
-
-
-@dataclass(frozen=True)
-class NextTrial:
-    """Which trial, if any, is worth making next."""
-
-    decides: str = ""
-    """Key of what is chosen: ``d_max_m`` or ``anchor_wet_weight_n``."""
+    name: Annotated[str, Entry("in words", key="design")]
+    minutes: Annotated[float, Entry("that it takes by the planner's model, without the way there and back")]
+    energy_wh: Annotated[
+        float | None,
+        Entry("that it takes; null: no energy budget, or the vehicle stays out of the water", "W h", ending=False),
+    ]
+    information: Annotated[float, Entry("expected gain about the causes and their sizes", "nats")]
+    saving: Annotated[
+        float,
+        Entry("expected reduction of a mission's loss by the choice made after it", "W h", when="in_energy"),
+        Entry("expected reduction of a mission's loss by the choice made after it", "min", when="in_time"),
+    ]
+    saving_error: Annotated[
+        float,
+        Entry("standard error of the saving", "W h", when="in_energy"),
+        Entry("standard error of the saving", "min", when="in_time"),
+    ]
+    right: Annotated[
+        float,
+        Entry(
+            "probability that the crew then does what is right about the vehicle: swing, calibrate, clean or nothing"
+        ),
+    ]
     unit: LossUnit = "W h"
     """Of the loss."""
-    choice: float = 0.0
-    loss: float = 0.0
-    """Best choice with what is known now [m or N], and its expected loss [unit]."""
-    tried: tuple[float, float] = (0.0, 0.0)
-    """Least and greatest choice of those tried [m or N]."""
-    success: float = 0.0
-    """Probability of success with it."""
-    failure_loss: float = 0.0
-    """Loss counted for a mission that fails [unit]."""
-    perfect: float = 0.0
-    """Expected saving if cause and sizes were known exactly [unit]."""
-    explanations: tuple[tuple[Causes, float], ...] = ()
-    """Sets of causes that may hold, with their probabilities."""
-    designs: tuple[ValuedDesign, ...] = ()
-    """Greatest saving first, then greatest information."""
-    right: float = 0.0
-    """Probability that what the crew does about the vehicle by what is known now is right."""
+
+    @property
+    def in_energy(self) -> bool:
+        """Whether the loss is energy."""
+        return self.unit == "W h"
+
+    @property
+    def in_time(self) -> bool:
+        """Whether the loss is time."""
+        return self.unit == "min"
+
+
+@dataclass(frozen=True)
+class TrialOutcome(Record):
+    """One way in which the trial may come out."""
+
+    probability: Annotated[float, Entry("of it")]
+    causes: Annotated[Causes, Entry("likeliest then")]
+    choice: Annotated[float, Entry("what would then be chosen [m or N]")]
+    saving: Annotated[float, Entry("expected reduction of a mission's loss then, in the loss's unit")]
+
+
+@dataclass(frozen=True)
+class OutcomeRule(Record):
+    """The simplest rule that tells from the trial's diagnosis whether another choice is right."""
+
+    effect: Annotated[str, Entry("whose parameter's estimate decides")]
+    name: Annotated[str, Entry("of the parameter")]
+    unit: Annotated[str, Entry("of the parameter")]
+    threshold: Annotated[float, Entry("in that unit")]
+    above: Annotated[bool, Entry("whether the choice changes above the threshold or below it")]
+    causes: Annotated[Causes, Entry("likeliest then")]
+    choice: Annotated[float, Entry("commonest choice then [m or N]")]
+    agreement: Annotated[
+        float, Entry("share of the simulated outcomes in which the rule and the full calculation agree")
+    ]
+
+
+class PossibleSet(NamedTuple):
+    """A set of causes that may hold."""
+
+    causes: Annotated[Causes, Entry("effects of the set")]
+    probability: Annotated[float, Entry("of it")]
+
+
+@dataclass(frozen=True)
+class NextTrial(Record):
+    """Which trial, if any, is worth making next."""
+
+    decides: Annotated[
+        str, Entry("key of what is chosen: ``d_max_m`` or ``anchor_wet_weight_n``", when="is_computed")
+    ] = ""
+    unit: LossUnit = "W h"
+    """Of the loss."""
+    choice: Annotated[float, Entry("best choice with what is known now [m or N]", when="is_computed")] = 0.0
+    loss: Annotated[
+        float,
+        Entry("expected loss of that choice", "W h", when="in_energy"),
+        Entry("expected loss of that choice", "min", when="in_time"),
+    ] = 0.0
+    tried: Annotated[
+        tuple[float, float], Entry("least and greatest choice of those tried [m or N]", when="is_computed")
+    ] = (0.0, 0.0)
+    success: Annotated[float, Entry("probability of success with the choice", when="is_computed")] = 0.0
+    failure_loss: Annotated[
+        float,
+        Entry("loss counted for a mission that fails", "W h", when="in_energy"),
+        Entry("loss counted for a mission that fails", "min", when="in_time"),
+    ] = 0.0
+    perfect: Annotated[
+        float,
+        Entry("expected saving if all were known exactly", "W h", key="perfect_saving", when="in_energy"),
+        Entry("expected saving if all were known exactly", "min", key="perfect_saving", when="in_time"),
+    ] = 0.0
+    explanations: Annotated[tuple[PossibleSet, ...], Entry("sets of causes that may hold", when="is_computed")] = ()
+    designs: Annotated[
+        tuple[ValuedDesign, ...], Entry("greatest saving first, then greatest information", when="is_computed")
+    ] = ()
+    right: Annotated[
+        float,
+        Entry(
+            "probability that what the crew does about the vehicle by what is known now is right", when="is_computed"
+        ),
+    ] = 0.0
     best: ValuedDesign | None = None
     """The cheapest of those that save nearly the most; None where no trial is worth it."""
-    outcomes: tuple[TrialOutcome, ...] = ()
-    """Of the best, likeliest first."""
-    rule: OutcomeRule | None = None
-    """Of the best, where one parameter decides."""
+    outcomes: Annotated[tuple[TrialOutcome, ...], Entry("of the best design, likeliest first", when="is_computed")] = ()
+    rule: Annotated[
+        OutcomeRule | None, Entry("of the best design, where one parameter decides", when="is_computed")
+    ] = None
     trial: Mapping[str, object] | None = None
     """Mission file's data of the one recommended; None for an instrument, or where none is."""
-    reason: str | None = None
-    """Why nothing was computed, where nothing was."""
+    reason: Annotated[str | None, Entry("why nothing was computed, where nothing was", optional=True)] = None
+
+    @property
+    def is_computed(self) -> bool:
+        """Whether a trial was looked for."""
+        return self.reason is None
+
+    @property
+    def in_energy(self) -> bool:
+        """Whether there is a loss of energy."""
+        return self.is_computed and self.unit == "W h"
+
+    @property
+    def in_time(self) -> bool:
+        """Whether there is a loss of time."""
+        return self.is_computed and self.unit == "min"
+
+    @property
+    def best_name(self) -> Annotated[str | None, Entry(key="best", when="is_computed")]:
+        """The cheapest design of those that save nearly the most; null where no trial is worth it."""
+        return None if self.best is None else self.best.name
+
+    @property
+    def settling_name(self) -> Annotated[str | None, Entry(key="settling", when="is_computed")]:
+        """The cheapest design of those that nearly best tell what to do about the vehicle; null: none tells more."""
+        return None if self.settling is None else self.settling.name
 
     @property
     def settling(self) -> ValuedDesign | None:
@@ -116,44 +175,9 @@ class NextTrial:
         """The best for the plan, else what settles what to do about the vehicle."""
         return self.best or self.settling
 
-    def summary(self) -> dict[str, object]:
-        """Return the entry ``next_trial`` of ``diagnosis.json``."""
-        if self.reason is not None:
-            return {"reason": self.reason}
-        unit = self.unit.replace(" ", "").lower()
-        return {
-            "decides": self.decides,
-            "choice": self.choice,
-            "tried": list(self.tried),
-            f"loss_{unit}": self.loss,
-            "success": self.success,
-            "right": self.right,
-            f"failure_loss_{unit}": self.failure_loss,
-            f"perfect_saving_{unit}": self.perfect,
-            "explanations": [{"causes": list(causes), "probability": p} for causes, p in self.explanations],
-            "best": self.best.name if self.best is not None else None,
-            "settling": self.settling.name if self.settling is not None else None,
-            "designs": self.to_frame().to_dict(orient="records"),
-            "outcomes": [asdict(outcome) for outcome in self.outcomes],
-            "rule": asdict(self.rule) if self.rule is not None else None,
-        }
-
     def to_frame(self) -> pd.DataFrame:
         """One row a design."""
-        unit = self.unit.replace(" ", "").lower()
-        rows = [
-            {
-                "design": each.name,
-                "minutes": each.minutes,
-                "energy_wh": each.energy_wh,
-                "information_nats": each.information,
-                f"saving_{unit}": each.saving,
-                f"saving_error_{unit}": each.saving_error,
-                "right": each.right,
-            }
-            for each in self.designs
-        ]
-        return pd.DataFrame(rows)
+        return pd.DataFrame([each.row() for each in self.designs])
 
     def files(self) -> dict[str, str | bytes]:
         """``next-trials.csv``, and the recommended trial as ``next-trial.yaml``, with what its outcomes would mean."""
