@@ -89,12 +89,15 @@ def test_names_of_missions_and_phases_are_no_quantities():
 @pytest.fixture(scope="module")
 def plain():
     """A sweep of a mission that asks for no units."""
-    return sweep_dmax(Mission.from_data(dict(load(MISSIONS / "fig8.yaml").raw)), trials=20)
+    return sweep_dmax(few_points(), trials=20)
+
+
+def few_points(**changes) -> Mission:
+    return load(MISSIONS / "fig8.yaml").with_({"sweep.d_max.points": 5, **changes})
 
 
 def test_a_mission_or_the_run_chooses_the_units_and_the_summary_stays_in_si(plain):
-    data = dict(load(MISSIONS / "fig8.yaml").raw)
-    chosen = sweep_dmax(Mission.from_data({**data, "units": "nautical"}), trials=20)
+    chosen = sweep_dmax(few_points(units="nautical"), trials=20)
     assert "nmi" not in terminal_view(plain).sentence
     assert "nmi" in terminal_view(chosen).sentence
     unlike = ("created_utc", "elapsed_s", "identity", "identity_parts")  # units are a part of the file

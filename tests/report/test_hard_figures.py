@@ -90,15 +90,17 @@ def test_a_record_without_a_tide_is_drawn(tmp_path):
     assert not re.search(r"\bnan\b", rendered.html)
 
 
-def test_a_report_compared_with_itself_is_drawn(tmp_path):
-    report = missionplan.simulate(MISSIONS / "chesapeake.yaml", trials=8).save(tmp_path / "report")
+def test_a_report_compared_with_itself_is_drawn(simulated):
+    report = simulated.page.parent
     rendered = render(missionplan.compare(report, report))
     assert "The results are the same." in rendered.html
     assert not re.search(r"\bnan\b", rendered.html)
 
 
 def test_a_transition_that_holds_its_depth_at_every_speed_is_drawn():
-    found = missionplan.sweep_transition(MISSIONS / "autosub-transition.yaml", time_step=1.0)
+    few = {"deceleration": ["0.01 m/s^2"], "steepness": ["0.1 m/s"], "mid_speed": ["0.5 m/s", "0.75 m/s"]}
+    planned = missionplan.load(MISSIONS / "autosub-transition.yaml").with_({"slow-down.sweep": few})
+    found = missionplan.sweep_transition(planned, time_step=1.0)
     rendered = render(replace(found, saturation_speed=np.nan))
     assert rendered.figures
     assert not re.search(r"\bnan\b", rendered.html)

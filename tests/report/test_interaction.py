@@ -8,24 +8,24 @@ import pyproj
 import pytest
 from browsing import needs_browser, show
 
-from missionplan.mission import load
-from missionplan.studies.leg_length.sweep_dmax import sweep_dmax
-from missionplan.studies.simulation.simulate import simulate
-
-MISSIONS = Path(__file__).parents[2] / "missions"
-pytestmark = [needs_browser, pytest.mark.usefixtures("drawn")]
+pytestmark = needs_browser
 
 
 @pytest.fixture(scope="module")
-def sweep():
-    found = sweep_dmax(load(MISSIONS / "fig8.yaml"), trials=20)
-    evil = '</script><script>document.title="stolen"</script>'
-    return replace(found, provenance=replace(found.provenance, mission=evil))
+def evil(swept, saved):
+    """The name of the mission would be a script."""
+    name = '</script><script>document.title="stolen"</script>'
+    return saved(replace(swept.result, provenance=replace(swept.result.provenance, mission=name)))
 
 
 @pytest.fixture(scope="module")
-def report(sweep, tmp_path_factory) -> Path:
-    return sweep.save(tmp_path_factory.mktemp("interaction") / "report") / "report.html"
+def sweep(evil):
+    return evil.result
+
+
+@pytest.fixture(scope="module")
+def report(evil) -> Path:
+    return evil.page
 
 
 def point_at(browser, figure: int, across: float, up: float) -> str:
@@ -55,10 +55,8 @@ def test_the_pointer_reads_the_nearest_data_off_curves(browser, report, sweep):
 
 
 @pytest.fixture(scope="module")
-def mission(tmp_path_factory):
-    given = load(MISSIONS / "chesapeake.yaml").with_({"moor.radius": "6 m"})
-    found = simulate(given, trials=200, seed=3)
-    return found, found.save(tmp_path_factory.mktemp("mission") / "report") / "report.html"
+def mission(simulated):
+    return simulated.result, simulated.page
 
 
 def figure_named(browser, name: str) -> int:

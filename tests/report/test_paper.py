@@ -11,9 +11,7 @@ from browsing import needs_browser, printed, show
 
 from missionplan.mission import load
 from missionplan.report.page import Drawn, drawing_by
-from missionplan.studies.anchor import size_anchor
 from missionplan.studies.comparison import compare
-from missionplan.studies.leg_length.sweep_dmax import sweep_dmax
 from missionplan.studies.simulation.simulate import simulate
 
 MISSIONS = Path(__file__).parents[2] / "missions"
@@ -21,7 +19,6 @@ PDFTOTEXT = shutil.which("pdftotext")
 pytestmark = [
     needs_browser,
     pytest.mark.skipif(not PDFTOTEXT, reason="needs pdftotext (poppler-utils)"),
-    pytest.mark.usefixtures("drawn"),
 ]
 WORD = re.compile(r'<word xMin="([\d.-]+)" yMin="([\d.-]+)" xMax="([\d.-]+)" yMax="([\d.-]+)">(.*?)</word>')
 
@@ -40,20 +37,16 @@ class Paper:
 
 
 @pytest.fixture(scope="module")
-def reports(tmp_path_factory) -> dict[str, Path]:
-    folder = tmp_path_factory.mktemp("paper")
-    chesapeake, anchor = load(MISSIONS / "chesapeake.yaml"), load(MISSIONS / "anchor-design.yaml")
-    results = {
-        "simulate": simulate(chesapeake, trials=300),
-        "sweep": sweep_dmax(chesapeake, trials=50),
-        "anchor": size_anchor(anchor, trials=50),
-    }
-    pages = {name: result.save(folder / name) / "report.html" for name, result in results.items()}
+def compared(simulated, saved, tmp_path_factory):
     with drawing_by(lambda figure, shown: Drawn("<svg/>")):
-        again = simulate(chesapeake, trials=300, seed=2).save(folder / "again")
-    compared = compare(pages["simulate"].parent, again)
-    pages["compare"] = compared.save(folder / "compare") / "report.html"
-    return pages
+        other = simulate(load(MISSIONS / "chesapeake.yaml"), trials=200, seed=2)
+        again = other.save(tmp_path_factory.mktemp("paper") / "again")
+    return saved(compare(simulated.page.parent, again))
+
+
+@pytest.fixture
+def report(request) -> Path:
+    return request.getfixturevalue(request.param).page
 
 
 def paper(browser, tmp_path) -> list[Paper]:
@@ -68,26 +61,27 @@ def paper(browser, tmp_path) -> list[Paper]:
     return pages
 
 
-@pytest.mark.parametrize("name", ["simulate", "sweep", "anchor", "compare"])
-def test_a_report_prints_well(browser, reports, tmp_path, name):
-    show(browser, reports[name], width=1280, unfolded=False)
+@pytest.mark.parametrize("report", ["simulated", "swept", "sized", "compared"], indirect=True)
+def test_a_report_prints_well(browser, report, tmp_path):
+    show(browser, report, width=1280, unfolded=False)
+    has_sheet = browser.execute_script("return document.querySelectorAll('.sheet').length") == 1
     headings = browser.execute_script("return [...document.querySelectorAll('h2')].map(each => each.textContent)")
     pages = paper(browser, tmp_path)
-    assert len(pages) <= (8 if name == "simulate" else 6)
+    assert len(pages) <= (8 if has_sheet else 6)
     for page in pages:
         assert all(left > 20.0 and right < page.width - 20.0 for left, _, right, _, _ in page.words)
         assert len(page.words) > 40
-    sheet = 1 if name == "simulate" else 0  # a page of its own: the one before it may end early, as the last may
-    assert all(page.filled > 0.5 for page in pages[: len(pages) - 1 - sheet])
+    # the sheet is a page of its own: the one before it may end early, as the last may
+    assert all(page.filled > 0.5 for page in pages[: len(pages) - 1 - has_sheet])
     for page in pages:
         lowest = max(word[1] for word in page.words)
         last = " ".join(word[4] for word in page.words if word[1] > lowest - 2.0)
         assert [heading for heading in headings if heading.endswith(last)] == [], last
 
 
-@pytest.mark.parametrize("name", ["simulate", "sweep", "anchor"])
-def test_the_summary_is_two_pages(browser, reports, tmp_path, name):
-    show(browser, reports[name], width=1280, unfolded=False)
+@pytest.mark.parametrize("report", ["simulated", "swept", "sized"], indirect=True)
+def test_the_summary_is_two_pages(browser, report, tmp_path):
+    show(browser, report, width=1280, unfolded=False)
     browser.execute_script("document.querySelector('.details').remove()")
     pages = paper(browser, tmp_path)
     assert len(pages) <= 2
@@ -96,8 +90,8 @@ def test_the_summary_is_two_pages(browser, reports, tmp_path, name):
     assert "Made 20" in words
 
 
-def test_the_sheet_for_the_boat_is_one_page(browser, reports, tmp_path):
-    show(browser, reports["simulate"], width=1280, unfolded=False)
+def test_the_sheet_for_the_boat_is_one_page(browser, simulated, tmp_path):
+    show(browser, simulated.page, width=1280, unfolded=False)
     browser.execute_script(
         "const sheet = document.querySelector('.sheet');document.querySelector('main').replaceChildren(sheet);"
     )
@@ -105,8 +99,8 @@ def test_the_sheet_for_the_boat_is_one_page(browser, reports, tmp_path):
     assert len(paper(browser, tmp_path)) == 1
 
 
-def test_a_figure_is_as_wide_as_the_page_or_as_high_as_fits_and_its_text_has_8_pt(browser, reports, tmp_path):
-    show(browser, reports["simulate"], width=1280, unfolded=False)
+def test_a_figure_is_as_wide_as_the_page_or_as_high_as_fits_and_its_text_has_8_pt(browser, simulated):
+    show(browser, simulated.page, width=1280, unfolded=False)
     browser.execute_cdp_cmd("Emulation.setEmulatedMedia", {"media": "print"})
     try:
         found = browser.execute_script(

@@ -77,10 +77,10 @@ def faults(text: str) -> Iterator[tuple[str, str]]:
             yield "more digits than the error bears", found[0]
 
 
-def said(result) -> Iterator[str]:
+def said(result, page: str) -> Iterator[str]:
     """Every text of the page and of the terminal's view, each sentence as it is wrapped."""
     made = re.compile(r"\d{4}-\d\d-\d\dT|numpy")  # provenance: when, with which libraries
-    yield from (block for block in Text(render_report(result).html).blocks() if not made.search(block))
+    yield from (block for block in Text(page).blocks() if not made.search(block))
     shown = terminal_view(result)
     yield wrapped(shown.sentence, 80)
     yield from shown.columns
@@ -89,8 +89,9 @@ def said(result) -> Iterator[str]:
     yield from map(typeset, result.provenance.notices)
 
 
-def check(result) -> None:
-    assert [fault for text in said(result) for fault in faults(text)] == []
+def check(result, page: str | None = None) -> None:
+    page = page or render_report(result).html
+    assert [fault for text in said(result, page) for fault in faults(text)] == []
 
 
 def mission(name):
@@ -98,13 +99,13 @@ def mission(name):
 
 
 EXAMPLES = {
-    "simulate chesapeake": lambda: simulate(mission("chesapeake"), trials=300),
-    "sweep-dmax fig8": lambda: sweep_dmax(mission("fig8"), trials=300, method="monte-carlo"),
-    "size-anchor anchor-design, worst case": lambda: size_anchor(mission("anchor-design"), trials=100),
     "identify avila-drag": lambda: identify(MISSIONS / "measured" / "avila-drag"),
     "plan-legs fig8": lambda: plan_legs(mission("fig8"), trials=300),
 }
 SLOW = {
+    "simulate chesapeake": lambda: simulate(mission("chesapeake"), trials=300),
+    "sweep-dmax fig8": lambda: sweep_dmax(mission("fig8"), trials=300, method="monte-carlo"),
+    "size-anchor anchor-design, worst case": lambda: size_anchor(mission("anchor-design"), trials=100),
     "simulate anchor-design": lambda: simulate(mission("anchor-design"), trials=300),
     "simulate fig8": lambda: simulate(mission("fig8"), trials=300),
     "simulate autosub-transition": lambda: simulate(mission("autosub-transition"), trials=40),
@@ -124,6 +125,12 @@ SLOW = {
 def test_every_text_of_the_example_is_set_alike(run, monkeypatch):
     monkeypatch.setattr(optimise_legs, "MEAN_FAMILY", PolicyFamily((1.0,), ()))  # which legs does not matter here
     check(run())
+
+
+@pytest.mark.parametrize("name", ["simulated", "swept", "sized"])
+def test_every_text_of_a_saved_page_is_set_alike(name, request):
+    saved = request.getfixturevalue(name)
+    check(saved.result, saved.page.read_text(encoding="utf-8"))
 
 
 @pytest.mark.slow
