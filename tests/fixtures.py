@@ -4,6 +4,7 @@ import threading
 from collections.abc import Callable, Iterator
 from contextlib import AbstractContextManager, nullcontext
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pandas as pd
@@ -16,8 +17,10 @@ from missionplan.diagnosis.dives.preparation import PreparedDives, binned
 from missionplan.effects import CATALOGUE
 from missionplan.mission import load
 from missionplan.montecarlo import streams
+from missionplan.phases.transit.plan import LegTable
 from missionplan.report.page import Drawn, draw, drawing_by
 from missionplan.studies import judgement
+from missionplan.studies.leg_length import analytic_transit, optimise_legs
 from missionplan.studies.simulation import simulate as simulation
 from tests.depth_readings import simulate_readings
 from tests.few_causes import COMMON, few
@@ -136,6 +139,18 @@ def among_few(causes: Callable[[], AbstractContextManager[None]]) -> Iterator[No
     """Diagnose with a small catalogue, but in the long runs."""
     with causes():
         yield
+
+
+@pytest.fixture
+def unsought(monkeypatch):
+    """Plan legs by one table by hand, of which the search is most of the work: for what does not look at the table."""
+
+    def best_legs(distance, speed, arrival_radius, *others):
+        lengths = np.array([arrival_radius, 0.6 * distance])
+        return SimpleNamespace(legs=LegTable(np.array([arrival_radius, distance]), lengths), bound=0.0)
+
+    monkeypatch.setattr(analytic_transit, "_best_legs", best_legs)
+    monkeypatch.setattr(optimise_legs, "MEAN_FAMILY", analytic_transit.PolicyFamily((1.0,), ()))
 
 
 @pytest.fixture(scope="module")

@@ -28,7 +28,7 @@ def mission():
 
 @pytest.fixture(scope="module")
 def outcome(mission):
-    return simulate(mission, trials=8192, sheet=False)
+    return simulate(mission, trials=4096, sheet=False)
 
 
 def test_both_tests_arrived_as_nearly_all_trials_do(outcome):
@@ -71,10 +71,11 @@ def test_the_mission_meets_its_requirements(outcome):
 def test_the_anchor_stays_within_the_radius_as_often_as_the_sizing_found():
     """Eq. 1 leaves out release, pay-out and acceleration, but takes the worst currents as aligned."""
     design = load(MISSION.with_name("anchor-design.yaml"))
-    promised = size_anchor(design, trials=8192).anchor.probabilities
-    found = simulate(design, trials=8192, seed=7, sheet=False).phases[0]
+    promised = size_anchor(design, trials=4096).anchor.probabilities
+    found = simulate(design, trials=4096, seed=7, sheet=False).phases[0]
     within, offset = found.events["within_radius"], found.quantities["offset_m"]
     assert 0.8 < within.value < 0.97  # not the certainty that a worst case suggests
-    assert abs(within.value - promised.within.value) < 4.0 * math.sqrt(2.0 * 0.07 * 0.93 / 8192)
+    assert abs(within.value - promised.within.value) < 4.0 * math.sqrt(2.0 * 0.07 * 0.93 / 4096)
     assert offset.mean == pytest.approx(promised.offset.mean, abs=6.0 * offset.standard_error)
-    assert offset.p95 == pytest.approx(promised.offset.p95, rel=0.01)
+    # three standard errors of the difference of two normal 95 % quantiles, each 2.11 sd / sqrt(4096)
+    assert offset.p95 == pytest.approx(promised.offset.p95, abs=3.0 * math.sqrt(2.0) * 2.11 * offset.sd / 64.0)

@@ -33,7 +33,8 @@ EFFECTS["leeway"] = Leeway(CURRENT, 0.03, *(np.linspace(0.0, size, TRIALS) for s
 def test_a_trial_is_what_it_is_beside_those_that_have_arrived(name):
     legs = STREAMS.legs
     normals = TransitNormals(legs("v"), legs("a"), legs("b"), [legs("effect")])
-    given = plan(d_max=150.0, fix_error=4.0, latitude=0.8, depth=20.0, velocity_error=VelocityError.isotropic(0.08))
+    error = VelocityError.isotropic(0.08)
+    given = plan(d_max=150.0, fix_error=4.0, latitude=0.8, depth=20.0, velocity_error=error, max_legs=60)
     environment = Environment(current=CURRENT, effects=(EFFECTS[name],))
     state = TrialState.at(np.zeros(2), TRIALS)
     (dropped, with_drops), (kept, whole) = (

@@ -4,7 +4,7 @@ from functools import cache
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from missionplan.phases.transit import policy
@@ -14,19 +14,18 @@ from missionplan.phases.transit.policy import TABLE_LOSS, best_d_max, best_legs,
 
 SURFACING = 90.0
 SHORT = (2000.0, 1.0, 50.0, 0.08)
-JUMPS = (14816.0, 1.2, 10.0, 0.035)
+SHORTER = (600.0, 1.0, 50.0, 0.1)
+JUMPS = (2000.0, 1.0, 10.0, 0.01)
 
 # distance [m], speed [m/s], arrival radius [m], sigma [m/s]: best fixed d_max, best legs, both ± 0.0002.
 CHECK_VALUES = {
     (7408.0, 1.25, 50.0, 0.035): (0.0203, 0.0178),
     (20000.0, 1.0, 50.0, 0.035): (0.0160, 0.0109),
     (7408.0, 1.25, 50.0, 0.055): (0.0327, 0.0276),
-    JUMPS: (0.0217, 0.0184),
+    (14816.0, 1.2, 10.0, 0.035): (0.0217, 0.0184),
 }
 FIG8 = next(iter(CHECK_VALUES))
-CASES = [
-    pytest.param(case, marks=[] if case in (FIG8, JUMPS) else pytest.mark.slow, id=str(case)) for case in CHECK_VALUES
-]
+CASES = [pytest.param(case, marks=[] if case == FIG8 else pytest.mark.slow, id=str(case)) for case in CHECK_VALUES]
 
 
 @cache
@@ -55,6 +54,7 @@ def test_best_fixed_d_max_of_fig8():
     assert fixed.cost == pytest.approx(0.0203, abs=2e-4)
 
 
+@settings(max_examples=10)
 @given(
     case=st.sampled_from([SHORT, (7408.0, 1.25, 50.0, 0.035)]),
     where=st.floats(0.0, 1.0),
@@ -100,10 +100,10 @@ def test_agrees_with_monte_carlo(case):
     assert duration.mean() == pytest.approx(policy.transit.duration, abs=3 * duration.std() / np.sqrt(trials))
 
 
-@pytest.mark.parametrize("base_spread", [pytest.param(10.0, marks=pytest.mark.slow), 40.0])
+@pytest.mark.parametrize("base_spread", [20.0, *(pytest.param(each, marks=pytest.mark.slow) for each in (10.0, 40.0))])
 def test_a_spread_that_no_leg_escapes_agrees_with_monte_carlo(base_spread):
-    distance, speed, arrival_radius, sigma = case = (600.0, 1.0, 50.0, 0.1)
-    policy = best_legs(*case, SURFACING, base_spread)
+    distance, speed, arrival_radius, sigma = SHORTER
+    policy = best_legs(*SHORTER, SURFACING, base_spread)
     rng = np.random.default_rng(12)
     trials = 15_000
     position = np.zeros((2, trials))
@@ -118,9 +118,9 @@ def test_a_spread_that_no_leg_escapes_agrees_with_monte_carlo(base_spread):
         duration += leg / speed + SURFACING * under_way
         left = np.hypot(*position)
     assert duration.mean() == pytest.approx(policy.transit.duration, abs=3 * duration.std() / np.sqrt(trials))
-    _, fixed = best_d_max(*case, SURFACING, base_spread)
+    _, fixed = best_d_max(*SHORTER, SURFACING, base_spread)
     assert policy.bound <= fixed.cost
-    assert policy.bound > policy_of(case).bound
+    assert policy.bound > policy_of(SHORTER).bound
 
 
 def test_refining_the_grid_changes_nothing(monkeypatch):
@@ -135,7 +135,7 @@ def test_a_jump_is_two_knots_a_metre_apart():
     legs = policy_of(JUMPS).legs
     jump = np.argmin(np.diff(legs.leg))
     assert np.diff(legs.left)[jump] <= policy.JUMP
-    assert legs.leg[jump] - legs.leg[jump + 1] > 500.0
+    assert legs.leg[jump] - legs.leg[jump + 1] > 50.0
 
 
 def test_last_legs_end_just_inside_the_arrival_circle():
@@ -149,9 +149,9 @@ def test_last_legs_end_just_inside_the_arrival_circle():
 
 @pytest.mark.parametrize("scale", [pytest.param(0.1, marks=pytest.mark.slow), 7.0])
 def test_costs_have_no_dimension(scale):
-    distance, speed, arrival_radius, sigma = SHORT
+    distance, speed, arrival_radius, sigma = SHORTER
     scaled = best_legs(distance * scale, speed, arrival_radius * scale, sigma, SURFACING * scale)
-    assert scaled.transit.cost == pytest.approx(policy_of(SHORT).transit.cost, abs=2e-5)
+    assert scaled.transit.cost == pytest.approx(policy_of(SHORTER).transit.cost, abs=2e-5)
 
 
 def test_without_error_one_leg_just_enters_the_circle():

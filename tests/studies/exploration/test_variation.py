@@ -2,6 +2,7 @@
 
 import itertools
 import math
+import string
 from datetime import UTC, datetime
 from pathlib import Path
 
@@ -103,7 +104,7 @@ def test_steps_begin_at_the_first_and_end_at_the_last(first, step, count):
 ESTUARY = missionplan.load(MISSIONS / "estuary.yaml")
 
 
-@given(st.text(max_size=40))
+@given(st.text(string.printable + "µ°–äß\N{NO-BREAK SPACE}\N{MINUS SIGN}", max_size=40))
 def test_nonsense_is_refused_in_words(text):
     try:
         read_axis(ESTUARY, text)

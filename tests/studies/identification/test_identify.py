@@ -32,13 +32,14 @@ def towing(rng, exponent=0.0, points=20):
     return {"speed_m_s": speed, "force_n": force + sd * rng.standard_normal(points), "force_sd_n": sd}
 
 
-def test_drag_intervals_cover(tmp_path):
-    """The 90 % intervals hold the truth in about 90 % of sixty tanks."""
+@pytest.mark.parametrize(("tanks", "least"), [(20, 14), pytest.param(60, 48, marks=pytest.mark.slow)])
+def test_drag_intervals_cover(tmp_path, tanks, least):
+    """The 90 % intervals hold the truth in about 90 % of the tanks: fewer than the least in 2 and 6 of a thousand sets."""
     covered = 0
-    for seed in range(60):
+    for seed in range(tanks):
         found = identify(write(tmp_path / "drag", DRAG, towing(np.random.default_rng(seed))))["drag_coefficient"]
         covered += found.low < 1.8 < found.high
-    assert 48 <= covered <= 60
+    assert covered >= least
 
 
 def test_reynolds_dependence_is_found_where_it_is(tmp_path):
@@ -161,7 +162,7 @@ def test_tunnel_thruster_aft(tmp_path):
 def transient(rng, measured):
     """Table 1's vehicle under a swinging torque, with the momentum damping of the flow; 0.2 N of noise."""
     step, every = 0.005, 5
-    at = step * np.arange(4000)
+    at = step * np.arange(2000)
     torque = 4.0 + 4.0 * np.sin(0.8 * at) - 3.0 * np.cos(2.3 * at)
     run = example.simulate_propulsion(example.table_1("momentum"), example.TABLE_1_RESISTANCE, torque, step)
     pick = slice(0, -1, every)
@@ -285,10 +286,13 @@ def test_a_model_that_does_not_fit_is_said_first_and_has_no_interval(tmp_path):
     assert "±" not in render_report(result).html.split("<h2")[0]
 
 
-@pytest.mark.parametrize("stated_over_true", [1.0, 0.75])
-def test_scatter_that_stated_errors_may_have_is_no_misfit(tmp_path, stated_over_true):
-    """Of forty right models, with errors as stated or a third larger, none is called wrong; intervals are widened."""
-    for seed in range(40):
+@pytest.mark.parametrize(
+    ("tanks", "stated_over_true"),
+    [(10, 0.75), *(pytest.param(40, share, marks=pytest.mark.slow) for share in (1.0, 0.75))],
+)
+def test_scatter_that_stated_errors_may_have_is_no_misfit(tmp_path, tanks, stated_over_true):
+    """Of all right models, with errors as stated or a third larger, none is called wrong; intervals are widened."""
+    for seed in range(tanks):
         data = towing_with_a_crisis(np.random.default_rng(seed), 0.0, sd=0.02 / stated_over_true)
         best = identify(write(tmp_path / "drag", DRAG, data)).fits[0]
         assert not best.does_not_fit

@@ -110,8 +110,8 @@ def test_a_table_is_not_recommended_that_loses_under_a_doubt_or_arrives_less_oft
     assert not replace(adaptive, cases=(unsure, *others)).recommended
 
 
-def test_where_none_arrives_as_often_as_required_the_likeliest_to_arrive_is_chosen(tmp_path, monkeypatch):
-    monkeypatch.setattr(optimise_legs, "MEAN_FAMILY", PolicyFamily((1.0,), ()))
+@pytest.mark.usefixtures("unsought")
+def test_where_none_arrives_as_often_as_required_the_likeliest_to_arrive_is_chosen(tmp_path):
     path = tmp_path / "few-legs.yaml"
     few = "navigation: {max_legs: 3, "
     path.write_text(ERRATIC.replace("navigation: {", few), encoding="utf-8")
@@ -126,8 +126,8 @@ def test_where_none_arrives_as_often_as_required_the_likeliest_to_arrive_is_chos
     assert plan.cases[0].fixed.arrived.value < 0.99
 
 
-def test_legs_arrive_as_often_as_the_mission_requires(tmp_path, monkeypatch):
-    monkeypatch.setattr(optimise_legs, "MEAN_FAMILY", PolicyFamily((1.0,), ()))
+@pytest.mark.usefixtures("unsought")
+def test_legs_arrive_as_often_as_the_mission_requires(tmp_path):
     path = tmp_path / "six-legs.yaml"
     required = "requirements: [{quantity: in.arrived, probability: 0.85}]\n"
     path.write_text(ERRATIC.replace("navigation: {", "navigation: {max_legs: 4, ") + required, encoding="utf-8")
@@ -137,8 +137,8 @@ def test_legs_arrive_as_often_as_the_mission_requires(tmp_path, monkeypatch):
     assert plan.cases[0].fixed.arrived.value == pytest.approx(curve.recommended.arrived.value, abs=0.03)
 
 
-def test_fixes_that_err_are_reported_and_progress_is_shown_while_legs_are_sought(tmp_path, monkeypatch):
-    monkeypatch.setattr(optimise_legs, "MEAN_FAMILY", PolicyFamily((1.0,), ()))
+@pytest.mark.usefixtures("unsought")
+def test_fixes_that_err_are_reported_and_progress_is_shown_while_legs_are_sought(tmp_path):
     path = tmp_path / "fixes.yaml"
     path.write_text(ERRATIC.replace("navigation: {", "navigation: {fix_error: 3 m, "), encoding="utf-8")
     calls = []
@@ -160,8 +160,8 @@ def test_robustness_covers_sigma_and_mean(plan):
         assert np.dot(case.mean_error, course) == pytest.approx(0.0, abs=1e-12)
 
 
-def test_robustness_varies_the_drift_that_the_mission_expects(tmp_path, monkeypatch):
-    monkeypatch.setattr(optimise_legs, "MEAN_FAMILY", PolicyFamily((1.0,), ()))
+@pytest.mark.usefixtures("unsought")
+def test_robustness_varies_the_drift_that_the_mission_expects(tmp_path):
     path = tmp_path / "drift.yaml"
     site = "site: {depth: 20 m, current: [{down_to: 20 m, speed: 0.1 m/s, toward: 0 deg}]}\n"
     path.write_text(
@@ -306,8 +306,8 @@ def test_where_drift_is_learnt_the_table_is_no_worse_than_the_best_fixed_d_max(l
     assert own.saved.mean > -3.0 * own.saved.standard_error
 
 
-def test_sweep_and_plan_recommend_a_d_max_of_the_same_cost_and_arrivals(learning, monkeypatch):
-    monkeypatch.setattr(optimise_legs, "MEAN_FAMILY", PolicyFamily((1.0,), ()))
+@pytest.mark.usefixtures("unsought")
+def test_sweep_and_plan_recommend_a_d_max_of_the_same_cost_and_arrivals(learning):
     plan, curve = plan_legs(learning, trials=4000), sweep_dmax(learning, trials=4000).curves[0]
     chosen = min(curve.points, key=lambda point: abs(point.d_max - plan.fixed_d_max))
     assert chosen.d_max == pytest.approx(plan.fixed_d_max, rel=0.03)

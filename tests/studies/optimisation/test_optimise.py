@@ -79,7 +79,7 @@ def test_a_deadline_that_binds_says_what_a_later_one_would_buy(found):
     buys = {each.quantity: each.saved for each in found.relaxations}
     assert set(buys) == {"out.arrived", "total.duration"}
     assert all(value >= 0.0 for value in buys.values())
-    free = missionplan.optimise(transit(minutes=60.0), choose=CHOOSE, trials=500)
+    free = missionplan.optimise(transit(minutes=60.0), choose=CHOOSE[:1], trials=500)
     assert free.checked.total.quantities["energy_wh"].mean < found.checked.total.quantities["energy_wh"].mean
     assert not any(each.saved for each in free.relaxations if each.quantity == "total.duration")
 

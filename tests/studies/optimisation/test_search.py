@@ -59,7 +59,7 @@ class Surface(Evaluations):
         (_two_holes, 3, 15, (MARGIN,)),
     ],
 )
-@pytest.mark.parametrize("seed", [11, 12])
+@pytest.mark.parametrize("seed", [11, pytest.param(12, marks=pytest.mark.slow)])
 def test_the_best_is_found_with_a_few_of_the_grids_trials(cost, keys, size, demands, seed):
     surface = Surface(cost, keys, size)
     search = Search(surface, demands, "energy", seed)

@@ -18,8 +18,7 @@ from missionplan.scenario.site_current import recorded_current, under_each_membe
 from missionplan.studies.anchor import size_anchor
 from missionplan.studies.exploration import with_values
 from missionplan.studies.exploration.explore import explore
-from missionplan.studies.leg_length import optimise_legs, paired_trials
-from missionplan.studies.leg_length.analytic_transit import PolicyFamily
+from missionplan.studies.leg_length import paired_trials
 from missionplan.studies.leg_length.plan_legs import plan_legs
 from missionplan.studies.leg_length.plan_page import page as plan_page
 from missionplan.studies.leg_length.sweep_dmax import sweep_dmax
@@ -179,7 +178,7 @@ def spoiled(tmp_path):
     """A mission of which one of three members carries the vehicle away."""
     changes = {
         "navigation.drift_compensation": "last-leg",
-        "navigation.max_legs": 20,  # those that are carried away would take all legs allowed
+        "navigation.max_legs": 8,  # those that are carried away would take all legs allowed
         "sweep": {"d_max": ["400 m", "900 m"]},
     }
     mission = ensemble_mission(tmp_path, changes=changes)
@@ -190,9 +189,9 @@ def words(found):
     return terminal_view(found).sentence.replace("\N{NO-BREAK SPACE}", " ")
 
 
+@pytest.mark.usefixtures("unsought")
 def test_plans_of_legs_say_which_member_spoils_them(spoiled, monkeypatch):
     monkeypatch.setattr(paired_trials, "HALVING_RUNGS", ((16, 1),))  # which legs are planned does not matter here
-    monkeypatch.setattr(optimise_legs, "MEAN_FAMILY", PolicyFamily((1.0,), ()))
     plan = plan_legs(spoiled, trials=80)
     arrived = {each.name: each.good.value for each in plan.arrivals}
     assert arrived == {"run-0.csv": 1.0, "run-1.csv": 1.0, "run-2.csv": 0.0}

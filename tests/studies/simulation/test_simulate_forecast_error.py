@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 import pytest
-from simulate_missions import chesapeake
+from simulate_missions import chesapeake, chesapeake_data
 from test_simulate_currents import STEADY, csv, steady
 
 from missionplan.errors import InputError
@@ -20,7 +20,8 @@ SIGMA, TIME = 0.05, 7200.0
 def erring(folder, changes=None, **error):
     written = csv(folder, steady)
     written["site.current"]["error"] = {"sigma": f"{SIGMA} m/s", "time": f"{TIME} s"} | error
-    return chesapeake(folder, STEADY | written | (changes or {}))
+    way_in = {"phases": chesapeake_data()["phases"][:1], "requirements": []}
+    return chesapeake(folder, STEADY | written | way_in | (changes or {}))
 
 
 def test_the_current_of_each_trial_is_the_forecast_and_an_error(tmp_path):
@@ -36,7 +37,8 @@ def test_the_current_of_each_trial_is_the_forecast_and_an_error(tmp_path):
 
 
 def test_a_mission_without_an_error_has_the_same_numbers(tmp_path):
-    plain = chesapeake(tmp_path, STEADY | csv(tmp_path, steady))
+    way_in = {"phases": chesapeake_data()["phases"][:1], "requirements": []}
+    plain = chesapeake(tmp_path, STEADY | csv(tmp_path, steady) | way_in)
     none = erring(tmp_path, sigma="0 m/s")
     found = [simulate_block(each, seed=1, block=0, trials=50).columns() for each in (plain, none)]
     for name, values in found[0].items():

@@ -117,7 +117,9 @@ def moving_place(sheet, ran):
     return np.stack([np.interp(ran, np.append(hours, hours[-1] + LASTING), axis) for axis in places])
 
 
-@pytest.mark.parametrize(("current", "wind", "tide"), SEAS)
+@pytest.mark.parametrize(
+    ("current", "wind", "tide"), [*(pytest.param(*sea, marks=pytest.mark.slow) for sea in SEAS[:-1]), SEAS[-1]]
+)
 def test_the_sheet_finds_sooner_than_an_expanding_square_from_the_last_fix(current, wind, tide):
     by_sheet, from_fix = times_to_find(current, wind, tide)
     assert by_sheet.mean() <= 0.7 * from_fix.mean()
