@@ -13,7 +13,7 @@ from missionplan.results import Provenance, Result, to_csv
 from missionplan.results.decision import MemberOutcome
 from missionplan.results.entries import Entry, Record
 from missionplan.results.simulation import Outcome, judgement_summary
-from missionplan.results.sized_anchor import DiveProbabilities, SizedAnchor
+from missionplan.results.sized_anchor import DiveProbabilities, NominalDive, SizedAnchor
 from missionplan.results.whereabouts import HeldVehicle
 
 
@@ -56,9 +56,9 @@ class ProbableAnchor(Record):
         return self.anchor is not None
 
     @property
-    def descent(self) -> Annotated[Mapping[str, float | bool] | None, Entry()]:
+    def descent(self) -> Annotated[NominalDive | None, Entry()]:
         """Its nominal dive."""
-        return self.anchor.descent_summary() if self.anchor else None
+        return self.anchor.nominal if self.anchor else None
 
     @property
     def odds(self) -> Annotated[DiveProbabilities | None, Entry()]:
@@ -152,9 +152,9 @@ class AnchorSizing(Result):
         return reached and some_succeed and not self.to_build.problems and self.meets_requirements
 
     @property
-    def descent(self) -> Annotated[Mapping[str, float | bool], Entry()]:
+    def descent(self) -> Annotated[NominalDive, Entry()]:
         """Nominal dive of the anchor for the worst case."""
-        return self.anchor.descent_summary()
+        return self.anchor.nominal
 
     @property
     def odds(self) -> Annotated[DiveProbabilities, Entry()]:

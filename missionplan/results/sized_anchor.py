@@ -1,17 +1,19 @@
 """One anchor of `size-anchor`: whether it can be built, its nominal dive, and how often its dives succeed."""
 
 import math
-from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
+from functools import cached_property
 from typing import Annotated
 
+from missionplan.arrays import Array
 from missionplan.montecarlo.statistics import Probability, Statistic
+from missionplan.phases.mooring.descent import DescentRecord
 from missionplan.phases.mooring.forces import Dive
 from missionplan.phases.mooring.profile import DescentProfile
 from missionplan.physics.anchor import AnchorDesign
 from missionplan.physics.anchor_remedies import MAX_WET_WEIGHT, Remedy
 from missionplan.physics.drag import DragBuildUp
-from missionplan.results.entries import Entry, Record
+from missionplan.results.entries import Entry, Record, fields_of
 from missionplan.results.simulation import RequirementOutcome
 
 
@@ -44,16 +46,75 @@ class DiveProbabilities(Record):
 
 
 @dataclass(frozen=True)
-class SizedAnchor:
+class BuiltAnchor(Record):
+    """The anchor as it is built: of what is null the vehicle file has no `construction`."""
+
+    dry_mass: Annotated[float | None, Entry("of the anchor", "kg")]
+    displaced_mass: Annotated[float | None, Entry("of the water that it displaces", "kg")]
+    cylinder_length: Annotated[float | None, Entry("of its cylinder", "m")]
+    trim_mass: Annotated[float | None, Entry("of the trim ring", "kg")]
+    trim_position: Annotated[float | None, Entry("of the trim ring, from the nose", "m")]
+    centre_of_gravity: Annotated[float | None, Entry("from the nose", "m")]
+    centre_of_buoyancy: Annotated[float | None, Entry("from the nose", "m")]
+    length: Annotated[float | None, Entry("of the anchor", "m")]
+    flooded_mass: Annotated[float | None, Entry("with the water inside", "kg")]
+    feasible: Annotated[bool | None, Entry("whether it can be built")]
+
+    @classmethod
+    def of(cls, design: AnchorDesign | None) -> "BuiltAnchor":
+        """Return what is built by a design."""
+        return cls(*(None if design is None else getattr(design, each.name) for each in fields(cls)))
+
+
+@dataclass(frozen=True)
+class NominalDive(Record):
+    """A dive with all that is distributed at its mean; times from the separation, not finite where never reached."""
+
+    time: Annotated[float, Entry("to touchdown", "s")]
+    terminal_velocity: Annotated[float, Entry("with the vehicle's own buoyancy", "m/s")]
+    touchdown_speed: Annotated[float, Entry("of the anchor", "m/s")]
+    offset: Annotated[float, Entry("of the anchor from the last fix", "m")]
+    lowest_altitude: Annotated[float, Entry("of the vehicle above the seafloor", "m")]
+    release_time: Annotated[float, Entry("of the separation, after the last fix", "s")]
+    payout_time: Annotated[float, Entry("until the line is taut", "s")]
+    struck_seafloor: Annotated[bool, Entry("whether the vehicle strikes")]
+    snatch_tension: Annotated[float | None, Entry("peak of the snatch, as far as it can be known", "N", optional=True)]
+    nose_down_time: Annotated[float | None, Entry("from the taut line to nose down", "s", optional=True)]
+    depth_lost: Annotated[float | None, Entry("meanwhile", "m", optional=True)]
+
+    @classmethod
+    def of(cls, record: DescentRecord) -> "NominalDive":
+        """Return the first of the dives of a record."""
+
+        def known(value: Array) -> float | None:
+            return float(value[0]) if math.isfinite(value[0]) else None
+
+        return cls(
+            float(record.descent_time[0]),
+            float(record.terminal_velocity[0]),
+            float(record.touchdown_speed[0]),
+            float(record.offset_distance[0]) if record.touched_down[0] else math.nan,
+            float(record.lowest_altitude[0]),
+            float(record.release_time[0]),
+            float(record.payout_time[0]),
+            bool(record.struck[0]),
+            known(record.snatch_tension),
+            known(record.nose_down_time),
+            known(record.depth_lost),
+        )
+
+
+@dataclass(frozen=True)
+class SizedAnchor(Record):
     """One anchor: its construction, its nominal dive, and the probabilities of its dives."""
 
-    wet_weight: float
-    """Wet weight [N]."""
-    terminal_velocity: float
-    """Speed through the water at which the drag balances the wet weight; the vehicle's own buoyancy is left out, as in
-    Eq. 15, unless the mission carries it [m/s]."""
-    drag: DragBuildUp
-    """At that speed, effects included [N]."""
+    wet_weight: Annotated[float, Entry("of the anchor", "N")]
+    terminal_velocity: Annotated[
+        float,
+        Entry("speed through the water at which drag balances wet weight; net buoyancy as the mission asks", "m/s"),
+    ]
+    """The vehicle's own buoyancy is left out, as in Eq. 15, unless the mission carries it."""
+    drag: Annotated[DragBuildUp, Entry("of each part and of all at that speed, effects included", "N")]
     design: AnchorDesign | None
     """None where the vehicle file has no `construction`."""
     remedies: tuple[Remedy, ...]
@@ -67,7 +128,7 @@ class SizedAnchor:
     probabilities: DiveProbabilities
 
     @property
-    def problems(self) -> list[str]:
+    def problems(self) -> Annotated[list[str], Entry()]:
         """Why the anchor cannot be built, and what would allow it; empty when it can be built."""
         if self.design is None or self.design.feasible:
             return []
@@ -87,97 +148,18 @@ class SizedAnchor:
         return bool(self.profile.record.touched_down[0])
 
     @property
-    def offset(self) -> float:
-        """Distance of the nominal dive's anchor from the last fix; nan where it never came down [m]."""
-        return float(self.profile.record.offset_distance[0]) if self.touched_down else math.nan
+    def built(self) -> Annotated[BuiltAnchor, Entry(inline=True)]:
+        """The anchor as it is built."""
+        return BuiltAnchor.of(self.design)
 
-    @property
-    def descent_time(self) -> float:
-        """Time of the nominal dive from separation to touchdown; nan where it never came down [s]."""
-        return float(self.profile.record.descent_time[0])
-
-    @property
-    def payout_time(self) -> float:
-        """Time of the nominal dive from separation until the line is taut [s]."""
-        return float(self.profile.record.payout_time[0])
-
-    @property
-    def dive_terminal_velocity(self) -> float:
-        """Terminal velocity of the nominal dive, the vehicle's own buoyancy included [m/s]."""
-        return float(self.profile.record.terminal_velocity[0])
-
-    @property
-    def touchdown_speed(self) -> float:
-        """Speed of the nominal dive at touchdown; nan where it never came down [m/s]."""
-        return float(self.profile.record.touchdown_speed[0])
-
-    @property
-    def lowest_altitude(self) -> float:
-        """Lowest altitude of the vehicle in the nominal dive [m]."""
-        return float(self.profile.record.lowest_altitude[0])
-
-    def drag_summary(self) -> dict[str, float]:
-        """Return the drag of each part and of all together [N]."""
-        return {name: float(getattr(self.drag, name)) for name in ("body", "sail", "vehicle", "anchor", "total")}
-
-    def summary(self) -> dict[str, object]:
-        """Return the section `anchor` of ``summary.json``."""
-        design = self.design
-        built: Mapping[str, object] = dict.fromkeys(_BUILT)
-        if design is not None:
-            built = {key: getattr(design, name) for key, name in _BUILT.items()}
-        return {
-            "terminal_velocity_m_s": self.terminal_velocity,
-            "drag_n": self.drag_summary(),
-            "wet_weight_n": self.wet_weight,
-            **built,
-            "feasible": None if design is None else design.feasible,
-            "problems": self.problems,
-        }
-
-    @property
-    def snatch(self) -> dict[str, float]:
-        """Peak tension of the snatch [N], time to nose down [s] and depth lost [m], as far as they can be known."""
-        record = self.profile.record
-        found = {
-            "snatch_tension_n": float(record.snatch_tension[0]),
-            "nose_down_time_s": float(record.nose_down_time[0]),
-            "depth_lost_m": float(record.depth_lost[0]),
-        }
-        return {key: value for key, value in found.items() if math.isfinite(value)}
-
-    def descent_summary(self) -> dict[str, float]:
-        """Return the section `descent` of ``summary.json``."""
-        record = self.profile.record
-        return {
-            "time_s": self.descent_time,
-            "terminal_velocity_m_s": self.dive_terminal_velocity,
-            "touchdown_speed_m_s": self.touchdown_speed,
-            "offset_m": self.offset,
-            "lowest_altitude_m": self.lowest_altitude,
-            "release_time_s": float(record.release_time[0]),
-            "payout_time_s": self.payout_time,
-            "struck_seafloor": bool(record.struck[0]),
-            **self.snatch,
-        }
+    @cached_property
+    def nominal(self) -> NominalDive:
+        """The nominal dive."""
+        return NominalDive.of(self.profile.record)
 
     def numbers(self) -> dict[str, float]:
         """Return every number of the anchor by its key, for a table."""
         plain = {key: value for key, value in self.summary().items() if isinstance(value, float)}
-        drag = {f"drag_{name}_n": value for name, value in self.drag_summary().items()}
-        descent = {f"descent_{key}": value for key, value in self.descent_summary().items() if key != "struck_seafloor"}
-        return {**plain, **drag, **descent, "probability_good": self.probabilities.good.value}
-
-
-_BUILT: Mapping[str, str] = {
-    "dry_mass_kg": "dry_mass",
-    "displaced_mass_kg": "displaced_mass",
-    "cylinder_length_m": "cylinder_length",
-    "trim_mass_kg": "trim_mass",
-    "trim_position_m": "trim_position",
-    "centre_of_gravity_m": "centre_of_gravity",
-    "centre_of_buoyancy_m": "centre_of_buoyancy",
-    "length_m": "length",
-    "flooded_mass_kg": "flooded_mass",
-}
-"""Keys of ``summary.json`` and the properties of the design that they hold."""
+        drag = {f"drag_{name}_n": value for name, value in fields_of(self.drag).items()}
+        dive = {f"descent_{key}": value for key, value in self.nominal.summary().items() if key != "struck_seafloor"}
+        return {**plain, **drag, **dive, "probability_good": self.probabilities.good.value}

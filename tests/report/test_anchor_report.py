@@ -146,8 +146,8 @@ def test_the_table_has_the_numbers_of_each_anchor_in_its_units(sizing):
 def test_the_dive_s_stages_are_told_at_their_times(sizing):
     profile, frame = sizing.anchor.profile, sizing.descent_frame()
     stages = profile.stages
-    assert sizing.anchor.descent_time == pytest.approx(
-        stages["touchdown"] - sizing.anchor.descent_summary()["release_time_s"], abs=1e-6
+    assert sizing.anchor.nominal.time == pytest.approx(
+        stages["touchdown"] - sizing.anchor.nominal.release_time, abs=1e-6
     )
     for t, name in zip(frame["t_s"], frame["stage"], strict=True):
         ended = [each for each, end in stages.items() if end <= t]
@@ -155,11 +155,13 @@ def test_the_dive_s_stages_are_told_at_their_times(sizing):
         assert name == names[len(ended)]
     down = frame[frame["t_s"] <= stages["touchdown"]].iloc[-1]
     assert down["anchor_depth_m"] == pytest.approx(sizing.depth, abs=0.2)
-    assert np.hypot(down["anchor_east_m"], down["anchor_north_m"]) == pytest.approx(sizing.anchor.offset, abs=0.2)
+    assert np.hypot(down["anchor_east_m"], down["anchor_north_m"]) == pytest.approx(
+        sizing.anchor.nominal.offset, abs=0.2
+    )
     numbers = sizing.to_frame().set_index("quantity")
     assert numbers.loc["wet_weight_n"].tolist() == [sizing.anchor.wet_weight, sizing.probable.anchor.wet_weight]
     assert numbers.loc["drag_total_n", "worst_case"] == float(sizing.anchor.drag.total)
-    assert numbers.loc["descent_offset_m", "probable"] == sizing.probable.anchor.offset
+    assert numbers.loc["descent_offset_m", "probable"] == sizing.probable.anchor.nominal.offset
 
 
 def test_bars_of_the_drag_stand_beside_each_other_and_add_up(sizing):

@@ -30,7 +30,7 @@ def drift_figure(sizing: AnchorSizing) -> Figure:
         "drift",
         alt=(
             "Drift of anchor and vehicle from the last fix to touchdown: "
-            f"{quantity(sizing.to_build.offset, 'm', '.1f')}, "
+            f"{quantity(sizing.to_build.nominal.offset, 'm', '.1f')}, "
             f"with the allowed radius of {quantity(sizing.radius, 'm', '.1f')}"
         ),
         caption=f"The nominal dive with the mean currents: {_how(sizing)}. Cross: the anchor.",
@@ -60,7 +60,7 @@ def _draw_radius(axes: Axes, sizing: AnchorSizing) -> None:
 
 
 def _draw_plan(axes: Axes, sizing: AnchorSizing) -> None:
-    profile, until, offset = sizing.to_build.profile, _until_touchdown(sizing), sizing.to_build.offset
+    profile, until, offset = sizing.to_build.profile, _until_touchdown(sizing), sizing.to_build.nominal.offset
     axes.plot(*profile.anchor_track[:, :until], color=ORANGE, linewidth=2.6)
     axes.plot(*profile.vehicle_track[:, :until], color=BLUE, linewidth=1.3)
     east, north = (float(value) for value in profile.record.offset[:, 0])
@@ -99,7 +99,7 @@ def _draw_elevation(axes: Axes, sizing: AnchorSizing) -> None:
     axes.set(ylim=(1.06 * sizing.depth, -0.04 * sizing.depth))
     name_axis(axes.xaxis, "Distance from the last fix", "m")
     name_axis(axes.yaxis, "Depth", "m")
-    axes.set_xlim(0.0, 1.1 * max(sizing.radius, sizing.to_build.offset))
+    axes.set_xlim(0.0, 1.1 * max(sizing.radius, sizing.to_build.nominal.offset))
     axes.set_title("Elevation")
 
 
@@ -167,11 +167,11 @@ def descent_profile(anchor: SizedAnchor) -> Figure:
     figure = MatplotlibFigure(figsize=(6.0, 5.4))
     above, below = figure.subplots(2, 1, sharex=True, height_ratios=(1.6, 1.0))
     draw_depths(above, profile, seafloor)
-    mark_lowest_point(above, profile, seafloor, anchor.lowest_altitude)
+    mark_lowest_point(above, profile, seafloor, anchor.nominal.lowest_altitude)
     above.set(ylim=(1.06 * seafloor, -0.26 * seafloor))
     name_axis(above.yaxis, "Depth", "m")
     above.set_yticks([tick for tick in above.get_yticks() if 0.0 <= tick <= seafloor])
-    _draw_speed(below, profile, anchor.dive_terminal_velocity)
+    _draw_speed(below, profile, anchor.nominal.terminal_velocity)
     _mark_stages(above, below, profile.stages, float(profile.time[-1]), -0.25 * seafloor)
     return to_figure(
         figure,
@@ -179,7 +179,7 @@ def descent_profile(anchor: SizedAnchor) -> Figure:
         alt=(
             f"Depth and speed against time: taut line after {profile.stages['pull-down']:.1f} s, touchdown after "
             f"{profile.stages['touchdown']:.1f} s, the vehicle's lowest point "
-            f"{quantity(anchor.lowest_altitude, 'm', '.1f')} above the "
+            f"{quantity(anchor.nominal.lowest_altitude, 'm', '.1f')} above the "
             "seafloor"
         ),
         caption="The nominal dive, every distribution at its mean. Dotted: the stages' ends.",

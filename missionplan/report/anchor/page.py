@@ -107,7 +107,7 @@ def _verdict(sizing: AnchorSizing) -> str:
     Undecided where it would drag with a holding factor that is assumed.
     """
     anchor = sizing.to_build
-    dives_well = anchor.touched_down and anchor.lowest_altitude > 0.0 and anchor.offset <= sizing.radius
+    dives_well = anchor.touched_down and anchor.nominal.lowest_altitude > 0.0 and anchor.nominal.offset <= sizing.radius
     if not (sizing.succeeds and dives_well):
         return "bad"
     return "undecided" if _drags_in_words(sizing) else "good"
@@ -192,7 +192,7 @@ def descent(axes: Axes, sizing: AnchorSizing) -> None:
     anchor = sizing.to_build
     seafloor = float(np.asarray(anchor.dive.site_depth))
     draw_depths(axes, anchor.profile, seafloor)
-    mark_lowest_point(axes, anchor.profile, seafloor, anchor.lowest_altitude)
+    mark_lowest_point(axes, anchor.profile, seafloor, anchor.nominal.lowest_altitude)
     axes.set(xlabel="Time since the last fix (s)", ylim=(1.06 * seafloor, 0.0))
     name_axis(axes.yaxis, "Depth", "m")
 

@@ -100,14 +100,13 @@ def dive_in_words(anchor: SizedAnchor) -> str:
     if not anchor.touched_down:
         return "it does not take the vehicle to the seafloor"
     down = (
-        f"at the seafloor {anchor.descent_time:.0f}\u00a0s after separation, "
-        f"{quantity(anchor.offset, 'm', '.0f')} from the last fix"
+        f"at the seafloor {anchor.nominal.time:.0f}\u00a0s after separation, "
+        f"{quantity(anchor.nominal.offset, 'm', '.0f')} from the last fix"
     )
-    if anchor.lowest_altitude > 0.0:
-        return f"{down}; the vehicle stops {quantity(anchor.lowest_altitude, 'm', '.1f')} above the bottom"
-    return (
-        f"{down}; the vehicle strikes the bottom: the line is {quantity(-anchor.lowest_altitude, 'm', '.1f')} too short"
-    )
+    if anchor.nominal.lowest_altitude > 0.0:
+        return f"{down}; the vehicle stops {quantity(anchor.nominal.lowest_altitude, 'm', '.1f')} above the bottom"
+    missing = quantity(-anchor.nominal.lowest_altitude, "m", ".1f")
+    return f"{down}; the vehicle strikes the bottom: the line is {missing} too short"
 
 
 def probabilities(sizing: AnchorSizing) -> PageSection:
@@ -154,11 +153,13 @@ def dive(sizing: AnchorSizing) -> Iterator[PageSection]:
         yield PageSection("The anchor does not reach the seafloor", [_layers_in_words(sizing)])
         return
     if anchor.design is not None and anchor.design.feasible:
-        stops = f"The vehicle stops {quantity(anchor.lowest_altitude, 'm', '.1f')} above the bottom"
-        heading = stops if anchor.lowest_altitude > 0.0 else "The vehicle strikes the bottom"
+        stops = f"The vehicle stops {quantity(anchor.nominal.lowest_altitude, 'm', '.1f')} above the bottom"
+        heading = stops if anchor.nominal.lowest_altitude > 0.0 else "The vehicle strikes the bottom"
         yield PageSection(heading, [descent_profile(anchor)])
-    inside = "inside" if anchor.offset <= sizing.radius else "outside"
-    heading = f"The anchor comes down {quantity(anchor.offset, 'm', '.1f')} from the last fix, {inside} the radius"
+    inside = "inside" if anchor.nominal.offset <= sizing.radius else "outside"
+    heading = (
+        f"The anchor comes down {quantity(anchor.nominal.offset, 'm', '.1f')} from the last fix, {inside} the radius"
+    )
     yield PageSection(heading, [drift_figure(sizing), _layers_in_words(sizing)])
 
 
@@ -250,15 +251,15 @@ _ROWS = (
     _Row("Trim ring from the tip", _of_design(lambda design: design.trim_position), 1, "mm", 1e3),
     _Row("Centre of gravity from the tip", _of_design(lambda design: design.centre_of_gravity), 1, "mm", 1e3),
     _Row("Centre of buoyancy from the tip", _of_design(lambda design: design.centre_of_buoyancy), 1, "mm", 1e3),
-    _Row("Separation to touchdown", lambda anchor: anchor.descent_time, 2, "s"),
-    _Row("of which until the line is taut", lambda anchor: anchor.payout_time, 2, "s"),
-    _Row("Peak tension of the snatch", lambda anchor: anchor.snatch.get("snatch_tension_n"), 0, "N"),
-    _Row("Taut line to nose down", lambda anchor: anchor.snatch.get("nose_down_time_s"), 2, "s"),
-    _Row("Depth lost meanwhile", lambda anchor: anchor.snatch.get("depth_lost_m"), 2, "m"),
-    _Row("Terminal velocity of the dive", lambda anchor: anchor.dive_terminal_velocity, 3, "m/s"),
-    _Row("Speed at touchdown", lambda anchor: anchor.touchdown_speed, 3, "m/s"),
-    _Row("Anchor from the last fix", lambda anchor: anchor.offset, 2, "m"),
-    _Row("Vehicle's lowest altitude", lambda anchor: anchor.lowest_altitude, 2, "m"),
+    _Row("Separation to touchdown", lambda anchor: anchor.nominal.time, 2, "s"),
+    _Row("of which until the line is taut", lambda anchor: anchor.nominal.payout_time, 2, "s"),
+    _Row("Peak tension of the snatch", lambda anchor: anchor.nominal.snatch_tension, 0, "N"),
+    _Row("Taut line to nose down", lambda anchor: anchor.nominal.nose_down_time, 2, "s"),
+    _Row("Depth lost meanwhile", lambda anchor: anchor.nominal.depth_lost, 2, "m"),
+    _Row("Terminal velocity of the dive", lambda anchor: anchor.nominal.terminal_velocity, 3, "m/s"),
+    _Row("Speed at touchdown", lambda anchor: anchor.nominal.touchdown_speed, 3, "m/s"),
+    _Row("Anchor from the last fix", lambda anchor: anchor.nominal.offset, 2, "m"),
+    _Row("Vehicle's lowest altitude", lambda anchor: anchor.nominal.lowest_altitude, 2, "m"),
 )
 
 

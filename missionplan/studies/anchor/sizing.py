@@ -272,8 +272,8 @@ class AnchorSizer:
         """Sentences on where the model leaves its range for an anchor."""
         fineness = anchor.design.length / (2.0 * anchor.design.problem.radius) if anchor.design else None
         notes = range_notes(self.means.vehicle_drag, anchor.terminal_velocity, fineness)
-        if anchor.profile.record.parted[0]:
-            load = anchor.snatch["snatch_tension_n"]
+        load = anchor.nominal.snatch_tension
+        if anchor.profile.record.parted[0] and load is not None:
             notes = (*notes, f"The line parts in the nominal dive: the snatch loads it with {load:.0f} N.")
         if self.means.mooring.anchor.flooding_time is None:
             notes = (*notes, "The anchor is taken as full of water when it separates (anchor.flooding_time).")

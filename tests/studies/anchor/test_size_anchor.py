@@ -86,7 +86,7 @@ def test_carrying_the_buoyancy_makes_the_dive_as_fast_as_designed(tmp_path):
     sizing = size_anchor(carried, trials=100)
     assert sizing.anchor.wet_weight == pytest.approx(11.6965 + 0.8896, abs=1e-3)
     assert sizing.anchor.terminal_velocity == pytest.approx(1.62)
-    assert sizing.anchor.descent_summary()["terminal_velocity_m_s"] == pytest.approx(1.62, rel=1e-6)
+    assert sizing.anchor.nominal.terminal_velocity == pytest.approx(1.62, rel=1e-6)
 
 
 def test_design_current_defaults_to_mean_and_two_sd(tmp_path):
@@ -212,7 +212,7 @@ def test_effects_of_the_mission_make_the_anchor_heavier(tmp_path, mission):
 
 def test_effects_on_readings_leave_the_plan_alone(tmp_path, mission):
     late = altered(tmp_path, ("monte_carlo:", "effects:\n  - clock-offset: {time: 5 s}\nmonte_carlo:"))
-    assert size_anchor(late, trials=10).anchor.descent_time == size_anchor(mission, trials=10).anchor.descent_time
+    assert size_anchor(late, trials=10).anchor.nominal.time == size_anchor(mission, trials=10).anchor.nominal.time
 
 
 def test_everything_missing_is_reported_at_once():
