@@ -164,7 +164,11 @@ def test_what_does_not_dive_is_refused_as_such(tmp_path):
 
 @pytest.mark.parametrize(
     ("name", "why"),
-    [("small.BIN", "no GPS message"), ("small.tlog", "no dive between"), ("copter-flight.tlog", "does not dive")],
+    [
+        ("small.BIN", "no GPS message"),
+        pytest.param("small.tlog", "no dive between", marks=pytest.mark.slow),
+        ("copter-flight.tlog", "does not dive"),
+    ],
 )
 def test_public_logs_without_dives_are_refused_with_the_right_reason(name, why):
     if not (RAW / name).exists():

@@ -52,7 +52,7 @@ def run(*arguments, cwd):
 def raw_folder(tmp_path_factory):
     """A folder as it comes from a vehicle: two tables, a photo and a note."""
     folder = tmp_path_factory.mktemp("raw")
-    log = made(legs=24, duration=1800.0, pause=300.0, step=30.0, current=(0.08, 0.03))
+    log = made(legs=24, duration=1800.0, pause=300.0, step=60.0, current=(0.08, 0.03))
     track = log.track
     rng = np.random.default_rng(4)
     own = pd.DataFrame({"t": track.reckoned.t, "a": track.reckoned.latitude, "b": track.reckoned.longitude})

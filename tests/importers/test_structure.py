@@ -90,7 +90,8 @@ def test_each_variable_of_a_seaglider_is_on_its_own_dimensions_clock(tmp_path):
         *(plain.table[name].to_numpy() for name in ("lat_start", "lon_start", "lat_dr_end", "lon_dr_end"))
     )
     np.testing.assert_allclose(np.hypot(*way), 0.3 * (2400.0 - 20.0), rtol=0.01)
-    for k, change in enumerate(({"upper": True}, {"order": -1}, {"transposed": True}, {"in_cm": True}, {"ctd": "nav"})):
+    changes = ({"upper": True, "order": -1}, {"transposed": True, "in_cm": True}, {"ctd": "nav"})
+    for k, change in enumerate(changes):
         agree(plain, import_logs([seaglider(tmp_path / str(k), **change)]))
 
 

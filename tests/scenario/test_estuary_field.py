@@ -1,5 +1,6 @@
 """The field of ``missions/estuary.yaml`` is what its script computes, and that conserves water."""
 
+import functools
 import importlib.util
 import sys
 from pathlib import Path
@@ -19,6 +20,7 @@ def estuary():
     module = importlib.util.module_from_spec(spec)
     sys.modules[spec.name] = module
     spec.loader.exec_module(module)
+    module.wave = functools.cache(module.wave)
     yield module
     del sys.modules[spec.name]
 
