@@ -107,8 +107,13 @@ def normals_kept():
 @pytest.fixture(scope="session", autouse=True)
 def undrawn():
     """Write reports without their drawings, which few tests look at."""
-    with drawing_by(lambda figure, shown: Drawn("<svg/>")):
+    with drawing_nothing():
         yield
+
+
+def drawing_nothing() -> AbstractContextManager[None]:
+    """Write reports without their drawings."""
+    return drawing_by(lambda figure, shown: Drawn("<svg/>"))
 
 
 @pytest.fixture(scope="module")

@@ -11,6 +11,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
+from scipy.optimize import brentq
 
 from .case import Case
 from .tool import Outcome, diagnose
@@ -207,13 +208,14 @@ def strength(rig: Rig, effect: str, size: float, others: tuple[str, ...]) -> flo
 
 
 def size_for(rig: Rig, effect: str, wanted: float, others: tuple[str, ...]) -> float:
-    """Return the size at which an effect has the wanted strength, by bisection."""
-    low, high = 0.0, {"drag-bias": 2.0, "reynolds-drag": 0.6, "added-mass": 2.0, "jet-suction": 8.0}.get(effect, 0.9)
+    """Return the size at which an effect has the wanted strength, the largest if none has."""
+    high = {"drag-bias": 2.0, "reynolds-drag": 0.6, "added-mass": 2.0, "jet-suction": 8.0}.get(effect, 0.9)
     high = 8.0 if effect == "quadratic-damping" else high
-    for _ in range(40):
-        middle = 0.5 * (low + high)
-        low, high = (middle, high) if strength(rig, effect, middle, others) < wanted else (low, middle)
-    return high
+
+    def lacking(size: float) -> float:
+        return strength(rig, effect, size, others) - wanted
+
+    return float(brentq(lacking, 0.0, high)) if lacking(high) > 0.0 else high
 
 
 def draw(seed: int, kind: str, effect: str | None) -> Case:

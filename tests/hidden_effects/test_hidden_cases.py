@@ -65,7 +65,7 @@ def test_plan_has_every_scenario_of_both_kinds():
 
 @pytest.mark.parametrize("kind", KINDS)
 def test_files_hold_the_case_and_not_the_truth(kind, tmp_path):
-    case = next(cases(1, 3, kind))
+    case = next(cases(1, 7, kind))
     mission, data = case.write(tmp_path / "seen", tmp_path / "truth")
     truth = json.loads((tmp_path / "truth" / f"{case.name}.json").read_text())
     assert truth["truth"] == list(case.truth)

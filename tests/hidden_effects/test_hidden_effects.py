@@ -27,14 +27,14 @@ FAST_SEED = 20_000
     ],
 )
 def outcomes(request, tmp_path_factory):
-    if reason := unavailable_reason():
-        pytest.skip(reason)
     kind, count = request.param
     folder = tmp_path_factory.mktemp(kind)
     drawn = cases(count, FAST_SEED, kind)
     folders = {"folder": folder / "seen", "truth_folder": folder / "truth"}
     if count == 1:
         return [diagnose_without_plans(case, **folders) for case in drawn]
+    if reason := unavailable_reason():
+        pytest.skip(reason)
     diagnose_one = partial(diagnose, in_process=True, **folders)
     # fresh interpreters, one per core, each imports the tool once
     with ProcessPoolExecutor(os.cpu_count(), multiprocessing.get_context("spawn")) as pool:

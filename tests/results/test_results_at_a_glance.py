@@ -14,6 +14,8 @@ from matplotlib.figure import Figure
 import missionplan
 from missionplan.errors import InputError
 from missionplan.results import Result
+from tests.few_causes import few
+from tests.fixtures import drawing_nothing
 
 pytestmark = pytest.mark.usefixtures("drawn")
 
@@ -59,7 +61,8 @@ NAMES = (
 
 def _diagnosis(folder: Path) -> Result:
     missionplan.init(folder)
-    return missionplan.diagnose(folder / "mission.yaml", folder / "sea-trial", plan=False)
+    with few():
+        return missionplan.diagnose(folder / "mission.yaml", folder / "sea-trial", plan=False)
 
 
 def _exploration() -> Result:
@@ -78,7 +81,8 @@ def _campaign(folder: Path) -> Result:
 
 
 def _history(folder: Path) -> Result:
-    result("diagnosis", folder).save(folder / "log-book" / "first", force=True)
+    with drawing_nothing():
+        result("diagnosis", folder).save(folder / "log-book" / "first", force=True)
     return missionplan.history(folder / "log-book")
 
 
@@ -93,7 +97,8 @@ def test_an_exploration_is_a_grid(folder):
 
 def _comparison(folder: Path) -> Result:
     for name, seed in (("one", 1), ("two", 2)):
-        missionplan.simulate(MISSIONS / "fig8.yaml", trials=50, seed=seed, sheet=False).save(folder / name)
+        with drawing_nothing():
+            missionplan.simulate(MISSIONS / "fig8.yaml", trials=50, seed=seed, sheet=False).save(folder / name)
     return missionplan.compare(folder / "one", folder / "two")
 
 

@@ -85,6 +85,7 @@ def test_moos_nothing_hidden_is_adequate(tmp_path):
     assert found.verdict == "adequate"
 
 
+@pytest.mark.usefixtures("among_few")
 def test_neptus_a_speed_log_that_is_off(tmp_path):
     pytest.importorskip("imcpy")
     (path,) = missionplan.export(survey(), "neptus", out=tmp_path, seed=1).files

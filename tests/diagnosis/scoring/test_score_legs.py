@@ -135,23 +135,26 @@ def scores(tmp_path: Path, truth: Truth, effects: list[object], sigma_v: float, 
 
 
 @pytest.mark.parametrize(
-    ("truth", "effects"),
+    ("truth", "effects", "records", "most"),
     [
-        pytest.param(Truth(compass_sd=np.radians(2.0)), COMPASS, marks=pytest.mark.slow),
-        (Truth(persistent=0.05), PERSISTENT),
+        pytest.param(Truth(compass_sd=np.radians(2.0)), COMPASS, 25, 5, marks=pytest.mark.slow),
+        pytest.param(Truth(persistent=0.05), PERSISTENT, 25, 5, marks=pytest.mark.slow),
+        (Truth(persistent=0.05), PERSISTENT, 8, 3),
     ],
-    ids=["compass", "persistent"],
+    ids=["compass", "persistent", "few-persistent"],
 )
-def test_a_true_mission_is_calibrated(tmp_path: Path, truth: Truth, effects: list[object]) -> None:
+def test_a_true_mission_is_calibrated(
+    tmp_path: Path, truth: Truth, effects: list[object], records: int, most: int
+) -> None:
     """Made by other code: transforms are uniform, coverage is nominal, and few records are outside chance."""
-    found = scores(tmp_path, truth, effects, 0.02, 25)
+    found = scores(tmp_path, truth, effects, 0.02, records)
     pit = np.concatenate([each.datasets[0].one_step.pit for each in found])
     assert kstest(pit, "uniform").pvalue > 1e-3
     count = len(pit)
     for share in (0.5, 0.9):
         inside = np.mean(np.abs(pit - 0.5) <= 0.5 * share)
         assert inside == pytest.approx(share, abs=4.0 * np.sqrt(share * (1.0 - share) / count))
-    assert sum(not each.is_within_chance for each in found) <= 5  # 0.05 each: more in one of 140 runs of this test
+    assert sum(not each.is_within_chance for each in found) <= most  # 0.05 each: more in one of 140 runs or fewer
 
 
 @pytest.mark.parametrize(
@@ -166,8 +169,8 @@ def test_a_true_mission_is_calibrated(tmp_path: Path, truth: Truth, effects: lis
     ids=["compass", "persistence", "too-sure", "too-doubtful", "too-little-persistence"],
 )
 def test_a_wrong_mission_is_found_out(tmp_path: Path, truth: Truth, effects: list[object], sigma_v: float) -> None:
-    found = scores(tmp_path, truth, effects, sigma_v, 4)
-    assert sum(not each.is_within_chance for each in found) >= 3
+    found = scores(tmp_path, truth, effects, sigma_v, 2)
+    assert not any(each.is_within_chance for each in found)
 
 
 def test_effects_are_worth_what_they_predict(tmp_path: Path) -> None:

@@ -37,6 +37,12 @@ def _without_effects(craft: Craft, dive: Dive) -> Track:
     return simulate_dive(craft, dive, (), 90.0, followed=False)
 
 
+def _dived(craft: Craft, dive: Dive, effects: Sequence[DiveEffect]) -> Track:
+    """Track with effects; those that only change what is logged leave it as it is without them."""
+    moving = [each for each in effects if replace(each, delay=None, reading=None, pitch=None) != DiveEffect()]
+    return simulate_dive(craft, dive, moving, 90.0, followed=False) if moving else _without_effects(craft, dive)
+
+
 def strength(plan: Plan, noise: Nuisances, effects: Sequence[DiveEffect]) -> tuple[float, Array]:
     """Return the standard errors by which effects change noise-free dives, and the whitened change.
 
@@ -46,7 +52,7 @@ def strength(plan: Plan, noise: Nuisances, effects: Sequence[DiveEffect]) -> tup
     pieces = []
     for dive in plan.dives:
         base = _without_effects(plan.craft, dive)
-        other = simulate_dive(plan.craft, dive, effects, 90.0, followed=False)
+        other = _dived(plan.craft, dive, effects)
         t = np.linspace(0.3, 0.97 * min(base.t_touchdown, other.t_touchdown, 85.0), 40)
         y = read_depth(base, dive, (), t)
         factor = np.linalg.cholesky(_covariance(plan.craft, dive, noise, t))
