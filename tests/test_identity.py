@@ -132,13 +132,15 @@ def test_it_takes_no_noticeable_time():
     ("study", "options"),
     [
         (simulate, {}),
-        (missionplan.explore, {"vary": "ingress.speed=1.2:1.8:0.6 m/s"}),
-        (missionplan.optimise, {"choose": ["ingress.speed=1.2:1.8:0.6 m/s"]}),
+        (missionplan.explore, {"vary": "out.speed=1.2:1.8:0.6 m/s"}),
+        (missionplan.optimise, {"choose": ["out.speed=1.2:1.8:0.6 m/s"]}),
     ],
     ids=lambda each: getattr(each, "__name__", ""),
 )
 def test_blocks_of_other_code_are_refused_and_stay(monkeypatch, tmp_path, study, options):
-    run = partial(study, CHESAPEAKE, trials=20, checkpoint=tmp_path / "blocks", **options)
+    required = [{"quantity": "out.arrived", "probability": 0.5}]
+    mission = Mission.from_data({**TRANSIT, "requirements": required})
+    run = partial(study, mission, trials=20, checkpoint=tmp_path / "blocks", **options)
     run()
     before = {path: path.read_bytes() for path in (tmp_path / "blocks").iterdir()}
     other = dataclasses.replace(
@@ -154,10 +156,11 @@ def test_blocks_of_other_code_are_refused_and_stay(monkeypatch, tmp_path, study,
 
 def test_a_resumed_run_of_a_copy_with_another_gravity_is_refused_and_overwrites_nothing(tmp_path, monkeypatch):
     copy = tmp_path / "other" / "missionplan"
-    shutil.copytree(PACKAGE, copy, ignore=shutil.ignore_patterns("__pycache__"))
+    shutil.copytree(PACKAGE, copy)  # with what is compiled
     gravity = copy / "physics" / "water.py"
     gravity.write_text(gravity.read_text().replace("9.80665", "9.9"))
-    words = ["missionplan", "simulate", str(CHESAPEAKE), "--jobs", "1", "--out", "out", "--quiet", "--trials"]
+    (tmp_path / "transit.yaml").write_text(json.dumps(TRANSIT))
+    words = ["missionplan", "simulate", "transit.yaml", "--jobs", "1", "--out", "out", "--quiet", "--trials"]
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr(sys, "argv", [*words, "50"])
     with pytest.raises(SystemExit) as ended:

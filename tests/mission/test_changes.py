@@ -165,7 +165,7 @@ _KEYS = st.text("abc", min_size=1, max_size=2)
 _DATA = st.recursive(_SCALARS, lambda inner: st.lists(inner, max_size=3) | st.dictionaries(_KEYS, inner, max_size=3))
 
 
-@settings(max_examples=3 * settings.default.max_examples)
+@settings(max_examples=2 * settings.default.max_examples)
 @given(st.dictionaries(_KEYS, _DATA, min_size=1, max_size=4), st.dictionaries(_KEYS, _DATA, max_size=4), st.booleans())
 def test_an_edited_text_holds_the_new_data(old: dict[str, object], new: dict[str, object], flow: bool) -> None:
     text = yaml.safe_dump(old, default_flow_style=flow or None)

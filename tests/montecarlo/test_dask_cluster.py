@@ -80,7 +80,7 @@ def test_workers_that_are_not_there_have_other_code_or_no_package_are_said(
         patch.setattr("missionplan.montecarlo.dask_cluster.ANSWER_TIME", 0.5)
         with pytest.raises(InputError, match="has no workers"):
             list(Workers(backend="dask", scheduler=scheduler).run(abs, range(2)))
-    shutil.copytree(PACKAGE, tmp_path / "other" / "missionplan", ignore=shutil.ignore_patterns("__pycache__"))
+    shutil.copytree(PACKAGE, tmp_path / "other" / "missionplan")
     changed = tmp_path / "other" / "missionplan" / "physics" / "water.py"
     changed.write_text(changed.read_text() + "\nCHANGED = 1.0\n")
     for path in (tmp_path / "other", package_that_fails(tmp_path)):
