@@ -1,5 +1,7 @@
 """The error of a forecast: its covariance in time and space against theory, over many trials."""
 
+from functools import cache
+
 import numpy as np
 import pytest
 from scipy.stats import kurtosis
@@ -11,6 +13,7 @@ TRIALS = 40_000
 SIGMA, TIME, LENGTH = 0.12, 5400.0, 3000.0
 
 
+@cache
 def waves(length=LENGTH, sigma=SIGMA, trials=TRIALS, seed=1):
     normals = np.random.default_rng(seed).normal(size=(NORMALS, WAVES, trials))
     return ErrorWaves.drawn(Statistics(sigma, TIME, length), normals)

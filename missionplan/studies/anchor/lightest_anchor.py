@@ -78,8 +78,8 @@ def lightest_anchor(
     `start`: wet weight about which to search, such as the worst case's [N]. `line_length`: the mission's [m]. `rough`:
     of fewer dives, which say where to look, and for the search of a longer line; default: the same.
     """
-    tried = _Tried(probabilities, demands)
-    about = _Tried(rough, demands).lightest(start) if rough is not None else None
+    tried = _Tried(probabilities, demands, None, _RESOLUTION)
+    about = _Tried(rough, demands, None, _RESOLUTION).lightest(start) if rough is not None else None
     weight = tried.lightest_about(about) if about is not None else None
     weight = tried.lightest(start) if weight is None else weight
     if weight is not None:
@@ -100,8 +100,8 @@ class _Tried:
 
     probabilities: ProbabilitiesOf
     demands: Sequence[Demand]
-    line: float | None = None
-    resolution: float = _RESOLUTION
+    line: float | None
+    resolution: float
     known: dict[float, DiveProbabilities] = field(default_factory=dict)
 
     def slacks(self, weight: float) -> list[float]:

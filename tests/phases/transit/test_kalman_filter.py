@@ -190,12 +190,12 @@ def test_it_stops_short_where_the_expected_cost_is_least(radius, price, share):
     half = np.sqrt(np.maximum(radius**2 - (sd * nodes) ** 2, 0.0))
 
     def cost(short):
-        within = stats.norm.cdf((half + short) / sd) - stats.norm.cdf((short - half) / sd)
-        return -short + (price + radius) * (1.0 - float(weights @ within) / weights.sum())
+        within = stats.norm.cdf((half + short[:, None]) / sd) - stats.norm.cdf((short[:, None] - half) / sd)
+        return -short + (price + radius) * (1.0 - within @ weights / weights.sum())
 
-    found = float(stop_short(radius, np.array([sd]), np.array([sd]), price)[0])
-    best = min(map(cost, np.linspace(0.0, radius, 2001)))
-    assert cost(found) - best < 0.005 * radius
+    found = stop_short(radius, np.array([sd]), np.array([sd]), price)
+    best = cost(np.linspace(0.0, radius, 2001)).min()
+    assert cost(found)[0] - best < 0.005 * radius
 
 
 @pytest.mark.parametrize("price", [1.5, 5.0, 20.0])

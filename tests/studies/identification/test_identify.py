@@ -51,7 +51,7 @@ def test_reynolds_dependence_is_found_where_it_is(tmp_path):
 
 def oscillation(rng, quadratic, noise=2e-4, seconds=8.0, rate=50.0):
     """A mass on springs by Verlet with tiny steps: not the Runge-Kutta of the model."""
-    mass, stiffness, linear, h = 24.0 + 9.6, 4165.9, 8.0, 2e-4
+    mass, stiffness, linear, h = 24.0 + 9.6, 4165.9, 8.0, 4e-4
     x, v, out = 0.05, 0.0, []
     for step in range(int(seconds / h)):
         if step % round(1 / rate / h) == 0:

@@ -9,6 +9,7 @@ import jsonschema
 import pytest
 
 import missionplan
+from missionplan.mission import Mission
 from missionplan.results import to_json
 
 MISSIONS = Path(__file__).parents[3] / "missions"
@@ -16,8 +17,8 @@ SCHEMA: dict[str, Any] = missionplan.schema("summary")
 STUDIES = {
     "simulate": lambda: missionplan.simulate(MISSIONS / "chesapeake.yaml", trials=50, seed=1),
     "of members": lambda: missionplan.simulate(MISSIONS / "estuary.yaml", trials=50, seed=1),
-    "sweep-dmax": lambda: missionplan.sweep_dmax(MISSIONS / "fig8.yaml", trials=20, seed=1),
-    "analytic": lambda: missionplan.sweep_dmax(MISSIONS / "fig8.yaml", method="analytic"),
+    "sweep-dmax": lambda: missionplan.sweep_dmax(few_lengths(), trials=20, seed=1),
+    "analytic": lambda: missionplan.sweep_dmax(few_lengths(), method="analytic"),
     "explore": lambda: missionplan.explore(
         MISSIONS / "chesapeake.yaml", ["ingress.speed=1:2:0.5 m/s"], trials=30, seed=1
     ),
@@ -25,6 +26,11 @@ STUDIES = {
     "identify": lambda: missionplan.identify(MISSIONS / "measured" / "avila-drag"),
     "size-anchor": lambda: missionplan.size_anchor(MISSIONS / "anchor-design.yaml", trials=20, seed=1),
 }
+
+
+def few_lengths() -> Mission:
+    whole = missionplan.load(MISSIONS / "fig8.yaml").raw
+    return Mission.from_data({**whole, "sweep": {"d_max": ["3 km", "7 km"], "sigma": ["0.015 m/s", "0.035 m/s"]}})
 
 
 @pytest.mark.parametrize("study", STUDIES)

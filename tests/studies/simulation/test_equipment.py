@@ -54,7 +54,10 @@ def test_counts_give_a_gamma_rate_and_pareto_survival():
 PUBLISHED = [(0.50, 90.0, 205), (0.59, 30.0, 205), (0.83, 100.0, 200)]
 
 
-@pytest.mark.parametrize(("survival", "days", "deployments"), PUBLISHED)
+@pytest.mark.parametrize(
+    ("survival", "days", "deployments"),
+    [PUBLISHED[0], *(pytest.param(*each, marks=pytest.mark.slow) for each in PUBLISHED[1:])],
+)
 def test_published_survival_comes_out_within_its_interval(with_hazards, survival, days, deployments):
     rate = -math.log(survival) / days
     mission = with_hazards({"per": "hour", "rate": f"{rate} 1/d", "source": "as published"}, hold=f"{days} d")

@@ -10,7 +10,7 @@ from missionplan.studies.simulation.simulate import simulate_block
 
 pytestmark = pytest.mark.usefixtures("unplanned")
 
-TRIALS = 2000
+TRIALS = 600
 BASE = {
     "name": "in doubt",
     "vehicle": {

@@ -47,7 +47,17 @@ HOPELESS = {
 }
 
 
-@pytest.mark.parametrize("what", HOPELESS)
+LONG = (  # vehicles that go on for all legs that are allowed, and anchors that hardly sink
+    "current of 1 m/s, vehicle of 0.5 m/s",
+    "current of 0.3 ± 0.1 m/s, vehicle of 0.35 m/s",
+    "fixes of ± 300 m, arrival within 15 m",
+    "an anchor of 0.9 N for a buoyancy of 0.89 N",
+)
+
+
+@pytest.mark.parametrize(
+    "what", [pytest.param(each, marks=[pytest.mark.slow] if each in LONG else []) for each in HOPELESS]
+)
 def test_no_hopeless_mission_is_said_to_work(what, tmp_path):
     row = next(line for line in PAGE.read_text(encoding="utf-8").splitlines() if line.startswith(f"| {what} |"))
     said = answer(simulate(chesapeake(tmp_path, HOPELESS[what]), trials=200, sheet=False))

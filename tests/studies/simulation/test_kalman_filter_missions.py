@@ -82,9 +82,8 @@ def comparison():
     return script
 
 
-@pytest.mark.parametrize(("current", "time"), [(0.0, 3600.0), (0.1, 3600.0), (0.2, 1e7)])
-def test_no_way_of_compensating_does_better(current, time):
-    found = comparison().cell(current, time, trials=1024, fixed=True)
+def test_no_way_of_compensating_does_better():
+    found = comparison().cell(0.1, 3600.0, trials=1024, fixed=True)
     assert found.excess <= 3.0 * found.excess_error
 
 

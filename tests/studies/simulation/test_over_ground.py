@@ -46,7 +46,7 @@ def write(tmp_path):
     """Write the mission over a bottom whose depth is a function of east and north, with polygons of boxes."""
 
     def make(depth=lambda x, y: 20.0 + 0.03 * x, land=(), keep_out=(), **site):
-        x, y = np.meshgrid(np.arange(-3000.0, 3001.0, 50.0), np.arange(-3000.0, 3001.0, 50.0))
+        x, y = np.meshgrid(np.arange(-1000.0, 2001.0, 50.0), np.arange(-1500.0, 1501.0, 50.0))
         np.savetxt(tmp_path / "slope.xyz", np.stack([a.ravel() for a in (x, y, -depth(x, y))], axis=1), fmt="%.4f")
         data = json.loads(json.dumps(MISSION))
         for key, boxes in (("land", land), ("keep_out", keep_out)):

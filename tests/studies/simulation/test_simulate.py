@@ -19,10 +19,12 @@ from missionplan.studies.simulation import mooring_trials
 from missionplan.studies.simulation import simulate as module
 from missionplan.studies.simulation.simulate import simulate, simulate_block
 
+WAY_IN = {"phases": chesapeake_data()["phases"][:1], "requirements": []}
+
 
 @pytest.fixture(scope="module")
 def outcome():
-    return simulate(load(MISSIONS / "chesapeake.yaml"), trials=6000, sheet=False)
+    return simulate(load(MISSIONS / "chesapeake.yaml"), trials=4200, sheet=False)
 
 
 def means(outcome, phase):
@@ -85,7 +87,7 @@ def test_symmetric_errors_leave_offsets_centred(tmp_path):
 
 
 def test_doubling_the_trials_halves_the_variance_of_the_mean(tmp_path):
-    mission = chesapeake(tmp_path, {"phases": chesapeake_data()["phases"][:1], "requirements": []})
+    mission = chesapeake(tmp_path, WAY_IN)
     # 256 means of 64 trials, 128 means of 128: all independent
     values = np.stack([simulate_block(mission, seed=1, block=b).total["duration_s"] for b in range(8)]).reshape(2, -1)
     small, large = values[0].reshape(-1, 64).mean(axis=1), values[1].reshape(-1, 128).mean(axis=1)
@@ -134,12 +136,12 @@ def test_summary_has_the_contracts_names(outcome):
     offset = summary["requirements"][1]
     assert (offset["quantity"], offset["required"]) == ("moor.offset", 0.9)
     assert offset["at_most"] == pytest.approx(22.86)
-    assert summary["trials"] == 6000
+    assert summary["trials"] == 4200
 
 
 def test_statistics_are_those_of_the_trials(outcome):
     mission = load(MISSIONS / "chesapeake.yaml")
-    blocks = [simulate_block(mission, seed=1, block=block, trials=n) for block, n in ((0, BLOCK), (1, 6000 - BLOCK))]
+    blocks = [simulate_block(mission, seed=1, block=block, trials=n) for block, n in ((0, BLOCK), (1, 4200 - BLOCK))]
     for phase, name in (("ingress", "duration_s"), ("moor", "offset_m"), ("egress", "energy_wh")):
         values = np.concatenate([block.columns()[f"{phase}.{name}"] for block in blocks])
         (found,) = [part.quantities[name] for part in outcome.phases if part.name == phase]
@@ -147,7 +149,7 @@ def test_statistics_are_those_of_the_trials(outcome):
         assert found.sd == pytest.approx(values.std(ddof=1), rel=1e-9)
         assert found.p95 == pytest.approx(np.quantile(values, 0.95), rel=2e-3)
     (counts,) = [phase.histograms["offset_m"].counts for phase in outcome.phases if phase.name == "moor"]
-    assert counts.sum() == 6000
+    assert counts.sum() == 4200
 
 
 def test_whole_numbers_stay_whole(outcome):
@@ -159,19 +161,21 @@ def test_whole_numbers_stay_whole(outcome):
 
 def test_the_offset_counts_from_the_fix_and_its_error(tmp_path):
     exact = simulate_block(chesapeake(tmp_path, EXACT), seed=1, block=0, trials=500)
-    erring = simulate_block(chesapeake(tmp_path, {**EXACT, "navigation.fix_error": "3 m"}), seed=1, block=0)
+    erring = simulate_block(
+        chesapeake(tmp_path, {**EXACT, "navigation.fix_error": "3 m"}), seed=1, block=0, trials=1000
+    )
     assert np.allclose(exact.columns()["moor.offset_m"], 0.0, atol=1e-9)
     # in still water the anchor falls where the vehicle is: what is left is one fix's error, Rayleigh distributed
     assert erring.columns()["moor.offset_m"].mean() == pytest.approx(3.0 * math.sqrt(math.pi / 2.0), rel=0.05)
 
 
 def test_a_trial_that_does_not_arrive_is_counted_where_it_failed(tmp_path):
-    found = simulate(chesapeake(tmp_path, {"navigation.max_legs": 5}), trials=2000, sheet=False)
+    found = simulate(chesapeake(tmp_path, {"navigation.max_legs": 5}), trials=500, sheet=False)
     ingress, moor, _ = found.phases
     arrived = ingress.events["arrived"].value
     assert 0.5 < arrived < 1.0
-    assert ingress.quantities["duration_s"].missing == round(2000 * (1 - arrived))
-    assert moor.quantities["offset_m"].count == round(2000 * arrived)
+    assert ingress.quantities["duration_s"].missing == round(500 * (1 - arrived))
+    assert moor.quantities["offset_m"].count == round(500 * arrived)
     steps = {step.step: step.lost.value for step in found.attrition}
     assert steps["ingress: not arrived"] == pytest.approx(1.0 - arrived)
     assert found.attrition[-1].surviving == found.total.events["success"]
@@ -181,34 +185,36 @@ def test_a_trial_that_does_not_arrive_is_counted_where_it_failed(tmp_path):
 
 
 def test_a_moor_outside_its_radius_goes_on(tmp_path):
-    found = simulate(chesapeake(tmp_path, {"phases.1.moor.radius": "4 m"}), trials=2000, sheet=False)
+    found = simulate(chesapeake(tmp_path, {"phases.1.moor.radius": "4 m"}), trials=500, sheet=False)
     _, moor, egress = found.phases
     within = moor.events["within_radius"].value
     assert 0.2 < within < 0.8
     assert egress.events["arrived"].value == 1.0
-    assert found.total.quantities["duration_s"].count == 2000
+    assert found.total.quantities["duration_s"].count == 500
     assert found.total.events["success"].value == within
-    assert {step.step: step.lost.value for step in found.attrition}["moor: anchor outside the radius"] == 1.0 - within
+    assert {step.step: step.lost.value for step in found.attrition}["moor: anchor outside the radius"] == pytest.approx(
+        1.0 - within
+    )
 
 
 def test_a_vehicle_that_strikes_the_seafloor_is_counted(tmp_path):
     mission = chesapeake(tmp_path, {"phases.1.moor.line_length": {"low": "2.5 m", "high": "5 m"}})
-    found = simulate(mission, trials=1000, sheet=False)
+    found = simulate(mission, trials=300, sheet=False)
     struck = found.phases[1].events["struck_seafloor"].value
-    altitude = simulate_block(mission, seed=1, block=0, trials=1000).columns()["moor.lowest_altitude_m"]
+    altitude = simulate_block(mission, seed=1, block=0, trials=300).columns()["moor.lowest_altitude_m"]
     assert 0.1 < struck < 0.9
     assert struck == np.mean(altitude <= 0.0)
     assert found.total.events["success"].value == pytest.approx(1.0 - struck)
-    assert found.total.quantities["duration_s"].count == 1000  # it is buoyant and comes up all the same
+    assert found.total.quantities["duration_s"].count == 300  # it is buoyant and comes up all the same
 
 
 def test_a_battery_that_runs_out_ends_the_mission_there(tmp_path):
-    found = simulate(chesapeake(tmp_path, {"vehicle.energy.capacity": "26.5 W*h"}), trials=2000, sheet=False)
+    found = simulate(chesapeake(tmp_path, {"vehicle.energy.capacity": "26.5 W*h"}), trials=500, sheet=False)
     lost = {step.step: step.lost.value for step in found.attrition}
     assert 0.1 < lost["egress: out of energy"] < 0.9
     assert found.phases[2].events["arrived"].value == pytest.approx(1.0 - lost["egress: out of energy"])
     assert found.total.quantities["energy_wh"].p95 <= 26.5
-    early = simulate(chesapeake(tmp_path, {"vehicle.energy.capacity": "5 W*h"}), trials=500, sheet=False)
+    early = simulate(chesapeake(tmp_path, {"vehicle.energy.capacity": "5 W*h"}), trials=50, sheet=False)
     assert early.attrition[1].step == "ingress: out of energy"
     assert early.attrition[1].lost.value == 1.0
     assert early.total.events["success"].value == 0.0
@@ -216,15 +222,9 @@ def test_a_battery_that_runs_out_ends_the_mission_there(tmp_path):
 
 
 def test_an_anchor_that_cannot_pull_the_vehicle_down(tmp_path):
-    weight = {"choices": ["0.5 N", "11.8 N"]}
-    changes = {"phases.1.moor.anchor_wet_weight": weight, "vehicle.anchor.flooded_mass": "2.5 kg"}
-    mission = chesapeake(tmp_path, changes)
-    found = simulate(mission, trials=200, sheet=False)
-    lost = {step.step: step.lost.value for step in found.attrition}["moor: anchor too light to sink the vehicle"]
-    assert 0.4 < lost < 0.6
-    assert found.phases[1].quantities["terminal_velocity_m_s"].count == round(200 * (1.0 - lost))
+    changes = {"phases.1.moor.anchor_wet_weight": "0.5 N", "vehicle.anchor.flooded_mass": "2.5 kg"}
     with pytest.raises(InputError, match=r"0\.5 N cannot sink a vehicle of 0\.8896 N"):
-        chesapeake(tmp_path, changes | {"phases.1.moor.anchor_wet_weight": "0.5 N"})
+        chesapeake(tmp_path, changes)
 
 
 def test_requirements_may_be_undecided(tmp_path):
@@ -242,7 +242,7 @@ def test_requirements_may_be_undecided(tmp_path):
 
 def test_correlations_tie_draws(tmp_path):
     pair = ["site.current[0].speed", "site.current[1].speed"]
-    mission = chesapeake(tmp_path, {"correlations": [{"between": pair, "rho": 0.9}]})
+    mission = chesapeake(tmp_path, {"correlations": [{"between": pair, "rho": 0.9}], **WAY_IN})
     block = simulate_block(mission, seed=1, block=0)
     assert np.corrcoef(*(block.draws[name] for name in pair))[0, 1] == pytest.approx(0.9, abs=0.02)
 
@@ -292,7 +292,7 @@ def test_effects_act(plain_columns, tmp_path, effect, column, changes):
 
 def test_effects_may_be_uncertain(tmp_path):
     effects = [{"drag-bias": {"fraction": {"mean": 0.3, "sd": 0.1}}}]
-    block = simulate_block(chesapeake(tmp_path, {"effects": effects}), seed=1, block=0)
+    block = simulate_block(chesapeake(tmp_path, {"effects": effects}), seed=1, block=0, trials=500)
     bias, time = block.draws["effects.drag-bias.fraction"], block.columns()["moor.descent_time_s"]
     assert np.corrcoef(bias, time)[0, 1] > 0.9
 
@@ -393,9 +393,9 @@ def test_a_drift_as_fast_as_the_vehicle_is_reported(tmp_path):
 
 def test_keeping_trials_gives_one_row_each(tmp_path):
     mission = chesapeake(tmp_path, {"navigation.max_legs": 5})
-    found = simulate(mission, trials=5000, keep_trials=True, sheet=False)
+    found = simulate(mission, trials=4200, keep_trials=True, sheet=False)
     frame = pyarrow.parquet.read_table(io.BytesIO(found.trials_table)).to_pandas()
-    assert list(frame["trial"]) == list(range(5000))
+    assert list(frame["trial"]) == list(range(4200))
     assert frame["total.success"].mean() == found.total.events["success"].value
     assert frame["ingress.duration_s"].isna().sum() == found.phases[0].quantities["duration_s"].missing
     assert frame["ingress.duration_s"].mean() == pytest.approx(found.phases[0].quantities["duration_s"].mean)
@@ -420,11 +420,11 @@ def test_a_block_that_fails_is_reported_and_the_others_kept(tmp_path, monkeypatc
 
     failing.calls = 0
     mission = chesapeake(tmp_path)
-    whole = simulate(mission, trials=2 * BLOCK, sheet=False)
+    whole = simulate(mission, trials=BLOCK + 54, sheet=False)
     monkeypatch.setattr(mooring_trials, "moor", failing)
-    found = simulate(mission, trials=2 * BLOCK, sheet=False)
+    found = simulate(mission, trials=BLOCK + 54, sheet=False)
     (words,) = found.failed_blocks
-    assert "block 1 (trials 4096 to 8191, seed 1)" in words
+    assert "block 1 (trials 4096 to 4149, seed 1)" in words
     assert found.provenance.trials == BLOCK
     assert found.summary()["failed_blocks"] == [words]
     assert any("simulate_block" in notice for notice in found.provenance.notices)

@@ -281,11 +281,11 @@ def test_a_record_that_ends_before_the_nominal_mission_is_refused_with_the_remed
 
 
 def test_a_record_that_some_trials_outlast_fails_them_or_the_run(tmp_path):
-    slow = {"phases.1.moor.galvanic_release": {"choices": ["10 min"] * 999 + ["8 h"]}}
-    found = simulate(chesapeake(tmp_path, STEADY | csv(tmp_path, steady) | slow), trials=4000, sheet=False)
+    slow = {"phases.1.moor.galvanic_release": {"choices": ["10 min"] * 199 + ["8 h"]}}
+    found = simulate(chesapeake(tmp_path, STEADY | csv(tmp_path, steady) | slow), trials=1000, sheet=False)
     steps = {step.step: step.lost.value for step in found.attrition}
     share = steps["moor: left the record of the current"]
-    assert share == found.limits["left_record"].value == pytest.approx(0.001, abs=0.001)
+    assert share == found.limits["left_record"].value == pytest.approx(0.005, abs=0.0045)
     assert found.phases[2].quantities["duration_s"].p95 < 1e4
     often = {"phases.1.moor.galvanic_release": {"choices": ["10 min"] * 19 + ["8 h"]}}
     with pytest.raises(InputError, match=r"% of the trials leave the record .*at most 1 % may .*outside: hold"):

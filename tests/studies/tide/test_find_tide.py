@@ -112,9 +112,10 @@ def with_gaps(rng, seconds):
     return kept
 
 
-def test_a_month_forecasts_the_next():
+@pytest.mark.parametrize("records", [2, pytest.param(5, marks=pytest.mark.slow)])
+def test_a_month_forecasts_the_next(records):
     lost, inside, latitude = [], [], math.radians(37.2)
-    for seed in range(601, 606):
+    for seed in range(601, 601 + records):
         seconds, known, noise, rng = made_record(seed)
         first = seconds < seconds[0] + 30.0 * DAY
         taken = first & with_gaps(rng, seconds)
