@@ -5,6 +5,7 @@ A reader (`readers`, one a make; they share `importer`, `mapping` and `readers.n
 `reckoning` serves vehicles that freeze their position under water, or carry it with a current of their own.
 """
 
+import math
 import time
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
@@ -29,7 +30,7 @@ from missionplan.importers.sources import Reading, Sources, find_sources, of_one
 from missionplan.importers.starter import LegNumbers, mission_text, numbers_of, prospects
 from missionplan.importers.track import Fixes, Positions, Track
 from missionplan.mission.schema.place import Geographic, to_plane
-from missionplan.results.imported import ImportedData, SourceEntry, TrackLines
+from missionplan.results.imported import ImportedData, LogFigures, SourceEntry, TrackLines
 from missionplan.store.folder import as_path
 
 KINDS = ("transit", "descent")
@@ -284,22 +285,23 @@ def _rejected(parts: CutTrack) -> pd.DataFrame:
     return pd.DataFrame({**columns, "satellites": fixes.satellites, "reason": list(parts.fixes.reasons)})
 
 
-def _figures(parts: CutTrack, found: LegNumbers) -> dict[str, float]:
-    return {
-        "fixes": len(parts.fixes.good),
-        "velocity_error_sigma_m_s": found.sigma,
-        "velocity_error_mean_east_m_s": found.mean_error[0],
-        "velocity_error_mean_north_m_s": found.mean_error[1],
-        "leg_length_m": found.length,
-        "leg_duration_s": found.duration,
-        "speed_m_s": found.speed,
-        "surfacing_time_s": found.surfacing,
-        "fix_sd_m": found.fix_sd,
-        "record_s": found.record,
-        "max_depth_m": found.depth,
-        "made_reckoning_sd_m": float(parts.legs["dr_sd_m"].median()) if parts.is_made else float("nan"),
-        "current_in_reckoning": parts.current.share if parts.current else float("nan"),
-    }
+def _figures(parts: CutTrack, found: LegNumbers) -> LogFigures:
+    east, north = found.mean_error
+    return LogFigures(
+        max_depth=found.depth,
+        fixes=len(parts.fixes.good),
+        velocity_error_sigma=found.sigma,
+        velocity_error_mean_east=east,
+        velocity_error_mean_north=north,
+        leg_length=found.length,
+        leg_duration=found.duration,
+        speed=found.speed,
+        surfacing_time=found.surfacing,
+        fix_sd=found.fix_sd,
+        record=found.record,
+        made_reckoning_sd=float(parts.legs["dr_sd_m"].median()) if parts.is_made else math.nan,
+        current_in_reckoning=parts.current.share if parts.current else math.nan,
+    )
 
 
 def _lines(parts: CutTrack, found: LegNumbers) -> TrackLines:

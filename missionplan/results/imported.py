@@ -30,6 +30,33 @@ class Ability(Record):
 
 
 @dataclass(frozen=True)
+class LogFigures(Record):
+    """Numbers of a log; of one of dives, the depth alone. Not finite where the log does not say."""
+
+    max_depth: Annotated[float, Entry("greatest depth", "m")]
+    fixes: Annotated[int | None, Entry("that count", optional=True)] = None
+    velocity_error_sigma: Annotated[
+        float | None, Entry("root mean square about the mean, each axis", "m/s", optional=True)
+    ] = None
+    velocity_error_mean_east: Annotated[float | None, Entry("of the legs", "m/s", optional=True)] = None
+    velocity_error_mean_north: Annotated[float | None, Entry("of the legs", "m/s", optional=True)] = None
+    leg_length: Annotated[float | None, Entry("median", "m", optional=True)] = None
+    leg_duration: Annotated[float | None, Entry("median", "s", optional=True)] = None
+    speed: Annotated[float | None, Entry("median of the legs", "m/s", optional=True)] = None
+    surfacing_time: Annotated[
+        float | None, Entry("median, from surfacing to the next leg's start", "s", optional=True)
+    ] = None
+    fix_sd: Annotated[float | None, Entry("median of a fix, each axis", "m", optional=True)] = None
+    record: Annotated[float | None, Entry("time from the first fix to the last", "s", optional=True)] = None
+    made_reckoning_sd: Annotated[
+        float | None, Entry("median of a leg's reckoning that was made of other readings", "m", optional=True)
+    ] = None
+    current_in_reckoning: Annotated[
+        float | None, Entry("share of the vehicle's own estimate of the current in its reckoning", optional=True)
+    ] = None
+
+
+@dataclass(frozen=True)
 class TrackLines:
     """What the report draws, east and north of the data set's origin [m]."""
 
@@ -109,8 +136,8 @@ class ImportedData(Result):
     can_show: tuple[tuple[str, str], ...]
     """What a diagnosis of this data can find, and what it lacks for the rest."""
     next_commands: Annotated[tuple[str, ...], Entry("commands that may follow", key="next")]
-    figures: Mapping[str, float]
-    """Numbers of the summary: fixes, lengths, speeds, errors."""
+    figures: Annotated[LogFigures, Entry(inline=True)]
+    """Fixes, lengths, speeds, errors."""
     lines: TrackLines = field(repr=False)
     extra_files: Mapping[str, str] = field(default_factory=dict, repr=False)
     """Further files, by name: the starter's vehicle."""
@@ -149,10 +176,22 @@ class ImportedData(Result):
         """Number of dives that were found."""
         return len(self.dives)
 
-    def summary(self) -> dict[str, object]:
-        """Return the contents of `summary.json` and `import.json`."""
-        groups = len(self.table.groupby(self.table.columns[0]))
-        return {**super().summary(), "legs" if self.kind == "transit" else "runs": groups, **self.figures}
+    @property
+    def is_of_legs(self) -> bool:
+        """Whether its groups are legs."""
+        return self.kind == "transit"
+
+    @property
+    def is_of_runs(self) -> bool:
+        """Whether its groups are runs."""
+        return self.kind != "transit"
+
+    @property
+    def groups(
+        self,
+    ) -> Annotated[int, Entry(key="legs", when="is_of_legs"), Entry(key="runs", when="is_of_runs")]:
+        """Number of legs or runs in the table."""
+        return len(self.table.groupby(self.table.columns[0]))
 
     def to_frame(self) -> pd.DataFrame:
         """The data set's table."""

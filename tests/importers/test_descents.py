@@ -67,7 +67,7 @@ def test_the_folder_says_what_is_known_and_what_is_not(tmp_path):
     assert told["interval of the readings"] == "0.5 s"
     assert list(found.dataset["runs"]) == ["dive-1", "dive-2"]
     assert yaml.safe_load(found.mission_text)["site"]["depth"] == "35.0 m"  # the deepest and the line
-    assert found.figures["max_depth_m"] == 30.0
+    assert found.figures.max_depth == 30.0
     by_sinking = imported(tmp_path, marks=False)
     assert by_sinking.dives["t_start_s"].to_numpy() == pytest.approx(MARKS[:3], abs=0.6)
     assert dict(by_sinking.can_show)["late payout of the line, a clock's offset"].startswith("no: ")

@@ -180,7 +180,7 @@ def imported():
 
 def test_figures_are_those_of_the_legs(imported):
     log, found = imported
-    figures = dict(found.figures)
+    figures = found.figures.summary()
     assert figures["fixes"] == len(log.track.fixes)
     assert figures["velocity_error_mean_east_m_s"] == pytest.approx(0.1 * 3600.0 / 3600.0, abs=2e-3)
     assert figures["velocity_error_mean_north_m_s"] == pytest.approx(-0.05, abs=2e-3)

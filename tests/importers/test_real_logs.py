@@ -76,7 +76,7 @@ def test_a_slocums_dives_without_dead_reckoning_are_told_too(slocum):
 
 
 def test_a_slocum_carries_its_dead_reckoning_with_the_current_it_estimates(slocum):
-    assert slocum.figures["current_in_reckoning"] == pytest.approx(1.0, abs=0.3)
+    assert slocum.figures.current_in_reckoning == pytest.approx(1.0, abs=0.3)
     assert any("was left in" in notice for notice in slocum.provenance.notices)
 
 

@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 from missionplan.report import imported
 from missionplan.report.imported import leg_basis
 from missionplan.report.quantities import reading_in
-from missionplan.results.imported import Basis, LegPicture
+from missionplan.results.imported import Basis, LegPicture, LogFigures
 
 NAN = math.nan
 BASIS = Basis(5.0, 2.5, 0.7, "fixes", "true north, declination added", "logged", 900.0, 120.0)
@@ -49,11 +49,11 @@ def result(dives=DIVES, kind="transit", **figures):
         rejected=np.array([[600.0, 900.0], [100.0, 100.0]]), reckoned=(np.array([[0.0, 480.0], [0.0, 350.0]]), np.empty((2, 0))),
         depth_t=np.array([1000.0, 1900.0, 2740.0, 99_999.0]), depth=np.array([0.0, 30.0, 2.0, 7.0]),
     )  # fmt: skip
-    numbers = {"made_reckoning_sd_m": NAN, "velocity_error_mean_east_m_s": 0.0123, "velocity_error_mean_north_m_s": -0.0456,
-               "velocity_error_sigma_m_s": 0.0789, "leg_length_m": 747.0, "leg_duration_s": 1740.0, "fix_sd_m": 3.54}  # fmt: skip
+    numbers = {"max_depth": 30.6, "made_reckoning_sd": NAN, "velocity_error_mean_east": 0.0123, "velocity_error_mean_north": -0.0456,
+               "velocity_error_sigma": 0.0789, "leg_length": 747.0, "leg_duration": 1740.0, "fix_sd": 3.54}  # fmt: skip
     return SimpleNamespace(
         kind=kind, dives=dives, basis=BASIS if kind == "transit" else None, reckoning="made from heading", counted=int(dives["ok"].sum()),
-        lines=lines, figures={**numbers, **figures}, durations=(dives["t_end_s"] - dives["t_start_s"]).to_numpy(),
+        lines=lines, figures=LogFigures(**{**numbers, **figures}), is_of_legs=kind == "transit", durations=(dives["t_end_s"] - dives["t_start_s"]).to_numpy(),
         sources=[1, 2, 3], format="moos", rejected_fixes=[1, 2], rejected_reasons={"no flag": 2}, passed_over=("x: y",),
     )  # fmt: skip
 
@@ -163,7 +163,7 @@ def test_rose_and_lengths_are_of_the_legs_that_count(monkeypatch):
 
 def test_headlines_and_numbers_of_an_import():
     assert imported.answer(result()) == "1 of 2 dives between fixes count as legs; dead reckoning: made from heading."
-    words = imported.answer(result(made_reckoning_sd_m=41.4))
+    words = imported.answer(result(made_reckoning_sd=41.4))
     assert words.startswith(
         "The logs hold no dead reckoning: it was made from heading, and is in doubt by 41 m a leg (median)."
     )

@@ -237,8 +237,8 @@ def answer(result: ImportedData) -> str:
     counted = f"{result.counted} of {len(result.dives)} {things} count"
     if result.kind != "transit":
         return f"{counted}."
-    doubt = result.figures["made_reckoning_sd_m"]
-    if math.isfinite(doubt):
+    doubt = result.figures.made_reckoning_sd
+    if doubt is not None and math.isfinite(doubt):
         return (
             f"The logs hold no dead reckoning: it was {result.reckoning}, and is in doubt by {doubt:.0f} m a leg "
             f"(median). {counted} as legs."
@@ -247,16 +247,13 @@ def answer(result: ImportedData) -> str:
 
 
 def _numbers(result: ImportedData) -> list[tuple[str, str]]:
-    if result.kind != "transit":
+    if not result.is_of_legs:
         return []
-    found = result.figures
-    east, north = found["velocity_error_mean_east_m_s"], found["velocity_error_mean_north_m_s"]
+    found = result.figures.summary()
+    about = f"{found['velocity_error_mean_east_m_s']:.3f}, "
+    about += quantity(found["velocity_error_mean_north_m_s"], "m/s", ".3f")
     return [
-        (
-            "Velocity error, each axis",
-            f"{quantity(found['velocity_error_sigma_m_s'], 'm/s', '.3f')} about {east:.3f}, "
-            f"{quantity(north, 'm/s', '.3f')}",
-        ),
+        ("Velocity error, each axis", f"{quantity(found['velocity_error_sigma_m_s'], 'm/s', '.3f')} about {about}"),
         ("Leg, median", f"{quantity(found['leg_length_m'], 'm', '.0f')} in {found['leg_duration_s'] / 60.0:.0f} min"),
         ("Fix, each axis", quantity(found["fix_sd_m"], "m", ".1f")),
     ]

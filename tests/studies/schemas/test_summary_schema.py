@@ -39,8 +39,10 @@ def test_what_studies_answer_fits(study: str) -> None:
     assert [error.message for error in jsonschema.Draft7Validator(SCHEMA).iter_errors(summary)] == []
 
 
-def test_it_is_a_schema() -> None:
+def test_it_is_a_schema_and_holds_no_record_open() -> None:
     jsonschema.Draft7Validator.check_schema(SCHEMA)
+    definitions = SCHEMA["definitions"].items()
+    assert [name for name, record in definitions if record.get("additionalProperties") is not False] == ["TrimState"]
 
 
 def test_a_key_that_is_not_stated_does_not_fit() -> None:
