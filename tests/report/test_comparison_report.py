@@ -7,7 +7,7 @@ import pytest
 from missionplan.report.page import Table
 from missionplan.results import Provenance
 from missionplan.studies.comparison.changes_page import answer, page
-from missionplan.studies.comparison.result import ChangedValue, ComparedNumber, ComparedRun, Comparison
+from missionplan.studies.comparison.result import ChangedValue, ComparedNumber, ComparedRun, Comparison, ListItem
 
 
 def mission(limit):
@@ -17,8 +17,13 @@ def mission(limit):
 def compared(group, key, *numbers):
     """A number where it stands in a summary, by default in that of a phase."""
     *values, place = numbers if isinstance(numbers[-1], tuple) else (*numbers, ())
-    section = {"requirement": "requirements", "total": "total"}.get(group, "phases")
+    section = {"total": "total"}.get(group, "phases")
     return ComparedNumber(group, key, *values, place or (section, group, key))
+
+
+def required(quantity, limit, *numbers):
+    item = ListItem(quantity, limit, "at_most")
+    return compared("requirement", str(item), *numbers, ("requirements", item, "probability"))
 
 
 @pytest.fixture
@@ -41,7 +46,7 @@ def comparison():
         differences=(
             compared("moor", "lowest_altitude_m", "mean", 1.5, 0.8, 4e-18, 0.0, "changed"),
             compared("moor", "offset_m", "mean", 4.0, 6.0, 0.1, 1e-9, "changed"),
-            compared("requirement", "moor.offset, 22.86", "probability", 0.99, None, None, None, "only first"),
+            required("moor.offset", 22.86, "probability", 0.99, None, None, None, "only first"),
         ),
         requirement_changes=(ChangedValue("total.success", "met", ""), ChangedValue("egress.arrived", "", "not met")),
     )
@@ -59,8 +64,15 @@ def test_rounding_is_no_noise(comparison):
 
 
 def test_a_limit_that_the_mission_does_not_show_has_its_unit(comparison):
-    added = compared("requirement", "total.energy, 162000", "probability", 0.9, 0.8, 0.01, 0.0, "changed")
-    assert "total energy 162\u202f000\u00a0J (requirement)" in rows(replace(comparison, differences=(added,)))
+    added = required("total.energy", 162_000.0, "probability", 0.9, 0.8, 0.01, 0.0, "changed")
+    assert "total energy at most 162\u202f000\u00a0J (requirement)" in rows(replace(comparison, differences=(added,)))
+
+
+def test_a_requirement_on_a_phase_of_any_name_is_named_as_the_mission_has_it(comparison):
+    data = {"second": {"requirements": [{"quantity": "moor, first.offset", "at_most": "75 ft", "probability": 0.9}]}}
+    there = replace(comparison, provenance=replace(comparison.provenance, data=data))
+    one = required("moor, first.offset", 22.86, "probability", 0.9, 0.8, 0.01, 0.0, "changed")
+    assert "offset of the anchor (moor, first) at most 75 ft (requirement)" in rows(replace(there, differences=(one,)))
 
 
 def test_what_decides_comes_first_then_the_clearest_change(comparison):
@@ -100,12 +112,16 @@ def test_requirements_of_one_run_are_named_as_that_run_has_them(comparison):
 
 
 def test_numbers_of_a_sweep_are_named_in_words(comparison):
-    def cost(place, sigma="0.035"):
-        return compared("sweep", "cost", "mean", 0.2, 0.3, 0.001, 0.0, "changed", ("sweep", sigma, *place, "cost"))
+    def cost(place, sigma=0.035):
+        return compared(
+            "sweep", "cost", "mean", 0.2, 0.3, 0.001, 0.0, "changed", ("sweep", ListItem(number=sigma), *place, "cost")
+        )
 
-    swept = replace(comparison, compared="sweep-dmax", differences=(cost(("curve", "48")), cost(("recommended",))))
+    swept = replace(
+        comparison, compared="sweep-dmax", differences=(cost(("curve", ListItem(number=48.0))), cost(("recommended",)))
+    )
     assert rows(swept)["mean cost at d_max = 48\u00a0m"][-1] == "+10.00\u00a0±\u00a00.10\u00a0%"
     assert "the mean cost at d_max = 48\u00a0m (+10.00\u00a0±\u00a00.10\u00a0%)" in answer(swept)
     assert "mean cost at the recommended d_max" in rows(swept)
-    two = replace(swept, differences=(cost(("one_leg",)), cost(("one_leg",), "0.07")))
+    two = replace(swept, differences=(cost(("one_leg",)), cost(("one_leg",), 0.07)))
     assert "mean cost in one leg (σ_v = 0.07\u00a0m/s)" in rows(two)

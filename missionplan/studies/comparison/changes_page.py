@@ -13,7 +13,7 @@ from missionplan.report.quantities import PERCENT, Unit, as_written, reader_syst
 from missionplan.report.wording import has_spread, in_words, number
 from missionplan.results.entries import mapping
 from missionplan.studies.comparison.choices_page import limit_in_words, requirements_of, task_in_words
-from missionplan.studies.comparison.result import ChangedValue, ComparedNumber, Comparison
+from missionplan.studies.comparison.result import ChangedValue, ComparedNumber, Comparison, ListItem
 
 _GROUPS = {"sweep": "", "anchor": "", "odds": "dives"}
 """How sections of `summary.json` are named, where not by their keys."""
@@ -48,8 +48,9 @@ def noise_of(difference: ComparedNumber) -> float:
 
 def name_of(comparison: Comparison, difference: ComparedNumber) -> str:
     """Name a number."""
-    if difference.is_required:
-        return f"{_requirement(comparison, difference)} (requirement)"
+    if difference.requirement:
+        what = "requirement: reached" if difference.place[-1] == "reached" else "requirement"
+        return f"{_requirement(comparison, difference, difference.requirement)} ({what})"
     if difference.of_sweep:
         return _of_sweep(comparison, difference)
     group = _GROUPS.get(difference.group, difference.group)
@@ -58,36 +59,35 @@ def name_of(comparison: Comparison, difference: ComparedNumber) -> str:
 
 def _of_sweep(comparison: Comparison, difference: ComparedNumber) -> str:
     """Name a number of a sweep over maximum leg lengths."""
-    sigma, which, d_max, *_ = (*difference.of_sweep, "", "", "")
+    sigma, *inside = difference.of_sweep
+    which = str(inside[0]) if inside else ""
     words = _OF_SWEEP.get((which, difference.key), "") or in_words(difference.key)
     if which == "curve":
-        words += f" at d_max = {with_error(float(d_max), 0.0, reader_unit('m', float(d_max)))}"
+        words += f" at d_max = {as_written(str(inside[1]), 'm')}"
     spreads = {each.of_sweep[0] for each in comparison.differences if each.of_sweep}
-    return f"{words} (σ_v = {as_written(sigma, 'm/s')})" if len(spreads) > 1 else words
+    return f"{words} (σ_v = {as_written(str(sigma), 'm/s')})" if len(spreads) > 1 else words
 
 
-def _requirement(comparison: Comparison, difference: ComparedNumber) -> str:
+def _requirement(comparison: Comparison, difference: ComparedNumber, item: ListItem) -> str:
     """Write a requirement with its limit as the mission does, or in SI where that is not certain."""
-    quantity, _, limit = difference.key.partition(", ")
-    alike = [item for item in requirements_of(_mission(comparison, difference)) if item.get("quantity") == quantity]
-    if limit:
-        limit = (limit_in_words(alike[0]) if len(alike) == 1 else "") or _in_si(quantity, limit)
-    return f"{in_words(quantity)} {limit}".strip()
+    alike = [each for each in requirements_of(_mission(comparison, difference)) if each.get("quantity") == item.name]
+    limit = ""
+    if item.number is not None and item.bound:
+        limit = limit_in_words(alike[0]) if len(alike) == 1 else ""
+        limit = limit or f"{item.bound.replace('_', ' ')} {_in_si(item.name, item.number)}"
+    return f"{in_words(item.name)} {limit}".strip()
 
 
-def _in_si(quantity: str, limit: str) -> str:
-    """Write the limit of a requirement, as the comparison's keys have it, with its SI unit."""
+def _in_si(quantity: str, limit: float) -> str:
+    """Write the limit of a requirement with its SI unit."""
     unit = _si_unit(quantity)
-    if not unit:
-        return limit
-    words, _, value = limit.rpartition(" ")
-    return f"{words} {with_error(float(value), 0.0, reader_unit(unit, float(value)))}".strip()
+    return with_error(limit, 0.0, reader_unit(unit, limit)) if unit else f"{limit:.6g}"
 
 
 def _si_unit(quantity: str) -> str:
     """SI unit of a quantity by its name in a mission: ``moor.offset``; empty where there is none."""
     units = {name: unit for kind in QUANTITIES.values() for name, unit in kind.items()}
-    return units.get(quantity.partition(".")[2]) or ""
+    return next((unit for name, unit in units.items() if unit and quantity.endswith(f".{name}")), "")
 
 
 def _mission(comparison: Comparison, difference: ComparedNumber) -> Mapping[str, object]:
@@ -99,7 +99,7 @@ def _unit(comparison: Comparison, difference: ComparedNumber) -> Unit:
     if difference.kind == "probability" or difference.key == "cost":
         return PERCENT
     typical = abs((difference.first if difference.first is not None else difference.second) or 0.0)
-    if difference.is_required and (unit := _si_unit(difference.key.partition(", ")[0])):
+    if difference.requirement and (unit := _si_unit(difference.requirement.name)):
         return reader_unit(unit, typical, reader_system() or "metric") if unit != "J" else Unit("W h", 3600.0)
     return unit_for(difference.group, difference.key, _mission(comparison, difference), typical=typical)
 

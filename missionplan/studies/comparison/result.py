@@ -71,7 +71,25 @@ def phase_names(mission: object) -> tuple[str, ...]:
     )
 
 
-KeyPath = tuple[str, ...]
+Bound = Literal["at_most", "at_least"]
+
+
+class ListItem(NamedTuple):
+    """What identifies an item of a list in `summary.json`."""
+
+    name: str = ""
+    """Of a phase, or the quantity of a requirement."""
+    number: float | None = None
+    """σ_v [m/s], d_max [m], or the limit of a requirement, as the list has it."""
+    bound: Bound | None = None
+    """Of a requirement with a limit."""
+
+    def __str__(self) -> str:
+        """Write it as keys of results do: ``moor.offset, 22.86``."""
+        return ", ".join(filter(None, (self.name, "" if self.number is None else f"{self.number:.6g}")))
+
+
+KeyPath = tuple[str | ListItem, ...]
 MOST_CHANGES = 40
 """Values in which two missions that are alike may differ."""
 ChangeVerdict = Literal["changed", "within noise", "same", "not judged", "only first", "only second"]
@@ -120,13 +138,14 @@ class ComparedNumber(Record):
     """Keys that lead to it in `summary.json`; of an item of a list, what identifies it."""
 
     @property
-    def is_required(self) -> bool:
-        """Whether it is how often a requirement holds."""
-        return self.place[0] == "requirements"
+    def requirement(self) -> ListItem | None:
+        """The requirement whose number it is, if it is of one."""
+        item = self.place[1] if self.place[0] == "requirements" else None
+        return item if isinstance(item, ListItem) else None
 
     @property
-    def of_sweep(self) -> tuple[str, ...]:
-        """σ_v [m/s], part of its curve and the point's d_max [m], as text, of a number of a sweep; else empty."""
+    def of_sweep(self) -> KeyPath:
+        """σ_v, part of its curve and the point's d_max, of a number of a sweep; else empty."""
         return self.place[1:-1] if self.place[0] == "sweep" else ()
 
     @property
@@ -164,7 +183,7 @@ class Comparison(Result):
     @property
     def deciding(self) -> tuple[ComparedNumber, ...]:
         """What a plan is judged by: success, requirements, the d_max that is recommended."""
-        requirements = tuple(item for item in self.differences if item.is_required)
+        requirements = tuple(item for item in self.differences if item.requirement)
         recommended = tuple(item for item in self.differences if item.of_sweep[1:] == ("recommended",))
         return (*self.success, *requirements, *recommended)
 

@@ -7,7 +7,7 @@ import time
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import Literal, NamedTuple, TypeGuard
+from typing import Literal, NamedTuple, TypeGuard, get_args
 
 import numpy as np
 from scipy.special import ndtr
@@ -22,6 +22,7 @@ from missionplan.results.entries import mapping, mappings, real, whole
 from missionplan.store.folder import as_path
 from missionplan.studies.comparison.reported_choices import CHOOSING
 from missionplan.studies.comparison.result import (
+    Bound,
     ChangedValue,
     ChangeVerdict,
     ComparedNumber,
@@ -30,6 +31,7 @@ from missionplan.studies.comparison.result import (
     DifferingValue,
     KeyPath,
     Leaf,
+    ListItem,
 )
 from missionplan.studies.coverage import coverage_of
 
@@ -93,9 +95,9 @@ SECTIONS = {
     "size-anchor": ("anchor", "descent", "odds", "probable"),
 }
 """Sections that are compared, by the command that made the reports."""
-_IDENTIFYING = ("name", "sigma_m_s", "d_max_m", "quantity")
+_NAMES, _NUMBERS, _BOUNDS = ("name", "quantity"), ("sigma_m_s", "d_max_m"), get_args(Bound)
 """Keys that identify the items of a list."""
-_NOT_RESULTS = ("required", "at_most", "at_least", "met", "undecided", "trials_to_decide")
+_NOT_RESULTS = ("required", *_BOUNDS, "met", "undecided", "trials_to_decide")
 _NOISY = {"sweep-dmax": ("sweep",), "size-anchor": ("probable",)}
 """Sections whose plain numbers result from a search over noisy values."""
 _KINDS = ("quantities", "events")
@@ -131,12 +133,17 @@ def _walk(value: object, path: KeyPath, error: float) -> Iterator[tuple[KeyPath,
     elif isinstance(value, list):
         for item in value:
             if isinstance(item, Mapping):
-                parts = [item[key] for key in (*_IDENTIFYING, "at_most", "at_least") if key in item]
-                name = ", ".join(f"{each:.6g}" if _is_number(each) else str(each) for each in parts)
-                named = {key: inner for key, inner in item.items() if key not in _IDENTIFYING}
-                yield from _walk(named, (*path, name), error)
+                inside = {key: inner for key, inner in item.items() if key not in (*_NAMES, *_NUMBERS)}
+                yield from _walk(inside, (*path, _identity(item)), error)
     elif _is_number(value):
         yield path, SummaryNumber("number", float(value), error)
+
+
+def _identity(item: Mapping[str, object]) -> ListItem:
+    name = next((str(item[key]) for key in _NAMES if key in item), "")
+    number = next((item[key] for key in (*_NUMBERS, *_BOUNDS) if _is_number(item.get(key))), None)
+    bound = next((key for key in _BOUNDS if key in item), None)
+    return ListItem(name, None if number is None else float(f"{number:.6g}"), bound)
 
 
 def _walk_mapping(value: Mapping[str, object], path: KeyPath, error: float) -> Iterator[tuple[KeyPath, SummaryNumber]]:
@@ -162,9 +169,9 @@ def _is_number(value: object) -> TypeGuard[float]:
 
 def _group_and_key(path: KeyPath) -> tuple[str, str]:
     """The parts of the path that a reader needs."""
-    section, *inside, key = path
+    section, *inside, key = map(str, path)
     if section == "requirements":
-        return "requirement", path[1]
+        return "requirement", str(path[1])
     name, rest = (inside[:1], inside[1:]) if section == "phases" else ([section], inside)
     return ", ".join((*name, *(part for part in rest if part not in _KINDS))) or key, key
 
