@@ -13,6 +13,7 @@ import missionplan
 from missionplan.results.learned import Campaign, Diagnosis
 from tests.hidden_effects.cases import draw_case
 
+CAUSES = ("drag-bias", "clock-offset", "compass-bias", "mean-current", "persistent-error")
 COMPASS = 4.0
 """Hidden in the legs [deg]."""
 

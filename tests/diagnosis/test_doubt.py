@@ -16,6 +16,7 @@ from missionplan.report.render import render_report
 from tests.fixtures import TRANSIT, dated, make_legs
 
 KIND = {"kind": "transit", "name": "legs", "noise": {"fix": "3 m"}}
+CAUSES = ("mean-current", "speed-scale", "persistent-error")
 EASTWARD = (0.5 * np.pi, np.radians(10.0))
 
 

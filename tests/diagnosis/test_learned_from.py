@@ -23,6 +23,7 @@ from missionplan.report.diagnosis.scoring import answer as told_of_score
 from missionplan.studies.comparison.two_reports import changed_values
 from tests.fixtures import TRANSIT, make_legs
 
+CAUSES = ("compass-bias", "mean-current")
 DOUBT = {"one-of": [{"probability": 0.4, "effects": [{"mean-current": {"east": {"mean": "2 cm/s", "sd": "1 cm/s"}}}]}]}
 TOWING = {"kind": "drag", "reference_area": "0.1 m^2", "reference_length": "1 m"}
 

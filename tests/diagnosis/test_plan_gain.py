@@ -20,33 +20,38 @@ def mission() -> Mission:
     return load(MISSIONS / "anchor-design.yaml")
 
 
+@pytest.fixture(scope="module")
+def lifted(mission: Mission) -> PlanGain:
+    """Plans with the mission and with a lift added."""
+    return planned(mission, {"stratification": LIFT})
+
+
 def planned(mission: Mission, *effects: dict[str, Any]) -> PlanGain:
     """Plans with the mission and with its effects added."""
     return plan_gain(anchor_choice, mission, {**mission.raw, "effects": list(effects)}, seed=1, jobs=1)
 
 
-def test_the_anchor_chosen_carries_the_vehicle_down(mission: Mission) -> None:
+def test_the_anchor_chosen_carries_the_vehicle_down(lifted: PlanGain) -> None:
     """Eq. 15 leaves out the net buoyancy: an anchor sized without sinks slower than was asked, or not at all."""
-    plan = planned(mission, {"stratification": LIFT})
-    assert plan.before["within_radius"] > 0.9
-    assert plan.after["within_radius"] > 0.9
-    assert plan.after["success"] == plan.after["within_radius"]  # nothing else can fail here
+    assert lifted.before["within_radius"] > 0.9
+    assert lifted.after["within_radius"] > 0.9
+    assert lifted.after["success"] == lifted.after["within_radius"]  # nothing else can fail here
 
 
-def test_the_anchor_is_heavier_by_the_net_buoyancy_than_the_mission_asks_for(mission: Mission) -> None:
-    plan = planned(mission)
-    carried = plan.before["anchor_wet_weight_n"] - worst_case_anchor(mission)
+def test_the_anchor_is_heavier_by_the_net_buoyancy_than_the_mission_asks_for(
+    mission: Mission, lifted: PlanGain
+) -> None:
+    carried = lifted.before["anchor_wet_weight_n"] - worst_case_anchor(mission)
     assert not mission.moors[0].carry_net_buoyancy
     assert carried == pytest.approx(mission.quantities()["vehicle.net_buoyancy"])
 
 
-def test_a_lift_asks_for_a_heavier_anchor_and_the_old_one_drifts_too_far(mission: Mission) -> None:
-    plan = planned(mission, {"stratification": LIFT})
-    heavier = plan.after["anchor_wet_weight_n"] - plan.before["anchor_wet_weight_n"]
+def test_a_lift_asks_for_a_heavier_anchor_and_the_old_one_drifts_too_far(lifted: PlanGain) -> None:
+    heavier = lifted.after["anchor_wet_weight_n"] - lifted.before["anchor_wet_weight_n"]
     assert 1.0 < heavier < 2.0  # the lift acts below 8 m of 30
-    kept = plan.base_choice_under_extended
-    assert kept["anchor_wet_weight_n"] == plan.before["anchor_wet_weight_n"]
-    assert kept["within_radius"] < plan.after["within_radius"] - 0.05
+    kept = lifted.base_choice_under_extended
+    assert kept["anchor_wet_weight_n"] == lifted.before["anchor_wet_weight_n"]
+    assert kept["within_radius"] < lifted.after["within_radius"] - 0.05
 
 
 def test_what_changes_no_descent_changes_no_plan(mission: Mission) -> None:

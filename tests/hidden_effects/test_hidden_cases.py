@@ -40,7 +40,10 @@ def test_studied_effects_are_some_of_those_outside():
     assert not set(DIVE_OUTSIDE) & set(DIVE_CATALOGUE)
 
 
-@pytest.mark.parametrize(("kind", "scenario"), [("descent", "control"), ("transit", "single"), ("transit", "pair")])
+@pytest.mark.parametrize(
+    ("kind", "scenario"),
+    [("descent", "control"), ("transit", "single"), pytest.param("transit", "pair", marks=pytest.mark.slow)],
+)
 def test_same_seed_same_case(kind, scenario):
     first, second = draw_case(11, kind, scenario), draw_case(11, kind, scenario)
     assert (first.header, first.rows, first.dataset, first.mission) == (

@@ -29,6 +29,9 @@ PAPER = Craft(
     viscosity=1.1892e-6,
 )
 
+LONG = ("drag-bias", "line-payout", "trapped-gas", "added-mass", "clock-offset")
+"""Effects of which many sizes are tried."""
+
 
 class Coefficient(Craft):
     """A craft with constant drag coefficients and no net buoyancy."""
@@ -186,7 +189,9 @@ def test_elastic_line_is_stretched_by_the_drag_of_the_vehicle():
     assert above == pytest.approx(5.0 + give * PAPER.vehicle_drag(PAPER.terminal_speed(11.7)), abs=3e-3)
 
 
-@pytest.mark.parametrize("effect", sorted(CATALOGUE))
+@pytest.mark.parametrize(
+    "effect", [each if each not in LONG else pytest.param(each, marks=pytest.mark.slow) for each in sorted(CATALOGUE)]
+)
 def test_effect_moves_the_dives(effect):
     """Chi-square of with-effect against without, under the nuisances' covariance: nothing of the tool is used."""
     assert dives.draw(101, "single", effect).strength >= MINIMUM_STRENGTH

@@ -97,7 +97,10 @@ def test_degrees_keep_the_length_of_a_step():
     assert back == pytest.approx((-35.0, 20.0), abs=1e-9)
 
 
-@pytest.mark.parametrize("effect", sorted(CATALOGUE))
+@pytest.mark.parametrize(
+    "effect",
+    [pytest.param(each, marks=pytest.mark.slow if each == "persistent-error" else ()) for each in sorted(CATALOGUE)],
+)
 def test_effect_moves_the_legs(effect):
     least = MINIMUM_STRENGTH_RANDOM if effect in RANDOM else MINIMUM_STRENGTH
     assert legs.draw(101, "single", effect).strength >= least

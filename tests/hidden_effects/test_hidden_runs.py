@@ -56,5 +56,5 @@ def test_study_prints_and_judges(stand_in, tmp_path, capsys):
     assert status == 1, "a tool that finds nothing is refuted"
     assert "transit: 5 cases" in page
     assert (tmp_path / "figures.json").exists()
-    assert study.main([*words, "--scenario", "control", "--strengths"]) == 0
+    assert study.main([*words, "--cases", "2", "--scenario", "control", "--strengths"]) == 0
     assert "control" in capsys.readouterr().out

@@ -11,12 +11,13 @@ DATA = Path(__file__).parents[2].parent / "shared" / "data"
 
 
 @pytest.fixture(scope="module")
-def diagnosed():
+def diagnosed(causes):
     def run(name):
         folder = DATA / name
         if not folder.is_dir():
             pytest.skip(f"no measured data: {folder}")
-        return diagnose(load(folder / "mission.yaml"), folder, plan=False)
+        with causes():
+            return diagnose(load(folder / "mission.yaml"), folder, plan=False)
 
     return run
 

@@ -144,7 +144,7 @@ def integrate_stage(
             grid.append((z, u + water))
     ended = ~ends.under_way
     ends.record(ends.under_way, t + step, (z, u, a), (z, u, a))
-    share = np.where(ended, ends.share(stop, water, step), 0.0)
+    share = np.where(ended, ends.share(stop, water, step), 0.0) if ended.any() else np.zeros(ended.size)
     z0, (z, u) = ends.before[0], ends.at(share, water, step)
     if on_step is not None:
         on_step(ends.start, share * step, 0.5 * (z0 + z))

@@ -27,7 +27,7 @@ def _late(measured, delays):
     return measured(weights=WEIGHTS, lines=LINES, late=np.array(delays))
 
 
-@pytest.mark.parametrize("delay", [0.5, 1.5])
+@pytest.mark.parametrize("delay", [0.5, pytest.param(1.5, marks=pytest.mark.slow)])
 def test_a_clock_that_is_late_in_all_dives_is_constant(measured, delay):
     assert _found(_late(measured, delay + np.array([0.05, -0.08, 0.1, -0.04, 0.0])), "clock-offset") == ()
 
@@ -38,7 +38,11 @@ def test_a_clock_that_is_late_in_some_dives_is_not(measured):
 
 @pytest.mark.parametrize(
     ("cause", "parameters"),
-    [("drag-bias", {"fraction": 0.35}), ("trapped-gas", {"lift": 1.5}), ("depth-scale", {"fraction": 0.08})],
+    [
+        pytest.param("drag-bias", {"fraction": 0.35}, marks=pytest.mark.slow),
+        ("trapped-gas", {"lift": 1.5}),
+        ("depth-scale", {"fraction": 0.08}),
+    ],
 )
 def test_other_causes_are_the_same_in_all_dives(measured, cause, parameters):
     assert _found(measured(cause, weights=WEIGHTS, lines=LINES, **parameters), cause) == ()

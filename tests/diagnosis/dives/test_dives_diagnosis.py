@@ -59,6 +59,7 @@ def test_innovations_of_effect_free_dives_are_standard_normals(measured):
     assert abs(np.corrcoef(z[1:], z[:-1])[0, 1]) < 0.2
 
 
+@pytest.mark.usefixtures("among_few")
 def test_effect_free_dives_are_adequate(measured):
     assert run_pipeline(measured()).verdict == "adequate"
 
@@ -91,7 +92,7 @@ def test_a_hidden_cause_is_found_and_measured(measured, name, parameters):
 def test_sets_fitted_apart_are_as_sets_fitted_together(measured):
     """So that processes may share them."""
     model = measured("drag-bias", fraction=0.1)
-    wanted = [((name,), ()) for name in ("drag-bias", "sensor-lag", "drag-crisis", "stratification", "added-mass")]
+    wanted = [((name,), ()) for name in ("drag-bias", "sensor-lag", "drag-crisis")]
     together = model.fit_all(wanted)
     parts = [model.fit_all(wanted[part::2]) for part in (0, 1)]
     for index, fit in enumerate(together):
@@ -129,13 +130,13 @@ def test_dives_scatter_by_a_share_of_the_drag_that_they_have(measured, fraction)
 @pytest.mark.parametrize(
     ("name", "parameters", "share"),
     [
-        ("vertical-current", {"speed": 0.4}, FORM_SD),
-        ("line-payout", {"delay_per_length": 0.8}, FORM_SD),
+        ("vertical-current", {"speed": 0.5}, FORM_SD),
+        ("line-payout", {"delay_per_length": 1.0}, FORM_SD),
         ("clock-offset", {"time": 4.0}, 0.0),
         ("added-mass", {"fraction": 1.5}, 0.0),
     ],
 )
-def test_a_strength_is_as_certain_as_its_form(measured, name, parameters, share):
+def test_a_strong_effect_is_as_certain_as_its_form(measured, name, parameters, share):
     """A form that no law gives has the same error in all dives, which their number does not make less."""
     model = measured(name, **parameters)
     (fit,) = model.relinearised(model.fit_all([((name,), ())]), 0.0)
@@ -145,6 +146,7 @@ def test_a_strength_is_as_certain_as_its_form(measured, name, parameters, share)
     assert found.sd == pytest.approx(float(np.hypot(by_law, share * found.value)))
     (truth,) = parameters.values()
     assert found.low < truth < found.high
+    assert abs(found.value - truth) < max(0.05 * truth, 2.5 * found.sd)
 
 
 @pytest.mark.slow
@@ -155,7 +157,7 @@ def test_a_moving_average_is_a_lag_and_no_late_clock(measured):
     assert abs(time.value - 0.8) < 4.0 * time.sd
 
 
-@pytest.mark.parametrize("averaged", [6.0, 10.0])
+@pytest.mark.parametrize("averaged", [pytest.param(6.0, marks=pytest.mark.slow), 10.0])
 def test_a_great_moving_average_is_measured_as_it_is(measured, averaged):
     """Half its window is the lag: a filter of another order, linearised far from it, came out 12 % too long."""
     model = measured(averaged=averaged)
@@ -199,13 +201,9 @@ def test_a_mislabelled_dive_is_named(measured):
 @pytest.mark.parametrize(
     ("name", "parameters"),
     [
-        ("clock-offset", {"time": 4.0}),
         ("clock-offset", {"time": -4.0}),
         ("sensor-lag", {"time": 4.0}),
         ("drag-bias", {"fraction": 1.0}),
-        ("vertical-current", {"speed": 0.5}),
-        ("line-payout", {"delay_per_length": 1.0}),
-        ("added-mass", {"fraction": 1.5}),
     ],
 )
 def test_a_strong_effect_is_measured_as_it_is(measured, name, parameters):

@@ -33,7 +33,7 @@ def five_dives(measured):
     return measured(weights=WEIGHTS, lines=np.full(5, 5.0))
 
 
-@pytest.mark.parametrize("order", [(1, 0, 2, 3, 4), (1, 0, 3, 2, 4)])
+@pytest.mark.parametrize("order", [pytest.param((1, 0, 2, 3, 4), marks=pytest.mark.slow), (1, 0, 3, 2, 4)])
 def test_exchanged_labels_are_found(five_dives, order):
     """Of two dives, and of every other dive, which no trend and no outlying dive shows."""
     found = _found(_relabelled(five_dives, order), ("drag-bias",), ("vertical-current",))

@@ -67,7 +67,11 @@ def test_a_response_may_do_what_a_cause_of_the_likeliest_set_does(measured):
     ("what", "named", "effect", "parameters"),
     [
         ("drag", "drag-bias", "drag-bias", {"fraction": 0.1 * np.arange(4)}),
-        ("a lift", "slow-flooding", "lift-by-depth", {"lift": -0.6 * np.arange(4), "start": 0.01, "over": 0.01}),
+        pytest.param(
+            *("a lift", "slow-flooding", "lift-by-depth"),
+            {"lift": -0.6 * np.arange(4), "start": 0.01, "over": 0.01},
+            marks=pytest.mark.slow,
+        ),
         ("an error of the depth read", "depth-scale", "reading-by-time", {"offset": 0.3 * np.arange(4), "time": 0.01}),
     ],
 )

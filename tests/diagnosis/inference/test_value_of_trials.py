@@ -121,7 +121,7 @@ def test_gained_information_averages_to_what_was_expected() -> None:
     experiment = Experiment(
         (a, b), (Prediction(wide[:, 0], wide[:, :1], np.eye(4)), Prediction(np.zeros(4), wide, 0.5 * np.eye(4)))
     )
-    draws = drawn(experiment.explanations, [360, 840], generator)
+    draws = drawn(experiment.explanations, [180, 420], generator)
     data = experiment.data(draws, generator)
     truths = [theta for own in draws.parameters for theta in own]
     gained = [
@@ -154,10 +154,10 @@ def of_unknown_noise(sds: tuple[float, float]) -> Experiment:
 def test_the_information_of_a_reading_of_unknown_error_is_that_of_a_mixture() -> None:
     """By quadrature: ∬ p(θ) p(y | θ) ln(p(y | θ)/p(y)), p(y | θ) a mixture of two normals."""
     sds = (0.2, 3.0)
-    theta, y = np.meshgrid(np.linspace(-6.0, 6.0, 1201), np.linspace(-18.0, 18.0, 3601), indexing="ij")
+    theta, y = np.meshgrid(np.linspace(-6.0, 6.0, 601), np.linspace(-18.0, 18.0, 1801), indexing="ij")
     given = sum(0.5 * norm.pdf(y, theta, sd) for sd in sds)
     alone = sum(0.5 * norm.pdf(y, 0.0, np.hypot(1.0, sd)) for sd in sds)
-    exact = float(np.sum(norm.pdf(theta) * given * np.log(given / alone)) * 0.01 * 0.01)
+    exact = float(np.sum(norm.pdf(theta) * given * np.log(given / alone)) * 0.02 * 0.02)
     generator, experiment = np.random.default_rng(5), of_unknown_noise(sds)
     draws = drawn(experiment.explanations, [DRAWS], generator)
     assert experiment.expected_information(draws, experiment.data(draws, generator)) == pytest.approx(exact, abs=0.01)
@@ -173,7 +173,7 @@ def test_a_reading_of_unknown_error_moves_the_mean_by_what_each_error_would() ->
 
 def test_information_gained_with_an_unknown_error_averages_to_what_was_expected() -> None:
     generator, experiment = np.random.default_rng(6), of_unknown_noise((0.3, 2.0))
-    draws = drawn(experiment.explanations, [1200], generator)
+    draws = drawn(experiment.explanations, [600], generator)
     data = experiment.data(draws, generator)
     gained = [realised_information(experiment, 0, theta, y) for theta, y in zip(draws.parameters[0], data, strict=True)]
     error = np.std(gained) / np.sqrt(len(gained))

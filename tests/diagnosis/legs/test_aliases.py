@@ -9,6 +9,7 @@ from missionplan.mission import load
 from missionplan.report.render import render_report
 from tests.fixtures import TRANSIT
 
+CAUSES = ("compass-bias", "mean-current")
 KIND = {"kind": "transit", "name": "legs", "noise": {"fix": "3 m"}}
 
 

@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+import yaml
 from scipy.stats import multivariate_normal
 
 from missionplan.datasets.legs import read_transit
@@ -13,13 +14,18 @@ from missionplan.diagnosis.legs.kind import transit_model
 from missionplan.diagnosis.legs.noise_integration import NoiseSearch
 from missionplan.diagnosis.legs.set_density import LegInference, MeanSet
 from missionplan.diagnosis.legs.terms import UNNAMED, refined, terms_of, without_a_name
+from missionplan.mission import Mission
+from tests.fixtures import TRANSIT, make_legs
 
 KIND = {"kind": "transit", "name": "legs", "noise": {"fix": "3 m"}}
 
 
-@pytest.fixture
-def inference(folder, transit_mission, legs):
-    bound = transit_model(read_transit(folder(KIND, legs()), transit_mission), transit_mission, seed=1)
+@pytest.fixture(scope="module")
+def inference(tmp_path_factory):
+    place, mission = tmp_path_factory.mktemp("legs"), Mission.from_data(TRANSIT)
+    (place / "dataset.yaml").write_text(yaml.safe_dump({"file": "rows.csv", **KIND}))
+    make_legs().to_csv(place / "rows.csv", index=False)
+    bound = transit_model(read_transit(place, mission), mission, seed=1)
     return LegInference(bound, terms_of(bound))
 
 

@@ -23,6 +23,7 @@ def words_of(found):
     return re.sub("[\u00a0\u202f]", " ", render_report(found).html)
 
 
+CAUSES = ("compass-bias", "mean-current")
 KIND = {"kind": "transit", "name": "legs", "noise": {"fix": "3 m"}}
 SPIKE = CATALOGUE["compass-bias"].parameters["angle"].spike
 

@@ -243,13 +243,14 @@ def test_a_hidden_cause_is_found(quick, legs, cause, error):
 
 
 @pytest.fixture(scope="module")
-def in_a_current(tmp_path_factory):
+def in_a_current(tmp_path_factory, causes):
     """The diagnosis of legs in a current that the mission does not have."""
     place = tmp_path_factory.mktemp("legs")
     (place / "dataset.yaml").write_text(yaml.safe_dump({"file": "rows.csv", **KIND}))
     table = make_legs(error=lambda t, heading: np.array([[0.08], [-0.05]]) + 0.0 * t)
     table.to_csv(place / "rows.csv", index=False)
-    return diagnose(Mission.from_data(TRANSIT), place, plan=False)
+    with causes():
+        return diagnose(Mission.from_data(TRANSIT), place, plan=False)
 
 
 def test_parameters_and_extended_mission(in_a_current):

@@ -17,6 +17,7 @@ from missionplan.diagnosis.scoring.predictive import Ensemble, Noise, Part
 from missionplan.results.learned import Diagnosis
 from tests.diagnosis.scoring.test_score_legs import Truth, made_legs, mission
 
+CAUSES = ("compass-bias", "mean-current")
 SLOW = 4e5
 """Correlation time of a persistent error that outlasts the record [s]."""
 

@@ -47,7 +47,7 @@ def test_only_causes_have_heavy_tails():
     assert not np.any(model.prior(()).heavy)
 
 
-@pytest.mark.parametrize("times", [0.3, 1.0, 10.0])
+@pytest.mark.parametrize("times", [pytest.param(0.3, marks=pytest.mark.slow), 1.0, 10.0])
 def test_a_strong_damping_is_measured_as_it_is(times):
     """At ten times its usual size a normal prior takes two standard deviations off."""
     rate = times * USUAL

@@ -90,7 +90,7 @@ def test_what_one_group_alone_shows_is_no_gain():
 
 
 @pytest.mark.parametrize(("heavier", "expected"), [(0.16, ("added-mass",)), (0.03, ())])
-@pytest.mark.parametrize("seed", [1, 2])
+@pytest.mark.parametrize("seed", [1, pytest.param(2, marks=pytest.mark.slow)])
 def test_a_mass_beyond_its_spike_is_named_whatever_the_noise(heavier, expected, seed, tmp_path):
     """The record fixes the mass to 0.1 %, under its spike as well as as a cause: the Bayes factor alone must separate them."""
     time = np.arange(0.0, 2.5, 0.05)
