@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, Protocol, cast
 from markupsafe import Markup
 from matplotlib.figure import Figure as MatplotlibFigure
 
+from missionplan.mission.quantity_paths import written_phases
 from missionplan.rendering import Plot, Rendered
 from missionplan.report.axes import draw_in_units
 from missionplan.report.explained import with_assumptions
@@ -23,7 +24,7 @@ from missionplan.report.html import render_page
 from missionplan.report.page import Block, Drawing, Figure, Listing, Page, PageSection, Table, Terminal, style
 from missionplan.report.planned import changed, planned_sections
 from missionplan.report.quantities import reading_in, units_of
-from missionplan.report.wording import typeset, wrapped
+from missionplan.report.wording import phases_named, typeset, wrapped
 from missionplan.results import Result
 
 if TYPE_CHECKING:
@@ -40,7 +41,14 @@ class ReportModule(Protocol):
 @contextmanager
 def shown_as_asked(result: Result) -> Iterator[None]:
     """Draw in the style of the reports, and write quantities in the units of the run, or of the result's mission."""
-    with style(), reading_in(units_of(result.provenance.data)):
+    with style(), read_as(result, units_of(result.provenance.data)):
+        yield
+
+
+@contextmanager
+def read_as(result: Result, system: str) -> Iterator[None]:
+    """Write quantities in a system of units, and phases by the names that the result's mission gives them."""
+    with reading_in(system), phases_named({each.key: each.name for each in written_phases(result.provenance.data)}):
         yield
 
 
@@ -58,7 +66,7 @@ def render_report(result: Result, /) -> Rendered:
 
 def terminal_view(result: Result, *, system: str | None = None) -> Terminal:
     """Present a result for a terminal, in the units of the run or the mission, or of a system that is given."""
-    with reading_in(units_of(result.provenance.data) if system is None else system):
+    with read_as(result, units_of(result.provenance.data) if system is None else system):
         page = _page(result)
         columns, rows = page.table()
     cells = [_cells(row) for row in rows]
@@ -72,7 +80,7 @@ def headline(result: Result, /) -> str:
 
 def drawings_of(result: Result) -> Mapping[str, Drawing]:
     """Return the drawings of a result by name, the main one first; none where it has none."""
-    with reading_in(units_of(result.provenance.data)):
+    with read_as(result, units_of(result.provenance.data)):
         return _page(result).plots
 
 
@@ -147,7 +155,7 @@ _LEAST_FIRST = 32
 _LONGEST_CELL = 24
 """Characters of a cell that is not broken."""
 _SPACES = re.compile(r"(?<= )(?=\S)")
-_BREAKS = re.compile(r"(?<=[ _./-])(?=\S)")
+_BREAKS = re.compile(r"(?<=[ _./-])(?<!\d\.)(?=\S)")
 """Where a word may be broken: after a space, an underscore, a full stop, a slash, a hyphen."""
 
 

@@ -7,7 +7,10 @@ things, lists and names of quantities, and how texts are set.
 import math
 import re
 import textwrap
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from contextvars import ContextVar
+from types import MappingProxyType
 
 from missionplan.montecarlo.statistics import Probability
 
@@ -205,6 +208,9 @@ _EXPLAINED = re.compile(r"effects\[\d+\]\.one-of(?:\[(\d+)\]\.(.+))?")
 _LONGEST_NAME = 48
 """Characters of a name."""
 _PLACE = re.compile(r"phases\[(\d+)\]")
+_READS_WELL = re.compile(rf"[\w .,:;'’/+–-]{{1,{_LONGEST_NAME}}}")
+"""Names of phases that tables and figures show as they are."""
+_names: ContextVar[Mapping[str, str]] = ContextVar("names", default=MappingProxyType({}))
 _WHOLES = ("vehicle", "site", "start", "total", "monte_carlo", "requirements", "energy")
 """First parts of a dotted name that are no phase and read well before the rest: ``vehicle net buoyancy``."""
 
@@ -227,13 +233,28 @@ def in_words(name: str) -> str:
         return _PHRASES.get(quantity, _spaced(quantity))
     if phase.partition("[")[0] in _WHOLES:
         return _PHRASES.get(quantity, _spaced(quantity))
-    return f"{_PHRASES.get(own, _spaced(own))} ({phase_in_words(phase)})"
+    return of_phase(own, phase)
+
+
+def of_phase(quantity: str, phase: str) -> str:
+    """Write a quantity of a phase in words: ``release time (moor)``."""
+    return f"{_PHRASES.get(quantity, _spaced(quantity))} ({phase_in_words(phase)})"
+
+
+@contextmanager
+def phases_named(names: Mapping[str, str]) -> Iterator[None]:
+    """Write phases by their names where their places stand for them in key paths, such as ``phases[1]``."""
+    token = _names.set({place: name for place, name in names.items() if _READS_WELL.fullmatch(name)})
+    try:
+        yield
+    finally:
+        _names.reset(token)
 
 
 def phase_in_words(phase: str) -> str:
-    """Write what stands for a phase in key paths: its name, or ``phase 2`` where that is its place, ``phases[1]``."""
+    """Write what stands for a phase in key paths: its name, or ``phase 2`` where only its place, ``phases[1]``, is."""
     place = _PLACE.fullmatch(phase)
-    return f"phase {int(place[1]) + 1}" if place else phase
+    return _names.get().get(phase, f"phase {int(place[1]) + 1}") if place else phase
 
 
 def shortened(name: str) -> str:

@@ -6,7 +6,16 @@ import pytest
 
 from missionplan.montecarlo.statistics import Probability, Statistic, wilson
 from missionplan.report.quantities import Unit, span, time_in_words, unit_for, with_error
-from missionplan.report.wording import number, percent, rounded_down, rounded_up, split_key
+from missionplan.report.wording import (
+    in_words,
+    number,
+    percent,
+    phase_in_words,
+    phases_named,
+    rounded_down,
+    rounded_up,
+    split_key,
+)
 
 MISSION = {
     "site": {"depth": "40 ft"},
@@ -155,3 +164,12 @@ def test_a_probability_that_is_certain_has_no_interval() -> None:
 def test_a_bound_is_rounded_to_three_digits_on_its_safe_side(value, down, up):
     assert rounded_down(value) == down
     assert rounded_up(value) == up
+
+
+def test_a_phase_is_called_what_the_mission_calls_it_where_that_reads_well():
+    names = {"phases[0]": "leg 1.5 km, north", "phases[1]": "in$^$", "phases[2]": "<b>x</b>"}
+    with phases_named(names):
+        assert in_words("phases[0].arrival_time_s") == "arrival time (leg 1.5 km, north)"
+        assert in_words("phases[1].arrival_time_s") == "arrival time (phase 2)"
+        assert phase_in_words("phases[2]") == "phase 3"
+    assert in_words("phases[0].arrival_time_s") == "arrival time (phase 1)"

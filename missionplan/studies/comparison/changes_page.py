@@ -10,10 +10,10 @@ from matplotlib.figure import Figure as MatplotlibFigure
 from missionplan.mission.checks.sections import QUANTITIES
 from missionplan.report.page import BLUE, INK, ORANGE, Cells, Figure, Page, PageSection, Table, to_figure
 from missionplan.report.quantities import PERCENT, Unit, as_written, reader_system, reader_unit, unit_for, with_error
-from missionplan.report.wording import has_spread, in_words, number
+from missionplan.report.wording import has_spread, in_words, number, of_phase, split_key
 from missionplan.results.entries import mapping
 from missionplan.studies.comparison.choices_page import limit_in_words, requirements_of, task_in_words
-from missionplan.studies.comparison.result import ChangedValue, ComparedNumber, Comparison, ListItem
+from missionplan.studies.comparison.result import ChangedValue, ComparedNumber, Comparison, ListItem, phase_names
 
 _GROUPS = {"sweep": "", "anchor": "", "odds": "dives"}
 """How sections of `summary.json` are named, where not by their keys."""
@@ -54,6 +54,8 @@ def name_of(comparison: Comparison, difference: ComparedNumber) -> str:
     if difference.of_sweep:
         return _of_sweep(comparison, difference)
     group = _GROUPS.get(difference.group, difference.group)
+    if difference.place[0] == "phases":
+        return of_phase(split_key(difference.key)[0], group)
     return in_words(f"{group}.{difference.key}".lstrip(".")) if group != difference.key else in_words(difference.key)
 
 
@@ -75,7 +77,9 @@ def _requirement(comparison: Comparison, difference: ComparedNumber, item: ListI
     if item.number is not None and item.bound:
         limit = limit_in_words(alike[0]) if len(alike) == 1 else ""
         limit = limit or f"{item.bound.replace('_', ' ')} {_in_si(item.name, item.number)}"
-    return f"{in_words(item.name)} {limit}".strip()
+    phase, _, own = item.name.rpartition(".")
+    is_phase = phase in phase_names(_mission(comparison, difference))
+    return f"{of_phase(own, phase) if is_phase else in_words(item.name)} {limit}".strip()
 
 
 def _in_si(quantity: str, limit: float) -> str:
