@@ -17,11 +17,11 @@ COMMON = (
 
 @contextmanager
 def few(names: tuple[str, ...] = COMMON) -> Iterator[None]:
-    """Let legs be explained by these causes or by an error without a name, and dives by these alone."""
+    """Let legs be explained by these causes or by a smooth error without a name, and dives by these alone."""
     with pytest.MonkeyPatch.context() as patch:
         for module, function, kept in (
             (mean, "named_effects", names),
-            (terms, "effects_of", (*names, "response")),
+            (terms, "effects_of", names),
             (linearised, "named_effects", names),
             (linearised, "effects_of", names),
         ):

@@ -17,7 +17,7 @@ LIFT = {"lift": "2 N", "depth": "8 m", "thickness": "2 m"}
 @pytest.fixture(scope="module")
 def mission() -> Mission:
     """The prototype's mooring, whose vehicle floats with 0.89 N."""
-    return load(MISSIONS / "anchor-design.yaml")
+    return load(MISSIONS / "anchor-design.yaml").with_(trials=2000)
 
 
 @pytest.fixture(scope="module")

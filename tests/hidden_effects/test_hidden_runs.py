@@ -50,11 +50,11 @@ def test_says_why_it_is_unavailable(monkeypatch):
 
 
 def test_study_prints_and_judges(stand_in, tmp_path, capsys):
-    words = ["--cases", "5", "--kind", "transit", "--seed", "3", "--jobs", "1", "--in-process"]
+    words = ["--cases", "3", "--kind", "transit", "--seed", "3", "--jobs", "1", "--in-process"]
     status = study.main([*words, "--json", str(tmp_path / "figures.json")])
     page = capsys.readouterr().out
     assert status == 1, "a tool that finds nothing is refuted"
-    assert "transit: 5 cases" in page
+    assert "transit: 3 cases" in page
     assert (tmp_path / "figures.json").exists()
     assert study.main([*words, "--cases", "2", "--scenario", "control", "--strengths"]) == 0
     assert "control" in capsys.readouterr().out

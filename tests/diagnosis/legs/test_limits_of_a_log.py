@@ -111,12 +111,18 @@ def all_round(tmp_path_factory, causes):
         return diagnose(Mission.from_data(TRANSIT), place, plan=False)
 
 
-def test_headings_all_round_separate_them(all_round):
+@pytest.fixture(scope="module")
+def words(all_round):
+    """Those of its report."""
+    return words_of(all_round)
+
+
+def test_headings_all_round_separate_them(all_round, words):
     found = all_round
     assert (found.verdict, found.causes) == ("explained", ("speed-scale",))
     assert found.credible_set == (("speed-scale",),)
     assert found.not_constant == ()
-    assert "100.0 %" not in words_of(found)
+    assert "100.0 %" not in words
     assert "measured mile" in answer(found)  # its speed is logged
     assert "made without a logged speed" not in answer(found)
 
@@ -154,18 +160,18 @@ def test_a_constant_cause_is_constant(seed, folder, transit_mission, legs):
     assert found.not_constant == ()
 
 
-def test_a_cause_that_is_not_constant_is_said(all_round):
-    assert "is not constant over the record" not in words_of(all_round)
+def test_a_cause_that_is_not_constant_is_said(all_round, words):
+    assert "is not constant over the record" not in words
     changing = replace(all_round, not_constant=("speed-scale",))
     assert "is not constant over the record" in words_of(changing)
     assert changing.diagnosis()["not_constant"] == ["speed-scale"]
 
 
-def test_intervals_that_are_too_narrow_are_said(all_round):
+def test_intervals_that_are_too_narrow_are_said(all_round, words):
     found = all_round
     assert not found.coverage.is_off
     assert found.diagnosis()["coverage_scale"] == 1.0
-    assert "intervals are too" not in words_of(found)
+    assert "intervals are too" not in words
     narrow = replace(found, coverage=Coverage(85, 120, 1.6, 107))
     assert "Its 90 % intervals are too narrow: they hold 71 % of what was held out." in answer(narrow)
     assert "With random errors 1.60 times as large, as in the extended mission, they hold 89 %" in words_of(narrow)
