@@ -214,6 +214,11 @@ class PhaseName(NamedTuple):
     name: str
     kind: str
 
+    @property
+    def label(self) -> str:
+        """Its name, which here stands for it in key paths too."""
+        return self.name
+
 
 def misspelt_requirements(data: Mapping[str, object]) -> list[LocalProblem]:
     """List the quantities of requirements that no phase has, in a mission's data that are otherwise not valid."""
@@ -258,8 +263,9 @@ def quantity_unit(quantity: str, phases: Sequence[Phase | PhaseName]) -> str | N
     kinds = {phase.name: phase.kind for phase in phases} | {"total": "total"}
     phase, _, name = quantity.rpartition(".")
     if phase not in kinds:
-        hint = did_you_mean(phase, kinds, before="; ")
-        raise QuantityError(f"given {phase!r}, expected a phase: {', '.join(kinds)}{hint}", ("quantity",))
+        known = [*(each.label for each in phases), "total"]
+        hint = did_you_mean(phase, known, before="; ")
+        raise QuantityError(f"given {phase!r}, expected a phase: {', '.join(known)}{hint}", ("quantity",))
     events, quantities = EVENTS[kinds[phase]], QUANTITIES[kinds[phase]]
     if name in events:
         return None

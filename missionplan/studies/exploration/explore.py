@@ -10,6 +10,7 @@ from typing import get_args
 from missionplan.errors import InputError, Problem
 from missionplan.mission import Mission, MissionOrPath
 from missionplan.mission.checks.sections import quantity_unit
+from missionplan.mission.quantity_paths import resolved_path
 from missionplan.mission.units import QuantityError
 from missionplan.montecarlo.alternatives import compare_with_best
 from missionplan.montecarlo.blocks import Backend, Progress
@@ -277,7 +278,8 @@ def _run(
 def _columns(mission: Mission, quantities: Sequence[str]) -> tuple[str, ...]:
     """Columns of the trials for the quantities asked for, with energy and duration in front."""
     problems, found = [], [DURATION, ENERGY]
-    for quantity in quantities:
+    labels = [phase.label for phase in mission.phases]
+    for quantity in (resolved_path(each, labels, with_sections=False) for each in quantities):
         try:
             quantity_unit(quantity, mission.phases)
             found.append(requirement_key(mission, quantity)[0])

@@ -13,6 +13,7 @@ from missionplan.errors import InputError, Problem, RunError
 from missionplan.mission import Mission
 from missionplan.mission.changes import unit_of
 from missionplan.mission.checks.sections import quantity_unit
+from missionplan.mission.quantity_paths import resolved_path
 from missionplan.mission.schema.phases import MoorPhase, Phase, TransitPhase
 from missionplan.mission.units import QuantityError, parse_number_with_unit
 from missionplan.montecarlo.distributions import Choices, WhichHolds
@@ -62,7 +63,7 @@ class RareEvent:
     """A failure."""
 
     text: str
-    """As written."""
+    """With what stands for the phase in key paths, and blanks about the sign."""
     key: str
     """Column of the table of trials: ``total.success``, ``moor.offset_m``."""
     sign: int = 0
@@ -82,7 +83,9 @@ class RareEvent:
         found = _FORM.fullmatch(text)
         if found is None:
             raise _wrong(text, "expected an event or a quantity with its limit")
-        quantity, limit, negated = found["quantity"], found["limit"], found["negated"] is not None
+        sign, limit, negated = found["sign"], found["limit"], found["negated"] is not None
+        quantity = resolved_path(found["quantity"], [phase.label for phase in mission.phases], with_sections=False)
+        text = f"{quantity} {sign} {limit}" if sign else f"{'not ' * negated}{quantity}"
         try:
             unit = quantity_unit(quantity, mission.phases)
             if unit is None:
@@ -92,7 +95,7 @@ class RareEvent:
             size = parse_number_with_unit(float(limit) if unit == "" else limit, unit) * SCALES.get(unit, 1.0)
         except (QuantityError, ValueError) as error:
             raise _wrong(text, str(error)) from None
-        return cls(text, requirement_key(mission, quantity)[0], 1 if found["sign"] == ">" else -1, size)
+        return cls(text, requirement_key(mission, quantity)[0], 1 if sign == ">" else -1, size)
 
     @classmethod
     def _event(cls, text: str, quantity: str, *, negated: bool, limited: bool) -> "RareEvent":

@@ -22,6 +22,7 @@ from missionplan.montecarlo.rare_events import Key, NormalPopulation
 from missionplan.montecarlo.rare_events.strata import StrataView, strata
 from missionplan.montecarlo.streams import BLOCK, LegNormals, stream
 from missionplan.report.quantities import reading_in
+from missionplan.report.wording import phase_in_words
 from missionplan.scenario.scenario import Scenario
 from missionplan.studies.rare_failure import Cause, find_rare_failure
 from missionplan.studies.rare_failure.driven_trials import (
@@ -30,7 +31,7 @@ from missionplan.studies.rare_failure.driven_trials import (
     discrete_values,
     units_of_inputs,
 )
-from missionplan.studies.rare_failure.page import _value
+from missionplan.studies.rare_failure.page import _value, event_in_words
 from missionplan.studies.simulation.simulate import simulate
 from missionplan.studies.simulation.trial_block import run_block
 from tests.fuzz import examples
@@ -186,6 +187,18 @@ def test_an_event_that_is_no_failure_is_refused(event: str, expected: str) -> No
     with pytest.raises(InputError) as caught:
         RareEvent.parse(event, missionplan.load(STARTER))
     assert expected in str(caught.value)
+
+
+@pytest.mark.parametrize("name", ["moor 1.5 m, first", "moor"])
+def test_an_event_of_a_phase_of_any_name_is_that_of_its_column(name: str) -> None:
+    mission = missionplan.load(STARTER)
+    place = [phase.kind for phase in mission.phases].index("moor")
+    mission = mission.with_({f"phases[{place}].moor.name": name, "requirements": []})
+    key = name if name == "moor" else f"phases[{place}]"
+    event = RareEvent.parse(f"{name}.offset>30 m", mission)
+    assert (event.text, event.key, event.limit) == (f"{key}.offset > 30 m", f"{key}.offset_m", 30.0)
+    assert event_in_words(event.text) == f"offset of the anchor ({phase_in_words(key)}) above 30 m"
+    assert RareEvent.parse(f"{name}.struck_seafloor", mission).key == f"{key}.struck_seafloor"
 
 
 def test_a_quantity_beyond_its_limit_is_found(tmp_path: Path) -> None:
