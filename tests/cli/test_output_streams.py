@@ -79,7 +79,8 @@ def check_printed(folder, ends, encoding):
     assert {ends["table"], ends["json"]} <= {0, 3}
     assert b"Traceback" not in (folder / "table.err").read_bytes() + (folder / "json.err").read_bytes()
     assert "min" in (folder / "table.out").read_bytes().decode(encoding)
-    assert json.loads((folder / "json.out").read_bytes().decode(encoding))["trials"] == 20
+    summary = json.loads((folder / "json.out").read_bytes().decode(encoding))
+    assert (summary["trials"], summary["mission"]) == (20, "small – 4 nmi ± nothing")
 
 
 @pytest.mark.slow
