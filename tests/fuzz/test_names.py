@@ -183,12 +183,9 @@ HOSTILE = (WORST[:3], ("=1+1", "a: b # c", "</script>"), ("../../x", "%s", 'a,"b
 @pytest.mark.parametrize(
     ("kind", "names"),
     [
-        *(("drag", names) for names in HOSTILE),
-        *(
-            pytest.param(kind, names, marks=pytest.mark.slow if names != HOSTILE[at] else ())
-            for at, kind in ((2, "descent"), (1, "thruster"))
-            for names in HOSTILE
-        ),
+        pytest.param(kind, names, marks=pytest.mark.slow if names != HOSTILE[at] else ())
+        for at, kind in enumerate(("drag", "thruster", "descent"))
+        for names in HOSTILE
     ],
 )
 def test_hostile_names_of_data_and_runs_do_no_harm(kind, names, tmp_path):
