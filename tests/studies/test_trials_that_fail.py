@@ -64,10 +64,10 @@ def _choices(good, bad, share):
 
 
 def mission_that_fails(way, count):
-    """The mission with that many failing trials of TRIALS: the share of bad draws is found by bisection."""
+    """The mission with that many failing trials of TRIALS: the share of bad draws is found by bisection about theirs."""
     low, high = 0.0, 1.0
-    for _ in range(12):
-        share = 1.0 if count == TRIALS else 0.5 * (low + high)
+    for tried in range(12):
+        share = 0.5 * (low + high) if tried and count < TRIALS else count / TRIALS
         data = copy.deepcopy(dict(missionplan.load(MISSIONS / "chesapeake.yaml").raw))
         data["monte_carlo"] = {"trials": TRIALS, "seed": 1}
         WAYS[way](data, share)

@@ -79,7 +79,7 @@ def test_pay_out_of_a_flooding_anchor_against_an_adaptive_integrator():
 
 
 @given(st.floats(0.1, 60.0), st.floats(1.05, 3.0))
-@settings(max_examples=15)
+@settings(max_examples=6)
 def test_the_longer_it_floods_the_later_it_lands(time, factor):
     record = run(replace(DIVE, flooding_time=np.array([0.0, time, factor * time])))
     assert (np.diff(record.descent_time) > 0.0).all()

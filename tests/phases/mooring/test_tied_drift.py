@@ -93,7 +93,7 @@ def test_a_uniform_current_carries_both_bodies_by_its_speed(speed, toward):
 
 
 @given(st.floats(0.0, 2.0 * np.pi))
-@settings(max_examples=5)
+@settings(max_examples=3)
 def test_turning_all_layers_turns_the_offset(turn):
     straight = np.array([0.3, 1.0, 2.5, 4.0])
     first, turned = (sheared(DIVE, toward=straight + more) for more in (0.0, turn))

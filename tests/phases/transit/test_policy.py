@@ -14,7 +14,7 @@ from missionplan.phases.transit.policy import TABLE_LOSS, best_d_max, best_legs,
 
 SURFACING = 90.0
 SHORT = (2000.0, 1.0, 50.0, 0.08)
-SHORTER = (600.0, 1.0, 50.0, 0.1)
+SHORTER = (300.0, 1.0, 50.0, 0.1)
 JUMPS = (2000.0, 1.0, 10.0, 0.01)
 
 # distance [m], speed [m/s], arrival radius [m], sigma [m/s]: best fixed d_max, best legs, both ± 0.0002.

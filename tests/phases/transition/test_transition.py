@@ -26,7 +26,7 @@ def vehicle():
 @pytest.fixture(scope="module")
 def slow_down():
     means = Scenario.at_means(missionplan.load(MISSION))
-    return replace(manoeuvre(means.drawn.transitions[0]), deceleration=0.015, after=110.0)
+    return replace(manoeuvre(means.drawn.transitions[0]), deceleration=0.02, after=110.0)
 
 
 @given(speed=st.floats(0, 3), mid=st.floats(0.3, 2), steepness=st.floats(0.01, 1))

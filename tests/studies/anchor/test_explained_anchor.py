@@ -1,11 +1,14 @@
 """`size-anchor` of a mission in doubt: what the anchor to build achieves under each explanation, and what would do."""
 
+import numpy as np
 import pytest
 
 from missionplan import Mission, size_anchor
+from missionplan.montecarlo.statistics import RunningStatistic, wilson
 from missionplan.report.anchor.page import answer
 from missionplan.report.render import render_report
-from missionplan.studies.anchor.lightest_anchor import lightest_anchor
+from missionplan.results.sized_anchor import DiveProbabilities
+from missionplan.studies.anchor.sizing import AnchorTrials
 
 pytestmark = pytest.mark.usefixtures("unassumed")
 
@@ -36,16 +39,36 @@ def sized(*effects, probability=0.95):
     return mission, size_anchor(mission, probability=probability, trials=100)
 
 
+def made_up(dives, weight, line_length=None):
+    """Dives within the radius from 8 N on where the water resists more, else from 5 N on, and clear of the seafloor."""
+    (doubt,) = dives.mission.effect_list.items
+    held = doubt.explanations if doubt.known is None else (doubt.explanations[doubt.known],)
+    enough = [weight >= (8.0 if each.effects[0].effect == "drag-bias" else 5.0) for each in held]
+    good = np.average(enough, weights=[each.probability for each in held])
+    some, none = (wilson(round(100 * share), 100) for share in (good, 0.0))
+    lasting = RunningStatistic.of(np.arange(5.0)).statistic()
+    return DiveProbabilities(some, some, None, none, lasting, lasting, ())
+
+
 def test_a_doubt_that_changes_the_anchor_is_told(monkeypatch):
-    monkeypatch.setitem(lightest_anchor.__globals__, "_RESOLUTION", 1.05)
+    monkeypatch.setattr(AnchorTrials, "probabilities", made_up)
     _, found = sized({"drag-bias": {"fraction": 0.7}}, {"depth-scale": {"fraction": 0.05}})
     heavy, light = found.explanations
-    assert heavy.needed > 1.3 * light.needed
-    assert light.needed < found.to_build.wet_weight <= 1.05**2 * heavy.needed
+    assert heavy.needed == pytest.approx(8.0, rel=0.002)
+    assert light.needed == pytest.approx(5.0, rel=0.002)
+    assert found.to_build.wet_weight == pytest.approx(8.0, rel=0.002)
     assert light.good.value == 1.0
     assert "The doubt changes the choice: with depth scale" in answer(found)
     assert "Which explanation holds" in render_report(found).html
     assert [each["causes"] for each in found.summary()["explanations"]] == [["drag-bias"], ["depth-scale"]]
+
+
+@pytest.mark.slow
+def test_an_anchor_that_meets_more_drag_must_be_heavier():
+    _, found = sized({"drag-bias": {"fraction": 0.7}}, {"depth-scale": {"fraction": 0.05}})
+    heavy, light = found.explanations
+    assert heavy.needed > 1.3 * light.needed
+    assert light.needed < found.to_build.wet_weight <= 1.002 * heavy.needed
 
 
 @pytest.mark.slow

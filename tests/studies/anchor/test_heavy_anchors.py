@@ -28,7 +28,7 @@ MISSION = {
 def test_the_heavier_the_anchor_the_less_it_drifts():
     mission = Mission.from_data(MISSION)
     study = AnchorTrials(mission, "moor", None, trials=200, seed=3)
-    dives = [study.probabilities(weight) for weight in (10.0, 20.0, 25.0, 40.0, 78.0, 200.0)]
+    dives = [study.probabilities(weight) for weight in (10.0, 25.0, 78.0, 200.0)]
     drifts = [dive.offset.mean for dive in dives]
     assert all(dive.offset.count == 200 for dive in dives)
     assert np.all(np.diff(drifts) < 0.0)

@@ -428,7 +428,7 @@ def test_the_report_holds_the_snatch_where_the_files_let_it_be_known(tmp_path):
         "centre_of_gravity: {from_nose: 0.56 m}\ncentre_of_buoyancy: {from_nose: 0.56 m}\nmass: 10.2 kg ",
     )
     bare = ("line_material: polyester   # or nylon, aramid, polyethylene, steel-wire", "line_wet_weight: 0.01 N/m")
-    plain = size_anchor(altered(tmp_path, bare), trials=60).summary()["descent"]
+    plain = size_anchor(altered(tmp_path, bare), trials=10).summary()["descent"]
     assert not {"snatch_tension_n", "nose_down_time_s", "depth_lost_m"} & set(plain)
     found = size_anchor(altered(tmp_path, stiff, vehicle=[centres]), trials=60)
     summary = found.summary()

@@ -8,6 +8,7 @@ import yaml
 
 import missionplan
 from missionplan.errors import InputError
+from missionplan.mission import Mission
 from missionplan.report.render import terminal_view
 from missionplan.results import to_yaml
 from missionplan.studies.comparison.alternatives_page import answer, page
@@ -20,13 +21,14 @@ pytestmark = pytest.mark.usefixtures("unassumed")
 
 MISSIONS = Path(__file__).parents[3] / "missions"
 CHESAPEAKE = missionplan.load(MISSIONS / "chesapeake.yaml")
+BASE = {**CHESAPEAKE.raw, "phases": CHESAPEAKE.raw["phases"][:2]}
 SPEEDS = "ingress.speed=1:2:0.5 m/s"
 
 
 def changed(folder, name, **values):
     path = folder / f"{name}.yaml"
     keys = {key.replace("__", "."): value for key, value in values.items()}
-    path.write_text(to_yaml(with_values(CHESAPEAKE.raw, keys)))
+    path.write_text(to_yaml(with_values(BASE, keys)))
     return path
 
 
@@ -37,16 +39,17 @@ def explored(tmp_path_factory):
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory, explored):
-    """Two explorations over speed, one over the length of the line, and two optimisations, one of them hopeless."""
+    """Two explorations over speed, one over the length of the line, and two optimisations of the way in, one hopeless."""
     folder = tmp_path_factory.mktemp("choices")
     near, far = changed(folder, "near"), changed(folder, "far", moor__radius="4 m")
     explored.save(folder / "explored-near")
     missionplan.explore(missionplan.load(far), SPEEDS, trials=60).save(folder / "explored-far")
     missionplan.explore(missionplan.load(near), "moor.line_length=4:5:1 m", trials=20).save(folder / "lines")
-    hopeless = near.read_text().replace("45 W*h", "2 W*h")
-    (folder / "hopeless.yaml").write_text(hopeless)
-    for name in ("near", "hopeless"):
-        found = missionplan.optimise(missionplan.load(folder / f"{name}.yaml"), choose=[SPEEDS], trials=100)
+    needed = [BASE["requirements"][0], BASE["requirements"][-1]]
+    for name, energy in (("near", "45 W*h"), ("hopeless", "2 W*h")):
+        needed[1] = {**needed[1], "at_most": energy}
+        way_in = Mission.from_data({**BASE, "phases": BASE["phases"][:1], "requirements": needed}, file=CHESAPEAKE.file)
+        found = missionplan.optimise(way_in, choose=[SPEEDS], trials=100)
         found.save(folder / f"optimised-{name}")
     missionplan.simulate(missionplan.load(near), trials=40).save(folder / "simulated")
     return folder

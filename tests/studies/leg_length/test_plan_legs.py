@@ -54,31 +54,6 @@ def mission(tmp_path_factory):
 
 
 @pytest.fixture(scope="module")
-def plan(mission):
-    return plan_legs(mission)
-
-
-def test_monte_carlo_agrees_with_the_integral_equation(plan):
-    case = plan.cases[0]
-    assert case.adaptive.cost == pytest.approx(plan.expected_cost, abs=3 * case.adaptive.standard_error)
-    assert case.fixed.cost == pytest.approx(plan.fixed_cost, abs=3 * case.fixed.standard_error)
-    assert case.saved.mean == pytest.approx(plan.saving, abs=3 * case.saved.standard_error)
-    assert case.adaptive.arrived.value == 1.0
-
-
-def test_legs_beat_the_best_fixed_d_max_which_beats_one_leg(plan):
-    assert plan.least_cost <= plan.expected_cost < plan.fixed_cost < plan.one_leg_cost
-
-
-def test_a_saving_of_less_than_a_hundredth_is_not_worth_a_table(plan):
-    saving, error = plan.cases[0].saving_for("mean")
-    assert 3.0 * error < saving < 0.01 * (plan.nominal_time * (1.0 + plan.cases[0].fixed.cost))
-    assert not plan.recommended
-    assert plan.d_max == f"{plan.fixed_d_max:.1f} m"
-    assert list(plan.to_frame()["leg_m"]) == [plan.fixed_d_max]
-
-
-@pytest.fixture(scope="module")
 def erratic(tmp_path_factory):
     """A mission whose table of legs saves about 3 % (by the integral equation), and more with larger errors."""
     path = tmp_path_factory.mktemp("legs") / "erratic.yaml"
@@ -89,6 +64,29 @@ def erratic(tmp_path_factory):
 @pytest.fixture(scope="module")
 def adaptive(erratic):
     return plan_legs(erratic, trials=4000)
+
+
+def test_monte_carlo_agrees_with_the_integral_equation(adaptive):
+    case = adaptive.cases[0]
+    assert case.adaptive.cost == pytest.approx(adaptive.expected_cost, abs=3 * case.adaptive.standard_error)
+    assert case.fixed.cost == pytest.approx(adaptive.fixed_cost, abs=3 * case.fixed.standard_error)
+    assert case.saved.mean == pytest.approx(adaptive.saving, abs=3 * case.saved.standard_error)
+    assert case.adaptive.arrived.value == 1.0
+
+
+def test_legs_beat_the_best_fixed_d_max_which_beats_one_leg(adaptive):
+    assert adaptive.least_cost <= adaptive.expected_cost < adaptive.fixed_cost < adaptive.one_leg_cost
+
+
+def test_a_saving_of_less_than_a_hundredth_is_not_worth_a_table(adaptive):
+    own, *others = adaptive.cases
+    whole = adaptive.nominal_time * (1.0 + own.fixed.cost)
+    found = {share: replace(own, saved=MeanAndError(share * whole, 0.001 * whole)) for share in (0.009, 0.011)}
+    little, enough = (replace(adaptive, cases=(case, *others)) for case in found.values())
+    assert enough.recommended
+    assert not little.recommended
+    assert little.d_max == f"{adaptive.fixed_d_max:.1f} m"
+    assert list(little.to_frame()["leg_m"]) == [adaptive.fixed_d_max]
 
 
 def test_a_saving_of_three_hundredths_is_worth_a_table(adaptive):
@@ -150,12 +148,12 @@ def test_fixes_that_err_are_reported_and_progress_is_shown_while_legs_are_sought
     assert any("fix error" in notice for notice in found.provenance.notices)
 
 
-def test_robustness_covers_sigma_and_mean(plan):
-    names = [case.name for case in plan.cases]
+def test_robustness_covers_sigma_and_mean(adaptive):
+    names = [case.name for case in adaptive.cases]
     assert names[0] == ""
-    assert [case.sigma for case in plan.cases[1:3]] == pytest.approx([0.025, 0.1])
+    assert [case.sigma for case in adaptive.cases[1:3]] == pytest.approx([0.075, 0.3])
     course = np.array([3.0, 1.0]) / np.sqrt(10.0)
-    for case, size in zip(plan.cases[3:], (0.025, 0.05), strict=True):
+    for case, size in zip(adaptive.cases[3:], (0.075, 0.15), strict=True):
         assert np.hypot(*case.mean_error) == pytest.approx(size)
         assert np.dot(case.mean_error, course) == pytest.approx(0.0, abs=1e-12)
 
@@ -183,17 +181,17 @@ def test_the_mission_with_legs_loads_and_runs(adaptive, tmp_path):
     assert yaml.safe_load(adaptive.files()["legs.yaml"])["d_max"] == adaptive.d_max
 
 
-def test_same_numbers_for_any_jobs(mission, plan):
-    threaded = plan_legs(mission, jobs=2, backend="threading")
-    assert repr(threaded.cases) == repr(plan.cases)  # nan, where there is no energy budget, equals nothing
+def test_same_numbers_for_any_jobs(erratic, adaptive):
+    threaded = plan_legs(erratic, trials=4000, jobs=2, backend="threading")
+    assert repr(threaded.cases) == repr(adaptive.cases)  # nan, where there is no energy budget, equals nothing
 
 
-def test_tracks_start_together_and_end_near_the_target(plan):
-    for tracks in (plan.fixed_tracks, plan.adaptive_tracks):
+def test_tracks_start_together_and_end_near_the_target(adaptive):
+    for tracks in (adaptive.fixed_tracks, adaptive.adaptive_tracks):
         np.testing.assert_array_equal(tracks[:, 0], 0.0)
         for track in np.moveaxis(tracks, -1, 0):
             last = track[:, ~np.isnan(track[0])][:, -1]
-            assert np.hypot(*(last - [3000.0, 1000.0])) <= 50.0
+            assert np.hypot(*(last - [3000.0, 1000.0])) <= 20.0
 
 
 def test_tables_and_summary(adaptive):
@@ -391,10 +389,10 @@ def test_legs_for_larger_errors_and_dearer_surfacings_are_those_of_a_mission_tha
     assert asked[0] == asked[1] == (scenario.distance, 1.0, 50.0, 0.08, 135.0, 16.0)
 
 
-def test_sweep_and_plan_agree_on_the_best_d_max(mission, plan):
-    curve = sweep_dmax(mission, method="analytic").curves[0]
-    assert curve.best.cost >= plan.fixed_cost - 1e-9
-    assert curve.best.cost == pytest.approx(plan.fixed_cost, abs=5e-4)
+def test_sweep_and_plan_agree_on_the_best_d_max(erratic, adaptive):
+    curve = sweep_dmax(erratic, method="analytic").curves[0]
+    assert curve.best.cost >= adaptive.fixed_cost - 1e-9
+    assert curve.best.cost == pytest.approx(adaptive.fixed_cost, abs=5e-4)
 
 
 def test_the_sweep_sets_a_table_beside_the_fixed_d_max(adaptive, tmp_path):
