@@ -21,6 +21,7 @@ from missionplan.phases.transit.plan import LegTable
 from missionplan.report.page import Drawn, draw, drawing_by
 from missionplan.studies import judgement
 from missionplan.studies.leg_length import analytic_transit, optimise_legs
+from missionplan.studies.simulation import outcome_builder
 from missionplan.studies.simulation import simulate as simulation
 from tests.depth_readings import simulate_readings
 from tests.few_causes import COMMON, few
@@ -143,6 +144,14 @@ def causes(request: pytest.FixtureRequest) -> Callable[[], AbstractContextManage
 def among_few(causes: Callable[[], AbstractContextManager[None]]) -> Iterator[None]:
     """Diagnose with a small catalogue, but in the long runs."""
     with causes():
+        yield
+
+
+@pytest.fixture(scope="module")
+def unranked():
+    """Simulate without ranking inputs by what they explain: for modules that do not look at it."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(outcome_builder, "sensitivities", lambda inputs, outputs: ())
         yield
 
 

@@ -11,6 +11,8 @@ from missionplan.results import to_yaml
 from missionplan.studies.comparison.alternatives_page import answer
 from missionplan.studies.exploration import with_values
 
+pytestmark = pytest.mark.usefixtures("unplanned", "unranked")
+
 MISSIONS = Path(__file__).parents[2] / "missions"
 
 

@@ -10,7 +10,7 @@ from missionplan.report.render import render_report
 from missionplan.results.sized_anchor import DiveProbabilities
 from missionplan.studies.anchor.sizing import AnchorTrials
 
-pytestmark = pytest.mark.usefixtures("unassumed")
+pytestmark = pytest.mark.usefixtures("unassumed", "unplanned", "unranked")
 
 BASE = {
     "name": "dives in doubt",

@@ -26,7 +26,7 @@ from missionplan.studies.leg_length.plan_legs import plan_legs
 from missionplan.studies.leg_length.plan_result import MeanAndError
 from missionplan.studies.leg_length.sweep_dmax import sweep_dmax
 
-pytestmark = pytest.mark.usefixtures("unassumed")
+pytestmark = pytest.mark.usefixtures("unassumed", "unplanned", "unranked")
 
 MISSION = """
 name: Legs

@@ -12,6 +12,8 @@ import missionplan
 from missionplan.mission import Mission
 from missionplan.results.whereabouts import AFLOAT
 
+pytestmark = pytest.mark.usefixtures("unplanned", "unranked")
+
 SPEED, WIDTH = 5.0, 200.0
 """Of the boat [m/s], and its sweep width for a low torpedo [m]."""
 BEGUN, STEP, LASTING = 3600.0, 20.0, 86_400.0
