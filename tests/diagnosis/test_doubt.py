@@ -143,7 +143,7 @@ def test_what_was_learned_after_the_start_in_the_file_is_handed_on_until_that_is
     assert "mean-current" not in moved.effect_list.learned.draws.effects
 
 
-@pytest.mark.slow
+@pytest.mark.usefixtures("among_few")
 def test_what_is_found_leaves_a_doubt_of_which_the_data_say_nothing(folder, transit_mission, legs):
     """Dives left two explanations; legs that find something else are as likely with either."""
     dives = [

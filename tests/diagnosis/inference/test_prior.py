@@ -6,7 +6,7 @@ from scipy import integrate, optimize, stats
 
 from missionplan.diagnosis.inference.gauss_newton import GaussNewtonOptions, LeastSquares, Start, gauss_newton
 from missionplan.diagnosis.inference.marginal_likelihood import LOG_2PI, gaussian_marginal
-from missionplan.diagnosis.inference.prior import DOF, Prior, inside_range, likeliest_scales
+from missionplan.diagnosis.inference.prior import DOF, Prior, inside_range, integrated, likeliest_scales
 
 BOTH = Prior(np.array([1.0, -2.0]), np.array([0.5, 3.0]), np.array([True, False]))
 
@@ -32,15 +32,22 @@ def test_evidence_over_the_scales_is_the_integral_over_the_slab(value, noise):
     gram = np.array([[1.0, value * sd], [value * sd, (value * sd) ** 2]]) / (noise * sd) ** 2
     log_determinant = 2.0 * np.log(noise * sd)
     prior = Prior(np.zeros(1), np.array([sd]), np.array([True]))
-    scales = likeliest_scales(lambda spread: gaussian_marginal(gram, spread, log_determinant, 1), prior)
-    found = gaussian_marginal(gram, scales.sd, log_determinant, 1)
 
+    def marginal(spread):
+        return gaussian_marginal(gram, spread, log_determinant, 1)
+
+    scales = likeliest_scales(marginal, prior)
+    found = marginal(scales.sd)
+    whole = integrated(
+        lambda spread: np.array([marginal(spread).log_density]), lambda _, spread: marginal(spread), prior
+    )
     error, slab = stats.norm(value * sd, noise * sd), stats.t(DOF, 0.0, sd)
 
     x = np.linspace(-60.0 * sd, 60.0 * sd, 60_001)
     joint = error.pdf(x) * slab.pdf(x)
     exact = integrate.simpson(joint, x)
     assert found.log_density + scales.log_factor == pytest.approx(np.log(exact), abs=0.06)
+    assert whole.log_evidence == pytest.approx(np.log(exact), abs=0.06)
     mean = integrate.simpson(x * joint, x) / exact
     assert abs(found.mean[0] - mean) < 0.25 * noise * sd
 

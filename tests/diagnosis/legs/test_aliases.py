@@ -44,7 +44,7 @@ def test_what_legs_of_one_speed_cannot_tell_apart_matters_where_another_speed_is
     assert "Does the same on these legs" in render_report(faster).html
 
 
-@pytest.mark.slow
+@pytest.mark.usefixtures("among_few")
 def test_it_does_not_matter_where_the_speed_of_the_legs_is_planned(planned_at, folder, legs):
     as_sailed = diagnose(planned_at(1.2), folder(KIND, legs(24, sigma=0.02, error=turned)), plan=False)
     assert as_sailed.causes == ("compass-bias",)
