@@ -114,10 +114,10 @@ def test_runs_are_unbiased_and_their_intervals_hold_the_truth(case: tuple[Margin
 @pytest.mark.parametrize("case", [linear(4.753424, 40), sphere(1e-6, 10), series_system(4.9, 2)])
 def test_one_in_a_million_is_known_to_a_tenth_by_two_hundred_thousand_trials(case: tuple[Margin, float]) -> None:
     margin, truth = case
-    runs = [run(margin, seed, groups=10, chains=256) for seed in range(3)]
+    runs = [run(margin, seed, groups=10, chains=256) for seed in range(2)]
     assert max(trials(pilots, found, 256) for pilots, found, _ in runs) < 2.3e5
     assert np.mean([estimate.variation for _, _, estimate in runs]) < 0.12
-    assert [estimate.value / truth for _, _, estimate in runs] == pytest.approx([1.0] * 3, abs=0.36)
+    assert [estimate.value / truth for _, _, estimate in runs] == pytest.approx([1.0] * 2, abs=0.36)
 
 
 def test_the_failing_sample_is_distributed_as_the_failures_are() -> None:

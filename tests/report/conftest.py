@@ -10,11 +10,22 @@ from browsing import browsing
 from missionplan.mission import load
 from missionplan.report.page import draw, drawing_by
 from missionplan.results import Result
+from missionplan.studies import judgement
 from missionplan.studies.anchor import size_anchor
+from missionplan.studies.leg_length import optimise_legs
+from missionplan.studies.leg_length.analytic_transit import PolicyFamily
+from missionplan.studies.leg_length.plan_legs import plan_legs
 from missionplan.studies.leg_length.sweep_dmax import sweep_dmax
 from missionplan.studies.simulation.simulate import simulate
 
 MISSIONS = Path(__file__).parents[2] / "missions"
+LEGS = """
+name: Legs
+navigation: {velocity_error: {sigma: 0.15 m/s}, surfacing_time: 90 s}
+phases:
+  - transit: {name: in, from: [0 m, 0 m], to: [3 km, 1 km], speed: 1 m/s, d_max: 1 km, arrival_radius: 20 m}
+monte_carlo: {trials: 500, seed: 5}
+"""
 
 
 @pytest.fixture(scope="session")
@@ -45,6 +56,17 @@ def simulated(saved: Callable[[Result], Saved]) -> Saved:
     """A mission of every kind of phase, in which dives fail too."""
     given = load(MISSIONS / "chesapeake.yaml").with_({"moor.radius": "6 m"})
     return saved(simulate(given, trials=200, seed=3))
+
+
+@pytest.fixture(scope="session")
+def planned(saved: Callable[[Result], Saved], tmp_path_factory: pytest.TempPathFactory) -> Saved:
+    """Legs without runs for each assumption, the best of few: which they are does not matter to a page."""
+    path = tmp_path_factory.mktemp("legs") / "legs.yaml"
+    path.write_text(LEGS, encoding="utf-8")
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(optimise_legs, "MEAN_FAMILY", PolicyFamily((1.0,), ()))
+        patch.setattr(judgement, "ledger", lambda mission, seed: ())
+        return saved(plan_legs(load(path)))
 
 
 @pytest.fixture(scope="session")

@@ -6,34 +6,17 @@ import numpy as np
 import pytest
 from matplotlib.figure import Figure as MatplotlibFigure
 
-from missionplan.mission import load
 from missionplan.montecarlo.statistics import Statistic, wilson
 from missionplan.report.page import Figure, Listing, Table, draw, drawing_by
 from missionplan.report.render import terminal_view
-from missionplan.studies.leg_length import figures, optimise_legs
-from missionplan.studies.leg_length.analytic_transit import PolicyFamily
-from missionplan.studies.leg_length.plan_legs import plan_legs
+from missionplan.studies.leg_length import figures
 from missionplan.studies.leg_length.plan_page import answer, page
 from missionplan.studies.leg_length.plan_result import CandidatePlan, MeanAndError
 
-pytestmark = pytest.mark.usefixtures("unassumed")
-
-MISSION = """
-name: Legs
-navigation: {velocity_error: {sigma: 0.15 m/s}, surfacing_time: 90 s}
-phases:
-  - transit: {name: in, from: [0 m, 0 m], to: [3 km, 1 km], speed: 1 m/s, d_max: 1 km, arrival_radius: 20 m}
-monte_carlo: {trials: 500, seed: 5}
-"""
-
 
 @pytest.fixture(scope="module")
-def adaptive(tmp_path_factory):
-    path = tmp_path_factory.mktemp("legs") / "legs.yaml"
-    path.write_text(MISSION, encoding="utf-8")
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(optimise_legs, "MEAN_FAMILY", PolicyFamily((1.0,), ()))  # which legs does not matter here
-        return plan_legs(load(path))
+def adaptive(planned):
+    return planned.result
 
 
 @pytest.fixture(scope="module")

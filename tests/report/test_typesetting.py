@@ -100,9 +100,9 @@ def mission(name):
 
 EXAMPLES = {
     "identify avila-drag": lambda: identify(MISSIONS / "measured" / "avila-drag"),
-    "plan-legs fig8": lambda: plan_legs(mission("fig8"), trials=300),
 }
 SLOW = {
+    "plan-legs fig8": lambda: plan_legs(mission("fig8"), trials=300),
     "simulate chesapeake": lambda: simulate(mission("chesapeake"), trials=300),
     "sweep-dmax fig8": lambda: sweep_dmax(mission("fig8"), trials=300, method="monte-carlo"),
     "size-anchor anchor-design, worst case": lambda: size_anchor(mission("anchor-design"), trials=100),
@@ -127,7 +127,7 @@ def test_every_text_of_the_example_is_set_alike(run, monkeypatch):
     check(run())
 
 
-@pytest.mark.parametrize("name", ["simulated", "swept", "sized"])
+@pytest.mark.parametrize("name", ["simulated", "planned", "swept", "sized"])
 def test_every_text_of_a_saved_page_is_set_alike(name, request):
     saved = request.getfixturevalue(name)
     check(saved.result, saved.page.read_text(encoding="utf-8"))
