@@ -19,7 +19,7 @@ from missionplan.mission import load
 from missionplan.montecarlo import streams
 from missionplan.phases.transit.plan import LegTable
 from missionplan.report.page import Drawn, draw, drawing_by
-from missionplan.studies import judgement
+from missionplan.studies import anchor, judgement
 from missionplan.studies.leg_length import analytic_transit, optimise_legs
 from missionplan.studies.simulation import outcome_builder
 from missionplan.studies.simulation import simulate as simulation
@@ -152,6 +152,15 @@ def unranked():
     """Simulate without ranking inputs by what they explain: for modules that do not look at it."""
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(outcome_builder, "sensitivities", lambda inputs, outputs: ())
+        yield
+
+
+@pytest.fixture(scope="module")
+def unheld():
+    """Leave out how the vehicle stands above its anchor, and what would mend it: for modules that do not look at it."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(simulation, "held_vehicles", lambda means: ())
+        patch.setattr(anchor, "held_vehicle", lambda means, phase, weight: None)
         yield
 
 

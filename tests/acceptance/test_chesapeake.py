@@ -16,7 +16,7 @@ from missionplan.studies.anchor import size_anchor
 from missionplan.studies.simulation.simulate import simulate, simulate_block
 from missionplan.studies.simulation.trial_block import run_block
 
-pytestmark = pytest.mark.usefixtures("unassumed", "unplanned", "unranked")
+pytestmark = pytest.mark.usefixtures("unassumed", "unplanned", "unranked", "unheld")
 
 MISSION = Path(__file__).parents[2] / "missions" / "chesapeake.yaml"
 

@@ -11,7 +11,7 @@ from missionplan.results import to_yaml
 from missionplan.studies.comparison.alternatives_page import answer
 from missionplan.studies.exploration import with_values
 
-pytestmark = pytest.mark.usefixtures("unplanned", "unranked")
+pytestmark = pytest.mark.usefixtures("unplanned", "unranked", "unheld")
 
 MISSIONS = Path(__file__).parents[2] / "missions"
 

@@ -71,15 +71,15 @@ def test_halving_the_step_changes_little(vehicle, slow_down):
 
 def test_trials_do_not_know_of_each_other(vehicle, slow_down):
     varied = replace(slow_down, mid_speed=np.array([0.6, 0.75, 1.0]))
-    together = tr.simulate_transition(vehicle, varied, time_step=0.5)
-    alone = tr.simulate_transition(vehicle, replace(slow_down, mid_speed=0.75), time_step=0.5)
+    together = tr.simulate_transition(vehicle, varied, time_step=1.0)
+    alone = tr.simulate_transition(vehicle, replace(slow_down, mid_speed=0.75), time_step=1.0)
     np.testing.assert_allclose(together.depth_excursion[1], alone.depth_excursion[0], rtol=1e-9)
     np.testing.assert_allclose(together.energy_to_hover[1], alone.energy_to_hover[0], rtol=1e-9)
 
 
 def test_heavier_ballast_errors_cost_energy(vehicle, slow_down):
     body = replace(vehicle.body, excess_buoyancy=np.array([53.0, 105.9, 212.0]))
-    record = tr.simulate_transition(replace(vehicle, body=body), slow_down, time_step=0.5)
+    record = tr.simulate_transition(replace(vehicle, body=body), slow_down, time_step=1.0)
     assert np.all(np.diff(record.end_energy) > 0.0)
 
 
@@ -90,4 +90,4 @@ def test_energy_until_the_end_is_the_end_energy(vehicle, slow_down):
 
 
 def test_no_history_after_the_start_by_default(vehicle, slow_down):
-    assert tr.simulate_transition(vehicle, replace(slow_down, after=101.0), time_step=0.5).history.time.size == 1
+    assert tr.simulate_transition(vehicle, replace(slow_down, after=101.0), time_step=1.0).history.time.size == 1

@@ -15,7 +15,7 @@ from missionplan.studies.anchor.lightest_anchor import Demand, lightest_anchor
 from missionplan.studies.anchor.sizing import AnchorSizer, AnchorTrials
 from missionplan.studies.judgement import FRESH
 
-pytestmark = pytest.mark.usefixtures("unassumed", "unplanned", "unranked")
+pytestmark = pytest.mark.usefixtures("unassumed", "unplanned", "unranked", "unheld")
 
 MISSIONS = Path(__file__).parents[3] / "missions"
 

@@ -17,7 +17,7 @@ from missionplan.studies.comparison.result import Alternatives, Leaf, parts_of_t
 from missionplan.studies.comparison.two_reports import differing_values
 from missionplan.studies.exploration import with_values
 
-pytestmark = pytest.mark.usefixtures("unassumed", "unplanned", "unranked")
+pytestmark = pytest.mark.usefixtures("unassumed", "unplanned", "unranked", "unheld")
 
 MISSIONS = Path(__file__).parents[3] / "missions"
 CHESAPEAKE = missionplan.load(MISSIONS / "chesapeake.yaml")

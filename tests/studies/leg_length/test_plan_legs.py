@@ -26,7 +26,7 @@ from missionplan.studies.leg_length.plan_legs import plan_legs
 from missionplan.studies.leg_length.plan_result import MeanAndError
 from missionplan.studies.leg_length.sweep_dmax import sweep_dmax
 
-pytestmark = pytest.mark.usefixtures("unassumed", "unplanned", "unranked")
+pytestmark = pytest.mark.usefixtures("unassumed", "unplanned", "unranked", "unheld")
 
 MISSION = """
 name: Legs
@@ -325,9 +325,9 @@ def test_legs_for_a_deadline_are_on_time_as_often_as_any_other_plan(learning, mo
     assert "common trials" in plan.how_found
 
 
+@pytest.mark.usefixtures("unsought")
 def test_p95_uses_the_deadline_of_the_mission(tmp_path, monkeypatch):
     monkeypatch.setattr(optimise_legs, "DEADLINE_FAMILY", PolicyFamily((1.0,), (1.0,)))
-    monkeypatch.setattr(optimise_legs, "MEAN_FAMILY", PolicyFamily((1.0,), ()))
     path = tmp_path / "deadline.yaml"
     deadline = "requirements: [{quantity: in.duration, at_most: 3450 s, probability: 0.9}]\n"
     path.write_text(MISSION + deadline, encoding="utf-8")

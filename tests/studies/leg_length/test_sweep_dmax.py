@@ -13,7 +13,7 @@ from missionplan.studies.leg_length import MAX_PAIRED, CellTotals, _totals
 from missionplan.studies.leg_length.plan_legs import plan_legs
 from missionplan.studies.leg_length.sweep_dmax import sweep_dmax
 
-pytestmark = pytest.mark.usefixtures("unassumed", "unplanned", "unranked")
+pytestmark = pytest.mark.usefixtures("unassumed", "unplanned", "unranked", "unheld")
 
 FIG8 = Path(__file__).parents[3] / "missions" / "fig8.yaml"
 SMALL = """

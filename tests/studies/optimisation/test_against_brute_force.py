@@ -13,7 +13,7 @@ from missionplan.mission import Mission
 from missionplan.studies.optimisation.evaluations import Demand, Evaluation, is_feasible, violations
 from missionplan.studies.simulation.simulate import simulate_block
 
-pytestmark = pytest.mark.usefixtures("unassumed", "unplanned", "unranked")
+pytestmark = pytest.mark.usefixtures("unassumed", "unplanned", "unranked", "unheld")
 
 MISSIONS = Path(__file__).parents[3] / "missions"
 TRIALS, SEED = 1024, 3

@@ -14,7 +14,7 @@ from missionplan.report.optimisation import answer
 from missionplan.studies.exploration import with_values
 from missionplan.studies.optimisation import read_lattice
 
-pytestmark = pytest.mark.usefixtures("unassumed", "unplanned", "unranked")
+pytestmark = pytest.mark.usefixtures("unassumed", "unplanned", "unranked", "unheld")
 
 MISSIONS = Path(__file__).parents[3] / "missions"
 CHOOSE = ["out.speed=0.6:2:0.1 m/s", "out.d_max=150:1650:150 m"]

@@ -1,6 +1,5 @@
 """JSON schemas of files: what is shipped fits them, what is mistyped does not."""
 
-import copy
 import json
 import re
 from collections.abc import Mapping
@@ -76,9 +75,7 @@ def _starter(tmp_path: Path) -> dict[str, object]:
     ],
 )
 def test_what_is_mistyped_does_not_fit(tmp_path: Path, path: tuple[str | int, ...], value: object) -> None:
-    data = _starter(tmp_path)
-    assert problems("mission", data) == []
-    changed: object = copy.deepcopy(data)
+    changed: object = _starter(tmp_path)
     place: object = changed
     for part in path[:-1]:
         place = place[part]  # type: ignore[index]

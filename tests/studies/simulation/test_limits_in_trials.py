@@ -6,7 +6,7 @@ from simulate_missions import chesapeake
 from missionplan.report.simulation.page import answer
 from missionplan.studies.simulation.simulate import simulate
 
-pytestmark = pytest.mark.usefixtures("unplanned", "unranked")
+pytestmark = pytest.mark.usefixtures("unplanned", "unranked", "unheld")
 
 
 def lost(found):

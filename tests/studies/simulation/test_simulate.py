@@ -19,7 +19,7 @@ from missionplan.studies.simulation import mooring_trials
 from missionplan.studies.simulation import simulate as module
 from missionplan.studies.simulation.simulate import simulate, simulate_block
 
-pytestmark = pytest.mark.usefixtures("unplanned")
+pytestmark = pytest.mark.usefixtures("unplanned", "unheld")
 
 WAY_IN = {"phases": chesapeake_data()["phases"][:1], "requirements": []}
 

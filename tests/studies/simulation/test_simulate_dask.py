@@ -99,7 +99,7 @@ def test_a_cluster_gives_the_bits_of_one_process(cluster, mission):
 
 
 def test_a_worker_killed_in_mid_run_costs_no_results(cluster, mission):
-    trials = 5 * BLOCK
+    trials = 4 * BLOCK
     killed = []
 
     def kill_one(done, total):

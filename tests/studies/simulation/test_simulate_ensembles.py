@@ -26,7 +26,7 @@ from missionplan.studies.optimisation.optimise import optimise
 from missionplan.studies.simulation.simulate import simulate, simulate_block
 from missionplan.studies.validate import validated_mission
 
-pytestmark = pytest.mark.usefixtures("unassumed", "unplanned")
+pytestmark = pytest.mark.usefixtures("unassumed", "unplanned", "unheld")
 
 SPEEDS = (0.0, 0.1, 1.2)
 WEIGHTS = (5.0, 3.0, 2.0)

@@ -21,7 +21,7 @@ from missionplan.studies.simulation.block_sequence import Precision
 from missionplan.studies.simulation.block_statistics import BlockStatistics
 from missionplan.studies.simulation.simulate import simulate
 
-pytestmark = pytest.mark.usefixtures("unplanned")
+pytestmark = pytest.mark.usefixtures("unplanned", "unheld")
 
 TRIALS = 2 * BLOCK + 500
 DATA = chesapeake_data()
