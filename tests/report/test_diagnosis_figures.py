@@ -8,9 +8,10 @@ import pandas as pd
 import pytest
 from matplotlib.figure import Figure
 
-from missionplan.report.diagnosis import evidence
+from missionplan.report.diagnosis import campaign, evidence, kinds, scoring
 from missionplan.report.diagnosis.kinds import REPORTS
 from missionplan.results.learned.evidence import DiscrepancyShape, GroupScore, ParameterEstimate, RankedSet
+from missionplan.results.score import DatasetScore, Prediction, Yardstick
 
 pytestmark = pytest.mark.usefixtures("drawn")
 
@@ -110,3 +111,82 @@ def test_what_is_left_is_drawn_with_a_band_of_90_percent(monkeypatch: pytest.Mon
     band = axes.collections[0].get_paths()[0].vertices[:, 1]
     assert (band.min(), band.max()) == pytest.approx((-0.1645, 0.6645))
     assert np.array(axes.get_lines()[1].get_data()) == pytest.approx(np.array([shape.at, shape.mean]))
+
+
+def lines(axes: Any) -> dict[str, np.ndarray]:
+    return {str(line.get_label()): np.array(line.get_data(), dtype=float) for line in axes.get_lines()}
+
+
+def test_each_kind_of_data_is_drawn_with_the_model_that_its_label_names(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Legs at the middle of their times, the extended model where measured and left say; dives and tests as tabled."""
+    seen: list[Figure] = []
+    monkeypatch.setattr(kinds, "to_figure", lambda figure, *words, **more: seen.append(figure))
+    legs = {"t_start_s": [0.0, 900.0], "duration_s": [840.0, 420.0]}
+    for k, side in enumerate(("east", "north")):
+        for what, value in (("error", 0.05), ("expected", 0.02), ("residual_extended", 0.01)):
+            legs[f"{what}_{side}_m_s"] = [value + 0.001 * k, value + 0.002]
+    dive = {**DIVE, "base_m": [0.0, 1.1], "extended_m": [0.0, 0.9]}
+    for kind, table in (("transit", legs), ("descent", dive), ("summary", {**SUMMARY, "base": [0.9, 0.8]})):
+        REPORTS[kind].data_figure(SimpleNamespace(kind=kind, causes=("a",), residuals=pd.DataFrame(table)))  # type: ignore[arg-type]
+    for k, axes in enumerate(seen[0].axes):
+        drawn = lines(axes)
+        for label, value in (("measured", 5.0), ("mission", 2.0), ("extended, a leg ahead", 4.0)):
+            own = 0.0 if label.startswith("extended") else 0.1 * k
+            assert drawn[label] == pytest.approx(
+                np.array([[420.0 / 3600.0, 1110.0 / 3600.0], [value + own, value + 0.2 * (label[0] == "m")]])
+            )
+    drawn = lines(seen[1].axes[0])
+    assert [drawn[label][1, 1] for label in ("measured", "mission", "extended")] == [1.0, 1.1, 0.9]
+    (axes,) = seen[2].axes
+    drawn = {str(line.get_label()): list(line.get_xdata()) for line in axes.get_lines()}
+    assert [drawn[label] for label in ("mission", "extended")] == [[0.9, 0.8], [1.05, 1.05]]
+    assert [np.ptp(part[:, 0]) for part in axes.collections[0].get_segments()] == pytest.approx([0.1, 0.1])
+
+
+def test_how_far_a_leg_ends_is_both_axes_of_its_error_by_its_time() -> None:
+    """0.1 m/s on each axis over 1000 s are 141 m, to two digits."""
+    found: Any = SimpleNamespace(residuals=pd.DataFrame({"duration_s": [1000.0] * 3}))
+    words = REPORTS["transit"].gained(found, 0.1, 0.05).replace("\u00a0", " ")
+    assert words == "; a leg of 16.7 min then ends 71 m from where it is expected, not 140 m"
+
+
+def test_a_score_draws_and_tells_the_numbers_of_its_own_axis_and_prediction() -> None:
+    other = Yardstick(30.0, -5.0, 17.0)
+    ahead, whole = (
+        Prediction(rmse, -4.0, 9.0, 2, 3, (0.8, 1.0), 0.5, 0.05, np.arange(4.0) + add, np.full(4, 2.0), np.ones(4), np.full(4, 0.5),
+                   {"no_effects": other, "last_leg": other})
+        for rmse, add in ((12.0, 0.0), (18.0, 100.0))
+    )  # fmt: skip
+    each = DatasetScore(
+        "log", "transit", 2, np.arange(4), np.arange(4), np.array([10.0, 20.0, 11.0, 21.0]), ahead, whole, 1.0
+    )
+    for axis, name in enumerate(("East", "North")):
+        axes = Figure().add_subplot()
+        scoring._leg_panel(axes, each, axis)
+        assert lines(axes)["measured"].tolist() == [[1.0, 2.0], [10.0 + 10.0 * axis, 11.0 + 10.0 * axis]]
+        assert axes.get_ylabel().startswith(f"{name} error")
+        bands = [band.get_paths()[0].vertices[:, 1] for band in axes.collections]
+        for band, add in zip(bands, (100.0, 0.0), strict=True):
+            assert (band.min(), band.max()) == pytest.approx((axis + add - 3.29, axis + 2.0 + add + 3.29))
+    axes = Figure().add_subplot()
+    scoring._dive_panel(axes, each, ahead, "")
+    assert lines(axes)["measured"][1].tolist() == [10.0, 19.0, 9.0, 18.0]
+    own, bare, *_ = plain(scoring._table(each).rows)
+    assert (own[1], own[3], own[4]) == ("12 m", "-4.00", "9 m")
+    assert [words.partition(" % ")[0] for words in own[5:]] == ["50", "75"]
+    assert bare[:5] == ["the mission without its effects, one step ahead", "30 m", "60 %", "-5.00", "17 m"]
+    assert scoring._against(-2.0, "leg") == "3.0 times the error that the last leg would give"
+    assert (scoring._against(0.51, "leg"), scoring._against(-0.4, "leg")) == (
+        "half better than the last leg would",
+        "40 % worse than the last leg would",
+    )
+
+
+def test_what_an_extended_mission_leaves_open_is_told() -> None:
+    learned = {
+        "compass-bias": {"probability": 0.7},
+        "fix-error": {"probability": 0.04},
+        "speed-scale": {"probability": 0.96},
+    }
+    assert campaign._doubts({"posterior": {"summary": learned}}) == ["Still in doubt: compass bias 70.0 %."]
+    assert campaign._doubts({}) == []

@@ -165,3 +165,26 @@ def test_an_adequate_model_is_not_said_to_be_beyond_doubt(score: float, expected
         kind="transit",
     )
     assert answer(found) == f"The mission's model is adequate for these data: {expected}"
+
+
+def test_a_trial_pays_for_itself_in_what_is_saved_and_its_rule_says_the_side() -> None:
+    """28 min and 3.1 W h: 1.2 min a mission make 24 missions, 0.3 W h make 11; a trial no dearer than one, the first."""
+    said = next_trial_words(FOUND)
+    assert "takes 28.0 min and 3.10 W h, and saves 1.2 min a mission on average (± 0.1 min)" in said
+    assert "The trial pays for itself after 24 missions." in said
+    energy = replace(FOUND, unit="W h", best=replace(LEGS, saving=0.3))
+    assert "after 11 missions" in next_trial_words(energy)
+    assert "with the first mission" in next_trial_words(replace(FOUND, best=replace(LEGS, saving=28.0)))
+    (section,) = next_trial_section(FOUND)
+    table, rule = section.blocks[3:5]
+    assert [[cell.replace("\u00a0", " ") for cell in row] for row in table.rows] == [
+        ["mean current", "44 %", "2.70 km", "nothing"],
+        ["speed scale", "37 %", "3.00 km", "3.2 min"],
+    ]
+    assert rule.startswith("If the speed scale (fraction) comes out below -0.12") or "below −0.12" in rule
+    above = replace(
+        FOUND, rule=OutcomeRule("compass-bias", "angle", "rad", 0.05, True, ("compass-bias",), 3000.0, 0.98)
+    )
+    assert "comes out above 2.9°, take it for compass bias and choose 3.00" in next_trial_section(above)[0].blocks[4]
+    (row,) = section.blocks[-1].rows
+    assert row[:5] == ["Two opposite legs of 400 m", "28", "3.1", "1.4", "1.2 ± 0.1"]

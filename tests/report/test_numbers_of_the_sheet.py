@@ -175,3 +175,30 @@ def test_areas_in_geojson_lie_where_they_are_with_all_their_numbers():
     assert sheet.search_areas_geojson(outcome()) is None
     made.tracks.origin = None
     assert sheet.search_areas_geojson(made) is None
+
+
+def test_the_map_has_the_areas_of_95_percent_in_kilometres_and_their_hours(monkeypatch):
+    seen = {}
+    monkeypatch.setattr(
+        sheet, "to_figure", lambda figure, name, alt, *words, **more: seen.update(figure=figure, alt=alt)
+    )
+    made = outcome()
+    made.tracks.targets = {"moor": ((150.0, -700.0), 20.0)}
+    wide = np.array([[-900.0, 900.0, 900.0, -900.0, -900.0], [-400.0, -400.0, 800.0, 800.0, -400.0]])
+    areas = (
+        area(share=0.5, polygons=((2.0 * wide,),)),
+        area(),
+        area("on the seafloor", overdue=0.0, polygons=((wide,),)),
+    )
+    sheet._map(made, Overdue((time(),), {}, areas))
+    (axes,) = seen["figure"].axes
+    drift, seafloor, cross = (np.array(line.get_data()) for line in axes.get_lines())
+    assert (drift[0].max(), drift[1].max()) == pytest.approx((0.3, 0.2))
+    assert seafloor == pytest.approx(wide / 1000.0)
+    assert cross.ravel() == pytest.approx([0.15, -0.7])
+    assert [text.get_text() for text in axes.texts] == ["+6\u00a0h"]
+    assert (
+        seen["alt"]
+        .replace("\u00a0", " ")
+        .endswith("adrift at the surface, 6 h: 0.060 km²; on the seafloor, at any time: 2.16 km².")
+    )

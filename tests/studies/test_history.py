@@ -2,17 +2,19 @@
 
 import json
 import math
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 import yaml
+from matplotlib.figure import Figure
 
 import missionplan
 from missionplan.mission.includes import hash_of
 from missionplan.montecarlo.levels import Seen
 from missionplan.montecarlo.posterior import FILE, PosteriorFile, WeightedDraws
-from missionplan.studies.history.page import answer, page
+from missionplan.studies.history.page import _moved, answer, page, parameter
 
 
 def report(
@@ -252,3 +254,19 @@ def test_a_level_that_holds_still_is_the_weighted_mean_of_its_measurements(tmp_p
     assert level.agreement == 1.0  # one measurement a day tells nothing of it
     assert level.next_value == pytest.approx(mean, abs=0.004)
     assert [each.value for each in level.missions] == pytest.approx([mean] * 4, abs=0.004)
+
+
+def test_what_was_learned_is_drawn_report_by_report_and_has_moved_beyond_three_errors(tmp_path: Path) -> None:
+    """In degrees, with the reports' own intervals; a dashed line before the change. 3.1 errors apart is a move, 2.9 none."""
+    report(tmp_path, "a", "2026-05-01T00:00:00Z", found={"compass-bias": (0.05, 0.01)})
+    report(tmp_path, "b", "2026-05-02T00:00:00Z", found={"compass-bias": (0.10, 0.02)}, changed=("compass-bias",))
+    found, axes = missionplan.history(tmp_path), Figure().add_subplot()
+    parameter(axes, found)
+    points = [np.ravel(line.get_data()) for line in axes.get_lines() if line.get_marker() == "o"]
+    assert np.array(points) == pytest.approx(np.array([[1.0, math.degrees(0.05)], [2.0, math.degrees(0.10)]]))
+    spans = [bar.get_segments()[0][:, 1] for bar in axes.collections]
+    assert np.array(spans) == pytest.approx(np.degrees([[0.03355, 0.06645], [0.0671, 0.1329]]))
+    assert [line.get_xdata()[0] for line in axes.get_lines() if line.get_linestyle() == "--"] == [1.5]
+    first = found.entries[0]
+    for away, moved in ((3.1, True), (2.9, False)):
+        assert _moved([first, replace(first, value=first.value + away * math.hypot(0.01, 0.02), sd=0.02)]) == moved

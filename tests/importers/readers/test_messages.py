@@ -367,6 +367,18 @@ def test_columns_of_a_seaexplorer(tmp_path):
     assert found.heading_from == "magnetic"
 
 
+def test_fixes_of_a_seaexplorer_are_new_positions_and_the_first_after_dead_reckoning(tmp_path):
+    """A log that begins under way repeats a fix of before; one taken just where the reckoning ended is one."""
+    rows = ["Timestamp;NavState;Heading;Depth;Lat;Lon;DeadReckoning"]
+    for k, (state, reckoned, minute) in enumerate(
+        ((117, 0, 0), (116, 0, 1), (110, 1, 2), (116, 0, 2), (116, 0, 2), (116, 0, 3))
+    ):
+        rows.append(f"14/11/2023 22:13:2{k};{state};100;{5 * reckoned};483{minute}.000;-12315.000;{reckoned}")
+    (tmp_path / "sea001.1.gli.sub.1").write_text("\n".join(rows) + "\n")
+    found = track_of("seaexplorer", tmp_path / "sea001.1.gli.sub.1")
+    assert (found.fixes.t - 1.7e9).tolist() == [1.0, 3.0, 5.0]
+
+
 def test_variables_of_moos_and_its_node_report(tmp_path):
     """NAV_PITCH is in radians, NAV_HEADING in degrees from true north; the report stands for what is not logged itself."""
     lines = ["%% LOG FILE:  ./a.alog", "%% FILE OPENED ON  Tue Nov 14 22:13:20 2023", "%% LOGSTART  1700000000.0"]
