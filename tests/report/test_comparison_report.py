@@ -2,12 +2,26 @@
 
 from dataclasses import replace
 
+import numpy as np
 import pytest
+from matplotlib.figure import Figure
 
+from missionplan.montecarlo.statistics import wilson
 from missionplan.report.page import Table
 from missionplan.results import Provenance
+from missionplan.results.simulation import RequirementOutcome
+from missionplan.studies.comparison import _contrasts, alternatives_page
 from missionplan.studies.comparison.changes_page import answer, page
-from missionplan.studies.comparison.result import ChangedValue, ComparedNumber, ComparedRun, Comparison, ListItem
+from missionplan.studies.comparison.result import (
+    Alternative,
+    Alternatives,
+    ChangedValue,
+    ComparedNumber,
+    ComparedRun,
+    Comparison,
+    Contrast,
+    ListItem,
+)
 
 
 def mission(limit):
@@ -125,3 +139,80 @@ def test_numbers_of_a_sweep_are_named_in_words(comparison):
     assert "mean cost at the recommended d_max" in rows(swept)
     two = replace(swept, differences=(cost(("one_leg",)), cost(("one_leg",), 0.07)))
     assert "mean cost in one leg (σ_v = 0.07\u00a0m/s)" in rows(two)
+
+
+def alternative(name, successes, energy, error, trials, met=True, **contrasts):
+    requirement = RequirementOutcome(
+        "out.arrived", None, None, "", 0.9, wilson(successes, trials), met, undecided=False
+    )
+    found = {key: Contrast(*each, paired=True) for key, each in contrasts.items()}
+    quantities = {"energy_wh": (energy, error), "duration_s": (7200.0, 60.0)}
+    return Alternative(name, f"{name}.yaml", wilson(successes, trials), quantities, (requirement,), trials, 3, found)
+
+
+def test_independent_runs_differ_by_their_numbers_with_both_errors_beyond_chance_for_all_together():
+    """Of two others each at 2.5 %: z of 2.2 (0.028) is chance, 2.3 (0.021) is none. One of 90 of 100 and of 320 of 400."""
+    best = alternative("best", 90, 20.0, 0.3, 100)
+    for z, differs in ((2.2, False), (2.3, True)):
+        other = alternative("other", 320, 20.0 + 0.5 * z, 0.4, 400)
+        found = _contrasts([best, other, other], [{}, {}, {}], 1, 0)
+        energy, success = found["energy_wh"], found["success"]
+        assert (energy.difference, energy.error) == pytest.approx((0.5 * z, 0.5))
+        assert (energy.differs, energy.paired) == (differs, False)
+        assert (success.difference, success.error) == pytest.approx((-0.1, (0.09 / 100 + 0.16 / 400) ** 0.5))
+    same = _contrasts(
+        [best, other], [{"total.energy_wh": np.array([1.0, 4.0])}, {"total.energy_wh": np.array([2.0, 7.0])}], 1, 0
+    )
+    assert (same["energy_wh"].difference, same["energy_wh"].paired) == (2.0, True)
+
+
+def alternatives(*others, aim="success", **given):
+    made = (alternative("near", 960, 24.0, 0.1, 1000), *others)
+    data = {each.name: {"phases": [{"transit": {"name": "out"}}]} for each in made}
+    provenance = Provenance("compare", "near and far", "a b", 3, 1000, elapsed_s=0.1, data=data)
+    return Alternatives(provenance, made, 0, aim=aim, **given)
+
+
+def plain(text):
+    return text.replace("\u00a0", " ").replace("\u202f", " ")
+
+
+def test_which_is_better_is_told_with_the_nearest_and_what_costs_less():
+    far = alternative(
+        "far",
+        900,
+        21.0,
+        0.2,
+        1000,
+        success=(-0.06, 0.01, True),
+        energy_wh=(-3.0, 0.2, True),
+        duration_s=(60.0, 40.0, False),
+    )
+    farther = alternative("farther", 700, 30.0, 0.2, 1000, success=(-0.26, 0.02, True))
+    alike = alternative("alike", 958, 23.0, 0.2, 1000, success=(-0.002, 0.004, False), energy_wh=(-1.0, 0.2, True))
+    words = plain(alternatives_page.answer(alternatives(farther, far, alike)))
+    assert words == (
+        "near is better than farther and far: it succeeds with 96.0 ± 1.2 %, 6.0 ± 1.0 % more often than far. "
+        "alike cannot be told from it by P(success) (alike differs by −0.2 ± 0.4 %). alike takes less energy, by 1.0 ± 0.2 W h, than near."
+    )
+    (section,) = alternatives_page._table_section(alternatives(far), [])
+    rows = {row[0]: [plain(cell) for cell in row[1:]] for row in section.blocks[0].rows}
+    assert rows == {
+        "requirements": ["1 of 1 met", "1 of 1 met"], "P(success)": ["96.0 ± 1.2 %", "90.0 ± 1.9 %"],
+        "energy": ["24.00 ± 0.10 W h", "21.0 ± 0.2 W h"], "duration": ["120.0 ± 1.0 min", "120.0 ± 1.0 min"], "against the best": ["best", "−6.0 ± 1.0 %"],
+    }  # fmt: skip
+    by_time = plain(alternatives_page.answer(alternatives(far, aim="duration")))
+    assert by_time == "near and far cannot be told apart by their duration."
+    assert plain(alternatives_page._rows(alternatives(far, aim="duration"))[1][-1]) == "+1.0 ± 0.7 min: not told apart"
+    misses = alternative("misses", 950, 20.0, 0.1, 1000, met=False, success=(-0.01, 0.01, False))
+    assert "misses misses the requirement on the arrival (out)" in plain(alternatives_page.answer(alternatives(misses)))
+
+
+def test_alternatives_are_drawn_with_intervals_of_95_percent():
+    axes = Figure().add_subplot()
+    alternatives_page.draw_alternatives(axes, alternatives(alternative("far", 900, 21.0, 0.2, 1000)), "energy_wh")
+    spans = [bar.get_segments()[0][:, 0] for bar in axes.collections]
+    assert np.array(spans) == pytest.approx(np.array([[24.0 - 0.196, 24.0 + 0.196], [21.0 - 0.392, 21.0 + 0.392]]))
+    assert [label.get_text() for label in axes.get_yticklabels()] == ["near", "far"]
+    assert [container.lines[0].get_ydata()[0] for container in axes.containers] == [0, 1]
+    assert axes.yaxis_inverted()

@@ -5,8 +5,10 @@ from pathlib import Path
 import pytest
 
 import missionplan
+from missionplan.montecarlo.statistics import wilson
+from missionplan.report import explained
 from missionplan.report.render import terminal_view
-from missionplan.results.decision import changes_of, written
+from missionplan.results.decision import Assumption, MemberOutcome, changes_of, written
 
 MISSIONS = Path(__file__).parents[2] / "missions"
 DATA = {
@@ -39,3 +41,38 @@ def test_every_summary_has_the_decision_that_the_terminal_shows():
     (change,) = sweep.summary()["decision"]["changes"]
     assert (change["key"], change["was"]) == ("ingress.d_max", "4 nmi")
     assert float(change["now"].removesuffix(" m")) == pytest.approx(sweep.middle.recommended.d_max, abs=0.1)
+
+
+def plain(text):
+    return text.replace("\u00a0", " ")
+
+
+def test_members_and_assumptions_are_told_by_the_worst_and_the_one_that_turns_the_answer():
+    shares = {"calm": wilson(970, 1000), "storm": wilson(300, 1000), "tide": wilson(900, 1000)}
+    members = [MemberOutcome(name, 0.25, good) for name, good in shares.items()]
+    assert plain(explained.members_in_words(members, "arrives")) == (
+        "It depends on the forecast: it arrives 30 % of the time in storm and 97.0 % in calm."
+    )
+    assert "as often" in explained.members_in_words(members[:1], "arrives")
+    (section,) = explained.members_section(members, "plan", "arrives", "")
+    assert [[plain(cell) for cell in row] for row in section.blocks[0].rows] == [
+        ["storm", "25.0 %", "30 ± 3 %"], ["tide", "25.0 %", "90.0 ± 1.9 %"], ["calm", "25.0 %", "97.0 % (95.7 to 97.9 %)"],
+    ]  # fmt: skip
+    assert section.heading == "Which member of the current's ensemble spoils the plan"
+    assumed = (
+        Assumption("it is calm", "a swell", -0.012, 0.938),
+        Assumption("the log is right", "2 % more", -0.55, 0.4, ("out.arrived",)),
+    )
+    (section,) = explained._section(assumed)
+    assert [plain(cell) for cell in section.blocks[0].rows[1]] == [
+        "the log is right",
+        "2 % more",
+        "40 %",
+        "-55 %",
+        "could turn the answer",
+    ]
+    assert (section.heading, section.blocks[0].rows[0][4]) == ("1 of its assumptions could turn this", "")
+    assert explained._turning_in_words(assumed) == (
+        " But this assumes that the log is right: with 2 % more it succeeds 40 % of the time, short of what is required of arrival (out)."
+    )
+    assert explained._heading(assumed[:1]) == "None of these assumptions alone could turn this"
