@@ -7,8 +7,8 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from missionplan.importers.geodesy import displacement
-from missionplan.importers.importer import ChannelStore, ReadOptions, SourceLog, known_importers
-from missionplan.importers.readers import ardupilot, imc, rosbag, seaglider, slocum
+from missionplan.importers.importer import ChannelStore, ColumnStore, ReadOptions, SourceLog, known_importers
+from missionplan.importers.readers import ardupilot, imc, rosbag, seaglider, slocum, trajectory
 from missionplan.importers.readers.netcdf import Variables
 from missionplan.importers.track import fixes
 
@@ -323,6 +323,19 @@ def test_displacements_are_summed_from_each_fix_to_the_next():
     assert found.t.tolist() == list(expected)
     for lat, lon, (number, way) in zip(found.latitude, found.longitude, expected.values(), strict=True):
         assert displacement(good.latitude[number], good.longitude[number], lat, lon) == pytest.approx(way, abs=0.5)
+
+
+def test_a_trajectory_s_positions_are_those_that_its_flag_does_not_call_bad():
+    """Heights are turned into depths, and all is in SI."""
+    own = ("n",)
+    file = netcdf(TIME=(own, [0.0, 1.0, 2.0], SINCE), LAT=(own, [48.0, 48.1, 48.2], {"units": "degrees_north"}), LAT_QC=(own, [1.0, 4.0, 0.0], {}),
+                  LON=(own, [-123.0, -123.1, -123.2], {}), Z=(own, [-100.0, -200.0, -300.0], {"units": "cm", "positive": "up"}),
+                  SPEED=(own, [50.0, 51.0, 52.0], {"units": "cm/s"}))  # fmt: skip
+    store = ColumnStore()
+    trajectory._add(store, file, {"lat": "LAT", "lon": "LON", "depth": "Z", "speed": "SPEED", "pitch": None})
+    np.testing.assert_array_equal(store["lat"], [48.0, NAN, 48.2])
+    assert (store["depth"].tolist(), store["lon"].tolist()) == ([1.0, 2.0, 3.0], [-123.0, -123.1, -123.2])
+    assert store["speed"] == pytest.approx([0.5, 0.51, 0.52])
 
 
 # --- Slocum, SeaExplorer, MOOS, Iver ------------------------------------------------------------------------------------
