@@ -1,14 +1,18 @@
 """What the planner would choose before and after a diagnosis, and how the choice of before fares."""
 
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import pytest
 
-from missionplan.diagnosis.plan_gain import anchor_choice, plan_gain
+from missionplan.diagnosis.plan_gain import anchor_choice, plan_gain, with_urgency
 from missionplan.mission import Mission, load
+from missionplan.results.entries import SUCCESS
 from missionplan.results.learned import PlanGain
+from missionplan.results.learned.levels import Level, ParameterLevels
 from missionplan.studies.anchor import worst_case_anchor
+from missionplan.studies.simulation import simulate
 
 MISSIONS = Path(__file__).parents[2] / "missions"
 LIFT = {"lift": "2 N", "depth": "8 m", "thickness": "2 m"}
@@ -65,6 +69,25 @@ def test_what_the_mission_has_is_tried_with_the_extended_model(mission: Mission)
     own = plan.as_written_under_extended
     assert own["anchor_wet_weight_n"] == pytest.approx(9.0)
     assert own["within_radius"] < plan.after["within_radius"]
+    kept, before = plan.base_choice_under_extended, plan.before
+    assert (kept["anchor_wet_weight_n"], before["anchor_wet_weight_n"] > 10.0) == (before["anchor_wet_weight_n"], True)
+
+
+@pytest.mark.parametrize(("fall", "ahead"), [(0.009, None), (0.011, 4)])
+def test_a_trend_matters_from_a_fall_of_a_hundredth_on(
+    fall: float, ahead: int | None, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Success falls in four missions, by a little less or more than that."""
+
+    def success(then: Any, **given: Any) -> Any:
+        return {SUCCESS: SimpleNamespace(value=0.9 - fall * (then >= 4.0))}
+
+    monkeypatch.setattr(simulate, "event_probabilities", success)
+    mission: Any = SimpleNamespace(at_place=lambda place, missions: missions)
+    level = ParameterLevels(
+        "speed-scale", "fraction", "", (Level("", None, 0.0, 0.1, 0.0),) * 3, -0.02, 0.001, 0.99, 0.0, 0.1
+    )
+    assert [each.matters_in for each in with_urgency([level], mission, 1)] == [ahead]
 
 
 def test_a_mission_without_a_mooring_says_why_there_is_no_plan() -> None:

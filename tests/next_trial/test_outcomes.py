@@ -5,8 +5,10 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from missionplan.diagnosis.next_trial import SimulatedTrial, outcome_rule, outcomes
+from missionplan.diagnosis.coordinates import Coordinate
+from missionplan.diagnosis.next_trial import SimulatedTrial, measured, outcome_rule, outcomes
 from missionplan.diagnosis.next_trial.experiment import DecisionProblem
+from missionplan.diagnosis.next_trial.leg_trials import _from_record_to_record
 
 DRAWS = 2000
 SLOW, CARRIED = ("speed-scale",), ("mean-current",)
@@ -70,3 +72,26 @@ def test_there_is_no_rule_where_no_parameter_tells(sets, problem, trial):
     assert outcome_rule(sets, problem, blind) is None
     kept = SimulatedTrial(trial.probabilities, trial.means, np.ones(DRAWS, dtype=int))
     assert outcome_rule(sets, problem, kept) is None, "the choice never changes"
+
+
+def test_what_differs_from_record_to_record_is_the_current_s_own_uncertainty_and_a_spike():
+    """Toward east and north; of a set that lacks the effect an instrument reads nothing, to within that spike."""
+    east, north, angle = (Coordinate.__new__(Coordinate) for _ in range(3))
+    for each, effect, name, spike in (
+        (east, "mean-current", "east", 0.6),
+        (north, "mean-current", "north", 0.6),
+        (angle, "compass-bias", "angle", 0.3),
+    ):
+        vars(each).update(effect=effect, name=name, spike=spike, kind="strength")
+    model = SimpleNamespace(coordinates=(east, north, angle), current_sd=(0.8, 2.5))
+    assert _from_record_to_record(model) == pytest.approx([1.0, np.hypot(0.6, 2.5), 0.3])
+    sets = [
+        SimpleNamespace(coordinates=own, explanation=SimpleNamespace(mean=np.full(len(own), 0.05)))
+        for own in ((angle,), (east, north))
+    ]
+    swing = SimpleNamespace(sd=0.4)
+    found = measured(swing, angle, sets)
+    assert [(each.centre.tolist(), float(each.noise[0, 0])) for each in found] == [
+        ([0.05], pytest.approx(0.16)),
+        ([0.0], pytest.approx(0.25)),
+    ]

@@ -148,3 +148,12 @@ def test_counted_nodes_are_those_that_a_search_finds(count, first, step, seed):
 def test_an_uneven_axis_has_no_step():
     assert even_step(np.array([0.0, 1.0, 3.0])) is None
     assert even_step(np.zeros(1)) is None
+
+
+@pytest.mark.parametrize(("outside", "mean"), [("hold", 1.5), ("zero", 0.75)])
+def test_a_leg_that_outlasts_a_record_has_its_last_value_or_none_for_the_rest(outside, mean):
+    """100 s of 1.5 m/s: of 100 s from its middle on half lie beyond its end."""
+    record = SeriesCurrent(
+        np.array([0.0, 100.0]), np.array([0.0]), np.full((2, 1), 1.5), np.zeros((2, 1)), outside=outside
+    )
+    assert record.mean_velocity(50.0, 100.0, 0.0, HERE, HERE)[:, 0] == pytest.approx([mean, 0.0])

@@ -163,6 +163,8 @@ def test_the_tightest_requirement_is_that_whose_limit_is_nearest_to_what_is_reac
     loose = replace(requirement(outcome, 500, 500), bound="at_most", limit=100.0, reached=12.0)
     tight = replace(requirement(outcome, 500, 500), bound="at_most", limit=100.0, reached=91.0)
     assert (loose.slack, tight.slack) == (pytest.approx(0.88), pytest.approx(0.09))
+    least = replace(loose, bound="at_least", limit=8.0, reached=10.0)
+    assert (least.slack, replace(least, reached=6.0).slack) == (pytest.approx(0.2), pytest.approx(-0.25))
     event = replace(requirement(outcome, 480, 500), bound=None, limit=None)
     assert event.slack == pytest.approx((0.96 - 0.9) / 0.1)
     headings = [part.heading for part in simulation.page(replace(outcome, requirements=(loose, tight))).sections]

@@ -1,6 +1,7 @@
 """What a result tells the crew to do: was and now by the mission's own keys, in every summary."""
 
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 
@@ -9,6 +10,8 @@ from missionplan.montecarlo.statistics import wilson
 from missionplan.report import explained
 from missionplan.report.render import terminal_view
 from missionplan.results.decision import Assumption, MemberOutcome, changes_of, written
+from missionplan.results.learned import Campaign, Diagnosis
+from missionplan.results.simulation import Outcome
 
 MISSIONS = Path(__file__).parents[2] / "missions"
 DATA = {
@@ -59,6 +62,14 @@ def test_members_and_assumptions_are_told_by_the_worst_and_the_one_that_turns_th
         ["storm", "25.0 %", "30 ± 3 %"], ["tide", "25.0 %", "90.0 ± 1.9 %"], ["calm", "25.0 %", "97.0 % (95.7 to 97.9 %)"],
     ]  # fmt: skip
     assert section.heading == "Which member of the current's ensemble spoils the plan"
+    sailed = [
+        SimpleNamespace(causes=(each.name,), probability=0.25, success=each.good, trials=each.name != "tide")
+        for each in members
+    ]
+    assert Outcome.sailed.fget(SimpleNamespace(members=sailed)) == (
+        members[0],
+        members[1],
+    )  # no trial sails in the tide
     assumed = (
         Assumption("it is calm", "a swell", -0.012, 0.938),
         Assumption("the log is right", "2 % more", -0.55, 0.4, ("out.arrived",)),
@@ -76,3 +87,29 @@ def test_members_and_assumptions_are_told_by_the_worst_and_the_one_that_turns_th
         " But this assumes that the log is right: with 2 % more it succeeds 40 % of the time, short of what is required of arrival (out)."
     )
     assert explained._heading(assumed[:1]) == "None of these assumptions alone could turn this"
+
+
+def test_what_a_diagnosis_is_sure_of():
+    """Effects confirmed without doubt; the probability of causes alone that are claimed; data sets that told anything new."""
+    estimates = tuple(SimpleNamespace(effect=effect) for effect in ("compass-bias", "fix-error", "compass-bias"))
+    odds = (
+        SimpleNamespace(causes=("compass-bias",), probability=0.7),
+        SimpleNamespace(causes=("fix-error", "compass-bias"), probability=0.26),
+    )
+    best = SimpleNamespace(posterior=0.8)
+
+    def diagnosis(**given):
+        found = Diagnosis.__new__(Diagnosis)
+        usual = {"confirmed": estimates, "explanations": odds, "ranking": (best,), "causes": (), "none_of_these": 0.1, "data": "log",
+                 "learned_from": ("a",), "provenance": None}  # fmt: skip
+        vars(found).update({**usual, **given})
+        return found
+
+    assert diagnosis().borne_out == ("compass-bias",)
+    assert diagnosis(explanations=()).borne_out == ("compass-bias", "fix-error")
+    assert diagnosis().certainty == {"posterior": None, "none_of_these": 0.1}
+    assert diagnosis(causes=("speed-scale",)).certainty == {"posterior": 0.8, "none_of_these": 0.1}
+    known = diagnosis(causes=("speed-scale",), learned_from=(), data="old")
+    both = Campaign(None, (diagnosis(causes=("speed-scale",)), known))
+    assert both.informed_by == {"speed-scale": ("log",), "compass-bias": ("log",), "fix-error": ("log",)}
+    assert both.shared == ()

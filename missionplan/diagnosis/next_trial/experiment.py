@@ -35,14 +35,14 @@ class Draws:
 
 
 def drawn(explanations: Sequence[Explanation], counts: Sequence[int], generator: np.random.Generator) -> Draws:
-    """Draw parameters under each explanation, so many of each."""
+    """Draw parameters under each explanation, whose probabilities add up to 1, so many of each."""
     parameters = tuple(
         each.mean + generator.standard_normal((count, len(each.mean))) @ square_root(each.covariance).T
         for each, count in zip(explanations, counts, strict=True)
     )
     which = np.repeat(np.arange(len(counts)), counts)
     share = np.array([each.probability / count for each, count in zip(explanations, counts, strict=True)])
-    return Draws(which, parameters, share[which] / share[which].sum())
+    return Draws(which, parameters, share[which])
 
 
 def square_root(covariance: Array) -> Array:

@@ -6,6 +6,7 @@ from missionplan.phases.hooks import DescentEffect, TransitEffect, TrialState
 from missionplan.phases.mooring import MoorPlan, moor
 from missionplan.phases.mooring.forces import Dive
 from missionplan.phases.mooring.hold import Hold
+from missionplan.phases.recorded_currents import SeriesCurrent
 from missionplan.physics.drag import QuadraticDrag
 from missionplan.physics.held_line import HeldBody, HeldLine
 from missionplan.physics.seafloor import LyingAnchor
@@ -163,3 +164,12 @@ def test_the_ascent_goes_on_counting_from_the_taut_line():
     first_of_ascent = times[times[:, 0] > 1000.0].min(axis=0)
     expected = record.descent.descent_time - record.descent.payout_time + 1200.0 + 600.0
     assert first_of_ascent == pytest.approx(expected)
+
+
+def test_at_the_surface_it_drifts_with_the_current_of_that_time():
+    """A current to the east that grows by 0.1 m/s an hour: its mean over the 90 s before the fix, which is of their middle."""
+    time = np.array([0.0, 36_000.0])
+    growing = SeriesCurrent(time, np.array([0.0]), np.array([[0.0], [1.0]]), np.zeros((2, 1)))
+    after, record = moor(PLAN, state(), NONE, growing)
+    middle = after.clock - 45.0
+    assert (after.position - record.surfaced_at)[0] == pytest.approx(90.0 * middle / 36_000.0, rel=1e-9)
