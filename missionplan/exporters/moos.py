@@ -116,7 +116,7 @@ def local_xy(plan: Plan, waypoint: Waypoint) -> tuple[float, float]:
     from pyproj import Proj
 
     latitude, longitude = (math.degrees(angle) for angle in plan.origin)
-    projection = Proj(proj="utm", zone=utm_zone(latitude, longitude), south=latitude < 0.0, ellps="WGS84")
+    projection = Proj(proj="utm", zone=utm_zone(latitude, longitude), ellps="WGS84")
     origin = projection(longitude, latitude)
     place = projection(math.degrees(waypoint.longitude), math.degrees(waypoint.latitude))
     return place[0] - origin[0], place[1] - origin[1]

@@ -10,6 +10,7 @@ import jsonschema
 import numpy as np
 import pandas as pd
 import pytest
+from made_plans import PLANS
 from planned_missions import TABLE, by_table, chesapeake, starter
 from pyproj import Geod
 
@@ -137,6 +138,7 @@ def test_one_interval_in_place_of_a_table_costs_least_and_its_cost_is_that_of_a_
     extra = (found.cost - curve.table.cost) * nominal
     surfacing_error = 4.0 * nominal * np.hypot(found.standard_error, curve.table.standard_error)
     assert rule.extra_time == pytest.approx(extra, abs=surfacing_error + 4.0 * rule.extra_time_error)
+    assert 4.0 * rule.extra_time_error < 2.5 * surfacing_error  # a quarter of the trials, but in pairs
 
 
 def test_the_rule_for_surfacing_is_the_mission_s():
@@ -204,6 +206,19 @@ def test_the_plan_is_a_state_machine(plan):
         guard.value for each in states["1-surfacing"].transitions for guard in each.guards if guard.kind == "way-made"
     }
     assert longest == {350.0}
+    legs = [each for each in states_of(PLANS["west"])[0].transitions if each.to == "1-surfacing"]
+    ascent = 4.37 / np.tan(np.radians(5.0))  # goes up so much before the end of a leg, which none is longer than
+    assert [each.guards[0].value for each in legs] == pytest.approx([ascent, 411.7 - ascent])
+
+
+def test_a_leg_after_a_point_on_the_way_begins_with_a_fix_there():
+    there = {**TABLE["phases"][0]["transit"], "to": ["0 m", "2 km"], "via": [["0 m", "1 km"]], "d_max": "600 m"}
+    (transit,) = mission_plan(by_table({"phases": [{"transit": there}]})).transits
+    assert [leg.length for leg in transit.legs] == pytest.approx([600.0, 400.0] * 2)
+    assert [leg.elapsed for leg in transit.legs] == pytest.approx(
+        [way / 1.25 + 90.0 * k for k, way in enumerate((600.0, 1000.0, 1600.0, 2000.0))]
+    )
+    assert [leg.is_via for leg in transit.legs] == [False, True, False, False]
 
 
 @pytest.fixture(scope="module")

@@ -20,7 +20,7 @@ from made_plans import PLANS, metres_apart, on_earth
 from pyproj import Transformer
 
 from missionplan.errors import InputError
-from missionplan.exporters import format_named
+from missionplan.exporters import format_named, slocum
 from missionplan.exporters.moos import utm_zone
 from missionplan.exporters.slocum import degrees_minutes
 from missionplan.results.plan import Fence
@@ -867,3 +867,9 @@ def test_a_helm_goes_up_early_only_where_it_has_been_down(depth, goes_up_early):
     assert ("early_1_ingress_leg" in found) == goes_up_early
     if goes_up_early:
         assert f"NAV_DEPTH > {0.5 * depth:.2f}" in found["early_1_ingress_leg"][1]
+
+
+def test_a_glider_far_below_begins_to_climb_half_a_leg_before_its_end():
+    """300 m at 26° are 615 m; of a leg of 411.7 m half is the most that may be the climb."""
+    deep = replace(PLANS["west"].transits[0], depth=300.0)
+    assert slocum._interval(deep) == math.floor(317.6 - 0.5 * 411.7 / 1.313)

@@ -98,6 +98,9 @@ def test_the_table_of_areas_has_those_of_95_percent_with_their_numbers():
     ]
     assert [row[3] for row in rows] == ["812 × 391 m, 37°", "96 m (circle)", "2400 × 700 m, 0°", "812 × 391 m, 37°"]
     assert {row[4] for row in rows} == {"0.060 km²"}
+    assert {row[2] for row in rows} == {
+        sheet._place(outcome(), (3000.0, -4000.0)).replace("\u00a0", " ")
+    }  # the densest
     assert [row[5] for row in rows] == ["43 %", "43 %", "43 %", "100 %"]
     assert len(sheet._areas(outcome(), Overdue((time(),), {}, (area(),))).rows[0]) == 5  # nothing was searched
 

@@ -1,9 +1,17 @@
 """What the plan of a vehicle expects of its transits, from the tracks of some trials."""
 
+from dataclasses import replace
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
-from missionplan.studies.planned_phases import _last_drift
+from missionplan.mission import Mission
+from missionplan.phases.transit.plan import Execution
+from missionplan.scenario.scenario import Scenario
+from missionplan.scenario.site_current import recorded_current
+from missionplan.studies.planned_phases import TransitDurations, _last_drift, _sailed_by_its_vehicle, transit_durations
+from tests.exporters.made_plans import PLANS
 
 START, NOTHING = [0.0, 0.0], [np.nan, np.nan]
 
@@ -27,3 +35,43 @@ def test_without_a_leg_there_is_no_drift():
     assert _last_drift(track([START])).tolist() == [0.0, 0.0]
     there, far = [START], [START, [100.0, 0.0], [101.0, 2.0]]
     assert _last_drift(track(there, far)) == pytest.approx([1.0, 2.0]), "only trials that have made a leg count"
+
+
+PATH = {"from": ["0 m", "0 m"], "to": ["1 km", "0 m"], "speed": "1 m/s", "d_max": "300 m", "arrival_radius": "100 m"}
+
+
+def test_a_transit_is_sailed_in_the_current_of_its_own_time_and_is_not_given_up(tmp_path):
+    """0.25 m/s to the east from 10 000 s on, 90 s at the surface; with a time-out of a second none would arrive."""
+    (tmp_path / "current.csv").write_text(
+        "t_s,depth_m,east_m_s,north_m_s\n0,0,0,0\n9999,0,0,0\n10000,0,0.25,0\n50000,0,0.25,0\n"
+    )
+    navigation = {"velocity_error": {"sigma": "0.001 m/s"}, "surfacing_time": "90 s"}
+    site = {"current": {"file": str(tmp_path / "current.csv"), "outside": "hold"}}
+    mission = Mission.from_data({"site": site, "navigation": navigation, "phases": [{"transit": PATH}]})
+    means = Scenario.at_means(mission, recorded_current(mission))
+    hasty = Execution(
+        ends="fix", aim=np.array([1000.0, 0.0]), interval=300.0, fix_wait=600.0, aborts=True, time_out=1.0
+    )
+    for begins, drift in ((0.0, 0.0), (20_000.0, 22.5)):
+        for execution in (None, hasty):
+            found = transit_durations(means, means.transit(), np.zeros(2), begins, 1, execution)
+            assert found.arrived == 1.0
+            assert found.surface_drift == pytest.approx([drift, 0.0], abs=1e-6)
+
+
+@pytest.mark.parametrize(("ends", "extra"), [("fix", 0), ("count", 2)])
+def test_each_leg_has_the_duration_of_its_number_and_as_many_follow_as_most_arrive_with(ends, extra):
+    """Shares that arrive with none, one, two, three and four legs more; durations of three legs."""
+    shares = (0.5, 0.7, 0.9, 0.8, 0.6)
+    ingress = replace(PLANS["west"].transits[0], extra_legs=0)
+
+    def sail(legs):
+        return TransitDurations(np.array([1.0, 2.0, 3.0]) + 10.0 * legs, 60.0 + legs, shares[legs], np.zeros(2))
+
+    def executes(transit):
+        return SimpleNamespace(ends=ends, legs=transit.extra_legs)
+
+    found = _sailed_by_its_vehicle(ingress, executes, lambda execution: sail(execution.legs))
+    assert (found.extra_legs, found.duration_p99) == (extra, 60.0 + extra)
+    assert [point.duration_p99 for point in found.waypoints[1:]] == [10.0 * extra + k for k in (1.0, 2.0, 3.0)]
+    assert np.isnan(found.start.duration_p99)

@@ -78,6 +78,13 @@ def test_the_energy_left_is_that_of_the_phases_before_and_a_share_of_its_own():
     assert _spent(trials(), 9000.0 + LATER) == pytest.approx(20.0)
 
 
+def test_the_energy_left_is_what_all_but_one_in_twenty_have():
+    made = trials()
+    made.phases[0].quantities["energy_wh"] = np.linspace(8.0, 12.0, N)
+    (arrival,) = (each for each in _surfacings(BATTERY, made) if each.name == "out, arrival")
+    assert arrival.energy_left == pytest.approx(50.0 - np.quantile(np.linspace(8.0, 12.0, N), 0.95))
+
+
 def test_a_surfacing_that_few_make_is_not_named_and_a_last_one_is_the_arrival():
     made = trials()
     first = made.phases[0]
@@ -134,6 +141,10 @@ def test_those_that_failed_are_taken_where_there_are_enough():
     assert adrift.trials.tolist() == list(range(25))
     assert adrift.position == pytest.approx(np.repeat([[2.0], [1.0]], 25, axis=1))
     assert len(held.trials) == N
+    held = losses(trials().phases, {("moor", "did not surface"): some}, np.random.default_rng(1))[0]
+    assert (held.way, held.is_assumed, held.trials.tolist()) == ("not released", False, list(range(25)))
+    assert held.clock == pytest.approx(1100.0 + LATER[:25])  # it hangs there from its dive on
+    assert held.position == pytest.approx(np.repeat([[706.0], [12.0]], 25, axis=1))
 
 
 def test_how_far_it_hangs_from_its_anchor_is_a_high_quantile():
