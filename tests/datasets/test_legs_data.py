@@ -119,6 +119,9 @@ def test_a_wrong_fix_is_one_that_is_far_from_what_carries_all(folder, transit_mi
     """A current of 2 m/s is no wrong fix; a single leg that it seems to carry the other way is one."""
     table = legs(error=lambda t, heading: np.stack([np.full(len(t), 2.0), np.zeros(len(t))]))
     assert read_transit(folder(KIND, table), transit_mission).n == len(table)
+    calm = legs()
+    calm.loc[20, "x_end_m"] += 2.5 * (calm.loc[20, "t_end_s"] - calm.loc[20, "t_start_s"])
+    assert read_transit(folder(KIND, calm), transit_mission).n == len(calm), "water can be as fast"
     table.loc[20, "x_end_m"] -= 4.0 * (table.loc[20, "t_end_s"] - table.loc[20, "t_start_s"])
     assert set(table["leg"].astype(str)) - set(read_transit(folder(KIND, table), transit_mission).labels) == {"21"}
 

@@ -118,6 +118,7 @@ def test_values_found_afresh_are_followed_by_their_level(tmp_path: Path) -> None
         found = missionplan.history(root)
         (level,) = found.levels
         assert [each.record for each in level.jumps] == jumps
+        assert [each.value for each in level.missions] == pytest.approx([0.05, 0.05, last, last], abs=0.004)
         assert [each.report for each in found.changes] == jumps
         assert ("jumped before c" in answer(found)) == bool(jumps)
 
@@ -254,6 +255,14 @@ def test_a_level_that_holds_still_is_the_weighted_mean_of_its_measurements(tmp_p
     assert level.agreement == 1.0  # one measurement a day tells nothing of it
     assert level.next_value == pytest.approx(mean, abs=0.004)
     assert [each.value for each in level.missions] == pytest.approx([mean] * 4, abs=0.004)
+
+
+def test_two_records_of_a_day_agree_as_their_difference_over_its_error_tells(tmp_path: Path) -> None:
+    """0.01 apart with 0.005 each: χ² is 2 with one degree of freedom, whatever other days there are."""
+    for day, (name, value, of) in enumerate([("a", 0.05, 1), ("b", 0.06, 1), ("c", 0.055, 3)], 1):
+        told_afresh(tmp_path, name, day, value, 0.005, of)
+    (level,) = missionplan.history(tmp_path).levels
+    assert level.agreement == pytest.approx(math.erfc(1.0), abs=1e-9)
 
 
 def test_what_was_learned_is_drawn_report_by_report_and_has_moved_beyond_three_errors(tmp_path: Path) -> None:

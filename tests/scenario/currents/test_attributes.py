@@ -114,6 +114,7 @@ def test_times_along_a_dimension_are_no_others():
         (-2.0, {"units": "days since 2026-05-01 06:00:00"}, "2026-04-29T06:00:00"),
         (90.0, {"units": "minutes since 2026-05-01T00:00:00Z", "time_zone": "UTC"}, "2026-05-01T01:30:00"),
         (0.0, {"units": "seconds since 2026-05-01 00:00:00 +02:00"}, "2026-04-30T22:00:00"),
+        (12.0, {"units": "hours since 2026-05-01", "time_zone": "+02:00"}, "2026-05-01T10:00:00"),
         (0.2504, {"units": "seconds since 1970-01-01"}, "1970-01-01T00:00:00.250"),
         (61041.25, {"units": "days since 1858-11-17 00:00:00", "time_zone": "UTC"}, "2026-01-01T06:00:00"),  # MJD
     ],

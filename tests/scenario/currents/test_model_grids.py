@@ -422,6 +422,22 @@ def test_heights_of_roms_are_in_the_units_that_their_attributes_say(tmp_path, by
     assert found[1].velocity(t, depth, place) == pytest.approx(found[0].velocity(t, depth, place), abs=1e-6)
 
 
+@pytest.mark.parametrize(
+    ("standard", "transform"), [("", 1), ("ocean_s_coordinate_g1", 1), ("ocean_s_coordinate_g2", 2)]
+)
+def test_the_transform_that_roms_does_not_say_is_that_of_the_standard_name(tmp_path, standard, transform):
+    for name in ("says.nc", "silent.nc"):
+        roms(tmp_path / name, transform)
+    with netcdf.Dataset(tmp_path / "silent.nc", "a") as file:
+        file.renameVariable("Vtransform", "not_it")
+        if standard:
+            file["s_rho"].standard_name = standard
+    one, other = (read_field([str(tmp_path / name)], area(), name) for name in ("says.nc", "silent.nc"))
+    places = inner_points(one.grid.points, 40, np.random.default_rng(2))
+    t, depth = np.linspace(0.0, 10_000.0, 40), np.linspace(1.0, 40.0, 40)
+    np.testing.assert_array_equal(other.velocity(t, depth, places), one.velocity(t, depth, places))
+
+
 @pytest.mark.parametrize("lacking", ["a1u", "a2u", "nbe"])
 def test_of_gradients_that_are_not_all_there_none_is_taken(tmp_path, lacking):
     fvcom(tmp_path / "none.nc", gradients=False)

@@ -1,6 +1,7 @@
 """Numbers of cells, ranges, best and front by hand; blocks joined in their order; what a chosen requirement rules out."""
 
 import math
+from dataclasses import replace
 from datetime import UTC, datetime
 from types import SimpleNamespace
 
@@ -186,6 +187,14 @@ def test_without_energy_the_time_counts_and_what_never_ends_is_not_compared():
     assert judged("duration", rows).best == 1
     assert [each.on_front for each in judged("duration", rows).cells] == [False, True, False]
     assert judged("energy", rows).best is None
+
+
+def test_of_cells_that_cost_the_same_the_surer_is_the_best_and_one_dropped_is_none():
+    rows = [(3, 5.0, 60.0, True), (4, 5.0, 60.0, True)]
+    assert [judged(aim, order).best for aim in ("energy", "duration") for order in (rows, rows[::-1])] == [1, 0, 1, 0]
+    cheap, dear = judged("energy", [(4, 5.0, 60.0, True), (4, 9.0, 60.0, True)]).cells
+    columns = {name: np.ones(4) for name in ("total.success", "total.energy_wh", "total.duration_s")}
+    assert find_best([replace(cheap, dropped=True), dear], [columns] * 2, "energy").best == 1
 
 
 def test_cells_that_were_dropped_for_one_that_fails_in_the_end_are_run_after_all():

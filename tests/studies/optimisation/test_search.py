@@ -1,11 +1,13 @@
 """The search on made-up surfaces whose best choice is known, without a mission behind them."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
 from missionplan.results.decision import Axis
 from missionplan.studies.optimisation import Lattice
-from missionplan.studies.optimisation.evaluations import Demand, Evaluation, Evaluations, is_feasible
+from missionplan.studies.optimisation.evaluations import Demand, Evaluation, Evaluations, demands_of, is_feasible
 from missionplan.studies.optimisation.search import FINE, Search
 
 MARGIN = Demand("ok", "ok", None, float("nan"), 0.95)
@@ -70,3 +72,28 @@ def test_the_best_is_found_with_a_few_of_the_grids_trials(cost, keys, size, dema
     assert is_feasible(demands, found)
     assert found.cost("energy") <= 1.01 * best
     assert surface.spent <= 0.05 * len(surface.lattice) * FINE
+
+
+def test_a_point_is_known_by_its_most_trials_in_whichever_order_they_came():
+    for sizes in ((64, 256), (256, 64)):
+        found = Surface(_bowl, 1, 3)
+        found.kept.update({((1,), n): Evaluation((1,), {"ok": np.ones(n)}) for n in sizes})
+        assert [each.trials for each in found.best_known()] == [256]
+
+
+@pytest.mark.parametrize(("side", "would_do", "relaxed"), [("at_most", 96.0, 20.2), ("at_least", 5.0, 19.8)])
+def test_a_bound_that_would_do_is_met_by_so_many_of_a_hundred_that_nine_in_ten_are_certain(side, would_do, relaxed):
+    """90 + 1.96·3 of 100 are more than nine in ten, 96 therefore, of the numbers 1 to 100."""
+    demand = Demand("x", "x", side, 20.0, 0.9)
+    values = np.random.default_rng(1).permutation(np.arange(1.0, 101.0))
+    assert demand.would_do(Evaluation((0,), {"x": values})) == would_do
+    assert demand.relaxed().limit == pytest.approx(relaxed)
+
+
+def test_the_limit_of_an_energy_is_in_watt_hours_as_the_trials_are():
+    def required(name, most):
+        return SimpleNamespace(quantity=f"total.{name}", at_most=most, at_least=None, probability=0.9)
+
+    mission = SimpleNamespace(phases=(), requirements=[required("energy", 7200.0), required("duration", 120.0)])
+    found = [(each.column, each.side, each.limit) for each in demands_of(mission)]
+    assert found == [("total.energy_wh", "at_most", 2.0), ("total.duration_s", "at_most", 120.0)]
