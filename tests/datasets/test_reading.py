@@ -56,6 +56,11 @@ def test_springs_and_model_of_an_oscillation_must_be_known(folder, missing):
         read_dataset(folder(keys, "mode,frequency_hz\nsurge,1.8\n"), FREE_OSCILLATION).checked()
 
 
+def test_the_water_of_a_tank_follows_from_its_temperature_and_salinity(folder):
+    data = read_tank_data(folder(TOWING | {"water": {"temperature": "15 degC", "salinity": 35}}, ROWS))
+    assert (data.density, data.viscosity) == (pytest.approx(1026.0, rel=1e-3), pytest.approx(1.19e-6, rel=0.01))
+
+
 @pytest.mark.parametrize("command", ["voltage_v", "rpm"])
 def test_a_thruster_that_is_never_told_to_turn_is_named(command, folder):
     thrusts = f"{command},thrust_n\n"

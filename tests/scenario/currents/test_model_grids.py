@@ -402,6 +402,32 @@ def test_a_regular_grid_in_metres_is_refused(tmp_path):
         read_field([str(tmp_path / "metres.nc")], area(), "metres.nc")
 
 
+def test_of_a_regular_grid_is_read_what_a_mission_to_the_north_near_the_pole_needs(tmp_path):
+    """The speed is the distance from the origin in degrees: at 80 N those of longitude are short."""
+    latitude, longitude = np.linspace(78.0, 82.0, 21), np.linspace(0.0, 20.0, 51)
+    speeds = np.broadcast_arrays(longitude[None, :] - 10.0, latitude[:, None] - 80.0)
+    xarray.Dataset(
+        {
+            key: (("time", "lat", "lon"), values[None], {"standard_name": name, "units": "m s-1"})
+            for key, name, values in (
+                ("u", "eastward_sea_water_velocity", speeds[0]),
+                ("v", "northward_sea_water_velocity", speeds[1]),
+            )
+        },
+        {
+            "time": [START],
+            "lat": ("lat", latitude, {"units": "degrees_north"}),
+            "lon": ("lon", longitude, {"units": "degrees_east"}),
+        },
+    ).to_netcdf(tmp_path / "pole.nc")
+    origin = Geographic.model_construct(latitude=np.radians(80.0), longitude=np.radians(10.0))
+    there = area(origin=origin, places=np.array([[0.0, 0.0], [0.0, 60_000.0]]))
+    east, north = place = np.array([[55_000.0, -40_000.0], [100_000.0, -50_000.0]])
+    found = read_field([str(tmp_path / "pole.nc")], there, "pole.nc").velocity(np.zeros(2), np.ones(2), place)
+    expected = np.degrees(np.subtract(to_geographic(east, north, origin), [[origin.latitude], [origin.longitude]]))
+    assert found == pytest.approx(expected[::-1], rel=0.05)  # of the plane, whose columns are straight
+
+
 @pytest.mark.parametrize("by_terms", [False, True])
 def test_heights_of_roms_are_in_the_units_that_their_attributes_say(tmp_path, by_terms):
     """Seafloor in cm, surface in mm, critical depth in km; the levels by ROMS's names, or by CF's terms alone."""
