@@ -7,6 +7,8 @@ import pytest
 import missionplan
 from missionplan.errors import InputError
 
+pytestmark = pytest.mark.usefixtures("unplanned", "unranked", "unheld")
+
 MISSIONS = Path(__file__).parents[2] / "missions"
 
 

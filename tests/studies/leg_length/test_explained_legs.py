@@ -6,7 +6,7 @@ from missionplan import Mission, plan_legs
 from missionplan.report.render import render_report
 from missionplan.studies.leg_length.plan_page import answer, cases_table
 
-pytestmark = pytest.mark.usefixtures("unassumed", "unsought")
+pytestmark = pytest.mark.usefixtures("unassumed", "unsought", "unplanned", "unranked", "unheld")
 
 BASE = {
     "name": "in doubt",

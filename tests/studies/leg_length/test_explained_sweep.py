@@ -6,7 +6,7 @@ from missionplan import Mission, sweep_dmax
 from missionplan.report.render import render_report
 from missionplan.studies.leg_length.sweep_page import answer
 
-pytestmark = pytest.mark.usefixtures("unassumed")
+pytestmark = pytest.mark.usefixtures("unassumed", "unplanned", "unranked", "unheld")
 
 BASE = {
     "name": "in doubt",

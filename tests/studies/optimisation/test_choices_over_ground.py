@@ -10,7 +10,7 @@ from missionplan.mission import Mission
 from missionplan.studies.exploration.explore import explore
 from missionplan.studies.optimisation.optimise import optimise
 
-pytestmark = pytest.mark.usefixtures("unassumed")
+pytestmark = pytest.mark.usefixtures("unassumed", "unplanned", "unranked", "unheld")
 
 pytest.importorskip("shapely")
 HALF_WIDTH = 25.0

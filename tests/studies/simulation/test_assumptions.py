@@ -11,7 +11,7 @@ from missionplan.rendering import render
 from missionplan.report.render import terminal_view
 from missionplan.studies.judgement import Doubt, doubts_of, ledger
 
-pytestmark = pytest.mark.usefixtures("unplanned")
+pytestmark = pytest.mark.usefixtures("unplanned", "unranked", "unheld")
 
 ONE_LEG = """
 name: One leg across an exact current

@@ -20,6 +20,8 @@ from missionplan.studies.simulation.drift import UNSTATED_ERROR, UNSTATED_TIME, 
 from missionplan.studies.simulation.losses import Losses, Search, encloses, read_searches
 from missionplan.studies.simulation.overdue import search_areas
 
+pytestmark = pytest.mark.usefixtures("unplanned", "unranked", "unheld")
+
 DAY = 86_400.0
 WINDY = """
 name: Windy

@@ -8,7 +8,7 @@ from missionplan.report.explained import explanation_in_words
 from missionplan.report.render import render_report
 from missionplan.studies.simulation.simulate import simulate_block
 
-pytestmark = pytest.mark.usefixtures("unplanned")
+pytestmark = pytest.mark.usefixtures("unplanned", "unheld")
 
 TRIALS = 600
 BASE = {

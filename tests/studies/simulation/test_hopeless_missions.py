@@ -9,7 +9,7 @@ from simulate_missions import chesapeake
 from missionplan.report.simulation.page import answer
 from missionplan.studies.simulation.simulate import simulate
 
-pytestmark = pytest.mark.usefixtures("unplanned", "unranked")
+pytestmark = pytest.mark.usefixtures("unplanned", "unranked", "unheld")
 
 PAGE = Path(__file__).parents[2] / "mission" / "what_cannot_be.md"
 IN, MOOR, OUT = "phases.0.transit", "phases.1.moor", "phases.2.transit"

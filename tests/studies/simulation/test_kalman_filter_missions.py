@@ -11,7 +11,7 @@ from missionplan.phases.transit.kalman_filter import PERSISTENT, STEADY, SURFACE
 from missionplan.scenario.scenario import Scenario
 from missionplan.studies.simulation.simulate import simulate
 
-pytestmark = pytest.mark.usefixtures("unplanned", "unranked")
+pytestmark = pytest.mark.usefixtures("unplanned", "unranked", "unheld")
 
 MISSION = """
 name: Filter

@@ -12,7 +12,7 @@ from missionplan.scenario.scenario import Scenario
 from missionplan.scenario.site_current import recorded_current
 from missionplan.studies.simulation.simulate import simulate, simulate_block
 
-pytestmark = pytest.mark.usefixtures("unplanned", "unranked")
+pytestmark = pytest.mark.usefixtures("unplanned", "unranked", "unheld")
 
 SIGMA, TIME = 0.05, 7200.0
 

@@ -12,7 +12,7 @@ import missionplan
 from missionplan.mission import Mission
 from missionplan.results.whereabouts import AFLOAT
 
-pytestmark = pytest.mark.usefixtures("unplanned", "unranked")
+pytestmark = pytest.mark.usefixtures("unplanned", "unranked", "unheld")
 
 SPEED, WIDTH = 5.0, 200.0
 """Of the boat [m/s], and its sweep width for a low torpedo [m]."""

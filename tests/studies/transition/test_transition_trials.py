@@ -10,6 +10,8 @@ from missionplan.errors import InputError
 from missionplan.studies.simulation.simulate import simulate, simulate_block
 from missionplan.studies.sweep_transition import sweep_transition
 
+pytestmark = pytest.mark.usefixtures("unplanned", "unranked")
+
 MISSION = Path(__file__).parents[3] / "missions" / "autosub-transition.yaml"
 
 
