@@ -54,10 +54,15 @@ class Decision(Record):
 
 
 def written(data: Mapping[str, object], key: str) -> object:
-    """Return what a mission's data has at a key path that begins with a section or a phase's name; None for nothing."""
+    """Return what a mission's data has at a key path that begins with a section, or with what stands for a phase.
+
+    That is its name, or its place: ``phases[1].anchor_wet_weight``. None where there is nothing.
+    """
     first, *rest = (name or int(number) for name, number in _STEP.findall(key))
     value: object = data.get(str(first))
-    if value is None:
+    if first == "phases":
+        value = _phases(data)
+    elif value is None:
         value = next((phase for phase in _phases(data) if phase.get("name") == first), None)
     for step in rest:
         if isinstance(value, Mapping):

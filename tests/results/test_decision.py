@@ -9,7 +9,7 @@ import missionplan
 from missionplan.montecarlo.statistics import wilson
 from missionplan.report import explained
 from missionplan.report.render import terminal_view
-from missionplan.results.decision import Assumption, MemberOutcome, changes_of, written
+from missionplan.results.decision import Assumption, Change, MemberOutcome, changes_of, written
 from missionplan.results.learned import Campaign, Diagnosis
 from missionplan.results.simulation import Outcome
 
@@ -113,3 +113,12 @@ def test_what_a_diagnosis_is_sure_of():
     both = Campaign(None, (diagnosis(causes=("speed-scale",)), known))
     assert both.informed_by == {"speed-scale": ("log",), "compass-bias": ("log",), "fix-error": ("log",)}
     assert both.shared == ()
+
+
+def test_what_a_mission_has_is_found_by_a_phases_place_where_its_name_is_no_key():
+    data = {"phases": [{"transit": {"speed": "1 m/s"}}, {"moor": {"name": "moor 1.5 m", "line_length": "5 m"}}]}
+    values = {"phases[1].line_length": "6 m", "transit.speed": "1 m/s", "phases[2].hold": "1 h"}
+    assert changes_of(data, values) == (
+        Change("phases[1].line_length", "5 m", "6 m"),
+        Change("phases[2].hold", None, "1 h"),
+    )
