@@ -16,6 +16,7 @@ from missionplan.errors import InputError
 from missionplan.mission import Mission
 from tests.learned import held, moments
 
+CAUSES = ("drag-bias", "added-mass", "clock-offset")
 SPIKE = CATALOGUE["drag-bias"].parameters["fraction"].spike
 
 
