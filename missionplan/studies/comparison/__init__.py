@@ -20,12 +20,12 @@ from missionplan.montecarlo.streams import sized_blocks
 from missionplan.results import Provenance
 from missionplan.results.decision import Aim
 from missionplan.store.folder import as_path, is_folder
+from missionplan.studies.comparison.differing_values import differing_values
 from missionplan.studies.comparison.reported_choices import CHOOSING, aim_of, check_kinds, reported_alternative
 from missionplan.studies.comparison.result import DECIDES, Alternative, Alternatives, Comparison, Contrast, Estimate
 from missionplan.studies.comparison.two_reports import (
     SummaryNumber,
     compare_reports,
-    differing_values,
     read_summary,
     standard_error_and_p_value,
 )

@@ -13,7 +13,8 @@ from missionplan.report.quantities import PERCENT, Unit, as_written, reader_syst
 from missionplan.report.wording import has_spread, in_words, number, of_phase, split_key
 from missionplan.results.entries import mapping
 from missionplan.studies.comparison.choices_page import limit_in_words, requirements_of, task_in_words
-from missionplan.studies.comparison.result import ChangedValue, ComparedNumber, Comparison, ListItem, phase_names
+from missionplan.studies.comparison.differing_values import phase_names
+from missionplan.studies.comparison.result import ChangedValue, ComparedNumber, Comparison, ListItem
 
 _GROUPS = {"sweep": "", "anchor": "", "odds": "dives"}
 """How sections of `summary.json` are named, where not by their keys."""

@@ -24,7 +24,8 @@ from missionplan.report.wording import (
 )
 from missionplan.results.entries import mapping, mappings
 from missionplan.results.simulation import RequirementOutcome
-from missionplan.studies.comparison.result import Alternative, Alternatives, PartOfTask
+from missionplan.studies.comparison.differing_values import PartOfTask
+from missionplan.studies.comparison.result import Alternative, Alternatives
 
 _WORDS = {
     "phases": "their phases",

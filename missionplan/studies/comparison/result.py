@@ -1,75 +1,17 @@
 """Results of `compare`: what changed between two reports, and which of several missions is better, by how much."""
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Annotated, ClassVar, Literal, NamedTuple, get_args
+from typing import Annotated, ClassVar, Literal, NamedTuple
 
 import pandas as pd
 
-from missionplan import errors
-from missionplan.errors import key_path
 from missionplan.montecarlo.statistics import Probability
 from missionplan.results import Provenance, Result, to_csv
 from missionplan.results.decision import Aim
-from missionplan.results.entries import Entry, Record, mapping, mappings
+from missionplan.results.entries import Entry, Record
 from missionplan.results.simulation import RequirementOutcome
-
-PartOfTask = Literal["phases", "place", "depth", "from", "to", "hold", "requirements"]
-"""What of its task a value of a mission tells."""
-
-
-class Leaf(NamedTuple):
-    """Where a value of a mission stands: its keys within a section of the file, or within a phase."""
-
-    keys: errors.KeyPath
-    phase: str = ""
-    """What stands for the phase in key paths; empty in a section."""
-
-    def path(self) -> str:
-        """Return its key path, with phases by name."""
-        return ".".join(filter(None, (self.phase, key_path(self.keys))))
-
-    def part(self) -> PartOfTask | None:
-        """Return the part of the mission's task that it tells; None for a way to do it."""
-        match self.phase, self.keys:
-            case "", ("site", "origin", *_):
-                return "place"
-            case "", ("site", "depth", *_):
-                return "depth"
-            case "", ("requirements", *_):
-                return "requirements"
-            case str(name), (("from" | "to" | "hold") as key, *_) if name:
-                return key
-        return None
-
-
-@dataclass(frozen=True)
-class DifferingValue(Record):
-    """A value in which missions differ."""
-
-    path: Annotated[str, Entry("key path, with phases by name")]
-    values: Annotated[tuple[str, ...], Entry("in the order of the missions; empty where one does not have it")]
-    leaf: Leaf
-
-
-def parts_of_task(leaves: Iterable[Leaf], *, phases_differ: bool) -> dict[PartOfTask, list[str]]:
-    """Return the parts of a mission's task that some values tell, in the order of `PartOfTask`, and in which phases."""
-    found: dict[PartOfTask | None, list[str]] = {"phases": []} if phases_differ else {}
-    for leaf in leaves:
-        found.setdefault(leaf.part(), []).append(leaf.phase)
-    parts: tuple[PartOfTask, ...] = get_args(PartOfTask)
-    return {part: list(dict.fromkeys(found[part])) for part in parts if part in found}
-
-
-def phase_names(mission: object) -> tuple[str, ...]:
-    """Names of a mission's phases: given, or else their kinds."""
-    entries = mappings(mapping(mission).get("phases"))
-    return tuple(
-        str(section.get("name", kind)) if isinstance(section, Mapping) else str(kind)
-        for entry in entries
-        for kind, section in entry.items()
-    )
-
+from missionplan.studies.comparison.differing_values import DifferingValue, Leaf, PartOfTask, parts_of_task, phase_names
 
 Bound = Literal["at_most", "at_least"]
 

@@ -2,7 +2,6 @@
 
 import json
 import math
-import re
 import time
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
@@ -15,11 +14,10 @@ from scipy.special import ndtr
 from missionplan.errors import InputError, Problem
 from missionplan.identity import differences, digest_of, program_part
 from missionplan.mission.documents import load_document, read_text
-from missionplan.mission.quantity_paths import written_phases
-from missionplan.mission.units import QuantityError, parse_number_with_unit
 from missionplan.results import Provenance, without_run
 from missionplan.results.entries import mapping, mappings, real, whole
 from missionplan.store.folder import as_path
+from missionplan.studies.comparison.differing_values import differing_values
 from missionplan.studies.comparison.reported_choices import CHOOSING
 from missionplan.studies.comparison.result import (
     Bound,
@@ -28,65 +26,16 @@ from missionplan.studies.comparison.result import (
     ComparedNumber,
     ComparedRun,
     Comparison,
-    DifferingValue,
     KeyPath,
-    Leaf,
     ListItem,
 )
 from missionplan.studies.coverage import coverage_of
-
-_TRAILING_UNIT = re.compile(r"\s*[+-]?[\d.]+(?:[eE][+-]?\d+)?\s*(\S.*?)\s*")
 
 
 def changed_values(first: object, second: object) -> tuple[ChangedValue, ...]:
     """List the values that differ, by key path with phases by name; ``75 ft`` and ``22.86 m`` are the same."""
     found = differing_values((first, second))
     return tuple(ChangedValue(each.path, each.values[0], each.values[1], each.leaf) for each in found)
-
-
-def differing_values(missions: Sequence[object]) -> tuple[DifferingValue, ...]:
-    """List the values in which any of some missions differs from the first, by key path with phases by name."""
-    leaves = [dict(_leaves(mission, Leaf(()))) for mission in missions]
-    return tuple(
-        DifferingValue(leaf.path(), tuple(_value_shown(each.get(leaf)) for each in leaves), leaf)
-        for leaf in dict.fromkeys(leaf for each in leaves for leaf in each)
-        if not all(_same(leaves[0].get(leaf), each.get(leaf)) for each in leaves[1:])
-    )
-
-
-def _leaves(value: object, at: Leaf) -> Iterator[tuple[Leaf, object]]:
-    if isinstance(value, Mapping) and at == Leaf(("posterior",)):
-        yield at, str(value.get("sha256", ""))[:12]
-        for effect, known in mapping(value.get("summary")).items():
-            yield Leaf((*at.keys, effect)), mapping(known).get("probability")
-    elif isinstance(value, Mapping):
-        for key, inner in value.items():
-            yield from _leaves(inner, Leaf((*at.keys, str(key)), at.phase))
-    elif isinstance(value, list) and at == Leaf(("phases",)):
-        for phase in written_phases({"phases": value}):
-            yield from _leaves(phase.section, Leaf((), phase.key))
-    elif isinstance(value, list) and at != Leaf(("learned_from",)):
-        for index, inner in enumerate(value):
-            yield from _leaves(inner, Leaf((*at.keys, index), at.phase))
-    else:
-        yield at, value
-
-
-def _same(first: object, second: object) -> bool:
-    if first == second:
-        return True
-    if not (isinstance(first, str) and isinstance(second, str) and (match := _TRAILING_UNIT.fullmatch(second))):
-        return False
-    try:
-        return math.isclose(*(parse_number_with_unit(text, match[1]) for text in (first, second)), rel_tol=1e-12)
-    except QuantityError:
-        return False
-
-
-def _value_shown(value: object) -> str:
-    if isinstance(value, list):
-        return f"{len(value)} legs, dives or runs"
-    return "" if value is None else str(value)
 
 
 SECTIONS = {

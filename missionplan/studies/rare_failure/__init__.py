@@ -57,10 +57,7 @@ class Cause(Record):
 class FailureMode(Record):
     """A way in which the failure comes about."""
 
-    step: Annotated[
-        str,
-        Entry("where such missions fail first, ``moor: anchor outside the radius``; empty where they succeed yet"),
-    ]
+    step: Annotated[str, Entry("where such missions fail first, as ``moor: anchor dragged``; empty where nowhere yet")]
     share: Annotated[float, Entry("of the failures")]
     causes: Annotated[tuple[Cause, ...], Entry("what is not as usual in them, the most unusual first")]
 

@@ -13,8 +13,8 @@ from missionplan.report.render import terminal_view
 from missionplan.results import to_yaml
 from missionplan.studies.comparison.alternatives_page import answer, page
 from missionplan.studies.comparison.choices_page import task_in_words
-from missionplan.studies.comparison.result import Alternatives, Leaf, parts_of_task
-from missionplan.studies.comparison.two_reports import differing_values
+from missionplan.studies.comparison.differing_values import Leaf, differing_values, parts_of_task
+from missionplan.studies.comparison.result import Alternatives
 from missionplan.studies.exploration import with_values
 
 pytestmark = pytest.mark.usefixtures("unassumed", "unplanned", "unranked", "unheld")

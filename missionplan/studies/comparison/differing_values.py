@@ -1,0 +1,111 @@
+"""Values in which missions differ, with what each tells of the missions' tasks; phases by name."""
+
+import math
+import re
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Annotated, Literal, NamedTuple, get_args
+
+from missionplan.errors import KeyPath, key_path
+from missionplan.mission.quantity_paths import written_phases
+from missionplan.mission.units import QuantityError, parse_number_with_unit
+from missionplan.results.entries import Entry, Record, mapping
+
+PartOfTask = Literal["phases", "place", "depth", "from", "to", "hold", "requirements"]
+"""What of its task a value of a mission tells."""
+
+
+class Leaf(NamedTuple):
+    """Where a value of a mission stands: its keys within a section of the file, or within a phase."""
+
+    keys: KeyPath
+    phase: str = ""
+    """What stands for the phase in key paths; empty in a section."""
+
+    def path(self) -> str:
+        """Return its key path, with phases by name."""
+        return ".".join(filter(None, (self.phase, key_path(self.keys))))
+
+    def part(self) -> PartOfTask | None:
+        """Return the part of the mission's task that it tells; None for a way to do it."""
+        match self.phase, self.keys:
+            case "", ("site", "origin", *_):
+                return "place"
+            case "", ("site", "depth", *_):
+                return "depth"
+            case "", ("requirements", *_):
+                return "requirements"
+            case str(name), (("from" | "to" | "hold") as key, *_) if name:
+                return key
+        return None
+
+
+@dataclass(frozen=True)
+class DifferingValue(Record):
+    """A value in which missions differ."""
+
+    path: Annotated[str, Entry("key path, with phases by name")]
+    values: Annotated[tuple[str, ...], Entry("in the order of the missions; empty where one does not have it")]
+    leaf: Leaf
+
+
+def parts_of_task(leaves: Iterable[Leaf], *, phases_differ: bool) -> dict[PartOfTask, list[str]]:
+    """Return the parts of a mission's task that some values tell, in the order of `PartOfTask`, and in which phases."""
+    found: dict[PartOfTask | None, list[str]] = {"phases": []} if phases_differ else {}
+    for leaf in leaves:
+        found.setdefault(leaf.part(), []).append(leaf.phase)
+    parts: tuple[PartOfTask, ...] = get_args(PartOfTask)
+    return {part: list(dict.fromkeys(found[part])) for part in parts if part in found}
+
+
+def phase_names(mission: object) -> tuple[str, ...]:
+    """Names of a mission's phases: given, or else their kinds."""
+    return tuple(each.name for each in written_phases(mapping(mission)))
+
+
+_TRAILING_UNIT = re.compile(r"\s*[+-]?[\d.]+(?:[eE][+-]?\d+)?\s*(\S.*?)\s*")
+
+
+def differing_values(missions: Sequence[object]) -> tuple[DifferingValue, ...]:
+    """List the values in which any of some missions differs from the first, by key path with phases by name."""
+    leaves = [dict(_leaves(mission, Leaf(()))) for mission in missions]
+    return tuple(
+        DifferingValue(leaf.path(), tuple(_value_shown(each.get(leaf)) for each in leaves), leaf)
+        for leaf in dict.fromkeys(leaf for each in leaves for leaf in each)
+        if not all(_same(leaves[0].get(leaf), each.get(leaf)) for each in leaves[1:])
+    )
+
+
+def _leaves(value: object, at: Leaf) -> Iterator[tuple[Leaf, object]]:
+    if isinstance(value, Mapping) and at == Leaf(("posterior",)):
+        yield at, str(value.get("sha256", ""))[:12]
+        for effect, known in mapping(value.get("summary")).items():
+            yield Leaf((*at.keys, effect)), mapping(known).get("probability")
+    elif isinstance(value, Mapping):
+        for key, inner in value.items():
+            yield from _leaves(inner, Leaf((*at.keys, str(key)), at.phase))
+    elif isinstance(value, list) and at == Leaf(("phases",)):
+        for phase in written_phases({"phases": value}):
+            yield from _leaves(phase.section, Leaf((), phase.key))
+    elif isinstance(value, list) and at != Leaf(("learned_from",)):
+        for index, inner in enumerate(value):
+            yield from _leaves(inner, Leaf((*at.keys, index), at.phase))
+    else:
+        yield at, value
+
+
+def _same(first: object, second: object) -> bool:
+    if first == second:
+        return True
+    if not (isinstance(first, str) and isinstance(second, str) and (match := _TRAILING_UNIT.fullmatch(second))):
+        return False
+    try:
+        return math.isclose(*(parse_number_with_unit(text, match[1]) for text in (first, second)), rel_tol=1e-12)
+    except QuantityError:
+        return False
+
+
+def _value_shown(value: object) -> str:
+    if isinstance(value, list):
+        return f"{len(value)} legs, dives or runs"
+    return "" if value is None else str(value)
