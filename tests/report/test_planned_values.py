@@ -1,8 +1,10 @@
 """Values of a mission file in words: no error bears more digits than it has itself, and a range keeps its own."""
 
+from types import SimpleNamespace
+
 import pytest
 
-from missionplan.report.planned import changed, value_in_words
+from missionplan.report.planned import _current, changed, value_in_words, where_checked
 
 
 @pytest.mark.parametrize(
@@ -44,3 +46,24 @@ def test_what_changes_is_shown_as_was_and_now():
     ]
     assert section.is_summary
     assert changed(data, {"moor.anchor_wet_weight": "12 N"}) == []
+
+
+def test_a_layer_of_a_current_begins_where_the_one_above_ends():
+    layers = [{"speed": "0.2 m/s", "toward": "90 deg", "down_to": edge} for edge in ("10 m", "25 m", "40 m")]
+    assert [name for name, _ in _current(layers)] == [
+        "current, surface to 10 m",
+        "current, 10 m to 25 m",
+        "current, 25 m to 40 m",
+    ]
+
+
+def test_what_the_mission_has_is_told_before_what_was_checked():
+    checked = SimpleNamespace(quantity="speed", least=1.0, greatest=1.5, low=0.5, high=2.5, unit="m/s", is_inside=True)
+    (section,) = where_checked(SimpleNamespace(rests_on=("row",), checked=(checked,)))
+    (row,) = next(block.rows for block in section.blocks if hasattr(block, "rows"))
+    assert [cell.replace("\u00a0", " ") for cell in row] == [
+        "speed",
+        "1 m/s to 1.5 m/s",
+        "0.5 m/s to 2.5 m/s",
+        "inside",
+    ]

@@ -8,6 +8,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from missionplan.errors import InputError
 from missionplan.mission import Mission
 from missionplan.montecarlo.statistics import Probability, wilson
 from missionplan.results.decision import (
@@ -21,7 +22,7 @@ from missionplan.results.decision import (
 )
 from missionplan.results.optimisation import Optimised, RuledOut, Tried
 from missionplan.results.simulation import RequirementOutcome
-from missionplan.studies.exploration import first_start, steps
+from missionplan.studies.exploration import _times, first_start, steps
 from missionplan.studies.exploration.cells import CellTrials, _joined, _numbered
 from missionplan.studies.exploration.explore import _misses, _to_run_after_all
 from missionplan.studies.exploration.result import (
@@ -232,6 +233,14 @@ def test_the_first_start_is_the_earliest_of_all_axes():
     assert first_start((SPEED,)) is None
     assert starts.exact(0) == "2026-06-03T00:00:00+00:00"
     assert (starts.shown(0), SPEED.exact(2)) == ("c UTC", "3 m/s")
+
+
+def test_starts_are_counted_from_the_mission_s_own_and_go_on():
+    mission = MISSION.model_copy(update={"start": datetime(2026, 6, 1, 9, 30, tzinfo=UTC)})
+    hours = [(each - mission.start.timestamp()) / 3600.0 for each in _times(mission, "1 h:4 h:90 min").numbers]
+    assert hours == [1.0, 2.5, 4.0]
+    with pytest.raises(InputError, match="the last time is before the first"):
+        _times(mission, "12:00:04:00:10 min")
 
 
 def test_what_turns_an_answer():

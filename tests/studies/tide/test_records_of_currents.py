@@ -1,6 +1,7 @@
 """Records of a current as files say them, and what `tide` says of a record: shares, errors held out, the fragment."""
 
 import math
+from types import SimpleNamespace
 
 import numpy as np
 import pandas as pd
@@ -9,7 +10,7 @@ import yaml
 
 import missionplan
 from missionplan.errors import InputError
-from missionplan.studies.tide.harmonic_analysis import tidal_velocity
+from missionplan.studies.tide.harmonic_analysis import HarmonicFit, tidal_velocity
 from missionplan.studies.tide.result import read_current_record
 
 BEGINS = 1775001600.0  # 2026-04-01
@@ -137,3 +138,10 @@ def test_the_fragment_holds_every_depth_in_degrees_and_the_error_of_the_worst(fo
     first = frame[frame["depth_m"] == 20.0].iloc[0]
     assert (first["constituent"], first["toward_deg"]) == ("M2", math.degrees(worst.constituents[0].toward))
     assert first["toward_deg"] == pytest.approx(90.0, abs=3.0)  # the longer axis lies east
+
+
+def test_the_errors_of_a_fit_are_in_a_forecast_s_twice():
+    fit = SimpleNamespace(
+        constituents=(), mean_error=0.03, residual=SimpleNamespace(sd=0.1), coefficient_variance=lambda names: 0.0016
+    )
+    assert HarmonicFit.spread.fget(fit) == pytest.approx(math.sqrt(0.015))  # 0.1² + 2 (0.03² + 0.04²)
