@@ -99,6 +99,7 @@ def test_a_seagliders_legs_are_those_of_the_reference(seaglider):
     assert seaglider.table["fix_sd_m"].between(2.0, 8.0).all()
 
 
+@pytest.mark.slow  # 97 files; a few of another one are read always
 def test_a_seaexplorers_legs_are_those_of_the_reference(seaexplorer):
     rows = compared(seaexplorer, "seaexplorer-sea035")
     assert len(seaexplorer.table) == 61
@@ -110,6 +111,7 @@ def test_a_seaexplorers_legs_are_those_of_the_reference(seaexplorer):
     assert rows["dr_end_m"].max() <= 11.0
 
 
+@pytest.mark.slow
 def test_a_position_that_stands_still_is_told(seaexplorer):
     assert any("stands still under water" in notice for notice in seaexplorer.provenance.notices)
     assert seaexplorer.reckoning == "made from heading, with pitch and depth rate"
@@ -132,19 +134,27 @@ def test_legs_of_further_vehicles_are_those_of_the_reference(folder, module, cou
     assert with_end[rows["wanted_ok"] == 1].all()  # of the Slocum's 13 days without data no position is known
 
 
+@pytest.mark.slow
 def test_copies_of_a_file_are_read_once(seaexplorer):
     repeated = [each for each in seaexplorer.passed_over if "the same as" in each]
     assert len(repeated) == 2
     assert len(seaexplorer.sources) == 97
 
 
-def test_the_declination_is_checked(seaexplorer, slocum):
+@pytest.mark.slow
+def test_the_declination_that_was_logged_is_checked(seaexplorer):
     pytest.importorskip("pygeomag", reason="pygeomag is not installed")
     assert any("is that of the World Magnetic Model" in notice for notice in seaexplorer.provenance.notices)
+
+
+def test_the_declination_is_that_of_the_model(slocum):
+    pytest.importorskip("pygeomag", reason="pygeomag is not installed")
     assert slocum.table["declination_deg"].iloc[0] == pytest.approx(15.8, abs=0.2)
 
 
-@pytest.mark.parametrize("name", ["slocum", "seaexplorer", pytest.param("seaglider", marks=pytest.mark.slow)])
+@pytest.mark.parametrize(
+    "name", ["slocum", *(pytest.param(each, marks=pytest.mark.slow) for each in ("seaexplorer", "seaglider"))]
+)
 def test_what_is_written_is_a_data_set_for_the_starter_mission(name, request, tmp_path):
     result = request.getfixturevalue(name)
     folder = result.save(tmp_path / "data")

@@ -242,7 +242,7 @@ def test_two_vehicles_in_one_bag_or_in_two_are_no_one_track(plain, tmp_path):
         with pytest.raises(InputError, match=r"several topics of gps: /one/fix, /two/fix.*--vehicle one"):
             import_logs(logs)
         agree(plain, import_logs(logs, vehicle="one"), metres=2.0)
-        agree(plain, import_logs(logs, names=["gps=/one/fix odometry=/one/odom"]), metres=2.0)
+    agree(plain, import_logs([tmp_path / "both"], names=["gps=/one/fix odometry=/one/odom"]), metres=2.0)
 
 
 def test_two_vehicles_whose_topics_have_the_same_names_are_found_out(tmp_path):
