@@ -292,6 +292,15 @@ def test_a_packed_log_of_moos(tmp_path):
     agree(import_logs([path]), import_logs([tmp_path / "b.alog.gz"]))
 
 
+def test_a_copy_of_a_log_is_read_once(tmp_path):
+    path, copy = alog(tmp_path / "a.alog"), tmp_path / "copy.alog"
+    copy.write_bytes(path.read_bytes())
+    found = import_logs([path, copy])
+    agree(import_logs([path]), found)
+    assert ["the same as" in each for each in found.passed_over] == [True]
+    assert len(found.sources) == 1
+
+
 # --- NMEA, GPX --------------------------------------------------------------------------------------------------------
 
 
