@@ -22,7 +22,7 @@ from missionplan.results.decision import (
 )
 from missionplan.results.optimisation import Optimised, RuledOut, Tried
 from missionplan.results.simulation import RequirementOutcome
-from missionplan.studies.exploration import _times, first_start, steps
+from missionplan.studies.exploration import _times, explore, first_start, steps
 from missionplan.studies.exploration.cells import CellTrials, _joined, _numbered
 from missionplan.studies.exploration.explore import _misses, _to_run_after_all
 from missionplan.studies.exploration.result import (
@@ -208,6 +208,18 @@ def test_cells_that_were_dropped_for_one_that_fails_in_the_end_are_run_after_all
     ]
     assert _to_run_after_all([late, *waiting], [0]) == [1, 2]
     assert _to_run_after_all([cell(0, (True, False), trials=100), *waiting], [0]) == []
+
+
+def test_each_member_counts_the_trials_that_sail_in_it(monkeypatch):
+    monkeypatch.setattr(explore, "members_of", lambda recorded: (("calm", 0.7), ("rough", 0.2), ("unmet", 0.1)))
+    monkeypatch.setattr(explore, "members_drawn", lambda recorded, seed, trials: np.array([0, 0, 1, 0, 1]))
+    plan = SimpleNamespace(task=SimpleNamespace(current=SimpleNamespace(current=None), seed=1), axes=(SPEED,))
+    found = [CellTrials({"total.success": np.array(flags, dtype=float)}) for flags in ([0] * 5, [1, 1, 0, 1, 1])]
+    members = explore._members(plan, found, 1, 5)
+    assert [(each.name, each.probability, each.good.value) for each in members] == [
+        ("calm", 0.7, 1.0),
+        ("rough", 0.2, 0.5),
+    ]
 
 
 def test_blocks_are_joined_in_their_order_and_numbered_apart():
