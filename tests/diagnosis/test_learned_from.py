@@ -146,7 +146,7 @@ def test_a_score_on_data_learned_from_says_so(learned, written, tmp_path):
     mission, place = as_written(learned, tmp_path), written("copy", log())
     found = missionplan.score(mission, place, written("new", log(20, seed=3)))
     assert [each["learned_from"] for each in found.score()["datasets"]] == [24, 0]
-    assert told_of_score(found).count("learned from all 24 legs (learned_from)") == 1
+    assert told_of_score(found).count("learned from all 24 legs: that is no prediction") == 1
     with pytest.raises(InputError, match="holdout: the mission has learned from all of these data"):
         missionplan.diagnose(mission, place, plan=False, holdout=0.3)
 
