@@ -8,7 +8,7 @@ import pytest
 
 from missionplan.diagnosis.plan_gain import anchor_choice, plan_gain, with_urgency
 from missionplan.mission import Mission, load
-from missionplan.results.entries import SUCCESS
+from missionplan.results.failures import SUCCESS
 from missionplan.results.learned import PlanGain
 from missionplan.results.learned.levels import Level, ParameterLevels
 from missionplan.studies.anchor import worst_case_anchor
