@@ -15,7 +15,9 @@ sys.path.append(str(HERE.parents[1]))
 import gallery  # noqa: E402  (beside this file, which is no package)
 import reference  # noqa: E402
 
-from validation import pages  # noqa: E402
+from validation import pages, rows  # noqa: E402
+
+rows.all_rows()  # now: mkdocs takes back what was added to sys.path once this module is imported
 
 
 def on_files(files: Files, config: MkDocsConfig) -> Files:
