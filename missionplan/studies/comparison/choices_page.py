@@ -20,6 +20,7 @@ from missionplan.report.wording import (
     listed,
     number,
     percent,
+    phase_in_words,
     share,
 )
 from missionplan.results.entries import mapping, mappings
@@ -42,7 +43,7 @@ def task_in_words(differs: Mapping[PartOfTask, Sequence[str]]) -> str:
     parts = []
     for part, names in differs.items():
         several = len(names) > 1 and part in _OF_SEVERAL
-        parts.append((_OF_SEVERAL if several else _WORDS)[part].format(" and ".join(names)))
+        parts.append((_OF_SEVERAL if several else _WORDS)[part].format(" and ".join(map(phase_in_words, names))))
     return listed([f"in {words}" for words in parts])
 
 

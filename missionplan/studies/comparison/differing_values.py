@@ -15,7 +15,7 @@ PartOfTask = Literal["phases", "place", "depth", "from", "to", "hold", "requirem
 """What of its task a value of a mission tells."""
 
 
-class Leaf(NamedTuple):
+class MissionKey(NamedTuple):
     """Where a value of a mission stands: its keys within a section of the file, or within a phase."""
 
     keys: KeyPath
@@ -46,14 +46,14 @@ class DifferingValue(Record):
 
     path: Annotated[str, Entry("key path, with phases by name")]
     values: Annotated[tuple[str, ...], Entry("in the order of the missions; empty where one does not have it")]
-    leaf: Leaf
+    mission_key: MissionKey
 
 
-def parts_of_task(leaves: Iterable[Leaf], *, phases_differ: bool) -> dict[PartOfTask, list[str]]:
+def parts_of_task(keys: Iterable[MissionKey], *, phases_differ: bool) -> dict[PartOfTask, list[str]]:
     """Return the parts of a mission's task that some values tell, in the order of `PartOfTask`, and in which phases."""
     found: dict[PartOfTask | None, list[str]] = {"phases": []} if phases_differ else {}
-    for leaf in leaves:
-        found.setdefault(leaf.part(), []).append(leaf.phase)
+    for key in keys:
+        found.setdefault(key.part(), []).append(key.phase)
     parts: tuple[PartOfTask, ...] = get_args(PartOfTask)
     return {part: list(dict.fromkeys(found[part])) for part in parts if part in found}
 
@@ -68,28 +68,28 @@ _TRAILING_UNIT = re.compile(r"\s*[+-]?[\d.]+(?:[eE][+-]?\d+)?\s*(\S.*?)\s*")
 
 def differing_values(missions: Sequence[object]) -> tuple[DifferingValue, ...]:
     """List the values in which any of some missions differs from the first, by key path with phases by name."""
-    leaves = [dict(_leaves(mission, Leaf(()))) for mission in missions]
+    values = [dict(_values_by_key(mission, MissionKey(()))) for mission in missions]
     return tuple(
-        DifferingValue(leaf.path(), tuple(_value_shown(each.get(leaf)) for each in leaves), leaf)
-        for leaf in dict.fromkeys(leaf for each in leaves for leaf in each)
-        if not all(_same(leaves[0].get(leaf), each.get(leaf)) for each in leaves[1:])
+        DifferingValue(key.path(), tuple(_value_shown(each.get(key)) for each in values), key)
+        for key in dict.fromkeys(key for each in values for key in each)
+        if not all(_same(values[0].get(key), each.get(key)) for each in values[1:])
     )
 
 
-def _leaves(value: object, at: Leaf) -> Iterator[tuple[Leaf, object]]:
-    if isinstance(value, Mapping) and at == Leaf(("posterior",)):
+def _values_by_key(value: object, at: MissionKey) -> Iterator[tuple[MissionKey, object]]:
+    if isinstance(value, Mapping) and at == MissionKey(("posterior",)):
         yield at, str(value.get("sha256", ""))[:12]
         for effect, known in mapping(value.get("summary")).items():
-            yield Leaf((*at.keys, effect)), mapping(known).get("probability")
+            yield MissionKey((*at.keys, effect)), mapping(known).get("probability")
     elif isinstance(value, Mapping):
         for key, inner in value.items():
-            yield from _leaves(inner, Leaf((*at.keys, str(key)), at.phase))
-    elif isinstance(value, list) and at == Leaf(("phases",)):
+            yield from _values_by_key(inner, MissionKey((*at.keys, str(key)), at.phase))
+    elif isinstance(value, list) and at == MissionKey(("phases",)):
         for phase in written_phases({"phases": value}):
-            yield from _leaves(phase.section, Leaf((), phase.key))
-    elif isinstance(value, list) and at != Leaf(("learned_from",)):
+            yield from _values_by_key(phase.section, MissionKey((), phase.key))
+    elif isinstance(value, list) and at != MissionKey(("learned_from",)):
         for index, inner in enumerate(value):
-            yield from _leaves(inner, Leaf((*at.keys, index), at.phase))
+            yield from _values_by_key(inner, MissionKey((*at.keys, index), at.phase))
     else:
         yield at, value
 

@@ -11,7 +11,13 @@ from missionplan.results import Provenance, Result, to_csv
 from missionplan.results.decision import Aim
 from missionplan.results.entries import Entry, Record
 from missionplan.results.simulation import RequirementOutcome
-from missionplan.studies.comparison.differing_values import DifferingValue, Leaf, PartOfTask, parts_of_task, phase_names
+from missionplan.studies.comparison.differing_values import (
+    DifferingValue,
+    MissionKey,
+    PartOfTask,
+    parts_of_task,
+    phase_names,
+)
 
 Bound = Literal["at_most", "at_least"]
 
@@ -56,7 +62,7 @@ class ChangedValue(Record):
     path: Annotated[str, Entry("key path, or name of the option")]
     first: Annotated[str, Entry("of the first run")]
     second: Annotated[str, Entry("of the second run")]
-    leaf: Leaf | None = None
+    mission_key: MissionKey | None = None
     """Of a value of the mission."""
 
 
@@ -138,8 +144,8 @@ class Comparison(Result):
     def task_differs(self) -> Mapping[PartOfTask, Sequence[str]]:
         """Parts in which the tasks of the missions differ, and their phases; empty where they have one task."""
         first, second = self.phases
-        leaves = (each.leaf for each in self.mission_changes if each.leaf is not None)
-        return parts_of_task(leaves, phases_differ=first != second)
+        keys = (each.mission_key for each in self.mission_changes if each.mission_key is not None)
+        return parts_of_task(keys, phases_differ=first != second)
 
     @property
     def alike(self) -> bool:
@@ -273,7 +279,7 @@ class Alternatives(Result):
     def task_differs(self) -> Mapping[PartOfTask, Sequence[str]]:
         """Parts in which the tasks of the missions differ, and their phases; empty where they have one task."""
         phases = {phase_names(self.provenance.data.get(each.name)) for each in self.alternatives}
-        return parts_of_task((each.leaf for each in self.differing), phases_differ=len(phases) > 1)
+        return parts_of_task((each.mission_key for each in self.differing), phases_differ=len(phases) > 1)
 
     @property
     def best_one(self) -> Alternative:

@@ -35,7 +35,7 @@ from missionplan.studies.coverage import coverage_of
 def changed_values(first: object, second: object) -> tuple[ChangedValue, ...]:
     """List the values that differ, by key path with phases by name; ``75 ft`` and ``22.86 m`` are the same."""
     found = differing_values((first, second))
-    return tuple(ChangedValue(each.path, each.values[0], each.values[1], each.leaf) for each in found)
+    return tuple(ChangedValue(each.path, each.values[0], each.values[1], each.mission_key) for each in found)
 
 
 SECTIONS = {

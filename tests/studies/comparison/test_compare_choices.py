@@ -13,7 +13,7 @@ from missionplan.report.render import terminal_view
 from missionplan.results import to_yaml
 from missionplan.studies.comparison.alternatives_page import answer, page
 from missionplan.studies.comparison.choices_page import task_in_words
-from missionplan.studies.comparison.differing_values import Leaf, differing_values, parts_of_task
+from missionplan.studies.comparison.differing_values import MissionKey, differing_values, parts_of_task
 from missionplan.studies.comparison.result import Alternatives
 from missionplan.studies.exploration import with_values
 
@@ -154,7 +154,7 @@ def test_parts_of_the_task_and_ways_to_do_it():
         "sweep": {"d_max": {"to": "1 km"}},
     }
     other = yaml.safe_load(yaml.safe_dump(task).replace("1 ", "2 ").replace("20 m", "30 m").replace("a.csv", "b.csv"))
-    parts = {each.path: each.leaf.part() for each in differing_values((task, other))}
+    parts = {each.path: each.mission_key.part() for each in differing_values((task, other))}
     assert parts == {
         "out.to[0]": "to",
         "out.speed": None,
@@ -169,6 +169,11 @@ def test_parts_of_the_task_and_ways_to_do_it():
 
 
 def test_the_task_in_words():
-    leaves = [Leaf(("to", 0), "out"), Leaf(("to", 1), "back"), Leaf(("hold",), "out"), Leaf(("site", "depth"))]
-    differs = parts_of_task(leaves, phases_differ=False)
+    keys_found = [
+        MissionKey(("to", 0), "out"),
+        MissionKey(("to", 1), "back"),
+        MissionKey(("hold",), "out"),
+        MissionKey(("site", "depth")),
+    ]
+    differs = parts_of_task(keys_found, phases_differ=False)
     assert task_in_words(differs) == "in the depth of the water, in where out and back lead and in how long out holds"
