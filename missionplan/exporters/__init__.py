@@ -14,7 +14,8 @@ from xml.etree import ElementTree
 
 from missionplan.errors import Problem
 from missionplan.phases.transit.plan import Execution
-from missionplan.results.plan import Fence, Plan, PlannedTransit
+from missionplan.results.plan import Plan, PlannedTransit
+from missionplan.results.plan_places import Fence
 from missionplan.results.plan_states import GUARDS, GuardKind
 
 FIXED_POINTS = (
@@ -83,7 +84,7 @@ def zones_lost(plan: Plan, what: str = "nothing in it keeps the vehicle out") ->
 
 def limits_lost(plan: Plan) -> tuple[str, ...]:
     """Say what a format loses whose polygons hold at all times and depths, and have no holes."""
-    limited = [fence for fence in plan.fences if fence.is_limited]
+    limited = [fence for fence in plan.fences if fence.limits]
     holed = [fence for fence in plan.fences if fence.holes]
     times = (f"times and depths of zones kept out of: fenced at all of them ({_names(limited)})",) if limited else ()
     return times + ((f"water inside land and zones: fenced with them ({_names(holed)})",) if holed else ())

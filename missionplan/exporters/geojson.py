@@ -12,7 +12,8 @@ from missionplan.arrays import Array
 from missionplan.exporters import header, one_interval
 from missionplan.exporters.table import course_row, mooring_row, waypoint_row
 from missionplan.mission.schema.place import Geographic, to_geographic
-from missionplan.results.plan import Fence, Plan, PlannedMooring, PlannedTransit, Waypoint
+from missionplan.results.plan import Plan, PlannedMooring, PlannedTransit
+from missionplan.results.plan_places import Fence, Waypoint
 
 Origin = tuple[float, float]
 """Latitude and longitude [rad]."""

@@ -18,7 +18,8 @@ import numpy as np
 
 from missionplan.exporters import header, no_battery, no_correction, one_interval, plain, token, zones_lost
 from missionplan.phases.transit.plan import Execution
-from missionplan.results.plan import CLIMB, SURFACE_DEPTH, Plan, PlannedMooring, PlannedTransit, Waypoint
+from missionplan.results.plan import CLIMB, SURFACE_DEPTH, Plan, PlannedMooring, PlannedTransit
+from missionplan.results.plan_places import Waypoint
 from missionplan.results.plan_states import GuardKind
 
 TITLE = "behaviours for MOOS-IvP"

@@ -32,7 +32,8 @@ from missionplan.exporters import (
     zones_lost,
 )
 from missionplan.phases.transit.plan import Execution
-from missionplan.results.plan import Plan, PlannedTransit, Waypoint
+from missionplan.results.plan import Plan, PlannedTransit
+from missionplan.results.plan_places import Waypoint
 from missionplan.results.plan_states import GuardKind
 
 TITLE = "mission for Neptus"

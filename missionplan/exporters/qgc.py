@@ -21,7 +21,8 @@ import numpy as np
 
 from missionplan.exporters import FIXED_POINTS, header, limits_lost, no_battery, token, unheld_moorings
 from missionplan.phases.transit.plan import Execution
-from missionplan.results.plan import Plan, PlannedTransit, Waypoint
+from missionplan.results.plan import Plan, PlannedTransit
+from missionplan.results.plan_places import Waypoint
 from missionplan.results.plan_states import GuardKind
 
 TITLE = "QGroundControl plan for {}"

@@ -1,20 +1,22 @@
 """Waypoints and moorings in columns: a CSV for spreadsheets, and for other forms with columns or attributes."""
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 
 from missionplan.exporters import header, one_line, zones_lost
 from missionplan.results import to_csv
-from missionplan.results.plan import Plan, PlannedMooring, PlannedTransit, Waypoint
+from missionplan.results.plan import Plan, PlannedMooring, PlannedTransit
+from missionplan.results.plan_places import Waypoint
 
 TITLE = "CSV"
 NEEDS_ORIGIN = False
 
 Cell = str | float | None
-OF_TRANSITS = ("phase", "depth_m", "speed_m_s", "surface_time_s", "radius_m")
-"""Columns of a waypoint that its transit says already."""
-OF_MOORINGS = ("release_time_s", "hold_s", "galvanic_release_s")
-_OF_WAYPOINTS = ("course_deg", "leg_m", "speed_m_s", "duration_s", "duration_p99_s", "time_out_s", "surface_time_s")
+COLUMNS = (
+    *("name", "phase", "kind", "east_m", "north_m", "latitude_deg", "longitude_deg", "course_deg", "leg_m", "depth_m"),
+    *("speed_m_s", "duration_s", "duration_p99_s", "time_out_s", "surface_time_s", "elapsed_s", "radius_m"),
+    *("release_time_s", "hold_s", "galvanic_release_s"),
+)
 
 
 def lost(plan: Plan) -> tuple[str, ...]:
@@ -47,24 +49,26 @@ def rows(plan: Plan) -> Iterator[dict[str, Cell]]:
 
 def waypoint_row(transit: PlannedTransit, waypoint: Waypoint) -> dict[str, Cell]:
     """Return what a form in columns or with attributes says of a waypoint."""
-    at_start = waypoint.kind == "start"
-    return {
-        "name": waypoint.name,
-        "phase": transit.name,
-        "kind": waypoint.kind,
-        **place(waypoint),
-        "course_deg": known(math.degrees(waypoint.course), 3),
-        "leg_m": known(waypoint.length, 3),
-        "depth_m": known(transit.depth, 3),
-        "speed_m_s": known(transit.speed, 4),
-        "duration_s": known(waypoint.duration, 1),
-        "duration_p99_s": known(waypoint.duration_p99, 1),
-        "time_out_s": None if at_start else waypoint.time_out,
-        "surface_time_s": None if at_start else known(transit.surfacing.surface_time, 1),
-        "elapsed_s": known(waypoint.elapsed, 1),
-        "radius_m": known(transit.arrival_radius, 3) if waypoint.kind == "arrival" else None,
-        **dict.fromkeys(OF_MOORINGS),
-    }
+    rule = transit.surfacing
+    return _columns(
+        waypoint.summary(),
+        phase=transit.name,
+        depth_m=transit.depth,
+        speed_m_s=transit.speed,
+        surface_time_s=None if waypoint.kind == "start" else rule.surface_time,
+        radius_m=transit.arrival_radius if waypoint.kind == "arrival" else None,
+    )
+
+
+def mooring_row(mooring: PlannedMooring) -> dict[str, Cell]:
+    """Return what a form in columns or with attributes says of a mooring: the same names."""
+    return _columns(mooring.summary(), phase=mooring.name, depth_m=mooring.water_depth)
+
+
+def _columns(entries: Mapping[str, Cell], **more: Cell) -> dict[str, Cell]:
+    """Arrange entries as columns, numbers to the millimetre and millisecond or better."""
+    row = {**more, **entries}
+    return {name: known(cell, 8) if isinstance(cell := row.get(name), float) else cell for name in COLUMNS}
 
 
 def course_row(transit: PlannedTransit) -> dict[str, Cell]:
@@ -77,31 +81,6 @@ def course_row(transit: PlannedTransit) -> dict[str, Cell]:
         "surfacing_interval_s": round(rule.interval_time, 1),
         "surface_time_s": rule.surface_time,
         "time_out_s": transit.time_out,
-    }
-
-
-def mooring_row(mooring: PlannedMooring) -> dict[str, Cell]:
-    """Return what a form in columns or with attributes says of a mooring: the same names."""
-    return {
-        "name": mooring.name,
-        "phase": mooring.name,
-        "kind": "mooring",
-        **place(mooring),
-        "depth_m": known(mooring.water_depth, 3),
-        **dict.fromkeys(_OF_WAYPOINTS),
-        "elapsed_s": known(mooring.elapsed, 1),
-        "radius_m": known(mooring.radius, 3),
-        **{key: known(getattr(mooring, key.removesuffix("_s")), 1) for key in OF_MOORINGS},
-    }
-
-
-def place(point: Waypoint | PlannedMooring) -> dict[str, Cell]:
-    """Return the columns of a position."""
-    return {
-        "east_m": round(point.east, 3),
-        "north_m": round(point.north, 3),
-        "latitude_deg": known(math.degrees(point.latitude), 8),
-        "longitude_deg": known(math.degrees(point.longitude), 8),
     }
 
 

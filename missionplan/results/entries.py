@@ -30,6 +30,8 @@ class Entry:
     """Attribute that says whether the key is there; default: it is."""
     scale: float = 1.0
     """Numbers of the attribute are divided by it: J in a W h."""
+    digits: int | None = None
+    """Decimals that a number is rounded to; default: all that it has."""
     parts: tuple[str, ...] = ()
     """Entries of its own that are taken; default: all."""
     after: str = ""
@@ -128,7 +130,8 @@ def key_of_unit(unit: str) -> str:
 
 
 def _scaled(value: Any, entry: Entry) -> Any:
-    return value if entry.scale == 1.0 or value is None else value / entry.scale
+    scaled = value if entry.scale == 1.0 or value is None else value / entry.scale
+    return scaled if entry.digits is None or scaled is None else round(scaled, entry.digits)
 
 
 def _plain(value: Any) -> Any:

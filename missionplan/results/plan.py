@@ -1,12 +1,22 @@
 """The plan as a vehicle takes it: where to go, how deep, how fast, when to surface, when to release the anchor."""
 
 import math
-from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from datetime import datetime
+from typing import Annotated, Literal
 
-TIME_OUT_MARGIN = 1.1
-"""Time-out over the 99 % duration."""
+from missionplan.results.entries import Entry, Record
+from missionplan.results.plan_places import (
+    East,
+    Fence,
+    Latitude,
+    Longitude,
+    North,
+    PlaceInDegrees,
+    Waypoint,
+    time_out,
+)
+
 CLIMB = math.radians(5.0)
 """Angle at which a vehicle is taken to climb to the surface, or steeper; those with a propeller climb at 10 to 30°, and
 slower as they level off. A vehicle that climbs steeper makes the rest of its leg at the surface [rad]."""
@@ -21,54 +31,27 @@ LONGEST_SINKING = 5.0
 
 
 @dataclass(frozen=True)
-class Waypoint:
-    """A point of the course, with the leg that leads to it."""
-
-    name: str
-    """Such as ``ingress 2``."""
-    kind: str
-    """``start``, ``surfacing`` (where a planned leg ends) or ``arrival``."""
-    east: float
-    north: float
-    """Of the origin [m]."""
-    latitude: float
-    longitude: float
-    """[rad]; nan where the mission has no origin."""
-    course: float
-    """Of the leg over ground, clockwise from true north [rad]; nan at a start."""
-    length: float
-    """Of the leg [m]."""
-    duration: float
-    duration_p99: float
-    """Time under way: length over speed, with the acceleration from rest; and what 99 % of the trials take at most for
-    the leg of this number, course corrections included [s]."""
-    elapsed: float
-    """Since the mission's start, nominally [s]."""
-    is_via: bool = False
-    """Whether it is a point on the way that the transit goes round by: it is arrived at as the goal is."""
-
-    @property
-    def time_out(self) -> float:
-        """Time after which the leg has failed, in whole seconds: the longer of its durations and a tenth [s]."""
-        return time_out(self.duration, self.duration_p99)
-
-
-@dataclass(frozen=True)
-class SurfacingRule:
+class SurfacingRule(Record):
     """When the vehicle surfaces between a start and an arrival."""
 
-    interval: float
-    """Greatest length of a leg; with a table, the one that costs least in its place [m]."""
-    interval_time: float
-    """Time under way of such a leg in still water [s]."""
-    surface_time: float
-    surface_time_p99: float
-    """At the surface, mean and 99 % quantile [s]."""
-    table: tuple[tuple[float, float], ...] = ()
-    """Distance left and length of the leg, linear between; empty where one length holds throughout [m]."""
-    extra_time: float = 0.0
-    extra_time_error: float = 0.0
-    """Mean time that the one interval costs beyond the table, and its standard error; zero without a table [s]."""
+    interval: Annotated[
+        float, Entry("greatest length of a leg; with a table, the one that costs least in its place", "m", digits=3)
+    ]
+    interval_time: Annotated[float, Entry("under way of such a leg in still water", "s", digits=3)]
+    surface_time: Annotated[float, Entry("at the surface for a fix, mean", "s", digits=3)]
+    surface_time_p99: Annotated[float, Entry("what 99 % of them take at most", "s", digits=3)]
+    table: Annotated[
+        tuple[tuple[float, float], ...],
+        Entry(
+            "distance left and length of the leg, linear between rows, held beyond them, never beyond the goal; empty "
+            "where one length holds",
+            "m",
+        ),
+    ] = ()
+    extra_time: Annotated[
+        float, Entry("mean time that the one interval costs beyond the table; zero without one", "s", digits=3)
+    ] = 0.0
+    extra_time_error: Annotated[float, Entry("its standard error", "s", digits=3)] = 0.0
 
     @property
     def fix_wait(self) -> float:
@@ -77,25 +60,29 @@ class SurfacingRule:
 
 
 @dataclass(frozen=True)
-class PlannedTransit:
+class PlannedTransit(Record):
     """A transit."""
 
-    name: str
-    depth: float
-    speed: float
-    """Run depth, and speed through the water [m, m/s]."""
-    arrival_radius: float
-    """[m]"""
-    surfacing: SurfacingRule
-    waypoints: tuple[Waypoint, ...]
-    """The start, where each planned leg ends, and the goal last."""
-    duration_p99: float
-    """Time that 99 % of the trials that arrive take, from the first dive to the fix on arrival [s]."""
+    name: Annotated[str, Entry("of the phase")]
+    depth: Annotated[float, Entry("at which it runs", "m")]
+    speed: Annotated[float, Entry("through the water", "m/s")]
+    arrival_radius: Annotated[float, Entry("it ends with a fix this near to the goal", "m")]
+    surfacing: Annotated[SurfacingRule, Entry("when it surfaces")]
+    waypoints: Annotated[tuple[Waypoint, ...], Entry("the start, where each planned leg ends, and the goal last")]
+    duration_p99: Annotated[
+        float,
+        Entry("99 % of the trials that arrive take at most this, from first dive to last fix", "s", digits=1),
+    ]
     aim: Waypoint | None = None
     """Point that a vehicle without a correction for drift steers for, so that the mean drift at the surface takes it to
     the goal; None: the goal."""
     extra_legs: int = 0
     """Legs for that point after the nominal ones, of a vehicle that cannot compare a fix with the goal."""
+
+    @property
+    def kind(self) -> Annotated[Literal["transit"], Entry(after="name")]:
+        """Kind of phase."""
+        return "transit"
 
     @property
     def steered_for(self) -> Waypoint:
@@ -165,40 +152,37 @@ class PlannedTransit:
         return self.waypoints[1:]
 
     @property
-    def time_out(self) -> float:
-        """Time after which the transit has failed, surfacings included, whole seconds [s]."""
+    def time_out(self) -> Annotated[float, Entry(unit="s")]:
+        """Time after which the transit has failed: a tenth more than 99 % take, or than nominally; whole seconds."""
         nominal = self.goal.elapsed - self.start.elapsed + self.surfacing.surface_time
         return time_out(nominal, self.duration_p99)
 
 
 @dataclass(frozen=True)
-class PlannedMooring:
-    """A mooring, about the fix on arrival."""
+class PlannedMooring(Record):
+    """A mooring where the transit before it ends, about the fix on arrival."""
 
-    name: str
-    east: float
-    north: float
-    latitude: float
-    longitude: float
-    """Where the transit before it ends [m, rad]."""
-    radius: float
-    """Within which the anchor is to lie [m]."""
-    water_depth: float
-    """[m]; nan where the mission has none."""
-    line_length: float
-    """[m]"""
-    anchor_wet_weight: float
-    """[N]; nan where it is to be sized."""
-    release_time: float
-    release_time_p99: float
-    """From the last fix until the anchor separates, mean and 99 % quantile [s]."""
-    hold: float
-    galvanic_release: float
-    """Time on the bottom until the release is commanded, and until the link has corroded, means [s]."""
-    elapsed: float
-    """Mission time of the last fix before it, nominally [s]."""
+    name: Annotated[str, Entry("of the phase")]
+    east: East
+    north: North
+    latitude: Latitude
+    longitude: Longitude
+    radius: Annotated[float, Entry("within which of the fix on arrival the anchor is to lie", "m")]
+    water_depth: Annotated[float, Entry("null where the mission has none", "m", digits=3)]
+    line_length: Annotated[float, Entry("from anchor to vehicle", "m")]
+    anchor_wet_weight: Annotated[float, Entry("null where it is to be sized", "N", digits=3)]
+    release_time: Annotated[float, Entry("from the fix on arrival until the anchor separates, mean", "s", digits=2)]
+    release_time_p99: Annotated[float, Entry("what 99 % of the releases take at most", "s", digits=2)]
+    hold: Annotated[float, Entry("on the seafloor until the release is commanded", "s")]
+    galvanic_release: Annotated[float, Entry("until the link has corroded", "s")]
+    elapsed: Annotated[float, Entry("since the mission's start at the last fix before it, nominally", "s", digits=1)]
     surface_time_p99: float = 0.0
     """At the surface after the ascent, 99 % quantile [s]."""
+
+    @property
+    def kind(self) -> Annotated[Literal["mooring"], Entry(after="name")]:
+        """Kind of phase."""
+        return "mooring"
 
     @property
     def fix_wait(self) -> float:
@@ -222,52 +206,42 @@ class PlannedMooring:
 
 
 @dataclass(frozen=True)
-class Fence:
-    """A zone that the vehicle keeps out of."""
-
-    name: str
-    outline: tuple[tuple[float, float], ...]
-    """Corners, latitude and longitude, the first one not repeated [rad]."""
-    kind: str = "keep-out"
-    """``land`` or ``keep-out``."""
-    holes: tuple[tuple[tuple[float, float], ...], ...] = ()
-    """Corners of the water inside it, as the outline's [rad]."""
-    limits: Mapping[str, float] = field(default_factory=dict)
-    """When and at which depths it holds: ``from_s``, ``to_s`` since the mission's start, ``above_m``, ``below_m``."""
-
-    @property
-    def is_limited(self) -> bool:
-        """Whether the mission forbids it at some times or depths alone."""
-        return bool(self.limits)
-
-
-@dataclass(frozen=True)
-class Plan:
+class Plan(Record):
     """The plan of a mission, its uncertain quantities at their means."""
 
-    mission: str
-    """The mission's name."""
-    digest: str
-    """SHA-256 of the mission's data as `mission.yaml` of a report has them, in hexadecimal digits; of a current's file
-    the contents count, not the path."""
-    version: str
-    """Of missionplan."""
+    mission: Annotated[str, Entry("the mission's name")]
+    digest: Annotated[
+        str,
+        Entry(
+            "of the mission's data as `mission.yaml` of a report has them; of a current's file the contents count, not "
+            "the path; the same in the header of every exported file",
+            key="mission_sha256",
+        ),
+    ]
+    version: Annotated[str, Entry("version that wrote the plan", key="missionplan")]
     start: datetime | None
     """UTC."""
     origin: tuple[float, float] | None
     """Latitude and longitude of the local plane [rad]."""
-    phases: tuple[PlannedTransit | PlannedMooring, ...]
-    """In the mission's order."""
-    notes: tuple[str, ...] = ()
-    """What the reader is to know of every form of the plan."""
+    phases: Annotated[tuple[PlannedTransit | PlannedMooring, ...], Entry("in the mission's order")]
+    notes: Annotated[tuple[str, ...], Entry("what the reader is to know of every form of the plan")] = ()
     capacity: float = math.nan
     """Energy in the battery; nan where the mission gives none [Wh]."""
-    fences: tuple[Fence, ...] = ()
-    """Land and zones kept out of, where the mission has an origin."""
+    fences: Annotated[tuple[Fence, ...], Entry("land and zones kept out of, where the mission has an origin")] = ()
     has_thruster: bool = False
     """Whether the vehicle has a propeller."""
     corrects: bool = False
     """Whether the mission corrects the course for drift from fix to fix."""
+
+    @property
+    def start_utc(self) -> Annotated[str | None, Entry(after="version")]:
+        """When the mission starts, ISO 8601."""
+        return self.start.isoformat() if self.start else None
+
+    @property
+    def origin_in_degrees(self) -> Annotated[PlaceInDegrees | None, Entry(key="origin", after="start_utc")]:
+        """Origin of east and north; azimuthal equidistant on WGS 84."""
+        return None if self.origin is None else PlaceInDegrees(*map(math.degrees, self.origin))
 
     @property
     def transits(self) -> tuple[PlannedTransit, ...]:
@@ -295,9 +269,3 @@ class Plan:
 def fix_wait(surface_time_p99: float) -> float:
     """Return for how long a vehicle waits for a fix: five times what 99 % take, ten minutes at least [s]."""
     return max(FIX_WAIT, 5.0 * surface_time_p99)
-
-
-def time_out(nominal: float, p99: float) -> float:
-    """Return the time-out of a duration, whole seconds [s]."""
-    longest = nominal if math.isnan(p99) else max(nominal, p99)
-    return float(math.ceil(TIME_OUT_MARGIN * longest - 1e-9))

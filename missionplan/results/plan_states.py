@@ -7,8 +7,9 @@ for the point until its dead reckoning is there, surfaces, and has arrived where
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Literal
+from typing import Annotated, Literal
 
+from missionplan.results.entries import Entry, Record
 from missionplan.results.plan import SURFACE_DEPTH, Plan, PlannedMooring, PlannedTransit
 
 StateKind = Literal["leg", "surfacing", "fix", "decide", "release", "descend", "hold", "ascend", "done", "abort"]
@@ -26,11 +27,11 @@ GuardKind = Literal[
     "energy-used",
 ]
 
-GUARDS: dict[GuardKind, tuple[str, str]] = {
+GUARDS: dict[GuardKind, tuple[str, Literal["m", "s", "Wh"] | None]] = {
     "reckoned-within": ("dead reckoning within {} of the point", "m"),
     "way-made": ("{} made through the water since the last fix", "m"),
     "at-surface": ("at the surface, above {}", "m"),
-    "fix-received": ("a fix since surfacing", ""),
+    "fix-received": ("a fix since surfacing", None),
     "fix-within": ("the fix within {} of the goal", "m"),
     "fix-beyond": ("the fix farther than {} from the goal", "m"),
     "since-fix": ("{} since the last fix", "s"),
@@ -66,11 +67,16 @@ def amount_in_si(value: float, unit: str) -> str:
 
 
 @dataclass(frozen=True)
-class Guard:
+class Guard(Record):
     """A condition; `value` in SI, or Wh, nan for a guard without one."""
 
-    kind: GuardKind
-    value: float = math.nan
+    kind: Annotated[GuardKind, Entry("what it asks")]
+    value: Annotated[float, Entry("with which it compares; null for a guard without one", digits=3)] = math.nan
+
+    @property
+    def unit(self) -> Annotated[Literal["m", "s", "Wh"] | None, Entry()]:
+        """Unit of the value."""
+        return GUARDS[self.kind][1]
 
     @property
     def words(self) -> str:
@@ -78,28 +84,32 @@ class Guard:
         text, unit = GUARDS[self.kind]
         if self.kind == "reckoned-within" and not self.value:
             return "dead reckoning at the point"
-        return text.format(amount_in_si(self.value, unit))
+        return text.format(amount_in_si(self.value, unit)) if unit else text
 
 
 @dataclass(frozen=True)
-class Transition:
-    """To another state, by its name, once all guards hold; the first transition that may be taken is."""
+class Transition(Record):
+    """To another state once all guards hold; the first transition that may be taken is."""
 
-    to: str
-    guards: tuple[Guard, ...]
+    to: Annotated[str, Entry("name of a state")]
+    guards: Annotated[tuple[Guard, ...], Entry("all of which are to hold")]
 
 
 @dataclass(frozen=True)
-class State:
+class State(Record):
     """A state."""
 
-    name: str
-    """Unlike that of any other state: number of the phase and kind."""
-    kind: StateKind
-    phase: str
-    """Name of the phase; empty for the ends."""
-    transitions: tuple[Transition, ...] = ()
-    """In the order in which they are tried; none at an end."""
+    name: Annotated[str, Entry("unlike that of any other state: number of the phase and kind")]
+    kind: Annotated[StateKind, Entry("what is done in it")]
+    phase: Annotated[str | None, Entry("name of the phase; null for the ends")] = None
+    transitions: Annotated[
+        tuple[Transition, ...], Entry("in the order in which they are tried, each taken once all its guards hold")
+    ] = ()
+
+    @property
+    def does(self) -> Annotated[str, Entry(after="phase")]:
+        """What the vehicle does in it, in words."""
+        return ACTIONS[self.kind]
 
 
 def states_of(plan: Plan) -> tuple[State, ...]:
@@ -112,7 +122,7 @@ def states_of(plan: Plan) -> tuple[State, ...]:
             found += _mooring(phase, number, after)
         else:
             found += _transit(phase, number, after, plan.capacity)
-    return (*found, State("done", "done", ""), State("abort", "abort", ""))
+    return (*found, State("done", "done"), State("abort", "abort"))
 
 
 def _first(phase: PlannedTransit | PlannedMooring) -> StateKind:

@@ -18,7 +18,8 @@ from missionplan.montecarlo.distributions import mean_of
 from missionplan.phases.transit.plan import Execution
 from missionplan.physics.propulsion import JOULES_PER_WATT_HOUR
 from missionplan.results import to_yaml
-from missionplan.results.plan import Fence, Plan
+from missionplan.results.plan import Plan
+from missionplan.results.plan_places import Fence
 from missionplan.scenario.scenario import Scenario
 from missionplan.scenario.site_current import recorded_current
 from missionplan.store.folder import as_path, exists, is_file, is_folder, write_atomically
@@ -94,15 +95,16 @@ def _fences(means: Scenario) -> Iterator[Fence]:
         return tuple(zip(*(axis.tolist() for axis in to_geographic(east, north, origin)), strict=True))
 
     for zone in means.place.zones:
-        limits = {"from_s": zone.since, "to_s": zone.until, "above_m": zone.above, "below_m": zone.below}
-        given = {key: value for key, value in limits.items() if math.isfinite(value)}
         for part in getattr(zone.geometry, "geoms", (zone.geometry,)):
             yield Fence(
                 name=zone.name,
                 outline=corners(part.exterior.coords),
                 kind="land" if zone.is_land else "keep-out",
                 holes=tuple(corners(hole.coords) for hole in part.interiors),
-                limits=given,
+                since=zone.since,
+                until=zone.until,
+                above=zone.above,
+                below=zone.below,
             )
 
 

@@ -15,7 +15,8 @@ from missionplan.montecarlo.distributions import Distribution, Quantity, mean_of
 from missionplan.montecarlo.streams import BlockStreams
 from missionplan.phases.transit import transit
 from missionplan.phases.transit.plan import Execution, LegTable
-from missionplan.results.plan import PlannedMooring, PlannedTransit, SurfacingRule, Waypoint
+from missionplan.results.plan import PlannedMooring, PlannedTransit, SurfacingRule
+from missionplan.results.plan_places import Waypoint, WaypointKind
 from missionplan.scenario.phases import deployed, transit_normals
 from missionplan.scenario.scenario import Scenario, leg_table
 from missionplan.studies.leg_length import SweepScenario
@@ -198,7 +199,7 @@ class PhaseBuilder:
             for leg in self._straight(phase, durations, target, done):
                 done += 1
                 at_point = leg.kind == "arrival"
-                kind = "arrival" if target is goal and at_point else "surfacing"
+                kind: WaypointKind = "arrival" if target is goal and at_point else "surfacing"
                 yield replace(leg, kind=kind, is_via=at_point and target is not goal)
 
     def _straight(
@@ -217,7 +218,7 @@ class PhaseBuilder:
             nominal = float(plan.time_under_way(np.array(length), np.array(1.0)))
             self._place = goal - left * towards
             self._elapsed += nominal + (float(means.surfacing_time) if number else 0.0)
-            kind = "surfacing" if left >= SHORTEST_LEG else "arrival"
+            kind: WaypointKind = "surfacing" if left >= SHORTEST_LEG else "arrival"
             course = math.atan2(towards[0], towards[1]) % (2.0 * math.pi)
             yield self._waypoint(f"{phase.label} {number + 1}", kind, course, length, (nominal, durations.leg(number)))
         if left >= SHORTEST_LEG:
@@ -227,7 +228,9 @@ class PhaseBuilder:
             raise InputError([Problem(message, means.mission.file, key="navigation.max_legs")])
         self._place = goal
 
-    def _waypoint(self, name: str, kind: str, course: float, length: float, durations: tuple[float, float]) -> Waypoint:
+    def _waypoint(
+        self, name: str, kind: WaypointKind, course: float, length: float, durations: tuple[float, float]
+    ) -> Waypoint:
         latitude, longitude = self._on_earth(self._place)
         return Waypoint(
             name=name,

@@ -17,7 +17,7 @@ from missionplan.datasets.legs import TRANSIT
 from missionplan.datasets.summaries import SUMMARY
 from missionplan.datasets.tank import DRAG, FREE_OSCILLATION, PROPELLER_TRANSIENT, THRUSTER
 from missionplan.errors import InputError, Problem, did_you_mean, shown
-from missionplan.exporters.plan_json import PLAN_FORMAT, plan_schema
+from missionplan.exporters.plan_json import PLAN_FORMAT, PlanFile
 from missionplan.mission import Mission
 from missionplan.mission.schema import SCHEMAS
 from missionplan.mission.schema.vehicle import Vehicle
@@ -252,10 +252,15 @@ def _of_datasets() -> Schema:
     }
 
 
+def _of_plan() -> Schema:
+    records = _Records()
+    return {**records.written(PlanFile), "definitions": records.definitions}
+
+
 _WRITTEN: Mapping[Kind, Callable[[], Schema]] = {
     "mission": partial(_of_model, Mission),
     "vehicle": partial(_of_model, Vehicle),
     "dataset": _of_datasets,
     "summary": summaries,
-    "plan": plan_schema,
+    "plan": _of_plan,
 }

@@ -7,7 +7,8 @@ from datetime import UTC, datetime
 import numpy as np
 from pyproj import Geod
 
-from missionplan.results.plan import Plan, PlannedMooring, PlannedTransit, SurfacingRule, Waypoint
+from missionplan.results.plan import Plan, PlannedMooring, PlannedTransit, SurfacingRule
+from missionplan.results.plan_places import Waypoint
 
 GEOD = Geod(ellps="WGS84")
 WEST = (math.radians(37.2516), math.radians(-76.3842))

@@ -10,10 +10,10 @@ import numpy as np
 import pytest
 from made_plans import PLANS, on_earth
 
+import missionplan
 from missionplan.exporters import FORMATS, format_named
 from missionplan.exporters.geojson import areas
-from missionplan.exporters.plan_json import plan_schema
-from missionplan.results.plan import Fence
+from missionplan.results.plan_places import Fence
 
 shapely = pytest.importorskip("shapely")
 
@@ -33,7 +33,7 @@ def plan(request):
         return tuple(on_earth(made.origin, east, north) for east, north in places)
 
     shore = Fence("shore", ring(SHORE), "land", holes=(ring(LAKE),))
-    lane = Fence("lane", ring(LANE), limits={"from_s": 60.0, "to_s": 3600.0, "above_m": 8.0})
+    lane = Fence("lane", ring(LANE), since=60.0, until=3600.0, above=8.0)
     return replace(made, fences=(shore, lane))
 
 
@@ -140,7 +140,7 @@ def test_a_geopackage_holds_them_in_a_layer_of_their_own(plan, tmp_path):
 
 def test_json_holds_all_of_them(plan):
     data = json.loads(content(plan, "json"))
-    jsonschema.validate(data, plan_schema())
+    jsonschema.validate(data, missionplan.schema("plan"))
     for each in data["fences"]:
         outline, *holes = ([corner[::-1] for corner in ring] for ring in (each["outline_deg"], *each["holes_deg"]))
         assert same(shapely.Polygon(outline, holes), polygons(plan)[each["name"]])

@@ -23,7 +23,7 @@ from missionplan.errors import InputError
 from missionplan.exporters import format_named, slocum
 from missionplan.exporters.moos import utm_zone
 from missionplan.exporters.slocum import degrees_minutes
-from missionplan.results.plan import Fence
+from missionplan.results.plan_places import Fence
 
 FORMATS = ["csv", "gpx", "geojson", "kml", "slocum", "moos", "neptus", "iver", "qgc"]
 
@@ -724,7 +724,7 @@ def test_qgc_as_mavlink_messages(plan):
 
 def test_zones_kept_out_of_are_fences(plan):
     corners = tuple(on_earth(plan.origin, east, north) for east, north in ((10.0, 20.0), (400.0, 30.0), (90.0, 500.0)))
-    fenced = replace(plan, fences=(Fence("range", corners, limits={"above_m": 5.0}), Fence("shore", corners)))
+    fenced = replace(plan, fences=(Fence("range", corners, above=5.0), Fence("shore", corners)))
     data = json.loads(written(fenced, "qgc")["trip-1_ingress-px4.plan"])
     jsonschema.validate(data, QGC)
     for polygon in data["geoFence"]["polygons"]:
