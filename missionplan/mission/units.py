@@ -95,6 +95,7 @@ def dimension_of(name: str) -> str | None:
 
 
 _QUANTITY = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*(.*?)\s*")
+_NUMBER_AND_UNIT = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*([^\d\s:].*?)?\s*")
 _ENDLESS = re.compile(r"\d\s*(\*\*|\^)|(\*\*|\^)[\s(+-]*\d{3}")
 """Powers of numbers, or large ones, which pint would work out for hours."""
 _MAX_LENGTH = 80
@@ -133,6 +134,12 @@ def each_read(items: Iterable[_Item], read: Callable[[int, _Item], _Read], below
     if problems:
         raise QuantityError(problems)
     return found
+
+
+def number_and_unit(text: object) -> tuple[str, str] | None:
+    """Return number and unit of a text as they are written, "" for no unit; None where it is something else."""
+    found = _NUMBER_AND_UNIT.fullmatch(text) if isinstance(text, str) else None
+    return (found[1], found[2] or "") if found else None
 
 
 @lru_cache(maxsize=1)

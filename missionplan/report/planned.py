@@ -6,6 +6,7 @@ from itertools import chain
 from pathlib import Path
 
 from missionplan.mission.quantity_paths import values_in_force
+from missionplan.mission.units import number_and_unit
 from missionplan.report.page import Block, PageSection, Table
 from missionplan.report.quantities import DIMENSIONS, as_written, in_unit_of, reader_system, reader_unit
 from missionplan.report.site_map import site_map
@@ -14,7 +15,6 @@ from missionplan.results import Provenance
 from missionplan.results.decision import changes_of
 from missionplan.results.entries import mapping
 
-_QUANTITY = re.compile(r"\s*([+-]?[\d.]+(?:[eE][+-]?\d+)?)\s*(\D.*?)?\s*")
 _SIGN = re.compile(r"(?<=\d)\s*deg\b")
 """What the sign of a degree stands for."""
 _MOST_CHOICES = 6
@@ -35,8 +35,7 @@ def value_in_words(value: object) -> str:
 
 def _listed(values: Sequence[object]) -> Iterator[str]:
     """Write the values of a list: quantities in one unit all in one of the reader's, that of the largest."""
-    found = [_QUANTITY.fullmatch(str(value)) for value in values]
-    pairs = [(each[1], each[2]) for each in found if each]
+    pairs = [pair for value in values if (pair := number_and_unit(str(value)))]
     unit = pairs[0][1] if len(pairs) == len(values) > 0 and len({unit for _, unit in pairs}) == 1 else None
     if unit not in DIMENSIONS or not reader_system():
         return map(value_in_words, values)
@@ -46,9 +45,9 @@ def _listed(values: Sequence[object]) -> Iterator[str]:
 
 def _degrees(text: str) -> str:
     text = re.sub(r"(?<=\d)\.0+(?= |$)", "", text)
-    found = _QUANTITY.fullmatch(text)
-    if found and found[2] in DIMENSIONS and reader_system():
-        return as_written(found[1], found[2])
+    pair = number_and_unit(text)
+    if pair and pair[1] in DIMENSIONS and reader_system():
+        return as_written(*pair)
     return _SIGN.sub("°", text)
 
 
@@ -75,10 +74,10 @@ def _distribution(value: Mapping[str, object]) -> str:
 
 def _joined(first: str, sign: str, second: str) -> str:
     """Join two quantities; a unit that both have is written once."""
-    one, two = _QUANTITY.fullmatch(first), _QUANTITY.fullmatch(second)
-    if one is None or two is None or one[2] != two[2]:
+    one, two = number_and_unit(first), number_and_unit(second)
+    if one is None or two is None or one[1] != two[1]:
         return f"{first} {sign} {second}"
-    number, other, unit = one[1], two[1], one[2] or ""
+    (number, unit), (other, _) = one, two
     decimals, wanted = (len(each.partition(".")[2]) for each in (number, other))
     if sign == "±" and decimals > wanted:  # no error bears more digits than it has itself
         return f"{first}, sd {second}"

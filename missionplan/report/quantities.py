@@ -5,14 +5,13 @@ made: in the system of units that `reading_in` has set, or else as the mission f
 """
 
 import math
-import re
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from contextvars import ContextVar
 from dataclasses import dataclass
 
 from missionplan.mission.quantity_paths import written_phases
-from missionplan.mission.units import FACTORS, QuantityError, parse_number_with_unit
+from missionplan.mission.units import FACTORS, QuantityError, number_and_unit, parse_number_with_unit
 from missionplan.montecarlo.statistics import Statistic
 from missionplan.physics.propulsion import JOULES_PER_WATT_HOUR
 from missionplan.report.wording import has_spread, number, set_number, split_key
@@ -42,7 +41,6 @@ DIMENSIONS = {name: si for si, names in _CONVERTED.items() for name in names}
 """SI unit of each unit that is converted."""
 _SI = {"W*h": "J", "deg": "rad"}
 _DEGREE = math.pi / 180.0
-_TRAILING_UNIT = re.compile(r"\s*[+-]?[\d.]+(?:[eE][+-]?\d+)?\s*(\S.*?)\s*")
 _TIMES = ((600.0, "s"), (5.0 * 3600.0, "min"), (4.0 * 86400.0, "h"), (math.inf, "day"))
 _KEYS: dict[str, tuple[tuple[str, ...], ...]] = {
     "offset": (("radius",),),
@@ -264,15 +262,15 @@ def _unit_of(value: object, unit: str) -> Unit | None:
         value = next((value[key] for key in ("mean", "median", "low", "choices") if key in value), None)
     if isinstance(value, list | tuple) and value:
         value = value[0]
-    match = _TRAILING_UNIT.fullmatch(value) if isinstance(value, str) else None
-    if match is None:
+    _, written = number_and_unit(value) or ("", "")
+    if not written:
         return None
     si = _SI.get(unit, unit)
     try:
-        size = parse_number_with_unit(f"1 {match[1]}", si) / parse_number_with_unit(f"1 {unit}", si)
+        size = parse_number_with_unit(f"1 {written}", si) / parse_number_with_unit(f"1 {unit}", si)
     except QuantityError:
         return None
-    return Unit(_shown(match[1]), size)
+    return Unit(_shown(written), size)
 
 
 def _shown(unit: str) -> str:

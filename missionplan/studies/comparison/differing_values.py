@@ -1,14 +1,13 @@
 """Values in which missions differ, with what each tells of the missions' tasks; phases by name."""
 
 import math
-import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Annotated, Literal, NamedTuple, get_args
 
 from missionplan.errors import KeyPath, key_path
 from missionplan.mission.quantity_paths import written_phases
-from missionplan.mission.units import QuantityError, parse_number_with_unit
+from missionplan.mission.units import QuantityError, number_and_unit, parse_number_with_unit
 from missionplan.results.entries import Entry, Record, mapping
 
 PartOfTask = Literal["phases", "place", "depth", "from", "to", "hold", "requirements"]
@@ -63,9 +62,6 @@ def phase_names(mission: object) -> tuple[str, ...]:
     return tuple(each.name for each in written_phases(mapping(mission)))
 
 
-_TRAILING_UNIT = re.compile(r"\s*[+-]?[\d.]+(?:[eE][+-]?\d+)?\s*(\S.*?)\s*")
-
-
 def differing_values(missions: Sequence[object]) -> tuple[DifferingValue, ...]:
     """List the values in which any of some missions differs from the first, by key path with phases by name."""
     values = [dict(_values_by_key(mission, MissionKey(()))) for mission in missions]
@@ -97,10 +93,11 @@ def _values_by_key(value: object, at: MissionKey) -> Iterator[tuple[MissionKey, 
 def _same(first: object, second: object) -> bool:
     if first == second:
         return True
-    if not (isinstance(first, str) and isinstance(second, str) and (match := _TRAILING_UNIT.fullmatch(second))):
+    written = number_and_unit(second)
+    if written is None or not isinstance(first, str):
         return False
     try:
-        return math.isclose(*(parse_number_with_unit(text, match[1]) for text in (first, second)), rel_tol=1e-12)
+        return math.isclose(*(parse_number_with_unit(str(each), written[1]) for each in (first, second)), rel_tol=1e-12)
     except QuantityError:
         return False
 
