@@ -116,19 +116,25 @@ def over_responses(found: Mapping[tuple[Causes, int], float]) -> dict[Causes, fl
     return dict(sorted(added.items(), key=lambda item: -item[1]))
 
 
-def told_together(posterior: Mapping[Causes, float]) -> dict[Causes, float]:
+def told_together(posterior: Mapping[Causes, float], catalogue: int) -> dict[Causes, float]:
     """Return the probabilities of sets as they are listed, greatest first.
 
-    A set is told with one of its parts where the data do not speak for the causes that it has beyond that: it is then
-    less likely by more than the 3 nats that the prior charges for them.
+    A set is told with one of its parts, which may be nothing, where the data speak against the causes that it has
+    beyond that: a Bayes factor below 1.
     """
+    told: dict[Causes, Causes] = {}
     found: dict[Causes, float] = {}
-    for causes, probability in posterior.items():
-        smaller = (itertools.combinations(causes, size) for size in range(1, len(causes)))
+    for causes in sorted(posterior, key=len):
+        smaller = (itertools.combinations(causes, size) for size in range(len(causes)))
         parts = [part for part in itertools.chain.from_iterable(smaller) if part in posterior]
-        likeliest = max(parts, key=lambda part: posterior[part], default=causes)
-        told = likeliest if probability < posterior[likeliest] * math.exp(-FURTHER) else causes
-        found[told] = found.get(told, 0.0) + probability
+        prior = log_prior(len(causes), catalogue)
+        better = [
+            part
+            for part in parts
+            if posterior[causes] < posterior[part] * math.exp(prior - log_prior(len(part), catalogue))
+        ]
+        told[causes] = told[max(better, key=posterior.__getitem__)] if better else causes
+        found[told[causes]] = found.get(told[causes], 0.0) + posterior[causes]
     return dict(sorted(found.items(), key=lambda item: -item[1]))
 
 

@@ -237,7 +237,7 @@ class _Sets:
 
     def credible(self) -> list[Causes]:
         """Sets that hold 95 % of the probability, as they are told."""
-        return credible_set(told_together(self.probabilities()))
+        return credible_set(told_together(self.probabilities(), self._named))
 
     def selection(self) -> Selection:
         """Return what was found."""
@@ -255,7 +255,9 @@ class _Sets:
             self._without_a_name(joint),
             nothing=joint[(), 0],
             not_computed=sum(p for causes, p in posterior.items() if causes not in self.fits),
-            credible=tuple(credible_set(told_together({c: p for c, p in posterior.items() if c in self.fits}))),
+            credible=tuple(
+                credible_set(told_together({c: p for c, p in posterior.items() if c in self.fits}, self._named))
+            ),
         )
 
     def _without_a_name(self, joint: Mapping[tuple[Causes, int], float]) -> tuple[Response, ...]:

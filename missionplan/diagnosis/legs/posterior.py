@@ -18,7 +18,7 @@ from missionplan.diagnosis.coordinates import LOWER, UPPER, Coordinate, JointPos
 from missionplan.diagnosis.inference.evidence_approximations import Laplace
 from missionplan.diagnosis.inference.marginal_likelihood import SCALES
 from missionplan.diagnosis.inference.model import CauseFit
-from missionplan.diagnosis.inference.selection import FURTHER, Candidate, Selection, credible_set
+from missionplan.diagnosis.inference.selection import FURTHER, Candidate, Selection, credible_set, told_together
 from missionplan.diagnosis.legs.fitting import TransitState, by_quantiles
 from missionplan.diagnosis.legs.likelihood.mean import ActingTerm
 from missionplan.diagnosis.legs.noise_integration import Law
@@ -99,23 +99,8 @@ class LegPosterior:
 
     @property
     def named(self) -> dict[Causes, float]:
-        """Probabilities of sets as they are listed, greatest first.
-
-        A statistical description names no cause: where a set is likelier without it, its probability goes with that.
-        """
-        found: dict[Causes, float] = {}
-        for causes, probability in self.probabilities.items():
-            listed = self._described(causes)
-            found[listed] = found.get(listed, 0.0) + probability
-        return dict(sorted(found.items(), key=lambda item: -item[1]))
-
-    def _described(self, causes: Causes) -> Causes:
-        """A set without the descriptions without which it is likelier."""
-        for name in causes:
-            rest = tuple(other for other in causes if other != name)
-            if CATALOGUE[name].tier != "physical" and self._score(rest) > self._score(causes):
-                return self._described(rest)
-        return causes
+        """Probabilities of sets as they are listed, greatest first."""
+        return told_together(self.probabilities, self.inference.catalogue)
 
     @property
     def responses(self) -> tuple[Response, ...]:

@@ -210,9 +210,12 @@ def test_the_credible_set_holds_the_rivals() -> None:
 
 
 def test_a_set_that_hardly_can_be_is_told_with_its_part_and_one_that_may_be_by_itself() -> None:
-    posterior = {(DRAG,): 0.8, (DRAG, CLOCK): 0.15, (DRAG, LIFT): 0.03, (FLOODING, LIFT): 0.02}
-    told = told_together(posterior)
-    assert told == pytest.approx({(DRAG,): 0.83, (DRAG, CLOCK): 0.15, (FLOODING, LIFT): 0.02})
+    """With ten effects: the data speak for a first cause from a tenth of the odds on, for a further one from e⁻³ on."""
+    posterior = {(): 0.1, (DRAG,): 0.7, (CLOCK,): 0.02, (LIFT,): 0.005, (DRAG, CLOCK): 0.125}
+    posterior |= {(DRAG, LIFT): 0.03, (FLOODING, LIFT): 0.018, (DRAG, CLOCK, LIFT): 0.002}
+    told = told_together(posterior, 10)
+    alone = {(DRAG,): 0.73, (DRAG, CLOCK): 0.127, (): 0.105, (CLOCK,): 0.02, (FLOODING, LIFT): 0.018}
+    assert told == pytest.approx(alone)
 
 
 def test_effect_free_data_keep_the_base_model() -> None:
