@@ -99,9 +99,9 @@ class DataKind(ABC):
         return self.model.given
 
     @property
-    def place(self) -> Place:
+    def places(self) -> tuple[Place, ...]:
         """Where and when the data were taken; else what the mission has learned so far."""
-        return NOWHERE if self.mission.posterior is None else self.mission.posterior.place
+        return (NOWHERE,) if self.mission.posterior is None else self.mission.posterior.places
 
     @property
     def date(self) -> float:

@@ -231,7 +231,7 @@ def hypotheses(explanations: Sequence[Weighed], found: PipelineResult, scale: fl
             tuple(each.effect for each in one.bound.given),
             one.bound.carried(fit, scale),
             one.bound.extended_mission(one.bound.carried(fit, scale)),
-            one.bound.place,
+            one.bound.places,
             one.bound.date,
         )
         for one, fit, weight in listed

@@ -48,8 +48,8 @@ class Hypothesis:
     """With what is known of these now, and of the causes."""
     data: Mapping[str, object]
     """The mission's data with all that belongs to no effect, and the effects that it had."""
-    place: Place = NOWHERE
-    """Of the data; see `DataKind.place`."""
+    places: tuple[Place, ...] = (NOWHERE,)
+    """Of the data; see `DataKind.places`."""
     date: float = math.nan
     """Likewise `DataKind.date`."""
 
@@ -174,7 +174,7 @@ def extended_mission(found: Sequence[Hypothesis], identities: Sequence[str] = ()
             hash_of(mission.get("learned_from")),
             summary,
             epoch,
-            found[0].place,
+            found[0].places,
             seen_after(found, hash_of(identities)),
         )
     return mission

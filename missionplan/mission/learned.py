@@ -23,14 +23,15 @@ EARTH = 6.371e6
 """Mean radius of the Earth [m]."""
 
 
-def not_handed_on(effects: Collection[str], learned: Place, here: Place) -> dict[str, str]:
+def not_handed_on(effects: Collection[str], learned: Sequence[Place], here: Place) -> dict[str, str]:
     """Return the effects that were learned too far away or too long ago to hold here, each with the reason.
 
-    What is not known, of latitude, longitude [rad] and date [s since 1970], is taken to be the same.
+    `learned`: places all over the data. What is not known, of latitude, longitude [rad] and date [s since 1970], is
+    taken to be the same.
     """
-    away, ago = _distance(learned, here), abs(here[2] - learned[2])
     found = {}
     for effect, lasts in _lasting(effects).items():
+        away, ago = _nearest(learned, here, lasts)
         if away > REACH:
             found[effect] = f"{effect} was learned {away / 1000.0:.0f} km away"
         elif ago > lasts:
@@ -38,16 +39,23 @@ def not_handed_on(effects: Collection[str], learned: Place, here: Place) -> dict
     return found
 
 
-def still_alike(effects: Collection[str], learned: Place, here: Place) -> dict[str, float]:
+def still_alike(effects: Collection[str], learned: Sequence[Place], here: Place) -> dict[str, float]:
     """Return the correlation of what was learned with what is here, of each effect of the place or the day.
 
     That of a smooth field, a Gaussian of distance and time; parameters as of `not_handed_on`.
     """
-    away, ago = np.nan_to_num([_distance(learned, here), abs(here[2] - learned[2])]).tolist()
-    return {
-        effect: math.exp(-0.5 * ((away / REACH) ** 2 + (ago / lasts) ** 2))
-        for effect, lasts in _lasting(effects).items()
-    }
+    found = {}
+    for effect, lasts in _lasting(effects).items():
+        away, ago = _nearest(learned, here, lasts)
+        found[effect] = math.exp(-0.5 * ((away / REACH) ** 2 + (ago / lasts) ** 2))
+    return found
+
+
+def _nearest(learned: Sequence[Place], here: Place, lasts: float) -> tuple[float, float]:
+    """Distance [m] and time [s] from the place of the data that is likest here; 0 where one is not known."""
+    apart = [np.nan_to_num([_distance(place, here), abs(here[2] - place[2])]).tolist() for place in learned]
+    away, ago = min(apart, key=lambda each: (each[0] / REACH) ** 2 + (each[1] / lasts) ** 2)
+    return away, ago
 
 
 def _lasting(effects: Collection[str]) -> dict[str, float]:
@@ -67,7 +75,7 @@ def _distance(first: Place, second: Place) -> float:
     return 2.0 * EARTH * math.asin(math.sqrt(chord)) if math.isfinite(chord) else math.nan
 
 
-def left_behind(effects: EffectList, learned: Place, here: Place) -> tuple[EffectList, tuple[str, ...]]:
+def left_behind(effects: EffectList, learned: Sequence[Place], here: Place) -> tuple[EffectList, tuple[str, ...]]:
     """Return effects without those of a posterior that do not hold here, with a notice of each."""
     posterior = effects.learned
     gone = not_handed_on(posterior.draws.effects, learned, here) if posterior is not None else {}

@@ -209,9 +209,9 @@ class Mission(Sections[V], Generic[V]):
         """
         if self.posterior is None:
             return self
-        effects, words = left_behind(self.effect_list, self.posterior.place, here)
+        effects, words = left_behind(self.effect_list, self.posterior.places, here)
         learned = effects.learned.draws.effects if effects.learned is not None else ()
-        alike = still_alike(learned, self.posterior.place, here)
+        alike = still_alike(learned, self.posterior.places, here)
         effects = at_date(effects, self.posterior.seen, ahead, missions, alike)
         moved = self.model_copy(update={"effect_list": effects})
         moved._unusual = (*self._unusual, *words)

@@ -169,8 +169,9 @@ class WeightedDraws:
         return DrawnColumn(normals, ends / ends[-1], 0.0)
 
 
-FILE, FORMAT = "posterior.npz", 2
-"""Name of the file beside the mission that names it, and its form."""
+FILE, FORMAT, _ONE_PLACE = "posterior.npz", 3, 2
+"""Name of the file beside the mission that names it, its form, and the one before, with the middle of the data."""
+MOST_PLACES = 64
 MOST_BYTES, MOST_UNPACKED = 8_000_000, 64_000_000
 """Of the file, and of each of its members unpacked."""
 MOST_DRAWS, MOST_COLUMNS, MOST_SETS, MOST_SEEN = 50_000, 200, 500, 20_000
@@ -184,7 +185,7 @@ _MEMBERS: Mapping[str, tuple[str, int]] = {
     "weights": ("f", 1),
     "learned_from": ("U", 0),
     "epoch": ("f", 0),
-    "place": ("f", 1),
+    "place": ("f", 2),
     "seen_of": ("U", 2),
     "seen": ("f", 2),
     "summary": ("U", 0),
@@ -204,7 +205,7 @@ class PosteriorFile(Mapping[str, object]):
 
     def __init__(self, content: bytes) -> None:
         self.content = content
-        self.draws, self.learned_from, self.epoch, self.place, self.seen, summary = _read(content)
+        self.draws, self.learned_from, self.epoch, self.places, self.seen, summary = _read(content)
         self.section: Mapping[str, object] = {"file": FILE, "sha256": sha256(content), "summary": summary}
 
     @classmethod
@@ -214,13 +215,13 @@ class PosteriorFile(Mapping[str, object]):
         learned_from: str,
         summary: Mapping[str, object],
         epoch: float = math.nan,
-        place: Place = NOWHERE,
+        places: Sequence[Place] = (NOWHERE,),
         seen: Sequence[Seen] = (),
     ) -> "PosteriorFile":
         """Write draws, with the hash of what they were learned from and a summary for the reader.
 
-        `epoch`: date from which phases count [s since 1970]. `place`: latitude, longitude [rad] and date [s since 1970]
-        at which they were learned. `seen`: what each record has told of the levels of the vehicle's parameters.
+        `epoch`: date from which phases count [s since 1970]. `places`: all over the data
+        that they were learned from. `seen`: what each record has told of the levels of the vehicle's parameters.
         """
         effects = draws.effects
         held = np.array([[effect in own for effect in effects] for own in draws.sets], dtype=bool)
@@ -236,7 +237,7 @@ class PosteriorFile(Mapping[str, object]):
             weights=draws.weights.astype(np.float64),
             learned_from=np.array(learned_from),
             epoch=np.array(epoch),
-            place=np.array(place),
+            place=np.array(places, dtype=float),
             seen_of=np.array([(*each.of, each.record) for each in seen], dtype=str).reshape(-1, 4),
             seen=np.array([(each.date, each.value, each.sd) for each in seen], dtype=float).reshape(-1, 3),
             summary=np.array(json.dumps(summary, ensure_ascii=False)),
@@ -264,11 +265,11 @@ def sha256(content: bytes) -> str:
     return hashlib.sha256(content).hexdigest()
 
 
-def _read(content: bytes) -> tuple[WeightedDraws, str, float, Place, tuple[Seen, ...], Mapping[str, object]]:
-    """Read draws, the hash of what they were learned from, the date of phases, the place, levels, and the summary."""
+def _read(
+    content: bytes,
+) -> tuple[WeightedDraws, str, float, tuple[Place, ...], tuple[Seen, ...], Mapping[str, object]]:
+    """Read draws, the hash of what they were learned from, the date of phases, the places, levels, and the summary."""
     arrays = _arrays(content)
-    if int(arrays["format"]) != FORMAT:
-        raise DamagedPosteriorError(f"has format {int(arrays['format'])}, expected {FORMAT}")
     try:
         summary = json.loads(str(arrays["summary"]))
     except (ValueError, RecursionError):
@@ -289,10 +290,10 @@ def _read(content: bytes) -> tuple[WeightedDraws, str, float, Place, tuple[Seen,
         arrays["weights"].astype(float),
     )
     _check(draws)
-    if arrays["place"].shape != (3,):
+    if arrays["place"].shape[1:] != (3,) or not 0 < len(arrays["place"]) <= MOST_PLACES:
         raise DamagedPosteriorError("is damaged: it names no place")
-    latitude, longitude, date = (float(each) for each in arrays["place"])
-    found = draws, str(arrays["learned_from"]), float(arrays["epoch"]), (latitude, longitude, date)
+    places = tuple((float(north), float(east), float(date)) for north, east, date in arrays["place"])
+    found = draws, str(arrays["learned_from"]), float(arrays["epoch"]), places
     return *found, _seen(arrays["seen_of"], arrays["seen"]), summary
 
 
@@ -319,6 +320,7 @@ def _arrays(content: bytes) -> dict[str, NDArray[np.generic]]:
             raise DamagedPosteriorError("does not hold what diagnose writes")
         with np.load(io.BytesIO(content), allow_pickle=False) as loaded:
             arrays = {name: loaded[name] for name in _MEMBERS}
+        _check_format(arrays)
     except DamagedPosteriorError:
         raise
     except Exception as error:  # zipfile, zlib and numpy raise what they like on damaged bytes
@@ -327,6 +329,15 @@ def _arrays(content: bytes) -> dict[str, NDArray[np.generic]]:
         if arrays[name].dtype.kind != kind or arrays[name].ndim != dimensions:
             raise DamagedPosteriorError(f"is damaged: {name} is not what diagnose writes")
     return arrays
+
+
+def _check_format(arrays: dict[str, NDArray[np.generic]]) -> None:
+    """Refuse another format; one before this had one place, the middle of the data."""
+    found = int(arrays["format"])
+    if found == _ONE_PLACE:
+        arrays["place"] = arrays["place"].reshape(1, -1)
+    elif found != FORMAT:
+        raise DamagedPosteriorError(f"has format {found}, expected {FORMAT}")
 
 
 def _check(draws: WeightedDraws) -> None:

@@ -27,7 +27,7 @@ def learned(values, dates, key=SPEED, sd=0.003, columns=(("speed-scale", "fracti
         draws = values[-1] + sd * np.random.default_rng(1).standard_normal((2000, 1))
     n = len(draws)
     own = WeightedDraws(((key[0],),), np.zeros(n, dtype=int), columns, draws, np.full(n, 1.0 / n))
-    return PosteriorFile.of(own, hash_of(()), {}, START, NOWHERE, seen)
+    return PosteriorFile.of(own, hash_of(()), {}, START, (NOWHERE,), seen)
 
 
 def planned(posterior, start=START):

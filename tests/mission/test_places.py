@@ -1,6 +1,7 @@
 """What belongs to a place or to some days is not handed on to another one."""
 
 import copy
+import io
 
 import numpy as np
 import pytest
@@ -8,7 +9,7 @@ import pytest
 from missionplan.effects import CATALOGUE
 from missionplan.mission import Mission
 from missionplan.mission.includes import hash_of
-from missionplan.mission.learned import not_handed_on
+from missionplan.mission.learned import not_handed_on, still_alike
 from missionplan.montecarlo.posterior import PosteriorFile, WeightedDraws
 from tests.fixtures import TRANSIT
 
@@ -34,7 +35,26 @@ def moved(north_km=0.0, east_km=0.0, days=0.0):
     ],
 )
 def test_what_is_handed_on(there, gone):
-    assert set(not_handed_on(ALL, HERE, there)) == gone
+    assert set(not_handed_on(ALL, (HERE,), there)) == gone
+
+
+def test_what_was_learned_on_a_long_way_holds_all_along_it():
+    """The middle of the data is 40 km and 45 days from here, their end is near."""
+    way = tuple(moved(north_km=-80.0 + 20.0 * n, days=-90.0 + 22.0 * n) for n in range(5))
+    assert not_handed_on(ALL, way, HERE) == {}
+    assert set(not_handed_on(ALL, way[2:3], HERE)) == {"mean-current", "tidal-current", "inertial-current"}
+    alike = still_alike(ALL, way, HERE)
+    assert alike["mean-current"] == pytest.approx(np.exp(-0.5 * (2.0 / 30.0) ** 2), rel=1e-6)
+    assert still_alike(("mean-current",), way[:4], HERE)["mean-current"] == pytest.approx(
+        np.exp(-0.5 * (1.0 + (24.0 / 30.0) ** 2)), rel=1e-3
+    )
+
+
+def test_a_file_with_the_middle_of_the_data_alone_is_read():
+    arrays = dict(np.load(io.BytesIO(learned().content)))
+    content = io.BytesIO()
+    np.savez_compressed(content, **{**arrays, "format": np.array(2), "place": arrays["place"][0]})
+    assert PosteriorFile(content.getvalue()).places == (HERE,)
 
 
 def learned():
@@ -45,7 +65,7 @@ def learned():
     draws = WeightedDraws(
         (("compass-bias",), ("compass-bias", "mean-current")), which, columns, values, np.full(100, 0.01)
     )
-    return PosteriorFile.of(draws, hash_of(()), {}, HERE[2], HERE)
+    return PosteriorFile.of(draws, hash_of(()), {}, HERE[2], (HERE,))
 
 
 def test_a_plan_for_another_place_has_none_of_its_currents():
@@ -73,7 +93,7 @@ def drawn_here(draws, start_days=0.0, east_km=0.0):
     data = copy.deepcopy(TRANSIT)
     data["site"]["origin"] = {"latitude": f"{np.degrees(latitude)} deg", "longitude": f"{np.degrees(longitude)} deg"}
     data["start"] = f"{np.datetime64(int(date), 's')}Z"
-    posterior = PosteriorFile.of(draws, hash_of(()), {}, HERE[2], HERE)
+    posterior = PosteriorFile.of(draws, hash_of(()), {}, HERE[2], (HERE,))
     return Mission.from_data({**data, "posterior": posterior}).effect_list.learned.draws
 
 

@@ -43,7 +43,7 @@ from missionplan.mission import Mission
 from missionplan.mission.schema.place import Geographic, to_geographic
 from missionplan.mission.views import navigation_of
 from missionplan.montecarlo.distributions import mean_of
-from missionplan.montecarlo.posterior import Place
+from missionplan.montecarlo.posterior import MOST_PLACES, Place
 from missionplan.phases.currents import Current, Span
 from missionplan.phases.hooks import TransitEffect
 from missionplan.results.learned import PlanGain
@@ -172,13 +172,18 @@ def extended_transit_mission(raw: Mapping[str, object], best: CauseFit, data: Tr
 
 def place_of(data: TransitData, mission: Mission) -> Place:
     """Latitude, longitude [rad] and date [s since 1970] of the middle of a log; nan where it does not tell."""
+    (place,) = _placed(data, mission, data.start.mean(axis=1, keepdims=True), np.array([data.middle.mean()]))
+    return place
+
+
+def _placed(data: TransitData, mission: Mission, points: Array, times: Array) -> tuple[Place, ...]:
+    """Places as of `place_of` of points, shape (2, k) [m], at times of a log, shape (k,) [s]."""
     zero = data.epoch if data.epoch is not None else mission.start.timestamp() if mission.start else math.nan
-    date = zero + float(np.mean(data.middle))
-    if data.origin is None:
-        return math.nan, math.nan, date
-    origin = Geographic.model_construct(latitude=data.origin[0], longitude=data.origin[1])
-    latitude, longitude = to_geographic(data.start[0].mean(), data.start[1].mean(), origin)
-    return float(latitude), float(longitude), date
+    position = np.full((2, times.size), math.nan)
+    if data.origin is not None:
+        origin = Geographic.model_construct(latitude=data.origin[0], longitude=data.origin[1])
+        position = np.array(to_geographic(points[0], points[1], origin))
+    return tuple(zip(*position.tolist(), (zero + times).tolist(), strict=True))
 
 
 def date_of(data: TransitData, mission: Mission) -> float:
@@ -208,9 +213,10 @@ class TransitKind(DataKind):
         return cls(kind, here, model.data, model)
 
     @property
-    def place(self) -> Place:
-        """Middle of the legs, and its date."""
-        return place_of(self.data, self.mission)
+    def places(self) -> tuple[Place, ...]:
+        """Where and when legs began, of a long log some all over it."""
+        legs = np.unique(np.linspace(0, self.data.n - 1, MOST_PLACES).astype(int))
+        return _placed(self.data, self.mission, self.data.start[:, legs], self.data.middle[legs])
 
     @property
     def date(self) -> float:
