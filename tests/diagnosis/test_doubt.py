@@ -1,11 +1,14 @@
 """Ambiguous verdicts are carried as explanations, and explanations are prior odds of the next diagnosis."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 import yaml
 
 from missionplan import diagnose
-from missionplan.diagnosis.explanations import explained_missions, log_gain
+from missionplan.diagnosis import explanations
+from missionplan.diagnosis.explanations import Weighed, explained_missions, log_gain
 from missionplan.diagnosis.given.priors import given_priors
 from missionplan.diagnosis.inference.model import CauseFit
 from missionplan.diagnosis.inference.selection import CREDIBLE, Candidate, Selection
@@ -226,3 +229,22 @@ def test_effects_of_explanations_that_may_not_hold_are_no_given_effects(transit_
     assert [each.effect for each in given_priors(mission, wanted)] == ["speed-scale"]
     known = mission.knowing(mission.doubts[0].place, 1)
     assert [each.effect for each in given_priors(known, wanted)] == ["speed-scale", "compass-bias", "fix-error"]
+
+
+def test_other_explanations_gain_what_causes_add_to_their_own_base_models(monkeypatch):
+    """12 nats found, of which 10 are the evidence beside the first; the same causes add 8 and 1 beside the others."""
+    evidence = {"first": (-100.0, -90.0), "second": (-500.0, -492.0), "third": (-60.0, -59.0)}
+
+    def weighed(name):
+        model = SimpleNamespace(name=name, candidates=("mean-current",), alternatives=())
+        base = CauseFit((), evidence[name][0], (), {}, True, None)
+        return Weighed(None, SimpleNamespace(model=model), base, 0.0)
+
+    def fits(model, requests, jobs):
+        return [CauseFit(requests[0][0], evidence[model.name][1], (), {}, True, None)]
+
+    monkeypatch.setattr(explanations, "fitted", fits)
+    monkeypatch.setattr(explanations, "log_gain", lambda selection: 12.0)
+    found = SimpleNamespace(best=SimpleNamespace(causes=("mean-current",)), selection=None)
+    gains = [each.gain for each in explanations.with_found([weighed(name) for name in evidence], found, 1)]
+    assert gains == [12.0, 12.0 - 10.0 + 8.0, 12.0 - 10.0 + 1.0]

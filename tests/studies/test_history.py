@@ -14,6 +14,7 @@ import missionplan
 from missionplan.mission.includes import hash_of
 from missionplan.montecarlo.levels import Seen
 from missionplan.montecarlo.posterior import FILE, PosteriorFile, WeightedDraws
+from missionplan.studies.history import parameter_levels
 from missionplan.studies.history.page import _moved, answer, page, parameter
 
 
@@ -279,3 +280,16 @@ def test_what_was_learned_is_drawn_report_by_report_and_has_moved_beyond_three_e
     first = found.entries[0]
     for away, moved in ((3.1, True), (2.9, False)):
         assert _moved([first, replace(first, value=first.value + away * math.hypot(0.01, 0.02), sd=0.02)]) == moved
+
+
+def test_levels_of_a_strength_alone_are_told() -> None:
+    """A deviation's two parts have levels too, whose sign and size say nothing by themselves."""
+    keys = (
+        ("compass-deviation", "amplitude", "cosine"),
+        ("compass-bias", "angle", "strength"),
+        ("compass-deviation", "amplitude", "sine"),
+    )
+    seen = [Seen(key, f"{day:064x}", 1e5 * day, 0.05, 0.01) for day in (1, 2) for key in keys]
+    assert [(each.effect, each.name, len(each.missions)) for each in parameter_levels(seen)] == [
+        ("compass-bias", "angle", 2)
+    ]

@@ -128,7 +128,7 @@ class Search:
         if winner is None:
             return True
         column = AIM_COLUMNS[self.aim]
-        worse, error, _ = paired_difference(winner.columns[column][: each.trials], each.columns[column], most=False)
+        worse, error, _ = paired_difference(winner.columns[column], each.columns[column], most=False)
         return worse <= _DOUBT * error
 
     def _while_hopeful(self, rng: np.random.Generator, most: int) -> None:

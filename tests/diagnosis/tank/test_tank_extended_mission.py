@@ -4,7 +4,9 @@ import numpy as np
 import pytest
 import yaml
 
+from missionplan.datasets.tank import OscillationSettings
 from missionplan.diagnosis.diagnose import diagnose
+from missionplan.diagnosis.tank.experiments import full_size_added_mass
 from missionplan.errors import InputError
 from missionplan.mission import Mission, load
 from missionplan.montecarlo.distributions import mean_of, sd_of
@@ -125,3 +127,11 @@ def test_frequencies_alone_are_refused(tmp_path):
     (folder / "dataset.yaml").write_text(yaml.safe_dump(settings))
     with pytest.raises(InputError, match="nothing is left to test"):
         diagnose(mission(tmp_path), folder)
+
+
+def test_added_mass_at_full_size_holds_what_the_vehicle_file_has_and_not_the_mass_in_air(tmp_path):
+    """10 kg at half scale, of which 16 kg at full size add 2: a tenth more is 13.2, of which 3.2 are water."""
+    settings = OscillationSettings.model_construct(mass=10.0, scale=2.0)
+    vehicle = mission(tmp_path, added_mass={"surge": "16 kg"}).vehicle
+    assert full_size_added_mass(settings, vehicle, 0.1, 0.02) == pytest.approx((25.6, 12.0 * 0.02 * 8.0))
+    assert full_size_added_mass(settings, None, 0.1, 0.02) == pytest.approx((8.0, 10.0 * 0.02 * 8.0))

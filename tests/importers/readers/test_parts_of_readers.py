@@ -10,8 +10,8 @@ import pytest
 from missionplan.importers.geodesy import displacement, metres_per_degree, model_declination
 from missionplan.importers.importer import ChannelStore, Samples
 from missionplan.importers.mapping import MappedName
-from missionplan.importers.readers import ardupilot, moos
-from missionplan.importers.readers.track import _check_times
+from missionplan.importers.readers import ardupilot, moos, netcdf
+from missionplan.importers.readers.track import _check_times, _marks
 from missionplan.importers.reckoning import HEADING_ERROR
 from missionplan.importers.starter import _glide_doubt
 
@@ -74,3 +74,34 @@ def test_times_of_another_form_are_refused_where_a_file_begins_and_passed_by_lat
         _check_times(pd.Series(["", "12h"]), np.array([np.nan, np.nan]), asked)
     _check_times(pd.Series(["12h", "2026-05-01"]), np.array([np.nan, 0.0]), asked)
     _check_times(pd.Series(["", ""]), np.array([np.nan, np.nan]), asked)  # nothing is written
+
+
+def test_a_mark_counts_where_it_rises_from_nothing_or_nil():
+    values = np.array([2.0, 2.0, 0.0, 1.0, 1.0, np.nan, 3.0, -1.0, 0.5])
+    assert _marks(10.0 * np.arange(9), values) == (0.0, 30.0, 60.0, 80.0)
+
+
+def test_the_least_period_of_the_helm_that_ends_is_planned(tmp_path):
+    periods = {
+        "BHV_PeriodicSurface": ("", "period", (6000, 86_400)),
+        "BHV_Timer": ("name = interval_1\n", "duration", (5940, 7000)),
+    }
+    blocks = [
+        f"Behavior = {kind}\n{{\n{name}{key} = {each}\n}}\n"
+        for kind, (name, key, own) in periods.items()
+        for each in own
+    ]
+    (tmp_path / "helm.bhv").write_text("".join(blocks) + "Behavior = BHV_PeriodicSurface\n{\nperiod = 0\n}\n")
+    assert moos._planned([tmp_path / "a.alog"]) == 5940.0
+
+
+def test_units_of_readers_are_those_given_or_usual():
+    given = {name: MappedName(name, unit) for name, unit in (("depth", "ft"), ("speed", "kn"), ("hdop", "m"))}
+    found = [moos._factor(given, *each) for each in (("depth",), ("speed",), ("hdop",), ("pitch", "rad"), ("heading",))]
+    assert found == pytest.approx([0.3048, 1852.0 / 3600.0, 1.0, 180.0 / np.pi, 1.0], rel=1e-6)
+    assert moos._factor({"pitch": MappedName("PITCH", "deg")}, "pitch", "rad") == 1.0
+    units = (("cm s-1", "m/s", 0.01), ("dbar", "m", 1.0), ("", "m", 1.0), ("m", "m", 1.0), ("counts", "m", 1.0))
+    assert [netcdf._factor(unit, wanted) for unit, wanted, _ in units] == pytest.approx(
+        [each[2] for each in units], rel=0.02
+    )
+    assert [netcdf._mapped_factor(*each) for each in (("depth", "cm"), ("valid", "km"))] == pytest.approx([0.01, 1.0])

@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from missionplan.phases.transit import policy
-from missionplan.phases.transit.expectation import expected_cost
+from missionplan.phases.transit.expectation import expected_cost, expected_transit
 from missionplan.phases.transit.plan import LegTable
 from missionplan.phases.transit.policy import TABLE_LOSS, best_d_max, best_legs, simplify_table
 
@@ -202,3 +202,12 @@ def test_simplification_stays_within_its_tolerance(leg, tolerance):
     table = LegTable(np.arange(len(leg)) * 500.0, np.array(leg))
     thin = simplify_table(table, np.full(len(leg), tolerance))
     assert np.all(np.abs(np.interp(table.left, thin.left, thin.leg) - table.leg) <= tolerance)
+
+
+def test_what_is_left_to_go_is_what_the_same_legs_are_expected_to_take():
+    distance, speed, radius, sigma = SHORTER
+    bellman = policy.Bellman.on_grid(distance, radius, sigma / speed, SURFACING * speed, 20.0)
+    nodes = bellman.panels.nodes
+    expected = expected_transit(distance, LegTable(nodes, nodes), *SHORTER[1:], SURFACING, 20.0)
+    found = np.interp(distance, nodes, bellman._evaluate(nodes))
+    assert found == pytest.approx(speed * expected.duration, rel=2e-3)

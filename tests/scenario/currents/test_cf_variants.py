@@ -222,3 +222,11 @@ def test_sigma_levels_move_with_the_surface(tmp_path):
     hours = 0.5 + np.arange(0.0, 18_000.0, 600.0) / 3600.0
     for row, depth in zip(drift(tmp_path / "field.nc"), (8.0, 16.0), strict=True):
         assert row[0] == pytest.approx(600.0 * np.sum(0.5 - 0.3 * depth / 1.1 / FLOOR + 0.02 * hours), rel=1e-5)
+
+
+def test_a_column_reaches_as_deep_as_its_highest_surface_makes_it(tmp_path):
+    """50 m under a surface that rises to 5 m: good to a fifth more."""
+    write(tmp_path / "field.nc", lev=(-DEPTHS / FLOOR, SIGMA), deep=deep(),
+          zeta=zeta(np.linspace(-3.0, 5.0, HOURS.size)[:, None, None]))  # fmt: skip
+    area = Area(ORIGIN, np.datetime64("2026-06-01T00:30", "ns"), np.zeros((2, 1)))
+    assert read_field([str(tmp_path / "field.nc")], area, "field.nc").depth == pytest.approx([0.0, 1.2 * 55.0])

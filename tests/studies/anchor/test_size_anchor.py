@@ -1,6 +1,7 @@
 import copy
 import math
 import re
+from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -9,6 +10,7 @@ import pytest
 
 from missionplan.errors import InputError
 from missionplan.mission import Mission, load
+from missionplan.montecarlo.streams import stream
 from missionplan.scenario.scenario import Scenario
 from missionplan.studies.anchor import size_anchor, worst_case_anchor
 from missionplan.studies.anchor.lightest_anchor import Demand, lightest_anchor
@@ -461,3 +463,26 @@ def test_a_spare_anchor_is_as_heavy_as_the_one_that_carries_it_down(tmp_path):
     found = worst_case_anchor(at("sized"))
     assert found > 1.002 * worst_case_anchor(load(MISSIONS / "anchor-design.yaml"))
     assert worst_case_anchor(at(f"{found!r} N")) == pytest.approx(found, rel=1e-9)
+
+
+def test_what_an_anchor_misses_is_told_in_hundredths_of_its_dives(mission):
+    """Of 1000 dives 876 are within the radius, where 950 were asked for, and all are clear of the seafloor."""
+    sizer = SimpleNamespace(trials=SimpleNamespace(probabilities=lambda weight: Shares(0.876, 0.0)))
+    demands = (replace(WITHIN, required=0.95), CLEAR)
+    found = list(AnchorSizer._deviations(sizer, 10.0, demands))
+    assert [each.weight for each in found] == pytest.approx([9.0, 11.0])
+    assert {each.misses for each in found} == {("within the radius: 87.6 % of 95 %",)}
+
+
+def test_fixes_of_dives_err_by_their_own_stream(tmp_path):
+    """In still water all else is alike: the anchor lies off the fix by the error, drawn from the mooring's fix."""
+    mission = altered(
+        tmp_path, ("site:", "navigation: {velocity_error: {sigma: 0 m/s}, surfacing_time: 60 s, fix_error: 7 m}\nsite:")
+    )
+    still = mission.with_(**{"site.current": None, "moor.design_current": None})
+    trials = AnchorTrials(still, still.moors[0].name, None, 64, 5)
+    normals = stream(5, f"{still.moors[0].name}.fix", 0).standard_normal((2, 64))
+    offset = trials.probabilities(60.0).offset
+    assert (offset.mean, offset.sd) == pytest.approx(
+        (np.hypot(*7.0 * normals).mean(), np.hypot(*7.0 * normals).std(ddof=1)), rel=1e-6
+    )

@@ -92,6 +92,7 @@ def test_the_choice_is_the_least_of_all_that_meet_the_requirements(alone, tight,
     good = meeting(ALL, minutes)
     best = min(good, key=lambda choice: cost(alone, choice, aim))
     assert (found.feasible, tuple(found.chosen.values())) == (True, best)
+    assert max(each.trials for each in found.tried) == TRIALS  # as many as the loop has
     for each in found.tried:
         choice = tuple(each.values.values())
         assert each.trials < TRIALS or each.feasible == (choice in good)

@@ -8,7 +8,7 @@ import pytest
 from missionplan.results.decision import Axis
 from missionplan.studies.optimisation import Lattice
 from missionplan.studies.optimisation.evaluations import Demand, Evaluation, Evaluations, demands_of, is_feasible
-from missionplan.studies.optimisation.search import FINE, Search
+from missionplan.studies.optimisation.search import COARSE, FINE, Search
 
 MARGIN = Demand("ok", "ok", None, float("nan"), 0.95)
 
@@ -97,3 +97,17 @@ def test_the_limit_of_an_energy_is_in_watt_hours_as_the_trials_are():
     mission = SimpleNamespace(phases=(), requirements=[required("energy", 7200.0), required("duration", 120.0)])
     found = [(each.column, each.side, each.limit) for each in demands_of(mission)]
     assert found == [("total.energy_wh", "at_most", 2.0), ("total.duration_s", "at_most", 120.0)]
+
+
+def test_costs_of_few_trials_are_moved_by_what_more_trials_changed_of_others():
+    """Of two choices with both the mean rose by 2 and by 4, of a third by no number."""
+    search = Search(Surface(_bowl, 1, 5), (), "energy", 1)
+    for point, coarse, fine in ((0, 10.0, 12.0), (1, 20.0, 24.0), (2, np.nan, 30.0), (3, 40.0, None)):
+        for trials, cost in ((COARSE, coarse), (FINE, fine)):
+            if cost is not None:
+                search.evaluations.kept[(point,), trials] = Evaluation(
+                    (point,), {"total.energy_wh": np.full(trials, cost)}
+                )
+    known = search.evaluations.best_known()
+    assert [each.trials for each in known] == [FINE, FINE, FINE, COARSE]
+    np.testing.assert_allclose(search._with_common_noise(known), [12.0, 24.0, 30.0, 40.0 + 3.0])

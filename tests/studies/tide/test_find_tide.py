@@ -261,20 +261,23 @@ def test_a_profiler_in_netcdf_brings_its_latitude(tmp_path):
     frame = write_record(tmp_path / "mooring.csv")
     moments = pd.to_datetime(frame["t_s"]).dt.tz_localize(None).to_numpy().astype("datetime64[ns]")
     wave = frame["east_m_s"].to_numpy()
+    gaps = np.where(np.arange(len(wave)) % 7, 0.8 * wave, math.nan)
     xarray.Dataset(
         {
             "u": (
                 ("time", "depth"),
-                np.stack((wave, np.where(np.arange(len(wave)) % 7, 0.8 * wave, math.nan)), axis=1),
+                np.stack((np.where(moments < moments[20], wave, math.nan), gaps, wave), axis=1),
                 {"units": "m s-1"},
             ),
-            "v": (("time", "depth"), np.stack((0.5 * wave, 0.4 * wave), axis=1), {"units": "m s-1"}),
+            "v": (("time", "depth"), np.stack((wave, 0.4 * wave, 0.5 * wave), axis=1), {"units": "m s-1"}),
         },
-        coords={"time": moments, "depth": ("depth", [8.0, 12.0], {"units": "m"}), "latitude": 37.2},
+        coords={"time": moments, "depth": ("depth", [4.0, 12.0, 8.0], {"units": "m"}), "latitude": 37.2},
     ).to_netcdf(tmp_path / "adcp.nc")
     result = missionplan.tide(tmp_path / "adcp.nc")
-    assert [each.depth for each in result.depths] == [8.0, 12.0]
-    assert result.depths[1].constituents[0].major == pytest.approx(
-        0.8 * result.depths[0].constituents[0].major, rel=0.03
-    )
+    majors = {each.depth: each.constituents[0].major for each in result.depths}
+    assert majors == {8.0: majors[8.0], 12.0: pytest.approx(0.8 * majors[8.0], rel=0.03)}
+    assert result.provenance.notices == ("too few samples for a tide at 4 m",)
+    assert result.shown_depth == 8.0  # that of most samples
+    np.testing.assert_allclose(result.measured, np.stack((wave, 0.5 * wave)))
+    assert np.std(result.fitted - result.measured) < 0.1 * np.std(wave)
     assert math.degrees(result.latitude) == pytest.approx(37.2)
