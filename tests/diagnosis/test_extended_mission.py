@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from missionplan.diagnosis.coordinates import SIGMA_V, JointPosterior, coordinates_of
-from missionplan.diagnosis.extended_mission import Hypothesis, extended_mission
+from missionplan.diagnosis.extended_mission import Hypothesis, _in_words, extended_mission
 from missionplan.diagnosis.inference.model import CauseFit
 from missionplan.diagnosis.legs.kind import extended_transit_mission
 from missionplan.effects import CATALOGUE
@@ -102,3 +102,14 @@ def test_a_mission_that_nothing_was_found_for_has_the_place_and_date_that_draws_
     extended = extended_transit_mission(raw, best, data)
     assert extended["site"]["origin"] == {"latitude": "48.5000000 deg", "longitude": "-123.5000000 deg"}
     assert extended["start"] == "2022-06-14T18:31:25Z"
+
+
+def test_draws_are_told_by_moments_of_their_kind():
+    """A size by mean and deviation, a direction about north, a time by the deviation of its logarithm."""
+    half = np.full(2, 0.5)
+    assert _in_words(("compass-bias", "angle"), np.radians([2.0, 6.0]), half) == {"mean": "4 deg", "sd": "2 deg"}
+    north = _in_words(("compass-deviation", "phase"), np.radians([350.0, 20.0]), half)
+    assert north == {"mean": "5 deg", "sd": "15 deg"}
+    assert _in_words(("persistent-error", "time"), np.array([100.0, 400.0]), half) == {"median": "200 s", "factor": 2.0}
+    weighted = _in_words(("mean-current", "east"), np.array([0.1, 0.2]), np.array([3.0, 1.0]))
+    assert weighted == {"mean": "0.125 m/s", "sd": "0.0433 m/s"}

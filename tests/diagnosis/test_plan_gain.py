@@ -6,12 +6,13 @@ from typing import Any
 
 import pytest
 
-from missionplan.diagnosis.plan_gain import anchor_choice, plan_gain, with_urgency
+from missionplan.diagnosis.plan_gain import anchor_choice, leg_length_choice, plan_gain, with_urgency
 from missionplan.mission import Mission, load
 from missionplan.results.failures import SUCCESS
 from missionplan.results.learned import PlanGain
 from missionplan.results.learned.levels import Level, ParameterLevels
 from missionplan.studies.anchor import worst_case_anchor
+from missionplan.studies.leg_length import sweep_dmax
 from missionplan.studies.simulation import simulate
 
 MISSIONS = Path(__file__).parents[2] / "missions"
@@ -95,3 +96,34 @@ def test_a_mission_without_a_mooring_says_why_there_is_no_plan() -> None:
     plan = plan_gain(anchor_choice, fig8, fig8.raw, seed=1, jobs=1)
     assert plan.before == plan.after == {}
     assert "mooring" in plan.reason
+
+
+def test_the_length_of_before_is_told_as_the_extended_mission_has_it(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Three lengths of which the second is best before and the third after, and the one that the mission writes."""
+    asked = []
+
+    def sweep(mission: Mission, **given: Any) -> Any:
+        lengths, is_extended = mission.sweep.d_max, len(mission.effects) > 0
+        asked.append((is_extended, lengths if isinstance(lengths, tuple) else None, given["method"]))
+        own = (350.0,) if isinstance(lengths, tuple) else (100.0, 200.0, 300.0)
+        points = [
+            SimpleNamespace(d_max=each, cost=each / 1e3 + is_extended, arrived=SimpleNamespace(value=0.9))
+            for each in own
+        ]
+        best = -1 if is_extended else 1
+        curve = SimpleNamespace(points=points, recommended_index=best % len(own), recommended=points[best])
+        return SimpleNamespace(curves=[curve])
+
+    monkeypatch.setattr(sweep_dmax, "sweep_dmax", sweep)
+    base = load(MISSIONS / "fig8.yaml").with_(**{"ingress.d_max": "350 m"})
+    found = plan_gain(
+        leg_length_choice, base, {**base.raw, "effects": [{"speed-scale": {"fraction": 0.1}}]}, seed=1, jobs=1
+    )
+    plans = (found.before, found.after, found.base_choice_under_extended, found.as_written_under_extended)
+    assert [(plan["d_max_m"], plan["cost"]) for plan in plans] == [
+        (200.0, 0.2),
+        (300.0, 1.3),
+        (200.0, 1.2),
+        (350.0, 1.35),
+    ]
+    assert [each[0] for each in asked] == [False, True, True]

@@ -20,7 +20,8 @@ from missionplan.exporters import VEHICLES, conformance, conformance_table
 from missionplan.exporters.plan_json import plan_json
 from missionplan.mission import Mission
 from missionplan.results import to_yaml
-from missionplan.results.plan_places import time_out
+from missionplan.results.plan import PlannedMooring, PlannedTransit, SurfacingRule
+from missionplan.results.plan_places import Waypoint, time_out
 from missionplan.results.plan_states import GUARDS, states_of
 from missionplan.studies.export import mission_plan
 from missionplan.studies.leg_length.sweep_dmax import sweep_dmax
@@ -300,3 +301,34 @@ def test_a_zone_kept_out_of_is_a_fence_of_the_plan(tmp_path):
     assert not fence.limits
     found = {tuple(np.round(np.degrees(corner), 6)) for corner in fence.outline}
     assert found == {(latitude, longitude) for longitude, latitude in ring}
+
+
+def test_times_depths_and_parts_of_a_plan_by_hand():
+    def moored(depth, line, surface):
+        return PlannedMooring("m", 0.0, 0.0, 0.0, 0.0, 20.0, depth, line, 11.0, 3.0, 7.0, 600.0, 500.0, 0.0, surface)
+
+    times = ("touchdown_depth", "longest_sinking", "longest_release", "fix_wait")
+    deep, shallow, unknown = moored(30.0, 5.0, 150.0), moored(8.0, 8.0, 100.0), moored(np.nan, 5.0, 0.0)
+    assert [getattr(deep, name) for name in times] == pytest.approx([0.9 * 25.0, 150.0, 2100.0, 750.0])
+    assert [getattr(shallow, name) for name in times] == pytest.approx([np.nan, 60.0, 2100.0, 600.0], nan_ok=True)
+    assert [getattr(unknown, name) for name in times[:2]] == pytest.approx([np.nan, 600.0], nan_ok=True)
+
+    def point(name, east, north, elapsed, *, is_via=False):
+        place = (east, north, 1e-6 * north, 2e-6 * east)
+        return Waypoint(name, "surfacing", *place, 0.0, 300.0, 250.0, 280.0, elapsed, is_via)
+
+    way = (point("0", 0.0, 0.0, 100.0), point("1", 300.0, 100.0, 400.0, is_via=True), point("2", 600.0, -50.0, 900.0))
+    rule = SurfacingRule(interval=400.0, interval_time=333.0, surface_time=30.0, surface_time_p99=200.0)
+    transit = PlannedTransit("t", 4.0, 1.2, 50.0, rule, way, 850.0, point("aim", 590.0, -20.0, 900.0), 2)
+    assert (transit.time_out, replace(transit, duration_p99=np.nan).time_out) == (935.0, 913.0)
+    assert transit.abort_time == 1.5 * 935.0 + 5.0 * 200.0
+    assert transit.ascent_margin == pytest.approx(4.0 / np.tan(np.radians(5.0)))
+    assert replace(transit, depth=40.0).ascent_margin == 200.0
+    assert transit.aim_off == pytest.approx(np.hypot(10.0, 30.0))
+    first, second = transit.parts
+    assert [(each.start.name, each.goal.name) for each in transit.parts] == [("0", "1"), ("1", "2")]
+    assert (first.aim.east, first.aim.north) == pytest.approx((290.0, 130.0))
+    assert (first.aim.latitude, first.aim.longitude) == pytest.approx((130e-6, 580e-6))
+    assert (second.aim.east, second.aim.north) == (590.0, -20.0)
+    assert [each.name for each in transit.sequence] == ["1", "aim", "2 again 1", "2 again 2"]
+    assert [(each.east, each.length, each.duration) for each in transit.sequence[2:]] == [(590.0, 0.0, 0.0)] * 2

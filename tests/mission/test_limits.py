@@ -32,6 +32,13 @@ IMPOSSIBLE = [
     ({IN + "to": ["10 m", "0 m"]}, "lies 10 m from the start, within the arrival radius, 15 m"),
     ({OUT + "to": ["1600 m", "5 m"]}, "lies 5 m from the start, within the arrival radius"),
     ({IN + "to": ["400 km", "0 m"]}, "take at least 572 legs, even with the current; navigation.max_legs is 400"),
+    ({IN + "to": ["280.02 km", "0 m"]}, "take at least 401 legs, even with the current"),  # 400 of 700 m, and 15 m
+    ({MOOR + "line_diameter": "0 m"}, "line_diameter: missing; what a line of this material weighs"),
+    (
+        {MOOR + "line_floats": [{"distance": "3 m", "buoyancy": "2 N"}, {"distance": "2 m", "buoyancy": "2 N"}]},
+        r"line_floats\[1\]\.distance: 2 m; expected 3 m to the line's length, 5 m",
+    ),
+    ({MOOR + "line_floats": [{"distance": "5.1 m", "buoyancy": "2 N"}]}, "5.1 m; expected 0 m to the line's length"),
     ({"site.depth": "12 km"}, "12.000 m is impossible"),
     ({"site.depth": "4 cm"}, "0.04 m is impossible"),
     ({"site.current.0.speed": "15 m/s"}, "15 m/s is impossible: .*Saltstraumen"),
@@ -73,6 +80,10 @@ UNUSUAL = [
     ({"navigation.surfacing_time": "90 min"}, "5400 s is unusual"),
     ({MOOR + "hold": "120 day"}, "is unusual"),
     ({MOOR + "line_length": "10.9 m"}, "leaves 0.17 m of water above the moored vehicle"),
+    (
+        {MOOR + "line_material": None, MOOR + "line_diameter": "20 mm"},
+        "Of polyester it would pull the vehicle down with 5.5 N",  # 355 kg/m³ over the water's, of 5 m, 314 mm²
+    ),
     ({MOOR + "radius": "0.5 m"}, "0.5 m is unusual"),
     ({"site.current.0.speed": {"mean": "4 kn", "sd": "2 kn"}}, "is unusual: .*Gulf Stream"),
     ({"vehicle.energy.capacity": "60 J"}, "0.01667 W.h is unusual"),
@@ -117,3 +128,10 @@ def test_what_is_unusual_is_asked_about(changes, said):
 @pytest.mark.parametrize("path", sorted(MISSIONS.glob("*.yaml")), ids=lambda path: path.stem)
 def test_shipped_missions_hold_nothing_unusual(path):
     assert load(path).notices() == ()
+
+
+def test_what_just_can_be_is_let_pass():
+    """400 legs of 700 m, with a current that carries as far as they go, and the arrival radius; floats at both ends."""
+    floats = [{"distance": each, "buoyancy": "0.1 N"} for each in ("0 m", "5 m")]
+    changes = {IN + "to": ["280.01 km", "0 m"], MOOR + "line_floats": floats}
+    assert Mission.from_data(altered(changes)).moors[0].line_floats[1].distance == 5.0

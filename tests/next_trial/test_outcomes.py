@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from missionplan.diagnosis.coordinates import Coordinate
-from missionplan.diagnosis.next_trial import SimulatedTrial, measured, outcome_rule, outcomes
+from missionplan.diagnosis.next_trial import SimulatedTrial, instruments_for, measured, outcome_rule, outcomes
 from missionplan.diagnosis.next_trial.experiment import DecisionProblem
 from missionplan.diagnosis.next_trial.leg_trials import _from_record_to_record
 
@@ -95,3 +95,22 @@ def test_what_differs_from_record_to_record_is_the_current_s_own_uncertainty_and
         ([0.05], pytest.approx(0.16)),
         ([0.0], pytest.approx(0.25)),
     ]
+
+
+def test_instruments_are_offered_for_what_they_measure_of_causes_alone():
+    def own(effect, name, kind="strength"):
+        return Coordinate(effect, name, kind, 0.0, 1.0, 0.1)
+
+    bias, lift, depth = (
+        own("compass-bias", "angle"),
+        own("stratification", "lift"),
+        own("stratification", "depth", "shape"),
+    )
+    scale = own("speed-scale", "fraction")
+    sets = [SimpleNamespace(causes=("compass-bias",), coordinates=(bias, lift, scale)),
+            SimpleNamespace(causes=("stratification", "speed-scale"), coordinates=(lift, depth, scale))]  # fmt: skip
+    assert {each.key: instrument.parameter for each, instrument in instruments_for(sets).items()} == {
+        bias.key: "angle",
+        lift.key: "lift",
+    }
+    assert list(instruments_for(sets[:1])) == [bias]  # the lift is no cause there

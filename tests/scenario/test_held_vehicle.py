@@ -10,9 +10,9 @@ import missionplan
 from missionplan.errors import InputError
 from missionplan.mission import Mission
 from missionplan.physics.held_line import CROSSFLOW_COEFFICIENT
-from missionplan.physics.seafloor import FRICTION, ROUGHNESS
+from missionplan.physics.seafloor import FRICTION, ROUGHNESS, lateral_coefficient
 from missionplan.scenario.anchors import anchor_length
-from missionplan.scenario.phases import held_body, hold_of, moor_plan
+from missionplan.scenario.phases import held_body, hold_of, moor_plan, room_in_depth
 from missionplan.scenario.scenario import Scenario
 from missionplan.studies.held_vehicle import _knobs
 from missionplan.studies.simulation.simulate import simulate_block
@@ -183,3 +183,44 @@ def test_a_lighter_vehicle_is_held_as_one_whose_file_says_so():
     heavier = knobs["anchor"].changed(np.array([14.0]))
     assert heavier.anchor.wet_weight == 14.0
     assert heavier.anchor.length == pytest.approx(hold_of(scenario, scenario.mission.moors[0], 14.0).anchor.length)
+
+
+def test_bodies_and_line_of_a_dive_are_by_hand_those_of_the_files():
+    """Spheroids by Lamb's integrals; the anchor displaces what it does not weigh, and the nose inside it."""
+    given = {"construction": None, "flooded_mass": "2.8 kg", "overlap_volume": "0.3 L", "flooding_time": "7 s"}
+    line = {
+        "line_stiffness": "12 kN/m",
+        "line_strength": "1.5 kN",
+        "line_wet_weight": "0.02 N/m",
+        "line_diameter": "2 mm",
+    }
+    scenario = Scenario.at_means(
+        changed(anchor=given, moor={"anchor_wet_weight": "11.7 N", "lateral": "coupled", **line})
+    )
+    plan, density = moor_plan(scenario, scenario.moor()), float(scenario.water.density)
+    dive, length, diameter = plan.dive, 1.1176, 0.12065
+
+    def lamb(fineness):
+        e = np.sqrt(1.0 - fineness**-2.0)
+        alpha = 2.0 * (1.0 - e**2) / e**3 * (np.arctanh(e) - e)
+        beta = 1.0 / e**2 - (1.0 - e**2) / e**3 * np.arctanh(e)
+        return alpha / (2.0 - alpha), beta / (2.0 - beta)
+
+    displaced = 10.2 + 0.2 * 4.4482216 / 9.80665
+    along, across = (share * displaced for share in lamb(length / diameter))
+    assert (dive.vehicle_added_mass, dive.tied.vehicle.mass) == pytest.approx((along, 10.2 + across), rel=1e-6)
+    assert dive.tied.vehicle.drag == pytest.approx(0.5 * density * CROSSFLOW_COEFFICIENT * length * diameter)
+    assert dive.tied.vehicle.centre == pytest.approx(0.5 * length)
+    of_nose = 1.0 / (1.0 / (10.2 + across) + 0.25 * length**2 / ((10.2 + across) * length**2 / 12.0))
+    assert (dive.spring.nose_mass, dive.spring.stiffness, dive.spring.strength) == pytest.approx((of_nose, 12e3, 1.5e3))
+    anchor = float(anchor_length(scenario, 11.7))
+    water = 2.8 - 11.7 / 9.80665 + density * 0.3e-3
+    assert dive.tied.anchor.mass == pytest.approx(2.8 + lamb(anchor / diameter)[1] * water)
+    assert dive.tied.anchor.drag == pytest.approx(
+        0.5 * density * lateral_coefficient(anchor / diameter) * anchor * diameter
+    )
+    assert (dive.wet_weight, dive.anchor_mass, dive.flooding_time) == pytest.approx((11.7, 2.8, 7.0))
+    assert plan.held.line.compliance == pytest.approx(1.0 / (12e3 * 5.0))  # of a metre
+    assert plan.held.line.wet_weight == pytest.approx(0.02)
+    assert (plan.moored_time, plan.surfacing_time, plan.hotel_power) == pytest.approx((1200.0 + 600.0, 90.0, 8.0))
+    assert room_in_depth(dive, 1.0) == pytest.approx([12.192 - 5.0 - 1.0])

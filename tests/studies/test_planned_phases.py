@@ -10,6 +10,7 @@ from missionplan.mission import Mission
 from missionplan.phases.transit.plan import Execution
 from missionplan.scenario.scenario import Scenario
 from missionplan.scenario.site_current import recorded_current
+from missionplan.studies import planned_phases
 from missionplan.studies.planned_phases import TransitDurations, _last_drift, _sailed_by_its_vehicle, transit_durations
 from tests.exporters.made_plans import PLANS
 
@@ -75,3 +76,23 @@ def test_each_leg_has_the_duration_of_its_number_and_as_many_follow_as_most_arri
     assert (found.extra_legs, found.duration_p99) == (extra, 60.0 + extra)
     assert [point.duration_p99 for point in found.waypoints[1:]] == [10.0 * extra + k for k in (1.0, 2.0, 3.0)]
     assert np.isnan(found.start.duration_p99)
+
+
+def test_the_interval_in_place_of_a_table_is_the_quickest_of_those_that_arrive_often_enough(monkeypatch):
+    """Of three the first is quick and arrives too seldom; what the second costs is of trials that both arrive in."""
+    yes, no = True, False
+    arrived = [[yes, yes, yes, no], [yes, no, no, no], [no, yes, yes, yes], [yes, yes, yes, yes]]
+    durations = [
+        [100.0, 110.0, 120.0, 9.0],
+        [1.0, 1.0, 1.0, 1.0],
+        [9.0, 130.0, 150.0, 140.0],
+        [150.0, 150.0, 160.0, 150.0],
+    ]
+    runs = [SimpleNamespace(arrived=np.array(a), duration=np.array(d)) for a, d in zip(arrived, durations, strict=True)]
+    swept = SimpleNamespace(d_max=np.array([100.0, 200.0, 300.0]), required_arrival=0.75)
+    monkeypatch.setattr(planned_phases.SweepScenario, "of", lambda mission, means: swept)
+    monkeypatch.setattr(planned_phases, "run_plans", lambda scenario, plans, *_: runs)
+    same = SimpleNamespace(sweep=SimpleNamespace(model_copy=lambda update: update), model_copy=lambda update: update)
+    found = planned_phases.single_interval(SimpleNamespace(mission=same), SimpleNamespace(name="out"), None, 1)
+    assert (found.length, found.extra_time) == (200.0, pytest.approx((20.0 + 30.0) / 2.0))
+    assert found.standard_error == pytest.approx(5.0 / np.sqrt(2.0))

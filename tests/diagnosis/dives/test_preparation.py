@@ -1,5 +1,7 @@
 """Dive logs made ready: trimmed, averaged, and doubted where they look like feet."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pandas as pd
 import pytest
@@ -8,6 +10,7 @@ from missionplan.datasets.dives import read_descent
 from missionplan.datasets.records import TOUCHDOWN_MARGIN
 from missionplan.diagnosis.dives.preparation import (
     MAX_SAMPLES,
+    _doubts_of_metres,
     binned,
     estimate_noise,
     levels_off_at,
@@ -120,3 +123,31 @@ def test_a_log_that_ends_in_the_descent_does_not_slow_abruptly(seed):
     for depth in (1.3 * np.maximum(t - 2.0, 0.0), 1.3 * np.maximum(t - 2.0, 0.0) * (1.0 - 0.02 * t)):
         assert slows_at(t, depth + noise) == np.inf
     assert slows_at(t[:4], t[:4]) == np.inf
+
+
+def test_readings_noisier_than_stated_have_their_own_noise(folder, descent_mission):
+    table = dives(rate=5.0)
+    table["depth_m"] += np.random.default_rng(4).normal(0.0, 0.2, len(table))
+    data = prepare_dives(read_descent(folder(KIND, table), descent_mission))
+    assert [dive.sd[0] for dive in data.dives] == pytest.approx([0.2] * 3, rel=0.3)
+    quiet = prepare_dives(read_descent(folder(KIND, dives(rate=5.0)), descent_mission))
+    assert [dive.sd[0] for dive in quiet.dives] == pytest.approx([0.05] * 3)  # as stated
+
+
+@pytest.mark.parametrize(("until", "seen"), [(9.5, True), (8.0, False)])
+def test_a_gap_of_more_than_a_fifth_of_a_dive_is_told(folder, descent_mission, until, seen):
+    table = dives()
+    table = table[(table["t_s"] <= 6.0) | (table["t_s"] >= until)]
+    data = prepare_dives(read_descent(folder(KIND, table), descent_mission))
+    assert ("dive-1: a gap of 3.5 s in the log" in data.notices) == seen
+
+
+def test_feet_are_suspected_from_one_and_a_half_times_the_depth_or_three_metres_a_second():
+    late = SimpleNamespace(t=np.arange(10.0), depth=np.concatenate([0.5 * np.arange(5.0), 4.0 + 3.1 * np.arange(5.0)]))
+    slow = SimpleNamespace(t=np.arange(10.0), depth=2.9 * np.arange(10.0))
+    deep, enough = (
+        SimpleNamespace(depth=np.array([1.0, most]), site_depth=24.0, line_length=9.0) for most in (36.5, 35.5)
+    )
+    assert _doubts_of_metres([enough], [slow]) == []
+    assert "depths grow by 3.1 a second" in _doubts_of_metres([enough], [late])[0]  # of its second half
+    assert "depths reach 1.5 times the depth of the site" in _doubts_of_metres([deep], [slow])[0]

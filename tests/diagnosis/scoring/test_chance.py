@@ -1,12 +1,16 @@
 """What chance allows: the statistic against its published law, and missions whose σ is off by half."""
 
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from scipy.special import ndtr
 
 import missionplan
-from missionplan.diagnosis.scoring.yardsticks import anderson_darling, yardsticks
+from missionplan.diagnosis.scoring.legs import _fix_covariance
+from missionplan.diagnosis.scoring.predictive import Mixture
+from missionplan.diagnosis.scoring.yardsticks import _remembered, _smoothed, anderson_darling, with_spread, yardsticks
 from tests.diagnosis.scoring.test_score_legs import Truth, made_legs, mission
 
 
@@ -55,3 +59,57 @@ def test_a_persistent_error_is_the_best_of_the_yardsticks_on_one():
     assert error["persistent"] < 0.95 * error["last_leg"]
     assert np.all(found["wider_sigma"].mean == 0.0)
     assert found["wider_sigma"].sd[-1] == pytest.approx(y.std(), rel=0.02)
+
+
+def test_yardsticks_are_the_recursions_that_they_are_named_after():
+    past = list(np.random.default_rng(2).normal(size=(6, 3)))
+    for gain, kept in ((0.2, 0.9), (0.7, 0.5)):
+        mean, seen = past[0], np.zeros(3)
+        for number, value in enumerate(past):
+            mean = mean + gain * (value - mean) if number else value
+            seen = kept * (seen + gain * (value - seen))
+        assert _smoothed(past, gain, past[0]) == pytest.approx(mean)
+        assert _remembered(past, gain, kept, past[0]) == pytest.approx(seen)
+    assert not np.any([_smoothed([], 0.2, past[0]), _remembered([], 0.2, 0.9, past[0])])
+
+
+def test_the_spread_before_a_group_is_that_of_the_errors_before_it_but_the_first():
+    """Until the second is seen it is what was expected; errors count over their scales."""
+    values = [np.array(each) for each in ([50.0, 1.0], [3.0, 9.0], [2.0, -4.0], [0.0, 0.0])]
+    means, scales = (
+        [np.full(2, each) for each in (0.0, 1.0, 0.0, 0.0)],
+        [np.full(2, each) for each in (1.0, 2.0, 0.5, 10.0)],
+    )
+    found = with_spread(values, means, scales, 2.0).sd.reshape(4, 2)[:, 0]
+    third, fourth = [1.0, 16.0], [16.0, 64.0]  # squares of errors over their scales: 2 and 8 of 2, 2 and 4 of ½
+    assert found == pytest.approx([2.0, 4.0, 0.5 * np.sqrt(np.mean(third)), 10.0 * np.sqrt(np.mean(third + fourth))])
+
+
+def test_the_crps_of_many_components_is_nearly_that_of_all_pairs():
+    rng = np.random.default_rng(4)
+    weights, means, sds = (
+        rng.uniform(0.5, 2.0, (150, 1)),
+        rng.normal(0.0, 2.0, (150, 1)),
+        rng.uniform(0.5, 1.5, (150, 1)),
+    )
+    weights /= weights.sum()
+    grid = np.linspace(-15.0, 15.0, 3001)
+    below = (weights * ndtr((grid - means) / sds)).sum(axis=0)
+    for y in (-3.0, 5.0):
+        exact = np.trapezoid((below - (grid >= y)) ** 2, grid)  # the integral that the score is
+        assert Mixture(weights, means, sds).crps(np.array([y]))[0] == pytest.approx(exact, rel=0.08)  # of a sample
+
+
+def test_legs_that_share_a_fix_share_its_error():
+    """Fixes of 3 m, one of 6 that two legs share, and 5 m² that an effect adds to each; the third leg is of another run."""
+    end = np.array([[10.0, 30.0, 70.0], [0.0, 0.0, 0.0]])
+    start = np.array([[0.0, 10.0, 30.0], [0.0, 0.0, 0.0]])
+    data = SimpleNamespace(
+        typical_fix_sd=None, fix_scale=np.array([2.0, 1.0, 1.0]), start=start, end=end, run=np.array([0, 0, 1])
+    )
+    effect = SimpleNamespace(fix_variance=lambda: 5.0)
+    found = _fix_covariance(data, SimpleNamespace(fix_error=3.0), [effect])
+    expected = np.array(
+        [[9.0 + 36.0 + 10.0, -41.0, 0.0], [-41.0, 36.0 + 9.0 + 10.0, 0.0], [0.0, 0.0, 9.0 + 9.0 + 10.0]]
+    )
+    np.testing.assert_allclose(found, np.kron(expected, np.eye(2)))

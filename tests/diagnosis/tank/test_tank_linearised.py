@@ -1,13 +1,20 @@
 """Groups of tank data predicted from the others: what they share and what they do not, by closed forms."""
 
+from types import SimpleNamespace
+
 import numpy as np
+import pandas as pd
 import pytest
 import yaml
 from scipy.stats import multivariate_normal, norm
 
+from missionplan.datasets.tank import DragSettings, OscillationSettings
 from missionplan.diagnosis.diagnose import diagnose
 from missionplan.diagnosis.tank.fitting import LinearData, marginal
+from missionplan.diagnosis.tank.forward import noise_sd, row_blocks
+from missionplan.diagnosis.tank.kind import _uncertainty, tank_misfit, tank_share
 from missionplan.mission import load
+from missionplan.montecarlo.distributions import Normal
 from missionplan.physics.tank import displacement, natural_frequency
 
 GROUPS = np.repeat(["a", "b", "c"], 4)
@@ -106,3 +113,38 @@ def test_a_mass_beyond_its_spike_is_named_whatever_the_noise(heavier, expected, 
     found = diagnose(load(tmp_path / "mission.yaml"), tmp_path, plan=False)
     assert found.causes == expected
     assert found.verdict == ("explained" if expected else "adequate")
+
+
+def test_rows_blocks_and_misfits_of_tank_data_by_hand():
+    assert row_blocks(3).tolist() == ["row 1", "row 2", "row 3"]
+    assert row_blocks(12)[-1] == "row 12"
+    twenty = row_blocks(20)  # eight blocks of two and a half
+    assert list(dict.fromkeys(twenty.tolist()))[:3] == ["rows 1 to 2", "rows 3 to 5", "rows 6 to 7"]
+    assert (twenty[4], twenty[5], twenty[-1]) == ("rows 3 to 5", "rows 6 to 7", "rows 18 to 20")
+    size = np.sqrt(12.5)
+    for stated, sd in ((None, 0.03 * size), (0.5, 0.5), (0.0, 1e-8 * size)):
+        found, is_stated = noise_sd(np.array([3.0, -4.0]), stated)
+        assert (found.tolist(), is_stated) == ([pytest.approx(sd)] * 2, stated is not None)
+    table = pd.DataFrame({"residual_base": [3.0, 4.0]})
+    forward = SimpleNamespace(y=np.array([30.0, 40.0]), sd=np.array([0.5, 0.5]), stated=True, quantity="force_n")
+    words = tank_misfit(SimpleNamespace(forward=forward), table)
+    assert words.endswith("misses the drag by 3.54 N rms, 10.0 % of it, 7.1 times the stated noise.")
+    shares = [
+        tank_share(table, SimpleNamespace(state=SimpleNamespace(residuals=np.array(left))))
+        for left in ([0.0, 3.0], [6.0, 0.0])
+    ]
+    assert shares == [pytest.approx(1.0 - 9.0 / 25.0), 0.0]
+
+
+def test_what_a_vehicle_file_is_unsure_of_is_unsure_in_the_tank_by_as_much_of_it():
+    """A coefficient of 0.3 give or take 0.06; 16 kg of water give or take 2, of 96 that swing at full size."""
+    drag = SimpleNamespace(coefficient=Normal(0.3, 0.06), exponent=Normal(-0.1, 0.02))
+    vehicle = SimpleNamespace(drag=drag, added_mass=SimpleNamespace(surge=Normal(16.0, 2.0)))
+    settings = {
+        "drag": DragSettings.model_construct(),
+        "swing": OscillationSettings.model_construct(mass=10.0, scale=2.0),
+    }
+    cases = (("drag.coefficient", "drag", 0.2), ("drag.exponent", "drag", 0.02), ("added_mass.surge", "swing", 2.0 / 96.0),
+             ("added_mass.surge", "drag", 0.0))  # fmt: skip
+    for key, kind, expected in cases:
+        assert _uncertainty(key, SimpleNamespace(settings=settings[kind]), vehicle) == pytest.approx(expected)

@@ -2,6 +2,7 @@
 
 import json
 import math
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -11,7 +12,9 @@ from PIL.TiffImagePlugin import ImageFileDirectory_v2
 
 from missionplan.errors import InputError
 from missionplan.mission import load
-from missionplan.scenario.place import read_place
+from missionplan.mission.schema.place import TideHeight
+from missionplan.phases.place import Place, SeaLevel
+from missionplan.scenario.place import _evened, _index, _near, drawn_place, read_place
 from missionplan.scenario.scenario import Scenario
 
 shapely = pytest.importorskip("shapely")
@@ -312,3 +315,26 @@ def test_polygons_in_metres_that_name_no_system_are_refused(tmp_path, write):
     (tmp_path / "k.geojson").write_text(json.dumps(shapely.geometry.mapping(shapely.box(400.0, 0.0, 900.0, 50.0))))
     with pytest.raises(InputError, match="not degrees"):
         placed(write("m", keep_out={"file": "k.geojson"}))
+
+
+def test_rows_of_a_grid_by_hand_and_what_trials_draw_of_a_place():
+    axis = 10.0 * np.arange(11.0)
+    assert _index(axis, np.array([-5.0, 0.0, 25.0, 104.0])) == pytest.approx([-0.5, 0.0, 2.5, 10.4])
+    spans = {
+        (33.0, 47.0): (2, 7),
+        (-9.0, -4.9): (0, 2),
+        (-9.0, -5.1): (0, 0),
+        (104.9, 120.0): (9, 11),
+        (105.1, 120.0): (0, 0),
+    }
+    for wanted, (first, end) in spans.items():
+        found = _near(axis, np.array(wanted))
+        assert (found.start, found.stop) == (first, end), wanted
+    bent = axis + np.where(axis == 50.0, 5.0, 0.0)
+    assert _evened(bent) is bent
+    assert _evened(axis + 1e-9 * np.arange(11.0) ** 2)[5] == pytest.approx(50.0 + 5e-8, abs=1e-12)
+    tide = TideHeight.model_construct(level=0.3, error=0.05)
+    site = SimpleNamespace(tide_height=tide, clearance=0.7)
+    drawn = SimpleNamespace(site=site, vehicle=SimpleNamespace(hull=SimpleNamespace(diameter=0.2)))
+    found = drawn_place(Place(None, None, SeaLevel()), drawn)
+    assert (found.sea_level.level, found.draught, found.clearance) == pytest.approx((0.35, 0.1, 0.7))

@@ -7,6 +7,7 @@ import shapely
 from missionplan.phases.place import Place
 from missionplan.phases.zones import Fence, Zone
 from missionplan.scenario.ways import blocked, way_round
+from tests.phases.place.ground_examples import ground
 
 START, GOAL = np.array([0.0, 0.0]), np.array([2000.0, 0.0])
 RANGE = shapely.box(800.0, -300.0, 1200.0, 500.0)
@@ -103,3 +104,15 @@ def test_a_wall_that_reaches_farther_than_the_goal_is_gone_round_and_not_through
 
 def test_there_is_no_way_through_a_wall_without_an_end():
     assert round_it(zone(shapely.box(-9e4, 150.0, 9e4, 250.0)), goal=np.array([0.0, 400.0])) is None
+
+
+def test_shoals_are_surely_blocked_less_a_node_and_perhaps_by_their_contour():
+    """3 m beside 9 m, of which a transit at 5 m with half a metre of hull and as much beneath it needs 6: midway."""
+    east = np.where(np.arange(41) < 20, 3.0, 9.0)  # the steps of 10 m from 190 to 200 m
+    there = Place(ground(np.tile(east, (41, 1))), None, draught=0.5, clearance=0.5)
+    low, high = np.array([100.0, 100.0]), np.array([300.0, 300.0])
+    box = shapely.box(*low, *high)
+    maybe, surely = (blocked(there, low, high, 5.0, at_some_time=each).intersection(box) for each in (True, False))
+    assert maybe.bounds == pytest.approx((100.0, 100.0, 195.0, 300.0), abs=0.1)
+    assert surely.bounds == pytest.approx((100.0, 100.0, 190.0, 300.0), abs=0.1)
+    assert blocked(there, low, high, 1.9, at_some_time=True).is_empty
