@@ -117,7 +117,7 @@ def test_bits_depend_neither_on_processes_nor_on_the_order_of_cells(chesapeake):
     one = missionplan.explore(chesapeake, VARY, trials=60)
     two = missionplan.explore(chesapeake, VARY, trials=60, jobs=2)
     back = missionplan.explore(chesapeake, "moor.line_length=12:4:-4 m", trials=60)
-    assert one.cells == two.cells
+    assert repr(one.cells) == repr(two.cells)  # nan is there too
     columns = ["moor.line_length", "success", "total.energy_wh", "total.duration_s"]
     rows = back.to_frame().iloc[::-1].reset_index(drop=True)
     assert one.to_frame()[columns].equals(rows[columns])
@@ -131,7 +131,7 @@ def test_a_run_cut_short_goes_on_with_the_same_numbers(chesapeake, tmp_path):
     kept[0].unlink()
     kept[1].write_bytes(kept[1].read_bytes()[:-50])
     again = missionplan.explore(chesapeake, VARY, trials=60, checkpoint=tmp_path / "blocks", resume=True)
-    assert whole.cells == first.cells == again.cells
+    assert repr(whole.cells) == repr(first.cells) == repr(again.cells)  # nan is there too
     with pytest.raises(InputError, match="another run"):
         missionplan.explore(chesapeake, VARY, trials=60, seed=2, checkpoint=tmp_path / "blocks", resume=True)
 
