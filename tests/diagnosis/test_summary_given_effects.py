@@ -1,6 +1,7 @@
 """Missions that carry effects, diagnosed on summaries of dives."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pandas as pd
@@ -8,7 +9,7 @@ import pytest
 
 from missionplan import diagnose
 from missionplan.datasets.summaries import read_summary
-from missionplan.diagnosis.summaries import summary_model
+from missionplan.diagnosis.summaries import summary_misfit, summary_model, summary_residuals
 from missionplan.mission import Mission
 
 WEIGHTS = (9.0, 13.0, 18.0, 25.0)
@@ -62,3 +63,28 @@ def test_the_missions_own_effects_are_expected(descent_mission, mission, measure
     np.testing.assert_allclose(fit.state.linear.y, 0.0, atol=1e-3)
     (without,) = replace(model, given=()).fit_all([((), ())])
     assert fit.log_evidence > without.log_evidence + 5.0
+
+
+def test_the_farthest_number_is_told_with_its_side_and_its_deviations():
+    rows = {"run": ["a", "a", "b"], "quantity": ["terminal_velocity_m_s", "descent_time_s", "descent_time_s"],
+            "measured": [1.0, 9.0, 8.5], "base": [1.02, 8.8, 9.0], "residual_base_sd": [-1.0, 2.0, -5.0]}  # fmt: skip
+    assert summary_misfit(pd.DataFrame(rows)) == (
+        "Of 3 numbers of 2 tests the farthest from the simulation is the descent time of b, 0.50 s below it, 5.0 standard "
+        "deviations."
+    )
+
+
+def test_numbers_lie_in_their_table_beside_both_models_in_deviations():
+    tests = [SimpleNamespace(name="a", quantities=("terminal_velocity_m_s", "descent_time_s"), relative=(False, True)),
+             SimpleNamespace(name="b", quantities=("descent_time_s",), relative=(False,))]  # fmt: skip
+    values = {0.0: [1.0, 9.0, 8.0], 7.0: [1.1, 9.5, 7.0]}
+    forward = SimpleNamespace(tests=tests, readings=lambda _, at: np.stack([values[each] for each in at[0]], axis=1))
+    model = SimpleNamespace(
+        forward=forward, coordinates=(), y=np.array([1.2, 9.3, 8.2]), units=np.array([0.1, 0.5, 0.2])
+    )
+    base, best = (SimpleNamespace(state=SimpleNamespace(linear=SimpleNamespace(at=np.array([at])))) for at in values)
+    found = summary_residuals(model, base, best)
+    assert found["run"].tolist() == ["a", "a", "b"]
+    assert found["less_simulated"].tolist() == [False, True, False]
+    assert found["residual_base_sd"].tolist() == pytest.approx([2.0, 0.6, 1.0])
+    assert found["residual_extended_sd"].tolist() == pytest.approx([1.0, -0.4, 6.0])

@@ -5,11 +5,12 @@ import io
 
 import numpy as np
 import pytest
+from pyproj import Geod
 
 from missionplan.effects import CATALOGUE
 from missionplan.mission import Mission
 from missionplan.mission.includes import hash_of
-from missionplan.mission.learned import not_handed_on, still_alike
+from missionplan.mission.learned import _distance, not_handed_on, still_alike
 from missionplan.montecarlo.posterior import PosteriorFile, WeightedDraws
 from tests.fixtures import TRANSIT
 
@@ -128,3 +129,20 @@ def test_a_tide_outlasts_the_season_and_is_in_doubt_elsewhere():
     assert pair.mean() == pytest.approx(share * before.mean(), rel=2e-3)
     scale = CATALOGUE["tidal-current"].parameters["m2_east"].scale
     assert pair.real.std() == pytest.approx(np.sqrt((1 - share**2) * scale**2 + share**2 * before.real.var()), rel=1e-2)
+
+
+def test_what_is_only_like_what_was_learned_correlates_as_a_gaussian_of_distance_and_time():
+    """Of 20 km; a mean lasts a month, an inertial current three days, and tides outlast a season."""
+    for there in (moved(10.0, 0.0, 2.0), moved(0.0, -10.0, -2.0)):
+        found = still_alike(ALL, (HERE,), there)
+        squares = {
+            "mean-current": 0.5**2 + (2.0 / 30.0) ** 2,
+            "tidal-current": 0.5**2,
+            "inertial-current": 0.5**2 + (2.0 / 3.0) ** 2,
+        }
+        assert found == {name: pytest.approx(np.exp(-0.5 * squared), rel=1e-4) for name, squared in squares.items()}
+    assert still_alike(ALL, (HERE,), (np.nan, np.nan, np.nan))["mean-current"] == 1.0
+    sphere = Geod(a=6.371e6, b=6.371e6)
+    for one, other in (((60.0, 179.0), (59.0, -178.0)), ((-30.0, 10.0), (45.0, 80.0))):
+        *_, expected = sphere.inv(one[1], one[0], other[1], other[0])
+        assert _distance((*np.radians(one), 0.0), (*np.radians(other), 0.0)) == pytest.approx(expected)

@@ -2,17 +2,20 @@
 
 import copy
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 
 import missionplan
 from missionplan.errors import InputError
 from missionplan.mission import Mission
+from missionplan.mission.schema.vehicle import Centre
 from missionplan.physics.drag import Hull, Sail, VehicleDrag
 from missionplan.physics.propulsion import propulsive_power
-from missionplan.scenario.anchors import carried_anchors, laden
+from missionplan.scenario.anchors import CarriedAnchors, _centres, carried_anchors, laden
 from missionplan.scenario.phases import dive_of, hold_of
 from missionplan.scenario.scenario import Scenario
+from missionplan.scenario.transits import PropelledVehicle
 from missionplan.studies.leg_length.sweep_dmax import sweep_dmax
 
 pytestmark = pytest.mark.usefixtures("unassumed")
@@ -144,3 +147,25 @@ def test_the_centres_are_those_of_vehicle_and_anchors_together():
     assert gravity.below_axis == pytest.approx(0.008 * 10.2 / (10.2 + carried.mass))
     assert buoyancy.from_nose < 0.559 + carried.length
     assert laden(laden(means, first), first).mooring.mass == laden(means, first).mooring.mass
+
+
+def test_centres_move_with_the_anchor_as_moments_have_it():
+    """2 kg of 20 cm before 10 kg at 0.5 m, which displace 11: neutral, its own weight and buoyancy at its middle."""
+    centre = Centre.model_construct
+    vehicle = SimpleNamespace(centres=(centre(from_nose=0.5, below_axis=0.012), centre(from_nose=0.48, below_axis=-0.013)),
+                              net_buoyancy=9.80665)  # fmt: skip
+    gravity, buoyancy = _centres(vehicle, 10.0, CarriedAnchors(0.2, 2.0)).values()
+    assert (gravity.from_nose, gravity.below_axis) == pytest.approx(((10.0 * 0.7 + 2.0 * 0.1) / 12.0, 0.01))
+    assert (buoyancy.from_nose, buoyancy.below_axis) == pytest.approx(((11.0 * 0.68 + 2.0 * 0.1) / 13.0, -0.011))
+    assert _centres(SimpleNamespace(centres=None), 10.0, CarriedAnchors(0.2, 2.0)) == {}
+
+
+def test_what_moves_on_a_transit_is_vehicle_anchor_and_the_water_it_displaces():
+    vehicle = SimpleNamespace(mass=10.0, added_mass=None, net_buoyancy=9.80665, hull=SimpleNamespace(added_mass=0.05))
+    drag = SimpleNamespace(hull=Hull(2.0, 0.2))
+    moved = PropelledVehicle(None, vehicle, None, drag, carried_mass=3.0)
+    assert moved.moving_mass == pytest.approx(10.0 + 3.0 + 0.05 * 11.0)
+    vehicle.added_mass = SimpleNamespace(surge=0.7)
+    assert moved.moving_mass == pytest.approx(13.7)
+    vehicle.mass = None
+    assert moved.moving_mass is None

@@ -3,6 +3,8 @@
 import re
 from pathlib import Path
 
+import pytest
+
 import missionplan
 from missionplan.mission import load
 from missionplan.studies.coverage import checked_ranges, coverage_of, probability_holds
@@ -91,3 +93,22 @@ def test_missions_compared_share_a_box_and_differ_under_their_names(mission, tra
     assert found["ground"] is False
     assert (found["equipment (a)"], found["equipment (b)"]) == (False, True)
     assert "equipment" not in found
+
+
+def test_ranges_are_of_the_missions_numbers_by_hand():
+    """Two ways of 1600 m at 1.5 m/s, each of legs of 350 m into a circle of 15 m; a mooring in 40 ft of two layers."""
+    found = {each.quantity: (each.least, each.greatest) for each in checked_ranges(load(MISSIONS / "chesapeake.yaml"))}
+    knot = 1852.0 / 3600.0
+    assert found == {
+        "velocity error over speed": pytest.approx((0.035 / 1.5, 0.035 / 1.5)),
+        "longest leg over arrival radius": pytest.approx((350.0 / 15.0, 350.0 / 15.0)),
+        "length of a transit": pytest.approx((1600.0, 1600.0)),
+        "depth of a mooring": pytest.approx((12.192, 12.192)),
+        "length of the line": (5.0, 5.0),
+        "diameter of the line": (0.002, 0.002),
+        "current during a dive": pytest.approx((0.2 * knot, 0.4 * knot)),
+        "current at the seafloor": pytest.approx((0.2 * knot, 0.2 * knot)),
+    }
+    words = box(load(MISSIONS / "chesapeake.yaml"))
+    assert "at the surface 10 times or more for 90 s" in words["traffic"].why  # 3200 m of 350 m each
+    assert "running 2 m deep" in words["ground"].why

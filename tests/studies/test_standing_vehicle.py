@@ -16,7 +16,7 @@ from missionplan.report.page import draw, drawing_by, style
 from missionplan.report.simulation.page import answer
 from missionplan.report.simulation.quantities import requirement_in_words
 from missionplan.scenario.scenario import Scenario
-from missionplan.studies.held_vehicle import held_vehicle
+from missionplan.studies.held_vehicle import _worst, held_vehicle
 from missionplan.studies.simulation.simulate import simulate
 
 MISSIONS = Path(__file__).parents[2] / "missions"
@@ -171,3 +171,14 @@ def test_requirements_may_name_what_the_hold_gives():
     outcome = simulate(Mission.from_data(data), trials=200, sheet=False)
     assert outcome.requirements_met
     assert "at most 2\u00a0N" in requirement_in_words(outcome, outcome.requirements[2])
+
+
+def test_the_worst_current_flows_the_way_that_each_layer_does():
+    """Mean and two deviations of each; one that flows against its direction does so in the worst case too."""
+    layers = [{"down_to": "20 ft", "speed": {"mean": "-0.3 m/s", "sd": "0.05 m/s"}, "toward": "90 deg"},
+              {"down_to": "40 ft", "speed": {"mean": "0.2 m/s", "sd": "0.05 m/s"}, "toward": "150 deg"}]  # fmt: skip
+    data = copy.deepcopy(dict(missionplan.load(MISSIONS / "chesapeake.yaml").raw))
+    means = Scenario.at_means(Mission.from_data({**data, "site": data["site"] | {"current": layers}}))
+    found = _worst(means, means.moor(), means.current)
+    assert np.ravel(found.east) == pytest.approx([-0.4, 0.3 * np.sin(np.radians(150.0))])
+    assert np.ravel(found.north) == pytest.approx([0.0, 0.3 * np.cos(np.radians(150.0))], abs=1e-12)

@@ -171,17 +171,18 @@ def transit_trials(
 
 
 def _profile(plan: TransitPlan, time: Array | None) -> Array:
-    """Depth against time of the tracked trials: down after each fix, up to the surface before the next one [s, m]."""
+    """Depth against time of the tracked trials: down after each fix, up where each leg ends [s, m]."""
     if time is None or len(time) < 2:
         return np.empty((2, 0, 0 if time is None else time.shape[1]))
     trials = time.shape[1]
-    depth, afloat = (np.atleast_1d(values)[:trials] for values in (plan.depth, plan.surfacing_time))
-    begun, ended = time[:-1], time[1:]
-    surfaced = np.maximum(ended - afloat, begun)
-    when = np.stack([begun, begun, surfaced, surfaced, ended], axis=1).reshape(-1, trials)
-    deep = np.where(np.isfinite(ended), depth, np.nan)
-    surface = np.zeros_like(deep)
-    return np.stack([when, np.stack([surface, deep, deep, surface, surface], axis=1).reshape(-1, trials)])
+    run_depth = np.atleast_1d(plan.depth)[:trials]
+    depth = np.zeros((len(time), 2, trials))
+    depth[:-1:2, 1] = np.where(
+        np.isfinite(time[1::2]), run_depth, 0.0
+    )  # the rows are by turns on diving and on surfacing
+    depth[1::2, 0] = run_depth
+    when = np.repeat(time, 2, axis=0)
+    return np.stack([when, np.where(np.isfinite(when), depth.reshape(-1, trials), np.nan)])
 
 
 def _limits(state: TrialState, record: TransitRecord, environment: Environment) -> dict[str, Flags]:

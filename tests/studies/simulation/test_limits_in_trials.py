@@ -1,9 +1,14 @@
 """Trials that meet a limit of the world fail with its reason, and what did not happen is missing."""
 
+from types import SimpleNamespace
+
+import numpy as np
 import pytest
 from simulate_missions import chesapeake
 
 from missionplan.report.simulation.page import answer
+from missionplan.studies.simulation import mooring_trials
+from missionplan.studies.simulation.phase_trials import _profile
 from missionplan.studies.simulation.simulate import simulate
 
 pytestmark = pytest.mark.usefixtures("unplanned", "unranked", "unheld")
@@ -49,3 +54,57 @@ def test_a_current_faster_than_the_vehicle_is_a_reason_and_its_share_is_said(tmp
     assert share == pytest.approx(0.5, abs=0.1)
     assert lost(found)["ingress: current faster than the vehicle"] == pytest.approx(share)
     assert "of the trials the current is faster than the vehicle" in answer(found)
+
+
+def test_a_transit_is_deep_from_each_dive_to_where_the_leg_ends_and_no_longer():
+    """Two trials of depths of their own: legs from 0 to 200 and 230 to 500 s, and one leg alone; 30 s afloat after each."""
+    nan = np.nan
+    time = np.array([[0.0, 10.0], [200.0, 90.0], [230.0, 120.0], [500.0, nan], [530.0, nan]])
+    when, depth = _profile(SimpleNamespace(depth=np.array([5.0, 7.0]), surfacing_time=30.0), time)
+    for moment, one, other in ((100.0, 5.0, nan), (50.0, 5.0, 7.0), (199.0, 5.0, nan), (215.0, 0.0, nan), (499.0, 5.0, nan),
+                               (520.0, 0.0, nan), (105.0, 5.0, 0.0)):  # fmt: skip
+        found = [np.interp(moment, when[:, k], depth[:, k], right=nan) for k in (0, 1)]
+        assert found[0] == one
+        if not np.isnan(other):
+            assert np.interp(moment, when[:6, 1], depth[:6, 1]) == other
+    assert (when[[0, -1], 0].tolist(), depth[[0, -1], 0].tolist()) == ([0.0, 530.0], [0.0, 0.0])
+    assert np.isnan(depth[6:, 1]).all()
+
+
+def test_a_moorings_depths_track_and_wear_by_hand():
+    """10 s to the separation, 20 down, 870 held 6 m above 30 m, 15 up and 90 afloat; another is never up, a third began none."""
+    nan, flags = np.nan, np.array
+    before = SimpleNamespace(clock=flags([100.0, 200.0, 0.0]), alive=flags([True, True, False]), trials=3)
+    after = SimpleNamespace(alive=flags([True, False, False]), position=np.full((2, 3), 9.0))
+    descent = SimpleNamespace(release_time=flags([10.0, 12.0, 0.0]), descent_time=flags([20.0, 25.0, 0.0]),
+                              touched_down=flags([True, True, False]))  # fmt: skip
+    record = SimpleNamespace(descent=descent, duration=flags([1005.0, nan, nan]), ascent_time=flags([15.0, nan, nan]),
+                             hold=SimpleNamespace(nose_altitude=6.0), surfaced=flags([True, False, False]),
+                             anchor=np.full((2, 3), 3.0), surfaced_at=np.full((2, 3), 4.0))  # fmt: skip
+    plan = SimpleNamespace(surfacing_time=90.0, moored_time=600.0, dive=SimpleNamespace(site_depth=30.0))
+    moored = flags([True, True, False])
+    when, depth = mooring_trials._profile(plan, before, moored, after, record)
+    assert when[:, 0] == pytest.approx([100.0, 110.0, 130.0, 1000.0, 1015.0, 1105.0])
+    assert depth[:, 0] == pytest.approx([0.0, 0.0, 24.0, 24.0, 0.0, 0.0])
+    assert when[:, 1] == pytest.approx([200.0, 212.0, 237.0, nan, nan, nan], nan_ok=True)
+    track = mooring_trials._track(plan, before, after, record, 2)
+    assert track["track_time"][:, 0] == pytest.approx([130.0, 1015.0, 1105.0])
+    assert track["track"][:, 0, 0].tolist() == [3.0, 4.0, 9.0]
+    assert np.isnan(track["track"][:, :, 1]).all()
+    worn = mooring_trials._exposure(plan, before.alive, record)
+    assert [each.tolist() for each in (worn.time, worn.surfacings, worn.wake_ups)] == [
+        [1005.0, 637.0, 0.0],
+        [1.0, 0.0, 0.0],
+        [1.0, 1.0, 0.0],
+    ]
+    assert (worn.dives.tolist(), worn.releases.tolist(), worn.distance) == ([1.0, 1.0, 0.0], [1.0, 1.0, 0.0], 0.0)
+    asked = []
+    current = SimpleNamespace(covers=lambda span: asked.append(span) or np.ones(3, dtype=bool))
+    before.position = np.zeros((2, 3))
+    assert mooring_trials._is_covered(plan, current, before, after, record).all()
+    down, up = asked
+    assert [(each.start[0], each.end[0], each.depth) for each in asked] == [
+        (100.0, 130.0, 30.0),
+        (1000.0, 1105.0, 30.0),
+    ]
+    assert [place[0, 0] for place in (*down.places, *up.places)] == [0.0, 3.0, 3.0, 4.0, 9.0]
