@@ -82,3 +82,18 @@ def test_it_is_added_to_the_forecast_for_the_trials_that_are_left():
     assert whole - current.error.at(50.0, place) == pytest.approx(np.array([[0.0], [0.3]]) + np.zeros((2, 6)))
     kept = np.array([4, 1])
     assert current.take(kept).velocity(50.0, 2.0, place[:, kept]) == pytest.approx(whole[:, kept])
+
+
+def test_on_a_leg_it_is_met_where_the_forecast_carries_the_vehicle_too():
+    """1 km through the water and 1 km with the current to the north-east: by small steps along the way over ground."""
+    error, duration = waves(length=800.0, trials=20), 2000.0
+    start, through, forecast = (
+        np.array([[300.0], [-200.0]]),
+        np.array([[1000.0], [0.0]]),
+        layers([np.inf], [0.5], [np.pi / 4.0]),
+    )
+    over_ground = through + 0.5 * duration * np.sqrt(0.5)
+    shares = (np.arange(400) + 0.5) / 400.0
+    steps = np.mean([error.at(1e4 + share * duration, start + share * over_ground) for share in shares], axis=0)
+    found = ErringCurrent(forecast, error).mean_velocity(1e4, duration, 2.0, start, through)
+    assert found == pytest.approx(0.5 * np.sqrt(0.5) + steps, abs=1e-4)

@@ -71,7 +71,7 @@ def drag_forward(
     coefficient = mean_of(known.coefficient) if known is not None else None
     unit, reynolds_ratio = _unit_force(data, settings, vehicle, speed)
     sd, stated = _noise(data, settings)
-    fitted = float(unit @ force / (unit @ unit))
+    fitted = speed_factor**2 * float(unit @ force / (unit @ unit))  # the force is that of the speeds towed
     constant = Nuisance("drag_coefficient", fitted, abs(fitted))
     return TankForward(
         kind="drag",

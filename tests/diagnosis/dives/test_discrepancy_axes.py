@@ -1,11 +1,14 @@
 """Responses of dives to an unknown force, and which kind of discrepancy a hidden cause resembles."""
 
 from dataclasses import dataclass, replace
+from types import SimpleNamespace
 
 import numpy as np
+import pandas as pd
 import pytest
 
-from missionplan.diagnosis.dives.discrepancy_axes import FORCE_STEP, force_axes
+from missionplan.diagnosis.dives.discrepancy_axes import FORCE_STEP, UnknownForce, _trend, _wrong_anchor, force_axes
+from missionplan.diagnosis.dives.kind import descent_misfit, descent_shares
 from missionplan.diagnosis.dives.noise import noise_grid
 from missionplan.diagnosis.inference.axes import AxisScale
 from missionplan.diagnosis.inference.block_covariance import InnerProducts
@@ -118,3 +121,36 @@ def test_products_are_those_of_the_whole_covariance(measured):
     whole = both.T @ np.linalg.solve(residuals.covariance.dense(), both)
     np.testing.assert_allclose(best.gram, whole, rtol=1e-6, atol=1e-6 * np.abs(whole).max())
     assert best.log_determinant == pytest.approx(np.linalg.slogdet(residuals.covariance.dense())[1], abs=1e-6)
+
+
+def test_hats_trends_and_wrong_anchors_by_hand():
+    hat = UnknownForce(lift_at_depth=3.0, drag_in_time=0.5, centre=2.0, width=1.0, ends=(1.5, 4.0))
+    assert hat.lift(np.array([0.0, 1.5, 2.0, 2.25, 3.0, 9.0])) == pytest.approx([1.5, 1.5, 3.0, 2.25, 0.0, 0.0])
+    assert hat.drag_factor(2.25, 9.0) == pytest.approx(1.0 + 0.5 * 0.75)
+    trend = _trend("drag", np.array([1.0, 2.0, 3.0, 4.0]), np.array([0, 0, 1, 2]), 0.1, ("Extra drag (%)", 100.0))
+    np.testing.assert_allclose(trend.response, [[1.0, 0.0], [2.0, 0.0], [1.5, 1.5], [0.0, 4.0]])
+    logs = [SimpleNamespace(wet_weight=weight) for weight in (9.0, 12.0, 9.0)]
+    own, weight = np.eye(3), np.array([1.0, 2.0, 3.0])
+    np.testing.assert_allclose(_wrong_anchor(logs, own, weight).response, [[1, 0, 0, 1], [0, 2, 0, 0], [0, 0, 3, 3]])
+
+
+def test_how_late_dives_end_is_told_in_seconds_of_their_own_speed():
+    """At 1 m/s half a metre short is 0.5 s late; at 2 m/s from half-way on 2.2 m too deep is 1.1 s early."""
+    t = np.arange(10.0)
+    slow, quick = t, np.where(t < 5.0, 0.5 * t, 2.0 * t - 7.5)
+    rows = [("a", t, slow, -0.5), ("b", t, quick, 2.2)]
+    table = pd.concat([pd.DataFrame({"run": run, "t_s": when, "base_m": base, "residual_base_m": off, "depth_m": base + off})
+                       for run, when, base, off in rows])  # fmt: skip
+    assert descent_misfit(table) == (
+        "The vehicle arrives 0.3 s early at 9 m on the mean of the dives; the farthest off is b, 1.1 s early at 11 m."
+    )
+
+
+def test_shares_of_dives_are_of_squares_in_their_own_units():
+    places = {0.0: [0.0, 0.0], 1.0: [1.0, 0.0], 2.0: [9.0, 9.0]}
+    forward = SimpleNamespace(readings=lambda _, at: np.stack([places[each] for each in at[0]], axis=1))
+    model = SimpleNamespace(forward=forward, coordinates=(), y=np.array([1.0, 4.0]), units=np.array([1.0, 2.0]))
+    base, better, worse = (
+        SimpleNamespace(state=SimpleNamespace(linear=SimpleNamespace(at=np.array([at])))) for at in places
+    )
+    assert descent_shares(model, base, [better, worse]) == pytest.approx([1.0 - 4.0 / 5.0, 0.0])

@@ -10,6 +10,7 @@ from scipy.stats import multivariate_normal, norm
 
 from missionplan.datasets.tank import DragSettings, OscillationSettings
 from missionplan.diagnosis.diagnose import diagnose
+from missionplan.diagnosis.tank.experiments import drag_forward
 from missionplan.diagnosis.tank.fitting import LinearData, marginal
 from missionplan.diagnosis.tank.forward import noise_sd, row_blocks
 from missionplan.diagnosis.tank.kind import _uncertainty, tank_misfit, tank_share
@@ -148,3 +149,21 @@ def test_what_a_vehicle_file_is_unsure_of_is_unsure_in_the_tank_by_as_much_of_it
              ("added_mass.surge", "drag", 0.0))  # fmt: skip
     for key, kind, expected in cases:
         assert _uncertainty(key, SimpleNamespace(settings=settings[kind]), vehicle) == pytest.approx(expected)
+
+
+def test_a_design_at_other_speeds_expects_the_coefficient_of_the_runs_so_far():
+    """½ρA C_D U² with C_D = 0.8, each number by hand; Reynolds numbers over that of the middle speed, to two figures."""
+    speed = np.array([0.5, 1.0, 2.0])
+    data = SimpleNamespace(
+        columns={"speed_m_s": speed, "force_n": 0.5 * 1000.0 * 0.1 * 0.8 * speed**2}, density=1000.0, viscosity=1e-6
+    )
+    noise = SimpleNamespace(force=0.2)
+    settings = DragSettings.model_construct(reference_area=0.1, reference_length=0.32, scale=1.0, noise=noise)
+    for factor in (1.0, 2.0):
+        found = drag_forward(data, settings, None, factor)
+        (constant,) = found.nuisances
+        assert (constant.centre, constant.sd) == pytest.approx((0.8, 0.8))
+        expected = 0.5 * 1000.0 * 0.1 * 0.8 * (factor * speed) ** 2
+        assert found.predict(np.array([[0.8]]), ())[:, 0] == pytest.approx(expected)
+        assert found.predict.reynolds_ratio == pytest.approx(factor * speed * 0.32e6 / 3.2e5)
+        assert (found.sd.tolist(), found.stated) == ([0.2] * 3, True)

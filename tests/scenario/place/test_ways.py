@@ -1,11 +1,16 @@
 """The shortest way round: against a rectangle's corners by hand, moved, turned and mirrored, at its times and depths."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 import shapely
 
+from missionplan.mission import Mission
+from missionplan.mission.schema.site import CurrentFile, ForecastError
 from missionplan.phases.place import Place
 from missionplan.phases.zones import Fence, Zone
+from missionplan.scenario.scenario import Scenario, leg_spread
 from missionplan.scenario.ways import blocked, way_round
 from tests.phases.place.ground_examples import ground
 
@@ -116,3 +121,43 @@ def test_shoals_are_surely_blocked_less_a_node_and_perhaps_by_their_contour():
     assert maybe.bounds == pytest.approx((100.0, 100.0, 195.0, 300.0), abs=0.1)
     assert surely.bounds == pytest.approx((100.0, 100.0, 190.0, 300.0), abs=0.1)
     assert blocked(there, low, high, 1.9, at_some_time=True).is_empty
+
+
+@pytest.mark.parametrize(("made_up_for", "carried"), [("mean", 0.0), ("none", 0.3 * 400.0)])
+def test_a_way_keeps_as_far_off_as_a_leg_may_end_from_its_course(made_up_for, carried):
+    """600 m at 1.5 m/s with 0.05 m/s of error, a fix of 4 m, 0.4 m/s for a minute afloat, and 0.3 m/s below."""
+    layers = [
+        {"down_to": "3 m", "speed": "0.4 m/s", "toward": "0 deg"},
+        {"down_to": "30 m", "speed": "0.3 m/s", "toward": "90 deg"},
+    ]
+    navigation = {
+        "velocity_error": {"sigma": "0.05 m/s"},
+        "surfacing_time": "60 s",
+        "fix_error": "4 m",
+        "drift_compensation": made_up_for,
+    }
+    transit = {
+        "name": "out",
+        "from": ["0 m", "0 m"],
+        "to": ["3 km", "0 m"],
+        "depth": "9 m",
+        "speed": "1.5 m/s",
+        "arrival_radius": "50 m",
+    }
+    data = {
+        "site": {"depth": "30 m", "current": layers},
+        "navigation": navigation,
+        "phases": [{"transit": transit | {"d_max": "600 m"}}],
+    }
+    means = Scenario.at_means(Mission.from_data(data))
+    assert leg_spread(means, means.transit()) == pytest.approx(3.0 * np.hypot(0.05 * 400.0, 4.0) + carried + 0.4 * 60.0)
+
+
+def test_the_error_of_a_forecast_is_forgotten_along_the_track_as_well_as_in_time():
+    error = ForecastError.model_construct(sigma=0.1, time=3600.0, length=1800.0)
+    for length, time in ((1800.0, 1.0 / (1.0 / 3600.0 + 1.5 / 1800.0)), (None, 3600.0)):
+        current = CurrentFile.model_construct(error=error.model_copy(update={"length": length}))
+        scenario = SimpleNamespace(recorded=current, drawn=SimpleNamespace(site=SimpleNamespace(current=current)))
+        assert Scenario._error_along(scenario, SimpleNamespace(speed=1.5)) == pytest.approx((0.1, time))
+        scenario.recorded = None
+        assert Scenario._error_along(scenario, SimpleNamespace(speed=1.5)) is None

@@ -1,5 +1,6 @@
 """The ledger of assumptions: what each is worth, against closed forms, and a headline that is green only where none turns it."""
 
+import copy
 import math
 from pathlib import Path
 
@@ -78,3 +79,30 @@ def test_an_assumption_that_cannot_be_run_is_not_passed_over(one_leg, monkeypatc
     (found,) = outcome.assumptions
     assert math.isnan(found.worth)
     assert "could not be run" in render(outcome).html
+
+
+def test_each_assumption_is_put_off_by_its_usual_size():
+    """Of what the file gives as exact: one layer of two, no wind, no fix error, holding, flooding and the line."""
+    data = copy.deepcopy(dict(missionplan.load(Path(__file__).parents[3] / "missions" / "chesapeake.yaml").raw))
+    data["site"]["current"][1]["speed"] = "0.2 m/s"
+    data["navigation"]["fix_error"] = "0 m"
+    data["vehicle"]["anchor"]["holding_factor"] = 0.3
+    data["phases"][1]["moor"] |= {"line_material": None}
+    found = {doubt.what: dict(doubt.changes) for doubt in doubts_of(missionplan.Mission.from_data(data))}
+    winds = {"speed": {"low": "0 m/s", "high": "12 m/s"}, "from": {"low": "0 deg", "high": "360 deg"}}
+    assert found == {
+        "the layers flow just as fast as stated": {"site.current[1].speed": {"mean": "0.2 m/s", "sd": "0.1 m/s"}},
+        "there is no wind": {"site.wind": winds},
+        "fixes are exact": {"navigation.fix_error": "5 m"},
+        "the anchor holds just as its holding factor says": {
+            "vehicle.anchor.holding_factor": {"median": 0.3, "factor": 1.4}
+        },
+        "the anchor is full of water at once": {"vehicle.anchor.flooding_time": "10 s"},
+        "the line has no weight (moor)": {"moor.line_material": "polyester"},
+    }
+    data["phases"][1]["moor"]["line_diameter"] = "0 m"
+    bare = {doubt.what: dict(doubt.changes) for doubt in doubts_of(missionplan.Mission.from_data(data))}
+    assert bare["the line has neither weight nor drag (moor)"] == {
+        "moor.line_material": "polyester",
+        "moor.line_diameter": "2 mm",
+    }
