@@ -248,3 +248,59 @@ def test_other_explanations_gain_what_causes_add_to_their_own_base_models(monkey
     found = SimpleNamespace(best=SimpleNamespace(causes=("mean-current",)), selection=None)
     gains = [each.gain for each in explanations.with_found([weighed(name) for name in evidence], found, 1)]
     assert gains == [12.0, 12.0 - 10.0 + 8.0, 12.0 - 10.0 + 1.0]
+
+
+def test_sets_that_differ_in_a_law_of_errors_alone_are_told_as_one():
+    listed = [(("mean-current", "persistent-error"), 0.2, 0.3), (("mean-current",), 0.1, 0.4), (("compass-bias",), 0.6, 0.1),
+              (("speed-scale", "heavy-tails"), 0.1, 0.2)]  # fmt: skip
+    told = [(each.causes, each.prior, each.probability) for each in explanations._merged(listed)]
+    assert told == [
+        (("mean-current",), pytest.approx(0.3), pytest.approx(0.7)),
+        (("speed-scale", "heavy-tails"), 0.1, 0.2),  # without it there is none
+        (("compass-bias",), 0.6, 0.1),
+    ]
+    assert [each.prior for each in explanations._merged([(causes, None, share) for causes, _, share in listed])] == [
+        None
+    ] * 3
+
+
+def test_a_walk_is_carried_as_a_law_that_forgets_where_that_was_fitted():
+    current, walk, law = "mean-current", "random-walk", "persistent-error"
+    shares = {(current, walk): 0.4, (current,): 0.3, (walk,): 0.2, (current, law): 0.1}
+    found = explanations._stationary(shares, [*shares, ("compass-bias", law)])
+    assert found == {(current, law): pytest.approx(0.5), (current,): 0.3, (walk,): 0.2}
+
+
+@pytest.mark.parametrize(
+    ("own", "order"),
+    [(3.0, ["first", "unlike", "unlikely", "alike"]), (30.0, ["unlike", "first", "unlikely", "alike"])],
+)
+def test_causes_are_searched_beside_what_the_data_are_unlike_and_which_is_not_negligible(monkeypatch, own, order):
+    """The first gains 4 nats and so do those that are not searched; another gains its own, and may go before it."""
+    gains, asked = {"first": 4.0, "unlike": own}, []
+
+    def weighed(name, log_weight, prior):
+        model = SimpleNamespace(
+            all_sets=lambda jobs: asked.append(name) or SimpleNamespace(name=name, posterior={("a",): 1.0}, ranking=())
+        )
+        return Weighed(SimpleNamespace(prior=prior), SimpleNamespace(model=model, is_known=False), None, log_weight)
+
+    each = [
+        weighed("first", 0.0, 0.5),
+        weighed("unlike", -20.0, 0.3),
+        weighed("unlikely", -20.0, 0.005),
+        weighed("alike", -2.0, 0.2),
+    ]
+    names = {id(one.bound): name for one, name in zip(each, ("first", "unlike", "unlikely", "alike"), strict=True)}
+    monkeypatch.setattr(explanations, "log_gain", lambda selection: gains[selection.name])
+    found, selection = explanations.weighed_with_causes(each, 1)
+    assert asked == ["first", "unlike"]
+    assert [names[id(one.bound)] for one in found] == order
+    assert {names[id(one.bound)]: one.gain for one in found} == {
+        "first": 4.0,
+        "unlike": own,
+        "unlikely": 4.0,
+        "alike": 4.0,
+    }
+    assert selection.name == order[0]
+    assert explanations.weighed_with_causes([each[0], each[3]], 1) == ((each[0], each[3]), None)

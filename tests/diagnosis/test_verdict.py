@@ -3,9 +3,12 @@
 import itertools
 import math
 from dataclasses import replace
+from types import SimpleNamespace
 
 import pytest
 
+from missionplan.diagnosis import diagnose as diagnosing
+from missionplan.diagnosis import pipeline
 from missionplan.diagnosis.inference.model import CauseFit, HeldOutScore, compare_held_out
 from missionplan.diagnosis.inference.selection import (
     Candidate,
@@ -16,7 +19,9 @@ from missionplan.diagnosis.inference.selection import (
     probabilities,
     rivals,
 )
+from missionplan.diagnosis.next_trial import belief
 from missionplan.diagnosis.pipeline import Reading
+from missionplan.results.learned.evidence import GroupScore
 
 GOOD, BAD = (
     compare_held_out(
@@ -117,3 +122,58 @@ def test_gain_is_paired():
     assert GOOD.gain.log_score_gain == 3.0
     assert GOOD.gain.paired_se == 0.0
     assert (GOOD.gain.groups_improved, GOOD.gain.groups) == (3, 3)
+
+
+def scored(*groups):
+    """Held-out scores of groups by log score, sum of squared errors and count."""
+    return tuple(
+        SimpleNamespace(group=name, log_score=log, squared_error=squares, count=count)
+        for name, log, squares, count in groups
+    )
+
+
+def test_held_out_scores_are_those_of_the_set_that_is_believed():
+    base, extended = (
+        scored(("a", -3.0, 8.0, 2), ("b", -1.0, 27.0, 3)),
+        scored(("a", -2.0, 2.0, 2), ("b", -4.0, 12.0, 3)),
+    )
+    comparison = SimpleNamespace(base=base, extended=extended, gain=SimpleNamespace(log_score_gain=0.1))
+    ranking = (SimpleNamespace(causes=("x",)),)
+    found = SimpleNamespace(
+        held_out={("x",): comparison},
+        best=SimpleNamespace(causes=("x",)),
+        selection=SimpleNamespace(ranking=ranking, base=None),
+    )
+    assert [vars(each) for each in diagnosing.group_scores(found)] == [
+        vars(GroupScore("a", -3.0, -2.0, 2.0, 1.0)),
+        vars(GroupScore("b", -1.0, -4.0, 3.0, 2.0)),
+    ]
+    assert pipeline._held_out_scores(found) == extended
+    ahead = SimpleNamespace(is_better_ahead=lambda base, best: ahead.said)
+    for gain, said, better in ((0.1, True, True), (0.1, False, False), (-0.1, True, False)):
+        comparison.gain.log_score_gain, ahead.said = gain, said
+        assert pipeline._predicts_better(ahead, found) is better
+    found.best.causes = ()
+    assert pipeline._held_out_scores(found) == base
+    found.best.causes = ("y",)
+    assert (pipeline._held_out_scores(found), pipeline._predicts_better(ahead, found)) == ((), None)
+    found.selection.ranking = ()
+    assert diagnosing.group_scores(found) == ()
+
+
+@pytest.mark.parametrize(
+    ("best", "score", "contends"), [(4.0, 0.1, True), (4.0, -0.1, False), (9.0, 3.1, True), (9.0, 2.9, False)]
+)
+def test_what_is_held_out_is_better_than_nothing_and_near_the_best(best, score, contends):
+    """Within six nats of the best."""
+    selection = SimpleNamespace(ranking=(SimpleNamespace(score=best),))
+    assert bool(pipeline._contends(SimpleNamespace(score=score), selection)) is contends
+
+
+def test_trials_are_designed_for_the_likeliest_sets_whose_probabilities_are_shared_anew(monkeypatch):
+    """Of weights 10, 5, 4, 0.3 and two more, five are looked at, and those below a fiftieth of these are left out."""
+    weights = (10.0, 5.0, 4.0, 0.3, 0.2, 0.1)
+    monkeypatch.setattr(belief, "possible_fits", lambda *_: [(str(k), k, weight) for k, weight in enumerate(weights)])
+    kept, left = belief.likely_fits((), None)
+    assert [(fit, weight) for _, fit, weight in kept] == [(k, pytest.approx(weights[k] / 19.0)) for k in (0, 1, 2)]
+    assert [(fit, weight) for _, fit, weight in left] == [(k, pytest.approx(weights[k] / 19.6)) for k in (3, 4, 5)]
