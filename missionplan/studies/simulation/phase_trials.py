@@ -175,12 +175,9 @@ def _profile(plan: TransitPlan, time: Array | None) -> Array:
     if time is None or len(time) < 2:
         return np.empty((2, 0, 0 if time is None else time.shape[1]))
     trials = time.shape[1]
-    run_depth = np.atleast_1d(plan.depth)[:trials]
-    depth = np.zeros((len(time), 2, trials))
-    depth[:-1:2, 1] = np.where(
-        np.isfinite(time[1::2]), run_depth, 0.0
-    )  # the rows are by turns on diving and on surfacing
-    depth[1::2, 0] = run_depth
+    depth = np.zeros((len(time), 2, trials))  # the rows are by turns on diving and on surfacing
+    depth[1::2, 0] = np.atleast_1d(plan.depth)[:trials]
+    depth[:-1:2, 1] = np.where(np.isfinite(time[1::2]), depth[1::2, 0], 0.0)
     when = np.repeat(time, 2, axis=0)
     return np.stack([when, np.where(np.isfinite(when), depth.reshape(-1, trials), np.nan)])
 
