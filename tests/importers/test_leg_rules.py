@@ -11,8 +11,8 @@ from made_tracks import LATITUDE, LONGITUDE, START, made
 from missionplan.importers.cutting import cut
 from missionplan.importers.dives import LegRules
 from missionplan.importers.geodesy import displacement, moved
-from missionplan.importers.judging import judge_fixes
-from missionplan.importers.track import Break, Series, fixes, positions, series
+from missionplan.importers.judging import _ALLOWED, _DRIFT, _confirmed, _gap_at_surface, _jump, judge_fixes
+from missionplan.importers.track import Break, Series, Track, fixes, positions, series
 
 RULES = LegRules()
 
@@ -271,3 +271,38 @@ def cut_short(log, leg):
     own = log.track.reckoned
     kept = (own.t < log.starts[leg] + 900.0) | (own.t >= log.ends[leg])
     return positions(own.t[kept], own.latitude[kept], own.longitude[kept])
+
+
+def eastward(t, metres):
+    """Positions on the equator, so many metres east of a meridian."""
+    return positions(np.array(t), np.zeros(len(t)), 10.0 + np.degrees(np.array(metres) / 6_378_137.0))
+
+
+@pytest.mark.parametrize(("metres", "told"), [(111.0, True), (109.0, False)])
+def test_a_position_jumps_under_water_that_goes_fifty_metres_more_than_any_vehicle(metres, told):
+    """Ten seconds at 6 m/s are 60 m."""
+    said = _jump(eastward([0.0, 10.0, 20.0, 30.0], [0.0, 50.0, 50.0 + metres, 60.0 + metres]))
+    assert said == (f"the dead-reckoned position jumps under water ({metres:.0f} m)" if told else "")
+    assert _jump(eastward([0.0], [0.0])) == ""
+
+
+def test_an_hour_without_a_reading_before_the_fix_is_told_from_whichever_was_read_last():
+    track = Track(
+        "a",
+        "a",
+        fixes([], [], []),
+        depth=series(np.array([10.0, 130.0]), np.zeros(2)),
+        reckoned=eastward([200.0], [0.0]),
+    )
+    assert _gap_at_surface(track, 100.0, 3801.0) == "nothing was logged before the fix (3601 s)"
+    assert _gap_at_surface(track, 100.0, 3799.0) == ""
+    assert _gap_at_surface(track, 300.0, 3901.0) == "nothing was logged before the fix (3601 s)"  # nothing since
+
+
+def test_a_fix_is_confirmed_by_the_good_one_nearest_in_time_where_drift_brings_it():
+    """Beside fixes at 0 and 1000 s: as far off as scatter and the drift of the time between have it, and no farther."""
+    away = _ALLOWED + _DRIFT * 100.0
+    t, metres = [0.0, 100.0, 100.5, 900.0, 1000.0], [0.0, away - 1.0, away + 2.0, 5000.0 - away + 1.0, 5000.0]
+    given = eastward(t, metres)
+    found = _confirmed(fixes(given.t, given.latitude, given.longitude), np.array([True, False, False, False, True]))
+    assert found.tolist() == [True, True, False, True, True]

@@ -5,6 +5,8 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from missionplan.diagnosis.dives import designs
+from missionplan.diagnosis.dives.preparation import binned
 from missionplan.diagnosis.next_trial.dive_trials import FACTORS, LIGHT, LONG, DiveTrials
 from missionplan.mission import Mission
 
@@ -49,3 +51,34 @@ def test_a_longer_line_lies_in_deeper_water_so_that_the_vehicle_ends_as_deep(off
     first = trials.bound.model.forward.logs[0]
     site = trials.trial(number)["site"]
     assert site["depth"] == f"{first.site_depth + 8.0 - first.line_length:.4g} m"
+
+
+def test_dives_of_a_diagnosis_have_lighter_anchors_longer_lines_or_deeper_water(monkeypatch):
+    """The vehicle of a line three times as long ends as deep as with the first."""
+    monkeypatch.setattr(designs, "sampled_dives", lambda forward, logs: tuple(logs))
+    logs = [binned("a", np.arange(3.0), np.arange(3.0), 0.05, weight, 5.0, 24.0) for weight in (9.0, 12.0, 15.0)]
+    forward = SimpleNamespace(logs=logs)
+    found = {
+        entry: [(dive.wet_weight, dive.line_length, dive.site_depth) for dive in designs.design_dives(forward, entry)]
+        for entry in (None, 0, 1, 2)
+    }
+    assert found == {
+        None: [(9.0, 5.0, 24.0), (12.0, 5.0, 24.0)],
+        0: [(pytest.approx(3.6), 5.0, 24.0), (pytest.approx(4.8), 5.0, 24.0)],
+        1: [(9.0, 15.0, 34.0), (12.0, 15.0, 34.0)],
+        2: [(9.0, 5.0, 48.0), (12.0, 5.0, 48.0)],
+    }
+
+
+def test_a_log_is_stretched_over_the_dive_to_come_with_more_readings_in_each_of_its_bins():
+    """At 1 m/s from 2 s on down to 12 % above 20 m, 17.6 m: ten seconds of readings become 17.4, from 2.2 to 19.6 s."""
+    log = binned("a", np.arange(1.0, 12.0), np.zeros(11), 0.05, 9.0, 5.0, 25.0)
+    times = np.linspace(0.0, 40.0, 401)
+    found = designs._stretched(log, times, np.clip(times - 2.0, 0.0, 20.0))
+    assert (found.t[0], found.t[-1]) == pytest.approx((2.2, 19.7), abs=0.11)
+    factor = (found.t[-1] - found.t[0]) / 10.0
+    np.testing.assert_allclose(np.diff(found.t), factor)
+    np.testing.assert_allclose(found.fine, found.t)
+    np.testing.assert_allclose(found.sd, 0.05 / np.sqrt(factor))
+    shallow = designs._near_touchdown(log, times, np.zeros(401))
+    assert shallow == designs.LONGEST_DIVE
