@@ -1,5 +1,6 @@
 """Effects that do to a log what the claimed one does, and something else on the mission that is planned."""
 
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
@@ -8,6 +9,8 @@ import yaml
 from scipy.stats import multivariate_normal
 
 from missionplan import diagnose
+from missionplan.datasets.records import TransitData
+from missionplan.diagnosis.legs.designs import DESIGNS, designs_for, short_trials
 from missionplan.diagnosis.legs.fit_checks import (
     OFF,
     _displacement,
@@ -17,6 +20,7 @@ from missionplan.diagnosis.legs.fit_checks import (
     one_step,
     transit_misfit,
 )
+from missionplan.diagnosis.legs.kind import DRAWS, _expected_velocity
 from missionplan.mission import load
 from missionplan.report.render import render_report
 from tests.fixtures import TRANSIT
@@ -126,3 +130,88 @@ def test_the_next_leg_is_predicted_by_the_mean_so_far_the_last_leg_and_the_model
     assert refits == [10, 15, 20]
     model.data.n = 19
     assert one_step(model, None) is None
+
+
+def a_log():
+    """Three legs of 100, 200 and 300 s at 1, 1.2 and 1.6 m/s, to the east, north and east, at 10, 20 and 40 m."""
+    under_way, surface = np.array([100.0, 200.0, 300.0]), np.array([30.0, 50.0, 40.0])
+    path = np.array([[100.0, 0.0, 480.0], [0.0, 240.0, 0.0]])
+    ends = np.cumsum(path, axis=1)
+    return TransitData("a", "a", np.array(["1", "2", "3"]), np.array([0, 0, 1]), np.array([0.0, 200.0, 500.0]), under_way, surface,
+                       ends - path, ends, ends, None, 3.0, True, (), None, np.array([1.0, 5.0, 2.0]), np.array([10.0, 20.0, 40.0]))  # fmt: skip
+
+
+def test_further_legs_begin_where_and_when_the_last_one_ended():
+    """At the median speed of 1.2 m/s, a minute after the surfacing, each of the median's 200 s and 40 s afloat."""
+    data = a_log()
+    trials = dict(short_trials(data))
+    assert list(trials) == ["a quarter as long", "as usual", "at 0.7 of the speed", "half as deep", "six hours later"]
+    turned = 2.0 * np.pi * 0.38 * np.arange(12)
+    lasting = {"a quarter as long": 50.0}
+    for words, found in trials.items():
+        time, wait = lasting.get(words, 200.0), 21_600.0 if words == "six hours later" else 60.0
+        new = slice(3, None)
+        assert found.n == 15
+        np.testing.assert_allclose(
+            found.t_start[new], 500.0 + 300.0 + 40.0 + wait + (time + 40.0 + 60.0) * np.arange(12)
+        )
+        path = found.dead_reckoned[:, new] - found.start[:, new]
+        speed = 1.2 * (0.7 if words == "at 0.7 of the speed" else 1.0)
+        np.testing.assert_allclose(path, speed * time * np.stack([np.sin(turned), np.cos(turned)]), atol=1e-9)
+        np.testing.assert_allclose(found.start[:, 3], [580.0, 240.0])
+        np.testing.assert_allclose(found.start[:, 4:], found.dead_reckoned[:, 3:-1])
+        assert found.depth[new].tolist() == [20.0 * (0.5 if words == "half as deep" else 1.0)] * 12
+        assert (found.leg_fix_sd[new].tolist(), found.surface[new].tolist(), found.run[new].tolist()) == (
+            [2.0] * 12,
+            [40.0] * 12,
+            [1] * 12,
+        )
+
+
+def test_further_records_go_back_all_round_there_and_back_and_on():
+    data = a_log()
+    made = {words: extend(data) for words, extend in DESIGNS}
+    back, every, short, late, twice = made.values()
+
+    def courses(found):
+        return np.degrees(np.arctan2(*(found.dead_reckoned - found.start)[:, 3:])) % 360.0
+
+    assert courses(back) == pytest.approx([270.0, 180.0, 270.0])  # the last one first
+    assert courses(every) == pytest.approx(np.arange(20) * 0.38 * 360.0 % 360.0)
+    for there_and_back in (short, late):
+        assert np.cos(np.radians(courses(there_and_back))) == pytest.approx([1.0, -1.0] * 10)
+    assert (short.under_way[3:].tolist(), late.surface[3:].tolist()) == ([50.0] * 20, [40.0, 940.0] * 10)
+    assert courses(twice) == pytest.approx([90.0, 0.0, 90.0])
+    assert (twice.under_way[3:].tolist(), twice.surface[3:].tolist()) == ([100.0, 200.0, 300.0], [30.0, 50.0, 40.0])
+    assert designs_for(data) == (0, 1, 2, 3, 4)
+    assert designs_for(replace(data, has_surface_time=False)) == (0, 1, 2, 4)
+
+
+def test_what_legs_are_expected_to_err_by_is_the_current_below_and_that_at_the_surface_over_the_time_below():
+    """Of 0.1 and 0.2 m/s below, and eastward at the surface by the leg's end as many 0.1 m/s as it is long in 100 s."""
+    data = a_log()
+
+    def afloat(t, depth, place):
+        assert depth == 0.0
+        np.testing.assert_array_equal(t, data.t_start + data.under_way)
+        np.testing.assert_array_equal(place, data.end)
+        return np.stack([1e-3 * data.under_way, np.zeros(3)])
+
+    def below(t, lasting, depth, start, through):
+        assert depth == 9.0
+        np.testing.assert_array_equal(through, data.dead_reckoned - data.start)
+        return np.array([[0.1], [0.2]]) + 0.0 * t
+
+    spread = np.random.default_rng(1).normal(size=(2, DRAWS)) * [[0.05], [0.02]]
+    means = SimpleNamespace(
+        current=SimpleNamespace(velocity=afloat, mean_velocity=below), transit=lambda: SimpleNamespace(depth=9.0)
+    )
+    drawn = SimpleNamespace(current=SimpleNamespace(velocity=lambda t, depth, place: spread))
+    under_way, whole, sd = _expected_velocity(data, means, drawn)
+    np.testing.assert_allclose(under_way, [[0.1] * 3, [0.2] * 3])
+    np.testing.assert_allclose(
+        whole, [0.1 + 1e-3 * data.surface, [0.2] * 3]
+    )  # 0.1 m/s of 30 s are 3 m, of 100 s 3 cm/s
+    np.testing.assert_allclose(sd, spread.std(axis=1))
+    still = _expected_velocity(data, SimpleNamespace(current=None), drawn)
+    assert not any(np.any(each) for each in still)
