@@ -11,6 +11,7 @@ from missionplan import diagnose
 from missionplan.datasets.summaries import read_summary
 from missionplan.diagnosis.summaries import summary_misfit, summary_model, summary_residuals
 from missionplan.mission import Mission
+from missionplan.phases.hooks import DescentEffect
 
 WEIGHTS = (9.0, 13.0, 18.0, 25.0)
 RUNS = {f"dive-{k}": {"anchor_wet_weight": f"{weight} N"} for k, weight in enumerate(WEIGHTS)}
@@ -88,3 +89,24 @@ def test_numbers_lie_in_their_table_beside_both_models_in_deviations():
     assert found["less_simulated"].tolist() == [False, True, False]
     assert found["residual_base_sd"].tolist() == pytest.approx([2.0, 0.6, 1.0])
     assert found["residual_extended_sd"].tolist() == pytest.approx([1.0, -0.4, 6.0])
+
+
+class Downward(DescentEffect):
+    """Water that goes down at 0.2 m/s."""
+
+    def water_velocity(self):
+        return 0.2
+
+
+def test_below_a_hundred_metres_dives_go_on_at_their_speed_over_ground(folder, descent_mission):
+    """Of two alike 150 m apart, in still water and in water that goes down."""
+    runs = {
+        f"dive-{k}": {"anchor_wet_weight": "13 N", "depth": f"{depth} m"}
+        for k, depth in enumerate((100, 250, 100, 250))
+    }
+    data = read_summary(folder({"kind": "summary", "name": "table", "runs": runs}, table((1.0, 90.0))), descent_mission)
+    forward = summary_model(data, descent_mission).forward
+    for effects, sinking in (((), 0.0), ((Downward(),), 0.2)):
+        numbers = replace(forward, given=effects).readings((), np.zeros((0, 1)))[:, 0]
+        velocity, shallow, _, deep = numbers[:4]
+        assert deep - shallow == pytest.approx(150.0 / (velocity + sinking), rel=1e-6)

@@ -8,9 +8,14 @@ import pytest
 from scipy.special import ndtr
 
 import missionplan
+from missionplan.datasets.records import TransitData
+from missionplan.diagnosis.dives.preparation import PreparedDives
+from missionplan.diagnosis.scoring import expected_by_vehicle
+from missionplan.diagnosis.scoring.holdout import _kept
 from missionplan.diagnosis.scoring.legs import _fix_covariance
 from missionplan.diagnosis.scoring.predictive import Mixture
 from missionplan.diagnosis.scoring.yardsticks import _remembered, _smoothed, anderson_darling, with_spread, yardsticks
+from missionplan.errors import InputError
 from tests.diagnosis.scoring.test_score_legs import Truth, made_legs, mission
 
 
@@ -113,3 +118,53 @@ def test_legs_that_share_a_fix_share_its_error():
         [[9.0 + 36.0 + 10.0, -41.0, 0.0], [-41.0, 36.0 + 9.0 + 10.0, 0.0], [0.0, 0.0, 9.0 + 9.0 + 10.0]]
     )
     np.testing.assert_allclose(found, np.kron(expected, np.eye(2)))
+
+
+@pytest.mark.parametrize("way", ["mean", "last-leg", "none"])
+def test_a_vehicle_that_makes_up_for_its_drift_expects_what_it_saw_in_the_same_run(way):
+    """Errors of velocity so far, or the last one, over the time of the leg to come; of each run by itself."""
+    rng, under_way, run = (
+        np.random.default_rng(3),
+        np.array([100.0, 200.0, 300.0, 150.0, 120.0, 80.0]),
+        np.array([0, 0, 0, 1, 1, 1]),
+    )
+    through, error = rng.normal(size=(2, 2, 6)) * [[[300.0]], [[20.0]]]
+    start, t = np.zeros((2, 6)), np.cumsum(under_way) + 60.0 * np.arange(6)
+    data = TransitData(
+        "a",
+        "a",
+        np.arange(6).astype(str),
+        run,
+        t,
+        under_way,
+        np.zeros(6),
+        start,
+        through,
+        through + error,
+        None,
+        3.0,
+        True,
+        (),
+    )
+    whole = {**mission().raw}
+    whole["navigation"] = {**whole["navigation"], "drift_compensation": way, "fix_error": "0 m"}
+    found = expected_by_vehicle(data, missionplan.Mission.from_data(whole))
+    if way == "none":
+        assert found is None
+        return
+    for leg in range(6):
+        past = [other for other in range(leg) if run[other] == run[leg]][0 if way == "mean" else -1 :]
+        expected = (error / under_way)[:, past].mean(axis=1) * under_way[leg] if past else np.zeros(2)
+        assert found[leg] == pytest.approx(expected, abs=1e-9), leg
+
+
+def test_a_mission_has_learned_from_so_many_legs_as_a_diagnosis_of_the_rest_leaves():
+    legs, dives = (
+        (TransitData(*["a"] * 4, np.zeros(n), *[None] * 9) for n in (40, 15)),
+        PreparedDives("a", "a", (None,) * 10, ()),
+    )
+    many, few = legs
+    assert [_kept(data, 0.25) for data in (many, dives)] == [30, 8]  # 7.5 dives
+    for data, share in ((many, 0.0), (many, 1.0), (few, 0.5), (many, 0.9), (dives, 0.99)):
+        with pytest.raises(InputError, match="holdout"):
+            _kept(data, share)
