@@ -195,15 +195,16 @@ def test_which_is_better_is_told_with_the_nearest_and_what_costs_less():
         "near is better than farther and far: it succeeds with 96.0 ± 1.2 %, 6.0 ± 1.0 % more often than far. "
         "alike cannot be told from it by P(success) (alike differs by −0.2 ± 0.4 %). alike takes less energy, by 1.0 ± 0.2 W h, than near."
     )
-    (section,) = alternatives_page._table_section(alternatives(far), [])
-    rows = {row[0]: [plain(cell) for cell in row[1:]] for row in section.blocks[0].rows}
+    rows = {row[0]: [plain(cell) for cell in row[1:]] for row in alternatives_page._table(alternatives(far)).rows}
     assert rows == {
         "requirements": ["1 of 1 met", "1 of 1 met"], "P(success)": ["96.0 ± 1.2 %", "90.0 ± 1.9 %"],
         "energy": ["24.00 ± 0.10 W h", "21.0 ± 0.2 W h"], "duration": ["120.0 ± 1.0 min", "120.0 ± 1.0 min"], "against the best": ["best", "−6.0 ± 1.0 %"],
     }  # fmt: skip
     by_time = plain(alternatives_page.answer(alternatives(far, aim="duration")))
     assert by_time == "near and far cannot be told apart by their duration."
-    assert plain(alternatives_page._rows(alternatives(far, aim="duration"))[1][-1]) == "+1.0 ± 0.7 min: not told apart"
+    assert (
+        plain(alternatives_page._cells(alternatives(far, aim="duration"))[1][1][-1]) == "+1.0 ± 0.7 min: not told apart"
+    )
     misses = alternative("misses", 950, 20.0, 0.1, 1000, met=False, success=(-0.01, 0.01, False))
     assert "misses misses the requirement on the arrival (out)" in plain(alternatives_page.answer(alternatives(misses)))
 

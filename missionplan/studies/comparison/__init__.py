@@ -30,12 +30,7 @@ from missionplan.studies.comparison.two_reports import (
     standard_error_and_p_value,
 )
 from missionplan.studies.coverage import coverage_of
-from missionplan.studies.exploration.cells import (
-    CellTrials,
-    MissionTask,
-    SharedCurrent,
-    cell_trials,
-)
+from missionplan.studies.exploration.cells import CellTrials, MissionTask, SharedCurrent, cell_trials
 from missionplan.studies.exploration.result import DURATION, ENERGY, cell_of
 from missionplan.studies.run import check_arguments, identified
 
@@ -91,11 +86,17 @@ def _entries(
 ) -> tuple[list[Alternative], list[CellTrials | None]]:
     """Run the missions and read the reports; returns the trials of the missions besides."""
     missions = [each.mission for each in sources if each.mission is not None]
+    ran: list[CellTrials] = []
     if missions:
         check_arguments(missions[0], trials=trials, seed=seed, jobs=jobs)
         trials = missions[0].monte_carlo.trials if trials is None else trials
         seed = missions[0].monte_carlo.seed if seed is None else seed
-    runs = iter(_run(missions, trials or 0, seed or 0, jobs, progress))
+        task = MissionTask(missions, [SharedCurrent.of(mission) for mission in missions], seed, (DURATION, ENERGY))
+        items = [(number, *block) for number in range(len(missions)) for block in sized_blocks(trials)]
+        ran = cell_trials(task, items, range(len(missions)), Workers(jobs, progress=progress))
+    if problems := [Problem(each.reason, own.file) for own, each in zip(missions, ran, strict=True) if each.reason]:
+        raise InputError(problems)
+    runs = iter(ran)
     found = [next(runs) if each.mission is not None else None for each in sources]
     entries = [
         _of_mission(each.name, each.path, each.mission, run, seed or 0)
@@ -128,39 +129,19 @@ class _Source:
 
 def _sources(alternatives: Sequence[MissionOrPath], *, allow_outside: bool) -> list[_Source]:
     """Read missions and summaries; raises InputError when there are fewer than two, or one is neither."""
-    paths = _paths(alternatives)
+    paths: list[Path] = []
+    for number, each in enumerate(alternatives, start=1):  # a mission that is given as such has its name for a path
+        name = as_path((each.name or f"mission {number}") if isinstance(each, Mission) else each, "alternatives")
+        paths.append(Path(f"{name} {number}") if isinstance(each, Mission) and name in paths else name)
     if len(paths) < 2:
         raise InputError([Problem(f"given {len(paths)}, expected two or more missions or reports", key="alternatives")])
     found = []
-    for name, path, each in zip(_names(paths), paths, alternatives, strict=True):
+    for named, path, each in zip(_names(paths), paths, alternatives, strict=True):
         if not isinstance(each, Mission) and is_folder(path):
-            found.append(_Source(name, path, None, read_summary(path)))
+            found.append(_Source(named, path, None, read_summary(path)))
         else:
             mission = each if isinstance(each, Mission) else load(path, allow_outside=allow_outside)
-            found.append(_Source(name, path, mission, {}))
-    return found
-
-
-def _paths(alternatives: Sequence[MissionOrPath]) -> list[Path]:
-    """Path of each; a mission that is given as such has its name for one."""
-    paths: list[Path] = []
-    for number, each in enumerate(alternatives, start=1):
-        name = as_path((each.name or f"mission {number}") if isinstance(each, Mission) else each, "alternatives")
-        paths.append(Path(f"{name} {number}") if isinstance(each, Mission) and name in paths else name)
-    return paths
-
-
-def _run(missions: Sequence[Mission], trials: int, seed: int, jobs: int, progress: Progress | None) -> list[CellTrials]:
-    if not missions:
-        return []
-    task = MissionTask(missions, [SharedCurrent.of(mission) for mission in missions], seed, (DURATION, ENERGY))
-    items = [(number, *block) for number in range(len(missions)) for block in sized_blocks(trials)]
-    found = cell_trials(task, items, range(len(missions)), Workers(jobs, progress=progress))
-    problems = [
-        Problem(each.reason, mission.file) for mission, each in zip(missions, found, strict=True) if each.reason
-    ]
-    if problems:
-        raise InputError(problems)
+            found.append(_Source(named, path, mission, {}))
     return found
 
 

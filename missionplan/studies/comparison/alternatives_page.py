@@ -8,7 +8,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure as MatplotlibFigure
 
-from missionplan.report.page import BLUE, ORANGE, Figure, Page, PageSection, Table, to_figure
+from missionplan.report.page import BLUE, ORANGE, Cells, Figure, Page, PageSection, Table, to_figure
 from missionplan.report.quantities import PERCENT, Unit, unit_for, with_error
 from missionplan.report.wording import in_words, listed, percent
 from missionplan.studies.comparison.choices_page import (
@@ -35,60 +35,53 @@ _MOST_ABREAST = 3
 def page(found: Alternatives) -> Page:
     """Build the page."""
     curves = cache(lambda: curves_figure(found))
+    sources, made = [each.source for each in found.alternatives], found.provenance
+    drawn = any(source.endswith((".yaml", ".yml")) for source in sources)
+    draws = f" --trials {made.trials} --seed {made.seed}" if drawn else ""
     return Page(
         title=f"Which is better? {found.provenance.mission}",
         answer=answer(found),
         draw=lambda: curves() or alternatives_figure(found),
         numbers=[(each.name, percent(each.success)) for each in found.alternatives[:3]],
         write=lambda: [
-            *_table_section(found, [alternatives_figure(found)] if curves() else []),
+            PageSection("Side by side", [_table(found), *([alternatives_figure(found)] if curves() else [])]),
             *requirements_section(found),
             *cells_section(found),
             *differing_section(found),
         ],
-        rerun=_rerun(found),
-        table=lambda: (_columns(found), _rows(found)),
+        rerun=f"missionplan compare {shlex.join(sources)}{draws}",
+        table=lambda: _cells(found),
         plots={"alternatives": draw_alternatives},
     )
 
 
-def _rerun(found: Alternatives) -> str:
-    sources = [each.source for each in found.alternatives]
-    command = f"missionplan compare {' '.join(map(shlex.quote, sources))}"
-    if not any(source.endswith((".yaml", ".yml")) for source in sources):
-        return command
-    return f"{command} --trials {found.provenance.trials} --seed {found.provenance.seed}"
-
-
 def answer(found: Alternatives) -> str:
     """Say which is better and by how much, or that they cannot be told apart, and in what the missions differ."""
-    chosen = choices_in_words(found) if found.compared != "simulate" else ""
-    parts = (_unlike_tasks(found), chosen, _judged(found), _missed_words(found.best_one), _differing_words(found))
-    return " ".join(filter(None, parts))
-
-
-def _unlike_tasks(found: Alternatives) -> str:
-    """Warn that the missions are no alternatives."""
-    differs = found.task_differs
-    if not differs:
-        return ""
-    return f"The missions have unlike tasks: they differ {task_in_words(differs)}, so that they are no alternatives."
-
-
-def _differing_words(found: Alternatives) -> str:
-    """Name the few values in which missions of one task differ."""
+    parts, best, differs = [], found.best_one, found.task_differs
+    if differs:
+        differ = f"they differ {task_in_words(differs)}, so that they are no alternatives"
+        parts.append(f"The missions have unlike tasks: {differ}.")
+    parts += [choices_in_words(found) if found.compared != "simulate" else "", _judged(found)]
+    if best.missed and np.isfinite(best.success.value):
+        parts.append(f"Even {best.name} misses {len(best.missed)} of its {len(best.requirements)} requirements.")
     differing = [each for each in found.differing if each.path != "name"]
-    if found.task_differs or not 0 < len(differing) <= _MOST_NAMED:
-        return ""
-    parts = [f"{in_words(each.path)} ({', '.join(value or '–' for value in each.values)})" for each in differing]
-    return f"The missions differ in {', '.join(parts)}."
+    if not differs and 0 < len(differing) <= _MOST_NAMED:
+        named = [f"{in_words(each.path)} ({', '.join(value or '–' for value in each.values)})" for each in differing]
+        parts.append(f"The missions differ in {', '.join(named)}.")
+    return " ".join(filter(None, parts))
 
 
 def _judged(found: Alternatives) -> str:
     best = found.best_one
     if not np.isfinite(best.success.value):
         return "Of none of them a choice was found that meets all requirements."
-    worse = [each for each in found.others if _is_worse(found, each)]
+    worse = [
+        each
+        for each in found.others
+        if len(each.missed) > len(best.missed)
+        or not each.contrasts
+        or (found.aim == "success" and _differs(each, "success"))
+    ]
     alike = [each for each in found.others if each not in worse]
     sentences = []
     if worse:
@@ -108,20 +101,20 @@ def _of_alike(found: Alternatives, alike: list[Alternative], *, is_rest: bool) -
             if is_rest
             else f"{listed([best.name, *names])} cannot be told apart"
         )
-        yield f"{who} by P(success) ({_success_words(alike[0])})."
-        yield from (words for each in alike if (words := _cheaper(found, each)))
+        contrast = alike[0].contrasts["success"]
+        by = f"{alike[0].name} differs by {with_error(contrast.difference, contrast.error, PERCENT)}"
+        if not contrast.difference and not contrast.error:
+            by = "they succeed in the same trials" if contrast.paired else "they succeed equally often"
+        yield f"{who} by P(success) ({by})."
+        for each in alike:  # which of two takes less energy, or else less time, where that is more than chance
+            cheaper = [key for key in ("energy_wh", "duration_s") if _differs(each, key)]
+            yield from (_less(found, each, key) for key in cheaper[:1])
     elif alike:
         key = DECIDES[found.aim]
         same = [each for each in alike if not _differs(each, key)]
         yield from (_less(found, each, key) for each in alike if each not in same)
         if same:
             yield f"{listed([each.name for each in (best, *same)])} cannot be told apart by their {_WORDS[key]}."
-
-
-def _is_worse(found: Alternatives, each: Alternative) -> bool:
-    if len(each.missed) > len(found.best_one.missed) or not each.contrasts:
-        return True
-    return found.aim == "success" and _differs(each, "success")
 
 
 def _differs(each: Alternative, key: str) -> bool:
@@ -139,29 +132,11 @@ def _why(found: Alternatives, each: Alternative) -> str:
     return f"{each.name} misses the requirement on {names}"
 
 
-def _success_words(each: Alternative) -> str:
-    contrast = each.contrasts["success"]
-    if not contrast.difference and not contrast.error:
-        return "they succeed in the same trials" if contrast.paired else "they succeed equally often"
-    return f"{each.name} differs by {with_error(contrast.difference, contrast.error, PERCENT)}"
-
-
-def _cheaper(found: Alternatives, each: Alternative) -> str:
-    """Say which of two takes less energy, or else less time, where that is more than chance."""
-    return next((_less(found, each, key) for key in ("energy_wh", "duration_s") if _differs(each, key)), "")
-
-
 def _less(found: Alternatives, each: Alternative, key: str) -> str:
     contrast = each.contrasts[key]
     less, more = (each, found.best_one) if contrast.difference < 0.0 else (found.best_one, each)
     size = with_error(abs(contrast.difference), contrast.error, _unit(found, key))
     return f"{less.name} takes less {'energy' if key == 'energy_wh' else 'time'}, by {size}, than {more.name}."
-
-
-def _missed_words(best: Alternative) -> str:
-    if not best.missed or not np.isfinite(best.success.value):
-        return ""
-    return f"Even {best.name} misses {len(best.missed)} of its {len(best.requirements)} requirements."
 
 
 def _unit(found: Alternatives, key: str) -> Unit:
@@ -174,29 +149,22 @@ def _keys(found: Alternatives) -> list[str]:
     return [key for key in ("energy_wh", "duration_s") if any(key in each.quantities for each in found.alternatives)]
 
 
-def _columns(found: Alternatives) -> list[str]:
-    chosen = [] if found.compared == "simulate" else ["chosen"]
-    windows = ["all requirements met"] if found.compared == "explore" else []
-    numbers = (_WORDS[key] for key in _keys(found))
-    return ["", *chosen, "requirements", "P(success)", *numbers, *windows, "against the best"]
-
-
-def _rows(found: Alternatives) -> list[list[str]]:
+def _cells(found: Alternatives) -> Cells:
+    chooses, explored, keys = found.compared != "simulate", found.compared == "explore", _keys(found)
+    columns = ["", *(["chosen"] if chooses else []), "requirements", "P(success)", *(_WORDS[key] for key in keys)]
+    columns += [*(["all requirements met"] if explored else []), "against the best"]
     rows = []
     for each in found.alternatives:
         met = f"{len(each.requirements) - len(each.missed)} of {len(each.requirements)} met"
         if not np.isfinite(each.success.value):
             met = "no choice meets all"
-        numbers = [
-            with_error(*each.quantities[key], _unit(found, key)) if key in each.quantities else "–"
-            for key in _keys(found)
-        ]
-        chosen = [] if found.compared == "simulate" else [chosen_in_words(found, each)]
-        windows = [windows_in_words(found, each)] if found.compared == "explore" else []
-        against = "best" if each is found.best_one else _against(found, each)
-        row = [each.name, *chosen, met if each.requirements else "–", percent(each.success)]
-        rows.append([*row, *numbers, *windows, against])
-    return rows
+        row = [each.name, *([chosen_in_words(found, each)] if chooses else []), met if each.requirements else "–"]
+        row.append(percent(each.success))
+        for key in keys:
+            row.append(with_error(*each.quantities[key], _unit(found, key)) if key in each.quantities else "–")
+        row += [windows_in_words(found, each)] if explored else []
+        rows.append([*row, "best" if each is found.best_one else _against(found, each)])
+    return columns, rows
 
 
 def _against(found: Alternatives, each: Alternative) -> str:
@@ -212,29 +180,30 @@ def _against(found: Alternatives, each: Alternative) -> str:
     return words if contrast.differs else f"{words}: not told apart"
 
 
-def _table_section(found: Alternatives, figures: list[Figure]) -> Iterator[PageSection]:
+def _table(found: Alternatives) -> Table:
     paired = all(contrast.paired for each in found.others for contrast in each.contrasts.values())
+    caption = "Reports are compared as independent runs, missions with each other trial by trial."
     if found.compared != "simulate":
         caption = "The best of each report, compared as independent runs."
     elif paired:
         caption = "Run on the same random numbers and compared trial by trial."
-    else:
-        caption = "Reports are compared as independent runs, missions with each other trial by trial."
     caption += " Told apart: beyond chance at 5 % for all together (Bonferroni)."
-    columns, rows = _columns(found), _rows(found)
-    if len(rows) <= _MOST_ABREAST:
-        turned = [[name, *values] for name, *values in zip(columns[1:], *(row[1:] for row in rows), strict=True)]
-        table = Table(["", *(row[0] for row in rows)], turned, caption)
-    else:
-        table = Table(columns, rows, caption, text_columns=2)
-    yield PageSection("Side by side", [table, *figures])
+    columns, rows = _cells(found)
+    if len(rows) > _MOST_ABREAST:
+        return Table(columns, rows, caption, text_columns=2)
+    turned = [[name, *values] for name, *values in zip(columns[1:], *(row[1:] for row in rows), strict=True)]
+    return Table(["", *(row[0] for row in rows)], turned, caption)
 
 
 def draw_alternatives(axes: Axes, found: Alternatives, quantity: str = "success") -> None:
     """Draw P(success), ``energy_wh`` or ``duration_s`` of each, with its 95 % interval."""
     unit = PERCENT if quantity == "success" else _unit(found, quantity)
     for row, each in enumerate(found.alternatives):
-        low, middle, high = (value / unit.size for value in _interval(each, quantity))
+        mean, error = each.quantities.get(quantity, (np.nan, np.nan))
+        ends = mean - 1.96 * error, mean, mean + 1.96 * error
+        if quantity == "success":
+            ends = each.success.low, each.success.value, each.success.high
+        low, middle, high = (value / unit.size for value in ends)
         colour = ORANGE if each is found.best_one else BLUE
         axes.errorbar(middle, row, xerr=[[middle - low], [high - middle]], fmt="o", color=colour, markersize=5)
     axes.set_title(f"{_WORDS[quantity]}{unit.axis}")
@@ -256,10 +225,3 @@ def alternatives_figure(found: Alternatives) -> Figure:
         f"Probability of success, energy and duration of {len(found.alternatives)} alternatives",
         "Orange: the best. Bars: 95 % intervals of each alone; the differences are known better than that.",
     )
-
-
-def _interval(each: Alternative, key: str) -> tuple[float, float, float]:
-    if key == "success":
-        return each.success.low, each.success.value, each.success.high
-    mean, error = each.quantities.get(key, (np.nan, np.nan))
-    return mean - 1.96 * error, mean, mean + 1.96 * error

@@ -2,7 +2,6 @@
 
 import shlex
 from collections.abc import Iterator, Mapping, Sequence
-from functools import partial
 
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure as MatplotlibFigure
@@ -73,20 +72,16 @@ def _of_sweep(comparison: Comparison, difference: ComparedNumber) -> str:
 
 def _requirement(comparison: Comparison, difference: ComparedNumber, item: ListItem) -> str:
     """Write a requirement with its limit as the mission does, or in SI where that is not certain."""
-    alike = [each for each in requirements_of(_mission(comparison, difference)) if each.get("quantity") == item.name]
+    mission = _mission(comparison, difference)
+    alike = [each for each in requirements_of(mission) if each.get("quantity") == item.name]
     limit = ""
     if item.number is not None and item.bound:
         limit = limit_in_words(alike[0]) if len(alike) == 1 else ""
-        limit = limit or f"{item.bound.replace('_', ' ')} {_in_si(item.name, item.number)}"
+        unit = _si_unit(item.name)
+        in_si = with_error(item.number, 0.0, reader_unit(unit, item.number)) if unit else f"{item.number:.6g}"
+        limit = limit or f"{item.bound.replace('_', ' ')} {in_si}"
     phase, _, own = item.name.rpartition(".")
-    is_phase = phase in phase_names(_mission(comparison, difference))
-    return f"{of_phase(own, phase) if is_phase else in_words(item.name)} {limit}".strip()
-
-
-def _in_si(quantity: str, limit: float) -> str:
-    """Write the limit of a requirement with its SI unit."""
-    unit = _si_unit(quantity)
-    return with_error(limit, 0.0, reader_unit(unit, limit)) if unit else f"{limit:.6g}"
+    return f"{of_phase(own, phase) if phase in phase_names(mission) else in_words(item.name)} {limit}".strip()
 
 
 def _si_unit(quantity: str) -> str:
@@ -136,14 +131,17 @@ _MOST_DOTS = 16
 
 def page(comparison: Comparison) -> Page:
     """Build the page of a comparison."""
-    folders = [shlex.quote(run.folder) for run in comparison.runs]
     return Page(
         title=f"Two runs of {comparison.compared}: {comparison.provenance.mission}",
         answer=answer(comparison),
         draw=lambda: changes_figure(comparison),
-        numbers=_numbers(comparison),
+        numbers=[
+            ("Changed in the mission", _count(comparison.mission_changes, "value")),
+            ("Changed in the run", _count(comparison.option_changes, "option")),
+            ("Changed in the results", _count(comparison.changed, "number")),
+        ],
         write=lambda: list(_sections(comparison)),
-        rerun=f"missionplan compare {' '.join(folders)}",
+        rerun=f"missionplan compare {shlex.join(run.folder for run in comparison.runs)}",
         table=lambda: _cells(comparison),
         plots={"changes": draw_changes},
     )
@@ -155,19 +153,24 @@ def _cells(comparison: Comparison) -> Cells:
     rows = [row_of(comparison, difference) for difference in numbers]
     changes = [*(comparison.mission_changes if comparison.alike else ()), *comparison.option_changes]
     values = [(change.path, change.first or "–", change.second or "–", "") for change in changes]
-    columns = ("what", "first", "second", "change")
-    return columns, [*((row[0], *row[2:]) for row in rows), *values]
+    return ("what", "first", "second", "change"), [*((row[0], *row[2:]) for row in rows), *values]
 
 
 def answer(comparison: Comparison) -> str:
     """Write what decides first: success and requirements; then how many numbers changed, and which most clearly."""
-    sentences = [
-        _unlike(comparison),
-        *map(partial(_success, comparison), comparison.success),
-        *_requirement_changes(comparison.requirement_changes),
-        _numbers_in_words(comparison),
-    ]
-    return " ".join(filter(None, sentences))
+    judged = [item for item in comparison.differences if item.verdict in ("changed", "within noise", "same")]
+    numbers = "The results are the same."
+    if changed := comparison.changed:
+        largest = max(changed, key=importance)
+        numbers = (
+            f"{len(changed)} of {len(judged)} numbers changed by more than Monte-Carlo noise, most clearly the "
+            f"{name_of(comparison, largest)} ({shown_change(comparison, largest)})."
+        )
+    elif any(item.verdict == "within noise" for item in judged):
+        numbers = "No number changed by more than Monte-Carlo noise."
+    success = [_success(comparison, each) for each in comparison.success]
+    requirements = _requirement_changes(comparison.requirement_changes)
+    return " ".join(filter(None, [_unlike(comparison), *success, *requirements, numbers]))
 
 
 def _unlike(comparison: Comparison) -> str:
@@ -186,52 +189,29 @@ def _unlike(comparison: Comparison) -> str:
 def _success(comparison: Comparison, success: ComparedNumber) -> str:
     """Write how the probability of success changed."""
     _, verdict, first, second, change = row_of(comparison, success)
-    if verdict == "same" and {item.verdict for item in comparison.differences} == {"same"}:
-        return ""
     if verdict == "same":
-        return f"The probability of success is {first} in both."
+        is_all = {item.verdict for item in comparison.differences} == {"same"}
+        return "" if is_all else f"The probability of success is {first} in both."
     if verdict == "within noise":
         return f"The probability of success, {first} and then {second}, differs by no more than noise ({change})."
     return f"The probability of success was {first} and is now {second} ({change})."
-
-
-def _numbers_in_words(comparison: Comparison) -> str:
-    judged = [item for item in comparison.differences if item.verdict in ("changed", "within noise", "same")]
-    changed = comparison.changed
-    if changed:
-        largest = max(changed, key=importance)
-        words = f"{len(changed)} of {len(judged)} numbers changed by more than Monte-Carlo noise, most clearly "
-        return f"{words}the {name_of(comparison, largest)} ({shown_change(comparison, largest)})."
-    if any(item.verdict == "within noise" for item in judged):
-        return "No number changed by more than Monte-Carlo noise."
-    return "The results are the same."
 
 
 def _requirement_changes(changes: Sequence[ChangedValue]) -> Iterator[str]:
     """Write what became of the requirements; those that were met and were dropped in one sentence."""
     dropped = [change for change in changes if not change.second and change.first == "met"]
     together = len(dropped) > 1
-    yield from (_requirement_change(change) for change in changes if not (together and change in dropped))
+    for change in changes:
+        name = in_words(change.path)
+        if not change.first:
+            yield f"The new requirement on the {name} is {change.second}."
+        elif change.second:
+            yield f"The requirement on the {name} was {change.first} and is now {change.second}."
+        elif not (together and change in dropped):
+            yield f"The requirement on the {name}, which was {change.first}, has been dropped."
     if together:
         *names, last = (f"the {in_words(change.path)}" for change in dropped)
         yield f"The requirements on {', '.join(names)} and {last}, which were met, have been dropped."
-
-
-def _requirement_change(change: ChangedValue) -> str:
-    name = in_words(change.path)
-    if not change.first:
-        return f"The new requirement on the {name} is {change.second}."
-    if not change.second:
-        return f"The requirement on the {name}, which was {change.first}, has been dropped."
-    return f"The requirement on the {name} was {change.first} and is now {change.second}."
-
-
-def _numbers(comparison: Comparison) -> list[tuple[str, str]]:
-    return [
-        ("Changed in the mission", _count(comparison.mission_changes, "value")),
-        ("Changed in the run", _count(comparison.option_changes, "option")),
-        ("Changed in the results", _count(comparison.changed, "number")),
-    ]
 
 
 def _count(items: Sequence[object], noun: str) -> str:
@@ -276,26 +256,6 @@ def draw_changes(axes: Axes, comparison: Comparison) -> None:
     axes.grid(visible=False, axis="y")
 
 
-def _runs(comparison: Comparison) -> Iterator[PageSection]:
-    rows = [
-        (run.folder, run.created[:16].replace("T", " "), run.version, number(run.trials), f"{run.seed}")
-        for run in comparison.runs
-    ]
-    columns = ("folder", "made (UTC)", "missionplan", "trials", "seed")
-    heading = "The missions of the two runs differ" if comparison.mission_changes else "Both runs are of one mission"
-    yield PageSection(heading, [Table(columns, rows, text_columns=3)])
-
-
-def _changes(comparison: Comparison) -> Iterator[PageSection]:
-    mission = comparison.mission_changes if comparison.alike else ()
-    groups = (("value", "mission", mission), ("option", "run", comparison.option_changes))
-    for noun, whole, changes in groups:
-        if changes:
-            heading = f"{_count(changes, noun)} of the {whole} {'differs' if len(changes) == 1 else 'differ'}"
-            rows = [(each.path, each.first or "–", each.second or "–") for each in changes]
-            yield PageSection(heading, [Table(("key", "first", "second"), rows, text_columns=3)])
-
-
 def _others_changed(comparison: Comparison) -> list[ComparedNumber]:
     """Numbers that changed, besides those that decide, the clearest first."""
     others = [item for item in comparison.changed if item not in comparison.deciding]
@@ -309,8 +269,18 @@ def _sections(comparison: Comparison) -> Iterator[PageSection]:
         yield PageSection("What decides", [_table(comparison, deciding)])
     if changed:
         yield PageSection(f"{_count(changed, 'number')} changed, the clearest first", [_table(comparison, changed)])
-    yield from _runs(comparison)
-    yield from _changes(comparison)
+    rows = [
+        (run.folder, run.created[:16].replace("T", " "), run.version, number(run.trials), f"{run.seed}")
+        for run in comparison.runs
+    ]
+    heading = "The missions of the two runs differ" if comparison.mission_changes else "Both runs are of one mission"
+    yield PageSection(heading, [Table(("folder", "made (UTC)", "missionplan", "trials", "seed"), rows, text_columns=3)])
+    mission, options = comparison.mission_changes if comparison.alike else (), comparison.option_changes
+    for noun, whole, changes in (("value", "mission", mission), ("option", "run", options)):
+        if changes:
+            heading = f"{_count(changes, noun)} of the {whole} {'differs' if len(changes) == 1 else 'differ'}"
+            values = [(each.path, each.first or "–", each.second or "–") for each in changes]
+            yield PageSection(heading, [Table(("key", "first", "second"), values, text_columns=3)])
     rest = [item for item in comparison.differences if item.verdict != "changed" and item not in deciding]
     rest = [item for item in rest if comparison.alike or item.change is not None]
     if rest:

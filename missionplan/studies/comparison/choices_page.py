@@ -1,7 +1,6 @@
 """What alternatives are, reach and chose, side by side: tasks, requirements, values, windows, cells that all tried."""
 
 from collections.abc import Iterator, Mapping, Sequence
-from datetime import datetime
 from pathlib import Path
 
 import numpy as np
@@ -95,17 +94,15 @@ def differing_section(found: Alternatives) -> Iterator[PageSection]:
     differing = [each for each in found.differing if not each.path.startswith(_OF_OTHER_COMMANDS)]
     if not differing:
         return
-    rows = [[each.path, *map(_shown_value, each.values)] for each in differing[:_MOST_DIFFERING]]
+    rows = [  # of a file, its name
+        [each.path, *(Path(value).name if Path(value).is_absolute() else value or "–" for value in each.values)]
+        for each in differing[:_MOST_DIFFERING]
+    ]
     count = len(differing)
     more = f"The first {_MOST_DIFFERING} of {count}." if count > _MOST_DIFFERING else ""
     heading = "1 value of the missions differs" if count == 1 else f"{count} values of the missions differ"
     names = [each.name for each in found.alternatives]
     yield PageSection(heading, [Table(["key", *names], rows, more, text_columns=len(names) + 1)])
-
-
-def _shown_value(value: str) -> str:
-    """Write a value; of a file, its name."""
-    return "–" if not value else Path(value).name if Path(value).is_absolute() else value
 
 
 _MOST_ROWS = 40
@@ -216,28 +213,24 @@ def _name(key: str) -> str:
     return keys_in_words(key.split("+"))
 
 
-def _moment(value: str) -> datetime | None:
-    """Return a start; None where the value is none."""
-    return moment_or_none(value) if "T" in value else None
-
-
 def _shown(found: Alternatives, value: str) -> str:
     """Write a value as people read it: a start by its time of day where all are on one."""
-    moment = _moment(value)
+    moment = moment_or_none(value) if "T" in value else None
     if moment is None:
         return value
     return f"{moment:{'%H:%M' if _one_day(found) else '%d %b %H:%M'}} UTC"
 
 
 def _one_day(found: Alternatives) -> bool:
-    tried = [value for each in found.alternatives if each.chosen for cell in each.chosen.cells for value in cell.values]
-    chosen = [value for each in found.alternatives if each.chosen for value in each.chosen.values.values()]
-    return len({moment.date() for value in (*tried, *chosen) if (moment := _moment(value))}) == 1
+    chosen = [each.chosen for each in found.alternatives if each.chosen]
+    tried = {value for each in chosen for cell in each.cells for value in cell.values}
+    tried.update(value for each in chosen for value in each.values.values())
+    return len({moment.date() for value in tried if "T" in value and (moment := moment_or_none(value))}) == 1
 
 
 def _scale(values: Sequence[str]) -> tuple[dict[str, float], str] | None:
     """Return the place of each value on an axis and its unit: moments in days, numbers in the first's unit."""
-    moments = [_moment(value) for value in values]
+    moments = [moment_or_none(value) if "T" in value else None for value in values]
     if all(moments):
         days = (moment.timestamp() / _DAY for moment in moments if moment is not None)
         return dict(zip(values, days, strict=True)), "UTC"

@@ -118,38 +118,29 @@ def aim_of(summaries: Sequence[Summary]) -> Aim:
 
 def _check_keys(sources: Sequence[tuple[Path, Summary]]) -> None:
     """Refuse explorations of unlike keys: their cells have nothing in common."""
-    varied = ["+".join(_axes(summary)) for _, summary in sources]
+    varied = []
+    for _, summary in sources:
+        keys = [axis.get("keys") for axis in mappings(summary.get("vary"))]
+        varied.append("+".join("+".join(map(str, each)) if isinstance(each, list) else "" for each in keys))
     if len(set(varied)) > 1:
         listed = ", ".join(f"{path} varies {keys}" for (path, _), keys in zip(sources, varied, strict=True))
         raise InputError([Problem(f"explorations of the same keys were expected, in the same order, but {listed}")])
 
 
-def _axes(summary: Summary) -> list[str]:
-    keys = [axis.get("keys") for axis in mappings(summary.get("vary"))]
-    return ["+".join(map(str, each)) if isinstance(each, list) else "" for each in keys]
-
-
 def _of_exploration(name: str, folder: Path, summary: Summary) -> Alternative:
-    cells = mappings(summary.get("cells"))
-    entry = mapping(summary.get("best"))
+    entry, cells = mapping(summary.get("best")), []
+    for cell in mappings(summary.get("cells")):
+        required = mappings(cell.get("requirements"))
+        met = bool(required) and all(item.get("met") for item in required)
+        cells.append(TriedCell(tuple(_texts(cell.get("values")).values()), met, probability_of(cell.get("success"))))
     of_total = {
         str(key).removeprefix("total."): value
         for key, value in mapping(entry.get("quantities")).items()
         if str(key).startswith("total.")
     }
-    chosen = Chosen(
-        _texts(entry.get("values")),
-        len(cells),
-        tuple((str(each.get("from")), str(each.get("to"))) for each in mappings(summary.get("windows"))),
-        tuple(map(_tried_cell, cells)),
-    )
+    windows = tuple((str(each.get("from")), str(each.get("to"))) for each in mappings(summary.get("windows")))
+    chosen = Chosen(_texts(entry.get("values")), len(cells), windows, tuple(cells))
     return _alternative(name, folder, summary, {**entry, "quantities": of_total}, chosen)
-
-
-def _tried_cell(entry: Summary) -> TriedCell:
-    required = mappings(entry.get("requirements"))
-    met = bool(required) and all(item.get("met") for item in required)
-    return TriedCell(tuple(_texts(entry.get("values")).values()), met, probability_of(entry.get("success")))
 
 
 def _of_optimisation(name: str, folder: Path, summary: Summary) -> Alternative:

@@ -22,7 +22,6 @@ from missionplan.studies.comparison.reported_choices import CHOOSING
 from missionplan.studies.comparison.result import (
     Bound,
     ChangedValue,
-    ChangeVerdict,
     ComparedNumber,
     ComparedRun,
     Comparison,
@@ -75,28 +74,18 @@ def summary_numbers(summary: Mapping[str, object], command: str) -> dict[KeyPath
 
 
 def _walk(value: object, path: KeyPath, error: float) -> Iterator[tuple[KeyPath, SummaryNumber]]:
+    """Read a number, a list of named items, or a mapping, such as a statistic, a probability or a point of a sweep."""
     if len(path) > _MAX_DEPTH:
         return
-    if isinstance(value, Mapping):
-        yield from _walk_mapping(value, path, error)
-    elif isinstance(value, list):
+    if isinstance(value, list):
         for item in value:
             if isinstance(item, Mapping):
                 inside = {key: inner for key, inner in item.items() if key not in (*_NAMES, *_NUMBERS)}
                 yield from _walk(inside, (*path, _identity(item)), error)
     elif _is_number(value):
         yield path, SummaryNumber("number", float(value), error)
-
-
-def _identity(item: Mapping[str, object]) -> ListItem:
-    name = next((str(item[key]) for key in _NAMES if key in item), "")
-    number = next((item[key] for key in (*_NUMBERS, *_BOUNDS) if _is_number(item.get(key))), None)
-    bound = next((key for key in _BOUNDS if key in item), None)
-    return ListItem(name, None if number is None else float(f"{number:.6g}"), bound)
-
-
-def _walk_mapping(value: Mapping[str, object], path: KeyPath, error: float) -> Iterator[tuple[KeyPath, SummaryNumber]]:
-    """Read a mapping that may be a statistic, a probability or a point of a sweep."""
+    if not isinstance(value, Mapping):
+        return
     is_cost = "mean" not in value
     estimate, standard_error = value.get("cost" if is_cost else "mean"), value.get("standard_error")
     if _is_number(estimate) and _is_number(standard_error):
@@ -110,6 +99,13 @@ def _walk_mapping(value: Mapping[str, object], path: KeyPath, error: float) -> I
         for key, inner in value.items():
             if key not in _NOT_RESULTS:
                 yield from _walk(inner, (*path, str(key)), error)
+
+
+def _identity(item: Mapping[str, object]) -> ListItem:
+    name = next((str(item[key]) for key in _NAMES if key in item), "")
+    number = next((item[key] for key in (*_NUMBERS, *_BOUNDS) if _is_number(item.get(key))), None)
+    bound = next((key for key in _BOUNDS if key in item), None)
+    return ListItem(name, None if number is None else float(f"{number:.6g}"), bound)
 
 
 def _is_number(value: object) -> TypeGuard[float]:
@@ -132,28 +128,21 @@ def standard_error_and_p_value(
 
     None where the standard errors are not known. Without noise, the p-value is 1 where the numbers are equal, else 0.
     """
-    change = second.value - first.value
+    error = pooled = math.hypot(first.error, second.error)
     if first.kind == "probability":
-        error, pooled = _two_proportions(first.value, second.value, *trials)
-    else:
-        error = pooled = math.hypot(first.error, second.error)
+        # of two proportions, and pooled under the test that they are equal (Fleiss, Levin & Paik 2003, Statistical
+        # Methods for Rates and Proportions, ch. 3)
+        (n, m), (one, two) = trials, (first.value, second.value)
+        if n < 1 or m < 1:
+            return None, None
+        share = (n * one + m * two) / (n + m)
+        error = math.sqrt(one * (1.0 - one) / n + two * (1.0 - two) / m)
+        pooled = math.sqrt(max(share * (1.0 - share), 0.0) * (1.0 / n + 1.0 / m))
     if not math.isfinite(error):
         return None, None
     if pooled == 0.0:
         return 0.0, 1.0 if math.isclose(first.value, second.value, rel_tol=1e-9, abs_tol=1e-12) else 0.0
-    return error, float(2.0 * ndtr(-abs(change) / pooled))
-
-
-def _two_proportions(first: float, second: float, n: int, m: int) -> tuple[float, float]:
-    """Standard error of the difference of two proportions, and the pooled one of the test that they are equal.
-
-    Fleiss, Levin & Paik 2003, Statistical Methods for Rates and Proportions, ch. 3.
-    """
-    if n < 1 or m < 1:
-        return math.nan, math.nan
-    share = (n * first + m * second) / (n + m)
-    own = math.sqrt(first * (1.0 - first) / n + second * (1.0 - second) / m)
-    return own, math.sqrt(max(share * (1.0 - share), 0.0) * (1.0 / n + 1.0 / m))
+    return error, float(2.0 * ndtr(-abs(second.value - first.value) / pooled))
 
 
 def holm(p_values: Sequence[float]) -> list[float]:
@@ -260,9 +249,7 @@ def _other_program(first: Mapping[str, object], second: Mapping[str, object]) ->
 
 
 def _differences(
-    first: Mapping[KeyPath, SummaryNumber],
-    second: Mapping[KeyPath, SummaryNumber],
-    trials: tuple[int, int],
+    first: Mapping[KeyPath, SummaryNumber], second: Mapping[KeyPath, SummaryNumber], trials: tuple[int, int]
 ) -> Iterator[ComparedNumber]:
     for place in dict.fromkeys((*first, *second)):
         one, two, named = first.get(place), second.get(place), _group_and_key(place)
@@ -278,30 +265,25 @@ def _with_verdicts(differences: Sequence[ComparedNumber]) -> tuple[ComparedNumbe
     """Add the verdicts: exact where there is no noise, by Holm's correction over all numbers that have some."""
     noisy = [each for each in differences if each.standard_error and each.p_value is not None]
     adjusted = dict(zip(map(id, noisy), holm([each.p_value or 0.0 for each in noisy]), strict=True))
-
-    def verdict(each: ComparedNumber) -> ChangeVerdict:
+    judged = []
+    for each in differences:
+        verdict = each.verdict
         if each.change == 0.0:
-            return "same"
-        if each.p_value is None:
-            return each.verdict
-        changed = adjusted.get(id(each), each.p_value) < LEVEL
-        return "changed" if changed else "within noise" if id(each) in adjusted else "same"
-
-    return tuple(replace(each, verdict=verdict(each)) for each in differences)
+            verdict = "same"
+        elif each.p_value is not None:
+            changed = adjusted.get(id(each), each.p_value) < LEVEL
+            verdict = "changed" if changed else "within noise" if id(each) in adjusted else "same"
+        judged.append(replace(each, verdict=verdict))
+    return tuple(judged)
 
 
 def _requirements_met(summary: Mapping[str, object]) -> dict[str, str]:
     """Verdict on each requirement, by its quantity; of several on one quantity, with their limits."""
     items = mappings(summary.get("requirements"))
     quantities = [str(item.get("quantity")) for item in items]
-    return {
-        quantity if quantities.count(quantity) == 1 else f"{quantity}{_limit(item)}": (
-            "undecided" if item.get("undecided") else "met" if item.get("met") else "not met"
-        )
-        for quantity, item in zip(quantities, items, strict=True)
-    }
-
-
-def _limit(requirement: Mapping[str, object]) -> str:
-    bounds = (("at_most", "at most"), ("at_least", "at least"))
-    return "".join(f" {words} {requirement[key]:g}" for key, words in bounds if isinstance(requirement.get(key), float))
+    found = {}
+    for quantity, item in zip(quantities, items, strict=True):
+        bounds = [f" {key.replace('_', ' ')} {item[key]:g}" for key in _BOUNDS if isinstance(item.get(key), float)]
+        name = quantity if quantities.count(quantity) == 1 else quantity + "".join(bounds)
+        found[name] = "undecided" if item.get("undecided") else "met" if item.get("met") else "not met"
+    return found
