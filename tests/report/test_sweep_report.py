@@ -129,8 +129,10 @@ def test_the_rows_of_each_velocity_error_and_what_it_saves():
     assert plain(sweep_page._as_good_in_words(three_curves())).endswith(
         "0.650 to 0.750 for σ_v = 0.08 m/s; 0.650 to 0.750 for σ_v = 0.02 m/s; 0.650 to 0.750 for σ_v = 0.05 m/s."
     )
-    assert plain(sweep_page._surfacings_heading(three_curves())).endswith("surfaces 14.0 times on average")
-    table = sweep_page.cost_table(three_curves())
+    *_, toothed, surfacings, numbers = page(three_curves()).sections
+    assert (toothed.heading, toothed.blocks) == ("The cost jumps at each critical point", [sweep_page._WHY_TEETH])
+    assert plain(surfacings.heading).endswith("surfaces 14.0 times on average")
+    (table,) = numbers.blocks
     assert [plain(cell) for cell in table.rows[0]] == ["0.300", "300 m", "18.80 ± 0.10", "12.80 ± 0.10", "15.80 ± 0.10"]
     assert len(table.rows) == 15
 

@@ -69,15 +69,9 @@ def analytic_curves(scenario: SweepScenario, jobs: int) -> list[tuple[TransitExp
 
 def _expectations(scenario: SweepScenario, cells: Sequence[tuple[int, float | LegTable]]) -> list[TransitExpectation]:
     """Expected transits of given σ_v, by number, and longest legs."""
+    course = scenario.speed, scenario.arrival_radius
     return [
-        expected_transit(
-            scenario.distance,
-            d_max,
-            scenario.speed,
-            scenario.arrival_radius,
-            scenario.sigma(index),
-            scenario.surfacing_time,
-        )
+        expected_transit(scenario.distance, d_max, *course, scenario.sigma(index), scenario.surfacing_time)
         for index, d_max in cells
     ]
 
@@ -242,14 +236,6 @@ class PolicyFamily:
     """Tried for the best spread."""
 
 
-@dataclass(frozen=True)
-class _Policy:
-    """A leg table and the factor on the spread that it is best for."""
-
-    spread_factor: float
-    table: LegTable
-
-
 def search_policies(
     transit: AnalyticTransit,
     family: PolicyFamily,
@@ -269,7 +255,7 @@ def search_policies(
     lengths = [round(float(share * distance), 1) for share in FIXED_LENGTHS]
     swept = [round(float(length), 1) for length in transit.scenario.d_max]
     radius = np.array([transit.scenario.arrival_radius])
-    fixed = [_Policy(1.0, LegTable(radius, np.array([length]))) for length in sorted({*lengths, *swept})]
+    fixed = [LegTable(radius, np.array([length])) for length in sorted({*lengths, *swept})]
     tried = (1 + len(lengths)) * np.array([len(family.spread_factors), len(family.surfacing_factors)])
     work, done = sum(map(pilot_work, (len(fixed), *tried.tolist()))), 0
 
@@ -279,27 +265,37 @@ def search_policies(
         if progress is not None:
             progress(done, work)
 
-    def best_of(policies: Sequence[_Policy]) -> tuple[Score, _Policy]:
-        plans = [LegsAtSpeed(policy.table, transit.speed_factor) for policy in policies]
+    def best_of(tables: Sequence[LegTable]) -> tuple[Score, int]:
+        plans = [LegsAtSpeed(table, transit.speed_factor) for table in tables]
         index, least = best_plan(transit.scenario, plans, objective, seed, advance=advance, workers=workers)
-        return least, policies[index]
+        return least, index
 
-    def best_variant(policies: Sequence[_Policy]) -> tuple[Score, _Policy]:
-        """The best of some policies, each with its own first leg and with every other."""
-        return best_of(
-            [
-                _Policy(policy.spread_factor, table)
-                for policy in policies
-                for table in (policy.table, *(replace_first_leg(policy.table, distance, each) for each in lengths))
-            ]
-        )
+    def best_variant(factors: Sequence[tuple[float, float]]) -> tuple[Score, float, LegTable]:
+        """The best of the legs for factors on spread and cost of a surfacing, with their own first leg or another.
 
-    fixed_value, constant = best_of(fixed)
-    value, policy = best_variant(_policies(transit, [(factor, 1.0) for factor in family.spread_factors], workers))
+        Errors that no legs can cope with are left out.
+        """
+        solved = list(workers.run(partial(_best_table, transit), factors))
+        best = [
+            (spread, table) for (spread, _), table in zip(factors, solved, strict=True) if not isinstance(table, str)
+        ]
+        if not best:
+            raise ValueError(solved[-1])
+        policies = [
+            (spread, each)
+            for spread, table in best
+            for each in (table, *(replace_first_leg(table, distance, length) for length in lengths))
+        ]
+        least, index = best_of([table for _, table in policies])
+        return least, *policies[index]
+
+    fixed_value, index = best_of(fixed)
+    constant = fixed[index]
+    value, spread, table = best_variant([(factor, 1.0) for factor in family.spread_factors])
     if family.surfacing_factors:
-        others = _policies(transit, [(policy.spread_factor, factor) for factor in family.surfacing_factors], workers)
-        value, policy = min((value, policy), best_variant(others), key=lambda found: found[0])
-    return float(constant.table.leg[0]), policy.table if value < fixed_value else constant.table
+        other, _, variant = best_variant([(spread, factor) for factor in family.surfacing_factors])
+        value, table = (other, variant) if other < value else (value, table)
+    return float(constant.leg[0]), table if value < fixed_value else constant
 
 
 def replace_first_leg(table: LegTable, distance: float, length: float) -> LegTable:
@@ -310,18 +306,9 @@ def replace_first_leg(table: LegTable, distance: float, length: float) -> LegTab
     return LegTable(left, np.append(table.leg[nearer], [np.round(table(np.array([edge]))[0], 1), length]))
 
 
-def _policies(transit: AnalyticTransit, factors: Sequence[tuple[float, float]], workers: Workers) -> list[_Policy]:
-    """Best legs for factors on spread and cost of a surfacing, without those for errors that no legs can cope with."""
-    found = list(workers.run(partial(_policy, transit), factors))
-    policies = [policy for policy in found if isinstance(policy, _Policy)]
-    if not policies:
-        raise ValueError(found[-1] if found else "")
-    return policies
-
-
-def _policy(transit: AnalyticTransit, factors: tuple[float, float]) -> _Policy | str:
+def _best_table(transit: AnalyticTransit, factors: tuple[float, float]) -> LegTable | str:
     """Best legs for factors on spread and cost of a surfacing, or why there are none: a task for one process."""
     try:
-        return _Policy(factors[0], transit.best_table(*factors))
+        return transit.best_table(*factors)
     except ValueError as error:
         return str(error)

@@ -1,6 +1,7 @@
 """Figures of legs: the cost of each d_max (Fig. 8), surfacings; the policy of a plan, tracks, and what it saves."""
 
-from collections.abc import Callable, Sequence
+import textwrap
+from collections.abc import Callable
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -13,7 +14,7 @@ from missionplan.report.quantities import PERCENT, SECONDS, WATT_HOURS, Unit, le
 from missionplan.report.readings import Slider
 from missionplan.report.wording import number, share, typeset
 from missionplan.studies.leg_length.plan_result import LegPlan
-from missionplan.studies.leg_length.sweep_result import Sweep, SweepCurve
+from missionplan.studies.leg_length.sweep_result import Sweep, SweepCurve, SweepPoint
 
 
 def saving_unit(plan: LegPlan) -> tuple[str, Unit]:
@@ -53,9 +54,9 @@ def policy_figure(plan: LegPlan) -> Figure:
 
 def draw_lengths(axes: Axes, plan: LegPlan) -> None:
     """Draw leg length against distance left, on linear axes."""
-    knots = _knots(plan)
+    knots = plan.left[(plan.left > plan.arrival_radius) & (plan.left <= plan.distance)]
     left = np.union1d(np.linspace(plan.arrival_radius, plan.distance, 400), knots)
-    colour, width = _fixed_look(plan)
+    colour, width = (GREY, 1.0) if plan.recommended else (BLUE, None)
     axes.plot(left / 1000.0, np.minimum(left, plan.fixed_d_max) / 1000.0, color=colour, linewidth=width)
     if plan.recommended:
         axes.plot(left / 1000.0, plan.table(left) / 1000.0, color=BLUE)
@@ -68,16 +69,14 @@ def draw_lengths(axes: Axes, plan: LegPlan) -> None:
 
 def draw_aims(axes: Axes, plan: LegPlan) -> None:
     """Draw how far short of the target legs are aimed, on logarithmic axes."""
-    left = np.union1d(np.geomspace(plan.arrival_radius, plan.distance, 400), _knots(plan))
-    colour, width = _fixed_look(plan)
-    short = _short(left, np.minimum(left, plan.fixed_d_max))
-    axes.plot(left, short, color=colour, linewidth=width)
-    some_stop_short = bool(np.isfinite(short).any())
-    if plan.recommended:
-        by_table = _short(left, plan.table(left))
-        axes.plot(left, by_table, color=BLUE)
-        some_stop_short |= bool(np.isfinite(by_table).any())
     radius = plan.arrival_radius
+    knots = plan.left[(plan.left > radius) & (plan.left <= plan.distance)]
+    left = np.union1d(np.geomspace(radius, plan.distance, 400), knots)
+    legs = [np.minimum(left, plan.fixed_d_max), *([plan.table(left)] if plan.recommended else [])]
+    looks = ((GREY, 1.0), (BLUE, None)) if plan.recommended else ((BLUE, None),)
+    for leg, (colour, width) in zip(legs, looks, strict=True):
+        axes.plot(left, np.where(leg < left, left - leg, np.nan), color=colour, linewidth=width)
+    some_stop_short = any(np.any(leg < left) for leg in legs)
     axes.axhline(radius, color=ORANGE, linewidth=1.0, linestyle=(0, (4, 3)))
     axes.annotate(
         "arrival radius", (left[-1], radius), xytext=(0, 3), textcoords="offset points", ha="right", color=ORANGE
@@ -99,21 +98,6 @@ def draw_aims(axes: Axes, plan: LegPlan) -> None:
 def _with_first_digit(digits: str) -> Callable[[float, float], str]:
     """Label the ticks whose first digit is one of these, so that labels do not overlap."""
     return lambda value, _: f"{value:g}" if f"{value:g}"[0] in digits else ""
-
-
-def _knots(plan: LegPlan) -> Array:
-    """Knots of the table within the transit's range [m]."""
-    return plan.left[(plan.left > plan.arrival_radius) & (plan.left <= plan.distance)]
-
-
-def _fixed_look(plan: LegPlan) -> tuple[str, float | None]:
-    """Colour and line width of the fixed d_max: thin and grey beside a table."""
-    return (GREY, 1.0) if plan.recommended else (BLUE, None)
-
-
-def _short(left: Array, leg: Array) -> Array:
-    """Distance by which legs stop short of the target; nan where they aim at it [m]."""
-    return np.where(leg < left, left - leg, np.nan)
 
 
 def tracks_figure(plan: LegPlan) -> Figure:
@@ -160,12 +144,9 @@ def cases_figure(plan: LegPlan) -> Figure:
     figure = MatplotlibFigure(figsize=(6.0, 0.8 + 0.42 * len(plan.cases)))
     draw_savings(figure.subplots(), plan)
     what, _ = saving_unit(plan)
-    return to_figure(
-        figure,
-        "robustness",
-        alt=f"{what} by the table, against the best fixed d_max, when the errors are as planned and when not",
-        caption="With 95 % intervals, paired trial by trial. Right of the line the table is better.",
-    )
+    alt = f"{what} by the table, against the best fixed d_max, when the errors are as planned and when not"
+    caption = "With 95 % intervals, paired trial by trial. Right of the line the table is better."
+    return to_figure(figure, "robustness", alt, caption)
 
 
 def draw_savings(axes: Axes, plan: LegPlan) -> None:
@@ -175,17 +156,9 @@ def draw_savings(axes: Axes, plan: LegPlan) -> None:
     saved, error = np.array([case.saving_for(plan.aim) for case in plan.cases]).T / unit.size
     axes.errorbar(saved, place, xerr=1.96 * np.nan_to_num(error), fmt="o", color=BLUE, markersize=5)
     axes.axvline(0.0, color=GREY, linewidth=1.0)
-    axes.set_yticks(place, [_wrapped(case.name or "as the mission") for case in plan.cases])
+    axes.set_yticks(place, [textwrap.fill(case.title, 27) for case in plan.cases])
     axes.set(xlabel=f"{what} by the table{unit.axis}", ylim=(-0.6, len(plan.cases) - 0.4))
     axes.grid(visible=False, axis="y")
-
-
-def _wrapped(words: str) -> str:
-    """Break long words of a label in two lines."""
-    if len(words) < 28:
-        return words
-    middle = words.rfind(" ", 0, 28)
-    return f"{words[:middle]}\n{words[middle + 1 :]}"
 
 
 COLOURS = (BLUE, ORANGE, GREEN, PINK, YELLOW, SKY)
@@ -216,44 +189,56 @@ def cost_figure(sweep: Sweep) -> Figure:
 
 
 def draw_costs(axes: Axes, sweep: Sweep) -> None:
-    """Draw the curve of each velocity error, and the critical points."""
-    top = _upper_limit(sweep)
-    for curve, colour in zip(sweep.curves, COLOURS * len(sweep.curves), strict=False):
-        _draw_curve(axes, curve, colour, sampled=sweep.method != "analytic")
-    _mark_critical_points(axes, sweep.critical_points, top)
-    axes.set(xlabel=X_LABEL, ylabel="Mean cost c (%)", ylim=(_lower_limit(sweep), top), xlim=(0.0, 1.0))
-    _label_curves(axes, sweep.curves, top)
+    """Draw the curve of each velocity error, and the critical points.
 
-
-def _upper_limit(sweep: Sweep) -> float:
-    """Upper end of the cost axis [%]; it cuts off short legs, whose cost grows without bound."""
+    The axis cuts off short legs, whose cost grows without bound, and goes below zero where the arrival circle shortens
+    the way by more than errors cost.
+    """
     points = [point for curve in sweep.curves for point in curve.points if np.isfinite(point.cost)]
     costs = [point.cost for point in points if point.d_max_over_distance >= 0.15] or [point.cost for point in points]
-    return float(np.ceil(115.0 * max(costs))) if costs else 1.0
-
-
-def _lower_limit(sweep: Sweep) -> float:
-    """Lower end of the cost axis [%]: below zero where the arrival circle shortens the way by more than errors cost."""
+    top = float(np.ceil(115.0 * max(costs))) if costs else 1.0
     least = min((curve.best.cost for curve in sweep.curves if np.isfinite(curve.best.cost)), default=0.0)
-    return 100.0 * least - 0.05 * _upper_limit(sweep) if least < 0.0 else 0.0
+    for curve, colour in zip(sweep.curves, COLOURS * len(sweep.curves), strict=False):
+        _draw_curve(axes, curve, colour, sampled=sweep.method != "analytic")
+    for critical in (place for place in sweep.critical_points if place >= 0.19):  # the next are too close to each other
+        axes.axvline(critical, color=GRID, linewidth=1.0, linestyle=(0, (4, 3)), zorder=0)
+        label = "1" if critical == 1.0 else f"1/{round(1.0 / critical)}"
+        axes.annotate(label, (critical, top), ha="center", va="bottom", fontsize=8.5, annotation_clip=False)
+    bottom = 100.0 * least - 0.05 * top if least < 0.0 else 0.0
+    axes.set(xlabel=X_LABEL, ylabel="Mean cost c (%)", ylim=(bottom, top), xlim=(0.0, 1.0))
+    height = -np.inf
+    for cost, index in sorted((100.0 * curve.points[-1].cost, index) for index, curve in enumerate(sweep.curves)):
+        height = max(min(cost, top) if np.isfinite(cost) else 0.0, height + 0.07 * top)  # labels do not overlap
+        axes.annotate(
+            _name(sweep.curves[index]),
+            (1.0, height),
+            xytext=(6, 0),
+            textcoords="offset points",
+            va="center",
+            fontsize=9,
+            color=COLOURS[index % len(COLOURS)],
+            annotation_clip=False,
+        )
+
+
+def _name(curve: SweepCurve) -> str:
+    return f"σ_v {quantity(curve.sigma, 'm/s', 'g')}"
 
 
 def _along_d_max(sweep: Sweep) -> Slider:
     """What each d_max comes to, for the control under the figure."""
+
+    def told(point: SweepPoint) -> str:
+        if not np.isfinite(point.cost):
+            return "none arrives"
+        cost = number(100.0 * point.cost, 100.0 * point.standard_error)
+        return f"cost {cost} %, {share(point.arrived)} arrive, {point.surfacings:.1f} surfacings"
+
     points = sweep.middle.points
     texts = []
     for index, point in enumerate(points):
-        costs = [
-            f"σ_v {quantity(curve.sigma, 'm/s', 'g')}: "
-            + (
-                f"cost {number(100.0 * curve.points[index].cost, 100.0 * curve.points[index].standard_error)} %, "
-                f"{share(curve.points[index].arrived)} arrive, {curve.points[index].surfacings:.1f} surfacings"
-                if np.isfinite(curve.points[index].cost)
-                else "none arrives"
-            )
-            for curve in sweep.curves
-        ]
-        texts.append(typeset(f"{length_in_words(point.d_max)}. {'; '.join(costs)}."))
+        costs = "; ".join(f"{_name(curve)}: {told(curve.points[index])}" for curve in sweep.curves)
+        texts.append(typeset(f"{length_in_words(point.d_max)}. {costs}."))
     places = [point.d_max_over_distance for point in points]
     return Slider("d_max", places, texts, places.index(sweep.middle.recommended.d_max_over_distance))
 
@@ -261,7 +246,7 @@ def _along_d_max(sweep: Sweep) -> Slider:
 def _draw_curve(axes: Axes, curve: SweepCurve, colour: str, *, sampled: bool) -> None:
     ratio = np.array([point.d_max_over_distance for point in curve.points])
     cost = 100.0 * np.array([point.cost for point in curve.points])
-    name = f"σ_v {quantity(curve.sigma, 'm/s', 'g')}"
+    name = _name(curve)
     if sampled:
         error = 196.0 * np.array([point.standard_error for point in curve.points])
         axes.fill_between(ratio, cost - error, cost + error, color=colour, alpha=0.25, linewidth=0.0, label=name)
@@ -279,33 +264,6 @@ def _draw_curve(axes: Axes, curve: SweepCurve, colour: str, *, sampled: bool) ->
     )
 
 
-def _mark_critical_points(axes: Axes, critical_points: Sequence[float], top: float) -> None:
-    """Draw a line at each d_max/L = 1/a (Briggs et al., Eq. 27) that is not too close to the next."""
-    for critical in (place for place in critical_points if place >= 0.19):
-        axes.axvline(critical, color=GRID, linewidth=1.0, linestyle=(0, (4, 3)), zorder=0)
-        denominator = round(1.0 / critical)
-        label = "1" if denominator == 1 else f"1/{denominator}"
-        axes.annotate(label, (critical, top), ha="center", va="bottom", fontsize=8.5, annotation_clip=False)
-
-
-def _label_curves(axes: Axes, curves: Sequence[SweepCurve], top: float) -> None:
-    """Label each curve at its right end, spaced so that labels do not overlap."""
-    ends = sorted((100.0 * curve.points[-1].cost, index) for index, curve in enumerate(curves))
-    height = -np.inf
-    for cost, index in ends:
-        height = max(min(cost, top) if np.isfinite(cost) else 0.0, height + 0.07 * top)
-        axes.annotate(
-            f"σ_v {quantity(curves[index].sigma, 'm/s', 'g')}",
-            (1.0, height),
-            xytext=(6, 0),
-            textcoords="offset points",
-            va="center",
-            fontsize=9,
-            color=COLOURS[index % len(COLOURS)],
-            annotation_clip=False,
-        )
-
-
 def surfacings_figure(sweep: Sweep) -> Figure:
     """Draw the mean number of surfacings against d_max."""
     figure = MatplotlibFigure(figsize=(6.0, 2.8))
@@ -316,14 +274,9 @@ def surfacings_figure(sweep: Sweep) -> Figure:
 def draw_surfacings(axes: Axes, sweep: Sweep) -> None:
     """Draw the mean number of surfacings for each velocity error."""
     for curve, colour in zip(sweep.curves, COLOURS * len(sweep.curves), strict=False):
-        ratio = [point.d_max_over_distance for point in curve.points]
-        axes.plot(
-            ratio,
-            [point.surfacings for point in curve.points],
-            color=colour,
-            label=f"σ_v {quantity(curve.sigma, 'm/s', 'g')}",
-        )
+        places, counts = zip(*((point.d_max_over_distance, point.surfacings) for point in curve.points), strict=True)
+        axes.plot(places, counts, color=colour, label=_name(curve))
     axes.set(xlabel=X_LABEL, ylabel="Surfacings (mean)", yscale="log", xlim=(0.0, 1.0))
     axes.yaxis.set_major_formatter(lambda value, _: f"{value:g}")
-    axes.yaxis.set_minor_formatter(lambda value, _: f"{value:g}" if f"{value:g}"[0] in "25" else "")
+    axes.yaxis.set_minor_formatter(_with_first_digit("25"))
     axes.legend()

@@ -8,15 +8,12 @@
   speed.
 """
 
-from collections.abc import Callable
 from dataclasses import dataclass, replace
-from operator import attrgetter
 from typing import Literal
 
 import numpy as np
 import scipy
 
-from missionplan.arrays import Array
 from missionplan.errors import InputError, Problem
 from missionplan.montecarlo.blocks import IN_THIS_PROCESS, Progress, Workers
 from missionplan.phases.transit.plan import LegTable
@@ -65,16 +62,6 @@ DEADLINE_FAMILY = PolicyFamily()
 """Tables tried for a deadline."""
 
 
-@dataclass(frozen=True)
-class _Pilot:
-    """Pilot trials: seed, progress bar, whether legs must be chosen on them, not by the equation alone, and workers."""
-
-    seed: int
-    progress: Progress | None
-    is_needed: bool
-    workers: Workers
-
-
 def plans_of(found: FoundLegs) -> tuple[LegsAtSpeed, LegsAtSpeed]:
     """Return the best fixed d_max, and the table, at their speed."""
     return LegsAtSpeed(found.fixed_d_max, found.speed_factor), LegsAtSpeed(found.table, found.speed_factor)
@@ -95,18 +82,22 @@ def optimise_legs(
     the best legs of several spreads. Raises InputError when no legs can be planned.
     """
     obstacle = analytic_obstacle(scenario)
-    pilot = _Pilot(seed, progress, bool(obstacle), workers)
     try:
         transit = AnalyticTransit(scenario, LegSpread(scenario.sigma(0), 0.0), scenario.speed, scenario.surfacing_time)
         transit.expected(scenario.distance)  # refuses errors that no legs can cope with
         if obstacle:
             transit = replace(transit, spread=spread or fit_leg_spread(scenario, seed))
         if aim.name == "energy":
-            how_found = _EXACTLY_FOR_ENERGY
-            return _least_mean(_at_best_speed(transit), pilot, attrgetter("energy"), how_found, how_found)
-        if aim.name == "p95":
-            return _for_deadline(transit, aim.deadline, pilot)
-        return _least_mean(transit, pilot, attrgetter("cost"), _EXACTLY, _ON_TRIALS)
+            transit = _at_best_speed(transit)
+        if aim.name != "p95" and not obstacle:
+            how_found = _EXACTLY_FOR_ENERGY if aim.name == "energy" else _EXACTLY
+            found = _optimised(transit, transit.best_fixed(), transit.best_table(), how_found)
+            pilots = run_plans(scenario, plans_of(found), seed, PILOT_BLOCK)  # the equation has no `max_legs`
+            if all(arrival_shortfall(trials, scenario.required_arrival) == 0.0 for trials in pilots):
+                return found
+        family, score, how_found = _family_of(aim, scenario.required_arrival)
+        d_max, table = search_policies(transit, family, score, seed, progress, workers)
+        return _optimised(transit, d_max, table, how_found)
     except ValueError as error:
         raise InputError([Problem(str(error), scenario.mission.file, key=scenario.phase.name)]) from error
 
@@ -122,40 +113,32 @@ _EXACTLY_FOR_ENERGY = (
 )
 
 
-def _least_mean(
-    transit: AnalyticTransit, pilot: _Pilot, values: Callable[[PlanTrials], Array], exactly: str, on_trials: str
-) -> FoundLegs:
-    """Least mean of a cost: by the equation alone where it holds and the legs arrive as often as required in trials."""
-    if not pilot.is_needed:
-        found = _optimised(transit, transit.best_fixed(), transit.best_table(), exactly)
-        if _arrive(transit.scenario, found, pilot.seed):
-            return found
+def _family_of(aim: LegAim, required: float) -> tuple[PolicyFamily, Objective, str]:
+    """Tables that are tried for an aim, what is to be least, and how they are found, in words.
 
-    def score(trials: PlanTrials) -> Score:
-        mean = float(np.mean(values(trials)[trials.arrived])) if trials.arrived.any() else float("inf")
-        return arrival_shortfall(trials, transit.scenario.required_arrival), mean
+    For ``p95`` the 95 % quantile of the time is least, or the probability of meeting a deadline greatest.
+    """
 
-    return _on_trials(transit, MEAN_FAMILY, score, pilot, on_trials)
-
-
-def _for_deadline(transit: AnalyticTransit, deadline: float, pilot: _Pilot) -> FoundLegs:
-    """Least 95 % quantile of the time, or greatest probability of meeting a deadline, in a family of policies."""
-    required = transit.scenario.required_arrival
+    def mean(trials: PlanTrials) -> Score:
+        values = trials.energy if aim.name == "energy" else trials.cost
+        least = float(np.mean(values[trials.arrived])) if trials.arrived.any() else float("inf")
+        return arrival_shortfall(trials, required), least
 
     def lateness(trials: PlanTrials) -> Score:
         time = np.where(trials.arrived, trials.duration, np.inf)
-        if np.isfinite(deadline):  # of all trials, so that those that never arrive count already
-            return 0.0, -float(np.mean(time <= deadline))
+        if np.isfinite(aim.deadline):  # of all trials, so that those that never arrive count already
+            return 0.0, -float(np.mean(time <= aim.deadline))
         return arrival_shortfall(trials, required), float(np.quantile(time, DEADLINE_QUANTILE, method="higher"))
 
-    family = DEADLINE_FAMILY
-    goal = "the probability of meeting the deadline" if np.isfinite(deadline) else "the 95 % quantile of the time"
+    if aim.name != "p95":
+        return MEAN_FAMILY, mean, _EXACTLY_FOR_ENERGY if aim.name == "energy" else _ON_TRIALS
+    goal = "the probability of meeting the deadline" if np.isfinite(aim.deadline) else "the 95 % quantile of the time"
     how_found = (
         f"Search for the best {goal} on common trials in a family of policies: best legs of the dynamic programme for "
-        f"{len(family.spread_factors)} spreads, for the best of them also for other prices of a surfacing, larger and "
-        "smaller, with first legs of all lengths, and fixed d_max."
+        f"{len(DEADLINE_FAMILY.spread_factors)} spreads, for the best of them also for other prices of a surfacing, "
+        "larger and smaller, with first legs of all lengths, and fixed d_max."
     )
-    return _on_trials(transit, family, lateness, pilot, how_found)
+    return DEADLINE_FAMILY, lateness, how_found
 
 
 def _at_best_speed(transit: AnalyticTransit) -> AnalyticTransit:
@@ -195,19 +178,6 @@ def _energy_rates(scenario: SweepScenario, speed: float) -> tuple[float, float]:
         words = "a surfacing costs no energy, so that legs would be endlessly short: give energy.hotel or .surfacing"
         raise InputError([Problem(words, scenario.mission.file, key="energy")])
     return under_way, surfacing
-
-
-def _arrive(scenario: SweepScenario, found: FoundLegs, seed: int) -> bool:
-    """Whether both plans arrive as often as required in the pilot trials: the integral equation has no `max_legs`."""
-    pilots = run_plans(scenario, plans_of(found), seed, PILOT_BLOCK)
-    return all(arrival_shortfall(trials, scenario.required_arrival) == 0.0 for trials in pilots)
-
-
-def _on_trials(
-    transit: AnalyticTransit, family: PolicyFamily, objective: Objective, pilot: _Pilot, how_found: str
-) -> FoundLegs:
-    d_max, table = search_policies(transit, family, objective, pilot.seed, pilot.progress, pilot.workers)
-    return _optimised(transit, d_max, table, how_found)
 
 
 def _optimised(transit: AnalyticTransit, d_max: float, table: LegTable, how_found: str) -> FoundLegs:

@@ -81,19 +81,11 @@ AS_PLANNED = ErrorScenario("")
 
 def error_scenarios(scenario: SweepScenario) -> tuple[ErrorScenario, ...]:
     """The mission itself; σ_v half and double; the mean drift half and double, or one that was not expected."""
-    return (
-        AS_PLANNED,
-        ErrorScenario("σ_v half as large", 0.5),
-        ErrorScenario("σ_v twice as large", 2.0),
-        *_mean_errors(scenario),
-    )
-
-
-def _mean_errors(scenario: SweepScenario) -> tuple[ErrorScenario, ErrorScenario]:
-    """Mean drift that is not as planned; a current that is larger or smaller is so at the surface too."""
     (drift, surface), sigma = scenario.mean_drifts, scenario.sigma(0)
-    if np.any(drift) or np.any(surface):
+    half, twice = ErrorScenario("σ_v half as large", 0.5), ErrorScenario("σ_v twice as large", 2.0)
+    if np.any(drift) or np.any(surface):  # a current that is larger or smaller is so at the surface too
         return (
+            *(AS_PLANNED, half, twice),
             ErrorScenario("mean drift half as large", mean=_pair(-0.5 * drift), surface=_pair(-0.5 * surface)),
             ErrorScenario("mean drift twice as large", mean=_pair(drift), surface=_pair(surface)),
         )
@@ -101,6 +93,7 @@ def _mean_errors(scenario: SweepScenario) -> tuple[ErrorScenario, ErrorScenario]
     course = course - scenario.means.position(start_of(scenario.means.drawn, scenario.phase))
     across = np.array([-course[1], course[0]]) / np.hypot(*course)
     return (
+        *(AS_PLANNED, half, twice),
         ErrorScenario("unexpected mean error of σ_v/2 across the course", mean=_pair(0.5 * sigma * across)),
         ErrorScenario("unexpected mean error of σ_v across the course", mean=_pair(sigma * across)),
     )

@@ -1,6 +1,6 @@
 """How long should each leg be? The best legs for an aim, run in the mission's own Monte Carlo beside others."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import reduce
 from typing import get_args
@@ -9,10 +9,9 @@ import numpy as np
 
 from missionplan.arrays import Array
 from missionplan.mission import MissionOrPath
-from missionplan.montecarlo.blocks import Backend, Progress, Workers
+from missionplan.montecarlo.blocks import Backend, Progress
 from missionplan.montecarlo.statistics import Count, Moments, RunningStatistic, wilson
 from missionplan.montecarlo.streams import block_count, block_size
-from missionplan.results import Provenance
 from missionplan.results.decision import label
 from missionplan.studies.judgement import judged
 from missionplan.studies.leg_length import SweepScenario
@@ -76,8 +75,8 @@ class PairedPlansTask:
         return fixed.track, adaptive.track
 
 
-def leg_case(scenario: SweepScenario, case: ErrorScenario, totals: Moments) -> LegCase:
-    """Result of a case from the moments that `PairedPlansTask` returns."""
+def _case(task: PairedPlansTask, case: ErrorScenario, totals: Moments, share: float | None) -> LegCase:
+    """Result of a case from the moments that the task returns."""
     mean, error = totals.mean, totals.standard_error
 
     def sampled(plan: int) -> SampledCost:
@@ -86,52 +85,24 @@ def leg_case(scenario: SweepScenario, case: ErrorScenario, totals: Moments) -> L
         cost, spread, surfacings = (mean[plan], error[plan], mean[3 + plan]) if totals.count[0] else (np.nan,) * 3
         return SampledCost(float(cost), float(spread), float(surfacings), arrived)
 
-    def saved(row: int) -> MeanAndError:
-        return MeanAndError(float(mean[row]), float(error[row])) if totals.count[row] else UNKNOWN
-
+    saved, saved_energy = (
+        MeanAndError(float(mean[row]), float(error[row])) if totals.count[row] else UNKNOWN for row in (2, 5)
+    )
     return LegCase(
         name=case.name,
-        sigma=scenario.sigma(0) * case.sigma_factor,
+        sigma=task.scenario.sigma(0) * case.sigma_factor,
         mean_error=case.mean,
         surface_drift=case.surface,
         fixed=sampled(0),
         adaptive=sampled(1),
-        saved=saved(2),
-        saved_energy=saved(5),
+        saved=saved,
+        saved_energy=saved_energy,
+        probability=share,
     )
 
 
 SKETCH_ERROR = 5e-4
 """Relative error of a quantile from a sketch."""
-
-
-Totals = tuple[RunningStatistic, RunningStatistic, Count]
-"""Merged trials of one plan: time and energy of those that arrived, and how many were on time."""
-
-
-@dataclass(frozen=True)
-class PlanComparisonTask:
-    """Several plans on one block of trials: a function of the block alone."""
-
-    scenario: SweepScenario
-    plans: tuple[LegsAtSpeed, ...]
-    deadline: float
-    trials: int
-    seed: int
-    case: ErrorScenario = AS_PLANNED
-
-    def __call__(self, block: int) -> list[Totals]:
-        """Totals of every plan."""
-        size = block_size(self.trials, block)
-        found = run_plans(self.scenario, self.plans, self.seed, block, size, case=self.case)
-        return [
-            (
-                RunningStatistic.of(np.where(trials.arrived, trials.duration, np.nan)),
-                RunningStatistic.of(np.where(trials.arrived, trials.energy, np.nan)),
-                Count.of(trials.arrived & (trials.duration <= self.deadline)),
-            )
-            for trials in found
-        ]
 
 
 def compare_plans(
@@ -146,45 +117,55 @@ def compare_plans(
         "table for the mean time": adaptive_for_mean,
         f"table for the aim {aim.name}": adaptive,
     }
-    return _judge(PlanComparisonTask(scenario, tuple(plans.values()), aim.deadline, trials, seed), tuple(plans), aim)
+    return _judge(scenario, plans, aim, trials, seed)
 
 
-def late_gain(
-    scenario: SweepScenario, aim: LegAim, best: FoundLegs, case: ErrorScenario, trials: int, seed: int
-) -> MeanAndError:
+def late_gain(task: PairedPlansTask, case: ErrorScenario, aim: LegAim) -> MeanAndError:
     """What the table gains on the best fixed d_max by the aim ``p95`` in a case, and its standard error.
 
     Seconds that 95 % of the trials need less; with a deadline, by how much its probability is greater.
     """
-    task = PlanComparisonTask(scenario, plans_of(best), aim.deadline, trials, seed, case)
-    fixed, table = _judge(task, ("fixed", "table"), aim)
+    plans = {"fixed": task.fixed, "table": task.adaptive}
+    fixed, table = _judge(task.scenario, plans, aim, task.trials, task.seed, case)
     gain = table.value - fixed.value if np.isfinite(aim.deadline) else fixed.value - table.value
     return MeanAndError(gain, float(np.hypot(fixed.standard_error, table.standard_error)))
 
 
-def _judge(task: PlanComparisonTask, names: tuple[str, ...], aim: LegAim) -> tuple[CandidatePlan, ...]:
-    """Run the blocks, and judge each plan by the aim."""
-    totals = task(0)
-    for block in range(1, block_count(task.trials)):
-        pairs = zip(totals, task(block), strict=True)
-        totals = [(one[0].merge(two[0]), one[1].merge(two[1]), one[2].merge(two[2])) for one, two in pairs]
-    return tuple(
-        _candidate(name, legs.speed_factor * task.scenario.speed, reached, aim)
-        for name, legs, reached in zip(names, task.plans, totals, strict=True)
-    )
-
-
-def _candidate(name: str, speed: float, totals: Totals, aim: LegAim) -> CandidatePlan:
-    times, joules, count = totals
-    duration, energy, on_time = times.statistic(), joules.statistic(), count.probability()
-    if aim.name == "energy":
-        value, error = energy.mean, energy.standard_error
-    elif np.isfinite(aim.deadline):
-        value = on_time.value
-        error = float(np.sqrt(value * (1.0 - value) / max(count.trials, 1)))
-    else:
-        value, error = _quantile(times, DEADLINE_QUANTILE, count.trials)
-    return CandidatePlan(name, speed, duration, energy, on_time, value, error)
+def _judge(
+    scenario: SweepScenario,
+    plans: Mapping[str, LegsAtSpeed],
+    aim: LegAim,
+    trials: int,
+    seed: int,
+    case: ErrorScenario = AS_PLANNED,
+) -> tuple[CandidatePlan, ...]:
+    """Run several plans on the same trials, and judge each by the aim."""
+    merged: list[tuple[RunningStatistic, RunningStatistic, Count]] = []
+    for block in range(block_count(trials)):
+        ran = run_plans(scenario, list(plans.values()), seed, block, block_size(trials, block), case=case)
+        totals = [
+            (
+                RunningStatistic.of(np.where(each.arrived, each.duration, np.nan)),
+                RunningStatistic.of(np.where(each.arrived, each.energy, np.nan)),
+                Count.of(each.arrived & (each.duration <= aim.deadline)),
+            )
+            for each in ran
+        ]
+        pairs = zip(merged, totals, strict=bool(merged))
+        merged = [(one[0].merge(two[0]), one[1].merge(two[1]), one[2].merge(two[2])) for one, two in pairs] or totals
+    judged_plans = []
+    for (name, legs), (times, joules, count) in zip(plans.items(), merged, strict=True):
+        duration, energy, on_time = times.statistic(), joules.statistic(), count.probability()
+        if aim.name == "energy":
+            value, error = energy.mean, energy.standard_error
+        elif np.isfinite(aim.deadline):
+            value = on_time.value
+            error = float(np.sqrt(value * (1.0 - value) / max(count.trials, 1)))
+        else:
+            value, error = _quantile(times, DEADLINE_QUANTILE, count.trials)
+        speed = legs.speed_factor * scenario.speed
+        judged_plans.append(CandidatePlan(name, speed, duration, energy, on_time, value, error))
+    return tuple(judged_plans)
 
 
 def _quantile(running: RunningStatistic, share: float, trials: int) -> tuple[float, float]:
@@ -237,16 +218,45 @@ def plan_legs(
     wanted = LegAim(aim, _deadline(scenario)) if aim == "p95" else LegAim(aim)
     best = optimise_legs(scenario, wanted, seed, progress=progress, workers=run.workers.quiet)
     task = PairedPlansTask(scenario, error_scenarios(scenario), *plans_of(best), run.trials, seed)
-    tasks = [(task, None), *_explained(task, run)]
-    cases = [case for each, share in tasks for case in _judged(_cases(each, share, run.workers), each, wanted, best)]
+    cases = [
+        case for each, share in [(task, None), *_explained(task, run)] for case in _cases(each, share, run, wanted)
+    ]
     candidates = compare_plans(scenario, wanted, best, run.trials, seed) if aim != "mean" else ()
     tracks = task.tracks()
-    members = [case for each, share in _members(task, run) for case in _cases(each, share, run.workers)]
-    options = {"aim": aim, "jobs": jobs, "backend": backend, "scheduler": scheduler}
-    provenance = run.provenance(options, (*run.mission.notices(), *_notices(scenario)))
-    plan = _leg_plan(provenance, scenario, wanted, best, cases, candidates, tracks, members)
-    recommended = {f"{plan.phase}.{key}": value for key, value in plan.changes.items()}
-    return replace(plan, judged=judged(run.mission, recommended, trials=run.trials, seed=seed, jobs=jobs))
+    members = [case for each, share in _members(task, run) for case in _cases(each, share, run)]
+    obstacle, notices = analytic_obstacle(scenario), run.mission.notices()
+    if obstacle:
+        words = "it uses the spread of legs in pilot trials of the mission, and only the trials show what the legs save"
+        notices = (*notices, f"the integral equation does not include {obstacle}: {words}")
+    goal, options = scenario.means.position(scenario.phase.to), {"aim": aim, "jobs": jobs}
+    plan = LegPlan(
+        **vars(best),
+        provenance=run.provenance({**options, "backend": backend, "scheduler": scheduler}, notices),
+        phase=scenario.phase.name,
+        phase_index=[phase.name for phase in scenario.mission.phases].index(scenario.phase.name),
+        aim=aim,
+        deadline=wanted.deadline,
+        distance=scenario.distance,
+        mission_speed=scenario.speed,
+        arrival_radius=scenario.arrival_radius,
+        required_arrival=scenario.required_arrival,
+        surfacing_time=scenario.surfacing_time,
+        sigma=scenario.sigma(0),
+        goal=(float(goal[0]), float(goal[1])),
+        cases=tuple(cases),
+        candidates=candidates,
+        fixed_tracks=tracks[0],
+        adaptive_tracks=tracks[1],
+        members=tuple(members),
+    )
+    return replace(plan, judged=judged(run.mission, plan.recommended_values, trials=run.trials, seed=seed, jobs=jobs))
+
+
+def _deadline(scenario: SweepScenario) -> float:
+    """Longest duration that the mission's requirements allow the transit; infinite without one [s]."""
+    event = f"{scenario.phase.name}.duration"
+    bounds = [item.at_most for item in scenario.mission.requirements if item.quantity == event]
+    return min((float(bound) for bound in bounds if bound is not None), default=float("inf"))
 
 
 def _explained(task: PairedPlansTask, run: Run) -> Iterator[tuple[PairedPlansTask, float]]:
@@ -266,65 +276,13 @@ def _members(task: PairedPlansTask, run: Run) -> Iterator[tuple[PairedPlansTask,
         yield replace(task, scenario=given, cases=(case,), trials=alone.trials), probability
 
 
-def _cases(task: PairedPlansTask, share: float | None, workers: Workers) -> tuple[LegCase, ...]:
-    """Run every block of each case, and merge its blocks."""
-    count = len(task.cases)
-    blocks = list(workers.run(task, [(n, block) for block in range(block_count(task.trials)) for n in range(count)]))
-    totals = (reduce(Moments.merge, blocks[number::count]) for number in range(count))
-    pairs = zip(task.cases, totals, strict=True)
-    return tuple(replace(leg_case(task.scenario, case, each), probability=share) for case, each in pairs)
-
-
-def _judged(cases: tuple[LegCase, ...], task: PairedPlansTask, aim: LegAim, best: FoundLegs) -> tuple[LegCase, ...]:
-    """Add what the table gains by the aim ``p95``, where that is the aim."""
-    if aim.name != "p95":
-        return cases
-    gains = (late_gain(task.scenario, aim, best, case, task.trials, task.seed) for case in task.cases)
-    return tuple(replace(case, late=gain) for case, gain in zip(cases, gains, strict=True))
-
-
-def _leg_plan(
-    provenance: Provenance,
-    scenario: SweepScenario,
-    aim: LegAim,
-    best: FoundLegs,
-    cases: Sequence[LegCase],
-    candidates: tuple[CandidatePlan, ...],
-    tracks: tuple[Array, Array],
-    members: Sequence[LegCase],
-) -> LegPlan:
-    """Put together what was planned and what its trials show, with tracks by the fixed d_max and by the table."""
-    goal = scenario.means.position(scenario.phase.to)
-    return LegPlan(
-        **vars(best),
-        provenance=provenance,
-        phase=scenario.phase.name,
-        phase_index=[phase.name for phase in scenario.mission.phases].index(scenario.phase.name),
-        aim=aim.name,
-        deadline=aim.deadline,
-        distance=scenario.distance,
-        mission_speed=scenario.speed,
-        arrival_radius=scenario.arrival_radius,
-        required_arrival=scenario.required_arrival,
-        surfacing_time=scenario.surfacing_time,
-        sigma=scenario.sigma(0),
-        goal=(float(goal[0]), float(goal[1])),
-        cases=tuple(cases),
-        candidates=candidates,
-        fixed_tracks=tracks[0],
-        adaptive_tracks=tracks[1],
-        members=tuple(members),
-    )
-
-
-def _deadline(scenario: SweepScenario) -> float:
-    """Longest duration that the mission's requirements allow the transit; infinite without one [s]."""
-    quantity = f"{scenario.phase.name}.duration"
-    bounds = [requirement.at_most for requirement in scenario.mission.requirements if requirement.quantity == quantity]
-    return min((float(bound) for bound in bounds if bound is not None), default=float("inf"))
-
-
-def _notices(scenario: SweepScenario) -> tuple[str, ...]:
-    obstacle = analytic_obstacle(scenario)
-    words = "it uses the spread of legs in pilot trials of the mission, and only the trials show what the legs save"
-    return (f"the integral equation does not include {obstacle}: {words}",) if obstacle else ()
+def _cases(task: PairedPlansTask, share: float | None, run: Run, aim: LegAim | None = None) -> tuple[LegCase, ...]:
+    """Run every block of each case, and merge its blocks; add what the table gains by the aim ``p95``, where it is."""
+    count, block_numbers = len(task.cases), range(block_count(task.trials))
+    blocks = list(run.workers.run(task, [(n, block) for block in block_numbers for n in range(count)]))
+    found = []
+    for number, case in enumerate(task.cases):
+        found.append(_case(task, case, reduce(Moments.merge, blocks[number::count]), share))
+        if aim is not None and aim.name == "p95":
+            found[-1] = replace(found[-1], late=late_gain(task, case, aim))
+    return tuple(found)

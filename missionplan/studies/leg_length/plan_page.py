@@ -1,5 +1,7 @@
 """Report of `plan-legs`: the table of legs, what it saves, and how far that can be relied on."""
 
+from collections.abc import Iterator
+
 import numpy as np
 
 from missionplan.report.explained import judged_in_words, may_order, members_in_words, members_section
@@ -25,7 +27,7 @@ from missionplan.studies.leg_length.figures import (
     saving_unit,
     tracks_figure,
 )
-from missionplan.studies.leg_length.plan_result import CandidatePlan, LegCase, LegPlan, SampledCost
+from missionplan.studies.leg_length.plan_result import LegPlan
 
 _SAILED = "The plan that is recommended, with all trials in one member; what it expects is the ensemble's mean."
 _APPROXIMATE = (
@@ -36,21 +38,14 @@ _APPROXIMATE = (
 
 def page(plan: LegPlan) -> Page:
     """Build the page of a plan of legs."""
+    good = plan.reaches and (plan.judged is None or plan.judged.requirements_met)
     return Page(
         title=f"Legs for {phase_in_words(plan.phase)}: {plan.provenance.mission}",
         answer=answer(plan),
         draw=lambda: policy_figure(plan),
         numbers=_numbers(plan),
-        write=lambda: [
-            *_approximation_section(plan),
-            *_candidates_section(plan),
-            *members_section(plan.arrivals, "plan", "arrive (95 % interval)", _SAILED),
-            *_mission_file_section(plan),
-            PageSection(_surfacings_heading(plan), [tracks_figure(plan)]),
-            _cases_section(plan),
-            *_agreement_section(plan),
-        ],
-        verdict=_verdict(plan),
+        write=lambda: list(_sections(plan)),
+        verdict="good" if good and plan.recommended else "" if good else "bad",
         table=lambda: _cells(plan),
         plots={"legs": draw_lengths, "aims": draw_aims, "savings": draw_savings},
     )
@@ -68,12 +63,6 @@ def _cells(plan: LegPlan) -> Cells:
     ]
     columns = [f"{what}{unit.axis}" for what in ("Distance left", "Leg", "Short of the target by")]
     return columns, rows
-
-
-def _verdict(plan: LegPlan) -> str:
-    if not plan.reaches or not (plan.judged is None or plan.judged.requirements_met):
-        return "bad"
-    return "good" if plan.recommended else ""
 
 
 def answer(plan: LegPlan) -> str:
@@ -168,44 +157,47 @@ def _speed_in_words(plan: LegPlan) -> str:
 
 
 def _numbers(plan: LegPlan) -> list[tuple[str, str]]:
-    own = plan.cases[0]
-    fixed = (
-        f"Mean cost of the best fixed d_max, {length_in_words(plan.fixed_d_max)}",
-        with_error(own.fixed.cost, own.fixed.standard_error, PERCENT),
-    )
-    if not plan.adapts:
-        return [fixed]
-    head, unit = saving_unit(plan)
-    return [
-        (f"{head}, against the best fixed d_max", with_error(*own.saving_for(plan.aim), unit)),
-        ("Mean cost of the table", with_error(own.adaptive.cost, own.adaptive.standard_error, PERCENT)),
-        fixed,
-    ]
+    own, (head, unit) = plan.cases[0], saving_unit(plan)
+    costs = [(f"Mean cost of the best fixed d_max, {length_in_words(plan.fixed_d_max)}", own.fixed)]
+    costs = [("Mean cost of the table", own.adaptive), *costs] if plan.adapts else costs
+    numbers = [(name, with_error(it.cost, it.standard_error, PERCENT)) for name, it in costs]
+    if plan.adapts:
+        saved = with_error(*own.saving_for(plan.aim), unit)
+        numbers.insert(0, (f"{head}, against the best fixed d_max", saved))
+    return numbers
 
 
-def _approximation_section(plan: LegPlan) -> list[PageSection]:
+def _sections(plan: LegPlan) -> Iterator[PageSection]:
+    own, has_deadline = plan.cases[0], bool(np.isfinite(plan.deadline))
+    if not plan.integral_applies:
+        yield PageSection("Only the trials show what the legs cost", [_APPROXIMATE, trials_table(plan)])
+    if plan.candidates:
+        best = max(plan.candidates, key=lambda candidate: candidate.value if has_deadline else -candidate.value)
+        choice = best.name if plan.recommended else f"the fixed d_max is kept, as {_why_fixed(plan)}"
+        what = (
+            "Least energy" if plan.aim == "energy" else "Most often on time" if has_deadline else "Shortest 95 % time"
+        )
+        yield PageSection(f"{what}: {choice}", [plan.how_found, candidates_table(plan)])
+    yield from members_section(plan.arrivals, "plan", "arrive (95 % interval)", _SAILED)
+    surfacings = f"The vehicle surfaces {own.fixed.surfacings:.2f} times on average"
+    if plan.recommended:  # a fixed d_max stands among what changes
+        yield PageSection("What to write in the mission file", [_table_in_words(plan), _changes_as_written(plan)])
+        surfacings = (
+            f"The vehicle surfaces {own.adaptive.surfacings:.2f} times on average with the table, "
+            f"{own.fixed.surfacings:.2f} times with the best fixed d_max"
+        )
+    yield PageSection(surfacings, [tracks_figure(plan)])
+    heading = "What the transit costs when the errors are not as planned"
+    if plan.adapts:
+        heading = "The table still saves when the errors are not as planned"
+        if plan.losing:
+            heading = "The table loses its advantage with " + ", or ".join(case.name for case in plan.losing)
+    yield PageSection(heading, [*([cases_figure(plan)] if plan.adapts else []), cases_table(plan)])
     if plan.integral_applies:
-        return []
-    return [PageSection("Only the trials show what the legs cost", [_APPROXIMATE, trials_table(plan)])]
-
-
-def _candidates_section(plan: LegPlan) -> list[PageSection]:
-    """Compare the plans by the aim of the legs; nothing for the mean time."""
-    if not plan.candidates:
-        return []
-    has_deadline = bool(np.isfinite(plan.deadline))
-    best = max(plan.candidates, key=lambda candidate: candidate.value if has_deadline else -candidate.value)
-    found = best.name if plan.recommended else f"the fixed d_max is kept, as {_why_fixed(plan)}"
-    what = "Least energy" if plan.aim == "energy" else "Most often on time" if has_deadline else "Shortest 95 % time"
-    return [PageSection(f"{what}: {found}", [plan.how_found, candidates_table(plan)])]
-
-
-def _mission_file_section(plan: LegPlan) -> list[PageSection]:
-    """Show the table of legs as the mission file takes it; a fixed d_max stands among what changes."""
-    if not plan.recommended:
-        return []
-    listing = Listing(_yaml_of_changes(plan))
-    return [PageSection("What to write in the mission file", [_table_in_words(plan), listing])]
+        compared = [(own.fixed, plan.fixed_cost), *([(own.adaptive, plan.expected_cost)] if plan.adapts else [])]
+        agree = all(abs(trials.cost - expected) <= 3.0 * trials.standard_error for trials, expected in compared)
+        heading = f"Trials and integral equation {'agree' if agree else 'differ by more than chance'}"
+        yield PageSection(heading, [trials_table(plan)])
 
 
 def _table_in_words(plan: LegPlan) -> str:
@@ -221,107 +213,62 @@ def _table_in_words(plan: LegPlan) -> str:
     )
 
 
-def _yaml_of_changes(plan: LegPlan) -> str:
+def _changes_as_written(plan: LegPlan) -> Listing:
     """Write the changed keys of the transit as a mission file may hold them, one knot per line."""
     lines = [f"{key}: {value}" for key, value in plan.changes.items() if isinstance(value, str)]
     if not isinstance(plan.d_max, str):
         lines += ["d_max:", "  table:", *(f"    - [{left}, {leg}]" for left, leg in plan.d_max["table"])]
-    return "\n".join(lines)
-
-
-def _surfacings_heading(plan: LegPlan) -> str:
-    own = plan.cases[0]
-    fixed = f"{own.fixed.surfacings:.2f}"
-    if not plan.recommended:
-        return f"The vehicle surfaces {fixed} times on average"
-    table = f"{own.adaptive.surfacings:.2f}"
-    return f"The vehicle surfaces {table} times on average with the table, {fixed} times with the best fixed d_max"
-
-
-def _cases_section(plan: LegPlan) -> PageSection:
-    if not plan.adapts:
-        return PageSection("What the transit costs when the errors are not as planned", [cases_table(plan)])
-    heading = "The table still saves when the errors are not as planned"
-    if plan.losing:
-        heading = "The table loses its advantage with " + ", or ".join(case.name for case in plan.losing)
-    return PageSection(heading, [cases_figure(plan), cases_table(plan)])
-
-
-def _agreement_section(plan: LegPlan) -> list[PageSection]:
-    """Compare the costs in the trials with those of the integral equation, where it covers the mission."""
-    if not plan.integral_applies:
-        return []
-    own = plan.cases[0]
-    compared = [(own.fixed, plan.fixed_cost), *([(own.adaptive, plan.expected_cost)] if plan.adapts else [])]
-    agree = all(abs(trials.cost - expected) <= 3.0 * trials.standard_error for trials, expected in compared)
-    heading = "agree" if agree else "differ by more than chance"
-    return [PageSection(f"Trials and integral equation {heading}", [trials_table(plan)])]
+    return Listing("\n".join(lines))
 
 
 def trials_table(plan: LegPlan) -> Table:
     """Tabulate what both plans cost in the trials, and by the integral equation where it covers the mission."""
     own = plan.cases[0]
-    rows = [_trials_row(plan, f"fixed d_max {length_in_words(plan.fixed_d_max)}", own.fixed, plan.fixed_cost)]
-    if plan.adapts:
-        rows.append(_trials_row(plan, "table of legs", own.adaptive, plan.expected_cost))
+    plans = [(f"fixed d_max {length_in_words(plan.fixed_d_max)}", own.fixed, plan.fixed_cost)]
+    plans += [("table of legs", own.adaptive, plan.expected_cost)] if plan.adapts else []
+    rows = [
+        [name, with_error(it.cost, it.standard_error, PERCENT.bare), f"{it.surfacings:.2f}", percent(it.arrived)]
+        for name, it, _ in plans
+    ]
     heads, caption = ["Plan", "Cost in the trials (%)", "Surfacings", "Arrive"], "Surfacing on arrival not charged."
     if plan.integral_applies:
         heads.insert(2, "Cost by the integral equation (%)")
+        for row, (_, _, expected) in zip(rows, plans, strict=True):
+            row.insert(2, number(100.0 * expected, 0.01))
         caption += f" By that equation, no legs cost less than {number(100.0 * plan.least_cost, 0.01)} %."
     return Table(heads, rows, caption=caption)
-
-
-def _trials_row(plan: LegPlan, name: str, sampled: SampledCost, expected: float) -> list[str]:
-    return [
-        name,
-        with_error(sampled.cost, sampled.standard_error, PERCENT.bare),
-        *([number(100.0 * expected, 0.01)] if plan.integral_applies else []),
-        f"{sampled.surfacings:.2f}",
-        percent(sampled.arrived),
-    ]
 
 
 def candidates_table(plan: LegPlan) -> Table:
     """Tabulate the candidate plans by their time, energy and probability of being on time."""
     has_energy = all(np.isfinite(candidate.energy.mean) for candidate in plan.candidates)
-    has_deadline = bool(np.isfinite(plan.deadline))
-    heads = ["Plan", f"Speed{reader_unit('m/s', 0.0).axis}", "Mean time (min)", "95 % take at most (min)"]
+    has_deadline, speed = bool(np.isfinite(plan.deadline)), reader_unit("m/s", 0.0)
+    heads = ["Plan", f"Speed{speed.axis}", "Mean time (min)", "95 % take at most (min)"]
     heads += ["Energy (W\u202fh)"] if has_energy else []
     heads += ["On time"] if has_deadline else []
-    rows = [_candidate_row(candidate, has_energy, has_deadline) for candidate in plan.candidates]
-    return Table(
-        heads, rows, caption="The same trials for all plans, other ones than those on which the plans were chosen."
-    )
-
-
-def _candidate_row(candidate: CandidatePlan, has_energy: bool, has_deadline: bool) -> list[str]:
-    duration, energy = candidate.duration, candidate.energy
-    row = [
-        candidate.name,
-        reader_unit("m/s", 0.0).cell(candidate.speed, ".3g"),
-        with_error(duration.mean, duration.standard_error, MINUTES.bare),
-        number(duration.p95 / 60.0, 2.1 * duration.standard_error / 60.0),
-    ]
-    row += [with_error(energy.mean, energy.standard_error, WATT_HOURS.bare)] if has_energy else []
-    return row + ([percent(candidate.on_time)] if has_deadline else [])
+    rows = []
+    for candidate in plan.candidates:
+        duration, energy = candidate.duration, candidate.energy
+        row = [candidate.name, speed.cell(candidate.speed, ".3g")]
+        row.append(with_error(duration.mean, duration.standard_error, MINUTES.bare))
+        row.append(number(duration.p95 / 60.0, 2.1 * duration.standard_error / 60.0))
+        row += [with_error(energy.mean, energy.standard_error, WATT_HOURS.bare)] if has_energy else []
+        rows.append(row + ([percent(candidate.on_time)] if has_deadline else []))
+    caption = "The same trials for all plans, other ones than those on which the plans were chosen."
+    return Table(heads, rows, caption=caption)
 
 
 def cases_table(plan: LegPlan) -> Table:
     """Tabulate the costs when the errors are as planned and when they are not."""
-    heads = ["Errors", "Fixed d_max (%)"]
-    if plan.adapts:
-        what, unit = saving_unit(plan)
-        heads += ["Table (%)", f"{what}{unit.axis}"]
-    rows = [_case_row(plan, case) for case in plan.cases]
+    what, unit = saving_unit(plan)
+    heads = ["Errors", "Fixed d_max (%)", *(["Table (%)", f"{what}{unit.axis}"] if plan.adapts else [])]
+    rows = []
+    for case in plan.cases:
+        likely = "" if case.probability is None else f" ({100.0 * case.probability:.0f}\u00a0%)"
+        costs = [case.fixed, case.adaptive] if plan.adapts else [case.fixed]
+        row = [case.title + likely, *(with_error(it.cost, it.standard_error, PERCENT.bare) for it in costs)]
+        rows.append([*row, *([with_error(*case.saving_for(plan.aim), unit.bare)] if plan.adapts else [])])
     return Table(heads, rows, caption=f"Every row has the same {'two plans' if plan.adapts else 'plan'}.")
-
-
-def _case_row(plan: LegPlan, case: LegCase) -> list[str]:
-    costs = [case.fixed, case.adaptive] if plan.adapts else [case.fixed]
-    named = case.name if case.probability is None else f"{case.name} ({100.0 * case.probability:.0f}\u00a0%)"
-    row = [named or "as the mission", *(with_error(it.cost, it.standard_error, PERCENT.bare) for it in costs)]
-    unit = saving_unit(plan)[1].bare
-    return [*row, with_error(*case.saving_for(plan.aim), unit)] if plan.adapts else row
 
 
 def saving_in_words(plan: LegPlan) -> str:

@@ -3,10 +3,9 @@
 from collections.abc import Sequence
 
 import numpy as np
-from matplotlib.figure import Figure as MatplotlibFigure
 
 from missionplan.report.explained import judged_in_words, may_order, members_in_words, members_section
-from missionplan.report.page import Figure, Page, PageSection, Table, to_figure
+from missionplan.report.page import Page, PageSection, Table
 from missionplan.report.quantities import (
     MINUTES,
     PERCENT,
@@ -18,14 +17,7 @@ from missionplan.report.quantities import (
 )
 from missionplan.report.wording import number, percent, phase_in_words, share
 from missionplan.results.decision import label
-from missionplan.studies.leg_length.figures import (
-    COLOURS,
-    X_LABEL,
-    cost_figure,
-    draw_costs,
-    draw_surfacings,
-    surfacings_figure,
-)
+from missionplan.studies.leg_length.figures import cost_figure, draw_costs, draw_surfacings, surfacings_figure
 from missionplan.studies.leg_length.sweep_result import Sweep, SweepCurve
 
 _WHY_TEETH = (
@@ -42,6 +34,13 @@ _FEWEST_FOR_TEETH = 12
 
 def page(sweep: Sweep) -> Page:
     """Build the page of a sweep."""
+    curve = sweep.middle
+    meets = sweep.judged is None or sweep.judged.requirements_met
+    toothed = has_teeth(curve, sweep.critical_points)
+    surfacings = (
+        f"With the d_max chosen for σ_v = {quantity(curve.sigma, 'm/s', 'g')} the vehicle surfaces "
+        f"{curve.recommended.surfacings:.1f} times on average"
+    )
     return Page(
         title=f"Maximum leg length for {phase_in_words(sweep.phase)}: {sweep.provenance.mission}",
         answer=answer(sweep),
@@ -53,11 +52,11 @@ def page(sweep: Sweep) -> Page:
             *members_section(sweep.members, "plan", "arrive (95 % interval)", _SAILED),
             *_table_section(sweep),
             *_arrival_section(sweep),
-            _close_up_section(sweep),
-            PageSection(_surfacings_heading(sweep), [surfacings_figure(sweep), "The surfacing on arrival is counted."]),
+            *([PageSection("The cost jumps at each critical point", [_WHY_TEETH])] if toothed else []),
+            PageSection(surfacings, [surfacings_figure(sweep), "The surfacing on arrival is counted."]),
             PageSection("The numbers behind the curves", [cost_table(sweep)]),
         ],
-        verdict=_verdict(sweep),
+        verdict="" if meets and curve.reaches(curve.recommended) else "bad",
         table=lambda: _chosen_rows(sweep),
         plots={"cost": draw_costs, "surfacings": draw_surfacings},
     )
@@ -65,38 +64,27 @@ def page(sweep: Sweep) -> Page:
 
 def answer(sweep: Sweep) -> str:
     """Write which d_max to choose, what it saves, and what the mission with it does."""
-    return f"{_choice(sweep)}{judged_in_words(sweep.judged)}"
-
-
-def _choice(sweep: Sweep) -> str:
     curve = sweep.middle
     chosen = curve.recommended
     sigma, d_max = f"σ_v = {quantity(curve.sigma, 'm/s', 'g')}", length_in_words(chosen.d_max)
+    judged, members = judged_in_words(sweep.judged), members_in_words(sweep.members, "arrives")
+    members = members and f" {members}"
     if not np.isfinite(chosen.cost):
-        return f"With {sigma} no plan of this sweep arrives."
-    time = time_in_words(sweep.nominal_time * (1.0 + chosen.cost))
+        return f"With {sigma} no plan of this sweep arrives.{judged}"
+    time, arriving = time_in_words(sweep.nominal_time * (1.0 + chosen.cost)), share(chosen.arrived)
     if not curve.reaches(chosen):
         return (
             f"With {sigma} no d_max of this sweep arrives as often as {100.0 * curve.required_arrival:g}\u00a0%: the "
-            f"likeliest to arrive, {d_max}, does so in {share(chosen.arrived)} of the trials. The mean time of the "
-            f"{share(chosen.arrived)} that arrive is {time}.{_members_in_words(sweep)}"
+            f"likeliest to arrive, {d_max}, does so in {arriving} of the trials. The mean time of the "
+            f"{arriving} that arrive is {time}.{members}{judged}"
         )
+    took = f"the transit then takes {time} on average"
     if chosen.arrived.value < 1.0:
-        took = f"{share(chosen.arrived)} of the trials arrive, and the mean time of the {share(chosen.arrived)} that "
-        took += f"arrive is {time}"
-    else:
-        took = f"the transit then takes {time} on average"
+        took = f"{arriving} of the trials arrive, and the mean time of the {arriving} that arrive is {time}"
     firm = may_order(sweep.judged, sweep.phase) and all(each.keeps_choice for each in sweep.explanations)
-    lead = (
-        f"Choose d_max = {d_max}" if firm else f"Nothing to choose yet: as the mission stands, d_max = {d_max} is best"
-    )
-    words = f"{lead} for {sigma}: {took}{_against_one_leg(sweep, curve)}.{_doubt_in_words(sweep)}"
-    return f"{words}{_members_in_words(sweep)}"
-
-
-def _members_in_words(sweep: Sweep) -> str:
-    words = members_in_words(sweep.members, "arrives")
-    return words and f" {words}"
+    lead = "Choose" if firm else "Nothing to choose yet: as the mission stands,"
+    lead = f"{lead} d_max = {d_max}{'' if firm else ' is best'}"
+    return f"{lead} for {sigma}: {took}{_against_one_leg(sweep)}.{_doubt_in_words(sweep)}{members}{judged}"
 
 
 def _doubt_in_words(sweep: Sweep) -> str:
@@ -126,30 +114,19 @@ def _explanation_section(sweep: Sweep) -> list[PageSection]:
         ]
         for each in sweep.explanations
     ]
-    columns = (
-        "explanation",
-        "probability",
-        "best d_max for it",
-        "arrive with the choice",
-        "time that the choice loses",
-    )
+    columns = "explanation", "probability", "best d_max for it", "arrive with the choice", "time that the choice loses"
     note = "The middle curve again, with each explanation known to hold; the same random numbers."
     return [PageSection("Which explanation holds", [Table(columns, rows, note)])] if rows else []
 
 
-def _against_one_leg(sweep: Sweep, curve: SweepCurve) -> str:
+def _against_one_leg(sweep: Sweep) -> str:
     """Write what the recommended d_max saves against a single leg, where both arrive as often as required."""
+    curve = sweep.middle
     if not curve.reaches(curve.one_leg):
         return f"; in one leg {share(curve.one_leg.arrived)} arrive"
-    saved = curve.saving(curve.recommended)
-    if saved > 2.0 * _saving_error(sweep, curve):
-        return f", {time_in_words(saved)} less than in one leg"
+    if curve.recommended_saves > 2.0 * _saving_error(sweep, curve):
+        return f", {time_in_words(curve.recommended_saves)} less than in one leg"
     return "; one leg does as well"
-
-
-def _verdict(sweep: Sweep) -> str:
-    meets = sweep.judged is None or sweep.judged.requirements_met
-    return "" if meets and sweep.middle.reaches(sweep.middle.recommended) else "bad"
 
 
 def _numbers(sweep: Sweep) -> list[tuple[str, str]]:
@@ -198,7 +175,7 @@ def _chosen_rows(sweep: Sweep) -> tuple[list[str], list[list[str]]]:
             share(curve.recommended.arrived),
             with_error(curve.recommended.cost, curve.recommended.standard_error, PERCENT.bare),
             with_error(curve.one_leg.cost, curve.one_leg.standard_error, PERCENT.bare),
-            with_error(curve.saving(curve.recommended), _saving_error(sweep, curve), MINUTES.bare),
+            with_error(curve.recommended_saves, _saving_error(sweep, curve), MINUTES.bare),
         ]
         for curve in sweep.curves
     ]
@@ -253,14 +230,6 @@ def _arrival_section(sweep: Sweep) -> list[PageSection]:
     return [PageSection("Not every trial arrives", [words])]
 
 
-def _close_up_section(sweep: Sweep) -> PageSection:
-    """Draw the curve about its least cost, and explain its teeth where it has some."""
-    drawn = close_up_figure(sweep, sweep.middle)
-    if has_teeth(sweep.middle, sweep.critical_points):
-        return PageSection("The cost jumps at each critical point", [_WHY_TEETH, drawn])
-    return PageSection("The cost about its least", [drawn])
-
-
 def has_teeth(curve: SweepCurve, critical_points: Sequence[float]) -> bool:
     """Whether the cost jumps up at a critical point: beyond chance, and by more than it changes on either side.
 
@@ -283,55 +252,14 @@ def has_teeth(curve: SweepCurve, critical_points: Sequence[float]) -> bool:
     return bool(np.any(jumps & np.any(near, axis=0))) if near else False
 
 
-def _surfacings_heading(sweep: Sweep) -> str:
-    curve = sweep.middle
-    return (
-        f"With the d_max chosen for σ_v = {quantity(curve.sigma, 'm/s', 'g')} the vehicle surfaces "
-        f"{curve.recommended.surfacings:.1f} times on average"
-    )
-
-
 def cost_table(sweep: Sweep) -> Table:
     """Tabulate cost against d_max at about 20 places; `sweep.csv` has all of them."""
-    first, *_ = sweep.curves
-    count = len(first.points)
+    count = len(sweep.curves[0].points)
     chosen = sorted({round(index) for index in np.linspace(0, count - 1, min(count, 21))})
-    columns = [
-        "d_max / distance",
-        "d_max",
-        *(f"Cost (%), σ_v {quantity(curve.sigma, 'm/s', 'g')}" for curve in sweep.curves),
-    ]
-    rows = [
-        [
-            f"{first.points[index].d_max_over_distance:.3f}",
-            length_in_words(first.points[index].d_max),
-            *(with_error(c.points[index].cost, c.points[index].standard_error, PERCENT.bare) for c in sweep.curves),
-        ]
-        for index in chosen
-    ]
-    return Table(columns, rows, caption=f"{len(rows)} of {count} rows; all of them are in sweep.csv.")
-
-
-def close_up_figure(sweep: Sweep, curve: SweepCurve) -> Figure:
-    """Draw one curve about its least cost, and mark what cannot be distinguished from the best."""
-    figure = MatplotlibFigure(figsize=(6.0, 3.2))
-    axes = figure.subplots()
-    colour = COLOURS[sweep.curves.index(curve) % len(COLOURS)]
-    shown = [point for point in curve.points if point.d_max_over_distance >= 0.3] or list(curve.points)
-    ratio = np.array([point.d_max_over_distance for point in shown])
-    cost = np.array([MINUTES(point.cost * sweep.nominal_time) for point in shown])
-    error = np.array([1.96 * MINUTES(point.standard_error * sweep.nominal_time) for point in shown])
-    axes.errorbar(ratio, cost, error, fmt=".-", color=colour, linewidth=0.8, markersize=5, elinewidth=0.8)
-    good = np.array([point.as_good for point in shown])
-    axes.plot(ratio[good], cost[good], "o", color=colour, markersize=8, fillstyle="none")
-    axes.set(xlabel=X_LABEL, ylabel="Mean time lost (min)")
-    return to_figure(
-        figure,
-        "close-up",
-        alt="Mean time lost against maximum leg length, with a sharp rise just above each critical point",
-        caption=(
-            f"Time lost against the nominal {time_in_words(sweep.nominal_time)} for σ_v = "
-            f"{quantity(curve.sigma, 'm/s', 'g')}, with "
-            "95 % intervals. Circles: the trials cannot distinguish these d_max from the best."
-        ),
-    )
+    costs = [f"Cost (%), σ_v {quantity(curve.sigma, 'm/s', 'g')}" for curve in sweep.curves]
+    rows = []
+    for first, *others in ([curve.points[index] for curve in sweep.curves] for index in chosen):
+        own = [with_error(point.cost, point.standard_error, PERCENT.bare) for point in (first, *others)]
+        rows.append([f"{first.d_max_over_distance:.3f}", length_in_words(first.d_max), *own])
+    caption = f"{len(rows)} of {count} rows; all of them are in sweep.csv."
+    return Table(["d_max / distance", "d_max", *costs], rows, caption)

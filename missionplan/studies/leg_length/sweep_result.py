@@ -95,7 +95,8 @@ class SweepCurve(Record):
         reaching = [index for index, point in enumerate(self.points) if self.reaches(point)]
         if reaching:
             return min(reaching, key=lambda index: self.points[index].cost)
-        return max(range(len(self.points)), key=lambda index: self._likeliest(self.points[index]))
+        likeliest = [(p.arrived.value, -p.cost if np.isfinite(p.cost) else -np.inf) for p in self.points]
+        return likeliest.index(max(likeliest))
 
     @property
     def recommended(self) -> Annotated[SweepPoint, Entry(parts=_ARRIVING)]:
@@ -110,29 +111,21 @@ class SweepCurve(Record):
     @property
     def recommended_saves(self) -> Annotated[float, Entry(unit="s", key="recommended.saving")]:
         """Mean time that it saves against a single leg."""
-        return self.saving(self.recommended)
+        return (self.one_leg.cost - self.recommended.cost) * self.nominal_time
 
     @property
     def best_saves(self) -> Annotated[float, Entry(unit="s", key="saving")]:
         """Mean time that the point of least cost saves against a single leg."""
-        return self.saving(self.best)
+        return (self.one_leg.cost - self.best.cost) * self.nominal_time
 
     @property
     def d_max_as_good(self) -> Annotated[list[float], Entry(key="as_good_as_best")]:
         """Lengths that the trials cannot distinguish from the best [m]."""
         return [point.d_max for point in self.as_good]
 
-    def saving(self, point: SweepPoint) -> float:
-        """Mean time that a d_max saves against a single leg [s]."""
-        return (self.one_leg.cost - point.cost) * self.nominal_time
-
     def reaches(self, point: SweepPoint) -> bool:
         """Whether a plan arrives as often as required."""
         return point.arrived.value >= self.required_arrival
-
-    @staticmethod
-    def _likeliest(point: SweepPoint) -> tuple[float, float]:
-        return point.arrived.value, -point.cost if np.isfinite(point.cost) else -np.inf
 
     @property
     def as_good(self) -> tuple[SweepPoint, ...]:

@@ -234,7 +234,7 @@ def test_summary_and_table_have_the_contracts_keys(small):
     assert len(frame) == 4
     assert {"sigma_m_s", "d_max_m", "cost", "cost_analytic", "as_good_as_best"} <= set(frame)
     assert sweep.files()["sweep.csv"].startswith("sigma_m_s,d_max_m,")
-    assert sweep.curves[0].saving(sweep.curves[0].best) == pytest.approx(
+    assert sweep.curves[0].best_saves == pytest.approx(
         1000.0 * (sweep.curves[0].one_leg.cost - sweep.curves[0].best.cost)
     )
 
