@@ -15,8 +15,8 @@ from missionplan.mission import Mission, load
 from missionplan.montecarlo.blocks import IN_THIS_PROCESS
 from missionplan.results.decision import Axis
 from missionplan.studies.exploration import read_axes
-from missionplan.studies.exploration.cells import CellTrials, cell_trials
-from missionplan.studies.exploration.explore import CellPlan, race
+from missionplan.studies.exploration.cells import CellTask, CellTrials, cell_trials
+from missionplan.studies.exploration.explore import race
 from missionplan.studies.exploration.result import ENERGY, cell_of, rank
 from missionplan.studies.optimisation import Lattice, Point
 from missionplan.studies.optimisation.evaluations import Evaluation, Evaluations, columns_needed, demands_of
@@ -125,8 +125,9 @@ def full(name: str, trials: int) -> Grid:
     """Run a full exploration."""
     mission = load(MISSIONS / f"{name}.yaml")
     axes = read_axes(mission, CASES[name])
-    plan = CellPlan.of(mission, axes, 1, columns_needed(mission))
-    found = cell_trials(plan.task, [(cell, 0, trials) for cell in plan.cells], plan.cells, IN_THIS_PROCESS)
+    task = CellTask.of(mission, axes, 1, columns_needed(mission))
+    numbers = range(len(task.cells))
+    found = cell_trials(task, [(number, 0, trials) for number in numbers], numbers, IN_THIS_PROCESS)
     return Grid(mission, axes, found, trials)
 
 

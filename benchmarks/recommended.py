@@ -28,8 +28,7 @@ from missionplan.scenario.phases import start_of
 from missionplan.scenario.scenario import Scenario
 from missionplan.studies.anchor.sizing import AnchorSizer, AnchorTrials
 from missionplan.studies.exploration import read_axes
-from missionplan.studies.exploration.cells import CellTrials, cell_trials
-from missionplan.studies.exploration.explore import CellPlan
+from missionplan.studies.exploration.cells import CellTask, CellTrials, cell_trials
 from missionplan.studies.exploration.result import cell_of
 from missionplan.studies.optimisation.evaluations import columns_needed
 from missionplan.studies.simulation.block_statistics import requirement_flags
@@ -233,8 +232,9 @@ _ENERGY = "total.energy_wh"
 def _brute_force(mission: Mission, seed: int) -> tuple[dict[tuple[str, ...], CellTrials], list[tuple[str, ...]]]:
     """Every choice with 4096 trials, and those that meet all requirements, the least energy first."""
     axes = read_axes(mission, CHOOSE)
-    plan = CellPlan.of(mission, axes, seed, columns_needed(mission))
-    found = cell_trials(plan.task, [(cell, 0, 4096) for cell in plan.cells], plan.cells, IN_THIS_PROCESS)
+    task = CellTask.of(mission, axes, seed, columns_needed(mission))
+    numbers = range(len(task.cells))
+    found = cell_trials(task, [(number, 0, 4096) for number in numbers], numbers, IN_THIS_PROCESS)
     names = [(speed, length) for speed in map(str, axes[0].values) for length in map(str, axes[1].values)]
     cells = dict(zip(names, found, strict=True))
     good = [name for name, cell in cells.items() if cell_of((), mission, cell.columns, cell.reason).meets_all]

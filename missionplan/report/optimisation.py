@@ -2,13 +2,12 @@
 
 import math
 import shlex
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure as MatplotlibFigure
 
-from missionplan.montecarlo.statistics import Statistic
 from missionplan.report.explained import members_in_words, members_section
 from missionplan.report.page import BLUE, GREY, ORANGE, Cells, Figure, Listing, Page, PageSection, Table, to_figure
 from missionplan.report.quantities import Unit, range_on, unit_for, value_on, with_error
@@ -38,7 +37,8 @@ def draw_front(axes: Axes, found: Optimised) -> None:
     tried = _reached(found)
     if not tried:
         return
-    unit = _unit_of_cost(found, tried)
+    typical = float(np.median([found.cost_of(each) for each in tried]))
+    unit = unit_for("total", found.key, found.provenance.data, typical=typical)
     chosen = [each for each in tried if each.values == found.chosen and found.feasible]
     for label, marker, size, colour, members in (
         ("misses a requirement", "o", 4, GREY, [each for each in tried if not each.feasible]),
@@ -46,7 +46,7 @@ def draw_front(axes: Axes, found: Optimised) -> None:
         ("chosen", "*", 14, ORANGE, chosen),
     ):
         if members:
-            x = [unit(_least(found, each)) for each in members]
+            x = [unit(found.cost_of(each)) for each in members]
             y = [100.0 * each.success.value for each in members]
             axes.plot(x, y, marker, color=colour, markersize=size, alpha=0.6 if marker == "o" else 1.0, label=label)
     low = min(90.0, 100.0 * min(each.success.value for each in tried))
@@ -56,20 +56,11 @@ def draw_front(axes: Axes, found: Optimised) -> None:
 
 def _reached(found: Optimised) -> list[Tried]:
     """Choices tried of which some trial reached the mission's end."""
-    return [each for each in found.tried if np.isfinite(_least(found, each))]
-
-
-def _unit_of_cost(found: Optimised, tried: Sequence[Tried]) -> Unit:
-    typical = float(np.median([_least(found, each) for each in tried]))
-    return unit_for("total", found.key, found.provenance.data, typical=typical)
-
-
-def _least(found: Optimised, each: Tried) -> float:
-    """Return the mean of what is to be least."""
-    return each.energy if found.aim == "energy" else each.duration
+    return [each for each in found.tried if np.isfinite(found.cost_of(each))]
 
 
 _MOST_ROWS = 25
+_SAILED = "Each trial sails in one member of the ensemble; a row has the trials that sail in it."
 
 
 def page(found: Optimised) -> Page:
@@ -79,7 +70,15 @@ def page(found: Optimised) -> Page:
         answer=answer(found),
         draw=lambda: front_figure(found),
         numbers=_numbers(found),
-        write=lambda: [section for part in _PARTS for section in part(found)],
+        write=lambda: [
+            _choice(found),
+            *_checks(found),
+            *members_section(found.members, "mission", "success (95 % interval)", _SAILED),
+            *_relaxed(found),
+            *_obstacles(found),
+            *_front(found),
+            _effort(found),
+        ],
         verdict="good" if found.feasible else "bad",
         rerun=_rerun(found),
         table=lambda: _cells(found),
@@ -98,8 +97,11 @@ def answer(found: Optimised) -> str:
     values = listed([f"{_name(name)} {_shown(found, name, value)}" for name, value in found.chosen.items()])
     if not found.feasible:
         return f"No choice tried meets all requirements. {_obstacle_words(found)} What comes nearest: {values}."
-    least = "energy" if found.aim == "energy" else "time"
-    sentences = [f"The least {least}, {_cost(found)}, is had with {values}."]
+    least, cost = "energy" if found.aim == "energy" else "time", "–"
+    if found.checked is not None:
+        statistic = found.checked.total.quantities[found.key]
+        cost = with_error(statistic.mean, statistic.standard_error, _unit(found))
+    sentences = [f"The least {least}, {cost}, is had with {values}."]
     if found.checked is not None and found.fresh is not None:
         trials, fresh = number(found.fresh.provenance.trials), percent(found.fresh.total.events["success"])
         sentences.append(f"All requirements are met, on {trials} fresh trials too, of which {fresh} succeed.")
@@ -107,47 +109,34 @@ def answer(found: Optimised) -> str:
     return " ".join(filter(None, [*sentences, sailed, _binding_words(found)]))
 
 
-def _sailed(found: Optimised) -> Iterator[PageSection]:
-    note = "Each trial sails in one member of the ensemble; a row has the trials that sail in it."
-    yield from members_section(found.members, "mission", "success (95 % interval)", note)
-
-
 def _obstacle_words(found: Optimised) -> str:
     if not found.obstacles:
         return "Some meet them in the trials of the search, but none in both checks; more trials may tell."
-    alone = all(each.alone for each in found.obstacles)
-    parts = [
-        f"the {in_words(each.quantity)}, which is met with {percent(each.reached)}{' where all others are' * alone}, "
-        f"{100.0 * each.required:g}\u00a0% required{_would_do(found, each)}"
-        for each in found.obstacles
-    ]
+    alone, parts = all(each.alone for each in found.obstacles), []
+    for each in found.obstacles:
+        met = (
+            f"the {in_words(each.quantity)}, which is met with {percent(each.reached)}{' where all others are' * alone}"
+        )
+        would = f" ({_looser(found, each)} instead of {_limit(found, each)} would do)"
+        would = would if math.isfinite(each.would_do) else ""
+        parts.append(f"{met}, {100.0 * each.required:g}\u00a0% required{would}")
     if alone:
         return f"The obstacle is {'; or '.join(parts)}."
     return f"Dropping one requirement alone would not do. The choice that comes nearest misses {'; and '.join(parts)}."
 
 
-def _would_do(found: Optimised, each: Obstacle) -> str:
-    """Write with which bound it would be met: `` (21.2 W h instead of 15 W h would do)``."""
-    if not math.isfinite(each.would_do):
-        return ""
-    return f" ({_looser(found, each)} instead of {_limit(found, each)} would do)"
-
-
 def _looser(found: Optimised, each: Obstacle) -> str:
     """Write the bound that would do, rounded away from the one that does not: one rounded towards it may not do."""
-    unit = _unit_of(found, each, each.would_do)
+    phase, _, key = each.column.rpartition(".")
+    unit = unit_for(phase, key, found.provenance.data, typical=each.would_do)
     loosened = rounded_up if each.would_do > each.limit else rounded_down
     return _with_unit(loosened(unit(each.would_do)), unit)
 
 
 def _limit(found: Optimised, each: Obstacle) -> str:
-    unit = _unit_of(found, each, each.limit)
-    return _with_unit(unit(each.limit), unit)
-
-
-def _unit_of(found: Optimised, each: Obstacle, value: float) -> Unit:
     phase, _, key = each.column.rpartition(".")
-    return unit_for(phase, key, found.provenance.data, typical=value)
+    unit = unit_for(phase, key, found.provenance.data, typical=each.limit)
+    return _with_unit(unit(each.limit), unit)
 
 
 def _with_unit(value: float, unit: Unit) -> str:
@@ -182,16 +171,8 @@ def _shown(found: Optimised, name: str, value: str) -> str:
 
 
 def _unit(found: Optimised) -> Unit:
-    return unit_for("total", found.key, found.provenance.data, typical=_statistic(found).mean)
-
-
-def _statistic(found: Optimised) -> Statistic:
-    return found.checked.total.quantities[found.key] if found.checked else Statistic.of_constant(float("nan"), 1)
-
-
-def _cost(found: Optimised) -> str:
-    statistic = _statistic(found)
-    return with_error(statistic.mean, statistic.standard_error, _unit(found))
+    typical = found.checked.total.quantities[found.key].mean if found.checked else float("nan")
+    return unit_for("total", found.key, found.provenance.data, typical=typical)
 
 
 def _numbers(found: Optimised) -> list[tuple[str, str]]:
@@ -204,27 +185,16 @@ def _numbers(found: Optimised) -> list[tuple[str, str]]:
     return numbers
 
 
-def _choice(found: Optimised) -> Iterator[PageSection]:
-    rows = [
-        (
-            _name(axis.name),
-            _shown(found, axis.name, found.chosen[axis.name]),
-            range_on(axis, 0, len(axis.values) - 1),
-            _where(found, index),
-        )
-        for index, axis in enumerate(found.axes)
-    ]
+def _choice(found: Optimised) -> PageSection:
+    rows = []
+    for axis in found.axes:
+        # at a bound, that and not a requirement may decide
+        at_bound = axis.numbers is not None and found.chosen[axis.name] in (axis.exact(0), axis.exact(-1))
+        where = "at its bound" if at_bound and len(axis.values) > 1 else ""
+        chosen, tried = _shown(found, axis.name, found.chosen[axis.name]), range_on(axis, 0, len(axis.values) - 1)
+        rows.append((_name(axis.name), chosen, tried, where))
     heading = "The choice" if found.feasible else "The choice that comes nearest"
-    yield PageSection(heading, [Table(("", "chosen", "tried", ""), rows, text_columns=4)])
-
-
-def _where(found: Optimised, index: int) -> str:
-    """Say where a choice lies at a bound: the bound, not a requirement, may then decide."""
-    axis = found.axes[index]
-    if axis.numbers is None or len(axis.values) < 2:
-        return ""
-    at = [axis.exact(i) for i in range(len(axis.values))].index(found.chosen[axis.name])
-    return "at its bound" if at in (0, len(axis.values) - 1) else ""
+    return PageSection(heading, [Table(("", "chosen", "tried", ""), rows, text_columns=4)])
 
 
 def _checks(found: Optimised) -> Iterator[PageSection]:
@@ -232,10 +202,8 @@ def _checks(found: Optimised) -> Iterator[PageSection]:
         return
     rows = [
         (
-            requirement_in_words(found.checked, item),
-            _required(item.required),
-            percent(item.probability),
-            percent(fresh.probability),
+            *(requirement_in_words(found.checked, item), _required(item.required)),
+            *(percent(item.probability), percent(fresh.probability)),
         )
         for item, fresh in zip(found.checked.requirements, found.fresh.requirements, strict=True)
     ]
@@ -272,11 +240,8 @@ def _obstacles(found: Optimised) -> Iterator[PageSection]:
     if found.obstacles:
         rows = [
             (
-                in_words(each.quantity),
-                _required(each.required),
-                percent(each.reached),
-                _limit(found, each),
-                _looser(found, each),
+                *(in_words(each.quantity), _required(each.required), percent(each.reached)),
+                *(_limit(found, each), _looser(found, each)),
             )
             for each in found.obstacles
         ]
@@ -291,25 +256,21 @@ def _obstacles(found: Optimised) -> Iterator[PageSection]:
 
 def _front(found: Optimised) -> Iterator[PageSection]:
     front = sorted((each for each in found.tried if each.on_front), key=lambda each: each.energy)
-    if front:
-        rows = [_row(found, each) for each in front[:_MOST_ROWS]]
-        columns = [*(_name(axis.name) for axis in found.axes), "P(success)", "energy", "duration", "requirements"]
-        more = f"The first {_MOST_ROWS} of {len(front)}; all are in front.csv." if len(front) > _MOST_ROWS else ""
-        yield PageSection(f"The front of what was tried has {len(front)} choices", [Table(columns, rows, more)])
+    if not front:
+        return
+    rows, data = [], found.provenance.data
+    for each in front[:_MOST_ROWS]:
+        values = [_shown(found, axis.name, each.values[axis.name]) for axis in found.axes]
+        costs = (("energy_wh", each.energy), ("duration_s", each.duration))
+        units = [unit_for("total", key, data, typical=value) for key, value in costs]
+        told = [f"{number(unit(value))}{unit.suffix}" for unit, (_, value) in zip(units, costs, strict=True)]
+        rows.append([*values, share(each.success), *told, "met" if each.feasible else "not met"])
+    columns = [*(_name(axis.name) for axis in found.axes), "P(success)", "energy", "duration", "requirements"]
+    more = f"The first {_MOST_ROWS} of {len(front)}; all are in front.csv." if len(front) > _MOST_ROWS else ""
+    yield PageSection(f"The front of what was tried has {len(front)} choices", [Table(columns, rows, more)])
 
 
-def _row(found: Optimised, each: Tried) -> list[str]:
-    values = [_shown(found, axis.name, each.values[axis.name]) for axis in found.axes]
-    energy, duration = (unit_for("total", key, found.provenance.data, typical=value) for key, value in _costs(each))
-    costs = [f"{number(energy(each.energy))}{energy.suffix}", f"{number(duration(each.duration))}{duration.suffix}"]
-    return [*values, share(each.success), *costs, "met" if each.feasible else "not met"]
-
-
-def _costs(each: Tried) -> tuple[tuple[str, float], tuple[str, float]]:
-    return ("energy_wh", each.energy), ("duration_s", each.duration)
-
-
-def _effort(found: Optimised) -> Iterator[PageSection]:
+def _effort(found: Optimised) -> PageSection:
     text = (
         f"{number(found.search_trials)} trials searched the {number(found.combinations)} combinations, "
         f"{number(found.check_trials)} more checked the choice, and {number(found.relaxation_trials)} were run with "
@@ -318,7 +279,7 @@ def _effort(found: Optimised) -> Iterator[PageSection]:
         "what was tried say what to try next, with few trials and then with more; the best of a large lattice is not "
         "guaranteed to be found."
     )
-    yield PageSection("How it was found", [text, Listing("missionplan simulate mission-optimised.yaml")])
+    return PageSection("How it was found", [text, Listing("missionplan simulate mission-optimised.yaml")])
 
 
 def _rerun(found: Optimised) -> str:
@@ -326,6 +287,3 @@ def _rerun(found: Optimised) -> str:
     words = [f"--choose {shlex.quote(str(each))}" for each in (choose if isinstance(choose, list) else [])]
     trials = f"--trials {found.provenance.trials} --seed {found.provenance.seed}"
     return " ".join(["missionplan optimise mission.yaml", *words, f"--aim {found.aim}", trials])
-
-
-_PARTS = (_choice, _checks, _sailed, _relaxed, _obstacles, _front, _effort)

@@ -147,18 +147,22 @@ class Optimised(Result):
         own = next((each for each in self.tried if each.values == self.chosen), None)
         if own is None or self.checked is None:
             return None
-        least, found = self._cost(own), None
+        least, found = self.cost_of(own), None
         for each in self.tried:
             missed = [name for name, slack in each.slack.items() if slack < 0.0]
-            if len(missed) != 1 or self._cost(each) >= least:
+            if len(missed) != 1 or self.cost_of(each) >= least:
                 continue
             quantity, _, place = missed[0].rpartition(" ")
             required = self.checked.requirements[int(place) - 1].required
             if each.slack[missed[0]] < -_SURELY * math.sqrt(required * (1.0 - required) / each.trials):
-                least, found = self._cost(each), RuledOut(quantity, self._cost(own) - self._cost(each), each.values)
+                least, found = (
+                    self.cost_of(each),
+                    RuledOut(quantity, self.cost_of(own) - self.cost_of(each), each.values),
+                )
         return found
 
-    def _cost(self, each: Tried) -> float:
+    def cost_of(self, each: Tried) -> float:
+        """Return the mean of what is to be least [W h or s]."""
         return each.energy if self.aim == "energy" else each.duration
 
     @property

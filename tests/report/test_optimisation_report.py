@@ -124,7 +124,7 @@ def test_an_obstacle_says_a_bound_that_is_rounded_away_from_the_one_that_does_no
 
 def test_a_choice_at_the_end_of_its_numbers_is_said_to_be_at_its_bound():
     def where(speed):
-        ((_, (table,)),) = sections(report._choice, found(chosen={KEY: speed, "vehicle": "heavy"})).items()
+        (table,) = report._choice(found(chosen={KEY: speed, "vehicle": "heavy"})).blocks
         return [[plain(cell) for cell in row] for row in table.rows]
 
     assert where("1.2 m/s") == [
@@ -146,7 +146,7 @@ def test_the_checks_have_both_seeds_beside_what_is_required():
     }
     assert len(report._numbers(found(fresh=None))) == 2
     assert "11 000 trials searched the 6 combinations, 8000 more checked the choice, and 2048" in plain(
-        next(report._effort(found())).blocks[0]
+        report._effort(found()).blocks[0]
     )
     assert report._rerun(found()).endswith("--choose 'out.speed=1:2:1 m/s' --aim energy --trials 4000 --seed 7")
 

@@ -1,12 +1,13 @@
 """Cells of an exploration: the mission with other values, blocks of its trials, and the run of all of them."""
 
+import itertools
 import math
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import closing
 from dataclasses import dataclass
 from datetime import datetime, timedelta
 from functools import cached_property, partial
-from typing import ClassVar
+from typing import ClassVar, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,7 +23,7 @@ from missionplan.results.decision import Axis
 from missionplan.scenario.scenario import Scenario
 from missionplan.scenario.site_current import current_source, is_netcdf, recorded_current
 from missionplan.store.checkpoints import Checkpoints, kept_or_run
-from missionplan.studies.exploration import with_values
+from missionplan.studies.exploration import first_start, with_values
 from missionplan.studies.held_vehicle import check_dives
 from missionplan.studies.run import identified
 from missionplan.studies.simulation import check_complete
@@ -150,6 +151,13 @@ class CellTask(MissionTask):
 
     cells: Sequence[Mapping[str, object]]
     """Values by key path that each cell puts in their places."""
+
+    @classmethod
+    def of(cls, mission: Mission, axes: Sequence[Axis], seed: int, columns: tuple[str, ...]) -> Self:
+        """Lay out the cells of one or two axes, the last running fastest."""
+        pairs = [[(axis.keys, value) for value in axis.values] for axis in axes]
+        cells = [{key: value for keys, value in cell for key in keys} for cell in itertools.product(*pairs)]
+        return cls([mission], [SharedCurrent.of(mission, first_start(axes))], seed, columns, cells)
 
     @property
     def current(self) -> SharedCurrent:

@@ -21,8 +21,8 @@ from missionplan.scenario.scenario import Scenario
 from missionplan.scenario.site_current import members_drawn, members_of
 from missionplan.store.checkpoints import Checkpoints
 from missionplan.store.folder import as_path
-from missionplan.studies.exploration import OPTION, first_start, read_axes
-from missionplan.studies.exploration.cells import SUCCESS, CellItem, CellTask, CellTrials, SharedCurrent, cell_trials
+from missionplan.studies.exploration import OPTION, read_axes
+from missionplan.studies.exploration.cells import SUCCESS, CellItem, CellTask, CellTrials, cell_trials
 from missionplan.studies.exploration.result import (
     AIM_COLUMNS,
     DURATION,
@@ -178,18 +178,26 @@ def explore(
     mission, trials, seed = run.mission, run.trials, run.seed
     axes = read_axes(mission, [vary] if isinstance(vary, str) else list(vary))
     columns = _columns(mission, quantities)
-    plan = CellPlan.of(mission, axes, seed, columns)
-    plan.check_size(trials)
+    places = list(itertools.product(*(range(len(axis.values)) for axis in axes)))
+    _check_size(len(places), trials)
+    task = CellTask.of(mission, axes, seed, columns)
     folder = as_path(checkpoint, "checkpoint") if checkpoint is not None else None
-    store = Checkpoints(folder, plan.task.identity(mission, axes), resume=resume) if folder else None
+    store = Checkpoints(folder, task.identity(mission, axes), resume=resume) if folder else None
 
     def run_cells(items: Sequence[CellItem]) -> list[CellTrials]:
-        return cell_trials(plan.task, items, plan.cells, run.workers, store)
+        return cell_trials(task, items, range(len(places)), run.workers, store)
 
-    raced = _run(plan, mission, trials, aim, run_cells, only_best=only_best)
-    found, cells = raced.trials, plan.summed_up(mission, raced)
+    if only_best:
+        raced = race(mission, len(places), trials, aim, run_cells)
+    else:
+        found = run_cells([(cell, *block) for cell in range(len(places)) for block in sized_blocks(trials)])
+        raced = Race(found, frozenset(), trials * len(places))
+    cells = [
+        replace(cell_of(place, mission, each.columns, each.reason), dropped=number in raced.dropped and not each.reason)
+        for number, (place, each) in enumerate(zip(places, raced.trials, strict=True))
+    ]
     _check_any_runs(cells)
-    best = find_best(cells, [each.columns for each in found], aim)
+    best = find_best(cells, [each.columns for each in raced.trials], aim)
     return Exploration(
         provenance=run.provenance(
             {
@@ -197,82 +205,30 @@ def explore(
                 **{"aim": aim, "jobs": jobs, "only_best": only_best},
                 **{"quantity": list(quantities), "trials_run": raced.spent},
             },
-            _notices(mission, plan),
+            _notices(mission, task),
         ),
         axes=axes,
         cells=best.cells,
         aim=aim,
         best=best.best,
         constrained=best.constrained,
-        members=_members(plan, found, best.best, trials),
+        members=_members(task, axes, raced.trials, best.best, trials),
     )
 
 
-def _members(plan: "CellPlan", found: Sequence[CellTrials], best: int | None, trials: int) -> tuple[MemberOutcome, ...]:
+def _members(
+    task: CellTask, axes: Sequence[Axis], found: Sequence[CellTrials], best: int | None, trials: int
+) -> tuple[MemberOutcome, ...]:
     """Return how the best cell does in each member of the current's ensemble, of the trials that sail in it."""
-    recorded = plan.task.current.current
-    varied = any(key.startswith("site.") for axis in plan.axes for key in axis.keys)  # then each cell reads its own
-    chosen = None if best is None or varied else members_drawn(recorded, plan.task.seed, trials)
+    recorded = task.current.current
+    varied = any(key.startswith("site.") for axis in axes for key in axis.keys)  # then each cell reads its own
+    chosen = None if best is None or varied else members_drawn(recorded, task.seed, trials)
     if best is None or chosen is None or chosen.size != found[best].columns[SUCCESS].size:
         return ()
     success = found[best].columns[SUCCESS]
     counts = [Count.of(success[chosen == number].astype(bool)) for number in range(len(members_of(recorded)))]
     pairs = zip(members_of(recorded), counts, strict=True)
     return tuple(MemberOutcome(name, weight, each.probability()) for (name, weight), each in pairs if each.trials)
-
-
-@dataclass(frozen=True)
-class CellPlan:
-    """The cells to be run and what runs them."""
-
-    task: CellTask
-    places: tuple[tuple[int, ...], ...]
-    """Index of each cell along each axis."""
-    axes: tuple[Axis, ...]
-
-    @classmethod
-    def of(cls, mission: Mission, axes: tuple[Axis, ...], seed: int, columns: tuple[str, ...]) -> "CellPlan":
-        """Lay out the cells of one or two axes, the last running fastest."""
-        places = tuple(itertools.product(*(range(len(axis.values)) for axis in axes)))
-        values = [
-            {key: axis.values[index] for axis, index in zip(axes, place, strict=True) for key in axis.keys}
-            for place in places
-        ]
-        current = SharedCurrent.of(mission, first_start(axes))
-        return cls(CellTask([mission], [current], seed, columns, values), places, axes)
-
-    @property
-    def cells(self) -> range:
-        """Numbers of the cells."""
-        return range(len(self.places))
-
-    def check_size(self, trials: int) -> None:
-        """Refuse more trials than can be kept; raises InputError."""
-        total = math.prod((len(self.places), trials))
-        if total > MAX_TRIALS:
-            message = f"{len(self.places)} cells of {trials} trials are {total:.3g}, expected at most {MAX_TRIALS:.3g}"
-            raise InputError([Problem(message, key="trials", hint="fewer trials, or fewer cells")])
-
-    def summed_up(self, mission: Mission, raced: Race) -> list[Cell]:
-        """Return the cells with their own numbers."""
-        pairs = zip(self.places, raced.trials, strict=True)
-        cells = [cell_of(place, mission, each.columns, each.reason) for place, each in pairs]
-        return [replace(cell, dropped=i in raced.dropped and not cell.reason) for i, cell in enumerate(cells)]
-
-
-def _run(
-    plan: CellPlan,
-    mission: Mission,
-    trials: int,
-    aim: Aim,
-    run: Callable[[Sequence[CellItem]], list[CellTrials]],
-    *,
-    only_best: bool,
-) -> Race:
-    if only_best:
-        return race(mission, len(plan.places), trials, aim, run)
-    found = run([(cell, *block) for cell in plan.cells for block in sized_blocks(trials)])
-    return Race(found, frozenset(), trials * len(plan.places))
 
 
 def _columns(mission: Mission, quantities: Sequence[str]) -> tuple[str, ...]:
@@ -290,6 +246,12 @@ def _columns(mission: Mission, quantities: Sequence[str]) -> tuple[str, ...]:
     return tuple(dict.fromkeys(found))
 
 
+def _check_size(cells: int, trials: int) -> None:
+    if cells * trials > MAX_TRIALS:
+        message = f"{cells} cells of {trials} trials are {cells * trials:.3g}, expected at most {MAX_TRIALS:.3g}"
+        raise InputError([Problem(message, key="trials", hint="fewer trials, or fewer cells")])
+
+
 def _check_any_runs(cells: Sequence[Cell]) -> None:
     if any(not cell.reason for cell in cells):
         return
@@ -298,10 +260,10 @@ def _check_any_runs(cells: Sequence[Cell]) -> None:
     raise InputError([Problem(f"none of the {len(cells)} cells can be run: {shown}", key=OPTION)])
 
 
-def _notices(mission: Mission, plan: CellPlan) -> tuple[str, ...]:
+def _notices(mission: Mission, task: CellTask) -> tuple[str, ...]:
     """Notices of the mission as it is written; of cells, how many cannot be run is in the report."""
     try:
         check_complete(mission)
-        return input_notices(mission, Scenario.at_means(mission, plan.task.current.for_mission(mission)))
+        return input_notices(mission, Scenario.at_means(mission, task.current.for_mission(mission)))
     except InputError:
         return mission.notices()

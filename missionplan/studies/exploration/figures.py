@@ -59,14 +59,17 @@ def curves_figure(found: Exploration) -> Figure:
 
 def _draw_curve(axes: Axes, found: Exploration, key: str, x: "Array | NDArray[np.object_]") -> None:
     unit = _unit(found, key)
-    middle = np.array([_mean(cell, key) for cell in found.cells]) / unit.size
-    low, high = (np.array([_band(cell, key)[side] for cell in found.cells]) / unit.size for side in (0, 1))
+    low, middle, high = np.array([_spread(cell, key) for cell in found.cells]).T / unit.size
     if found.axes[0].numbers is None:
         axes.errorbar(x, middle, [middle - low, high - middle], fmt="o", color=BLUE, markersize=4)
     else:
         axes.fill_between(x, low, high, color=BLUE, alpha=0.2, linewidth=0.0)
         axes.plot(x, middle, ".-", color=BLUE, markersize=4, linewidth=1.0)
-        _shade_windows(axes, found, x)
+        for window in found.windows:  # those of one cell alone as a line
+            if window.first == window.last:
+                axes.axvline(x[window.first], color=GREEN, alpha=0.35, linewidth=4.0, zorder=0)
+            else:
+                axes.axvspan(x[window.first], x[window.last], color=GREEN, alpha=0.15, linewidth=0.0, zorder=0)
     good = np.array([cell.as_good for cell in found.cells])
     axes.plot(x[good], middle[good], "o", color=ORANGE, fillstyle="none", markersize=7)
     if found.best is not None:
@@ -76,24 +79,14 @@ def _draw_curve(axes: Axes, found: Exploration, key: str, x: "Array | NDArray[np
         axes.set_ylim(-4.0, 104.0)
 
 
-def _shade_windows(axes: Axes, found: Exploration, x: "Array | NDArray[np.object_]") -> None:
-    """Shade the windows, to halfway to the next cell on either side where they have one cell alone."""
-    for window in found.windows:
-        if window.first == window.last:
-            axes.axvline(x[window.first], color=GREEN, alpha=0.35, linewidth=4.0, zorder=0)
-        else:
-            axes.axvspan(x[window.first], x[window.last], color=GREEN, alpha=0.15, linewidth=0.0, zorder=0)
-
-
 def maps_figure(found: Exploration, key: str) -> Figure:
     """Draw P(success) or the mean of a quantity over two axes."""
     figure = MatplotlibFigure(figsize=(6.0, 4.3))
     _draw_map(figure.subplots(), found, key)
     first, second = found.axes
-    name = "explore" if key == "success" else f"map-{key.replace('.', '-')}"
     return to_figure(
         figure,
-        name,
+        "explore" if key == "success" else f"map-{key.replace('.', '-')}",
         alt=f"Map of {_title(key)} over {name_of(second)} and {name_of(first)}",
         caption="Star: the best; dots: the trials cannot tell them from it. "
         + ("Orange outline: all requirements are met. " if found.has_requirements else "")
@@ -123,24 +116,22 @@ def _draw_map(axes: Axes, found: Exploration, key: str) -> None:
     without = np.ma.masked_where(np.isfinite(values), np.zeros(shape))
     axes.pcolormesh(x, y, without, cmap=ListedColormap(["#d5d8dc"]), shading="nearest")
     axes.figure.colorbar(drawn, ax=axes, label=f"{capitalised(_title(key))}{unit.axis}")
-    if min(shape) >= _FINE:
-        _draw_contours(axes, x, y, values, unit)
+    inside = values[np.isfinite(values)]
+    if min(shape) >= _FINE and inside.size >= 4 and inside.min() < inside.max():
+        levels = [each for each in _LEVELS if inside.min() < each < inside.max()] if unit is PERCENT else 6
+        if levels:
+            lines = axes.contour(x, y, shown, levels=levels, colors=INK, linewidths=0.7)
+            axes.clabel(lines, fmt="%g", fontsize=8)
     if min(shape) > 1:
         _outline_met(axes, found, x, y, shape)
-    _mark_cells(axes, found, x, y)
+    good = [cell.place for cell in found.cells if cell.as_good]
+    axes.plot([x[place[1]] for place in good], [y[place[0]] for place in good], ".", color="white", markersize=4)
+    if found.best_cell is not None:
+        row, column = found.best_cell.place
+        axes.plot(x[column], y[row], "*", color=ORANGE, markersize=14, markeredgecolor="white")
     _mark_axis(axes, second, x)
     _mark_axis(axes, first, y, vertical=True)
     axes.grid(visible=False)
-
-
-def _draw_contours(axes: Axes, x: Array, y: Array, values: Array, unit: Unit) -> None:
-    inside = values[np.isfinite(values)]
-    if inside.size < 4 or inside.min() == inside.max():
-        return
-    levels = [each for each in _LEVELS if inside.min() < each < inside.max()] if unit is PERCENT else 6
-    if levels:
-        lines = axes.contour(x, y, np.ma.masked_invalid(values), levels=levels, colors=INK, linewidths=0.7)
-        axes.clabel(lines, fmt="%g", fontsize=8)
 
 
 def _outline_met(axes: Axes, found: Exploration, x: Array, y: Array, shape: tuple[int, int]) -> None:
@@ -156,14 +147,6 @@ def _outline_met(axes: Axes, found: Exploration, x: Array, y: Array, shape: tupl
 def _edges(at: Array) -> Array:
     between = 0.5 * (at[1:] + at[:-1])
     return np.concatenate(([1.5 * at[0] - 0.5 * at[1]], between, [1.5 * at[-1] - 0.5 * at[-2]]))
-
-
-def _mark_cells(axes: Axes, found: Exploration, x: Array, y: Array) -> None:
-    good = [cell.place for cell in found.cells if cell.as_good]
-    axes.plot([x[place[1]] for place in good], [y[place[0]] for place in good], ".", color="white", markersize=4)
-    if found.best_cell is not None:
-        row, column = found.best_cell.place
-        axes.plot(x[column], y[row], "*", color=ORANGE, markersize=14, markeredgecolor="white")
 
 
 def positions(axis: Axis) -> Array:
@@ -231,18 +214,15 @@ def _unit(found: Exploration, key: str) -> Unit:
 
 
 def _mean(cell: Cell, key: str) -> float:
-    """Probability or mean of a cell; nan where it has none."""
-    if cell.reason:
-        return float("nan")
-    if key == "success" or key in cell.events:
-        return (cell.success if key == "success" else cell.events[key]).value
-    return cell.quantities[key].mean
+    return _spread(cell, key)[1]
 
 
-def _band(cell: Cell, key: str) -> tuple[float, float]:
+def _spread(cell: Cell, key: str) -> tuple[float, float, float]:
+    """Probability of a cell with its interval, or the mean between the 5 % and 95 % points; nan where it has none."""
     if cell.reason:
-        return float("nan"), float("nan")
+        return (float("nan"),) * 3
     if key == "success" or key in cell.events:
         probability = cell.success if key == "success" else cell.events[key]
-        return probability.low, probability.high
-    return cell.quantities[key].p05, cell.quantities[key].p95
+        return probability.low, probability.value, probability.high
+    statistic = cell.quantities[key]
+    return statistic.p05, statistic.mean, statistic.p95

@@ -11,7 +11,6 @@ from missionplan.report.page import Cells, Page, PageSection, Table
 from missionplan.report.quantities import range_on, unit_for, value_on, with_error
 from missionplan.report.wording import capitalised, in_words, listed, number, percent, share
 from missionplan.results.decision import Aim, Axis
-from missionplan.results.simulation import RequirementOutcome
 from missionplan.studies.exploration.figures import (
     curves_figure,
     draw_exploration,
@@ -28,6 +27,7 @@ _AS_GOOD: dict[Aim, tuple[str, str, str]] = {
     "duration": ("is as fast", "are as fast", "As fast"),
 }
 """In what one or several are as good as the best: they may be worse in all else."""
+_BEST = {"success": "The best", "energy": "For the least energy the best", "duration": "For the least time the best"}
 _WORSE: dict[Aim, str] = {"success": "succeeds less often", "energy": "takes more energy", "duration": "takes longer"}
 _MOST_RANGES = 4
 """Ranges that a sentence lists."""
@@ -38,9 +38,22 @@ def answer(found: Exploration) -> str:
     best = found.best_cell
     if best is None:
         return f"None of the {tried(found)} can be compared: no trial reaches what is asked for."
-    sentences = [
-        *_unmet(found, best),
-        f"{_best_in_words(found, best)}: {_what_it_gives(found, best)}.",
+    what = " and ".join(name_of(axis) for axis in found.axes)
+    sentences = []
+    if not found.constrained and found.has_requirements:
+        missed = " and ".join(
+            f"the {in_words(item.quantity)} ({percent(item.probability)}, {100.0 * item.required:g}\u00a0% required)"
+            for item in best.requirements
+            if not item.met
+        )
+        sentences.append(f"No {what} tried meets all requirements; even the best misses {missed}.")
+    gives = [f"the mission succeeds in {percent(best.success)} of the trials"]
+    for key, words in ((ENERGY, "takes"), (DURATION, "lasts")):
+        if key in best.quantities and best.quantities[key].count:
+            gives.append(f"{words} {quantity_in_words(found, best, key)}")
+    plural = "are" if len(found.axes) > 1 else "is"
+    sentences += [
+        f"{_BEST[found.aim]} {what} {plural} {place_in_words(found, best)}: {listed(gives)}.",
         members_in_words(found.members, "succeeds"),
         _as_good(found),
         _windows(found),
@@ -73,37 +86,6 @@ def quantity_in_words(found: Exploration, cell: Cell, key: str, *, alone: bool =
     if not alone:
         return with_error(mean, error, unit)
     return number(unit(mean), unit(error)) + unit.suffix if math.isfinite(mean) else "–"
-
-
-def _unmet(found: Exploration, best: Cell) -> list[str]:
-    if found.constrained or not found.has_requirements:
-        return []
-    what = " and ".join(name_of(axis) for axis in found.axes)
-    missed = [item for item in best.requirements if not item.met]
-    return [f"No {what} tried meets all requirements; even the best misses {_requirements(missed)}."]
-
-
-def _requirements(items: Sequence[RequirementOutcome]) -> str:
-    parts = [
-        f"the {in_words(item.quantity)} ({percent(item.probability)}, {100.0 * item.required:g}\u00a0% required)"
-        for item in items
-    ]
-    return " and ".join(parts)
-
-
-def _best_in_words(found: Exploration, best: Cell) -> str:
-    what = " and ".join(name_of(axis) for axis in found.axes)
-    plural = "are" if len(found.axes) > 1 else "is"
-    aim = {"success": "The best", "energy": "For the least energy the best", "duration": "For the least time the best"}
-    return f"{aim[found.aim]} {what} {plural} {place_in_words(found, best)}"
-
-
-def _what_it_gives(found: Exploration, best: Cell) -> str:
-    parts = [f"the mission succeeds in {percent(best.success)} of the trials"]
-    for key, words in ((ENERGY, "takes"), (DURATION, "lasts")):
-        if key in best.quantities and best.quantities[key].count:
-            parts.append(f"{words} {quantity_in_words(found, best, key)}")
-    return listed(parts)
 
 
 def _as_good(found: Exploration) -> str:
@@ -170,18 +152,20 @@ _STATUS: dict[Status, str] = {
 
 def page(found: Exploration) -> Page:
     """Build the page."""
-    what = " and ".join(name_of(axis) for axis in found.axes)
+    what, is_line = " and ".join(name_of(axis) for axis in found.axes), len(found.axes) == 1
+    mapped = [] if is_line else quantities_shown(found)
+    all_shown = is_line and len(found.cells) <= 5 * _MOST_ROWS and not all(cell.as_good for cell in found.cells)
     return Page(
         title=f"Which {what}? {found.provenance.mission}",
         answer=answer(found),
-        draw=lambda: curves_figure(found) if len(found.axes) == 1 else maps_figure(found, "success"),
+        draw=lambda: curves_figure(found) if is_line else maps_figure(found, "success"),
         numbers=_numbers(found),
         write=lambda: [
-            *_maps(found),
+            *([PageSection("What it costs", [maps_figure(found, key) for key in mapped])] if mapped else []),
             *_good(found),
             *members_section(found.members, "mission", "success (95 % interval)", _SAILED),
             *_front(found),
-            *_all(found),
+            *([PageSection("All that was tried", [_table(found, found.cells)])] if all_shown else []),
             *_invalid(found),
         ],
         verdict=_verdict(found),
@@ -192,20 +176,16 @@ def page(found: Exploration) -> Page:
 
 
 def _cells(found: Exploration) -> Cells:
-    """Tabulate for a terminal: the best cells and those as good, or all of a few."""
+    """Tabulate for a terminal: the best cells and those as good, or all of a few; numbers without their errors."""
     cells = [cell for cell in found.cells if cell.as_good] if len(found.cells) > _MOST_ROWS else list(found.cells)
-    columns = ["", "requirements", "P(success)", *(in_words(key) for key in quantities_shown(found)[:_MOST_NARROW])]
-    rows = [[place_in_words(found, cell), *_narrow(found, cell)] for cell in cells[:_MOST_ROWS]]
-    return columns, rows
-
-
-def _narrow(found: Exploration, cell: Cell) -> list[str]:
-    """Numbers of a cell without their errors."""
-    keys = quantities_shown(found)[:_MOST_NARROW]
-    if cell.reason:
-        return [_STATUS[cell.status], *["–"] * (len(keys) + 1)]
-    marks = "best" if cell is found.best_cell else "as good" if cell.as_good else _STATUS[cell.status]
-    return [marks, share(cell.success), *(_shown(found, cell, key, alone=True) for key in keys)]
+    keys, rows = quantities_shown(found)[:_MOST_NARROW], []
+    for cell in cells[:_MOST_ROWS]:
+        mark = "best" if cell is found.best_cell else "as good" if cell.as_good else _STATUS[cell.status]
+        numbers = ["–"] * (len(keys) + 1)
+        if not cell.reason:
+            numbers = [share(cell.success), *(_shown(found, cell, key, alone=True) for key in keys)]
+        rows.append([place_in_words(found, cell), mark, *numbers])
+    return ["", "requirements", "P(success)", *map(in_words, keys)], rows
 
 
 def _verdict(found: Exploration) -> str:
@@ -226,56 +206,33 @@ def _numbers(found: Exploration) -> list[tuple[str, str]]:
     return numbers
 
 
-def _columns(found: Exploration) -> list[str]:
-    keys = quantities_shown(found)
-    return [*(name_of(axis) for axis in found.axes), "requirements", "P(success)", *map(in_words, keys), "as good"]
-
-
-def _rows(found: Exploration, cells: Sequence[Cell]) -> list[list[str]]:
-    keys = quantities_shown(found)
-    rows = []
-    for cell in cells:
-        row = [value_on(axis, index) for axis, index in zip(found.axes, cell.place, strict=True)]
-        row += [_STATUS[cell.status]]
-        if cell.reason:
-            row += ["–"] * (len(keys) + 2)
-        else:
-            row += [percent(cell.success), *(_shown(found, cell, key) for key in keys)]
-            row += ["best" if cell is found.best_cell else "yes" if cell.as_good else ""]
-        rows.append(row)
-    return rows
-
-
 def _shown(found: Exploration, cell: Cell, key: str, *, alone: bool = False) -> str:
     """Write how often an event came about, or the mean of a quantity, with its error or alone."""
     return share(cell.events[key]) if key in cell.events else quantity_in_words(found, cell, key, alone=alone)
 
 
 def _table(found: Exploration, cells: Sequence[Cell]) -> Table:
+    keys, rows = quantities_shown(found), []
+    for cell in cells[:_MOST_ROWS]:
+        told = ["–"] * (len(keys) + 2)
+        if not cell.reason:
+            mark = "best" if cell is found.best_cell else "yes" if cell.as_good else ""
+            told = [percent(cell.success), *(_shown(found, cell, key) for key in keys), mark]
+        values = [value_on(axis, index) for axis, index in zip(found.axes, cell.place, strict=True)]
+        rows.append([*values, _STATUS[cell.status], *told])
     many = f"The first {_MOST_ROWS} of {len(cells)}; all are in explore.csv." if len(cells) > _MOST_ROWS else ""
-    return Table(_columns(found), _rows(found, cells[:_MOST_ROWS]), many, text_columns=len(found.axes) + 1)
-
-
-def _maps(found: Exploration) -> Iterator[PageSection]:
-    keys = quantities_shown(found) if len(found.axes) == 2 else []
-    if keys:
-        yield PageSection("What it costs", [maps_figure(found, key) for key in keys])
+    columns = [*map(name_of, found.axes), "requirements", "P(success)", *map(in_words, keys), "as good"]
+    return Table(columns, rows, many, text_columns=len(found.axes) + 1)
 
 
 def _good(found: Exploration) -> Iterator[PageSection]:
     good = [cell for cell in found.cells if cell.as_good]
     if len(found.axes) == 1 and found.windows:
-        axis = found.axes[0]
-        rows = [
-            (
-                value_on(axis, each.first) if each.first == each.last else range_on(axis, each.first, each.last),
-                str(each.last - each.first + 1),
-                percent(
-                    min((cell.success for cell in found.cells[each.first : each.last + 1]), key=attrgetter("value"))
-                ),
-            )
-            for each in found.windows
-        ]
+        axis, rows = found.axes[0], []
+        for each in found.windows:
+            where = value_on(axis, each.first) if each.first == each.last else range_on(axis, each.first, each.last)
+            least = min((cell.success for cell in found.cells[each.first : each.last + 1]), key=attrgetter("value"))
+            rows.append((where, str(each.last - each.first + 1), percent(least)))
         heading = f"All requirements are met {ranges_in_words(axis, found.windows)}"
         caption = "Between the values that were tried nothing is known: a finer step shows where a window ends."
         yield PageSection(heading, [Table(("window", "tried", "least P(success)"), rows, caption)])
@@ -284,12 +241,9 @@ def _good(found: Exploration) -> Iterator[PageSection]:
             f"{capitalised(tried(found))} are compared trial by trial on the same random numbers. One counts as good "
             f"{_UNLESS[found.aim]} by more than chance, at 5 % for all together (Bonferroni)."
         )
-        yield PageSection(f"{capitalised(_good_in_words(found, good))}", [text, _table(found, good)])
-
-
-def _good_in_words(found: Exploration, good: Sequence[Cell]) -> str:
-    best = place_in_words(found, good[0]) if found.best_cell is None else place_in_words(found, found.best_cell)
-    return f"{best} is the best" if len(good) == 1 else f"{best} is the best; {len(good) - 1} more are as good"
+        more = "" if len(good) == 1 else f"; {len(good) - 1} more are as good"
+        best = place_in_words(found, found.best_cell or good[0])
+        yield PageSection(capitalised(f"{best} is the best{more}"), [text, _table(found, good)])
 
 
 def _front(found: Exploration) -> Iterator[PageSection]:
@@ -300,12 +254,6 @@ def _front(found: Exploration) -> Iterator[PageSection]:
         shown_above = all(cell.as_good for cell in front)
         table = [] if shown_above else [_table(found, sorted(front, key=lambda cell: -cell.success.value))]
         yield PageSection(heading, [figure, *table])
-
-
-def _all(found: Exploration) -> Iterator[PageSection]:
-    shown_above = all(cell.as_good for cell in found.cells)
-    if len(found.axes) == 1 and len(found.cells) <= 5 * _MOST_ROWS and not shown_above:
-        yield PageSection("All that was tried", [_table(found, found.cells)])
 
 
 def _invalid(found: Exploration) -> Iterator[PageSection]:

@@ -311,12 +311,11 @@ def rank(cell: Cell, column: str) -> tuple[float, float]:
 
 def _with_front(cells: Sequence[Cell]) -> tuple[Cell, ...]:
     """Mark the front of P(success), mean energy and mean duration; without energy, of the other two."""
-    names = [name for name in (ENERGY, DURATION) if any(_mean(cell, name) < np.inf for cell in cells)]
-    costs = np.array([[-cell.success.value, *(_mean(cell, name) for name in names)] for cell in cells])
+
+    def mean(cell: Cell, name: str) -> float:
+        return cell.quantities[name].mean if name in cell.quantities else np.nan
+
+    names = [name for name in (ENERGY, DURATION) if any(mean(cell, name) < np.inf for cell in cells)]
+    costs = np.array([[-cell.success.value, *(mean(cell, name) for name in names)] for cell in cells])
     front = pareto_front(np.where(np.isfinite(costs), costs, np.nan))
     return tuple(replace(cell, on_front=bool(on)) for cell, on in zip(cells, front, strict=True))
-
-
-def _mean(cell: Cell, name: str) -> float:
-    mean = cell.quantities[name].mean if name in cell.quantities else np.inf
-    return mean if np.isfinite(mean) else np.inf

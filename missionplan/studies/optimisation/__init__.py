@@ -129,16 +129,12 @@ def _of_section(mission: Mission) -> Iterator[Axis | InputError]:
             _check_values(mission, axis)
             yield axis
         except InputError as error:
-            document, place = _document(mission), (*_PLACE, number)
+            try:  # the mission's file once more, for its lines, where it is one and still there
+                document = load_document(Path(mission.file))
+            except InputError:
+                document = Document({}, {(): (mission.file, None)})
+            place = (*_PLACE, number)
             yield InputError([document.problem(place, problem.message, problem.hint) for problem in error.problems])
-
-
-def _document(mission: Mission) -> Document:
-    """Read the mission's file once more, for its lines, where it is one and still there."""
-    try:
-        return load_document(Path(mission.file))
-    except InputError:
-        return Document({}, {(): (mission.file, None)})
 
 
 def _check_values(mission: Mission, axis: Axis) -> None:
@@ -159,25 +155,20 @@ def _check_values(mission: Mission, axis: Axis) -> None:
 
 def _axis(mission: Mission, section: ChoiceSection) -> Axis:
     name = "+".join(section.all_keys)
-    if section.choices:
-        return _listed(mission, name, section)
+    if section.choices:  # of vehicles the names of their files are read
+        keys = tuple(known_key(mission, key, OPTION) for key in section.all_keys)
+        texts = [str(each) for each in section.choices]
+        if section.all_keys == ("vehicle",) and all(isinstance(each, str) for each in section.choices):
+            return vehicles(mission, texts)
+        if all(NUMBER.fullmatch(text) for text in texts):
+            return read_axis(mission, f"{name}={','.join(texts)}")
+        return Axis(keys, section.choices, tuple(re.sub(r"[{}'\"]", "", text) for text in texts))
     low, high = _text(section.low), _text(section.high)
     step = _text(section.step) if section.step is not None else _default_step(name, low, high)
     axis = read_axis(mission, f"{name}={low}:{high}:{step}")
     if axis.numbers is not None and axis.numbers[0] > axis.numbers[-1]:
         raise InputError([Problem(f"from {low} to {high}: expected `from` less than `to`", key=OPTION)])
     return axis
-
-
-def _listed(mission: Mission, name: str, section: ChoiceSection) -> Axis:
-    """Return the axis of a list; vehicles by the names of their files are read."""
-    keys = tuple(known_key(mission, key, OPTION) for key in section.all_keys)
-    texts = [str(each) for each in section.choices]
-    if section.all_keys == ("vehicle",) and all(isinstance(each, str) for each in section.choices):
-        return vehicles(mission, texts)
-    if all(NUMBER.fullmatch(text) for text in texts):
-        return read_axis(mission, f"{name}={','.join(texts)}")
-    return Axis(keys, section.choices, tuple(re.sub(r"[{}'\"]", "", str(each)) for each in section.choices))
 
 
 def _text(value: object) -> str:

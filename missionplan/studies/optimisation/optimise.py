@@ -113,7 +113,10 @@ class _Problem:
         search.widely()
         self._report(1)
         search.closely()
-        self._check_any_runs()
+        known = self.evaluations.best_known()
+        if all(each.reason for each in known):
+            reasons = list(dict.fromkeys(each.reason for each in known))[:3]
+            raise InputError([Problem(f"no choice tried can be run: {'; '.join(reasons)}", key="choose")])
         self._report(2)
         choice, checked, fresh = self._check(search)
         spent = self.evaluations.spent
@@ -143,12 +146,6 @@ class _Problem:
     def _report(self, done: int) -> None:
         if self.run.workers.progress is not None:
             self.run.workers.progress(done, 4)
-
-    def _check_any_runs(self) -> None:
-        known = self.evaluations.best_known()
-        if all(each.reason for each in known):
-            reasons = list(dict.fromkeys(each.reason for each in known))[:3]
-            raise InputError([Problem(f"no choice tried can be run: {'; '.join(reasons)}", key="choose")])
 
     def _values(self, point: Point) -> dict[str, str]:
         return {axis.name: axis.exact(index) for axis, index in zip(self.lattice.axes, point, strict=True)}
@@ -187,17 +184,19 @@ class _Problem:
 
     def _relaxations(self, search: Search, choice: Evaluation) -> tuple[Relaxation, ...]:
         """Solve the problem again with each requirement relaxed, from what is known of it."""
-        found = []
+        found, column = [], AIM_COLUMNS[self.aim]
         base = self._best_of(search.closely(), self.demands) or choice
         for number, demand in enumerate(self.demands):
-            demands = (*self.demands[:number], demand.relaxed(), *self.demands[number + 1 :])
+            relaxed = demand.relaxed()
+            demands = (*self.demands[:number], relaxed, *self.demands[number + 1 :])
             best = self._best_of(search.closely(demands), demands) or base
-            column = AIM_COLUMNS[self.aim]
             saved, error, _ = paired_difference(best.columns[column], base.columns[column], most=True)
             gain = max(-saved, 0.0) if best is not base else 0.0
-            found.append(
-                Relaxation(demand.quantity, _change(demand), gain, error if gain else 0.0, self._values(best.point))
-            )
+            change = "its bound 1 % wider"
+            if demand.side is None:
+                change = f"{100.0 * relaxed.required:g} % required instead of {100.0 * demand.required:g} %"
+            values = self._values(best.point)
+            found.append(Relaxation(demand.quantity, change, gain, error if gain else 0.0, values))
         return tuple(found)
 
     def _best_of(self, ranked: Sequence[Evaluation], demands: Sequence[Demand]) -> Evaluation | None:
@@ -255,9 +254,3 @@ def _obstacle(demand: Demand, nearest: Evaluation, *, alone: bool) -> Obstacle:
         would_do=demand.would_do(nearest),
         alone=alone,
     )
-
-
-def _change(demand: Demand) -> str:
-    if demand.side is None:
-        return f"{100.0 * demand.relaxed().required:g} % required instead of {100.0 * demand.required:g} %"
-    return "its bound 1 % wider"

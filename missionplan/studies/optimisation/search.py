@@ -123,10 +123,9 @@ class Search:
 
     def _may_beat(self, each: Evaluation, winner: Evaluation | None) -> bool:
         """Whether a choice with few trials may cost less than the winner, and meet the demands."""
-        if not is_feasible(self.demands, each, doubt=_DOUBT):
-            return False
-        if winner is None:
-            return True
+        may = is_feasible(self.demands, each, doubt=_DOUBT)
+        if winner is None or not may:
+            return may
         column = AIM_COLUMNS[self.aim]
         worse, error, _ = paired_difference(winner.columns[column], each.columns[column], most=False)
         return worse <= _DOUBT * error
@@ -179,7 +178,7 @@ class Search:
         judged = [each for each in known if each.point in fine] if fine else known
         costs = [each.cost(self.aim) for each in judged if is_feasible(demands, each)]
         low = min(costs, default=np.inf)
-        places, hope, least = self._places(candidates), np.ones(len(candidates)), 0.0
+        places, hope, least = self.evaluations.lattice.places(candidates)[0], np.ones(len(candidates)), 0.0
         if np.isfinite(low):
             own, least = self._with_common_noise(known), _ENOUGH * abs(low)
             costly = np.isfinite(own)
@@ -191,7 +190,8 @@ class Search:
         chance = np.zeros(len(candidates))
         for number, demand in enumerate(demands if candidates else ()):
             margins = np.array([demand.margin(each) for each in known])
-            chance += _log_chance(self._surface(number, known, margins), places)
+            mean, spread = self._surface(number, known, margins).at(places)
+            chance += scipy.special.log_ndtr(mean / np.maximum(spread, 1e-3))
         if not np.isfinite(low):
             chance -= chance.max()
         return self._apart(candidates, places, hope * np.exp(chance), count, least=least)
@@ -230,9 +230,6 @@ class Search:
         self.fits[number] = Kriging.fitted(places, axis, values, self.fits.get(number))
         return self.fits[number]
 
-    def _places(self, points: Sequence[Point]) -> Array:
-        return self.evaluations.lattice.places(points)[0]
-
     def _candidates(
         self, known: Sequence[Evaluation], demands: Sequence[Demand], rng: np.random.Generator
     ) -> list[Point]:
@@ -250,11 +247,6 @@ class Search:
         if is_feasible(demands, each, doubt=doubt):
             return 0.0, each.cost(self.aim)
         return sum(violations(demands, each)) + 1e-12, each.cost(self.aim)
-
-
-def _log_chance(margin: Kriging, places: Array) -> Array:
-    mean, spread = margin.at(places)
-    return np.asarray(scipy.special.log_ndtr(mean / np.maximum(spread, 1e-3)))
 
 
 def _spread_out(shape: Sequence[int], count: int, rng: np.random.Generator) -> list[Point]:

@@ -213,9 +213,9 @@ def test_cells_that_were_dropped_for_one_that_fails_in_the_end_are_run_after_all
 def test_each_member_counts_the_trials_that_sail_in_it(monkeypatch):
     monkeypatch.setattr(explore, "members_of", lambda recorded: (("calm", 0.7), ("rough", 0.2), ("unmet", 0.1)))
     monkeypatch.setattr(explore, "members_drawn", lambda recorded, seed, trials: np.array([0, 0, 1, 0, 1]))
-    plan = SimpleNamespace(task=SimpleNamespace(current=SimpleNamespace(current=None), seed=1), axes=(SPEED,))
+    task = SimpleNamespace(current=SimpleNamespace(current=None), seed=1)
     found = [CellTrials({"total.success": np.array(flags, dtype=float)}) for flags in ([0] * 5, [1, 1, 0, 1, 1])]
-    members = explore._members(plan, found, 1, 5)
+    members = explore._members(task, (SPEED,), found, 1, 5)
     assert [(each.name, each.probability, each.good.value) for each in members] == [
         ("calm", 0.7, 1.0),
         ("rough", 0.2, 0.5),

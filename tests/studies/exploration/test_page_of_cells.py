@@ -120,8 +120,9 @@ def test_ranges_beyond_the_first_few_are_counted():
 
 
 def test_tables_have_each_cell_s_numbers():
-    rows = [[plain(each) for each in row] for row in pages._rows(exploration(), CELLS)]
-    assert pages._columns(exploration()) == [
+    table = pages._table(exploration(), CELLS)
+    rows = [[plain(each) for each in row] for row in table.rows]
+    assert table.columns == [
         "line length (moor)",
         "requirements",
         "P(success)",
