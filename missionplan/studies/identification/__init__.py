@@ -34,7 +34,6 @@ from missionplan.studies.identification.fits import (
     FitParameter,
     FittedModel,
     Identification,
-    IdentifiedParameter,
     TankAnalysis,
     f_test_prefers,
     fit,
@@ -63,11 +62,27 @@ def identify_propeller(data: TankData, settings: PropellerSettings) -> TankAnaly
     steady, dynamic = _fits(run, measured, thrust_sd)
     prefers_dynamic = f_test_prefers(steady, dynamic) and dynamic.residual_sd < steady.residual_sd
     fits = (dynamic, steady) if prefers_dynamic else (steady, dynamic)
-    level, slope = _open_water(fits[0], geometry, run.density)
+    # the thrust coefficient against the advance ratio
+    unit = TURN**2 / (run.density * geometry.diameter**4)
+    per_ratio = TURN * (1.0 + geometry.axial_flow_factor) / (run.density * geometry.diameter**3)
+    level = scaled_estimate("thrust_coefficient", "α₀", "", fits[0]["thrust_nn"], unit)
+    slope = scaled_estimate("thrust_coefficient_slope", "α₁", "", fits[0]["thrust_nu"], per_ratio)
     return TankAnalysis(
         answer=f"Thrust follows {fits[0].name}: K_T = {level.value:.3f} - {-slope.value:.3f} J.",
         fits=fits,
-        panels=(run.panel(measured, thrust_sd, fits),),
+        panels=(
+            FitPanel(
+                name="thrust",
+                x_label="time [s]",
+                y_label="thrust [N]",
+                x=run.time,
+                y=measured,
+                y_sd=thrust_sd,
+                fitted=fits[0].fitted,
+                curves=tuple(FitCurve(fitted.name, run.time, fitted.fitted) for fitted in fits),
+                alt="Thrust against time with the fits of both models.",
+            ),
+        ),
         remarks=(
             f"Residuals: {dynamic.residual_sd:.3g} N with axial-flow dynamics, {steady.residual_sd:.3g} N without.",
             f"The flow's damping is taken as {run.damping:.4g} kg/m.",
@@ -90,18 +105,6 @@ def _fits(run: "TransientRun", measured: Array, thrust_sd: float | None) -> tupl
     steady = fit("quasi-steady thrust", run.quasi_steady, constants, measured, thrust_sd, in_sequence=True)
     dynamic = fit("axial-flow dynamics", run.axial_flow, [*constants, flow_mass], measured, thrust_sd, in_sequence=True)
     return steady, dynamic
-
-
-def _open_water(
-    best: FittedModel, geometry: PropellerGeometry, density: float
-) -> tuple[IdentifiedParameter, IdentifiedParameter]:
-    """Level and slope of the thrust coefficient against the advance ratio."""
-    scale = TURN**2 / (density * geometry.diameter**4)
-    slope = TURN * (1.0 + geometry.axial_flow_factor) / (density * geometry.diameter**3)
-    return (
-        scaled_estimate("thrust_coefficient", "α₀", "", best["thrust_nn"], scale),
-        scaled_estimate("thrust_coefficient_slope", "α₁", "", best["thrust_nu"], slope),
-    )
 
 
 def _fragment(
@@ -173,20 +176,6 @@ class TransientRun:
             rate = self.shaft_rate
         return np.asarray(thrust(propeller, rate, propeller.flow_ratio * self.speed))
 
-    def panel(self, measured: Array, thrust_sd: float | None, fits: tuple[FittedModel, ...]) -> FitPanel:
-        """Thrust against time, and both fits."""
-        return FitPanel(
-            name="thrust",
-            x_label="time [s]",
-            y_label="thrust [N]",
-            x=self.time,
-            y=measured,
-            y_sd=thrust_sd,
-            fitted=fits[0].fitted,
-            curves=tuple(FitCurve(fitted.name, self.time, fitted.fitted) for fitted in fits),
-            alt="Thrust against time with the fits of both models.",
-        )
-
 
 def identify(dataset: str | Path, *, allow_outside: bool = False) -> Identification:
     """Find the parameters that a data set from a tank determines.
@@ -213,7 +202,15 @@ def identify(dataset: str | Path, *, allow_outside: bool = False) -> Identificat
     started = time.perf_counter()
     with files_outside(allowed=allow_outside):
         data = read_tank_data(dataset)
-    analysis = _analysis(data)
+    match data.settings:
+        case DragSettings() as settings:
+            analysis = identify_drag(data, settings)
+        case OscillationSettings() as settings:
+            analysis = identify_oscillation(data, settings)
+        case ThrusterSettings() as settings:
+            analysis = identify_thruster(data, settings)
+        case PropellerSettings() as settings:
+            analysis = identify_propeller(data, settings)
     provenance = Provenance(
         command="identify",
         mission=data.name,
@@ -245,15 +242,3 @@ def _headed(analysis: TankAnalysis) -> TankAnalysis:
         f"scatter: they are {best.widened:.1f} times those that follow from the stated errors."
     )
     return replace(analysis, answer=headline + analysis.answer, remarks=(remark, *analysis.remarks))
-
-
-def _analysis(data: TankData) -> TankAnalysis:
-    match data.settings:
-        case DragSettings() as settings:
-            return identify_drag(data, settings)
-        case OscillationSettings() as settings:
-            return identify_oscillation(data, settings)
-        case ThrusterSettings() as settings:
-            return identify_thruster(data, settings)
-        case PropellerSettings() as settings:
-            return identify_propeller(data, settings)

@@ -111,12 +111,6 @@ class FitPanel:
     y_sd: Array | float | None = None
     """Of the data, nan or None where it is not known."""
 
-    def residuals(self) -> pd.DataFrame:
-        """Data, preferred model and residuals, one row per point."""
-        residual = self.y - self.fitted
-        columns = {"panel": self.name, "x": self.x, "y": self.y, "fitted": self.fitted, "residual": residual}
-        return pd.DataFrame(columns)
-
 
 @dataclass(frozen=True)
 class TankAnalysis(Record):
@@ -170,7 +164,11 @@ class Identification(TankAnalysis, Result):
 
     def residuals(self) -> pd.DataFrame:
         """Data, preferred model and residuals of every panel."""
-        return pd.concat([panel.residuals() for panel in self.panels], ignore_index=True)
+        columns = [
+            {"panel": each.name, "x": each.x, "y": each.y, "fitted": each.fitted, "residual": each.y - each.fitted}
+            for each in self.panels
+        ]
+        return pd.concat(map(pd.DataFrame, columns), ignore_index=True)
 
     def files(self) -> dict[str, str | bytes]:
         """Return the tables and the vehicle fragment."""

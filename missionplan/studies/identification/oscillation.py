@@ -50,10 +50,25 @@ def _from_frequencies(data: TankData, settings: OscillationSettings) -> TankAnal
     answer = f"Added mass: {_masses_in_words(modes, estimates)}."
     if scale != 1.0:
         answer = f"Added mass of the vehicle, from a model at 1:{scale:g}: {_masses_in_words(modes, full_size)}."
+    unknown = dict.fromkeys(mode for mode, each in zip(modes, estimates, strict=True) if not math.isfinite(each.sd))
+    if unknown:
+        answer += f" Without a frequency_sd_hz its error is not known: {listed(list(unknown))}."
+    panel = FitPanel(
+        name="added-masses",
+        x_label="",
+        y_label="added mass [kg]",
+        x=np.arange(len(modes), dtype=float),
+        y=masses,
+        y_sd=np.array([estimate.sd for estimate in estimates]),
+        fitted=masses,
+        curves=(),
+        alt=f"Added mass of each mode: {words}.",
+        ticks=tuple(modes),
+    )
     return TankAnalysis(
-        answer=f"{answer}{_doubts(modes, estimates)}",
+        answer=answer,
         fits=(direct,),
-        panels=(_mass_panel(direct, modes, words),),
+        panels=(panel,),
         remarks=(
             f"Stiffness {stiffness:g} N/m and mass {settings.mass:g} kg are taken as given: an error of 1 % in the "
             f"stiffness is one of {stiffness / 100 / (2 * math.pi * float(frequency.mean())) ** 2:.2f} kg in the added "
@@ -62,12 +77,6 @@ def _from_frequencies(data: TankData, settings: OscillationSettings) -> TankAnal
         fragment=_fragment(modes, estimates, scale),
         derived=full_size if scale != 1.0 else (),
     )
-
-
-def _doubts(modes: list[str], estimates: tuple[IdentifiedParameter, ...]) -> str:
-    """Say which added masses have no error."""
-    unknown = dict.fromkeys(mode for mode, each in zip(modes, estimates, strict=True) if not math.isfinite(each.sd))
-    return f" Without a frequency_sd_hz its error is not known: {listed(list(unknown))}." if unknown else ""
 
 
 def _masses_in_words(modes: list[str], estimates: tuple[IdentifiedParameter, ...]) -> str:
@@ -113,21 +122,6 @@ def _added_masses(data: TankData, settings: OscillationSettings) -> FittedModel:
     )
 
 
-def _mass_panel(direct: FittedModel, modes: list[str], words: str) -> FitPanel:
-    return FitPanel(
-        name="added-masses",
-        x_label="",
-        y_label="added mass [kg]",
-        x=np.arange(len(modes), dtype=float),
-        y=direct.fitted,
-        y_sd=np.array([estimate.sd for estimate in direct.estimates]),
-        fitted=direct.fitted,
-        curves=(),
-        alt=f"Added mass of each mode: {words}.",
-        ticks=tuple(modes),
-    )
-
-
 def _fragment(modes: list[str], estimates: tuple[IdentifiedParameter, ...], scale: float) -> Mapping[str, object]:
     """The vehicle's `added_mass:`, at full size."""
     masses: dict[str, object] = {}
@@ -142,24 +136,6 @@ def _from_record(data: TankData, settings: OscillationSettings) -> TankAnalysis:
     """Fit a decaying oscillation with linear, then linear and quadratic damping, to a record of displacement."""
     time, record = data.columns["t_s"], data.columns["displacement_m"]
     record_sd = settings.noise.displacement
-    fits = preferred_first(*_damped_fits(time, record, record_sd))
-    physical = _physical(fits[0], settings.stiffness, settings.mass)
-    added, widened = physical[0], fits[0].widened
-    remark = (
-        f"Errors were widened {widened:.1f} times for scatter beyond the stated noise and for residuals "
-        "that follow one another."
-    )
-    return TankAnalysis(
-        answer=f"The added mass is {added.value:.3g} kg{added.interval_in_words('.3g')}.",
-        fits=fits,
-        panels=(_record_panel(time, record, record_sd, fits),),
-        remarks=(remark,) if widened > 1.05 and not fits[0].does_not_fit else (),
-        fragment=_fragment(["surge"], (added,), settings.scale),
-        derived=physical,
-    )
-
-
-def _damped_fits(time: Array, record: Array, record_sd: float | None) -> tuple[FittedModel, FittedModel]:
     parameters = starting_values(time, record)
 
     def linear(values: Array) -> Array:
@@ -170,11 +146,35 @@ def _damped_fits(time: Array, record: Array, record_sd: float | None) -> tuple[F
         f, start, velocity, offset, delta, beta = values
         return np.asarray(offset + osc.displacement(time, start, velocity, f, delta, beta))
 
-    amplitude = float(np.ptp(record)) / 2.0
-    quadratic = FitParameter("quadratic_rate", "β", "1/m", 0.1 / amplitude, low=0.0)
+    quadratic = FitParameter("quadratic_rate", "β", "1/m", 0.1 / (float(np.ptp(record)) / 2.0), low=0.0)
     simple = fit("linear damping", linear, parameters, record, record_sd, in_sequence=True)
     richer = fit("linear and quadratic damping", both, [*parameters, quadratic], record, record_sd, in_sequence=True)
-    return simple, richer
+    fits = preferred_first(simple, richer)
+    best, widened = fits[0], fits[0].widened
+    physical = _physical(best, settings.stiffness, settings.mass)
+    remark = (
+        f"Errors were widened {widened:.1f} times for scatter beyond the stated noise and for residuals "
+        "that follow one another."
+    )
+    panel = FitPanel(
+        name="displacement",
+        x_label="time [s]",
+        y_label="displacement [m]",
+        x=time,
+        y=record,
+        y_sd=record_sd,
+        fitted=best.fitted,
+        curves=(FitCurve(best.name, time, best.fitted),),
+        alt=f"Displacement against time with the fit {best.name}.",
+    )
+    return TankAnalysis(
+        answer=f"The added mass is {physical[0].value:.3g} kg{physical[0].interval_in_words('.3g')}.",
+        fits=fits,
+        panels=(panel,),
+        remarks=(remark,) if widened > 1.05 and not best.does_not_fit else (),
+        fragment=_fragment(["surge"], physical[:1], settings.scale),
+        derived=physical,
+    )
 
 
 def starting_values(time: Array, record: Array) -> list[FitParameter]:
@@ -218,17 +218,3 @@ def _physical(best: FittedModel, stiffness: float, mass: float) -> tuple[Identif
     if "quadratic_rate" in best:
         found.append(scaled_estimate("quadratic_damping", "c", "kg/m", best["quadratic_rate"], total))
     return tuple(found)
-
-
-def _record_panel(time: Array, record: Array, record_sd: float | None, fits: tuple[FittedModel, ...]) -> FitPanel:
-    return FitPanel(
-        name="displacement",
-        x_label="time [s]",
-        y_label="displacement [m]",
-        x=time,
-        y=record,
-        y_sd=record_sd,
-        fitted=fits[0].fitted,
-        curves=(FitCurve(fits[0].name, time, fits[0].fitted),),
-        alt=f"Displacement against time with the fit {fits[0].name}.",
-    )

@@ -2,7 +2,6 @@
 
 import math
 import shlex
-from collections.abc import Sequence
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -15,7 +14,6 @@ from missionplan.report.page import (
     GREY,
     ORANGE,
     PINK,
-    Block,
     Cells,
     Figure,
     Listing,
@@ -26,13 +24,7 @@ from missionplan.report.page import (
 )
 from missionplan.report.wording import capitalised
 from missionplan.results import to_yaml
-from missionplan.studies.identification.fits import (
-    FitCurve,
-    FitPanel,
-    FittedModel,
-    Identification,
-    IdentifiedParameter,
-)
+from missionplan.studies.identification.fits import FitPanel, Identification, IdentifiedParameter
 
 _MANY = 60
 """Number of points above which they are drawn small and without error bars."""
@@ -53,11 +45,15 @@ def page(result: Identification) -> Page:
 
 
 def _sections(result: Identification) -> list[PageSection]:
-    source = [f"The data: {result.source}"] if result.source else []
-    blocks: list[Block] = [parameter_table(result), *result.remarks, *source]
-    sections = [PageSection(_fits_heading(result.fits), blocks)]
+    best, source = result.fits[0], [f"The data: {result.source}"] if result.source else []
+    heading = f"Model of the data: {best.name}"
+    if best.does_not_fit:
+        heading = f"Best, but not good: {best.name}"
+    elif len(result.fits) > 1:
+        heading = f"Model that the data support: {best.name}, not {result.fits[1].name}"
+    sections = [PageSection(heading, [parameter_table(result), *result.remarks, *source])]
     if others := [panel_figure(panel) for panel in result.panels[1:]]:
-        sections.append(PageSection("The fit against the other readings", list[Block](others)))
+        sections.append(PageSection("The fit against the other readings", others))
     fragment = "Paste this into the vehicle file; it is also in vehicle-fragment.yaml."
     sections.append(PageSection("What to write in the vehicle file", [fragment, Listing(to_yaml(result.fragment))]))
     return sections
@@ -74,10 +70,7 @@ def _name_in_words(estimate: IdentifiedParameter) -> str:
 
 
 def _cells(result: Identification) -> Cells:
-    rows = [
-        (_name_in_words(e), significant(e.value, e.sd), _standard_error(e), _interval(e), e.unit)
-        for e in result.estimates
-    ]
+    rows = [(_name_in_words(e), *_numbers_of(e)) for e in result.estimates]
     return ("parameter", "value", "standard error", "90 % interval", "unit"), rows
 
 
@@ -111,7 +104,12 @@ def draw_fit(axes: Axes, panel: FitPanel) -> None:
         axes.errorbar(
             panel.x, panel.y, panel.y_sd, fmt="o", color=GREY, markersize=4, capsize=2, label="measured", zorder=3
         )
-    _draw_curves(axes, panel.curves)
+    looks = zip((BLUE, ORANGE, GREEN, PINK), ("-", "--", ":", "-."), strict=True)
+    for curve, (colour, dash) in zip(panel.curves, looks, strict=False):
+        if curve.dots:
+            axes.plot(curve.x, curve.y, "s", color=colour, markersize=4, label=curve.label)
+        else:
+            axes.plot(curve.x, curve.y, dash, color=colour, label=curve.label, zorder=4)
     if panel.ticks:
         axes.set_xticks(panel.x, panel.ticks)
         axes.margins(x=0.25)
@@ -119,14 +117,6 @@ def draw_fit(axes: Axes, panel: FitPanel) -> None:
     if panel.curves:
         axes.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=2)
     axes.set_ylabel(panel.y_label)
-
-
-def _draw_curves(axes: Axes, curves: Sequence[FitCurve]) -> None:
-    for curve, colour, dash in zip(curves, (BLUE, ORANGE, GREEN, PINK), ("-", "--", ":", "-."), strict=False):
-        if curve.dots:
-            axes.plot(curve.x, curve.y, "s", color=colour, markersize=4, label=curve.label)
-        else:
-            axes.plot(curve.x, curve.y, dash, color=colour, label=curve.label, zorder=4)
 
 
 def _draw_residuals(axes: Axes, panel: FitPanel) -> None:
@@ -143,27 +133,12 @@ def parameter_table(result: Identification) -> Table:
     """Tabulate the parameters of every fitted model and those derived from the preferred one."""
     groups = [(fit.name, fit.estimates) for fit in result.fits] + [("derived", result.derived)]
     rows = [
-        (
-            f"{_name_in_words(e)} ({e.symbol.partition(' ')[0]})",
-            group,
-            significant(e.value, e.sd),
-            _standard_error(e),
-            _interval(e),
-            e.unit,
-        )
+        (f"{_name_in_words(e)} ({e.symbol.partition(' ')[0]})", group, *_numbers_of(e))
         for group, estimates in groups
         for e in estimates
     ]
     columns = ("parameter", "model", "value", "standard error", "90 % interval", "unit")
     return Table(columns, rows, "The first model is the preferred one.", text_columns=2)
-
-
-def _fits_heading(fits: Sequence[FittedModel]) -> str:
-    if len(fits) == 1 and not fits[0].does_not_fit:
-        return f"Model of the data: {fits[0].name}"
-    if fits[0].does_not_fit:
-        return f"Best, but not good: {fits[0].name}"
-    return f"Model that the data support: {fits[0].name}, not {fits[1].name}"
 
 
 def estimate_in_words(estimate: IdentifiedParameter) -> str:
@@ -174,14 +149,14 @@ def estimate_in_words(estimate: IdentifiedParameter) -> str:
     return f"{significant(estimate.value, estimate.sd)} ± {significant(estimate.sd, estimate.sd)}{unit}"
 
 
-def _standard_error(estimate: IdentifiedParameter) -> str:
-    return significant(estimate.sd, estimate.sd) if estimate.has_interval else "not known"
-
-
-def _interval(estimate: IdentifiedParameter) -> str:
+def _numbers_of(estimate: IdentifiedParameter) -> tuple[str, str, str, str]:
+    """Write value, standard error, interval and unit."""
+    value, sd, low, high = (
+        significant(each, estimate.sd) for each in (estimate.value, estimate.sd, estimate.low, estimate.high)
+    )
     if not estimate.has_interval:
-        return "none"
-    return f"{significant(estimate.low, estimate.sd)} to {significant(estimate.high, estimate.sd)}"
+        return value, "not known", "none", estimate.unit
+    return value, sd, f"{low} to {high}", estimate.unit
 
 
 def significant(value: float, sd: float) -> str:

@@ -102,65 +102,39 @@ class TunnelThrusterRun:
 def _moment_fits(
     run: TunnelThrusterRun, forces: FittedModel, force: Array, moments: Array, noise: NoiseLevels
 ) -> tuple[FittedModel, ...]:
-    """Fit forces and moments together, with both laws of the centre of suction; the better one first."""
-    moving = FitParameter("suction_gradient", "k", "", 1.0)
-    constant = FitParameter("suction_offset", "x_T - x_S", "m", 0.1)
+    """Fit forces and moments together, with both laws of the centre of suction; the better one first.
+
+    Errors are those of separate fits where they are not stated.
+    """
+    constants, force_sd = forces.estimates, noise.thrust or max(forces.residual_sd, 1e-12)
+    measured = np.concatenate([force, moments])
 
     def joint(name: str, law: FitParameter) -> FittedModel:
-        return _joint_fit(name, run, law, forces, force, moments, noise)
+        def moment(both: Array, value: float) -> Array:
+            return run.moment(both, value, 0.0) if law.name == "suction_gradient" else run.moment(both, 0.0, value)
 
-    fits = [joint("centre of suction moves aft with speed", moving), joint("centre of suction stays", constant)]
-    return tuple(sorted(fits, key=lambda fitted: fitted.chi_squared))
+        def moment_alone(values: Array) -> Array:
+            return moment(np.array([estimate.value for estimate in constants]), values[0])
 
+        def together(values: Array) -> Array:
+            return np.concatenate([run.force(values[:2]), moment(values[:2], values[2])])
 
-def _joint_fit(
-    name: str,
-    run: TunnelThrusterRun,
-    law: FitParameter,
-    forces: FittedModel,
-    force: Array,
-    moments: Array,
-    noise: NoiseLevels,
-) -> FittedModel:
-    """Fit K_3, c and the parameter of a law of the centre of suction; errors from separate fits where not stated."""
-    constants = np.array([estimate.value for estimate in forces.estimates])
+        moment_sd = noise.moment or max(fit(name, moment_alone, [law], moments).residual_sd, 1e-12)
+        sd = np.concatenate([np.full_like(force, force_sd), np.full_like(moments, moment_sd)])
+        return fit(name, together, [*run.parameters(force), law], measured, sd)
 
-    def moment(both: Array, value: float) -> Array:
-        return run.moment(both, value, 0.0) if law.name == "suction_gradient" else run.moment(both, 0.0, value)
-
-    def moment_alone(values: Array) -> Array:
-        return moment(constants, values[0])
-
-    def together(values: Array) -> Array:
-        return np.concatenate([run.force(values[:2]), moment(values[:2], values[2])])
-
-    force_sd = noise.thrust or max(forces.residual_sd, 1e-12)
-    moment_sd = noise.moment or max(fit(name, moment_alone, [law], moments).residual_sd, 1e-12)
-    sd = [np.full_like(force, force_sd), np.full_like(moments, moment_sd)]
-    parameters, measured = [*run.parameters(force), law], np.concatenate([force, moments])
-    return fit(name, together, parameters, measured, np.concatenate(sd))
+    moving = joint("centre of suction moves aft with speed", FitParameter("suction_gradient", "k", "", 1.0))
+    staying = joint("centre of suction stays", FitParameter("suction_offset", "x_T - x_S", "m", 0.1))
+    return tuple(sorted((moving, staying), key=lambda fitted: fitted.chi_squared))
 
 
 def _panels(run: TunnelThrusterRun, best: FittedModel, force: Array, moments: Array | None) -> tuple[FitPanel, ...]:
     """Force factor against speed ratio and, where moments are given about another point, the moment factor."""
-    force_panel = _force_panel(run, best, force)
-    if moments is None or run.geometry.position == 0.0:
-        return (force_panel,)
-    return (force_panel, _moment_panel(run, best, moments))
-
-
-def _ratios(run: TunnelThrusterRun, best: FittedModel) -> tuple[Array, Array, Array]:
-    """Speed ratios of the data, and a grid of them with its force factors."""
     constant, decay = best["thrust_constant"].value, best["decay"].value
     ratio = run.ratio(np.array([constant, decay]))
     line = np.linspace(0.0, max(float(ratio.max()), 0.1), 100)
-    return ratio, line, np.asarray(tt.force_factor(line, decay))
-
-
-def _force_panel(run: TunnelThrusterRun, best: FittedModel, force: Array) -> FitPanel:
-    ratio, line, factor = _ratios(run, best)
-    static = tt.static_thrust(best["thrust_constant"].value, run.revolutions)
-    return FitPanel(
+    static, factor = tt.static_thrust(constant, run.revolutions), np.asarray(tt.force_factor(line, decay))
+    force_panel = FitPanel(
         name="force-factor",
         x_label="speed ratio u/u_j",
         y_label="K_F",
@@ -170,24 +144,23 @@ def _force_panel(run: TunnelThrusterRun, best: FittedModel, force: Array) -> Fit
         curves=(FitCurve("exp(-c (u/u_j)²)", line, factor),),
         alt="Share of the static force that the vehicle feels against speed ratio, falling to little as speed rises.",
     )
-
-
-def _moment_panel(run: TunnelThrusterRun, best: FittedModel, moments: Array) -> FitPanel:
-    geometry, (ratio, line, factor) = run.geometry, _ratios(run, best)
+    position = run.geometry.position
+    if moments is None or position == 0.0:
+        return (force_panel,)
     gradient = best["suction_gradient"].value if "suction_gradient" in best else 0.0
     offset = best["suction_offset"].value if "suction_offset" in best else 0.0
-    centre = geometry.position - offset - gradient * geometry.diameter * line
-    at_rest = tt.static_thrust(best["thrust_constant"].value, run.revolutions) * geometry.position
-    return FitPanel(
+    centre, at_rest = position - offset - gradient * run.geometry.diameter * line, static * position
+    moment_panel = FitPanel(
         name="moment-factor",
         x_label="speed ratio u/u_j",
         y_label="K_N",
         x=ratio,
         y=moments / at_rest,
         fitted=best.fitted[len(moments) :] / at_rest,
-        curves=(FitCurve(best.name, line, np.asarray(tt.moment_factor(factor, centre / geometry.position))),),
+        curves=(FitCurve(best.name, line, np.asarray(tt.moment_factor(factor, centre / position))),),
         alt="Moment over the static moment against speed ratio.",
     )
+    return force_panel, moment_panel
 
 
 def _remarks(run: TunnelThrusterRun, best: FittedModel) -> tuple[str, ...]:
@@ -242,12 +215,31 @@ def _static(data: TankData, at_rest: NDArray[np.bool_]) -> TankAnalysis:
         raise RunError(f"thrust: no row at rest has a {name} other than 0")
     thrust_sd = data.settings.noise.thrust
     fits = preferred_first(*_static_fits(command, thrust, thrust_sd, unit))
+    best, line = fits[0], np.linspace(command.min(), command.max(), 200)
+    known = {estimate.name: estimate.value for estimate in best.estimates}
+    pull = bollard_pull(line, *(known.get(name, 0.0) for name in ("ahead", "astern", "deadband")))
+    panel = FitPanel(
+        name="static-thrust",
+        x_label="voltage [V]" if unit == "V" else "shaft rate [rev/s]",
+        y_label="thrust [N]",
+        x=command,
+        y=thrust,
+        y_sd=thrust_sd,
+        fitted=best.fitted,
+        curves=(FitCurve(best.name, line, np.asarray(pull)),),
+        alt="Static thrust against the command with the preferred fit.",
+    )
+    parts = [f"{e.value:.4g} {e.unit} {e.name}" for e in best.estimates if e.name != "deadband"]
+    band = f", with a deadband of {best['deadband'].value:.2g} {best['deadband'].unit}" if "deadband" in best else ""
+    fragment: dict[str, object] = {"name": "thruster"}
+    for e in best.estimates:
+        fragment[e.name] = {"mean": f"{e.value:.5g} {e.unit}", "sd": f"{e.sd:.2g} {e.unit}"}
     return TankAnalysis(
-        answer=_constants_in_words(fits[0]),
+        answer=f"Thrust is {' and '.join(parts)}{band}.",
         fits=fits,
-        panels=(_static_panel(command, thrust, thrust_sd, fits[0], unit),),
-        remarks=_asymmetry(fits[0]) + (() if unit == "V" else (_RATE_REMARK,)),
-        fragment={"thrusters": [_static_fragment(fits[0])]} if unit == "V" else {},
+        panels=(panel,),
+        remarks=_asymmetry(best) + (() if unit == "V" else (_RATE_REMARK,)),
+        fragment={"thrusters": [fragment]} if unit == "V" else {},
     )
 
 
@@ -278,12 +270,6 @@ def _static_fits(command: Array, thrust: Array, thrust_sd: float | None, unit: s
     return simple, richer
 
 
-def _constants_in_words(best: FittedModel) -> str:
-    parts = [f"{e.value:.4g} {e.unit} {e.name}" for e in best.estimates if e.name != "deadband"]
-    band = f", with a deadband of {best['deadband'].value:.2g} {best['deadband'].unit}" if "deadband" in best else ""
-    return f"Thrust is {' and '.join(parts)}{band}."
-
-
 def _asymmetry(best: FittedModel) -> tuple[str, ...]:
     if "ahead" not in best or "astern" not in best:
         return ()
@@ -292,30 +278,4 @@ def _asymmetry(best: FittedModel) -> tuple[str, ...]:
     apart = abs(ahead.value - astern.value) / np.sqrt(variance) if variance > 0.0 else np.inf
     return (
         f"Astern it makes {100 * astern.value / ahead.value:.0f} % of its thrust ahead ({apart:.1f} standard errors).",
-    )
-
-
-def _static_fragment(best: FittedModel) -> dict[str, object]:
-    fragment: dict[str, object] = {"name": "thruster"}
-    for estimate in best.estimates:
-        its_unit = "N/V^2" if estimate.name != "deadband" else "V"
-        fragment[estimate.name] = {"mean": f"{estimate.value:.5g} {its_unit}", "sd": f"{estimate.sd:.2g} {its_unit}"}
-    return fragment
-
-
-def _static_panel(command: Array, thrust: Array, thrust_sd: float | None, best: FittedModel, unit: str) -> FitPanel:
-    line = np.linspace(command.min(), command.max(), 200)
-    ahead = best["ahead"].value if "ahead" in best else 0.0
-    astern = best["astern"].value if "astern" in best else 0.0
-    deadband = best["deadband"].value if "deadband" in best else 0.0
-    return FitPanel(
-        name="static-thrust",
-        x_label="voltage [V]" if unit == "V" else "shaft rate [rev/s]",
-        y_label="thrust [N]",
-        x=command,
-        y=thrust,
-        y_sd=thrust_sd,
-        fitted=best.fitted,
-        curves=(FitCurve(best.name, line, np.asarray(bollard_pull(line, ahead, astern, deadband))),),
-        alt="Static thrust against the command with the preferred fit.",
     )
