@@ -186,7 +186,7 @@ def test_the_drift_ends_at_the_anchor_within_the_radius(sizing, monkeypatch):
     seen = {}
     monkeypatch.setattr(figures, "to_figure", lambda figure, *words, **more: seen.update(figure=figure))
     figures.drift_figure(sizing)
-    plan, elevation = seen["figure"].axes
+    (plan,) = seen["figure"].axes
     record, profile = sizing.to_build.profile.record, sizing.to_build.profile
     (circle,) = (patch for patch in plan.patches if hasattr(patch, "radius"))
     assert circle.radius == sizing.radius
@@ -195,13 +195,6 @@ def test_the_drift_ends_at_the_anchor_within_the_radius(sizing, monkeypatch):
     until = np.count_nonzero(profile.time <= profile.stages["touchdown"])
     assert anchor == pytest.approx(profile.anchor_track[:, :until])
     assert vehicle == pytest.approx(profile.vehicle_track[:, :until])
-    far, deep = (np.array(each, dtype=float) for each in elevation.get_lines()[0].get_data())
-    assert far == pytest.approx(np.hypot(*anchor))
-    assert deep == pytest.approx(profile.anchor_depth[:until])
-    edges = np.cumsum([layer.thickness for layer in sizing.layers])[:-1]
-    level = [line.get_ydata()[0] for line in elevation.get_lines()[2:]]
-    assert level[: len(edges)] == pytest.approx(edges.tolist())
-    assert level[len(edges)] == sizing.depth
 
 
 def test_words_of_the_worst_case_and_of_why_none_does(sizing):
@@ -210,13 +203,13 @@ def test_words_of_the_worst_case_and_of_why_none_does(sizing):
         assert f"{layer.thickness:.1f} m at {layer.speed:.2f} m/s" in layers
     assert f"requires {sizing.required_velocity:.3f} m/s downward" in layers
     none = ProbableAnchor(0.99, None, "the line is too short", 12.0, 0.5, line_length=7.25, line_anchor_weight=13.46)
-    words = [plain(each) for each in sections._why_none(sizing, none)]
-    assert words == [
+    (section,) = sections.probable(replace(sizing, probable=none))
+    assert [plain(each) for each in section.blocks] == [
         "The line is too short.",
         f"A line of 7.2 m, instead of {sizing.line_length:.1f} m, with an anchor of 13.5 N would do.",
     ]
     worst, found = sizing.anchor, replace(sizing.anchor, wet_weight=sizing.anchor.wet_weight - 1.26)
-    assert "1.3 N lighter than the worst-case anchor" in plain(sections._compared(sizing, found, "it"))
-    assert "1.3 N heavier than the worst-case anchor" in plain(
-        sections._compared(sizing, replace(worst, wet_weight=worst.wet_weight + 1.26), "it")
-    )
+    heavier = replace(worst, wet_weight=worst.wet_weight + 1.26)
+    for anchor, than in ((found, "1.3 N lighter"), (heavier, "1.3 N heavier")):
+        (section,) = sections.probable(replace(sizing, probable=replace(none, anchor=anchor)))
+        assert f"{than} than the worst-case anchor" in plain(section.blocks[0])

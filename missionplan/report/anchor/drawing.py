@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -20,7 +20,6 @@ from missionplan.report.page import (
     ORANGE,
     SKY,
     YELLOW,
-    Block,
     Figure,
     PageSection,
     Table,
@@ -41,9 +40,7 @@ def drawing(design: AnchorDesign) -> Figure:
     figure = MatplotlibFigure(figsize=(6.0, 4.0))
     axes = figure.subplots()
     _draw_nose(axes, design)
-    _draw_front(axes, design)
-    _draw_bands(axes, design)
-    _label_parts(axes, design)
+    _draw_parts(axes, design)
     _mark_centre(axes, design, design.centre_of_buoyancy, "centre of buoyancy", "o", side=1.0)
     _mark_centre(axes, design, design.centre_of_gravity, "centre of gravity", "+", side=-1.0)
     _draw_dimensions(axes, design)
@@ -94,36 +91,38 @@ def _draw_nose(axes: Axes, design: AnchorDesign) -> None:
     axes.text(end + 10.0, 0.3 * nose, "vehicle's nose", fontsize=8.5, va="center")
 
 
-def _draw_front(axes: Axes, design: AnchorDesign) -> None:
-    """Draw the front as a hemispherical shell of its mass."""
-    front, radius = design.problem.construction.front, design.problem.radius
-    shell = front.mass / front.density / (2.0 * math.pi * radius**2)
-    r = radius * _MM
-    axes.add_patch(Wedge((r, 0.0), r, 90.0, 270.0, width=min(shell * _MM, r), facecolor=BLUE, linewidth=0.0))
-
-
-@dataclass(frozen=True)
-class _Band:
-    """A hollow cylinder: start from the tip, length, depth below the anchor's surface and thickness [m]."""
-
-    start: float
-    length: float
-    below: float
-    thickness: float
-    colour: str
-
-
-def _bands(design: AnchorDesign) -> Iterator[_Band]:
-    """Yield tube, back and, where there is one, trim ring, as thick as their masses make them."""
+def _draw_parts(axes: Axes, design: AnchorDesign) -> None:
+    """Draw front, tube, back and, where there is one, trim ring, as thick as their masses make them."""
     made, radius = design.problem.construction, design.problem.radius
+    r, end = radius * _MM, design.length * _MM
+    top = r + 6.0
+
+    def band(start: float, length: float, below: float, thickness: float, colour: str) -> None:
+        """Draw a hollow cylinder: start from the tip, length, depth below the anchor's surface and thickness [m]."""
+        for sign in (1.0, -1.0):
+            size = (length * _MM, -sign * thickness * _MM)
+            edge = sign * (radius - below) * _MM
+            axes.add_patch(Rectangle((start * _MM, edge), *size, facecolor=colour, zorder=4))
+
+    shell = made.front.mass / made.front.density / (2.0 * math.pi * radius**2)  # a hemisphere
+    axes.add_patch(Wedge((r, 0.0), r, 90.0, 270.0, width=min(shell * _MM, r), facecolor=BLUE, linewidth=0.0))
+    axes.text(0.25 * r, top - 0.25 * r, "front", color=BLUE, ha="right", fontsize=8.5)
     wall = made.tube_mass_per_length / made.tube_density / (2.0 * math.pi * radius)
-    yield _Band(radius, max(design.cylinder_length, 0.0), 0.0, wall, YELLOW)
+    band(radius, max(design.cylinder_length, 0.0), 0.0, wall, YELLOW)
+    axes.text(r + 4.0, top, "tube", color=_DARK_YELLOW, ha="left", fontsize=8.5)
     depth = 2.0 * made.back.centre
-    back = made.back.mass / made.back.density / (2.0 * math.pi * (radius - wall) * depth)
-    yield _Band(design.length - depth, depth, wall, back, GREEN)
+    band(design.length - depth, depth, wall, made.back.mass / made.back.density / _around(radius, wall, depth), GREEN)
+    axes.text(end, top, "back", color=GREEN, ha="right", fontsize=8.5)
     if _has_ring(design):
-        ring = design.trim_mass / made.trim_density / (2.0 * math.pi * (radius - wall) * _RING_WIDTH)
-        yield _Band(design.trim_position - 0.5 * _RING_WIDTH, _RING_WIDTH, wall, ring, ORANGE)
+        thickness = design.trim_mass / made.trim_density / _around(radius, wall, _RING_WIDTH)
+        band(design.trim_position - 0.5 * _RING_WIDTH, _RING_WIDTH, wall, thickness, ORANGE)
+        label = f"ring {quantity(design.trim_mass, 'kg', '.2f')}"
+        axes.text(design.trim_position * _MM, top, label, color=ORANGE, ha="center", fontsize=8.5)
+
+
+def _around(radius: float, wall: float, width: float) -> float:
+    """Area inside the tube over a width of it [m²]."""
+    return 2.0 * math.pi * (radius - wall) * width
 
 
 def _has_ring(design: AnchorDesign) -> bool:
@@ -133,26 +132,6 @@ def _has_ring(design: AnchorDesign) -> bool:
 def _is_inside(design: AnchorDesign, place: float) -> bool:
     """Whether a place [m from the tip] lies in the anchor: of one that cannot be built it need not."""
     return 0.0 <= place <= design.length
-
-
-def _draw_bands(axes: Axes, design: AnchorDesign) -> None:
-    """Draw tube, back and ring, mirrored about the axis."""
-    for band in _bands(design):
-        for sign in (1.0, -1.0):
-            edge = sign * (design.problem.radius - band.below) * _MM
-            size = (band.length * _MM, -sign * band.thickness * _MM)
-            axes.add_patch(Rectangle((band.start * _MM, edge), *size, facecolor=band.colour, zorder=4))
-
-
-def _label_parts(axes: Axes, design: AnchorDesign) -> None:
-    r, end = design.problem.radius * _MM, design.length * _MM
-    top = r + 6.0
-    axes.text(0.25 * r, top - 0.25 * r, "front", color=BLUE, ha="right", fontsize=8.5)
-    axes.text(r + 4.0, top, "tube", color=_DARK_YELLOW, ha="left", fontsize=8.5)
-    axes.text(end, top, "back", color=GREEN, ha="right", fontsize=8.5)
-    if _has_ring(design):
-        label = f"ring {quantity(design.trim_mass, 'kg', '.2f')}"
-        axes.text(design.trim_position * _MM, top, label, color=ORANGE, ha="center", fontsize=8.5)
 
 
 def _mark_centre(axes: Axes, design: AnchorDesign, place: float, label: str, marker: str, *, side: float) -> None:
@@ -203,8 +182,13 @@ def hold_section(held: HeldVehicle, *, alone: bool = True) -> PageSection:
         f"the bottom, {quantity(worst.excursion, 'm', '.1f')} from the anchor, which "
         f"{'holds' if worst.holding_margin >= 0.0 else 'drags'}"
     )
-    blocks: list[Block] = [hold_figure(held), _numbers(held), *held.remedies, *_assumptions(held)]
-    return PageSection(heading, blocks)
+    states = _apart(held)
+    table = Table(
+        ("", *(state.current for state in states)),
+        [(label, *map(cell, states)) for label, cell in _ROWS],
+        f"With an anchor of {quantity(held.anchor_weight, 'N', '.3g')} wet and a holding factor of {held.friction:g}.",
+    )
+    return PageSection(heading, [hold_figure(held), table, *held.remedies, *_assumptions(held)])
 
 
 def _assumptions(held: HeldVehicle) -> Iterator[str]:
@@ -238,19 +222,13 @@ _ROWS: tuple[tuple[str, Callable[[HeldState], str]], ...] = (
     ("Line tension at the nose", lambda state: quantity(state.tension_at_nose, "N", ".2f")),
     ("Line tension at the anchor", lambda state: quantity(state.tension_at_anchor, "N", ".2f")),
     ("Anchor's own drag", lambda state: quantity(state.anchor_drag, "N", ".2f")),
-    ("Holding factor that it needs", lambda state: _needed(state.friction_needed)),
+    ("Holding factor that it needs", lambda state: _or_none(state.friction_needed, f"{state.friction_needed:.2f}")),
     ("Holding margin", lambda state: f"{state.holding_margin:.2f}"),
-    ("Wet weight of this size that just holds", lambda state: _weight(state.least_weight)),
+    (
+        "Wet weight of this size that just holds",
+        lambda state: _or_none(state.least_weight, quantity(state.least_weight, "N", ".1f")),
+    ),
 )
-
-
-def _numbers(held: HeldVehicle) -> Table:
-    states = _apart(held)
-    rows = [(label, *map(cell, states)) for label, cell in _ROWS]
-    caption = (
-        f"With an anchor of {quantity(held.anchor_weight, 'N', '.3g')} wet and a holding factor of {held.friction:g}."
-    )
-    return Table(("", *(state.current for state in states)), rows, caption)
 
 
 def _apart(held: HeldVehicle) -> tuple[HeldState, ...]:
@@ -259,12 +237,8 @@ def _apart(held: HeldVehicle) -> tuple[HeldState, ...]:
     return (*(state for state in others if f"{state.speed:.3f}" != f"{worst.speed:.3f}"), worst)
 
 
-def _needed(friction: float) -> str:
-    return f"{friction:.2f}" if math.isfinite(friction) else "none holds"
-
-
-def _weight(weight: float) -> str:
-    return quantity(weight, "N", ".1f") if math.isfinite(weight) else "none holds"
+def _or_none(value: float, words: str) -> str:
+    return words if math.isfinite(value) else "none holds"
 
 
 def hold_figure(held: HeldVehicle) -> Figure:
@@ -275,17 +249,20 @@ def hold_figure(held: HeldVehicle) -> Figure:
     low = min(-0.06 * top - 0.1, *(state.uphill * side for state in held.states for side in (left, right)))
     figure = MatplotlibFigure(figsize=(6.0, min(5.0, 0.95 + 5.4 * (1.25 * top - low) / (right - left))))
     axes = figure.subplots()
-    _draw_seafloor(axes, held, left, right)
-    _draw_anchor(axes, held)
+    rise = held.states[-1].uphill
+    axes.fill_between([left, right], [rise * left, rise * right], -1e3, color=GREY, alpha=0.25, linewidth=0.0)
+    axes.plot([left, right], [rise * left, rise * right], color=GREY, linewidth=1.5)
+    length, radius = held.anchor_length, 0.5 * held.anchor_diameter  # it lies with its back towards the line
+    outline = np.array([0.0, radius]) - _capsule(length, radius, blunt=True)
+    axes.add_patch(Polygon(outline, closed=True, facecolor=ORANGE, linewidth=0.0, zorder=5))
+    label: dict[str, Any] = {"textcoords": "offset points", "color": ORANGE, "ha": "right", "fontsize": 9}
+    axes.annotate("anchor", (-0.5 * length, 2.0 * radius), (-4, 8), **label)
     for state, colour in reversed(list(zip(reversed(_apart(held)), (BLUE, SKY), strict=False))):
         _draw_state(axes, held, state, colour)
-    axes.annotate(
-        "",
-        (left + 0.25 * (right - left), 1.16 * top),
-        (left + 0.02 * (right - left), 1.16 * top),
-        arrowprops={"arrowstyle": "->", "color": INK, "linewidth": 1.2},
-    )
-    axes.text(left + 0.27 * (right - left), 1.16 * top, "current", va="center", fontsize=9)
+    tail, tip, words = (left + part * (right - left) for part in (0.02, 0.25, 0.27))
+    arrow = {"arrowstyle": "->", "color": INK, "linewidth": 1.2}
+    axes.annotate("", (tip, 1.16 * top), (tail, 1.16 * top), arrowprops=arrow)
+    axes.text(words, 1.16 * top, "current", va="center", fontsize=9)
     axes.set(xlim=(left, right), ylim=(low, 1.25 * top), aspect="equal")
     name_axis(axes.xaxis, "Downstream of the anchor", "m")
     name_axis(axes.yaxis, "Above the anchor", "m")
@@ -301,29 +278,6 @@ def hold_figure(held: HeldVehicle) -> Figure:
         f"hold-{held.phase}" if held.phase != "moor" else "hold",
         alt=f"Vehicle, line and anchor to scale. {listed[:1].upper()}{listed[1:]}",
         caption="Vehicle, line and anchor to scale, every distribution at its mean, each current in its own direction.",
-    )
-
-
-def _draw_seafloor(axes: Axes, held: HeldVehicle, left: float, right: float) -> None:
-    rise = held.states[-1].uphill
-    axes.fill_between([left, right], [rise * left, rise * right], -1e3, color=GREY, alpha=0.25, linewidth=0.0)
-    axes.plot([left, right], [rise * left, rise * right], color=GREY, linewidth=1.5)
-
-
-def _draw_anchor(axes: Axes, held: HeldVehicle) -> None:
-    """Draw the anchor where it lies, its back towards the line."""
-    length, radius = held.anchor_length, 0.5 * held.anchor_diameter
-    outline = _capsule(length, radius, blunt=True)
-    place = np.array([0.0, radius])
-    axes.add_patch(Polygon(place - outline, closed=True, facecolor=ORANGE, linewidth=0.0, zorder=5))
-    axes.annotate(
-        "anchor",
-        (-0.5 * length, 2.0 * radius),
-        (-4, 8),
-        textcoords="offset points",
-        color=ORANGE,
-        ha="right",
-        fontsize=9,
     )
 
 

@@ -1,13 +1,13 @@
 """Figures of an anchor: where the drag comes from, and its nominal dive against time and in space."""
 
 from collections.abc import Mapping
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure as MatplotlibFigure
 from matplotlib.patches import Circle
 
-from missionplan.arrays import Array
 from missionplan.phases.mooring.profile import DescentProfile
 from missionplan.report.axes import name_axis
 from missionplan.report.page import BLUE, GREEN, GREY, INK, ORANGE, PINK, SKY, Figure, to_figure
@@ -20,93 +20,38 @@ _DASHED = (0, (4, 3))
 
 def drift_figure(sizing: AnchorSizing) -> Figure:
     """Draw the drift of anchor and vehicle from the last fix to touchdown."""
-    figure = MatplotlibFigure(figsize=(6.0, 3.6))
-    plan, elevation = figure.subplots(1, 2)
-    _draw_radius(plan, sizing)
-    _draw_plan(plan, sizing)
-    _draw_elevation(elevation, sizing)
+    anchor, radius = sizing.to_build, sizing.radius
+    profile, offset = anchor.profile, anchor.nominal.offset
+    until = int(np.count_nonzero(profile.time <= profile.stages["touchdown"]))
+    figure = MatplotlibFigure(figsize=(4.2, 4.0))
+    axes = figure.subplots()
+    axes.add_patch(Circle((0.0, 0.0), radius, fill=False, color=PINK, linewidth=1.2, linestyle=_DASHED))
+    axes.text(0.0, 1.04 * radius, f"radius {quantity(radius, 'm', '.1f')}", ha="center", va="bottom", fontsize=8.5)
+    axes.plot(0.0, 0.0, "o", color=INK, markersize=4)
+    axes.annotate("last fix", (0.0, 0.0), (-1.0, -1.5), ha="right", va="top", fontsize=8.5)
+    axes.plot(*profile.anchor_track[:, :until], color=ORANGE, linewidth=2.6)
+    axes.plot(*profile.vehicle_track[:, :until], color=BLUE, linewidth=1.3)
+    east, north = (float(value) for value in profile.record.offset[:, 0])
+    axes.plot(east, north, "x", color=ORANGE, markersize=7, markeredgewidth=2.0)
+    label: dict[str, Any] = {"textcoords": "offset points", "ha": "right", "va": "top", "fontsize": 8.5}
+    axes.annotate(quantity(offset, "m", ".1f"), (east, north), (0, -9), **label)
+    limit = 1.28 * max(radius, offset)
+    axes.set(xlim=(-limit, limit), ylim=(-limit, limit), aspect="equal")
+    name_axis(axes.xaxis, "East", "m")
+    name_axis(axes.yaxis, "North", "m")
+    how = "each body drifts with its layer" if anchor.dive.tied is None else "the line ties the drift of both bodies"
     return to_figure(
         figure,
         "drift",
         alt=(
             "Drift of anchor and vehicle from the last fix to touchdown: "
-            f"{quantity(sizing.to_build.nominal.offset, 'm', '.1f')}, "
-            f"with the allowed radius of {quantity(sizing.radius, 'm', '.1f')}"
+            f"{quantity(offset, 'm', '.1f')}, with the allowed radius of {quantity(radius, 'm', '.1f')}"
         ),
-        caption=f"The nominal dive with the mean currents: {_how(sizing)}. Cross: the anchor.",
+        caption=(
+            f"The nominal dive from above, with the mean currents: {how}. Orange: the anchor, which comes down at the "
+            "cross; blue: the vehicle."
+        ),
     )
-
-
-def _how(sizing: AnchorSizing) -> str:
-    """Say how the bodies drift."""
-    if sizing.to_build.dive.tied is None:
-        return "each body drifts with its layer"
-    return "the line ties the drift of both bodies"
-
-
-def _until_touchdown(sizing: AnchorSizing) -> int:
-    """Number of samples of the profile until touchdown."""
-    profile = sizing.to_build.profile
-    return int(np.count_nonzero(profile.time <= profile.stages["touchdown"]))
-
-
-def _draw_radius(axes: Axes, sizing: AnchorSizing) -> None:
-    """Draw the allowed radius about the last fix."""
-    radius = sizing.radius
-    axes.add_patch(Circle((0.0, 0.0), radius, fill=False, color=PINK, linewidth=1.2, linestyle=_DASHED))
-    axes.text(0.0, 1.04 * radius, f"radius {quantity(radius, 'm', '.1f')}", ha="center", va="bottom", fontsize=8.5)
-    axes.plot(0.0, 0.0, "o", color=INK, markersize=4)
-    axes.annotate("last fix", (0.0, 0.0), (-1.0, -1.5), ha="right", va="top", fontsize=8.5)
-
-
-def _draw_plan(axes: Axes, sizing: AnchorSizing) -> None:
-    profile, until, offset = sizing.to_build.profile, _until_touchdown(sizing), sizing.to_build.nominal.offset
-    axes.plot(*profile.anchor_track[:, :until], color=ORANGE, linewidth=2.6)
-    axes.plot(*profile.vehicle_track[:, :until], color=BLUE, linewidth=1.3)
-    east, north = (float(value) for value in profile.record.offset[:, 0])
-    axes.plot(east, north, "x", color=ORANGE, markersize=7, markeredgewidth=2.0)
-    axes.annotate(
-        quantity(offset, "m", ".1f"),
-        (east, north),
-        (0, -9),
-        textcoords="offset points",
-        ha="right",
-        va="top",
-        fontsize=8.5,
-    )
-    limit = 1.28 * max(sizing.radius, offset)
-    axes.set(xlim=(-limit, limit), ylim=(-limit, limit), aspect="equal")
-    name_axis(axes.xaxis, "East", "m")
-    name_axis(axes.yaxis, "North", "m")
-    axes.set_title("Plan")
-
-
-def _draw_elevation(axes: Axes, sizing: AnchorSizing) -> None:
-    profile, until = sizing.to_build.profile, _until_touchdown(sizing)
-    anchor, vehicle = np.hypot(*profile.anchor_track), np.hypot(*profile.vehicle_track)
-    axes.plot(anchor[:until], profile.anchor_depth[:until], color=ORANGE)
-    axes.plot(vehicle[:until], profile.vehicle_depth[:until], color=BLUE)
-    edge = 0.0
-    for layer in sizing.layers[:-1]:
-        edge += layer.thickness
-        axes.axhline(edge, color=SKY, linewidth=1.0)
-        axes.text(0.0, edge, "edge of a layer", va="bottom", fontsize=8.5)
-    axes.axhline(sizing.depth, color=GREY, linewidth=2.0)
-    axes.axvline(sizing.radius, color=PINK, linewidth=1.2, linestyle=_DASHED)
-    middle = int((until - 1) * 0.62)
-    _label(axes, "anchor", (anchor[middle], profile.anchor_depth[middle]), ORANGE, shift=(-7, -3), align="right")
-    _label(axes, "vehicle", (vehicle[middle], profile.vehicle_depth[middle]), BLUE, shift=(7, 3), align="left")
-    axes.set(ylim=(1.06 * sizing.depth, -0.04 * sizing.depth))
-    name_axis(axes.xaxis, "Distance from the last fix", "m")
-    name_axis(axes.yaxis, "Depth", "m")
-    axes.set_xlim(0.0, 1.1 * max(sizing.radius, sizing.to_build.nominal.offset))
-    axes.set_title("Elevation")
-
-
-def _label(
-    axes: Axes, words: str, place: tuple[float, float], colour: str, *, shift: tuple[int, int], align: str
-) -> None:
-    axes.annotate(words, place, shift, textcoords="offset points", color=colour, ha=align, fontsize=9)
 
 
 def drag_bars(anchor: SizedAnchor) -> Figure:
@@ -124,23 +69,12 @@ def draw_drag(axes: Axes, anchor: SizedAnchor) -> None:
     parts, left = _drag_parts(anchor), 0.0
     for row, (_, value, colour) in enumerate(parts):
         axes.barh(row, value, left=left, color=colour, height=0.62)
-        axes.text(
-            left + value + 0.01 * float(anchor.drag.total),
-            row,
-            quantity(value, "N", ".2f"),
-            va="center",
-            fontsize=9,
-        )
+        place = left + value + 0.01 * float(anchor.drag.total)
+        axes.text(place, row, quantity(value, "N", ".2f"), va="center", fontsize=9)
         left += value
-    axes.axvline(left, color=INK, linewidth=1.0, linestyle=(0, (4, 3)))
-    axes.text(
-        0.99 * left,
-        -0.75,
-        f"wet weight that balances it: {quantity(left, 'N', '.2f')}",
-        ha="right",
-        va="bottom",
-        fontsize=9,
-    )
+    axes.axvline(left, color=INK, linewidth=1.0, linestyle=_DASHED)
+    words = f"wet weight that balances it: {quantity(left, 'N', '.2f')}"
+    axes.text(0.99 * left, -0.75, words, ha="right", va="bottom", fontsize=9)
     axes.set_yticks(range(len(parts)), [name for name, _, _ in parts])
     axes.invert_yaxis()
     axes.grid(visible=False, axis="y")
@@ -171,7 +105,14 @@ def descent_profile(anchor: SizedAnchor) -> Figure:
     above.set(ylim=(1.06 * seafloor, -0.26 * seafloor))
     name_axis(above.yaxis, "Depth", "m")
     above.set_yticks([tick for tick in above.get_yticks() if 0.0 <= tick <= seafloor])
-    _draw_speed(below, profile, anchor.nominal.terminal_velocity)
+    end, terminal = profile.time[-1], anchor.nominal.terminal_velocity
+    below.plot(profile.time, profile.vehicle_speed, color=BLUE)
+    below.axhline(terminal, color=GREY, linewidth=1.0, linestyle=_DASHED)
+    words = f"terminal velocity {quantity(terminal, 'm/s', '.2f')}"
+    below.text(end, terminal, words, ha="right", va="bottom", fontsize=8.5)
+    below.set(xlabel="Time since the last fix (s)", xlim=(0.0, end))
+    name_axis(below.yaxis, "Vehicle's speed down", "m/s")
+    below.set_ylim(top=1.22 * max(terminal, float(np.nanmax(profile.vehicle_speed))))
     _mark_stages(above, below, profile.stages, float(profile.time[-1]), -0.25 * seafloor)
     return to_figure(
         figure,
@@ -194,16 +135,9 @@ def draw_depths(axes: Axes, profile: DescentProfile, seafloor: float) -> None:
     axes.axhline(seafloor, color=GREY, linewidth=2.0)
     axes.text(time[-1], seafloor, "seafloor", ha="right", va="bottom", fontsize=8.5)
     at = 0.45 * (profile.stages["touchdown"] + profile.stages["pull-down"])
-    anchor, nose = (
-        (at - 0.5, _at(profile, profile.anchor_depth, at)),
-        (at + 0.5, _at(profile, profile.vehicle_depth, at)),
-    )
-    axes.annotate("anchor", anchor, color=ORANGE, ha="right", va="top", fontsize=9)
-    axes.annotate("vehicle's nose", nose, color=BLUE, ha="left", va="bottom", fontsize=9)
-
-
-def _at(profile: DescentProfile, values: Array, time: float) -> float:
-    return float(np.interp(time, profile.time, values))
+    anchor, nose = (float(np.interp(at, time, depth)) for depth in (profile.anchor_depth, profile.vehicle_depth))
+    axes.annotate("anchor", (at - 0.5, anchor), color=ORANGE, ha="right", va="top", fontsize=9)
+    axes.annotate("vehicle's nose", (at + 0.5, nose), color=BLUE, ha="left", va="bottom", fontsize=9)
 
 
 def mark_lowest_point(axes: Axes, profile: DescentProfile, seafloor: float, altitude: float) -> None:
@@ -217,18 +151,6 @@ def mark_lowest_point(axes: Axes, profile: DescentProfile, seafloor: float, alti
         fontsize=8.5,
         arrowprops={"arrowstyle": "-", "color": INK, "linewidth": 0.7},
     )
-
-
-def _draw_speed(axes: Axes, profile: DescentProfile, terminal: float) -> None:
-    end = profile.time[-1]
-    axes.plot(profile.time, profile.vehicle_speed, color=BLUE)
-    axes.axhline(terminal, color=GREY, linewidth=1.0, linestyle=(0, (4, 3)))
-    axes.text(
-        end, terminal, f"terminal velocity {quantity(terminal, 'm/s', '.2f')}", ha="right", va="bottom", fontsize=8.5
-    )
-    axes.set(xlabel="Time since the last fix (s)", xlim=(0.0, end))
-    name_axis(axes.yaxis, "Vehicle's speed down", "m/s")
-    axes.set_ylim(top=1.22 * max(terminal, float(np.nanmax(profile.vehicle_speed))))
 
 
 def _mark_stages(above: Axes, below: Axes, stages: Mapping[str, float], end: float, height: float) -> None:

@@ -11,7 +11,7 @@ from missionplan.report.anchor.figures import descent_profile, draw_depths, draw
 from missionplan.report.anchor.sections import numbers_table
 from missionplan.report.axes import name_axis
 from missionplan.report.explained import judged_in_words, members_in_words, members_section
-from missionplan.report.page import Figure, Page, PageSection, Table
+from missionplan.report.page import Page, PageSection, Table
 from missionplan.report.quantities import quantity, reader_unit
 from missionplan.report.wording import listed, percent, phase_in_words, share
 from missionplan.results.anchor_sizing import AnchorSizing
@@ -70,10 +70,14 @@ def explanation_section(sizing: AnchorSizing) -> list[PageSection]:
 def page(sizing: AnchorSizing) -> Page:
     """Build the page of a sizing."""
     anchor = sizing.to_build
+    dives_well = anchor.touched_down and anchor.nominal.lowest_altitude > 0.0 and anchor.nominal.offset <= sizing.radius
+    works, design = sizing.succeeds and dives_well, anchor.design
+    built = design if design is not None and design.feasible else None
     return Page(
         title=f"Anchor for {phase_in_words(sizing.phase)}: {sizing.provenance.mission}",
         answer=answer(sizing),
-        draw=lambda: _main_figure(anchor),
+        # the anchor where it can be built, else its dive where there is one
+        draw=lambda: drawing(built) if built else descent_profile(anchor) if anchor.touched_down else None,
         numbers=[
             ("Wet weight", quantity(anchor.wet_weight, "N", ".2f")),
             ("Terminal velocity it is sized for", quantity(anchor.terminal_velocity, "m/s", ".2f")),
@@ -93,43 +97,30 @@ def page(sizing: AnchorSizing) -> Page:
             *([hold_section(sizing.held)] if sizing.held is not None else []),
             *sections.trim(sizing),
             sections.drag(sizing),
-            sections.all_numbers(sizing),
+            PageSection("All numbers", [Table(*numbers_table(sizing))]),
         ],
-        verdict=_verdict(sizing),
+        verdict="bad" if not works else "undecided" if _drags_in_words(sizing) else "good",
         table=lambda: numbers_table(sizing),
         plots={"descent": descent, "drag": drag},
     )
-
-
-def _verdict(sizing: AnchorSizing) -> str:
-    """Good where the anchor can be built, does what is asked, and its nominal dive ends well within the radius.
-
-    Undecided where it would drag with a holding factor that is assumed.
-    """
-    anchor = sizing.to_build
-    dives_well = anchor.touched_down and anchor.nominal.lowest_altitude > 0.0 and anchor.nominal.offset <= sizing.radius
-    if not (sizing.succeeds and dives_well):
-        return "bad"
-    return "undecided" if _drags_in_words(sizing) else "good"
 
 
 def answer(sizing: AnchorSizing) -> str:
     """Write which anchor to build and what it achieves, what that of the worst case would, and whether it drags."""
     sailed = members_in_words(sizing.members, "succeeds")
     which = f"{_which(sizing)}{sections.margin_in_words(sizing)}{judged_in_words(sizing.judged)}"
-    doubts = f"{explanation_in_words(sizing)}{sailed and f' {sailed}'}"
-    return f"{which}{doubts}{_drags_in_words(sizing)}{_others_in_words(sizing)}"
-
-
-def _others_in_words(sizing: AnchorSizing) -> str:
-    """Write that the mission moors elsewhere too, for which this anchor is not sized."""
-    names = [phase_in_words(name) for name in (sizing.phase, *sizing.others)]
-    return f" It is sized for {names[0]} alone, not for {listed(names[1:])}." if sizing.others else ""
+    doubts, others = f"{explanation_in_words(sizing)}{sailed and f' {sailed}'}", ""
+    if sizing.others:  # the mission moors elsewhere too
+        names = [phase_in_words(name) for name in (sizing.phase, *sizing.others)]
+        others = f" It is sized for {names[0]} alone, not for {listed(names[1:])}."
+    return f"{which}{doubts}{_drags_in_words(sizing)}{others}"
 
 
 def _which(sizing: AnchorSizing) -> str:
     """Write which anchor to build and what it achieves, then what that of the worst case would."""
-    built = f"{_anchor_in_words(sizing.to_build)} {_achieved(sizing, sizing.to_build)}"
+    anchor, radius = sizing.to_build, quantity(sizing.radius, "m", ".1f")
+    dives = f"dives stay within {radius} and clear of the bottom{sections.holding_in_words(anchor)}"
+    built = f"{_anchor_in_words(anchor)} {percent(anchor.probabilities.good)} of {dives}."
     probable = sizing.probable
     if probable is None:
         return built
@@ -156,16 +147,6 @@ def _drags_in_words(sizing: AnchorSizing) -> str:
     )
 
 
-def _achieved(sizing: AnchorSizing, anchor: SizedAnchor) -> str:
-    """Write how often dives succeed, beside what the mission requires."""
-    words = (
-        f"{percent(anchor.probabilities.good)} of dives stay within {quantity(sizing.radius, 'm', '.1f')} and "
-        "clear of the bottom"
-        f"{sections.holding_in_words(anchor)}"
-    )
-    return f"{words}."
-
-
 def _anchor_in_words(anchor: SizedAnchor) -> str:
     design = anchor.design
     weight = sections.weight_in_words(anchor)
@@ -178,13 +159,6 @@ def _anchor_in_words(anchor: SizedAnchor) -> str:
     if math.isfinite(design.trim_position):
         built += f", ring of {quantity(design.trim_mass, 'kg', '.2f')} at {design.trim_position * 1e3:.0f}\u00a0mm"
     return f"An anchor of {weight} wet, {built}: {sections.dive_in_words(anchor)}."
-
-
-def _main_figure(anchor: SizedAnchor) -> Figure | None:
-    """The anchor where it can be built, else its dive where there is one."""
-    if anchor.design is not None and anchor.design.feasible:
-        return drawing(anchor.design)
-    return descent_profile(anchor) if anchor.touched_down else None
 
 
 def descent(axes: Axes, sizing: AnchorSizing) -> None:

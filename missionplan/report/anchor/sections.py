@@ -2,7 +2,6 @@
 
 import math
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
 
 from missionplan.montecarlo.statistics import wilson
 from missionplan.physics.anchor import AnchorDesign
@@ -35,26 +34,36 @@ def probable(sizing: AnchorSizing) -> Iterator[PageSection]:
         return
     wanted, found = asked_in_words(sizing.probable), sizing.probable.anchor
     if found is None:
-        yield PageSection(f"No anchor does {wanted}", _why_none(sizing, sizing.probable))
-    else:
-        heading = f"For {wanted} the anchor weighs {weight_in_words(found)}"
-        problems = [f"{capitalised(problem)}." for problem in found.problems]
-        yield PageSection(heading, [_compared(sizing, found, wanted), _WORST_CASE, *_margins(sizing), *problems])
+        words = [f"{capitalised(sizing.probable.reason)}."]
+        if sizing.probable.line_length is not None:
+            line, weight = sizing.probable.line_length, sizing.probable.line_anchor_weight
+            words.append(
+                f"A line of {quantity(line, 'm', '.1f')}, instead of {quantity(sizing.line_length, 'm', '.1f')}, "
+                f"with an anchor of {quantity(weight, 'N', '.1f')} would do."
+            )
+        yield PageSection(f"No anchor does {wanted}", words)
+        return
+    worst, margins = sizing.anchor, []
+    difference = found.wet_weight - worst.wet_weight
+    compared = (
+        f"The {'lightest' if sizing.probable.lighter is None else 'lightest buildable'} anchor that does {wanted} "
+        f"weighs {weight_in_words(found)} wet, {quantity(abs(difference), 'N', '.1f')} "
+        f"{'lighter' if difference < 0.0 else 'heavier'} than the worst-case anchor, which reaches "
+        f"{percent(worst.probabilities.good)}. It is {dive_in_words(found)}."
+    )
+    for each in sizing.probable.margins:  # anchors a little lighter and heavier
+        dives, missed = each.probabilities, f"; missed: {', '.join(each.misses)}" if each.misses else ""
+        ends = f"{percent(dives.good)} of dives succeed, {percent(dives.struck)} strike the seafloor"
+        margins.append(f"With {quantity(each.weight, 'N', '.2f')} {ends}{missed}.")
+    problems = [f"{capitalised(problem)}." for problem in found.problems]
+    heading = f"For {wanted} the anchor weighs {weight_in_words(found)}"
+    yield PageSection(heading, [compared, _WORST_CASE, *margins, *problems])
 
 
 def asked_in_words(probable: ProbableAnchor) -> str:
     """Write what is asked of dives: ``95 % of dives that succeed``, or what the mission requires."""
     share = "" if probable.required is None else f"{100 * probable.required:g}\u00a0% of dives that succeed"
     return share or "all that the mission requires of its dives"
-
-
-def _margins(sizing: AnchorSizing) -> Iterator[str]:
-    """Write how the dives of anchors a little lighter and heavier than the one found end."""
-    for each in sizing.probable.margins if sizing.probable is not None else ():
-        dives = each.probabilities
-        ends = f"{percent(dives.good)} of dives succeed, {percent(dives.struck)} strike the seafloor"
-        missed = f"; missed: {', '.join(each.misses)}" if each.misses else ""
-        yield f"With {quantity(each.weight, 'N', '.2f')} {ends}{missed}."
 
 
 def margin_in_words(sizing: AnchorSizing) -> str:
@@ -65,29 +74,6 @@ def margin_in_words(sizing: AnchorSizing) -> str:
     if not heavier.misses:
         return ""
     return f" Built heavier, with {quantity(heavier.weight, 'N', '.2f')}, it would miss {', '.join(heavier.misses)}."
-
-
-def _why_none(sizing: AnchorSizing, probable: ProbableAnchor) -> list[str]:
-    words = [f"{capitalised(probable.reason)}."]
-    if probable.line_length is not None:
-        words.append(
-            f"A line of {quantity(probable.line_length, 'm', '.1f')}, instead of "
-            f"{quantity(sizing.line_length, 'm', '.1f')}, "
-            f"with an anchor of {quantity(probable.line_anchor_weight, 'N', '.1f')} would do."
-        )
-    return words
-
-
-def _compared(sizing: AnchorSizing, found: SizedAnchor, wanted: str) -> str:
-    worst = sizing.anchor
-    difference = found.wet_weight - worst.wet_weight
-    which = "lightest" if sizing.probable is None or sizing.probable.lighter is None else "lightest buildable"
-    return (
-        f"The {which} anchor that does {wanted} weighs {weight_in_words(found)} wet, "
-        f"{quantity(abs(difference), 'N', '.1f')} "
-        f"{'lighter' if difference < 0.0 else 'heavier'} than the worst-case anchor, which reaches "
-        f"{percent(worst.probabilities.good)}. It is {dive_in_words(found)}."
-    )
 
 
 def weight_in_words(anchor: SizedAnchor) -> str:
@@ -111,39 +97,27 @@ def dive_in_words(anchor: SizedAnchor) -> str:
 
 def probabilities(sizing: AnchorSizing) -> PageSection:
     """Present how often dives stay within the radius and clear of the bottom."""
-    good = percent(sizing.to_build.probabilities.good)
-    holding = holding_in_words(sizing.to_build)
-    heading = f"{good} of dives stay within {quantity(sizing.radius, 'm', '.1f')} and clear of the bottom{holding}"
-    return PageSection(heading, [_dives_in_words(sizing)])
-
-
-def _dives_in_words(sizing: AnchorSizing) -> str:
     dives, trials = sizing.to_build.probabilities, sizing.provenance.trials
+    holding, radius = holding_in_words(sizing.to_build), quantity(sizing.radius, "m", ".1f")
+    heading = f"{percent(dives.good)} of dives stay within {radius} and clear of the bottom{holding}"
     offset, lowest = dives.offset, dives.lowest_altitude.p05
-    if offset.count == 0:
-        drawn = f"{number(trials)} dives drawn from the mission's distributions"
-        return f"In none of {drawn} does the anchor reach the seafloor."
-    unit = reader_unit("m", offset.p95)
-    middle, far = number(unit(offset.p50), unit(offset.standard_error)), unit(offset.p95)
-    words = (
-        f"{_those_that_land(offset.count, trials)} the anchor comes down "
-        f"{middle}{unit.suffix} from the last fix in the median and "
-        f"{number(far, unit(2.0 * offset.standard_error))}{unit.suffix} at the 95th percentile. The vehicle "
-        f"strikes the seafloor in {percent(dives.struck)}"
-    )
-    return (
-        f"{words}; in one dive of twenty it stops within {quantity(lowest, 'm', '.2f')} of it."
-        if lowest > 0.0
-        else f"{words}."
-    )
-
-
-def _those_that_land(landed: int, trials: int) -> str:
-    """Write of which dives a statistic of the offset is."""
     drawn = f"{number(trials)} dives drawn from the mission's distributions"
-    if landed == trials:
-        return f"Over {drawn}"
-    return f"Of {drawn}, in {share(wilson(landed, trials))} the anchor reaches the seafloor; in these"
+    if offset.count == 0:
+        return PageSection(heading, [f"In none of {drawn} does the anchor reach the seafloor."])
+    of_which = f"Over {drawn}"
+    if offset.count < trials:
+        landed = share(wilson(offset.count, trials))
+        of_which = f"Of {drawn}, in {landed} the anchor reaches the seafloor; in these"
+    unit = reader_unit("m", offset.p95)
+    middle, far = unit(offset.p50), unit(offset.p95)
+    words = (
+        f"{of_which} the anchor comes down {number(middle, unit(offset.standard_error))}{unit.suffix} from the last "
+        f"fix in the median and {number(far, unit(2.0 * offset.standard_error))}{unit.suffix} at the 95th percentile. "
+        f"The vehicle strikes the seafloor in {percent(dives.struck)}"
+    )
+    if lowest > 0.0:
+        words += f"; in one dive of twenty it stops within {quantity(lowest, 'm', '.2f')} of it"
+    return PageSection(heading, [f"{words}."])
 
 
 def dive(sizing: AnchorSizing) -> Iterator[PageSection]:
@@ -213,54 +187,33 @@ def drag(sizing: AnchorSizing) -> PageSection:
     return PageSection(heading, [drag_bars(anchor), *sizing.notes])
 
 
-def all_numbers(sizing: AnchorSizing) -> PageSection:
-    """Tabulate every number of the anchors."""
-    return PageSection("All numbers", [Table(*numbers_table(sizing))])
-
-
-@dataclass(frozen=True)
-class _Row:
-    """A number of an anchor: label, SI value (None where the anchor has no construction), digits, and shown unit."""
-
-    label: str
-    value: Callable[[SizedAnchor], float | None]
-    digits: int
-    unit: str
-    scale: float = 1.0
-
-    def cell(self, anchor: SizedAnchor) -> str:
-        value = self.value(anchor)
-        if value is None or not math.isfinite(value):
-            return "–"
-        return quantity(value * self.scale, self.unit, f".{self.digits}f")
-
-
 def _of_design(value: Callable[[AnchorDesign], float]) -> Callable[[SizedAnchor], float | None]:
     """Take a number of an anchor's design, where it has one."""
     return lambda anchor: None if anchor.design is None else value(anchor.design)
 
 
-_ROWS = (
-    _Row("Wet weight", lambda anchor: anchor.wet_weight, 2, "N"),
-    _Row("Terminal velocity sized for", lambda anchor: anchor.terminal_velocity, 3, "m/s"),
-    _Row("Dry mass = displaced mass", _of_design(lambda design: design.dry_mass), 4, "kg"),
-    _Row("Flooded mass", _of_design(lambda design: design.flooded_mass), 3, "kg"),
-    _Row("Length", _of_design(lambda design: design.length), 1, "mm", 1e3),
-    _Row("Tube length C", _of_design(lambda design: design.cylinder_length), 2, "mm", 1e3),
-    _Row("Trim ring's mass", _of_design(lambda design: design.trim_mass), 4, "kg"),
-    _Row("Trim ring from the tip", _of_design(lambda design: design.trim_position), 1, "mm", 1e3),
-    _Row("Centre of gravity from the tip", _of_design(lambda design: design.centre_of_gravity), 1, "mm", 1e3),
-    _Row("Centre of buoyancy from the tip", _of_design(lambda design: design.centre_of_buoyancy), 1, "mm", 1e3),
-    _Row("Separation to touchdown", lambda anchor: anchor.nominal.time, 2, "s"),
-    _Row("of which until the line is taut", lambda anchor: anchor.nominal.payout_time, 2, "s"),
-    _Row("Peak tension of the snatch", lambda anchor: anchor.nominal.snatch_tension, 0, "N"),
-    _Row("Taut line to nose down", lambda anchor: anchor.nominal.nose_down_time, 2, "s"),
-    _Row("Depth lost meanwhile", lambda anchor: anchor.nominal.depth_lost, 2, "m"),
-    _Row("Terminal velocity of the dive", lambda anchor: anchor.nominal.terminal_velocity, 3, "m/s"),
-    _Row("Speed at touchdown", lambda anchor: anchor.nominal.touchdown_speed, 3, "m/s"),
-    _Row("Anchor from the last fix", lambda anchor: anchor.nominal.offset, 2, "m"),
-    _Row("Vehicle's lowest altitude", lambda anchor: anchor.nominal.lowest_altitude, 2, "m"),
+_ROWS: tuple[tuple[str, Callable[[SizedAnchor], float | None], int, str], ...] = (
+    ("Wet weight", lambda anchor: anchor.wet_weight, 2, "N"),
+    ("Terminal velocity sized for", lambda anchor: anchor.terminal_velocity, 3, "m/s"),
+    ("Dry mass = displaced mass", _of_design(lambda design: design.dry_mass), 4, "kg"),
+    ("Flooded mass", _of_design(lambda design: design.flooded_mass), 3, "kg"),
+    ("Length", _of_design(lambda design: design.length), 1, "mm"),
+    ("Tube length C", _of_design(lambda design: design.cylinder_length), 2, "mm"),
+    ("Trim ring's mass", _of_design(lambda design: design.trim_mass), 4, "kg"),
+    ("Trim ring from the tip", _of_design(lambda design: design.trim_position), 1, "mm"),
+    ("Centre of gravity from the tip", _of_design(lambda design: design.centre_of_gravity), 1, "mm"),
+    ("Centre of buoyancy from the tip", _of_design(lambda design: design.centre_of_buoyancy), 1, "mm"),
+    ("Separation to touchdown", lambda anchor: anchor.nominal.time, 2, "s"),
+    ("of which until the line is taut", lambda anchor: anchor.nominal.payout_time, 2, "s"),
+    ("Peak tension of the snatch", lambda anchor: anchor.nominal.snatch_tension, 0, "N"),
+    ("Taut line to nose down", lambda anchor: anchor.nominal.nose_down_time, 2, "s"),
+    ("Depth lost meanwhile", lambda anchor: anchor.nominal.depth_lost, 2, "m"),
+    ("Terminal velocity of the dive", lambda anchor: anchor.nominal.terminal_velocity, 3, "m/s"),
+    ("Speed at touchdown", lambda anchor: anchor.nominal.touchdown_speed, 3, "m/s"),
+    ("Anchor from the last fix", lambda anchor: anchor.nominal.offset, 2, "m"),
+    ("Vehicle's lowest altitude", lambda anchor: anchor.nominal.lowest_altitude, 2, "m"),
 )
+"""Label, SI value (None where the anchor has no construction), digits, and shown unit."""
 
 
 def numbers_table(sizing: AnchorSizing) -> tuple[list[str], list[list[str]]]:
@@ -269,10 +222,16 @@ def numbers_table(sizing: AnchorSizing) -> tuple[list[str], list[list[str]]]:
     if sizing.probable is not None and sizing.probable.anchor is not None:
         required = sizing.probable.required
         anchors["as required" if required is None else f"{100 * required:g} %"] = sizing.probable.anchor
-    rows = [
-        [row.label, *(row.cell(anchor) for anchor in anchors.values())]
-        for row in _ROWS
-        if row.value(sizing.anchor) is not None
-    ]
+    rows = []
+    for label, value_of, digits, unit in _ROWS:
+        if value_of(sizing.anchor) is None:
+            continue
+        row = [label]
+        for anchor in anchors.values():
+            value = value_of(anchor)
+            known = value is not None and math.isfinite(value)
+            scaled = (value or 0.0) * (1e3 if unit == "mm" else 1.0)
+            row.append(quantity(scaled, unit, f".{digits}f") if known else "–")
+        rows.append(row)
     good = [percent(anchor.probabilities.good) for anchor in anchors.values()]
     return ["", *anchors], [*rows, ["Dives that succeed", *good]]
