@@ -15,18 +15,18 @@ from scipy.special import chdtrc
 from missionplan.effects import CATALOGUE
 from missionplan.errors import InputError, Problem, attempted
 from missionplan.identity import differences, digest_of, program_part
-from missionplan.mission import Mission, MissionOrPath, as_mission
+from missionplan.mission import MissionOrPath, as_mission
 from missionplan.mission.documents import load_document, read_text
 from missionplan.mission.includes import hash_of, read_draws
 from missionplan.mission.learned import Series, series_of
 from missionplan.moments import moment_or_none
-from missionplan.montecarlo.levels import Measured, Seen
+from missionplan.montecarlo.levels import Seen
 from missionplan.montecarlo.posterior import FILE, DamagedPosteriorError
 from missionplan.results import Provenance
 from missionplan.results.entries import mapping, mappings, real
 from missionplan.results.learned.levels import Level, ParameterLevels
 from missionplan.store.folder import as_path
-from missionplan.studies.history.result import History, Learned, Row, State, rates_file, read_counts, updated_rates
+from missionplan.studies.history.result import History, Learned, State, rates_file, read_counts, updated_rates
 
 
 def parameter_levels(seen: Sequence[Seen], reports: Mapping[str, str] | None = None) -> tuple[ParameterLevels, ...]:
@@ -40,30 +40,22 @@ def parameter_levels(seen: Sequence[Seen], reports: Mapping[str, str] | None = N
 
 def _told(series: Series, reports: Mapping[str, str]) -> ParameterLevels:
     levels, then = series.levels()
-    mean, sd = levels.at(np.append(levels.measured.times, then))
+    measured, (effect, name, _) = levels.measured, series.of
+    mean, sd = levels.at(np.append(measured.times, then))
+    numbers = zip(mean[:-1].tolist(), sd[:-1].tolist(), levels.jumps.tolist(), strict=True)
     missions = tuple(
-        Level(reports.get(each.record, each.record), each.date if math.isfinite(each.date) else None, *numbers)
-        for each, *numbers in zip(
-            series.records[-len(levels.measured.times) :],
-            mean[:-1].tolist(),
-            sd[:-1].tolist(),
-            levels.jumps.tolist(),
-            strict=True,
-        )
+        Level(reports.get(each.record, each.record), each.date if math.isfinite(each.date) else None, *told)
+        for each, told in zip(series.records[-len(measured.times) :], numbers, strict=True)
     )
-    effect, name, _ = series.of
-    unit = CATALOGUE[effect].parameters[name].unit
-    trend, agreement = levels.trend, _agreement(levels.measured)
-    return ParameterLevels(effect, name, unit, missions, *trend, float(mean[-1]), float(sd[-1]), agreement=agreement)
-
-
-def _agreement(measured: Measured) -> float:
-    """Probability that measurements of one mission differ by chance as they do: χ² about their weighted means."""
+    # measurements of one mission differ by chance as they do: χ² about their weighted means
     _, mission = np.unique(measured.times, return_inverse=True)
     weight = np.asarray(measured.sds) ** -2.0
-    mean = np.bincount(mission, weight * measured.values) / np.bincount(mission, weight)
-    free = len(mission) - len(mean)
-    return float(chdtrc(free, np.sum(weight * (measured.values - mean[mission]) ** 2))) if free else 1.0
+    middle = np.bincount(mission, weight * measured.values) / np.bincount(mission, weight)
+    free = len(mission) - len(middle)
+    chance = float(chdtrc(free, np.sum(weight * (measured.values - middle[mission]) ** 2))) if free else 1.0
+    unit = CATALOGUE[effect].parameters[name].unit
+    now = float(mean[-1]), float(sd[-1])
+    return ParameterLevels(effect, name, unit, missions, *levels.trend, *now, agreement=chance)
 
 
 MAX_BYTES = 20_000_000
@@ -122,43 +114,28 @@ def history(folder: str | Path, *, mission: MissionOrPath | None = None) -> Hist
     by_start = all(report.start for report in reports)
     reports.sort(key=lambda report: (_moment(report.start if by_start else report.created), report.place))
     entries = [entry for report in reports for entry in _learned(report, report.start if by_start else report.created)]
-    told = (*foreign, *copies, *notices, *_other_programs(reports))
-    provenance = replace(_provenance(root, reports, rows, planned), notices=told, elapsed_s=time.perf_counter() - began)
-    written = rates_file(rates, planned) if rates else ""
-    levels = _levels(reports)
-    places = tuple(report.place for report in reports)
-    return History(provenance, places, tuple(_with_jumps(entries, levels)), by_start, levels, rates, written)
-
-
-def _levels(reports: Sequence[_Report]) -> tuple[ParameterLevels, ...]:
-    """Levels by all that the draws of reports have seen, each record once."""
+    # levels by all that the draws of reports have seen, each record once
     names = {hash_of(report.summary.get("learned_from")): report.place for report in reports}
-    return parameter_levels([each for report in reports for each in report.seen], names)
-
-
-def _with_jumps(entries: Sequence[Learned], levels: Sequence[ParameterLevels]) -> Iterator[Learned]:
-    """Call changed what is told by a record before which its level jumped."""
+    levels = parameter_levels([each for report in reports for each in report.seen], names)
+    # what is told by a record before which its level jumped is changed
     jumped = {(each.effect, each.name, level.record) for each in levels for level in each.jumps}
-    for entry in entries:
-        yield replace(entry, state="changed") if (*entry.key, entry.report) in jumped else entry
-
-
-def _provenance(root: Path, reports: Sequence[_Report], rows: Sequence[Row], planned: Mission | None) -> Provenance:
-    missions = dict.fromkeys(str(report.summary.get("mission", "")) for report in reports)
-    return Provenance(
+    entries = [replace(each, state="changed") if (*each.key, each.report) in jumped else each for each in entries]
+    places = tuple(report.place for report in reports)
+    provenance = Provenance(
         command="history",
-        mission=", ".join(missions),
+        mission=", ".join(dict.fromkeys(str(report.summary.get("mission", "")) for report in reports)),
         file="",
-        seed=0,
-        trials=0,
         options={"folder": str(root), **({} if planned is None else {"mission": planned.file})},
-        elapsed_s=0.0,
-        data={"folder": str(root), "reports": [report.place for report in reports]},
+        elapsed_s=time.perf_counter() - began,
+        data={"folder": str(root), "reports": list(places)},
+        notices=(*foreign, *copies, *notices, *_other_programs(reports)),
         inputs={
             "reports": {report.place: digest_of(report.summary) for report in reports},
             **({"counts": digest_of([row.digest for row in rows])} if rows else {}),
         },
     )
+    written = rates_file(rates, planned) if rates else ""
+    return History(provenance, places, tuple(entries), by_start, levels, rates, written)
 
 
 def _other_programs(reports: Sequence[_Report]) -> Iterator[str]:
@@ -211,7 +188,7 @@ def _counted_once(reports: Sequence[_Report]) -> tuple[list[_Report], tuple[str,
 def _read(place: Path, root: Path) -> _Report | None:
     """Read a report; None for one of several data sets, whose diagnoses lie in folders of their own.
 
-    Raises InputError when its summary is no JSON of a diagnosis, or its mission cannot be read.
+    Raises InputError when its summary is no JSON of a diagnosis, its mission cannot be read, or its draws are damaged.
     """
     file = place / "summary.json"
     try:
@@ -224,20 +201,11 @@ def _read(place: Path, root: Path) -> _Report | None:
         raise InputError([Problem("is not the summary of a diagnosis", str(file))])
     mission = load_document(place / "mission.yaml").data if (place / "mission.yaml").is_file() else {}
     start = str(mapping(mission).get("start") or "")
-    return _Report(place.relative_to(root).as_posix(), summary, start, _seen(place / FILE))
-
-
-def _seen(file: Path) -> tuple[Seen, ...]:
-    """Read what a report's draws have seen of levels; nothing where there are none.
-
-    Raises InputError when they are damaged.
-    """
-    if not file.is_file():
-        return ()
     try:
-        return read_draws(file).seen
+        seen = read_draws(place / FILE).seen if (place / FILE).is_file() else ()
     except DamagedPosteriorError as error:
-        raise InputError([Problem(str(error), str(file))]) from error
+        raise InputError([Problem(str(error), str(place / FILE))]) from error
+    return _Report(place.relative_to(root).as_posix(), summary, start, seen)
 
 
 def _can_be_told(summary: Mapping[str, object]) -> bool:
@@ -261,27 +229,25 @@ def _learned(report: _Report, moment: str) -> Iterator[Learned]:
     """Yield what a diagnosis says of each parameter: of its causes, and of what the mission knew."""
     summary = report.summary
     best = mappings(summary.get("ranking"))[:1] if summary.get("causes") else []
-    likely = _probability(summary)
+    # less than 1 where the diagnosis left a doubt
+    doubt = [each for each in mappings(summary.get("explanations")) if each.get("causes") == summary.get("causes")]
+    likely = real(doubt[0].get("probability")) if doubt else 1.0
     for parameter in [each for entry in best for each in mappings(entry.get("parameters"))]:
         known = summary.get("changed_effects")  # older reports do not name them
         changed = bool(summary.get("changed")) and (not isinstance(known, list) or parameter["effect"] in known)
-        entry = _entry(report, moment, parameter, parameter, "changed" if changed else "found")
-        yield replace(entry, probability=likely)
+        yield _entry(report, moment, parameter, parameter, "changed" if changed else "found", likely)
     for each in mappings(summary.get("confirmed")):
         for value in mappings([each.get("posterior")]):
-            entry = _entry(report, moment, each, value, "confirmed")
-            yield replace(entry, probability=real(each.get("probability", 1.0)))
-
-
-def _probability(summary: Mapping[str, object]) -> float:
-    """Probability that the causes found hold: less than 1 where the diagnosis left a doubt."""
-    doubt = mappings(summary.get("explanations"))
-    own = [real(each.get("probability")) for each in doubt if each.get("causes") == summary.get("causes")]
-    return own[0] if own else 1.0
+            yield _entry(report, moment, each, value, "confirmed", real(each.get("probability", 1.0)))
 
 
 def _entry(
-    report: _Report, moment: str, named: Mapping[str, object], value: Mapping[str, object], state: State
+    report: _Report,
+    moment: str,
+    named: Mapping[str, object],
+    value: Mapping[str, object],
+    state: State,
+    probability: float,
 ) -> Learned:
     numbers = {key: real(value.get(key)) for key in NUMBERS}
     return Learned(
@@ -293,5 +259,6 @@ def _entry(
         name=str(named["name"]),
         unit=str(value.get("unit", "")),
         state=state,
+        probability=probability,
         **numbers,
     )

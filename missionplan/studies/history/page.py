@@ -2,7 +2,7 @@
 
 import math
 import shlex
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Sequence
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -13,7 +13,6 @@ from missionplan.report.diagnosis.findings import jumps_in_words, trends_in_word
 from missionplan.report.page import BLUE, GREY, ORANGE, Cells, Figure, Page, PageSection, Table, to_figure
 from missionplan.report.quantities import Unit, reader_unit
 from missionplan.report.wording import capitalised, listed, parameter_in_words
-from missionplan.results.learned.levels import ParameterLevels
 from missionplan.studies.history.result import FailureRate, History, Learned
 
 MOST_PANELS = 12
@@ -27,12 +26,18 @@ UNLIKELY = 1e-6
 SURPRISING = 0.01
 """Probability of counts by the mission's rate below which they are called unlike it."""
 RATES = ("per", "seen in the fleet", "the mission's", "rate", "as far out")
+_OF_RATES = (
+    "Gamma distributions, with Jeffreys' prior of half a failure; 90 % intervals. The last column is the probability "
+    "of counts as far out by the mission's rate. A rate that the mission gives as a number, or a Weibull law, has no "
+    "counts: those of the fleet stand in its place. reliability.yaml has all hazards: name it in the vehicle file."
+)
 COLUMNS = ("Parameter", "Report", "Value", "90 % interval", "State")
 
 
 def page(history: History) -> Page:
     """Build the page of a history."""
     folder, given = shlex.quote(str(history.provenance.options["folder"])), history.provenance.options.get("mission")
+    rates = Table(RATES, _rate_rows(history), _OF_RATES, text_columns=3)
     order = "the missions' starts" if history.by_start else "the times at which the reports were made"
     return Page(
         title="What was learned from mission to mission",
@@ -44,11 +49,8 @@ def page(history: History) -> Page:
             ("Changes", str(len(history.changes))),
         ],
         write=lambda: [
-            *_failure_rates(history),
-            PageSection(
-                "All values",
-                [Table(COLUMNS, _rows(history), f"In the order of {order}.", 2)],
-            ),
+            *([PageSection("How often equipment fails", [rates])] if history.rates else []),
+            PageSection("All values", [Table(COLUMNS, _rows(history), f"In the order of {order}.", 2)]),
         ],
         rerun=f"missionplan history {folder}{f' --mission {shlex.quote(str(given))}' if given else ''}",
         table=lambda: _cells(history),
@@ -67,11 +69,6 @@ def answer(history: History) -> str:
     told = [*trends_in_words(history.levels), *jumps_in_words(history.levels)]
     told += [_rate_in_words(rate) for rate in history.rates]
     return " ".join([*([_learned_in_words(history)] if history.reports else []), *told]) or "Nothing new was counted."
-
-
-def _contradicted(levels: Iterable[ParameterLevels]) -> str:
-    """Name parameters that measurements of one mission do not agree on."""
-    return listed([parameter_in_words(each.effect, each.name) for each in levels if each.agreement < UNLIKELY])
 
 
 def _rate_in_words(rate: FailureRate) -> str:
@@ -93,18 +90,6 @@ def _rate_rows(history: History) -> list[list[str]]:
     ]
 
 
-def _failure_rates(history: History) -> Iterator[PageSection]:
-    if not history.rates:
-        return
-    caption = (
-        "Gamma distributions, with Jeffreys' prior of half a failure; 90 % intervals. The last column is the "
-        "probability of counts as far out by the mission's rate. A rate that the mission gives as a number, or a "
-        "Weibull law, has no counts: those of the fleet stand in its place. reliability.yaml has all hazards: name it "
-        "in the vehicle file."
-    )
-    yield PageSection("How often equipment fails", [Table(RATES, _rate_rows(history), caption, text_columns=3)])
-
-
 def _learned_in_words(history: History) -> str:
     count, many = len(history.reports), len(history.parameters)
     tells, learned = ("tells", "has") if count == 1 else ("tell", "have")
@@ -112,9 +97,10 @@ def _learned_in_words(history: History) -> str:
     if not many:
         return f"{who} {learned} learned no parameter."
     words = f"{who} {tells} of {many} parameter{'' if many == 1 else 's'}."
-    if unlike := _contradicted(history.levels):
-        unlike = f"Those of one date do not agree on the {unlike}: are they of one vehicle?"
-        return f"{words} {unlike} Give each its own folder."
+    unlike = [parameter_in_words(each.effect, each.name) for each in history.levels if each.agreement < UNLIKELY]
+    if unlike:
+        words += f" Those of one date do not agree on the {listed(unlike)}: are they of one vehicle?"
+        return f"{words} Give each its own folder."
     return f"{words}{_followed_in_words(history)}"
 
 

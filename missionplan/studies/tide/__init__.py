@@ -11,7 +11,6 @@ from pathlib import Path
 
 import numpy as np
 
-from missionplan.arrays import Array
 from missionplan.errors import InputError, Problem, shown
 from missionplan.identity import digest_of_files
 from missionplan.mission.units import QuantityError, parse_number_with_unit
@@ -62,9 +61,9 @@ def tide(
     """
     began = time.perf_counter()
     path = as_path(record, "record")
-    given, since = _angle(latitude), _moment(start)
+    since = _moment(start)
     measured = read_current_record(path, since)
-    north = _latitude(given, measured, path)
+    north = _latitude(latitude, measured, path)
     series = [_samples(measured, column, north) for column in range(measured.depth.size)]
     enough = [each.time.size >= LEAST_SAMPLES and each.lasting >= SHORTEST for each in series]
     if not any(enough):
@@ -76,7 +75,7 @@ def tide(
         if progress:
             progress(len(depths), int(np.sum(enough)))
     most = int(np.argmax([each.samples for each in depths]))
-    column = int(np.flatnonzero(enough)[most])
+    shown, column = depths[most], int(np.flatnonzero(enough)[most])
     lasting = float(measured.time[-1] - measured.time[0])
     return TideResult(
         provenance=Provenance(
@@ -94,20 +93,11 @@ def tide(
         days=lasting / DAY,
         time=measured.time[:_SHOWN],
         measured=np.stack((measured.east[:_SHOWN, column], measured.north[:_SHOWN, column])),
-        fitted=_fitted(depths[most], measured.time[:_SHOWN], north),
-        shown_depth=depths[most].depth,
+        fitted=np.array([[shown.east], [shown.north]])
+        + tidal_velocity(shown.constituents, measured.time[:_SHOWN], north),
+        shown_depth=shown.depth,
         unresolved=_unresolved(lasting),
     )
-
-
-def _angle(given: float | str | None) -> float | None:
-    if not isinstance(given, str):
-        return given
-    try:
-        return parse_number_with_unit(given, "rad")
-    except QuantityError as error:
-        hint = "a latitude such as '37.2 deg'; south is negative"
-        raise InputError([Problem(each.message, key="latitude", hint=hint) for each in error.problems]) from None
 
 
 def _moment(given: datetime | str | None) -> datetime | None:
@@ -118,14 +108,19 @@ def _moment(given: datetime | str | None) -> datetime | None:
         raise InputError([Problem(message, key="start")]) from None
 
 
-def _latitude(given: float | None, record: CurrentRecord, path: Path) -> float:
-    latitude = record.latitude if given is None else given
+def _latitude(given: float | str | None, record: CurrentRecord, path: Path) -> float:
+    try:
+        latitude = parse_number_with_unit(given, "rad") if isinstance(given, str) else given
+    except QuantityError as error:
+        hint = "a latitude such as '37.2 deg'; south is negative"
+        raise InputError([Problem(each.message, key="latitude", hint=hint) for each in error.problems]) from None
+    latitude = record.latitude if latitude is None else latitude
     if math.isnan(latitude):
         message = "nothing says at which latitude it was measured; nodal corrections need it"
         raise InputError([Problem(message, str(path), hint="give --latitude, such as --latitude '37.2 deg'")])
     if abs(latitude) > 0.5 * math.pi:
-        given_degrees = f"given {math.degrees(latitude):g}°"
-        raise InputError([Problem(f"{given_degrees}, expected a latitude between −90° and 90°", key="latitude")])
+        message = f"given {math.degrees(latitude):g}°, expected a latitude between −90° and 90°"
+        raise InputError([Problem(message, key="latitude")])
     return latitude
 
 
@@ -166,11 +161,6 @@ def _held_out(samples: Samples) -> HeldOut | None:
     error = samples.velocity[:, ~early] - fit.mean[:, None] - tidal_velocity(fit.constituents, late, samples.latitude)
     inside = float(np.mean(np.abs(error) <= _NINETY * fit.spread))
     return HeldOut(late.size, inside, float(np.sqrt(np.mean(error**2))))
-
-
-def _fitted(tide: DepthTide, moments: Array, latitude: float) -> Array:
-    mean = np.array([[tide.east], [tide.north]])
-    return mean + tidal_velocity(tide.constituents, moments, latitude)
 
 
 def _notices(record: CurrentRecord, enough: list[bool]) -> tuple[str, ...]:

@@ -217,18 +217,14 @@ def _fit(samples: Samples, names: Sequence[str], inferred: Mapping[str, str] | N
     waves, mean = _solve(samples, names, inferred or {})
     left = samples.velocity - mean[:, None] - tidal_velocity(waves, samples.time, samples.latitude)
     bare = HarmonicFit(samples, (), mean, fit_residual(samples.time, *left))
-    variances = bare.coefficient_variance([wave.name for wave in waves])
-    return HarmonicFit(samples, _with_errors(waves, variances), mean, bare.residual)
-
-
-def _with_errors(waves: Sequence[Constituent], variances: Array) -> tuple[Constituent, ...]:
     known = []
-    for wave, variance in zip(waves, variances, strict=True):
+    for wave, variance in zip(waves, bare.coefficient_variance([wave.name for wave in waves]), strict=True):
         axis, angle = ellipse_errors(wave.major, wave.minor, float(variance))
         if not wave.inferred_from:
             wave = replace(wave, major_error=axis, minor_error=axis, toward_error=angle, phase_error=angle)
         known.append(wave)
-    return tuple(sorted(known, key=lambda wave: -math.hypot(wave.major, wave.minor)))
+    largest = sorted(known, key=lambda wave: -math.hypot(wave.major, wave.minor))
+    return HarmonicFit(samples, tuple(largest), mean, bare.residual)
 
 
 def _without_outliers(samples: Samples, fit: HarmonicFit) -> Samples:
@@ -284,18 +280,12 @@ def _solve(
         **options,
     )
     columns = zip(map(str, found["name"]), found["Lsmaj"], found["Lsmin"], found["theta"], found["g"], strict=True)
-    waves = [
-        _constituent(name, float(major), float(minor), float(inclination), float(lag), (inferred or {}).get(name, ""))
-        for name, major, minor, inclination, lag in columns
-    ]
+    waves = []
+    for name, major, minor, inclination, lag in columns:  # an inclination is counter-clockwise from east [deg]
+        toward = math.radians(90.0 - float(inclination)) % (2.0 * math.pi)
+        turned = toward >= math.pi  # the other end of the major axis is reached half a period later
+        phase = (math.radians(float(lag)) + math.pi * turned) % (2.0 * math.pi)
+        reference = (inferred or {}).get(name, "")
+        ellipse = float(major), float(minor), toward - math.pi * turned, phase
+        waves.append(Constituent(name, *ellipse, inferred_from=reference))
     return waves, np.array([found["umean"], found["vmean"]], dtype=float)
-
-
-def _constituent(
-    name: str, major: float, minor: float, inclination: float, lag: float, inferred_from: str
-) -> Constituent:
-    """Turn UTide's ellipse, whose inclination is counter-clockwise from east [deg], into one of ours."""
-    toward = math.radians(90.0 - inclination) % (2.0 * math.pi)
-    turned = toward >= math.pi  # the other end of the major axis is reached half a period later
-    phase = (math.radians(lag) + math.pi * turned) % (2.0 * math.pi)
-    return Constituent(name, major, minor, toward - math.pi * turned, phase, inferred_from=inferred_from)

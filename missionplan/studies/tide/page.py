@@ -87,10 +87,9 @@ def record_figure(result: TideResult) -> Figure:
     upper, middle, lower = figure.subplots(3, 1, sharex=True)
     draw_record(upper, result, "east")
     draw_record(middle, result, "north")
-    moments = _moments(result)
-    left = result.measured - result.fitted
-    lower.plot(moments, left[0], color=ORANGE, linewidth=0.7, label="east")
-    lower.plot(moments, left[1], color=GREEN, linewidth=0.7, label="north")
+    colours = {"east": ORANGE, "north": GREEN}
+    for component, left in zip(colours, result.measured - result.fitted, strict=True):
+        lower.plot(_moments(result), left, color=colours[component], linewidth=0.7, label=component)
     name_axis(lower.yaxis, "left", "m/s")
     lower.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=2)
     lower.set(xlabel="UTC")
@@ -134,12 +133,10 @@ def page(result: TideResult) -> Page:
 
 
 def _cells(result: TideResult) -> Cells:
-    shown = result.shown
-    rows = [_row(wave) for wave in shown.constituents]
-    speed = reader_unit("m/s", 0.0)
+    shown, speed = result.shown, reader_unit("m/s", 0.0)
     at = f"at {quantity(shown.depth, 'm', 'g')}"
     columns = (at, f"major{speed.axis}", f"minor{speed.axis}", "toward (°)", "phase (°)")
-    return columns, rows
+    return columns, [_row(wave) for wave in shown.constituents]
 
 
 def answer(result: TideResult) -> str:
@@ -154,17 +151,13 @@ def answer(result: TideResult) -> str:
         f"The tide is {100.0 * shown.tidal_share:.0f} % of the current's variance {where}, {largest.name} the largest "
         f"with {number(speed(largest.major), speed(largest.major_error))}{speed.suffix}."
     )
-    return f"{first} {_forecast_in_words(shown, result.days)}"
-
-
-def _forecast_in_words(tide: DepthTide, days: float) -> str:
-    interval = _NINETY * tide.residual
-    held = tide.held_out
-    told = f"A forecast is within {quantity(interval, 'm/s', '.2f')} of each component nine times in ten"
-    if held is None:
-        return f"{told}, if what is left stays as it was; {days:.0f} days are too few to test it."
-    times = f"{100.0 * held.coverage:.0f} times in 100"
-    return f"{told}: the last quarter of the record, forecast from the rest, was so {times}."
+    told = (
+        f"A forecast is within {quantity(_NINETY * shown.residual, 'm/s', '.2f')} of each component nine times in ten"
+    )
+    if shown.held_out is None:
+        return f"{first} {told}, if what is left stays as it was; {result.days:.0f} days are too few to test it."
+    times = f"{100.0 * shown.held_out.coverage:.0f} times in 100"
+    return f"{first} {told}: the last quarter of the record, forecast from the rest, was so {times}."
 
 
 def _numbers(tide: DepthTide) -> list[tuple[str, str]]:
@@ -240,20 +233,15 @@ def _constituents(tide: DepthTide) -> PageSection:
 
 def _row(wave: Constituent) -> tuple[str, ...]:
     speed = reader_unit("m/s", 0.0)
-    pairs = (
-        (speed(wave.major), speed(wave.major_error)),
-        (speed(wave.minor), speed(wave.minor_error)),
-        (math.degrees(wave.toward), math.degrees(wave.toward_error)),
-        (math.degrees(wave.phase), math.degrees(wave.phase_error)),
-    )
+    pairs = [(speed(wave.major), speed(wave.major_error)), (speed(wave.minor), speed(wave.minor_error))]
+    pairs += [(math.degrees(wave.toward), math.degrees(wave.toward_error))]
+    pairs += [(math.degrees(wave.phase), math.degrees(wave.phase_error))]
     name = f"{wave.name} (from {wave.inferred_from})" if wave.inferred_from else wave.name
-    return (
-        name,
-        *(
-            number(value, max(0.01 * abs(value), 0.0001)) if math.isnan(error) else with_error(value, error, _AS_IT_IS)
-            for value, error in pairs
-        ),
+    told = (
+        number(value, max(0.01 * abs(value), 0.0001)) if math.isnan(error) else with_error(value, error, _AS_IT_IS)
+        for value, error in pairs
     )
+    return name, *told
 
 
 def _rerun(result: TideResult) -> str:

@@ -4,7 +4,6 @@ Constituents at each depth, a mean, what is left, and how well it forecasts its 
 """
 
 import math
-from collections.abc import Sequence
 from dataclasses import dataclass
 from datetime import datetime
 from pathlib import Path
@@ -216,28 +215,23 @@ def read_current_record(path: Path, start: datetime | None = None) -> CurrentRec
         return _read_netcdf(path)
     check_file(path, MAX_BYTES)
     header = read_header(path)
-    _check_columns(path, header)
+    missing = [name for name in COLUMNS if name not in header]
+    problems = [Problem(f"lacks the column {name}", str(path), 1, hint=did_you_mean(name, header)) for name in missing]
+    twice = [name for name in COLUMNS if header.count(name) > 1]
+    if problems := [*problems, *(Problem(f"the column {name} stands twice", str(path), 1) for name in twice)]:
+        raise InputError(problems)
     cells = read_cells(path, header, COLUMNS, ("t_s",))
     times = _times(cells["t_s"], start, path)
     numbers = {name: pd.to_numeric(cells[name], errors="coerce") for name in COLUMNS[1:]}
     _check_cells(path, cells, times, numbers)
     rows = pd.DataFrame({"t": times, **numbers})
-    if (twice := rows.duplicated(["t", "depth_m"]).to_numpy().nonzero()[0]).size:
-        raise InputError([Problem("this row has the time and depth of an earlier one", str(path), int(twice[0]) + 2)])
+    if (again := rows.duplicated(["t", "depth_m"]).to_numpy().nonzero()[0]).size:
+        raise InputError([Problem("this row has the time and depth of an earlier one", str(path), int(again[0]) + 2)])
     table = rows.pivot(index="t", columns="depth_m").astype(float)
     east, north = table["east_m_s"], table["north_m_s"]
     return CurrentRecord(
         table.index.to_numpy(dtype=float), east.columns.to_numpy(dtype=float), east.to_numpy(), north.to_numpy()
     )
-
-
-def _check_columns(path: Path, header: Sequence[str]) -> None:
-    missing = [name for name in COLUMNS if name not in header]
-    twice = [name for name in COLUMNS if header.count(name) > 1]
-    problems = [Problem(f"lacks the column {name}", str(path), 1, hint=did_you_mean(name, header)) for name in missing]
-    problems += [Problem(f"the column {name} stands twice", str(path), 1) for name in twice]
-    if problems:
-        raise InputError(problems)
 
 
 def _times(words: "pd.Series[str]", start: datetime | None, path: Path) -> "pd.Series[float]":
