@@ -18,7 +18,7 @@ from missionplan.diagnosis.scoring.predictive import Ensemble, Noise, Part, expl
 from missionplan.mission import Mission
 from missionplan.phases.hooks import TransitEffect
 from missionplan.phases.transit.ground_velocity import GroundVelocity
-from missionplan.phases.transit.plan import Environment, TransitNormals, TransitPlan
+from missionplan.phases.transit.plan import Environment, TransitNormals
 from missionplan.scenario.scenario import Scenario
 from missionplan.scenario.site_current import recorded_current
 
@@ -54,53 +54,29 @@ class SingleLegs:
         return normals.reshape(2, -1)
 
 
-@dataclass(frozen=True)
-class LoggedLegs:
-    """A mission's first transit along the legs of a log."""
+def leg_errors(
+    data: TransitData, scenario: Scenario, effects: Sequence[TransitEffect], normals: TransitNormals, trials: int
+) -> Array:
+    """Position error on surfacing of each leg by the phase, without errors of fixes, shape (n, 2, trials) [m].
 
-    data: TransitData
-
-    def errors(self, scenario: Scenario, effects: Sequence[TransitEffect], sources: "_Sources", trials: int) -> Array:
-        """Position error on surfacing of each leg by the phase, without errors of fixes, shape (n, 2, trials) [m]."""
-        data, plan = self.data, scenario.transit_plan(scenario.transit())
-        environment = Environment(scenario.current, None, tuple(effects))
-        normals = TransitNormals(sources.velocity, effects=sources.effects)
-        found = np.zeros((data.n, 2, trials))
-        for run in np.unique(data.run):  # what persists begins anew with each run
-            moved = GroundVelocity(plan, environment, normals, trials)
-            for leg in np.flatnonzero(data.run == run).tolist():
-                found[leg] = self._error(leg, moved, plan, environment, normals, trials)
-        return found
-
-    def _error(
-        self,
-        leg: int,
-        moved: GroundVelocity,
-        plan: TransitPlan,
-        environment: Environment,
-        normals: TransitNormals,
-        trials: int,
-    ) -> Array:
-        data = self.data
-        seconds, surface = float(data.under_way[leg]), float(data.surface[leg])
-        t, duration = np.full(trials, data.t_start[leg]), np.full(trials, seconds)
-        start = np.repeat(data.start[:, leg : leg + 1], trials, axis=1)
-        through = np.repeat((data.dead_reckoned - data.start)[:, leg : leg + 1], trials, axis=1)
-        speed = float(np.hypot(*through[:, 0])) / seconds
-        own = normals.velocity.leg(leg)
-        velocity = moved.of_leg(leg, own[:, :trials], t, duration, start, through, speed) * seconds
-        if surface > 0.0:
-            afloat = GroundVelocity(replace(plan, surfacing_time=surface), environment, normals, trials)
-            velocity = velocity + afloat.at_surface(t + duration, start + through) * surface
-        return np.asarray(velocity)
-
-
-@dataclass(frozen=True)
-class _Sources:
-    """Normals of the velocity error and of each effect."""
-
-    velocity: SingleLegs
-    effects: tuple[SingleLegs, ...]
+    The mission's first transit along the legs of a log.
+    """
+    plan, environment = scenario.transit_plan(scenario.transit()), Environment(scenario.current, None, tuple(effects))
+    found = np.zeros((data.n, 2, trials))
+    for run in np.unique(data.run):  # what persists begins anew with each run
+        moved = GroundVelocity(plan, environment, normals, trials)
+        for leg in np.flatnonzero(data.run == run).tolist():
+            seconds, surface = float(data.under_way[leg]), float(data.surface[leg])
+            t, duration = np.full(trials, data.t_start[leg]), np.full(trials, seconds)
+            start = np.repeat(data.start[:, leg : leg + 1], trials, axis=1)
+            through = np.repeat((data.dead_reckoned - data.start)[:, leg : leg + 1], trials, axis=1)
+            speed, own = float(np.hypot(*through[:, 0])) / seconds, normals.velocity.leg(leg)
+            error = moved.of_leg(leg, own[:, :trials], t, duration, start, through, speed) * seconds
+            if surface > 0.0:
+                afloat = GroundVelocity(replace(plan, surfacing_time=surface), environment, normals, trials)
+                error = error + afloat.at_surface(t + duration, start + through) * surface
+            found[leg] = error
+    return found
 
 
 def leg_ensemble(data: TransitData, mission: Mission, seed: int) -> Ensemble:
@@ -112,25 +88,18 @@ def leg_ensemble(data: TransitData, mission: Mission, seed: int) -> Ensemble:
     means = Scenario.at_means(mission, recorded)
     if means.current is not None:
         check_cover(data, means.current, float(np.mean(means.transit().depth)), mission)
-    legs, parts = LoggedLegs(data), []
+    parts = []
     for share, known in explained(mission):
         drawn = Scenario.at_means(known, recorded).sampled(seed=seed, block=0, size=DRAWS)
         trials = DRAWS if drawn.draws else 1
-        parts.append(Part(share, _expected(legs, drawn, trials), tuple(_noises(legs, drawn, trials))))
+        every = drawn.effects_under_way(drawn.transit())
+        effects = [effect for effect in every if not _scales_tails(effect)]  # in whose normals the errors are linear
+        still = SingleLegs(data.n, trials, None)  # no random error
+        normals = TransitNormals(still, effects=(still,) * len(effects))
+        expected = leg_errors(data, drawn, effects, normals, trials).reshape(-1, trials).T
+        parts.append(Part(share, expected, tuple(_noises(data, drawn, trials))))
     error = data.end - data.dead_reckoned
     return Ensemble(error.T.ravel(), np.repeat(np.arange(data.n), 2), tuple(parts))
-
-
-def _expected(legs: LoggedLegs, drawn: Scenario, trials: int) -> Array:
-    """Expected errors in each draw, without any random error, shape (trials, 2n) [m]."""
-    effects, still = _linear(drawn.effects_under_way(drawn.transit())), SingleLegs(legs.data.n, trials, None)
-    errors = legs.errors(drawn, effects, _Sources(still, (still,) * len(effects)), trials)
-    return errors.reshape(-1, trials).T
-
-
-def _linear(effects: Iterable[TransitEffect]) -> list[TransitEffect]:
-    """Effects that do not scale the tails of the velocity error: the errors are linear in the normals of the rest."""
-    return [effect for effect in effects if not _scales_tails(effect)]
 
 
 def _scales_tails(effect: TransitEffect) -> bool:
@@ -138,56 +107,48 @@ def _scales_tails(effect: TransitEffect) -> bool:
     return bool(np.any(np.asarray(effect.error_scale(np.full((2, 1), 2.0))) != 1.0))
 
 
-def _noises(legs: LoggedLegs, drawn: Scenario, trials: int) -> list[Noise]:
+def _noises(data: TransitData, drawn: Scenario, trials: int) -> list[Noise]:
     """Covariances with the sizes of the random errors as in a few draws; a single one where they are all the same."""
-    count = min(trials, int(np.clip(LEGS_TIMES_NOISES // legs.data.n, *NOISES)))
-    found = _noises_of(legs, drawn, range(min(count, 2)))
+    count = min(trials, int(np.clip(LEGS_TIMES_NOISES // data.n, *NOISES)))
+    found = _noises_of(data, drawn, range(min(count, 2)))
     if len(found) == 2 and np.allclose(found[0].covariance, found[1].covariance, rtol=1e-9):
         found = found[:1]
     else:
-        found += _noises_of(legs, drawn, range(2, count))
+        found += _noises_of(data, drawn, range(2, count))
     return [replace(noise, weight=1.0 / len(found)) for noise in found]
 
 
-def _noises_of(legs: LoggedLegs, drawn: Scenario, draws: Sequence[int]) -> list[Noise]:
+def _noises_of(data: TransitData, drawn: Scenario, draws: Sequence[int]) -> list[Noise]:
     """Covariances in some of the draws, as many of them run at once as `TOGETHER` allows."""
     every = list(drawn.effects_under_way(drawn.transit()))
     linear = [index for index, effect in enumerate(every) if not _scales_tails(effect)]
     random = [index for index in linear if every[index].is_random]
-    size = 2 * legs.data.n
+    size = 2 * data.n
     trials = size * (1 + len(random)) + 1  # the last: no error at all
     most = max(1, TOGETHER // trials)
     found = []
     for some in (draws[begin : begin + most] for begin in range(0, len(draws), most)):
         velocity, *sources = (
-            SingleLegs(legs.data.n, trials, None if first is None else size * first, len(some))
+            SingleLegs(data.n, trials, None if first is None else size * first, len(some))
             for first in (0, *(1 + random.index(index) if index in random else None for index in linear))
         )
         together = _with_draws(drawn, np.repeat(some, trials))
         effects = list(together.effects_under_way(together.transit()))
         acting = [effects[index] for index in linear]
-        errors = legs.errors(together, acting, _Sources(velocity, tuple(sources)), trials * len(some))
+        normals = TransitNormals(velocity, effects=tuple(sources))
+        errors = leg_errors(data, together, acting, normals, trials * len(some))
         each = np.moveaxis(errors.reshape(size, len(some), trials), 1, 0)
-        found += [_noise(legs.data, _single(drawn, draw), own) for draw, own in zip(some, each, strict=True)]
+        found += [_noise(data, _with_draws(drawn, draw), own) for draw, own in zip(some, each, strict=True)]
     return found
 
 
-def _with_draws(drawn: Scenario, draws: NDArray[np.intp]) -> Scenario:
-    """Return the mission with these of its draws, one a trial."""
+def _with_draws(drawn: Scenario, draws: NDArray[np.intp] | int) -> Scenario:
+    """Return the mission with these of its draws, one a trial, or as in one of them."""
 
     def chosen(_: str, value: Scalars) -> Scalars:
         return value[draws] if isinstance(value, np.ndarray) and value.ndim else value
 
     return replace(drawn, drawn=drawn.drawn.mapped(chosen))
-
-
-def _single(drawn: Scenario, draw: int) -> Scenario:
-    """Return the mission as in one of its draws."""
-
-    def single(_: str, value: Scalars) -> Scalars:
-        return float(value[draw]) if isinstance(value, np.ndarray) and value.ndim else value
-
-    return replace(drawn, drawn=drawn.drawn.mapped(single))
 
 
 def _noise(data: TransitData, scenario: Scenario, errors: Array) -> Noise:

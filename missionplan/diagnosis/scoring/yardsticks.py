@@ -51,30 +51,18 @@ def yardsticks(values: Sequence[Array], past: Past, scales: Sequence[Array], fir
     first_sd : float
         Spread of an error over its scale before any is seen; it counts as one.
     """
-    count = len(values)
-    carried = [[past(later, earlier) for earlier in range(later)] for later in range(count)]
-
-    def mean_of_past(group: int) -> Array:
-        return np.asarray(np.mean(carried[group], axis=0)) if group else np.zeros_like(values[0])
-
-    def last(group: int) -> Array:
-        return carried[group][-1] if group else np.zeros_like(values[0])
-
-    by_gain = [
-        _with_spread(
-            values, [_smoothed(each, gain, own) for each, own in zip(carried, values, strict=True)], scales, first_sd
-        )
-        for gain in GAINS.tolist()
-    ]
-    pairs = list(zip(carried, values, strict=True))
-    by_memory = [
-        _with_spread(values, [_remembered(each, gain, kept, own) for each, own in pairs], scales, first_sd)
-        for gain in GAINS[1::2].tolist()
-        for kept in MEMORIES
-    ]
+    carried = [[past(later, earlier) for earlier in range(later)] for later in range(len(values))]
+    nothing, pairs = np.zeros_like(values[0]), list(zip(carried, values, strict=True))
+    smoothed = [[_smoothed(each, gain, own) for each, own in pairs] for gain in GAINS.tolist()]
+    kinds = [(gain, kept) for gain in GAINS[1::2].tolist() for kept in MEMORIES]
+    remembered = [[_remembered(each, gain, kept, own) for each, own in pairs] for gain, kept in kinds]
+    by_gain, by_memory = (
+        [_with_spread(values, means, scales, first_sd) for means in each] for each in (smoothed, remembered)
+    )
+    averages = [np.asarray(np.mean(each, axis=0)) if each else nothing for each in carried]
     found = {
-        "mean_of_past": _with_spread(values, [mean_of_past(group) for group in range(count)], scales, first_sd),
-        "last_leg": _with_spread(values, [last(group) for group in range(count)], scales, first_sd),
+        "mean_of_past": _with_spread(values, averages, scales, first_sd),
+        "last_leg": _with_spread(values, [each[-1] if each else nothing for each in carried], scales, first_sd),
         "random_walk": _best_so_far(values, by_gain),
         "persistent": _best_so_far(values, by_memory),
         "wider_sigma": _with_spread(values, [np.zeros_like(value) for value in values], scales, first_sd),

@@ -34,7 +34,6 @@ from missionplan.studies.rare_failure.driven_trials import (
 from missionplan.studies.run import Run, RunArguments
 from missionplan.studies.simulation import check_complete, covered_means, input_notices
 from missionplan.studies.simulation.block_statistics import failures_by_step
-from missionplan.studies.simulation.trial_block import MissionTrials
 
 
 @dataclass(frozen=True)
@@ -227,22 +226,22 @@ def find_rare_failure(
         means = replace(means, place=replace(means.place, is_measured=True))
     driven, indices, usual = _with_ways(means, wanted, seed)
     most = MAX_TRIALS if trials is None else trials
+    parts, known = strata(discrete_values(mission, means)), usual.failed / PLAIN_TRIALS
     found = find(
-        FailureSearch(
-            driven,
-            strata(discrete_values(mission, means)),
-            indices,
-            seed,
-            driven.describe,
-            known=usual.failed / PLAIN_TRIALS,
-        ),
+        FailureSearch(driven, parts, indices, seed, driven.describe, known=known),
         run.workers.quiet.run,
         variation=aim,
         most_trials=most - PLAIN_TRIALS,
         told=lambda done: progress(min(PLAIN_TRIALS + done, most), most) if progress is not None else None,
     )
     options = {"rare": event, "trials": trials, "jobs": jobs, "backend": backend, "precision": precision}
-    notices = (*input_notices(mission, means), *_notices(found, aim))
+    notices = input_notices(mission, means)
+    if not found.batches:
+        words = "what leads to it may be a thing whose margin is not known (docs/rare-failures.md)."
+        notices = (*notices, f"No failure was found: {words}")
+    elif found.cut and found.estimate.variation > aim:
+        asked_for = f"The coefficient of variation asked for, {100.0 * aim:g} %, was not reached"
+        notices = (*notices, f"{asked_for}: it takes more trials.")
     provenance = run.provenance(options, notices, trials=PLAIN_TRIALS + found.trials)
     return _result(provenance, mission, wanted, driven.ways, found, usual)
 
@@ -258,37 +257,19 @@ def _with_ways(means: Scenario, event: RareEvent, seed: int) -> tuple[DrivenMiss
     plain = driven.margins_of(trials, found)
     fails_by = plain.fails_by
     without = plain.failed & ~fails_by.any(axis=0)
+    # where any failure counts, a way may have no margin; energy, ground, zones and equipment have one where possible
+    untold = {
+        str(step): int(np.count_nonzero(failed))
+        for step, failed in (failures_by_step(trials).items() if event.text == FAILS else ())
+        if step.name not in _MARGIN_WHERE_POSSIBLE and str(step) not in driven.ways
+    }
     usual = _Usual(
         int(np.count_nonzero(plain.failed)),
         np.append(np.count_nonzero(fails_by, axis=1), np.count_nonzero(without)),
-        _without_margin(driven, trials),
+        untold,
         trials.inputs(),
     )
     return driven, ReliabilityIndices.of(plain), usual
-
-
-def _without_margin(driven: DrivenMission, trials: MissionTrials) -> dict[str, int]:
-    """Count the plain trials that failed in each way that has no margin, where the event is any failure.
-
-    Energy, ground, zones and equipment have one wherever they can fail.
-    """
-    if driven.event.text != FAILS:
-        return {}
-    return {
-        str(step): int(np.count_nonzero(failed))
-        for step, failed in failures_by_step(trials).items()
-        if step.name not in _MARGIN_WHERE_POSSIBLE and str(step) not in driven.ways
-    }
-
-
-def _notices(found: Found[FailingTrials], aim: float) -> list[str]:
-    if not found.batches:
-        return [
-            "No failure was found: what leads to it may be a thing whose margin is not known (docs/rare-failures.md)."
-        ]
-    if not found.cut or found.estimate.variation <= aim:
-        return []
-    return [f"The coefficient of variation asked for, {100.0 * aim:g} %, was not reached: it takes more trials."]
 
 
 def _result(
@@ -340,9 +321,8 @@ def _sample(weights: Array, steps: Array, columns: Mapping[str, Array], seed: in
     table = pd.DataFrame({"step": steps, **columns})
     if not weights.size:
         return table
-    places = (np.arange(min(_KEPT, weights.size)) + stream(seed, "rare failure, table", 0).random()) * (
-        weights.sum() / min(_KEPT, weights.size)
-    )
+    count = min(_KEPT, weights.size)
+    places = (np.arange(count) + stream(seed, "rare failure, table", 0).random()) * (weights.sum() / count)
     chosen = np.minimum(np.searchsorted(np.cumsum(weights), places), weights.size - 1)
     drawn: pd.DataFrame = table.iloc[chosen].reset_index(drop=True)
     return drawn

@@ -42,19 +42,11 @@ _REASONS = {
     "hovering": (Failure.OUT_OF_ENERGY, Failure.EQUIPMENT),
 }
 """Ways in which a phase's event fails, by the event."""
-
-
 FAILS = "not total.success"
 """The default event."""
-
-
 _FAILURES = ("struck_seafloor", "grounded", "line_parts")
 """Events that are failures themselves; of the others the failure is that they do not happen."""
-
-
 _FORM = re.compile(r"(?P<negated>not\s+)?(?P<quantity>[^<>=]+?)\s*(?:(?P<sign>[<>])=?\s*(?P<limit>[^<>=]+))?")
-
-
 _HINT = "such as 'not total.success', moor.struck_seafloor, 'not ingress.arrived' or 'moor.offset > 30 m'"
 
 
@@ -89,23 +81,19 @@ class RareEvent:
         try:
             unit = quantity_unit(quantity, mission.phases)
             if unit is None:
-                return cls._event(text, quantity, negated=negated, limited=limit is not None)
+                name = quantity.rpartition(".")[2]
+                if limit is not None:
+                    raise _wrong(text, f"{name} is an event: it has no limit")
+                if negated == (name in _FAILURES):
+                    expected = quantity if negated else f"not {quantity}"
+                    raise _wrong(text, f"{text} is no failure, expected {expected}")
+                return cls(text, quantity, negated=negated)
             if negated or limit is None:
                 raise _wrong(text, f"{quantity} is a quantity: give the limit beyond which it is a failure")
             size = parse_number_with_unit(float(limit) if unit == "" else limit, unit) * SCALES.get(unit, 1.0)
         except (QuantityError, ValueError) as error:
             raise _wrong(text, str(error)) from None
         return cls(text, requirement_key(mission, quantity)[0], 1 if sign == ">" else -1, size)
-
-    @classmethod
-    def _event(cls, text: str, quantity: str, *, negated: bool, limited: bool) -> "RareEvent":
-        name = quantity.rpartition(".")[2]
-        if limited:
-            raise _wrong(text, f"{name} is an event: it has no limit")
-        if negated == (name in _FAILURES):
-            other = quantity if negated else f"not {quantity}"
-            raise _wrong(text, f"{text} is no failure, expected {other}")
-        return cls(text, quantity, negated=negated)
 
     @property
     def phase(self) -> str:
@@ -166,23 +154,19 @@ def _of_phase(
         used = done.quantities["surfacings"] + np.minimum(done.quantities["arrival_error_m"] / done.radius, 1.0)
         yield _NOT_ARRIVED, scenario.navigation.max_legs + 1.0 - used
     elif isinstance(phase, MoorPhase):
-        yield from _of_mooring(phase, done)
+        found = done.quantities
+        yield Failure.TOO_LIGHT, found["terminal_velocity_m_s"]
+        yield _OUTSIDE, done.radius - found["offset_m"]
+        yield _STRUCK, found["lowest_altitude_m"]
+        yield _DRAGGED, found["holding_margin"]
+        yield _GROUNDED, found["nose_altitude_m"]
+        strength = line_strength(phase)
+        if strength is not None:
+            tension = np.fmax(found["line_tension_n"], found.get("snatch_tension_n", found["line_tension_n"]))
+            yield Failure.LINE_PARTED, strength - tension
     left = scenario.capacity / JOULES_PER_WATT_HOUR - spent
     if np.all(np.isfinite(scenario.capacity)):
         yield Failure.OUT_OF_ENERGY, _each(left, done)
-
-
-def _of_mooring(phase: MoorPhase[Scalars], done: PhaseTrials) -> Iterator[tuple[str, Array]]:
-    found = done.quantities
-    yield Failure.TOO_LIGHT, found["terminal_velocity_m_s"]
-    yield _OUTSIDE, done.radius - found["offset_m"]
-    yield _STRUCK, found["lowest_altitude_m"]
-    yield _DRAGGED, found["holding_margin"]
-    yield _GROUNDED, found["nose_altitude_m"]
-    strength = line_strength(phase)
-    if strength is not None:
-        tension = np.fmax(found["line_tension_n"], found.get("snatch_tension_n", found["line_tension_n"]))
-        yield Failure.LINE_PARTED, strength - tension
 
 
 def _each(values: Scalars, done: PhaseTrials) -> Array:
@@ -264,12 +248,14 @@ class DrivenMission:
     def describe(self, population: StrataView, weights: Array) -> FailingTrials:
         """Run trials that fail again, and keep what was drawn in them and what came of it."""
         _, trials = self.run(population, inputs=True)
-        failed = weights > 0.0
+        failed, steps = weights > 0.0, np.full(trials.success.size, "", dtype=object)
+        for step, fails in failures_by_step(trials).items():
+            steps[fails] = str(step)
         return FailingTrials(
             weights=weights[failed],
             columns={name: values[failed] for name, values in trials.columns().items()},
             inputs=tuple(trials.inputs()),
-            steps=_first_steps(trials)[failed],
+            steps=steps.astype(str)[failed],
         )
 
 
@@ -310,14 +296,6 @@ def units_of_inputs(mission: Mission, names: Iterable[str]) -> dict[str, str]:
         summed = UNITS_OF_LEGS.get(of_legs.rpartition(".")[2]) if side in SIDES else None
         found[name] = summed or unit_of(name, mission.raw, type(mission))
     return found
-
-
-def _first_steps(trials: MissionTrials) -> NDArray[np.str_]:
-    """Where each trial fails first; empty where it does not."""
-    steps = np.full(trials.success.size, "", dtype=object)
-    for step, failed in failures_by_step(trials).items():
-        steps[failed] = str(step)
-    return steps.astype(str)
 
 
 VARIATION = 0.1
