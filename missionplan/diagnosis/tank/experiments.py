@@ -5,7 +5,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from missionplan.arrays import Array, Scalars
 from missionplan.datasets.tank import DragSettings, OscillationSettings, TankData, ThrusterSettings
@@ -55,22 +54,24 @@ def drag_forward(
 ) -> TankForward:
     """Bind the model of the drag: the vehicle's where its file has one, else with a coefficient to fit.
 
-    Parameters
-    ----------
-    data : TankData
-        The runs.
-    settings : DragSettings
-        Of the data set.
-    vehicle : Vehicle or None
-        Of the mission.
-    speed_factor : float
-        Factor on the speeds towed, for a further measurement.
+    `data`: the runs. `settings`: of the data set. `vehicle`: of the mission. `speed_factor`: on the speeds towed, for a
+    further measurement.
     """
     speed, force = speed_factor * data.columns["speed_m_s"], data.columns["force_n"]
     known = vehicle.drag if vehicle is not None else None
     coefficient = mean_of(known.coefficient) if known is not None else None
-    unit, reynolds_ratio = _unit_force(data, settings, vehicle, speed)
-    sd, stated = _noise(data, settings)
+    # force for a coefficient of 1, and Reynolds numbers over the one at which the coefficient is stated
+    exponent = mean_of(known.exponent) if known is not None else 0.0
+    area = settings.reference_area if known is None else known.area / settings.scale**2
+    reynolds = np.asarray(reynolds_number(speed, settings.reference_length, data.viscosity))
+    stated_at = drag_reynolds(data, settings, vehicle)
+    unit = np.asarray(
+        drag_force(speed, reynolds_drag_coefficient(reynolds, 1.0, exponent, stated_at), area, data.density)
+    )
+    sd, stated = noise_sd(force, settings.noise.force)
+    by_run = data.columns.get("force_sd_n")
+    if by_run is not None and np.all(by_run > 0.0):
+        sd, stated = by_run, True
     fitted = speed_factor**2 * float(unit @ force / (unit @ unit))  # the force is that of the speeds towed
     constant = Nuisance("drag_coefficient", fitted, abs(fitted))
     return TankForward(
@@ -81,29 +82,10 @@ def drag_forward(
         sd=sd,
         stated=stated,
         nuisances=(constant,) if coefficient is None else (),
-        predict=DragModel(unit, coefficient, reynolds_ratio),
+        predict=DragModel(unit, coefficient, reynolds / stated_at),
         axes={"speed": speed},
         groups=row_blocks(len(force)),
     )
-
-
-def _unit_force(data: TankData, settings: DragSettings, vehicle: Vehicle | None, speed: Array) -> tuple[Array, Array]:
-    """Force for a coefficient of 1 [N], and Reynolds numbers over the one at which the coefficient is stated."""
-    known = vehicle.drag if vehicle is not None else None
-    exponent = mean_of(known.exponent) if known is not None else 0.0
-    area = settings.reference_area if known is None else known.area / settings.scale**2
-    reynolds = np.asarray(reynolds_number(speed, settings.reference_length, data.viscosity))
-    stated_at = drag_reynolds(data, settings, vehicle)
-    coefficient = reynolds_drag_coefficient(reynolds, 1.0, exponent, stated_at)
-    return np.asarray(drag_force(speed, coefficient, area, data.density)), reynolds / stated_at
-
-
-def _noise(data: TankData, settings: DragSettings) -> tuple[Array, bool]:
-    """Standard deviation of each force [N], run by run where the table has it; and whether it was stated."""
-    by_run = data.columns.get("force_sd_n")
-    if by_run is not None and np.all(by_run > 0.0):
-        return by_run, True
-    return noise_sd(data.columns["force_n"], settings.noise.force)
 
 
 def drag_reynolds(data: TankData, settings: DragSettings, vehicle: Vehicle | None) -> float:
@@ -147,18 +129,9 @@ def oscillation_forward(
 ) -> TankForward:
     """Bind the model of a record of displacement.
 
-    Raises InputError when the data are frequencies alone, as many numbers as unknowns.
-
-    Parameters
-    ----------
-    data : TankData
-        The record.
-    settings : OscillationSettings
-        Of the data set.
-    vehicle : Vehicle or None
-        Of the mission.
-    release_factor : float
-        Factor on the displacement at the release, for a further measurement.
+    `data`: the record. `settings`: of the data set. `vehicle`: of the mission. `release_factor`: on the displacement at
+    the release, for a further measurement. Raises InputError when the data are frequencies alone, as many numbers as
+    unknowns.
     """
     if "displacement_m" not in data.columns:
         words = "a frequency of each mode is one number for one unknown: nothing is left to test a model by"
@@ -167,7 +140,7 @@ def oscillation_forward(
     mass, stiffness = base_mass(settings, vehicle), settings.stiffness
     begin = {parameter.name: parameter.start for parameter in starting_values(time, record)}
     heavier = stiffness / (2.0 * math.pi * begin["frequency"]) ** 2 / mass - 1.0
-    sd, stated = noise_sd(record, settings.noise.displacement)
+    (sd, stated), spread = noise_sd(record, settings.noise.displacement), float(np.std(record))
     return TankForward(
         kind="free-oscillation",
         record=TankRecord(),
@@ -175,7 +148,12 @@ def oscillation_forward(
         y=record,
         sd=sd,
         stated=stated,
-        nuisances=_nuisances(begin, float(np.std(record))),
+        nuisances=(
+            Nuisance("start_m", begin["start"], 3.0 * spread),
+            Nuisance("start_velocity_m_s", begin["start_velocity"], 6.0 * math.pi * begin["frequency"] * spread),
+            Nuisance("offset_m", begin["offset"], spread),
+            Nuisance("log_linear_rate", math.log(begin["linear_rate"]), 1.5),
+        ),
         predict=OscillationModel(time, stiffness, mass, release_factor),
         axes={"time": time},
         groups=row_blocks(len(time)),
@@ -196,16 +174,6 @@ def _starts_of_mass(heavier: float) -> dict[tuple[str, str], tuple[float, ...]]:
                 if added:
                     found[info.id, name] = (heavier / added,)
     return found
-
-
-def _nuisances(begin: dict[str, float], spread: float) -> tuple[Nuisance, ...]:
-    """Release, rest position and linear damping, about starting values; standard deviation of the record [m]."""
-    return (
-        Nuisance("start_m", begin["start"], 3.0 * spread),
-        Nuisance("start_velocity_m_s", begin["start_velocity"], 6.0 * math.pi * begin["frequency"] * spread),
-        Nuisance("offset_m", begin["offset"], spread),
-        Nuisance("log_linear_rate", math.log(begin["linear_rate"]), 1.5),
-    )
 
 
 def base_mass(settings: OscillationSettings, vehicle: Vehicle | None) -> float:
@@ -266,10 +234,14 @@ def thruster_forward(data: TankData, settings: ThrusterSettings) -> TankForward:
     model = ThrusterModel(command, speed, area, data.density)
     squared = model.squared_command
     constant = float(squared @ thrust / max(float(squared @ squared), 1e-30))
-    sd, stated = noise_sd(thrust, settings.noise.thrust)
+    (sd, stated), runs = noise_sd(thrust, settings.noise.thrust), data.labels.get("run", [])
     return TankForward(
         kind="thruster",
-        record=_record(data, settings, command, speed),
+        record=TankRecord(
+            has_both_signs=bool(np.any(command < 0.0) and np.any(command > 0.0)),
+            has_jet_speed="voltage_v" not in data.columns and settings.geometry is not None,
+            is_under_way=bool(np.any(np.abs(speed) > AT_REST)),
+        ),
         quantity="thrust_n",
         y=thrust,
         sd=sd,
@@ -277,20 +249,6 @@ def thruster_forward(data: TankData, settings: ThrusterSettings) -> TankForward:
         nuisances=(Nuisance("thrust_constant", constant, abs(constant)),),
         predict=model,
         axes={"command": command} | ({"speed": speed} if np.ptp(speed) > 0.0 else {}),
-        groups=_groups(data),
+        # runs where the rows name more than two, else blocks of rows
+        groups=np.array(runs) if len(set(runs)) > 2 else row_blocks(len(thrust)),
     )
-
-
-def _record(data: TankData, settings: ThrusterSettings, command: Array, speed: Array) -> TankRecord:
-    """What the rows hold."""
-    return TankRecord(
-        has_both_signs=bool(np.any(command < 0.0) and np.any(command > 0.0)),
-        has_jet_speed="voltage_v" not in data.columns and settings.geometry is not None,
-        is_under_way=bool(np.any(np.abs(speed) > AT_REST)),
-    )
-
-
-def _groups(data: TankData) -> NDArray[np.str_]:
-    """Runs where the rows name more than two, else blocks of rows."""
-    runs = data.labels.get("run", [])
-    return np.array(runs) if len(set(runs)) > 2 else row_blocks(len(data.columns["thrust_n"]))

@@ -33,7 +33,7 @@ from missionplan.diagnosis.tank.experiments import (
 )
 from missionplan.diagnosis.tank.forward import Nuisance, TankForward, noise_sd, read_tank, row_blocks, tank_effects
 from missionplan.diagnosis.tank.model import TankModel
-from missionplan.effects import CATALOGUE, Effect, EffectInfo, exclusive_groups
+from missionplan.effects import CATALOGUE, Effect, exclusive_groups
 from missionplan.effects.info import TankRecord, VehicleKey
 from missionplan.errors import InputError, Problem
 from missionplan.mission import Mission
@@ -88,30 +88,22 @@ def _drag(
     known = vehicle.drag
     level = mean_of(known.coefficient) if known is not None else calibration["drag_coefficient"]
     area = known.area if known is not None else settings.reference_area * settings.scale**2
-    coefficient = _coefficient(level, own.get("drag.coefficient"))
+    bias, change = own.get("drag.coefficient"), own.get("drag.exponent")
+    mean = float(f"{level * (1.0 + (bias.value if bias is not None else 0.0)):.5g}")
+    sd = level * bias.sd if bias is not None else 0.0
+    coefficient = {"mean": mean, "sd": float(f"{sd:.3g}")} if sd else mean
     found: dict[str, object] = {"coefficient": coefficient, "area": f"{area:.6g} m^2"}
-    exponent = _exponent(mean_of(known.exponent) if known is not None else 0.0, own.get("drag.exponent"))
-    if exponent is None:
+    power = mean_of(known.exponent) if known is not None else 0.0
+    exponent: float | dict[str, float] = power
+    if change is not None:
+        exponent = {"mean": float(f"{power + change.value:.4g}"), "sd": float(f"{change.sd:.3g}")}
+    if not exponent:  # the drag does not depend on the Reynolds number
         return found
     length = known.length if known is not None else None
     if length is None:
         length = settings.reference_length * settings.scale
     at_reynolds = drag_reynolds(data, settings, vehicle)
     return {**found, "exponent": exponent, "at_reynolds": at_reynolds, "length": f"{length:.6g} m"}
-
-
-def _coefficient(level: float, bias: ParameterEstimate | None) -> float | dict[str, float]:
-    """The coefficient with the bias, as a distribution where it is uncertain."""
-    mean = float(f"{level * (1.0 + bias.value):.5g}") if bias is not None else float(f"{level:.5g}")
-    sd = level * bias.sd if bias is not None else 0.0
-    return {"mean": mean, "sd": float(f"{sd:.3g}")} if sd else mean
-
-
-def _exponent(known: float, change: ParameterEstimate | None) -> float | dict[str, float] | None:
-    """The exponent of the Reynolds number with its change; None where the drag does not depend on it."""
-    if change is not None:
-        return {"mean": float(f"{known + change.value:.4g}"), "sd": float(f"{change.sd:.3g}")}
-    return known or None
 
 
 MASS_FACTORS = (1e-4, 1e4)
@@ -212,24 +204,21 @@ def tank_forward(data: TankData, mission: Mission) -> TankForward:
 
     Raises InputError when the data hold as many unknowns as numbers, or nothing but zeros.
     """
-    forward = _forward(data, mission)
-    if not np.any(forward.y):
-        words = f"{forward.quantity} is 0 in every row: there is nothing to explain"
-        raise InputError([Problem(words, data.settings.file)])
-    return forward
-
-
-def _forward(data: TankData, mission: Mission) -> TankForward:
     settings, vehicle = data.settings, mission.vehicle
     if isinstance(settings, DragSettings):
-        plain, faster = (drag_forward(data, settings, vehicle, factor) for factor in (1.0, 2.0))
-        return replace(plain, designs=(("the same runs at twice the speeds", faster),))
-    if isinstance(settings, OscillationSettings):
-        plain, larger = (oscillation_forward(data, settings, vehicle, factor) for factor in (1.0, 3.0))
-        return replace(plain, designs=(("a release from three times the displacement", larger),))
-    if isinstance(settings, ThrusterSettings):
-        return thruster_forward(data, settings)
-    return propeller_forward(data, settings)
+        forward, faster = (drag_forward(data, settings, vehicle, factor) for factor in (1.0, 2.0))
+        forward = replace(forward, designs=(("the same runs at twice the speeds", faster),))
+    elif isinstance(settings, OscillationSettings):
+        forward, larger = (oscillation_forward(data, settings, vehicle, factor) for factor in (1.0, 3.0))
+        forward = replace(forward, designs=(("a release from three times the displacement", larger),))
+    elif isinstance(settings, ThrusterSettings):
+        forward = thruster_forward(data, settings)
+    else:
+        forward = propeller_forward(data, settings)
+    if not np.any(forward.y):
+        words = f"{forward.quantity} is 0 in every row: there is nothing to explain"
+        raise InputError([Problem(words, settings.file)])
+    return forward
 
 
 def given_in_tank(data: TankData, mission: Mission, candidates: Iterable[str]) -> tuple[GivenEffect, ...]:
@@ -242,19 +231,16 @@ def given_in_tank(data: TankData, mission: Mission, candidates: Iterable[str]) -
     effects = [CATALOGUE[name] for name in candidates]
     given = given_priors(mission, effects)
     check_together(given, mission, "tank")
-    own = {entry.effect for entry in mission.effect_list.known}
-    stated = [_stated(info, data, mission.vehicle) for info in effects if info.vehicle_key and info.id not in own]
-    return (*given, *(each for each in stated if each is not None))
-
-
-def _stated(info: EffectInfo, data: TankData, vehicle: Vehicle | None) -> GivenEffect | None:
-    sd = _uncertainty(info.vehicle_key, data, vehicle) if vehicle is not None else 0.0
-    if sd == 0.0:
-        return None
-    coordinates = coordinates_of(info)
-    (parameter,) = info.parameters.values()
-    spike = parameter.tank_spike or parameter.spike
-    return GivenEffect(info.id, coordinates, np.zeros(1), np.array([[sd**2]]), np.array([spike**2]))
+    own, stated = {entry.effect for entry in mission.effect_list.known}, []
+    for info in effects:
+        if not info.vehicle_key or info.id in own or mission.vehicle is None:
+            continue
+        sd = _uncertainty(info.vehicle_key, data, mission.vehicle)
+        if sd != 0.0:
+            (parameter,) = info.parameters.values()
+            spike = np.array([(parameter.tank_spike or parameter.spike) ** 2])
+            stated.append(GivenEffect(info.id, coordinates_of(info), np.zeros(1), np.array([[sd**2]]), spike))
+    return (*given, *stated)
 
 
 def _uncertainty(key: VehicleKey, data: TankData, vehicle: Vehicle) -> float:
