@@ -97,6 +97,8 @@ class WeighsAllSets(Model, Protocol):
 
 
 CREDIBLE = 0.95
+AGAINST = 0.5
+"""Bayes factor for further causes below which a set is told without them: the data have halved their odds."""
 
 K = TypeVar("K", bound=Hashable)
 
@@ -120,18 +122,18 @@ def told_together(posterior: Mapping[Causes, float], catalogue: int) -> dict[Cau
     """Return the probabilities of sets as they are listed, greatest first.
 
     A set is told with one of its parts, which may be nothing, where the data speak against the causes that it has
-    beyond that: a Bayes factor below 1.
+    beyond that: a Bayes factor below `AGAINST`.
     """
     told: dict[Causes, Causes] = {}
     found: dict[Causes, float] = {}
     for causes in sorted(posterior, key=len):
         smaller = (itertools.combinations(causes, size) for size in range(len(causes)))
         parts = [part for part in itertools.chain.from_iterable(smaller) if part in posterior]
-        prior = log_prior(len(causes), catalogue)
+        prior = AGAINST * math.exp(log_prior(len(causes), catalogue))
         better = [
             part
             for part in parts
-            if posterior[causes] < posterior[part] * math.exp(prior - log_prior(len(part), catalogue))
+            if posterior[causes] * math.exp(log_prior(len(part), catalogue)) < posterior[part] * prior
         ]
         told[causes] = told[max(better, key=posterior.__getitem__)] if better else causes
         found[told[causes]] = found.get(told[causes], 0.0) + posterior[causes]
