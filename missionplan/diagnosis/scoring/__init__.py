@@ -256,16 +256,15 @@ def _scored(
     ahead, whole = one_step_ahead(known), without_past(unknown)
     plain_ahead = one_step_ahead(bare).mixture.of(rows)
     chance = one_step_chance(known, ahead, seed, level)
-    common = {name: _yardstick(_mixture(point).of(rows), y, axes) for name, point in others.items()}
+    common = {}
+    for name, point in others.items():
+        mixture = Mixture(np.ones((1, len(point.mean))), point.mean[None], np.maximum(point.sd, 1e-9)[None])
+        common[name] = _yardstick(mixture.of(rows), y, axes)
     plain = {"no_effects": _yardstick(plain_ahead, y, axes)}
     one_step = _prediction(ahead.mixture, y, axes, chance, level, {**plain, **common})
     chance = whole_chance(unknown, whole, seed, level)
     plain = {"no_effects": _yardstick(without_past(bare).of(rows), y, axes)}
     return one_step, _prediction(whole, y, axes, chance, level, {**plain, **common}), ahead.effective
-
-
-def _mixture(point: Point) -> Mixture:
-    return Mixture(np.ones((1, len(point.mean))), point.mean[None], np.maximum(point.sd, 1e-9)[None])
 
 
 def _yardstick(mixture: Mixture, y: Array, axes: int) -> Yardstick:

@@ -270,27 +270,17 @@ def one_step_ahead(ensemble: Ensemble) -> OneStep:
         means.append(y - innovation)
         sds.append(np.sqrt(variance))
         log_weights.append(component.log_weight + known)
-        scaled.append(_scaled_sds(variance, component))
+        noise = component.noise
+        change = (noise.scales[:, None] ** 2 - 1.0) * np.minimum(noise.tailed, variance)
+        scaled.append(np.sqrt(np.maximum(variance + change, 1e-12 * variance)))
         roots.append(own)
     logs = np.array(log_weights)
     weights = np.exp(logs - logsumexp(logs, axis=0))
-    mixture = _with_scales(weights[:, ensemble.groups], np.array(means), scaled)
-    each = [own for own, sizes in zip(roots, scaled, strict=True) for _ in sizes]
+    sizes = np.array([len(own) for own in scaled])  # each component at so many equally likely scales of its tails
+    shares = np.repeat(weights[:, ensemble.groups] / sizes[:, None], sizes, axis=0)
+    mixture = Mixture(shares, np.repeat(np.array(means), sizes, axis=0), np.concatenate(scaled))
+    each = [own for own, size in zip(roots, sizes, strict=True) for _ in range(size)]
     return OneStep(mixture, each, float(1.0 / np.sum(weights[:, -1] ** 2)))
-
-
-def _scaled_sds(variance: Array, component: Component) -> Array:
-    """Standard deviations with each scale of the tails, shape (s, v)."""
-    noise = component.noise
-    change = (noise.scales[:, None] ** 2 - 1.0) * np.minimum(noise.tailed, variance)
-    return np.asarray(np.sqrt(np.maximum(variance + change, 1e-12 * variance)))
-
-
-def _with_scales(weights: Array, means: Array, scaled: list[Array]) -> Mixture:
-    """Mixture of c components, each of as many equally likely scales of its tails as it has."""
-    each = np.array([len(own) for own in scaled])
-    shares = np.repeat(weights / each[:, None], each, axis=0)
-    return Mixture(shares, np.repeat(means, each, axis=0), np.concatenate(scaled))
 
 
 def without_past(ensemble: Ensemble) -> Mixture:

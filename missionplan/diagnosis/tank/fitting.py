@@ -141,15 +141,11 @@ class LinearData:
             expected = BlockCovariance.independent(np.ones(len(values)), columns @ root)
             log_score = float(expected.log_densities((values - columns @ mean)[:, None])[0])
             log_score -= 0.5 * errors[k].log_determinant
-            inside = self._inside(own, mean, root)
+            fixed, free = (self.columns[own][:, part] * self.prior[part] for part in (self.shared, ~self.shared))
+            variance = np.sum((fixed @ root) ** 2, axis=1) + np.sum(free**2, axis=1) + self.sd[own] ** 2
+            inside = int(np.sum(np.abs(self.y[own] - fixed @ mean) <= QUANTILE_95 * np.sqrt(variance)))
             found.append(GroupPrediction(own, self.prior[self.shared] * mean, log_score, inside))
         return found
-
-    def _inside(self, own: NDArray[np.bool_], mean: Array, root: Array) -> int:
-        """Number of a group's data inside their 90 % predictive interval."""
-        shared, random = (self.columns[own][:, part] * self.prior[part] for part in (self.shared, ~self.shared))
-        variance = np.sum((shared @ root) ** 2, axis=1) + np.sum(random**2, axis=1) + self.sd[own] ** 2
-        return int(np.sum(np.abs(self.y[own] - shared @ mean) <= QUANTILE_95 * np.sqrt(variance)))
 
 
 SEARCH = GaussNewtonOptions(
@@ -297,14 +293,11 @@ class TankFitting:
             begin[fit.state.active] = fit.state.at[fit.state.active]
         choices = []
         for here, c in zip(begin[self.fixed :], self.coordinates, strict=True):
-            choices.append((*self._starts(c), here) if c.effect in causes else (here,))
+            starts = self.forward.starts.get((c.effect, c.name), ())
+            if c.kind == "shape":
+                starts = tuple(c.centre + shift for shift in SHAPE_SHIFTS)
+            choices.append((*starts, here) if c.effect in causes else (here,))
         return [np.concatenate([begin[: self.fixed], own]) for own in itertools.product(*choices)]
-
-    def _starts(self, coordinate: Coordinate) -> tuple[float, ...]:
-        """Where the fit of a cause starts, beside where other fits ended."""
-        if coordinate.kind == "shape":
-            return tuple(coordinate.centre + shift for shift in SHAPE_SHIFTS)
-        return self.forward.starts.get((coordinate.effect, coordinate.name), ())
 
     @property
     def _noise_log_sd(self) -> float:

@@ -133,31 +133,15 @@ def read_axis(mission: Mission, text: str) -> Axis:
         return _times(mission, values)
     if keys == ("vehicle",):
         return vehicles(mission, values.split(","))
-    return _range(keys, values) if ":" in values else _list(keys, values)
-
-
-def _range(keys: tuple[str, ...], values: str) -> Axis:
-    """Read FROM:TO:STEP."""
-    matches = _numbers(values.split(":"))
-    if matches is None or len(matches) != 3:
-        raise _wrong(f"given {shown(values)}, expected FROM:TO:STEP, numbers with units", _EXAMPLE)
-    (first, last, step), unit = _in_one_unit(matches)
-    return _axis(keys, steps(first, last, step), unit)
-
-
-def _list(keys: tuple[str, ...], values: str) -> Axis:
-    """Read A,B,C: numbers, or else whatever YAML takes them for."""
-    parts = [part.strip() for part in values.split(",")]
-    matches = _numbers(parts)
-    if matches is None:
-        return Axis(keys, tuple(yaml.safe_load(part) for part in parts), tuple(parts))
-    return _axis(keys, *_in_one_unit(matches))
-
-
-def _numbers(parts: Sequence[str]) -> "list[re.Match[str]] | None":
-    """Return number and unit of each part; None where one is no number."""
+    ranged = ":" in values
+    parts = [part.strip() for part in values.split(":" if ranged else ",")]
     matches = [match for part in parts if (match := NUMBER.fullmatch(part))]
-    return matches if len(matches) == len(parts) else None
+    if ranged and not len(matches) == len(parts) == 3:
+        raise _wrong(f"given {shown(values)}, expected FROM:TO:STEP, numbers with units", _EXAMPLE)
+    if len(matches) < len(parts):  # whatever YAML takes them for
+        return Axis(keys, tuple(yaml.safe_load(part) for part in parts), tuple(parts))
+    numbers, unit = _in_one_unit(matches)
+    return _axis(keys, steps(*numbers) if ranged else numbers, unit)
 
 
 def _axis(keys: tuple[str, ...], numbers: Sequence[float], unit: str) -> Axis:

@@ -116,7 +116,10 @@ def run_cells(
     """
     nominal = plan.nominal_time(state.position)
     lengths: list[float | LegTable] = [*(float(length) for length in d_max), *([table] if table is not None else [])]
-    reference = _typical_costs(plan, state, d_max, len(lengths), nominal)
+    # costs without errors, of one surfacing for a table: a reference near the costs
+    distance = float(np.mean(np.hypot(*(column(plan.goal) - state.position))))
+    typical = np.append(np.ceil(distance / d_max) - 1.0, np.ones(len(lengths) - len(d_max)))
+    reference = np.asarray(typical * float(np.mean(plan.surfacing_time)) / float(np.mean(nominal)))
     costs, surfacings = np.empty((len(lengths), state.trials)), np.empty((len(lengths), state.trials))
     for index, length in enumerate(lengths):
         _, record = transit(replace(plan, d_max=length), state, normals, environment)
@@ -125,13 +128,6 @@ def run_cells(
         if not record.arrived.all():
             costs[index, ~record.arrived] = surfacings[index, ~record.arrived] = math.nan
     return _totals(costs, surfacings, reference)
-
-
-def _typical_costs(plan: TransitPlan, state: TrialState, d_max: Array, cells: int, nominal: Array) -> Array:
-    """Cost without errors of each d_max, of one surfacing for a table: a reference near the costs, shape (cells,)."""
-    distance = np.hypot(*(column(plan.goal) - state.position))
-    surfacings = np.append(np.ceil(float(np.mean(distance)) / d_max) - 1.0, np.ones(cells - len(d_max)))
-    return np.asarray(surfacings * float(np.mean(plan.surfacing_time)) / float(np.mean(nominal)))
 
 
 def _totals(costs: Array, surfacings: Array, reference: Array) -> CellTotals:

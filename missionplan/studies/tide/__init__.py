@@ -74,6 +74,10 @@ def tide(
         depths.append(_tide(float(measured.depth[index]), series[index]))
         if progress:
             progress(len(depths), int(np.sum(enough)))
+    few = [f"{depth:g} m" for depth, good in zip(measured.depth, enough, strict=True) if not good]
+    notices = [f"too few samples for a tide at {', '.join(few)}"] if few else []
+    if datetime.fromtimestamp(float(measured.time[0]), UTC).year < 1980:
+        notices.append("the record begins before 1980: is its start right?")
     most = int(np.argmax([each.samples for each in depths]))
     shown, column = depths[most], int(np.flatnonzero(enough)[most])
     lasting = float(measured.time[-1] - measured.time[0])
@@ -84,7 +88,7 @@ def tide(
             file=str(path),
             options={"latitude_deg": round(math.degrees(north), 6), "start": since.isoformat() if since else None},
             elapsed_s=time.perf_counter() - began,
-            notices=_notices(measured, enough),
+            notices=tuple(notices),
             inputs={"record": digest_of_files([path])},
         ),
         depths=tuple(depths),
@@ -161,14 +165,6 @@ def _held_out(samples: Samples) -> HeldOut | None:
     error = samples.velocity[:, ~early] - fit.mean[:, None] - tidal_velocity(fit.constituents, late, samples.latitude)
     inside = float(np.mean(np.abs(error) <= _NINETY * fit.spread))
     return HeldOut(late.size, inside, float(np.sqrt(np.mean(error**2))))
-
-
-def _notices(record: CurrentRecord, enough: list[bool]) -> tuple[str, ...]:
-    few = [f"{depth:g} m" for depth, good in zip(record.depth, enough, strict=True) if not good]
-    notices = [f"too few samples for a tide at {', '.join(few)}"] if few else []
-    if datetime.fromtimestamp(float(record.time[0]), UTC).year < 1980:
-        notices.append("the record begins before 1980: is its start right?")
-    return tuple(notices)
 
 
 def _unresolved(lasting: float) -> tuple[str, ...]:
