@@ -7,7 +7,6 @@ well they have predicted the past. *The whole* record is predicted from nothing:
 component.
 """
 
-from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import pairwise, product
@@ -73,16 +72,6 @@ class Part:
 
 
 @dataclass(frozen=True)
-class Component:
-    """One normal distribution of all values, of a mixture."""
-
-    log_weight: float
-    mean: Array
-    covariance: Array
-    noise: Noise
-
-
-@dataclass(frozen=True)
 class Ensemble:
     """A mission's distribution of all values of a record."""
 
@@ -117,16 +106,6 @@ class Ensemble:
         first = int(np.searchsorted(self.groups, groups))
         parts = tuple(_given(self.values[:first], part, noise) for part in self.parts for noise in part.noises)
         return Ensemble(self.values[first:], self.groups[first:] - groups, parts)
-
-    def components(self) -> Iterator[Component]:
-        """Yield normal distributions: the draws by their mean and covariance, each noise by itself."""
-        for part in self.parts:
-            mean = part.draws.mean(axis=0)
-            apart = part.draws - mean
-            spread = apart.T @ apart / max(len(apart) - 1, 1)
-            for noise in part.noises:
-                covariance = _definite(spread + noise.covariance)
-                yield Component(float(np.log(part.probability * noise.weight)), mean, covariance, noise)
 
 
 def _definite(covariance: Array) -> Array:
@@ -256,10 +235,14 @@ class OneStep:
 def one_step_ahead(ensemble: Ensemble) -> OneStep:
     """Predict every group of a record from the groups before it."""
     groups, y = ensemble.slices(), ensemble.values
-    means, sds, log_weights, scaled, roots = [], [], [], [], []
-    for component in ensemble.components():
-        factor = np.linalg.cholesky(component.covariance)
-        z = solve_triangular(factor, y - component.mean, lower=True, check_finite=False)
+    means, log_weights, scaled, roots = [], [], [], []
+    # normal distributions: the draws by their mean and covariance, each noise by itself
+    for part, noise in [(each, noise) for each in ensemble.parts for noise in each.noises]:
+        mean = part.draws.mean(axis=0)
+        apart = part.draws - mean
+        spread = apart.T @ apart / max(len(apart) - 1, 1)
+        factor = np.linalg.cholesky(_definite(spread + noise.covariance))
+        z = solve_triangular(factor, y - mean, lower=True, check_finite=False)
         own = [np.asarray(factor[rows, rows], dtype=float) for rows in groups]
         innovation = np.concatenate([root @ z[rows] for root, rows in zip(own, groups, strict=True)])
         logs = np.array(
@@ -268,9 +251,7 @@ def one_step_ahead(ensemble: Ensemble) -> OneStep:
         known = np.append(0.0, np.cumsum(logs)[:-1])
         variance = np.concatenate([np.sum(root**2, axis=1) for root in own])
         means.append(y - innovation)
-        sds.append(np.sqrt(variance))
-        log_weights.append(component.log_weight + known)
-        noise = component.noise
+        log_weights.append(float(np.log(part.probability * noise.weight)) + known)
         change = (noise.scales[:, None] ** 2 - 1.0) * np.minimum(noise.tailed, variance)
         scaled.append(np.sqrt(np.maximum(variance + change, 1e-12 * variance)))
         roots.append(own)

@@ -45,31 +45,6 @@ from missionplan.results.learned.evidence import ParameterEstimate
 from missionplan.studies.identification import TURN, TransientRun
 
 
-def extended_tank_mission(mission: Mission, best: CauseFit, data: TankData) -> dict[str, object]:
-    """Write what keys of the vehicle file state of the causes into a mission's data, at full size.
-
-    As an effect it would act on a descent's anchor too. A mission without a vehicle carries nothing of that kind.
-
-    `best` has the causes, and what is known now of what the mission knew already.
-    """
-    found, extended = (*best.given, *best.estimates), dict(mission.raw)
-    keys = vehicle_keys(mission, best)
-    own = {keys[estimate.effect]: estimate for estimate in found if estimate.effect in keys}
-    given = extended.get("vehicle")
-    if not own or mission.vehicle is None or not isinstance(given, dict):
-        return extended
-    vehicle, settings = copy.deepcopy(given), data.settings
-    if isinstance(settings, DragSettings):
-        vehicle["drag"] = _drag(mission.vehicle, settings, own, best.calibration, data)
-    if isinstance(settings, OscillationSettings) and "added_mass.surge" in own:
-        estimate = own["added_mass.surge"]
-        surge, sd = full_size_added_mass(settings, mission.vehicle, estimate.value, estimate.sd)
-        known = dict(vehicle.get("added_mass") or {})
-        vehicle["added_mass"] = known | {"surge": {"mean": f"{surge:.5g} kg", "sd": f"{sd:.3g} kg"}}
-    extended["vehicle"] = vehicle
-    return extended
-
-
 def vehicle_keys(mission: Mission, best: CauseFit) -> dict[str, VehicleKey]:
     """Return the key of the vehicle's file that states an effect found, by the effect; none of those carried so far."""
     carried = {entry.effect for entry in mission.effect_list.known}
@@ -172,8 +147,20 @@ class TankKind(DataKind):
         return cls(kind, then, data, TankModel(forward, given=given, alternatives=exclusive_groups("tank")))
 
     def residual_table(self, base: CauseFit, best: CauseFit) -> pd.DataFrame:
-        """Return one row a datum."""
-        return tank_residuals(self.model, best)
+        """Return one row a datum: where it lies, what was measured, both models' values, what is left of each [SI]."""
+        forward, before = self.model.forward, self.model.plain_residuals()
+        after = best.state.residuals if best.causes else before
+        return pd.DataFrame(
+            {
+                "group": forward.groups,
+                **{f"at_{name}": values for name, values in forward.axes.items()},
+                forward.quantity: forward.y,
+                "base": forward.y - before,
+                "extended": forward.y - after,
+                "residual_base": before,
+                "residual_extended": after,
+            }
+        )
 
     def misfit(self, residuals: pd.DataFrame) -> str:
         """Describe the root mean square of the residuals beside the sensor's noise."""
@@ -184,8 +171,26 @@ class TankKind(DataKind):
         return [tank_share(residuals, fit) for fit in fits]
 
     def extended_mission(self, best: CauseFit) -> dict[str, object]:
-        """Write the causes into the vehicle where it has keys for them, else as effects."""
-        return extended_tank_mission(self.mission, best, self.data)
+        """Write what keys of the vehicle file state of the causes into the mission's data, at full size.
+
+        As an effect it would act on a descent's anchor too. A mission without a vehicle carries nothing of that kind.
+        """
+        mission, settings, extended = self.mission, self.data.settings, dict(self.mission.raw)
+        keys = vehicle_keys(mission, best)
+        own = {keys[each.effect]: each for each in (*best.given, *best.estimates) if each.effect in keys}
+        given = extended.get("vehicle")
+        if not own or mission.vehicle is None or not isinstance(given, dict):
+            return extended
+        vehicle = copy.deepcopy(given)
+        if isinstance(settings, DragSettings):
+            vehicle["drag"] = _drag(mission.vehicle, settings, own, best.calibration, self.data)
+        if isinstance(settings, OscillationSettings) and "added_mass.surge" in own:
+            estimate = own["added_mass.surge"]
+            surge, sd = full_size_added_mass(settings, mission.vehicle, estimate.value, estimate.sd)
+            known = dict(vehicle.get("added_mass") or {})
+            vehicle["added_mass"] = known | {"surge": {"mean": f"{surge:.5g} kg", "sd": f"{sd:.3g} kg"}}
+        extended["vehicle"] = vehicle
+        return extended
 
     def carried(self, best: CauseFit, scale: float) -> CauseFit:
         """Return a fit without the causes that keys of the vehicle state."""
@@ -255,25 +260,6 @@ def _uncertainty(key: VehicleKey, data: TankData, vehicle: Vehicle) -> float:
         surge = vehicle.added_mass.surge
         return sd_of(surge) / full_size_added_mass(settings, vehicle, 0.0, 1.0)[1] if surge is not None else 0.0
     return 0.0
-
-
-def tank_residuals(model: TankModel, best: CauseFit) -> pd.DataFrame:
-    """Return one row a datum: where it lies, what was measured, both models' values, and what is left of each [SI]."""
-    places = {f"at_{name}": values for name, values in model.forward.axes.items()}
-    measured = model.forward.y
-    before = model.plain_residuals()
-    after = best.state.residuals if best.causes else before
-    return pd.DataFrame(
-        {
-            "group": model.forward.groups,
-            **places,
-            model.forward.quantity: measured,
-            "base": measured - before,
-            "extended": measured - after,
-            "residual_base": before,
-            "residual_extended": after,
-        }
-    )
 
 
 def tank_misfit(model: TankModel, table: pd.DataFrame) -> str:
