@@ -5,6 +5,7 @@ from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
+from matplotlib.dates import AutoDateLocator, ConciseDateFormatter, DateFormatter
 from matplotlib.figure import Figure
 from matplotlib.ticker import (
     AutoLocator,
@@ -87,6 +88,14 @@ def name_axis(axis: "Axis", words: str, unit: str, *, fontsize: float | None = N
     if fontsize is not None:
         axis.label.set_fontsize(fontsize)
     axis.set_units(unit)
+
+
+def mark_times(axis: "Axis", *, one_day: bool = False) -> None:
+    """Label days by their dates as shortly as can be, or by the time of day alone."""
+    locator = AutoDateLocator(minticks=3, maxticks=8)  # type: ignore[no-untyped-call]
+    axis.set_major_locator(locator)
+    formatter = DateFormatter("%H:%M") if one_day else ConciseDateFormatter(locator)  # type: ignore[no-untyped-call]
+    axis.set_major_formatter(formatter)
 
 
 def draw_in_units(drawn: Iterable["Axes"]) -> None:

@@ -4,11 +4,11 @@ from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
-from matplotlib.dates import AutoDateLocator, ConciseDateFormatter, DateFormatter
 from matplotlib.figure import Figure as MatplotlibFigure
 
 from missionplan.mission.units import QuantityError, parse_number_with_unit
 from missionplan.moments import moment_or_none
+from missionplan.report.axes import mark_times
 from missionplan.report.page import Figure, PageSection, Table, to_figure
 from missionplan.report.planned import value_in_words
 from missionplan.report.wording import (
@@ -170,11 +170,7 @@ def curves_figure(found: Alternatives) -> Figure | None:
         ylabel="P(success) (%)", ylim=(-4.0, 104.0), xlabel=f"{capitalised(_name(keys[0]))}{unit and f' ({unit})'}"
     )
     if unit == "UTC":
-        locator = AutoDateLocator(minticks=3, maxticks=8)  # type: ignore[no-untyped-call]
-        one_day = _one_day(found)
-        formatter = DateFormatter("%H:%M") if one_day else ConciseDateFormatter(locator)  # type: ignore[no-untyped-call]
-        axes.xaxis.set_major_locator(locator)
-        axes.xaxis.set_major_formatter(formatter)
+        mark_times(axes.xaxis, one_day=_one_day(found))
     figure.legend(loc="outside upper center", ncols=3)
     return to_figure(
         figure,

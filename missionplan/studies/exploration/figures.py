@@ -5,12 +5,11 @@ from datetime import UTC, datetime
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.colors import ListedColormap, Normalize
-from matplotlib.dates import AutoDateLocator, ConciseDateFormatter, DateFormatter
 from matplotlib.figure import Figure as MatplotlibFigure
 from numpy.typing import NDArray
 
 from missionplan.arrays import Array
-from missionplan.report.axes import name_axis
+from missionplan.report.axes import mark_times, name_axis
 from missionplan.report.page import BLUE, GREEN, GREY, INK, ORANGE, Figure, to_figure
 from missionplan.report.quantities import PERCENT, Unit, unit_for, value_on
 from missionplan.report.wording import capitalised, in_words, keys_in_words
@@ -165,11 +164,7 @@ def _mark_axis(axes: Axes, axis: Axis, at: Array, *, vertical: bool = False) -> 
         side.set_label_text(words)
     if axis.is_time and axis.numbers is not None:
         days = [datetime.fromtimestamp(number, UTC) for number in axis.numbers]
-        one_day = days[0].date() == days[-1].date()
-        locator = AutoDateLocator(minticks=3, maxticks=8)  # type: ignore[no-untyped-call]
-        side.set_major_locator(locator)
-        formatter = DateFormatter("%H:%M") if one_day else ConciseDateFormatter(locator)  # type: ignore[no-untyped-call]
-        side.set_major_formatter(formatter)
+        mark_times(side, one_day=days[0].date() == days[-1].date())
     elif axis.numbers is None:
         side.set_ticks(at, labels=list(axis.labels))
 

@@ -7,12 +7,11 @@ from typing import Literal
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.dates import AutoDateLocator, ConciseDateFormatter
 from matplotlib.figure import Figure as MatplotlibFigure
 
 from missionplan.arrays import Array
 from missionplan.phases.recorded_currents import DEPTH_MARGIN
-from missionplan.report.axes import name_axis
+from missionplan.report.axes import mark_times, name_axis
 from missionplan.report.page import (
     BLUE,
     GREEN,
@@ -76,9 +75,7 @@ def draw_record(axes: Axes, result: TideResult, component: Literal["east", "nort
     axes.plot(_moments(result), result.measured[row], color=GREY, linewidth=0.7, label="measured")
     axes.plot(_moments(result), result.fitted[row], color=BLUE, linewidth=0.9, label="tide and mean")
     name_axis(axes.yaxis, component, "m/s")
-    locator = AutoDateLocator(minticks=3, maxticks=7)  # type: ignore[no-untyped-call]
-    axes.xaxis.set_major_locator(locator)
-    axes.xaxis.set_major_formatter(ConciseDateFormatter(locator))  # type: ignore[no-untyped-call]
+    mark_times(axes.xaxis)
 
 
 def record_figure(result: TideResult) -> Figure:
