@@ -177,6 +177,11 @@ def compare_reports(first: str | Path, second: str | Path) -> Comparison:
     command = _one_command(folders, summaries)
     runs = _run(folders[0], summaries[0]), _run(folders[1], summaries[1])
     one, two = (summary_numbers(summary, command) for summary in summaries)
+    options = [
+        {key: summary.get(key) for key in ("seed", "trials", "version")}
+        | {f"option {key}": value for key, value in mapping(summary.get("options")).items()}
+        for summary in summaries
+    ]
     return Comparison(
         provenance=Provenance(
             command="compare",
@@ -193,7 +198,7 @@ def compare_reports(first: str | Path, second: str | Path) -> Comparison:
         compared=command,
         runs=runs,
         mission_changes=changed_values(*missions),
-        option_changes=changed_values(*map(_options, summaries)),
+        option_changes=changed_values(*options),
         differences=_with_verdicts(list(_differences(one, two, (runs[0].trials, runs[1].trials)))),
         requirement_changes=changed_values(*map(_requirements_met, summaries)),
     )
@@ -228,12 +233,6 @@ def _run(folder: Path, summary: Mapping[str, object]) -> ComparedRun:
     text = {key: str(summary.get(key, "")) for key in ("mission", "version", "created_utc")}
     seed, trials = (whole(summary.get(key)) for key in ("seed", "trials"))
     return ComparedRun(str(folder), text["mission"], text["version"], text["created_utc"], seed, trials)
-
-
-def _options(summary: Mapping[str, object]) -> dict[str, object]:
-    return {key: summary.get(key) for key in ("seed", "trials", "version")} | {
-        f"option {key}": value for key, value in mapping(summary.get("options")).items()
-    }
 
 
 def _other_program(first: Mapping[str, object], second: Mapping[str, object]) -> Iterator[str]:

@@ -13,7 +13,7 @@ from missionplan.report.diagnosis.findings import jumps_in_words, trends_in_word
 from missionplan.report.page import BLUE, GREY, ORANGE, Cells, Figure, Page, PageSection, Table, to_figure
 from missionplan.report.quantities import Unit, reader_unit
 from missionplan.report.wording import capitalised, listed, parameter_in_words
-from missionplan.studies.history.result import FailureRate, History, Learned
+from missionplan.studies.history.result import History, Learned
 
 MOST_PANELS = 12
 """Parameters drawn, those with most values first."""
@@ -67,14 +67,11 @@ def _cells(history: History) -> Cells:
 def answer(history: History) -> str:
     """Say how many diagnoses there are, what changed last, and what held still; and what fails how often."""
     told = [*trends_in_words(history.levels), *jumps_in_words(history.levels)]
-    told += [_rate_in_words(rate) for rate in history.rates]
+    for rate in history.rates:
+        counted = capitalised(f"{rate.failures:g} failures in {rate.exposure:g} {rate.unit}")
+        unlike = ", unlike the mission's rate" if rate.surprise < SURPRISING else ""
+        told.append(f"{counted}: {rate.rate:.2g} per {rate.per} ({rate.low:.2g} to {rate.high:.2g}){unlike}.")
     return " ".join([*([_learned_in_words(history)] if history.reports else []), *told]) or "Nothing new was counted."
-
-
-def _rate_in_words(rate: FailureRate) -> str:
-    counted = f"{rate.failures:g} failures in {rate.exposure:g} {rate.unit}"
-    words = f"{capitalised(counted)}: {rate.rate:.2g} per {rate.per} ({rate.low:.2g} to {rate.high:.2g})"
-    return f"{words}, unlike the mission's rate." if rate.surprise < SURPRISING else f"{words}."
 
 
 def _rate_rows(history: History) -> list[list[str]]:

@@ -180,8 +180,11 @@ class AnalyticTransit:
         return self.speed / self.scenario.speed
 
     def best_table(self, spread_factor: float = 1.0, surfacing_factor: float = 1.0) -> LegTable:
-        """Best legs for a larger or smaller spread and cost of a surfacing."""
-        return _rounded(_best_legs(*self._arguments(spread_factor, surfacing_factor)).legs)
+        """Best legs for a larger or smaller spread and cost of a surfacing, to 0.1 m, as mission files write them."""
+        table = _best_legs(*self._arguments(spread_factor, surfacing_factor)).legs
+        left, leg = np.round(table.left, 1), np.maximum(np.round(table.leg, 1), 0.1)
+        kept = np.append(True, np.diff(left) > 0.0)  # of knots that coincide one
+        return LegTable(left[kept], leg[kept])
 
     def least_cost(self) -> float:
         """Least expected cost of any legs."""
@@ -207,13 +210,6 @@ class AnalyticTransit:
             self.surfacing_time * surfacing_factor,
             self.spread.base * spread_factor,
         )
-
-
-def _rounded(table: LegTable) -> LegTable:
-    """Round a table to 0.1 m, as mission files write it; knots that coincide are left out."""
-    left, leg = np.round(table.left, 1), np.maximum(np.round(table.leg, 1), 0.1)
-    kept = np.append(True, np.diff(left) > 0.0)
-    return LegTable(left[kept], leg[kept])
 
 
 SPREAD_FACTORS = (0.7, 1.0, 1.4, 2.0)

@@ -58,7 +58,11 @@ def sweep_dmax(
     asked = RunArguments(trials=trials, seed=seed, jobs=jobs, backend=backend, scheduler=scheduler, progress=progress)
     run = Run.begun("sweep-dmax", mission, one_of={"method": (method, (None, *get_args(Method)))}, **asked)
     scenario = SweepScenario.of(run.mission)
-    used = _method(scenario, method)
+    obstacle = analytic_obstacle(scenario)
+    if obstacle and method in ("both", "analytic"):
+        hint = "use method='monte-carlo'"
+        raise InputError([Problem(f"the analytic cost does not allow for {obstacle}", key="method", hint=hint)])
+    used = method or ("monte-carlo" if obstacle else "both")
     run = replace(run, trials=0) if used == "analytic" else run
     curves = range(len(scenario.sigmas))
     processes = jobs if backend == "loky" else 1
@@ -117,14 +121,6 @@ def _members(sweep: Sweep, scenario: SweepScenario, run: Run) -> Iterator[Member
         )
         point = _curve(given, 0, _sampled(alone, given)[0], ()).points[0]
         yield MemberOutcome(name, probability, point.arrived)
-
-
-def _method(scenario: SweepScenario, requested: Method | None) -> Method:
-    obstacle = analytic_obstacle(scenario)
-    if obstacle and requested in ("both", "analytic"):
-        hint = "use method='monte-carlo'"
-        raise InputError([Problem(f"the analytic cost does not allow for {obstacle}", key="method", hint=hint)])
-    return requested or ("monte-carlo" if obstacle else "both")
 
 
 @dataclass(frozen=True)
