@@ -6,11 +6,13 @@ import numpy as np
 import pandas as pd
 import pytest
 from scipy import stats
+from scipy.linalg import block_diag
 
 from missionplan import diagnose
+from missionplan.diagnosis.coordinates import Coordinate
 from missionplan.diagnosis.dives.model import DescentModel, given_on_descent
 from missionplan.diagnosis.extended_mission import Hypothesis, extended_mission
-from missionplan.diagnosis.given import tied
+from missionplan.diagnosis.given import GivenEffect, RecordPosterior, tied
 from missionplan.diagnosis.given.priors import given_priors
 from missionplan.diagnosis.inference.marginal_likelihood import gaussian_marginal
 from missionplan.diagnosis.inference.prior import Prior
@@ -167,3 +169,33 @@ def test_effects_without_correlations_stay_apart(transit_mission):
     mission = Mission.from_data({**transit_mission.raw, "effects": WIDE})
     given = given_priors(mission, effects_of("transit"))
     assert tied(given) == given
+
+
+def test_a_record_tells_of_the_long_run_through_what_differs_from_record_to_record():
+    """Of values x in a record, those of the long run and a scatter of each; beside what a posterior of x leaves open."""
+    rng = np.random.default_rng(2)
+    root = rng.normal(size=(2, 2))
+    covariance, scatter, mean = root @ root.T, np.array([0.3, 0.7]), np.array([0.1, -0.2])
+    coordinates = tuple(Coordinate("mean-current", name, "strength", 0.0, 1.0, 0.1) for name in ("east", "north"))
+    given = GivenEffect("mean-current", coordinates, mean, covariance, scatter)
+    noise = np.diag([0.05, 0.2])  # of a measurement of x
+    here = covariance + np.diag(scatter)
+    y = np.array([1.0, 0.4])
+    known = here @ np.linalg.inv(here + noise)
+    posterior_of_x = mean + known @ (y - mean), here - known @ here
+    whole = covariance @ np.linalg.inv(here + noise)  # of the long run, from the measurement itself
+    expected = mean + whole @ (y - mean), covariance - whole @ covariance
+    np.testing.assert_allclose(given.long_run(posterior_of_x[0]), expected[0])
+    after = RecordPosterior(coordinates, *posterior_of_x).afterwards((given,), ())
+    np.testing.assert_allclose(after.mean, expected[0])
+    np.testing.assert_allclose(after.covariance, expected[1], atol=1e-12)
+    told = given.posterior(*posterior_of_x)
+    assert [each.value for each in told] == pytest.approx(expected[0].tolist())
+    assert [each.sd for each in told] == pytest.approx(np.sqrt(np.diag(expected[1])).tolist())
+    cause = Coordinate("compass-bias", "angle", "strength", 0.0, 1.0, 0.1)
+    with_cause = RecordPosterior(
+        (cause, *coordinates), np.append(9.0, posterior_of_x[0]), block_diag([[0.5]], posterior_of_x[1])
+    )
+    both = with_cause.afterwards((given,), (0,))
+    assert (both.mean[-1], both.covariance[-1, -1], both.coordinates[-1]) == (9.0, 0.5, cause)  # as it is in the record
+    np.testing.assert_allclose(both.covariance[:2, :2], expected[1], atol=1e-12)

@@ -11,9 +11,9 @@ from scipy.stats import multivariate_normal, norm
 from missionplan.datasets.tank import DragSettings, OscillationSettings
 from missionplan.diagnosis.diagnose import diagnose
 from missionplan.diagnosis.tank.experiments import drag_forward
-from missionplan.diagnosis.tank.fitting import LinearData, marginal
+from missionplan.diagnosis.tank.fitting import LinearData, fitted_root, marginal
 from missionplan.diagnosis.tank.forward import noise_sd, row_blocks
-from missionplan.diagnosis.tank.kind import _uncertainty, tank_misfit, tank_share
+from missionplan.diagnosis.tank.kind import _uncertainty, tank_misfit, tank_residuals, tank_share
 from missionplan.mission import load
 from missionplan.montecarlo.distributions import Normal
 from missionplan.physics.tank import displacement, natural_frequency
@@ -167,3 +167,26 @@ def test_a_design_at_other_speeds_expects_the_coefficient_of_the_runs_so_far():
         assert found.predict(np.array([[0.8]]), ())[:, 0] == pytest.approx(expected)
         assert found.predict.reynolds_ratio == pytest.approx(factor * speed * 0.32e6 / 3.2e5)
         assert (found.sd.tolist(), found.stated) == ([0.2] * 3, True)
+
+
+def test_what_is_fitted_has_the_covariance_of_the_columns_and_of_their_posterior():
+    data = drawn([True, True])
+    found, root = marginal(data.y, data.columns, data.prior, data.sd), fitted_root(data.columns, data.prior, data.sd)
+    np.testing.assert_allclose(root @ root.T, data.columns @ found.covariance @ data.columns.T, atol=1e-12)
+
+
+def test_rows_of_tank_data_lie_beside_both_models():
+    forward = SimpleNamespace(
+        y=np.array([3.0, 5.0]), axes={"speed": np.array([1.0, 2.0])}, groups=["a", "b"], quantity="force_n"
+    )
+    model = SimpleNamespace(forward=forward, plain_residuals=lambda: np.array([0.5, 1.0]))
+    for causes, left in ((("drag-bias",), [0.1, -0.2]), ((), [0.5, 1.0])):
+        best = SimpleNamespace(causes=causes, state=SimpleNamespace(residuals=np.array([0.1, -0.2])))
+        found = tank_residuals(model, best)
+        assert (found["at_speed"].tolist(), found["force_n"].tolist(), found["base"].tolist()) == (
+            [1.0, 2.0],
+            [3.0, 5.0],
+            [2.5, 4.0],
+        )
+        assert found["residual_extended"].tolist() == left
+        assert found["extended"].tolist() == pytest.approx((np.array([3.0, 5.0]) - left).tolist())
