@@ -8,7 +8,7 @@ import pytest
 from missionplan.diagnosis.plan_gain import with_urgency
 from missionplan.mission import Mission
 from missionplan.mission.includes import hash_of
-from missionplan.mission.learned import has_level
+from missionplan.mission.learned import has_level, series_of
 from missionplan.montecarlo.levels import Seen
 from missionplan.montecarlo.posterior import NOWHERE, DamagedPosteriorError, PosteriorFile, WeightedDraws
 from missionplan.report.diagnosis.findings import trends_in_words
@@ -117,3 +117,12 @@ def test_less_drag_from_mission_to_mission_is_no_fouling(trend, said):
     posterior = learned(trend * np.arange(1, 6), START + 30.0 * DAY * np.arange(5), key, columns=(key[:2],))
     (words,) = trends_in_words(parameter_levels(posterior.seen))
     assert said in words
+
+
+def test_what_records_told_of_a_level_is_in_the_order_of_their_dates_and_else_as_it_came():
+    def values(*dates):
+        (series,) = series_of(learned([0.03, 0.01, 0.02], dates).seen).values()
+        return [each.value for each in series.records]
+
+    assert values(3.0, 1.0, 2.0) == [0.01, 0.02, 0.03]
+    assert values(3.0, np.nan, 2.0) == [0.03, 0.01, 0.02]

@@ -6,7 +6,17 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from missionplan.montecarlo.levels import REDRAWN, WALKS, Ageing, Measured, in_missions, levels
+from missionplan.montecarlo.levels import (
+    REDRAWN,
+    WALKS,
+    Ageing,
+    Measured,
+    _covariance,
+    _Models,
+    _weighed,
+    in_missions,
+    levels,
+)
 from missionplan.results.learned.levels import LIKELY, SDS
 
 STILL = Ageing(trend=0.0, walk=0.0, redrawn=0.0, jump=0.0, is_trend=0.0, is_jump=0.0)
@@ -50,6 +60,26 @@ def test_the_density_of_two_measurements_is_that_of_the_laws_by_hand():
     two = levels(measured([1.0, 2.6], 0.5, first=(1.0, 1e-6)), own)
     odds = 0.1 * stats.norm.pdf(1.6, 0.0, np.hypot(5.0, 0.5)), 0.9 * stats.norm.pdf(1.6, 0.0, 0.5)
     assert two.jumps == pytest.approx([0.0, odds[0] / sum(odds)], abs=1e-6)
+
+
+def test_a_level_walks_both_ways_from_the_first_measurement_and_jumps_from_its_mission_on():
+    """Times -2, 1, 3 with jumps at the second: the variance of the first + walk + trend + jump, each by hand."""
+    own, known = replace(STILL, jump=7.0), measured([0.0, 0.0], 1.0, [0.0, 2.0], (0.0, 5.0))
+    models = _Models(np.zeros(1), np.array([[0.0], [0.5], [0.25]]), np.array([[False, True]]))
+    times = np.array([-2.0, -1.0, 1.0, 3.0])
+    walk = 0.5 * np.array([[2, 1, 0, 0], [1, 1, 0, 0], [0, 0, 1, 1], [0, 0, 1, 3]])
+    trend, jump = 0.25 * np.multiply.outer(times, times), np.diag([0.0, 0.0, 0.0, 49.0])
+    found = _covariance(times, times, known, own, models)[0]
+    assert found == pytest.approx(25.0 + walk + trend + jump)
+
+
+def test_a_mission_that_could_have_jumped_and_did_not_speaks_against_jumps():
+    """Of three measurements two begin a mission after the first: 0.1 for the one that jumps, 0.9 for the other."""
+    own, known = replace(STILL, jump=1e-9, is_jump=0.1), measured([0.0, 0.0, 0.0], 1.0)
+    sets = np.array([[False, False, False], [False, True, False], [False, True, True]])
+    logs = _weighed(known, own, sets).log_weights.reshape(3, -1)
+    assert logs[1] - logs[0] == pytest.approx(np.full(logs.shape[1], np.log(0.1 / 0.9)))
+    assert logs[2] - logs[1] == pytest.approx(np.full(logs.shape[1], np.log(0.1 / 0.9)))
 
 
 def test_units_zero_and_sign_cannot_matter():

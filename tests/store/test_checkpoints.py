@@ -10,7 +10,7 @@ import pytest
 
 from missionplan.errors import InputError, RunError
 from missionplan.identity import Identity
-from missionplan.store.checkpoints import Checkpoints
+from missionplan.store.checkpoints import Checkpoints, kept_or_run
 
 MISSION = {"name": "a", "speed": "1.5 m/s"}
 IDENTITY = Identity.of({"mission": MISSION}, {"command": "simulate"}, 1)
@@ -241,3 +241,20 @@ def test_a_run_json_of_something_else_is_refused(tmp_path):
     (tmp_path / "run.json").write_text(json.dumps({"hello": 1}))
     with pytest.raises(InputError, match=r"run\.json"):
         Checkpoints(tmp_path, IDENTITY, resume=True)
+
+
+def test_the_trials_done_are_told_before_and_after_each_block_kept_or_not(tmp_path):
+    told, ran, items = [], [], [(0, 100), (1, 50)]
+
+    def run(asked):
+        for block, size in asked:
+            ran.append((block, size))
+            yield float(10 * block)
+
+    for _ in range(2):
+        store = Checkpoints(tmp_path, IDENTITY, resume=True)
+        form = (lambda block: {"value": np.array(block)}), (lambda arrays: float(arrays["value"]))
+        blocks = kept_or_run(items, run, store, lambda item: item, form, lambda *done: told.append(done))
+        assert list(blocks) == [((0, 100), 0.0), ((1, 50), 10.0)]
+        assert ran == items
+    assert told == 2 * [(0, 150), (100, 150), (150, 150)]

@@ -22,10 +22,21 @@ from missionplan.studies.simulation.simulate import simulate
 MISSIONS = Path(__file__).parents[2] / "missions"
 
 
-def stands(file="chesapeake.yaml", weight=11.8, *, recorded=None, requirements=(), moor=None, vehicle=None, slope=None):
+def stands(
+    file="chesapeake.yaml",
+    weight=11.8,
+    *,
+    recorded=None,
+    requirements=(),
+    moor=None,
+    vehicle=None,
+    slope=None,
+    anchor=None,
+):
     data = copy.deepcopy(dict(missionplan.load(MISSIONS / file).raw))
     data["requirements"] = list(requirements)
     data["vehicle"] |= vehicle or {}
+    data["vehicle"]["anchor"] |= anchor or {}
     data["site"] |= {"slope": slope} if slope else {}
     section = next(phase["moor"] for phase in data["phases"] if "moor" in phase)
     section |= {"line_material": None, "line_diameter": "0 m", **(moor or {})}
@@ -65,6 +76,13 @@ def test_the_least_weight_needs_the_holding_factor_that_there_is():
     heavier = stands("anchor-design.yaml", state.least_weight)
     # an anchor built for it is longer, and so has more drag
     assert heavier.friction < heavier.states[0].friction_needed < 1.1 * heavier.friction
+
+
+def test_an_anchor_of_the_holding_factor_that_it_needs_just_holds():
+    for number, state in enumerate(stands().states):
+        same = stands(anchor={"holding_factor": state.friction_needed}).states[number]
+        assert same.friction_needed == pytest.approx(state.friction_needed)
+        assert same.holding_margin == pytest.approx(0.0, abs=1e-6)
 
 
 def test_the_line_ends_at_the_nose_and_is_as_long_as_it_is():
@@ -118,6 +136,8 @@ def test_uphill_is_drawn_and_measured():
     state = held.states[0]
     assert state.uphill == pytest.approx(np.tan(np.radians(10.0)))
     assert state.nose_altitude == pytest.approx(state.line[-1, 1] - state.excursion * state.uphill)
+    assert np.hypot(*(np.array(state.tail) - state.line[-1])) == pytest.approx(held.length, abs=1e-3)
+    assert state.tail_altitude == pytest.approx(state.tail[1] - state.tail[0] * state.uphill)
     with style(), drawing_by(draw):
         assert hold_section(held).blocks
 

@@ -7,6 +7,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from missionplan.phases.ground import Frame
+from missionplan.phases.place import Cause, Contact, Place, SeaLevel, Way
+from missionplan.phases.zones import Fence, Zone
 
 
 def plane(east=0.02, north=-0.05, deep=10.0, shape=(30, 40)):
@@ -129,3 +131,48 @@ def test_a_projection_that_is_not_linear_bounds_the_cells_of_a_box():
 
 def test_the_side_of_a_cell_is_known():
     assert plane().cell == pytest.approx(STEP)
+
+
+def test_room_over_level_ground_is_what_is_not_needed_and_grows_with_the_way_to_a_shoal():
+    way = np.array([[5.0], [35.0]]), np.array([[65.0], [35.0]])
+    shelf = ground(np.full((8, 8), 10.0))
+    assert shelf.spare_along(*way, np.full((2, 1), 4.0))[0] == pytest.approx([6.0])
+    assert shelf.spare_along(*way, np.array([[3.0], [5.0]]))[0] == pytest.approx([5.0])
+    depth = np.full((8, 8), 10.0)
+    depth[0] = 1.0  # 30 m south of the way along the fourth row
+    along = np.array([[5.0], [30.0]]), np.array([[65.0], [30.0]])
+    assert ground(depth).spare_along(*along, np.full((2, 1), 4.0))[0] == pytest.approx([6.0 * (1.0 + 3.0)])
+
+
+def meets(depth, zones=(), needed=3.0, **place):
+    """What a vehicle that sails east along the middle of a shelf meets first."""
+    n = np.ones(1)
+    way = Way(np.array([[5.0], [35.0]]), np.array([[185.0], [35.0]]), 0.0 * n, 180.0 * n, 2.0 * n, needed * n)
+    return Place(ground(depth), Fence(zones) if zones else None, **place).meets(way)
+
+
+def test_of_a_shoal_and_a_zone_the_first_on_the_way_is_met():
+    box = pytest.importorskip("shapely").box
+    depth = np.full((8, 20), 10.0)
+    depth[:, 10] = 1.0  # from x = 90 + 10·7/9, where 3 m are left
+    after, before = (Zone(box(x, 0.0, x + 10.0, 70.0), "range", is_land=False) for x in (140.0, 40.0))
+    assert meets(depth).cause.tolist() == meets(depth, (after,)).cause.tolist() == [Cause.AGROUND]
+    assert meets(depth, (after,)).where[0] == pytest.approx([90.0 + 70.0 / 9.0], abs=0.7)
+    contact = meets(depth, (before,))
+    assert (contact.cause.tolist(), contact.where[0].tolist()) == ([Cause.KEEP_OUT], pytest.approx([40.0]))
+
+
+def test_a_sea_below_the_datum_leaves_less_water():
+    shelf, fallen = np.full((8, 20), 5.0), SeaLevel(time=np.array([0.0, 1e4]), height=np.array([-1.0, -1.0]))
+    assert meets(shelf, needed=4.5).cause.tolist() == [Cause.NONE]
+    assert meets(shelf, needed=4.5, sea_level=fallen).cause.tolist() == [Cause.AGROUND]
+    assert meets(shelf, needed=3.9, sea_level=fallen).cause.tolist() == [Cause.NONE]
+    assert meets(shelf, needed=3.5, draught=0.3, clearance=0.3, sea_level=fallen).cause.tolist() == [Cause.AGROUND]
+
+
+def test_what_trials_came_near_to_is_the_nearest_of_their_legs():
+    contact, near = Contact.none(2, measured=True), Contact.none(2, measured=True)
+    for room in (3.0, 7.0):
+        near.nearest[0] = room
+        contact.note(np.arange(2), near, 1)
+    assert contact.nearest[0].tolist() == [3.0, 3.0]

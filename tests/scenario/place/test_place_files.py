@@ -12,9 +12,10 @@ from PIL.TiffImagePlugin import ImageFileDirectory_v2
 
 from missionplan.errors import InputError
 from missionplan.mission import load
-from missionplan.mission.schema.place import TideHeight
+from missionplan.mission.schema.place import BathymetryFile, Geographic, TideHeight
 from missionplan.phases.place import Place, SeaLevel
 from missionplan.scenario.place import _evened, _index, _near, drawn_place, read_place
+from missionplan.scenario.polygons import Chart, _windows
 from missionplan.scenario.scenario import Scenario
 
 shapely = pytest.importorskip("shapely")
@@ -218,6 +219,10 @@ def test_times_and_depths_of_a_zone(tmp_path, write):
     (tmp_path / "k.geojson").write_text(json.dumps(feature))
     zones = placed(write("m", start="2026-06-01T07:00Z", keep_out={"file": "k.geojson"})).zones
     assert [(zone.above, zone.below) for zone in zones] == [(5.0, -math.inf), (math.inf, 20.0)]
+    feature["properties"] |= {"above": 30, "below": 20}  # what is between alone
+    (tmp_path / "k.geojson").write_text(json.dumps(feature))
+    (zone,) = placed(write("m", start="2026-06-01T07:00Z", keep_out={"file": "k.geojson"})).zones
+    assert (zone.above, zone.below) == (30.0, 20.0)
     with pytest.raises(InputError, match="start"):
         placed(write("m", keep_out={"file": "k.geojson"}))
 
@@ -301,6 +306,15 @@ def test_continents_collections_and_crossed_outlines_are_read(tmp_path, write):
     assert zone.geometry.bounds[0] > -60_000.0  # cut to what the mission needs
     assert shapely.intersects(zone.geometry, shapely.Point(600.0, 0.0))  # the strip from 75.995 to 75.99 W
     assert not shapely.intersects(zone.geometry, shapely.Point(-5000.0, 0.0))
+
+
+def test_of_a_continent_all_is_read_that_is_wanted():
+    origin = Geographic(latitude=f"{LATITUDE} deg", longitude=f"{LONGITUDE} deg")
+    chart = Chart("site.land", BathymetryFile(file="land.geojson"), origin, np.full(2, -5e3), np.full(2, 5e3))
+    west, south, east, north = _windows(chart)[1]
+    low, high = chart.from_plane(np.array([[-5e3, 5e3], [-5e3, 5e3]]), "EPSG:4326").T
+    assert (np.array([west, south]) < low).all()
+    assert (np.array([east, north]) > high).all()
 
 
 def test_a_polygon_over_the_date_line_is_where_it_is(tmp_path, write):
