@@ -62,16 +62,8 @@ def _averaged(step: float, depth: Array, rate: Array, behind: Array, constant: A
 
     A filter's output r has the integral of its input less τ times its own change: ∫ r = ∫ z - τ·Δr.
 
-    Parameters
-    ----------
-    step : float
-        Of the time grid [s].
-    depth, behind : array, shape (m, n)
-        What the sensor sees, and how far its output is behind [m].
-    rate : array, shape (m - 1, n)
-        Of the depth in each step [m/s].
-    constant, window : array, shape (n,)
-        Of the sensor and the mean [s].
+    `step`: of the time grid [s]. `depth`, `behind`, (m, n): what the sensor sees, and how far its output is behind [m].
+    `rate`, (m − 1, n): of the depth in each step [m/s]. `constant`, `window`, (n,): of the sensor and the mean [s].
     """
     integral = np.zeros_like(depth)
     np.cumsum(0.5 * step * (depth[1:] + depth[:-1]), axis=0, out=integral[1:])

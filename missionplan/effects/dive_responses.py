@@ -12,6 +12,7 @@ import numpy as np
 import scipy
 
 from missionplan.arrays import Array, Scalars
+from missionplan.effects.dive_log import LinePayout
 from missionplan.effects.info import EffectInfo, Finding, Parameter
 from missionplan.phases.hooks import DescentEffect
 
@@ -235,6 +236,17 @@ RESPONSES = (
             "each metre of line takes {size} off the drag",
         ),
         in_percent=True,
+    ),
+    _response(
+        "delay-by-line",
+        "time",
+        LinePayout,
+        {"delay_per_length": Parameter("s/m", "delay for each metre of line", -5.0, 0.0, scale=0.1, spike=1e-4)},
+        (
+            "a dive that begins early for its line",
+            "the dive begins {size} late for its line",
+            "the dive begins {size} early for its line, as where a part of it stays on the spool",
+        ),
     ),
     _response(
         "weight-from-moment",

@@ -127,7 +127,7 @@ def dives_line(k: int, seed: int) -> Line:
     case = draw_case(seed + k, "descent", "outside")
     with tempfile.TemporaryDirectory() as name:
         found = missionplan.diagnose(*case.write(Path(name) / "case", Path(name) / "truth"), plan=False)
-    return {"name": case.outside, "strength": case.strength} | _said(found)
+    return {"name": case.outside, "nats": case.notes["nats_beyond_the_named"]} | _said(found)
 
 
 def _said(found: Diagnosis) -> Line:
@@ -157,9 +157,10 @@ def figures(lines: Sequence[Line]) -> list[str]:
 
 
 def _group(line: Line) -> str:
-    if line["kind"] != "outside":
-        return {"free": "without an effect", "named": "with a named effect", "dives": "dives, outside"}[line["kind"]]
-    return f"outside, {line['looked_at']}, {'20 nats and more' if line['nats'] >= 20.0 else '6 to 20 nats'}"
+    if line["kind"] in ("free", "named"):
+        return {"free": "without an effect", "named": "with a named effect"}[line["kind"]]
+    held = "20 nats and more" if line["nats"] >= 20.0 else "6 to 20 nats" if line["nats"] >= 6.0 else "less"
+    return f"dives, outside, {held}" if line["kind"] == "dives" else f"outside, {line['looked_at']}, {held}"
 
 
 def _counts(own: Sequence[Line]) -> str:

@@ -158,18 +158,8 @@ def force_axes(
 ) -> list[Axis]:
     """Axes along which a force on all dives may be smooth.
 
-    Parameters
-    ----------
-    forward : DescentForward
-        The dives.
-    coordinates : sequence of Coordinate, length k
-        Of the model.
-    at : array, shape (k,)
-        Where it is fitted.
-    delays : array, shape (d,)
-        Release delay of each dive [s].
-    extents : mapping
-        Values at the readings of ``time`` [s], ``speed`` [m/s] and ``depth`` [m], shape (N,).
+    `at`, (k,): where the model is fitted, in its coordinates. `delays`, (d,): release delay of each dive [s].
+    `extents`: values at the readings of ``time`` [s], ``speed`` [m/s] and ``depth`` [m], shape (N,).
     """
     ends = {name: (float(values.min()), float(values.max())) for name, values in extents.items()}
     ends["speed"] = (MIN_SPEED_SHARE * ends["speed"][1], ends["speed"][1])

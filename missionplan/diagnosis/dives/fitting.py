@@ -41,22 +41,8 @@ def starting_points(
     other causes its best coordinates may be far from there. So does an effect of the mission that may have changed,
     besides the start where the mission has it.
 
-    Parameters
-    ----------
-    coordinates : sequence of Coordinate, length k
-        Of all causes.
-    expected : array, shape (k,)
-        Coordinates that the mission expects.
-    given : sequence of str
-        The mission's own effects.
-    causes : tuple of str
-        The set.
-    near : sequence of CauseFit
-        Of parts of the set: the one that it extends, then causes alone.
-
-    Returns
-    -------
-    list of array, shape (k,)
+    `coordinates`: of all causes, k. `expected`, (k,): as the mission expects them. `given`: its own effects. `near`:
+    fits of parts of the set, the one that it extends, then causes alone.
     """
     start, fitted = _from_fits(coordinates, expected, given, causes, near)
     fresh = [name for name in causes if name not in fitted]

@@ -284,14 +284,8 @@ class LinearisedDescent(DescentPriors):
 def _gauss_newton_delays(covariance: Array, residuals: Array, columns: Array, delays: Array) -> Array:
     """Release delays of a dive under b settings after one Gauss–Newton step each, shape (b,) [s].
 
-    Parameters
-    ----------
-    covariance : array, shape (m, m)
-        Of the dive's readings, its delay known [m²].
-    residuals, columns : array, shape (m, b)
-        Of its readings [m], and their derivative along the delay [m/s].
-    delays : array, shape (b,)
-        Before the step [s].
+    `covariance`, (m, m): of the dive's readings, its delay known [m²]. `residuals`, `columns`, (m, b): of its readings
+    [m], and their derivative along the delay [m/s]. `delays`, (b,): before the step [s].
     """
     precision = np.linalg.inv(covariance)
     found = []

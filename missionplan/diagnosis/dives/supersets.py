@@ -144,16 +144,8 @@ def _products(model: DescentLikelihood, fit: CauseFit, changed: Causes, columns:
 def _further_gains(places: NDArray[np.int_], points: Sequence[int], gram: Array, slabs: Prior) -> Array:
     """What q further strengths add to the log density in each of s sets, a mean over shapes and slabs cut to ranges.
 
-    Parameters
-    ----------
-    places : array, shape (s, p, q)
-        Of the columns of the strengths, at the points of their shapes.
-    points : sequence of int, length q
-        Points of each.
-    gram : array
-        Inner products of all columns and, last, the data.
-    slabs : Prior
-        Of the strengths of all sets, one after the other.
+    `places`, (s, p, q): of the columns of the strengths, at the points of their shapes, `points` of each. `gram`: inner
+    products of all columns and, last, the data. `slabs`: of the strengths of all sets, one after the other.
     """
     sets, _, size = places.shape
     shares = itertools.product(*(NODE_WEIGHTS if count > 1 else (1.0,) for count in points))

@@ -4,7 +4,6 @@ import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
-from typing import cast
 
 import numpy as np
 import pandas as pd
@@ -14,8 +13,8 @@ from missionplan.diagnosis.inference.discrepancy import differing_causes
 from missionplan.diagnosis.inference.model import CauseFit
 from missionplan.diagnosis.legs.designs import LATER, TRIAL_LEGS, short_trials
 from missionplan.diagnosis.legs.model import TransitModel, leg_by_leg
+from missionplan.diagnosis.legs.terms import unit_columns
 from missionplan.effects import CATALOGUE, named_effects
-from missionplan.phases.hooks import TransitEffect, velocity_error
 from missionplan.results.learned.evidence import Alias, Causes, WrongFix
 
 LEGS_TOGETHER = 32
@@ -193,8 +192,6 @@ def _log_evidence(error: Array, covariance: Array, columns: Array) -> float:
 
 UNTOLD, TOLD = 3.0, 5.0
 """Expected nats below which these legs do not tell two effects apart, and from which legs do."""
-STEP = 1e-3
-"""Strength at which columns of effects with terms are taken, in its usual sizes."""
 
 
 def aliases(model: TransitModel, fit: CauseFit) -> tuple[Alias, ...]:
@@ -266,12 +263,7 @@ def _of_terms(model: TransitModel, water: Array) -> Iterator[tuple[str, Array]]:
         for term in info.terms:
             if term.searched or info.id in model.by_effect:
                 continue
-            columns = []
-            for name in term.strengths:
-                step = STEP * info.parameters[name].scale
-                effect = cast(TransitEffect, info.make({name: step}))
-                columns.append(model.axes.T @ velocity_error((effect,), model.leg, water) / step)
-            together = np.stack(columns, axis=2)
+            together = unit_columns(model, info, term.strengths, water=water)
             if np.isfinite(together).all() and together.any():
                 yield info.id, together
 

@@ -1,6 +1,7 @@
 """What legs differ in, alone and two together, along which a velocity error may be smooth."""
 
 import itertools
+from dataclasses import replace
 
 import numpy as np
 
@@ -51,6 +52,24 @@ def paired_axes(data: TransitData, leg: Leg, principal: Array) -> list[Axis]:
                 by_course = np.repeat(np.concatenate([np.cos(angles), np.sin(angles)], axis=1), 2, axis=0)
                 found.append(pointwise(name, words, np.repeat(along, 2, axis=0), directions * by_course))
     return found
+
+
+LINES_TRIED = 4
+"""Directions of a velocity to and fro along one line that are tried."""
+
+
+def along_one_line(axis: Axis) -> list[Axis]:
+    """Return an axis of velocities fixed to the Earth with one that goes to and fro along a line, one a direction.
+
+    Most of what moves the water does; two components that know nothing of each other cost twice the freedom.
+    """
+    words = axis.description.replace("a velocity", "a velocity along one line", 1)
+    parts = axis.response.reshape(len(axis.response), axis.functions, -1)
+    angles = np.pi / LINES_TRIED * np.arange(LINES_TRIED)
+    return [
+        replace(axis, description=words, response=np.tensordot(parts, way, (1, 0)))
+        for way in np.stack([np.cos(angles), np.sin(angles)], axis=1)
+    ]
 
 
 FLOW_LENGTH = 0.25

@@ -21,7 +21,14 @@ from missionplan.diagnosis.coordinates import Coordinate
 from missionplan.diagnosis.inference.axes import Axis, principal_components
 from missionplan.diagnosis.legs.fitting import TransitFitting
 from missionplan.diagnosis.legs.likelihood.mean import ActingTerm
-from missionplan.diagnosis.legs.smooth_axes import FLOW_LENGTH, across_lines, flow_columns, paired_axes, transit_axes
+from missionplan.diagnosis.legs.smooth_axes import (
+    FLOW_LENGTH,
+    across_lines,
+    along_one_line,
+    flow_columns,
+    paired_axes,
+    transit_axes,
+)
 from missionplan.effects import CATALOGUE, EffectInfo, effects_of
 from missionplan.effects.info import Term
 from missionplan.phases.hooks import TransitEffect, velocity_error
@@ -38,8 +45,6 @@ LENGTHS = (0.4, 0.15)
 """Correlation lengths of a smooth one, of the record's extent along the axis."""
 MOST_COLUMNS, LEAST_SHARE = 24, 0.01
 """Principal components kept at most, and least share of the first one's variance that one has."""
-IS_DESCRIBED = ("time", "a velocity that changes with time")
-"""What random effects of the catalogue describe."""
 MOMENTS = {1: 16, 2: 12}
 """Most values tried of the moment of a change, and of each of two."""
 THRESHOLDS, MOST_TIMES = 6, 8
@@ -73,7 +78,7 @@ class LegTerm:
     answers: bool = False
     """Whether it depends on the current."""
     shape: tuple[Scalars, ...] = ()
-    """Of one without a name: its correlation length, of the record's extent, or the line across which it changes."""
+    """Of one without a name: correlation length, of the record's extent, and direction, or the line it is beyond."""
 
     @property
     def is_neutral(self) -> bool:
@@ -141,15 +146,7 @@ def refined(model: TransitFitting, likeliest: LegTerm) -> list[LegTerm]:
 def at_size(model: TransitFitting, term: LegTerm, causes: Causes, values: Array, coefficients: Array) -> LegTerm:
     """Return a term that turns the course with columns from nil to a size, beside causes of these coordinates.
 
-    Parameters
-    ----------
-    model : TransitFitting
-    term : LegTerm
-    causes : tuple of str
-    values : array, shape (k,)
-        Coordinates of the model.
-    coefficients : array, shape (q,)
-        Standard normal ones of the term.
+    `values`, (k,): coordinates of the model. `coefficients`, (q,): standard normal ones of the term.
     """
     acting = term.acting
     turns = acting is not None and cast(TransitEffect, CATALOGUE[acting.effect].make({})).changes_course
@@ -172,7 +169,7 @@ def _members(
     what = info.parameters[first].doc if info.tier == "neutral" else info.what
     does_answer, found = _answers(model, info, term), []
     for shapes in tried:
-        columns = _unit_columns(model, info, term, shapes)
+        columns = unit_columns(model, info, term.strengths, shapes)
         sizes = [
             info.parameters[name].scale if does_answer else _slab(model, info, name, columns[:, :, i])
             for i, name in enumerate(term.strengths)
@@ -188,13 +185,19 @@ def _members(
     return found
 
 
-def _unit_columns(model: TransitFitting, info: EffectInfo, term: Term, shapes: Mapping[str, Scalars]) -> Array:
-    """Velocity errors a unit of each strength without what the current does, shape (2, n, q)."""
+def unit_columns(
+    model: TransitFitting,
+    info: EffectInfo,
+    strengths: Sequence[str],
+    shapes: Mapping[str, Scalars] | None = None,
+    water: Array | float = 0.0,
+) -> Array:
+    """Velocity errors of an effect a unit of each strength, shape (2, n, q); without water nothing answers to it."""
     found = []
-    for name in term.strengths:
+    for name in strengths:
         step = STEP * info.parameters[name].scale
-        effect = cast(TransitEffect, info.make({**shapes, name: step}))
-        found.append(model.axes.T @ velocity_error((effect,), model.leg) / step)
+        effect = cast(TransitEffect, info.make({**(shapes or {}), name: step}))
+        found.append(model.axes.T @ velocity_error((effect,), model.leg, water) / step)
     return np.stack(found, axis=2)
 
 
@@ -251,33 +254,45 @@ def _values(model: TransitFitting, searched: str, shapes: int) -> list[float]:
 
 def answers(model: TransitFitting, term: LegTerm, water: Array) -> Array:
     """Columns of a term that depends on the current, for one of these velocities, shape (2, n, q)."""
-    info = CATALOGUE[term.effect]
     assert term.acting is not None
-    found = []
-    for each in term.acting.coordinates:
-        effect = cast(TransitEffect, info.make({each.name: 1.0}))
-        found.append(model.axes.T @ effect.answer_to_current(model.leg, water) * each.slab)
-    return np.stack(found, axis=2)
+    coordinates = term.acting.coordinates
+    columns = unit_columns(model, CATALOGUE[term.effect], [each.name for each in coordinates], water=water)
+    return columns * [each.slab for each in coordinates]
 
 
 def _smooth(model: TransitFitting) -> list[LegTerm]:
     """Smooth errors along the axes of a log, and along two of them together."""
     axes = transit_axes(model.data, model.leg, model.axes)
-    wanted = [axis for axis in axes if (axis.name, axis.description) != IS_DESCRIBED]
-    found = [replace(_along(axis, length), log_share=-math.log(len(LENGTHS))) for axis in wanted for length in LENGTHS]
+    wanted = [axis for axis in axes if axis.name != "time" or not _is_fixed_to_earth(axis)]
+    pairs = paired_axes(model.data, model.leg, model.axes)
+    lines = [axis for axis in wanted if _is_fixed_to_earth(axis) and axis.name != "heading"]
+    found = _along([[axis] for axis in wanted] + [along_one_line(axis) for axis in lines], LENGTHS)
+    found += _along([along_one_line(axis) if _is_fixed_to_earth(axis) else [axis] for axis in pairs], LENGTHS[:1])
     flow = SMOOTH_SIZE * principal_components(flow_columns(model.data, model.axes), MOST_COLUMNS, LEAST_SHARE)
     eddies = "a velocity that changes with place as in eddies"
-    found += [LegTerm("", "place", eddies, _by_leg(flow), 0.0, shape=(FLOW_LENGTH,)), *_beyond_lines(model)]
-    return found + [_along(axis, LENGTHS[0]) for axis in paired_axes(model.data, model.leg, model.axes)]
+    return [*found, LegTerm("", "place", eddies, _by_leg(flow), 0.0, shape=(FLOW_LENGTH,)), *_beyond_lines(model)]
 
 
-def _along(axis: Axis, length: float) -> LegTerm:
-    """A smooth error; one ahead or abeam has a level of its own: what is constant in it is no cause beside it."""
-    smooth = principal_components(axis.smooth_columns(length), MOST_COLUMNS, LEAST_SHARE)
-    level = axis.response.reshape(len(smooth), axis.functions, -1).sum(axis=2)
-    is_fixed_to_earth = axis.description.startswith("a velocity that")
-    columns = SMOOTH_SIZE * (smooth if is_fixed_to_earth else np.concatenate([smooth, level], axis=1))
-    return LegTerm("", axis.name, axis.description, _by_leg(columns), 0.0, shape=(length,))
+def _is_fixed_to_earth(axis: Axis) -> bool:
+    return {"ahead", "abeam"}.isdisjoint(axis.description.split())
+
+
+def _along(families: Sequence[Sequence[Axis]], lengths: Sequence[float]) -> list[LegTerm]:
+    """Smooth errors along axes of which each family is one, over several lengths.
+
+    One ahead or abeam has a level of its own: what is constant in it is no cause beside it.
+    """
+    found = []
+    for family in families:
+        share = -math.log(len(family) * len(lengths))
+        for (number, axis), length in itertools.product(enumerate(family), lengths):
+            columns = principal_components(axis.smooth_columns(length), MOST_COLUMNS, LEAST_SHARE)
+            if not _is_fixed_to_earth(axis):
+                level = axis.response.reshape(len(columns), axis.functions, -1).sum(axis=2)
+                columns = np.concatenate([columns, level], axis=1)
+            columns = _by_leg(SMOOTH_SIZE * columns)
+            found.append(LegTerm("", axis.name, axis.description, columns, share, shape=(length, number)))
+    return found
 
 
 def _beyond_lines(model: TransitFitting) -> list[LegTerm]:

@@ -47,6 +47,15 @@ def test_a_part_of_the_anchor_that_falls_off_is_told_carried_and_no_order(tmp_pa
 
 
 @pytest.mark.slow
+def test_an_early_clock_is_in_doubt_where_a_part_of_the_only_line_may_stay_on_the_spool(tmp_path):
+    """In dives on one length of line they are the same, and no other line says which it was."""
+    found = diagnosed(draw_case(710_009, "descent", "outside", "jammed-spool"), tmp_path)
+    assert found.causes == ("clock-offset",)
+    assert found.verdict == "ambiguous"
+    assert any(each.causes == ("delay-by-line",) for each in found.ranking[:2])
+
+
+@pytest.mark.slow
 def test_a_line_that_stretches_is_no_hull_across_its_way(tmp_path):
     """The vehicle swings on it after the first pull, within seconds."""
     found = diagnosed(draw_case(79_100_018, "descent", "outside", "elastic-line"), tmp_path)

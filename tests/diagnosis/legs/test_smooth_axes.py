@@ -5,7 +5,13 @@ import pytest
 
 from missionplan.datasets.legs import read_transit
 from missionplan.diagnosis.legs.kind import transit_model
-from missionplan.diagnosis.legs.smooth_axes import FLOW_LENGTH, across_lines, flow_columns
+from missionplan.diagnosis.legs.smooth_axes import (
+    FLOW_LENGTH,
+    across_lines,
+    along_one_line,
+    flow_columns,
+    transit_axes,
+)
 from missionplan.diagnosis.legs.terms import terms_of
 
 
@@ -37,6 +43,19 @@ def test_beyond_a_line_are_the_legs_that_lie_there(bound):
     assert np.ptp(east[least > line]) == pytest.approx(0.0, abs=1e-12)
     assert np.all(east[(least < line) & (most > line)] < east.max())
     assert np.mean(east**2 + north**2) == pytest.approx(2.0)
+
+
+@pytest.mark.parametrize("name", ["time", "place"])
+def test_along_one_line_are_all_directions_alike(bound, name):
+    """What is the same along each has half the covariance of two components; east and north err by one function."""
+    axes = transit_axes(bound.data, bound.leg, np.eye(2))
+    whole = next(axis for axis in axes if axis.name == name)
+    lines = along_one_line(whole)
+    covariances = [columns @ columns.T for columns in (axis.smooth_columns(0.4) for axis in (whole, *lines))]
+    np.testing.assert_allclose(np.mean(covariances[1:], axis=0), 0.5 * covariances[0], atol=1e-9)
+    aslant = lines[1].smooth_columns(0.4)
+    np.testing.assert_allclose(aslant[::2], aslant[1::2], atol=1e-12)
+    assert {axis.description for axis in lines} == {f"a velocity along one line that changes with {name}"}
 
 
 def test_shares_of_what_has_no_name_add_up(bound):

@@ -6,7 +6,7 @@ from ..case import Case
 from .catalogue import CATALOGUE
 from .files import measure, mission_files
 from .outside import OUTSIDE, STUDIED
-from .strength import LARGEST, HiddenEffects, draw_hidden, draw_strong
+from .strength import LARGEST, HiddenEffects, draw_hidden, draw_strong, nats_beyond_the_named
 from .trials import Nuisances, Plan, conditions_of, draw_nuisances, draw_plan
 
 BLIND_SHARE = 0.75
@@ -66,6 +66,7 @@ def _case(
     header, rows, stated = measure(plan, noise, hidden.effects, noise_rng)
     inside = scenario != "outside"
     mission, vehicle = mission_files(plan, shape)
+    notes = {} if inside else {"nats_beyond_the_named": nats_beyond_the_named(plan, noise, hidden.effects)}
     return Case(
         seed=seed,
         kind="descent",
@@ -80,7 +81,7 @@ def _case(
         dataset=stated,
         header=header,
         rows=rows,
-        notes={"sizes": hidden.sizes, "nuisances": vars(noise), "attempt": attempt},
+        notes={"sizes": hidden.sizes, "nuisances": vars(noise), "attempt": attempt, **notes},
     )
 
 

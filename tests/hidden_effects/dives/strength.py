@@ -174,6 +174,25 @@ def _rivals(plan: Plan, noise: Nuisances) -> tuple[Array, ...]:
     return tuple(strength(plan, noise, (effect,))[1] for effect in effects)
 
 
+LOGGED = (
+    DiveEffect(reading=lambda t, depth, number: depth + 0.3),
+    DiveEffect(reading=lambda t, depth, number: np.interp(1.03 * t, t, depth)),
+)
+"""A sensor that sits lower than is written, and a clock that runs slow: named too, and hidden in no case."""
+
+
+def nats_beyond_the_named(plan: Plan, noise: Nuisances, effects: Sequence[DiveEffect]) -> float:
+    """Nats that effects change dives by beyond what all named effects together could, to first order.
+
+    Half the squared misfit that the changes by each of them, of any size, leave under the nuisances' covariance.
+    """
+    whitened = strength(plan, noise, effects)[1]
+    rivals = [*_rivals(plan, noise), *(strength(plan, noise, (each,))[1] for each in LOGGED)]
+    columns = np.column_stack([rival / max(float(np.linalg.norm(rival)), 1e-12) for rival in rivals])
+    left = whitened - columns @ np.linalg.lstsq(columns, whitened, rcond=1e-6)[0]
+    return 0.5 * float(left @ left)
+
+
 LARGEST = {
     "drag-bias": 1.0,
     "line-payout": 0.8,
