@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from missionplan.diagnosis.coordinates import SIGMA_V, JointPosterior, coordinates_of
-from missionplan.diagnosis.extended_mission import Hypothesis, _in_words, extended_mission
+from missionplan.diagnosis.extended_mission import Hypothesis, _in_words, _told, extended_mission
 from missionplan.diagnosis.inference.model import CauseFit
 from missionplan.diagnosis.legs.kind import extended_transit_mission
 from missionplan.effects import CATALOGUE
@@ -113,3 +113,19 @@ def test_draws_are_told_by_moments_of_their_kind():
     assert _in_words(("persistent-error", "time"), np.array([100.0, 400.0]), half) == {"median": "200 s", "factor": 2.0}
     weighted = _in_words(("mean-current", "east"), np.array([0.1, 0.2]), np.array([3.0, 1.0]))
     assert weighted == {"mean": "0.125 m/s", "sd": "0.0433 m/s"}
+
+
+def test_a_record_tells_of_a_level_what_it_adds_to_what_was_known_and_nothing_where_it_adds_none():
+    """Known 0.04 ± 0.03 and then 0.03 ± 0.02: the precision 2500 - 1111 is the record's, and 75 - 44.4 its pull."""
+    before = Mission.from_data(
+        {**MISSION.raw, "effects": [{"compass-bias": {"angle": {"mean": "0.04 rad", "sd": "0.03 rad"}}}]}
+    )
+
+    def told(sd):
+        own = hypothesis((), 1.0, normal("compass-bias", 0.03, sd), before, ("compass-bias",))
+        return [seen for _, seen in _told(own, "a record")]
+
+    (seen,) = told(0.02)
+    assert (seen.value, seen.sd) == pytest.approx((0.022, 7.2e-4**0.5), rel=1e-6)
+    assert len(told(0.03 * 0.998**0.5)) == 1
+    assert told(0.03 * 0.9995**0.5) == told(0.031) == []

@@ -9,6 +9,7 @@ from scipy.stats import norm
 from missionplan.diagnosis.next_trial.experiment import (
     DecisionProblem,
     Experiment,
+    _fit,
     drawn,
     polynomial,
     value_of_information,
@@ -178,3 +179,14 @@ def test_information_gained_with_an_unknown_error_averages_to_what_was_expected(
     gained = [realised_information(experiment, 0, theta, y) for theta, y in zip(draws.parameters[0], data, strict=True)]
     error = np.std(gained) / np.sqrt(len(gained))
     assert np.mean(gained) == pytest.approx(experiment.expected_information(draws, data), abs=4.0 * error)
+
+
+def test_of_each_noise_there_are_as_many_draws_as_its_share_and_each_weighs_what_it_does() -> None:
+    known = Explanation(1.0, np.array([0.4]), np.array([[1.0]]))
+    noises = np.array([[[0.0]], [[1.0]]])
+    experiment = Experiment((known,), (Prediction(np.array([2.0]), np.zeros((1, 1)), noises, np.array([0.25, 0.75])),))
+    generator = np.random.default_rng(1)
+    found = experiment.data(drawn(experiment.explanations, [8], generator), generator)[:, 0]
+    assert np.flatnonzero(found == 2.0).tolist() == [0, 1]
+    fitted = _fit(np.ones((3, 1)), np.array([[0.0], [1.0], [4.0]]), np.array([0.25, 0.25, 0.5]))
+    assert fitted[0, 0] == pytest.approx(2.25, rel=1e-5)

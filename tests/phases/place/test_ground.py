@@ -163,7 +163,7 @@ def test_of_a_shoal_and_a_zone_the_first_on_the_way_is_met():
 
 
 def test_a_sea_below_the_datum_leaves_less_water():
-    shelf, fallen = np.full((8, 20), 5.0), SeaLevel(time=np.array([0.0, 1e4]), height=np.array([-1.0, -1.0]))
+    shelf, fallen = np.full((60, 60), 5.0), SeaLevel(time=np.array([0.0, 1e4]), height=np.array([-1.0, -1.0]))
     assert meets(shelf, needed=4.5).cause.tolist() == [Cause.NONE]
     assert meets(shelf, needed=4.5, sea_level=fallen).cause.tolist() == [Cause.AGROUND]
     assert meets(shelf, needed=3.9, sea_level=fallen).cause.tolist() == [Cause.NONE]
