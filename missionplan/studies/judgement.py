@@ -16,10 +16,13 @@ from missionplan.mission.schema.phases import MoorPhase
 from missionplan.mission.schema.site import CurrentFile, TidalCurrent
 from missionplan.mission.schema.vehicle import Anchor
 from missionplan.montecarlo.distributions import Distribution
+from missionplan.montecarlo.statistics import Count
 from missionplan.results.decision import Assumption
 from missionplan.results.failures import SUCCESS, Counted
 from missionplan.results.simulation import Outcome
+from missionplan.studies.simulation.block_statistics import happened
 from missionplan.studies.simulation.simulate import event_probabilities, simulate
+from missionplan.studies.simulation.trial_block import MissionTrials
 
 TRIALS = 400
 """Of each run of the ledger; they share their random numbers, so that small differences show."""
@@ -38,16 +41,22 @@ class Doubt:
     """Of the mission's keys (`Mission.with_`)."""
 
 
-def ledger(mission: Mission, seed: int, trials: int = TRIALS) -> tuple[Assumption, ...]:
-    """Run a mission without each of its assumptions; those that matter most come first; nan where it cannot be run."""
+def ledger(mission: Mission, seed: int, run: MissionTrials | None = None) -> tuple[Assumption, ...]:
+    """Run a mission without each of its assumptions; those that matter most come first; nan where it cannot be run.
+
+    `run`: first trials of the mission as it is, where they are known.
+    """
     doubts = tuple(doubts_of(mission))
     if not doubts:
         return ()
-    base = event_probabilities(mission, trials=trials, seed=seed)
+    if run is not None and run.success.size >= TRIALS:
+        base = {each: Count.of(trial[:TRIALS]).probability() for each, trial in happened(mission, run).items()}
+    else:
+        base = event_probabilities(mission, trials=TRIALS, seed=seed)
     found = []
     for doubt in doubts:
         try:
-            other = event_probabilities(mission.with_(dict(doubt.changes)), trials=trials, seed=seed)
+            other = event_probabilities(mission.with_(dict(doubt.changes)), trials=TRIALS, seed=seed)
         except (MissionplanError, ArithmeticError):  # a plug-in's phase, a key that another forbids
             found.append(Assumption(doubt.what, doubt.otherwise, math.nan, math.nan))
             continue

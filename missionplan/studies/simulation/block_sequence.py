@@ -27,7 +27,7 @@ from missionplan.studies.simulation.block_statistics import (
     statistics_of_block,
     with_prefix,
 )
-from missionplan.studies.simulation.trial_block import MapTracks, MissionTrials, run_block
+from missionplan.studies.simulation.trial_block import TRACKED_TRIALS, MapTracks, MissionTrials, run_block
 
 if TYPE_CHECKING:
     from missionplan.store.checkpoints import TrialsTable
@@ -110,6 +110,8 @@ class BlockResult:
     rows: Mapping[str, NDArray[np.generic]] = field(default_factory=dict)
     """Columns of the table of trials, where asked for, shape (n,)."""
     tracks: MapTracks | None = None
+    trials: MissionTrials | None = None
+    """Of the run's first block, with the tracks of all; a file does not hold them."""
 
     def to_arrays(self) -> dict[str, NDArray[np.generic]]:
         """Flatten into named arrays, for a file."""
@@ -152,6 +154,8 @@ class MergedBlocks:
     """First block that did not fail."""
     tracks: MapTracks | None
     """Its tracks, where it has any."""
+    trials: MissionTrials | None
+    """Of the run's first block, where it was run and not read."""
 
 
 @dataclass(frozen=True)
@@ -181,8 +185,9 @@ class BlockSequence:
                     failures.append(block.reason)
                     continue
                 totals = block.totals if merged is None else merged.totals.merge(block.totals)
-                first, tracks = (item, block.tracks) if merged is None else (merged.first, merged.tracks)
-                merged = MergedBlocks(totals, tuple(failures), first, tracks)
+                if merged is None:
+                    merged = MergedBlocks(totals, tuple(failures), item, block.tracks, block.trials)
+                merged = replace(merged, totals=totals)
                 if self.table is not None:
                     self.table.add(item[0] * BLOCK, block.rows)
                 if self.goal is not None and self.goal.is_reached(totals):
@@ -190,10 +195,6 @@ class BlockSequence:
         if merged is None:
             raise RunError("\n".join(["every block of trials failed:", *failures[:10]]))
         return replace(merged, failures=tuple(failures))
-
-
-TRACKED_TRIALS = 300
-"""Trials whose tracks are on maps, the first of the run."""
 
 
 @dataclass(frozen=True, eq=False)  # hashed by identity: Dask hashes what it runs, and arrays have no hash
@@ -223,7 +224,7 @@ class BlockTask:
     def __call__(self, item: BlockItem) -> BlockOutcome:
         """Run one block and reduce it; a numerical failure is returned, not raised, so that other blocks go on."""
         (block, size), sampled = item, item[0] < SAMPLED_BLOCKS
-        tracked = TRACKED_TRIALS if block == 0 else 0
+        tracked = size if block == 0 else 0
         try:
             trials = self.trials(block, size, tracked=tracked, inputs=sampled or self.keep_trials)
             reduced = statistics_of_block(self.means.mission, trials, sampled=sampled, members=len(self.members))
@@ -234,4 +235,4 @@ class BlockTask:
             place = f"block {block} (trials {first} to {first + size - 1}, seed {self.seed})"
             return FailedBlock(f"{place}: {type(error).__name__}: {error}")
         rows = trials.columns() if self.keep_trials else {}
-        return BlockResult(reduced, rows, MapTracks.of(trials) if tracked else None)
+        return BlockResult(reduced, rows, MapTracks.of(trials), trials) if tracked else BlockResult(reduced, rows)

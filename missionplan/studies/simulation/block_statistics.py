@@ -124,19 +124,7 @@ def statistics_of_block(mission: Mission, trials: MissionTrials, *, sampled: boo
 
     `sampled`: whether to keep inputs and key figures trial by trial. `members`: of the current's ensemble.
     """
-    columns = trials.columns()
-    happened = {
-        SUCCESS: trials.success,
-        **{
-            Counted(CountedKind.EVENT, phase.name, name): trial
-            for phase in trials.phases
-            for name, trial in phase.events.items()
-        },
-        **_limits(trials),
-        **failures_by_step(trials),
-        **requirement_flags(mission, columns),
-    }
-    counts = {name: Count.of(trial) for name, trial in happened.items()}
+    counts = {name: Count.of(trial) for name, trial in happened(mission, trials).items()}
     held = {
         explanation(doubt.place, number): trials.draws[doubt.place] == number
         for doubt in mission.doubts
@@ -144,7 +132,7 @@ def statistics_of_block(mission: Mission, trials: MissionTrials, *, sampled: boo
     }
     held |= {explanation(MEMBER, number): trials.draws[MEMBER] == number for number in range(members)}
     counts |= {name: Count(int((trials.success & where).sum()), int(where.sum())) for name, where in held.items()}
-    sample = _sample(trials, columns) if sampled else {}
+    sample = _sample(trials) if sampled else {}
     explained = {
         explained_name(counted, quantity): np.where(where, values, np.nan)
         for counted, where in held.items()
@@ -152,6 +140,17 @@ def statistics_of_block(mission: Mission, trials: MissionTrials, *, sampled: boo
     }
     statistics = RunningStatistics.of(_quantities(trials) | explained)
     return BlockStatistics(statistics, counts, sample, _summed(_contacts(trials)))
+
+
+def happened(mission: Mission, trials: MissionTrials) -> dict[Counted, Flags]:
+    """Trials that succeed, in which each event happens, and that meet each limit, failure and requirement."""
+    events = {
+        Counted(CountedKind.EVENT, phase.name, name): trial
+        for phase in trials.phases
+        for name, trial in phase.events.items()
+    }
+    met = requirement_flags(mission, trials.columns())
+    return {SUCCESS: trials.success, **events, **_limits(trials), **failures_by_step(trials), **met}
 
 
 def _contacts(trials: MissionTrials) -> Array:
@@ -248,9 +247,10 @@ def failures_by_step(trials: MissionTrials) -> dict[Counted, Flags]:
     return steps
 
 
-def _sample(trials: MissionTrials, columns: Mapping[str, Array | Flags]) -> dict[tuple[Sampled, str], Array]:
+def _sample(trials: MissionTrials) -> dict[tuple[Sampled, str], Array]:
     kinds = [(phase.name, phase.kind) for phase in trials.phases] + [("total", "total")]
     figures = [f"{phase}.{name}" for phase, kind in kinds for name in KEY_FIGURES[kind]]
+    columns = trials.columns()
     return (
         {(Sampled.INPUT, name): values for name, values in trials.inputs().items()}
         | {(Sampled.OUTPUT, name): np.asarray(columns[name], dtype=float) for name in figures}

@@ -32,7 +32,7 @@ from missionplan.studies.simulation import (
     mooring_anchors,
     run_notices,
 )
-from missionplan.studies.simulation.block_sequence import BlockItem, BlockSequence, BlockTask, MergedBlocks, Precision
+from missionplan.studies.simulation.block_sequence import BlockSequence, BlockTask, MergedBlocks, Precision
 from missionplan.studies.simulation.losses import Search, read_searches
 from missionplan.studies.simulation.outcome_builder import OutcomeBuilder
 from missionplan.studies.simulation.overdue import overdue
@@ -135,9 +135,9 @@ def simulate(
     return replace(
         built,
         plan=plan_if_any(mission, means, seed),
-        overdue=_overdue(task, merged.first, searches) if sheet else None,
+        overdue=_overdue(task, merged, searches) if sheet else None,
         chart=_chart(means, tracks),
-        assumptions=judgement.ledger(mission, seed) if assumptions else (),
+        assumptions=judgement.ledger(mission, seed, merged.trials if exported is None else None) if assumptions else (),
     )
 
 
@@ -184,11 +184,11 @@ def event_probabilities(mission: Mission, *, trials: int, seed: int) -> dict[Cou
     return {counted: count.probability() for counted, count in merged.totals.counts.items()}
 
 
-def _overdue(task: BlockTask, first: BlockItem, searches: Sequence[Search]) -> Overdue | None:
-    """Run the first block once more for the tracks of all its trials, and see where those are that do not end."""
-    block, size = first
+def _overdue(task: BlockTask, merged: MergedBlocks, searches: Sequence[Search]) -> Overdue | None:
+    """See where those trials of the first block are that do not end; run it again where it was read from a file."""
+    block, size = merged.first
     scenario = task.means.sampled(seed=task.seed, block=block, size=size)
-    trials = run_block(scenario, task.seed, block, size, tracked=size, inputs=False)
+    trials = merged.trials or run_block(scenario, task.seed, block, size, tracked=size, inputs=False)
     return overdue(scenario, trials, task.seed, searches)
 
 

@@ -133,6 +133,10 @@ class MissionTrials:
         return found | {f"total.{name}": value for name, value in self.total.items()} | {"total.success": self.success}
 
 
+TRACKED_TRIALS = 300
+"""Trials whose tracks are on maps, the first of the run."""
+
+
 @dataclass(frozen=True)
 class MapTracks:
     """Some trials for maps: plain arrays, the phases one after another."""
@@ -159,16 +163,16 @@ class MapTracks:
 
     @classmethod
     def of(cls, trials: MissionTrials) -> "MapTracks":
-        """Collect them from a block."""
-        phases = trials.phases
-        position = np.concatenate([phase.track for phase in phases])
+        """Collect those of the first `TRACKED_TRIALS` from a block."""
+        phases, shown = trials.phases, slice(TRACKED_TRIALS)
+        position = np.concatenate([phase.track[..., shown] for phase in phases])
         return cls(
             position=position,
-            time=np.concatenate([phase.track_time for phase in phases]),
+            time=np.concatenate([phase.track_time[:, shown] for phase in phases]),
             points=np.array([len(phase.track) for phase in phases]),
             anchors=np.concatenate([phase.anchor for phase in phases], axis=1),
             goals=np.array([(*phase.goal.mean(axis=1), np.mean(phase.radius)) for phase in phases], dtype=float),
-            profile=np.concatenate([phase.profile for phase in phases], axis=1),
+            profile=np.concatenate([phase.profile[..., shown] for phase in phases], axis=1),
             success=trials.success[: position.shape[2]],
         )
 
