@@ -18,6 +18,7 @@ if TYPE_CHECKING:
 
 REQUIREMENT_NOT_MET = 3
 _BLOCKS_NEED = "missionplan.studies.simulation.block_sequence"
+_PAGE = "missionplan.report.simulation.page"
 _CELLS_NEED = "missionplan.studies.exploration.cells"
 _SWEEPS_NEED = "missionplan.studies.leg_length.sweep_dmax"
 _PLANS_NEED = "missionplan.studies.leg_length.plan_legs"
@@ -203,8 +204,9 @@ def simulate(
         **run.arguments(),
     )
     with _workers_importing(_BLOCKS_NEED, run.other_processes if (run.trials or 0) > _MANY_TRIALS else 0):
+        page = _PAGE if run.other_processes else ""
         outcome = run_resumable(
-            mission, "simulate", study, output, allow_outside=allow_outside, resume=resume, keep=True
+            mission, "simulate", study, output, allow_outside=allow_outside, resume=resume, keep=True, page=page
         )
     if not outcome.requirements_met or not outcome.can_be_built:
         raise typer.Exit(REQUIREMENT_NOT_MET)

@@ -3,17 +3,20 @@
 Runs that were cut short: their finished blocks of trials are kept in the report folder and used again.
 """
 
+import os
 import sys
+import traceback
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import AbstractContextManager, contextmanager, redirect_stdout
 from dataclasses import replace
 from functools import partial
+from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, NoReturn, TypeVar
 
 from missionplan.cli.options import OutputOptions, answering, note, remark
 from missionplan.errors import InputError, MissionplanError, Problem, RunError, attempted
-from missionplan.identity import blamed_plugin
+from missionplan.identity import blamed_plugin, running_program
 
 if TYPE_CHECKING:
     from rich.progress import Task
@@ -44,8 +47,7 @@ def run_study(
     """Load a mission, run a study of it, save the report, print and return the result; data sets are read besides."""
     with report_folder(output, path.stem, command) as folder:
         mission = loaded(path, datasets, folder, allow_outside=allow_outside)
-        with progress_bar(command, shown=not output.quiet) as progress:
-            result = study(mission, progress=progress)
+        result = _with_bar(command, partial(study, mission), shown=not output.quiet)
         deliver(result, folder, output)
     return result
 
@@ -190,6 +192,54 @@ def _bar(label: str, *, shown: bool) -> Iterator[Progress]:
         yield lambda done, total: bar.update(task, completed=done, total=total)
 
 
+def _with_bar(command: str, study: Study[_Result], *, shown: bool) -> _Result:
+    with progress_bar(command, shown=shown) as progress:
+        return study(progress=progress)
+
+
+def beside_import(module: str, compute: Callable[[], _Result]) -> _Result:
+    """Import a module while a copy of this process computes; where there can be none, this one computes.
+
+    Raises what computing raises, and RunError when the copy dies.
+    """
+    from missionplan.montecarlo.copies import Copy, copies_at_once
+    from missionplan.montecarlo.pool import WORKER_DIED, end_with, shut_down_pool
+
+    if not module or not copies_at_once():
+        return compute()
+    running_program()  # as it is before anything is computed
+    parent = os.getpid()
+
+    def outcome() -> _Result | BaseException:
+        end_with(parent)
+        try:
+            return compute()
+        except (Exception, KeyboardInterrupt) as error:
+            error.add_note(traceback.format_exc())
+            return error
+        finally:
+            shut_down_pool()
+
+    try:
+        copy = Copy(outcome)
+    except OSError:  # of processes or files there may be no more
+        return compute()
+    try:
+        import_module(module)
+        found = copy.result()
+    except EOFError:
+        raise RunError(WORKER_DIED) from None
+    except KeyboardInterrupt:
+        if sys.stderr.isatty():
+            sys.stderr.write("\x1b[?25h")  # the cursor, which the copy's bar hid
+        raise
+    finally:
+        copy.end()
+    if isinstance(found, BaseException):
+        raise found
+    return found
+
+
 BLOCKS = "blocks"
 """Folder of finished blocks inside a report folder."""
 
@@ -244,10 +294,12 @@ def run_resumable(
     allow_outside: bool,
     resume: bool,
     keep: bool = False,
+    page: str = "",
 ) -> _Result:
     """Load a mission, run a study that keeps its finished blocks in the report folder, and save it.
 
-    The blocks stay there if they are to be kept, so that the run can be extended, else until it is done.
+    The blocks stay there if they are to be kept, so that the run can be extended, else until it is done. `page`: module
+    that is imported while a copy of this process runs the study; none: this process runs it.
     """
     from missionplan.mission import load
     from missionplan.store.folder import check_holds_no_input
@@ -259,8 +311,9 @@ def run_resumable(
         check_holds_no_input(folder, mission.sources)
         if output.force and not resume:
             discard_blocks(folder)
-        with resume_hint(folder, resumed=resume), progress_bar(command, shown=not output.quiet) as progress:
-            result = study(mission, checkpoint=folder / BLOCKS, resume=resume, progress=progress)
+        with resume_hint(folder, resumed=resume):
+            whole = partial(study, mission, checkpoint=folder / BLOCKS, resume=resume)
+            result = beside_import(page, partial(_with_bar, command, whole, shown=not output.quiet))
         if not keep:
             discard_blocks(folder)  # of thousands of cells or choices
         deliver(result, folder, replace(output, force=True))

@@ -60,7 +60,7 @@ def process_pool(count: int) -> "ProcessPoolExecutor":
 def _started(count: int) -> "ProcessPoolExecutor":
     from loky import ProcessPoolExecutor  # which many a run needs none of
 
-    executor = ProcessPoolExecutor(max_workers=count, env=_ENVIRONMENT, initializer=_end_with, initargs=(os.getpid(),))
+    executor = ProcessPoolExecutor(max_workers=count, env=_ENVIRONMENT, initializer=end_with, initargs=(os.getpid(),))
     try:
         executor.submit(int)  # starts them
     except Exception as error:
@@ -71,7 +71,7 @@ def _started(count: int) -> "ProcessPoolExecutor":
     return executor
 
 
-def _end_with(parent: int) -> None:
+def end_with(parent: int) -> None:
     """End this worker when its parent is gone, even if that was killed: nobody else would end it."""
 
     def watch() -> None:

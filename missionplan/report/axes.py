@@ -160,3 +160,17 @@ def grid_of_panels(
         for column in range(columns)
     ]
     return figure, [figure.add_axes(tuple(np.array(place) / (*size, *size))) for place in places]
+
+
+def column_of_panels(
+    width: float, heights: "Sequence[float]", margins: tuple[float, float, float, float], gap: float = 0.0
+) -> tuple[Figure, "Sequence[Axes]"]:
+    """Return a figure with panels of given heights one under the other; margins as of `grid_of_panels` [in]."""
+    left, right, bottom, top = margins
+    whole = bottom + top + sum(heights) + gap * (len(heights) - 1)
+    figure = Figure(figsize=(width, whole))
+    figure.set_layout_engine("none")
+    feet = [whole - top - sum(heights[: row + 1]) - row * gap for row in range(len(heights))]
+    size = (width, whole, width, whole)
+    places = [(left, foot, width - left - right, height) for foot, height in zip(feet, heights, strict=True)]
+    return figure, [figure.add_axes(tuple(np.array(place) / size)) for place in places]

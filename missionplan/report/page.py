@@ -1,27 +1,24 @@
 """The parts of a report, its figures drawn as SVG text; `html` renders them as one self-contained page."""
 
 import io
-import os
-import pickle
 import re
-import select
-import signal
-import sys
-import threading
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from contextvars import ContextVar
 from dataclasses import dataclass, field
-from functools import cached_property
+from functools import cached_property, partial
 from importlib.resources import files
 from pathlib import Path
-from typing import TYPE_CHECKING, NoReturn, Union, cast
+from typing import TYPE_CHECKING, Union, cast
 
 import matplotlib as mpl
 import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.axis import Axis
 from matplotlib.backends.backend_svg import FigureCanvasSVG
 from matplotlib.text import Text
 
+from missionplan.montecarlo.copies import Copy, copies_at_once
 from missionplan.report.axes import draw_in_units, set_ticks
 from missionplan.report.readings import Shown, Slider, name_series, readings
 from missionplan.report.wording import typeset
@@ -34,8 +31,6 @@ PLAIN = Shown()
 """Of a figure to which the page adds nothing."""
 SVG_DPI = 72
 """Dots per inch at which SVG is drawn."""
-_DEAF = {getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP") if hasattr(signal, name)}
-"""Signals that end a command."""
 
 
 @dataclass(frozen=True)
@@ -59,7 +54,7 @@ def draw(figure: "MatplotlibFigure", shown: Shown = PLAIN) -> Drawn:
     FigureCanvasSVG(figure)
     draw_in_units(figure.axes)
     set_ticks(figure.axes)
-    for text in figure.findobj(Text):
+    for text in _texts(figure):
         text.set_text(typeset(text.get_text()))
     figure.set_dpi(SVG_DPI)
     if (layout := figure.get_layout_engine()) is not None:  # saving would draw the whole figure twice for its sake
@@ -72,6 +67,16 @@ def draw(figure: "MatplotlibFigure", shown: Shown = PLAIN) -> Drawn:
     buffer = io.StringIO()
     figure.savefig(buffer, format="svg", metadata={"Date": None, "Creator": None, "Format": None, "Type": None})
     return Drawn(buffer.getvalue(), readings(figure, series, shown))
+
+
+def _texts(figure: "MatplotlibFigure") -> Iterator[Text]:
+    """Texts but those of ticks, which their formatters write; to ask for these would make them."""
+    for parent in (figure, *figure.axes):
+        for child in parent.get_children():
+            if isinstance(child, Axis):
+                yield child.label
+            elif not isinstance(child, Axes):
+                yield from cast("list[Text]", child.findobj(Text))
 
 
 DrawnFigure = Union[Drawn, "_DrawnElsewhere"]
@@ -92,19 +97,11 @@ def drawing_by(draw: Draw) -> Iterator[None]:
 
 @contextmanager
 def drawing_in_parallel(processes: int | None = None) -> Iterator[None]:
-    """Draw some of the figures in copies of this process, which have all that it has imported; drawings are the same.
+    """Draw some of the figures in copies of this process, where these may be made; drawings are the same.
 
-    Parameters
-    ----------
-    processes : int, optional
-        That draw at once, this one included; default: one per core. Where a process cannot be copied safely (off
-        Linux, or beside other threads, whose locks a copy would hold for ever) this one draws all.
+    `processes`: that draw at once, this one included; default: one per core.
     """
-    count = processes or len(os.sched_getaffinity(0)) if sys.platform == "linux" else 1
-    if count == 1 or threading.active_count() > 1:
-        yield
-        return
-    copies = Copies(count - 1)
+    copies = Copies(copies_at_once(processes))
     with drawing_by(copies.drawing_of):
         try:
             yield
@@ -117,17 +114,17 @@ class Copies:
     """Draws in copies of this process, `most` at once, and here while these are busy."""
 
     most: int
-    made: "list[_DrawnElsewhere]" = field(default_factory=list)
+    made: list[Copy[Drawn]] = field(default_factory=list)
 
     def drawing_of(self, figure: "MatplotlibFigure", shown: Shown) -> DrawnFigure:
         """Draw a figure in a copy, where one may be made."""
         if sum(each.is_busy for each in self.made) >= self.most:
             return draw(figure, shown)
         try:
-            self.made.append(_DrawnElsewhere(figure, shown))
+            self.made.append(Copy(partial(draw, figure, shown)))
         except OSError:  # of processes or files there may be no more
             return draw(figure, shown)
-        return self.made[-1]
+        return _DrawnElsewhere(self.made[-1], figure, shown)
 
     def end(self) -> None:
         """Let go of all."""
@@ -135,37 +132,13 @@ class Copies:
             each.end()
 
 
+@dataclass(frozen=True)
 class _DrawnElsewhere:
     """A drawing that a copy of this process makes; should that die, this one makes it."""
 
-    def __init__(self, figure: "MatplotlibFigure", shown: Shown) -> None:
-        self._figure, self._shown = figure, shown
-        self._pipe, writer = os.pipe()
-        mask = signal.pthread_sigmask(signal.SIG_BLOCK, _DEAF)  # Ctrl-C is for this process; the copy ends by itself
-        try:
-            self.process = os.fork()
-            if self.process == 0:
-                self._draw_and_end(writer)
-        except OSError:
-            os.close(self._pipe)
-            raise
-        finally:
-            signal.pthread_sigmask(signal.SIG_SETMASK, mask)
-            os.close(writer)
-        self._waits_for = True
-
-    def _draw_and_end(self, writer: int) -> NoReturn:
-        try:
-            os.close(self._pipe)  # or a write to a parent that is gone would never fail
-            with open(writer, "wb") as to_parent:
-                pickle.dump(draw(self._figure, self._shown), to_parent)
-        finally:
-            os._exit(0)  # what this process would clean up is its parent's
-
-    @property
-    def is_busy(self) -> bool:
-        """Whether it still draws: a copy writes once it is done."""
-        return self._waits_for and not select.select([self._pipe], [], [], 0.0)[0]
+    copy: Copy[Drawn]
+    figure: "MatplotlibFigure"
+    shown: Shown
 
     @property
     def svg(self) -> str:
@@ -180,19 +153,9 @@ class _DrawnElsewhere:
     @cached_property
     def _drawn(self) -> Drawn:
         try:
-            with open(self._pipe, "rb", closefd=False) as from_copy:
-                return cast(Drawn, pickle.load(from_copy))
-        except (EOFError, pickle.UnpicklingError):
-            return draw(self._figure, self._shown)
-        finally:
-            self.end()
-
-    def end(self) -> None:
-        """Let go of the copy: one whose drawing nobody took ends when it cannot write it."""
-        if self._waits_for:
-            self._waits_for = False
-            os.close(self._pipe)
-            os.waitpid(self.process, 0)
+            return self.copy.result()
+        except EOFError:
+            return draw(self.figure, self.shown)
 
 
 INK, GRID = "#222222", "#dddddd"

@@ -11,7 +11,7 @@ from matplotlib.patches import Polygon, Rectangle, Wedge
 
 from missionplan.arrays import Array
 from missionplan.physics.anchor import AnchorDesign, cap_height
-from missionplan.report.axes import name_axis
+from missionplan.report.axes import column_of_panels, name_axis
 from missionplan.report.page import (
     BLUE,
     GREEN,
@@ -247,8 +247,8 @@ def hold_figure(held: HeldVehicle) -> Figure:
     top = max(0.3 * reach, *(max(state.tail[1], state.line[-1, 1]) for state in held.states))
     left, right = -0.12 * max(reach, top) - 0.3, 1.08 * reach + 0.5
     low = min(-0.06 * top - 0.1, *(state.uphill * side for state in held.states for side in (left, right)))
-    figure = MatplotlibFigure(figsize=(6.0, min(5.0, 0.95 + 5.4 * (1.25 * top - low) / (right - left))))
-    axes = figure.subplots()
+    height = min(4.0, 5.25 * (1.25 * top - low) / (right - left))
+    figure, (axes,) = column_of_panels(6.0, [height], (0.6, 0.15, 0.8, 0.1))
     rise = held.states[-1].uphill
     axes.fill_between([left, right], [rise * left, rise * right], -1e3, color=GREY, alpha=0.25, linewidth=0.0)
     axes.plot([left, right], [rise * left, rise * right], color=GREY, linewidth=1.5)
@@ -266,7 +266,7 @@ def hold_figure(held: HeldVehicle) -> Figure:
     axes.set(xlim=(left, right), ylim=(low, 1.25 * top), aspect="equal")
     name_axis(axes.xaxis, "Downstream of the anchor", "m")
     name_axis(axes.yaxis, "Above the anchor", "m")
-    figure.legend(loc="outside lower center", ncols=2)
+    figure.legend(loc="lower center", ncols=2)
     listed = "; ".join(
         f"{state.current} of {quantity(state.speed, 'm/s', '.2f')}: nose "
         f"{quantity(state.nose_altitude, 'm', '.1f')} above the bottom and "

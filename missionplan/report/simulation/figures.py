@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from missionplan.arrays import Array
 from missionplan.exporters.geojson import COLOURS
 from missionplan.montecarlo.statistics import Probability
-from missionplan.report.axes import grid_of_panels, name_axis
+from missionplan.report.axes import column_of_panels, name_axis
 from missionplan.report.page import BLUE, GREY, INK, ORANGE, SKY, Figure, to_figure
 from missionplan.report.plan_view import (
     WIDTH,
@@ -145,7 +145,7 @@ def _time_unit(outcome: Outcome) -> Unit:
 
 def histograms(outcome: Outcome, shown: Sequence[tuple[PhaseOutcome, str]]) -> Figure:
     """Draw the distributions of quantities, one under the other, with the requirements on them."""
-    figure, panels = grid_of_panels(len(shown), 1, (WIDTH, 1.5 * len(shown) + 0.1), (0.6, 0.2, 0.5, 0.1), (0.0, 0.55))
+    figure, panels = column_of_panels(WIDTH, [0.95] * len(shown), (0.6, 0.2, 0.5, 0.1), 0.55)
     words = []
     for axes, (phase, key) in zip(panels, shown, strict=True):
         draw_histogram(axes, outcome, phase, key)
@@ -220,9 +220,8 @@ _MAPPED = 200
 def mission_figure(outcome: Outcome) -> Figure:
     """Draw the mission as simulated: from above where it moves over ground, and its depth against time."""
     moves = moves_over_ground(outcome)
-    heights = [0.6 + (WIDTH - 0.9) * _frame(outcome).shape, 1.9] if moves else [1.9]
-    figure = MatplotlibFigure(figsize=(WIDTH, sum(heights)))
-    panels = figure.subplots(len(heights), 1, squeeze=False, height_ratios=heights).ravel()
+    heights = [(WIDTH - 0.95) * _frame(outcome).shape, 1.3] if moves else [1.3]
+    figure, panels = column_of_panels(WIDTH, heights, (0.8, 0.15, 0.5, 0.1), 0.6)
     if moves:
         draw_tracks(panels[0], outcome)
     draw_profile(panels[-1], outcome)

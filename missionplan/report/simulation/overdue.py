@@ -6,12 +6,11 @@ from datetime import UTC, datetime, timedelta
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.figure import Figure as MatplotlibFigure
 
 from missionplan.arrays import Array
 from missionplan.exporters.geojson import collection, feature, longitudes_latitudes
 from missionplan.moments import moment_of, zone_written
-from missionplan.report.axes import name_axis
+from missionplan.report.axes import column_of_panels, name_axis
 from missionplan.report.page import BLUE, GREEN, INK, ORANGE, PINK, Block, Figure, PageSection, Table, to_figure
 from missionplan.report.plan_view import WIDTH, frame
 from missionplan.report.quantities import quantity, reader_system, reader_unit
@@ -116,8 +115,8 @@ def _map(outcome: Outcome, found: Overdue) -> Figure:
     """Draw the search areas; of the drift, one for each number of hours overdue."""
     drawn = [area for area in found.areas if area.share == SHARES[-1]]
     shown = frame([], [area.points for area in drawn])
-    figure = MatplotlibFigure(figsize=(WIDTH, 1.3 + (WIDTH - 0.9) * shown.shape))
-    axes = figure.add_subplot()
+    above = 0.15 + 0.2 * math.ceil(len({area.way for area in drawn}) / 2)
+    figure, (axes,) = column_of_panels(WIDTH, [(WIDTH - 0.95) * shown.shape], (0.8, 0.15, 0.5, above))
     named: set[str] = set()
     for area in drawn:
         for ring in (ring for rings in area.polygons for ring in rings):
@@ -131,7 +130,7 @@ def _map(outcome: Outcome, found: Overdue) -> Figure:
     axes.set(xlim=limits[0], ylim=limits[1], aspect="equal")
     name_axis(axes.xaxis, "east", "km")
     name_axis(axes.yaxis, "north", "km")
-    figure.legend(loc="outside upper center", ncols=2)
+    figure.legend(loc="upper center", ncols=2)
     words = "; ".join(f"{_where(area)}, {_hours(area)}: {_area(area)}" for area in drawn)
     return to_figure(
         figure,
