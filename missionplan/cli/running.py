@@ -226,7 +226,7 @@ def beside_import(module: str, compute: Callable[[], _Result]) -> _Result:
         return compute()
     try:
         import_module(module)
-        found = copy.result()
+        found = copy.result
     except EOFError:
         raise RunError(WORKER_DIED) from None
     except KeyboardInterrupt:

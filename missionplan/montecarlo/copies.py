@@ -7,6 +7,7 @@ import signal
 import sys
 import threading
 from collections.abc import Callable
+from functools import cached_property
 from typing import Generic, NoReturn, TypeVar, cast
 
 Result = TypeVar("Result")
@@ -29,30 +30,29 @@ class Copy(Generic[Result]):
     """A copy of this process that computes something; raises OSError where there may be no more of them."""
 
     def __init__(self, compute: Callable[[], Result]) -> None:
+        self.compute, self._waits_for = compute, False
         self._pipe, writer = os.pipe()
         mask = signal.pthread_sigmask(signal.SIG_BLOCK, _DEAF)  # Ctrl-C is for this process, which ends the copy
         try:
             self.process = os.fork()
             if self.process == 0:
-                self._compute_and_end(compute, writer)
+                self._compute_and_end(writer)
             self._waits_for = True
-        except OSError:
-            self._waits_for = False
-            os.close(self._pipe)
-            raise
         finally:
             os.close(writer)
+            if not self._waits_for:
+                os.close(self._pipe)
             try:
                 signal.pthread_sigmask(signal.SIG_SETMASK, mask)
             except KeyboardInterrupt:  # which came meanwhile: nobody has the copy yet
                 self.end()
                 raise
 
-    def _compute_and_end(self, compute: Callable[[], Result], writer: int) -> NoReturn:
+    def _compute_and_end(self, writer: int) -> NoReturn:
         try:
             os.close(self._pipe)  # or a write to a parent that is gone would never fail
             with open(writer, "wb") as to_parent:
-                pickle.dump(compute(), to_parent)
+                pickle.dump(self.compute(), to_parent)
         finally:
             os._exit(0)  # what this process would clean up is its parent's
 
@@ -61,8 +61,9 @@ class Copy(Generic[Result]):
         """Whether it still computes: a copy writes once it is done."""
         return self._waits_for and not select.select([self._pipe], [], [], 0.0)[0]
 
+    @cached_property
     def result(self) -> Result:
-        """Wait for what it computes, once; raises EOFError when it has died."""
+        """What it computes, waited for; raises EOFError when it has died."""
         try:
             with open(self._pipe, "rb", closefd=False) as from_copy:
                 return cast(Result, pickle.load(from_copy))

@@ -139,33 +139,13 @@ def round_length(length: float) -> tuple[float, str]:
     return number * unit.size, f"{number:g} {unit.name}"
 
 
-def grid_of_panels(
-    rows: int,
-    columns: int,
-    size: tuple[float, float],
-    margins: tuple[float, float, float, float],
-    gaps: tuple[float, float],
-) -> tuple[Figure, "Sequence[Axes]"]:
-    """Return a figure with panels in rows: where their places are known nothing need be laid out.
-
-    `size`: width and height. `margins`: left, right, bottom and top; `gaps`: between columns and rows [in].
-    """
-    figure = Figure(figsize=size)
-    figure.set_layout_engine("none")
-    left, right, bottom, top = margins
-    wide, high = ((size[0] - left - right + gaps[0]) / columns, (size[1] - bottom - top + gaps[1]) / rows)
-    places = [
-        (left + column * wide, bottom + row * high, wide - gaps[0], high - gaps[1])
-        for row in reversed(range(rows))
-        for column in range(columns)
-    ]
-    return figure, [figure.add_axes(tuple(np.array(place) / (*size, *size))) for place in places]
-
-
 def column_of_panels(
     width: float, heights: "Sequence[float]", margins: tuple[float, float, float, float], gap: float = 0.0
 ) -> tuple[Figure, "Sequence[Axes]"]:
-    """Return a figure with panels of given heights one under the other; margins as of `grid_of_panels` [in]."""
+    """Return a figure with panels of given heights one under the other: where places are known none need be found.
+
+    `margins`: left, right, bottom and top; `gap`: between rows [in].
+    """
     left, right, bottom, top = margins
     whole = bottom + top + sum(heights) + gap * (len(heights) - 1)
     figure = Figure(figsize=(width, whole))

@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 from functools import cached_property, partial
 from importlib.resources import files
 from pathlib import Path
-from typing import TYPE_CHECKING, Union, cast
+from typing import TYPE_CHECKING, cast
 
 import matplotlib as mpl
 import numpy as np
@@ -79,7 +79,7 @@ def _texts(figure: "MatplotlibFigure") -> Iterator[Text]:
                 yield from cast("list[Text]", child.findobj(Text))
 
 
-DrawnFigure = Union[Drawn, "_DrawnElsewhere"]
+DrawnFigure = Drawn | Copy[Drawn]
 Draw = Callable[["MatplotlibFigure", Shown], DrawnFigure]
 """Draws a figure, or has it drawn in another process."""
 _chosen: ContextVar[Draw] = ContextVar("draw", default=draw)
@@ -124,38 +124,12 @@ class Copies:
             self.made.append(Copy(partial(draw, figure, shown)))
         except OSError:  # of processes or files there may be no more
             return draw(figure, shown)
-        return _DrawnElsewhere(self.made[-1], figure, shown)
+        return self.made[-1]
 
     def end(self) -> None:
         """Let go of all."""
         for each in self.made:
             each.end()
-
-
-@dataclass(frozen=True)
-class _DrawnElsewhere:
-    """A drawing that a copy of this process makes; should that die, this one makes it."""
-
-    copy: Copy[Drawn]
-    figure: "MatplotlibFigure"
-    shown: Shown
-
-    @property
-    def svg(self) -> str:
-        """SVG text."""
-        return self._drawn.svg
-
-    @property
-    def plot(self) -> str:
-        """Readings, as JSON."""
-        return self._drawn.plot
-
-    @cached_property
-    def _drawn(self) -> Drawn:
-        try:
-            return self.copy.result()
-        except EOFError:
-            return draw(self.figure, self.shown)
 
 
 INK, GRID = "#222222", "#dddddd"
@@ -188,15 +162,25 @@ class Figure:
     alt: str
     caption: str = ""
 
+    @cached_property
+    def drawn(self) -> Drawn:
+        """The drawing that is done; this process draws where a copy of it has died."""
+        if isinstance(self.drawing, Drawn):
+            return self.drawing
+        try:
+            return self.drawing.result
+        except EOFError:
+            return self.drawing.compute()
+
     @property
     def svg(self) -> str:
         """SVG text."""
-        return self.drawing.svg
+        return self.drawn.svg
 
     @property
     def plot(self) -> str:
         """What the page's script reads off it, as JSON (`html.readings`)."""
-        return self.drawing.plot
+        return self.drawn.plot
 
 
 @dataclass(frozen=True)

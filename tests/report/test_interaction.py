@@ -85,22 +85,23 @@ def test_the_pointer_reads_bars_bins_and_places_on_earth(browser, mission):
     assert wgs84.inv(origin[1], origin[0], longitude, latitude)[2] < 3000.0
 
 
-def test_the_pointer_reads_the_trials_and_the_ellipse_about_a_goal(browser, mission):
+def test_the_pointer_reads_the_median_trial_and_the_circles_about_a_goal(browser, mission):
     outcome, report = mission
     show(browser, report, width=1280)
-    close = figure_named(browser, "arrivals")
-    _, radius = outcome.tracks.targets["ingress"]
-    reach = browser.execute_script(
-        "const figure = document.querySelector('figure[data-name=arrivals]');"
-        "return JSON.parse(figure.dataset.plot).axes[0].x.lim[1]"
+    above = figure_named(browser, "mission")
+    limits = browser.execute_script(
+        "const figure = document.querySelector('figure[data-name=mission]'),"
+        "{ x, y } = JSON.parse(figure.dataset.plot).axes[0]; return [x.lim, y.lim]"
     )
-    words = point_at(browser, close, 0.5 + 0.5 * radius / reach, 0.5).splitlines()
-    assert words[0] == f"east {radius:.4g}\u00a0m"
-    assert any(word.startswith("arrival circle: north 0") for word in words)
-    east, north = outcome.arrivals["ingress"][:, 7]
-    told = point_at(browser, close, 0.5 + 0.5 * float(east) / reach, 0.5 + 0.5 * float(north) / reach)
-    place = next(word for word in told.splitlines() if word.startswith("trials: north "))
-    assert float(place.split()[2].split("\u00a0")[0].replace("\u2212", "-")) == pytest.approx(north, abs=0.05 * reach)
+    goal, radius = outcome.tracks.targets["ingress"]
+    shares = [(at - low) / (high - low) for at, (low, high) in zip(goal, limits, strict=True)]
+    words = point_at(browser, above, *shares).splitlines()
+    pixel = (limits[0][1] - limits[0][0]) / 400.0
+    assert float(words[0].removeprefix("east ").removesuffix("\u00a0m")) == pytest.approx(goal[0], abs=pixel)
+    (circle,) = [word for word in words if word.startswith("arrival circle: north ")]
+    north = float(circle.split()[3].split("\u00a0")[0].replace("\u2212", "-"))
+    assert abs(north - goal[1]) <= radius * 1.001
+    assert any(word.startswith("median trial: north ") for word in words)
 
 
 def test_a_series_is_switched_off_and_on(browser, report):

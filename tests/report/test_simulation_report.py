@@ -191,7 +191,7 @@ def test_every_figure_has_its_own_name_an_alternative_text_and_units(outcome):
         ]
     names = [figure.name for figure in figures]
     assert len(set(names)) == len(names)
-    assert {"mission", "waterfall", "arrivals", "histograms"} <= set(names)
+    assert {"mission", "waterfall", "histograms"} <= set(names)
     assert all(len(figure.alt) > 40 and figure.caption for figure in figures)
     for figure in figures:
         labels = re.findall(r"<text[^>]*>([^<]+)</text>", figure.svg)

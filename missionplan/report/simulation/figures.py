@@ -229,7 +229,9 @@ def mission_figure(outcome: Outcome) -> Figure:
     failed = int(np.count_nonzero(~outcome.tracks.success[:_MAPPED]))
     count = min(outcome.tracks.success.size, _MAPPED)
     crosses = f" {failed} of them fail (orange, a cross where they end)." if failed else " None of them fails."
-    lines = f" Circles and ellipses are those of the close-ups.{_place_in_words(outcome)}" if moves else ""
+    lines = (
+        f" Circles, ellipses: as required, and of 50 and 95 % of the trials.{_place_in_words(outcome)}" if moves else ""
+    )
     astray = _frame(outcome).outliers_in_words() if moves else ""
     return to_figure(
         figure,

@@ -12,7 +12,7 @@ from missionplan.montecarlo.statistics import wilson
 from missionplan.report.anchor.drawing import hold_section
 from missionplan.report.explained import explanation_in_words, explanation_sections, member_in_words, member_sections
 from missionplan.report.page import Cells, Page, PageSection, Table
-from missionplan.report.plan_view import close_ups, rings
+from missionplan.report.plan_view import rings
 from missionplan.report.quantities import quantity, reader_unit, span, with_error
 from missionplan.report.simulation.figures import (
     draw_histogram,
@@ -56,7 +56,7 @@ def failed_section(outcome: Outcome) -> Iterator[PageSection]:
 
 
 def ends_section(outcome: Outcome) -> Iterator[PageSection]:
-    """Draw where each phase ends about its goal; nothing where nothing moves over ground."""
+    """Tabulate where each phase ends about its goal; nothing where nothing moves over ground."""
     if not moves_over_ground(outcome):
         return
     drawn = list(rings(outcome))
@@ -66,9 +66,10 @@ def ends_section(outcome: Outcome) -> Iterator[PageSection]:
     for phase in dict.fromkeys(ring.phase for ring in drawn):
         radii = {ring.name: unit.cell(ring.radius, ".3g") for ring in drawn if ring.phase == phase}
         rows.append((phase_in_words(phase), *(radii.get(kind, "") for kind in kinds)))
-    caption = f"Radii{unit.axis}, about the goal; for an ellipse, of the circle of equal area."
-    close = close_ups(outcome)
-    yield PageSection("Where the trials end", [*([close] if close else []), Table(("phase", *kinds), rows, caption)])
+    caption = (
+        f"Radii{unit.axis}, about the goal, of what holds that share of the trials that reach it, or of an equal area."
+    )
+    yield PageSection("Where the trials end", [Table(("phase", *kinds), rows, caption)])
 
 
 def distributions_section(outcome: Outcome) -> PageSection:
