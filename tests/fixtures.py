@@ -121,7 +121,7 @@ def drawing_nothing() -> AbstractContextManager[None]:
 def unassumed():
     """Judge without runs for each assumption of a mission: for modules that do not look at assumptions."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(judgement, "ledger", lambda mission, seed: ())
+        patch.setattr(judgement, "ledger", lambda *_: ())
         yield
 
 

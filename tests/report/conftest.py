@@ -65,7 +65,7 @@ def planned(saved: Callable[[Result], Saved], tmp_path_factory: pytest.TempPathF
     path.write_text(LEGS, encoding="utf-8")
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(optimise_legs, "MEAN_FAMILY", PolicyFamily((1.0,), ()))
-        patch.setattr(judgement, "ledger", lambda mission, seed: ())
+        patch.setattr(judgement, "ledger", lambda *_: ())
         return saved(plan_legs(load(path)))
 
 

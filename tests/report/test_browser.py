@@ -39,7 +39,7 @@ def test_every_figure_is_shown_within_the_page(browser, report, width):
         "const box = svg.getBoundingClientRect();"
         "return [box.left, box.right, box.width, box.height]; })"
     )
-    assert len(boxes) == 4
+    assert len(boxes) == 3
     for left, right, wide, high in boxes:
         assert wide > 250
         assert high > 80
