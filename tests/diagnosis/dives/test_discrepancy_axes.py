@@ -9,6 +9,7 @@ import pytest
 
 from missionplan.diagnosis.dives.discrepancy_axes import FORCE_STEP, UnknownForce, _trend, _wrong_anchor, force_axes
 from missionplan.diagnosis.dives.kind import descent_misfit, descent_shares
+from missionplan.diagnosis.dives.likelihood import DescentLikelihood
 from missionplan.diagnosis.dives.noise import noise_grid
 from missionplan.diagnosis.inference.axes import AxisScale
 from missionplan.diagnosis.inference.block_covariance import InnerProducts
@@ -154,3 +155,12 @@ def test_shares_of_dives_are_of_squares_in_their_own_units():
         SimpleNamespace(state=SimpleNamespace(linear=SimpleNamespace(at=np.array([at])))) for at in places
     )
     assert descent_shares(model, base, [better, worse]) == pytest.approx([1.0 - 4.0 / 5.0, 0.0])
+
+
+def test_what_all_dives_share_of_their_scatter_is_as_great_as_the_noise_has_it():
+    linear = SimpleNamespace(columns=np.array([[1.0], [2.0], [3.0]]), curvature=np.array([0.1, 0.2, 0.4]))
+    own = SimpleNamespace(parts=(np.arange(3),), covariances=lambda *_: [np.eye(3)[None]])
+    noise = replace(noise_grid()[0], scatter=0.5)
+    found = DescentLikelihood.covariance(own, linear, noise, np.array([10.0]))
+    assert found.root == pytest.approx(np.array([[10.0, 0.05], [20.0, 0.1], [30.0, 0.2]]))
+    assert found.blocks[0].tolist() == np.eye(3).tolist()

@@ -1,13 +1,17 @@
 """Labels of weights that were exchanged in the log book: found where they were, and nowhere else."""
 
+import math
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pandas as pd
 import pytest
 
 from missionplan import diagnose
+from missionplan.diagnosis.dives import consistency
 from missionplan.diagnosis.dives.consistency import exchanged_labels
+from missionplan.diagnosis.inference.selection import FURTHER
 from missionplan.report.diagnosis.page import answer
 
 WEIGHTS = np.array([20.0, 30.0, 20.0, 30.0, 25.0])
@@ -67,3 +71,23 @@ def test_the_diagnosis_says_so_first(five_dives, folder, descent_mission):
     assert found.diagnosis()["suspect_labels"] == found.suspect_labels
     told = answer(found)
     assert told.startswith("The labels of the weights look exchanged between dive-0, dive-1, dive-2, dive-3: with 20 N")
+
+
+def test_exchanges_share_the_probability_of_their_step_and_a_second_costs_as_a_cause(monkeypatch):
+    """Of five dives: six pairs and both weights at once, 50 nats; then five pairs and both, 80 nats, none going back."""
+    evidence = {(1, 0, 0, 1, 0): 50.0, (1, 0, 1, 0, 0): 80.0}
+    monkeypatch.setattr(consistency, "_labelled", lambda *_: [])
+    monkeypatch.setattr(
+        consistency,
+        "_changed",
+        lambda whole, likelihoods, labels, own: SimpleNamespace(
+            log_joint=lambda _: np.array([evidence.get(labels, -1e3)])
+        ),
+    )
+    logs = [SimpleNamespace(name=f"dive-{k}", wet_weight=20.0 + 10.0 * (k % 2)) for k in range(5)]
+    state = SimpleNamespace(likelihood=None, prior_sd=None)
+    found = exchanged_labels(
+        SimpleNamespace(forward=SimpleNamespace(logs=logs)), SimpleNamespace(state=state, log_evidence=0.0)
+    )
+    assert found.dives == ("dive-0", "dive-1", "dive-2", "dive-3")
+    assert found.log_gain == pytest.approx(80.0 - math.log(7.0) - math.log(6.0) - FURTHER)

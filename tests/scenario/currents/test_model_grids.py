@@ -1,5 +1,7 @@
 """Fields on the grids of ocean models, written here by the models' formulas, against interpolation by brute force."""
 
+from types import SimpleNamespace
+
 import brute_force as slow
 import numpy as np
 import pytest
@@ -13,6 +15,8 @@ from missionplan.phases.currents import Span
 from missionplan.phases.grids import RegularGrid
 from missionplan.scenario.currents.area import Area
 from missionplan.scenario.currents.reading import read_field
+from missionplan.scenario.currents.unstructured import _sigma_levels
+from missionplan.scenario.currents.vertical import good_down_to
 
 netcdf = pytest.importorskip("netCDF4")
 xarray = pytest.importorskip("xarray")
@@ -474,3 +478,20 @@ def test_of_gradients_that_are_not_all_there_none_is_taken(tmp_path, lacking):
     places = inner_points(one.grid.points, 50, np.random.default_rng(1))
     t, depth = np.full(50, 1800.0), np.full(50, 4.0)
     np.testing.assert_array_equal(other.velocity(t, depth, places), one.velocity(t, depth, places))
+
+
+def test_sigma_layers_rise_with_the_surface_and_are_good_to_the_bottom_under_the_highest():
+    """Over 10 m with the surface at 0.5 and 2 m: a tenth and nine tenths of 10.5 and of 12 m."""
+    values = {"siglay": np.array([-0.1, -0.9]), "h": np.full(3, 10.0)}
+    files = SimpleNamespace(
+        **{"required": lambda _, name: name, "fixed": values.get, "depths": lambda name, otherwise: values[name]},
+        **{"named": lambda *names: names[0], "variable": lambda _: SimpleNamespace(dims=("time", "node"))},
+        **{"series": lambda *_: np.array([[0.5] * 3, [2.0] * 3]), "height_factor": lambda *_: 1.0},
+    )
+    mesh = SimpleNamespace(
+        nodes=np.arange(3),
+        mean_over_faces=lambda values: values.mean(axis=-1, keepdims=True),  # one triangle
+    )
+    levels, good = _sigma_levels(files, mesh, np.zeros(2))
+    assert levels == pytest.approx(np.array([[[1.05, 9.45]], [[1.2, 10.8]]]))
+    assert good == pytest.approx(good_down_to(np.array([12.0])))

@@ -2,7 +2,9 @@
 
 import copy
 import math
+from collections import defaultdict
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 import scipy
@@ -106,3 +108,16 @@ def test_each_assumption_is_put_off_by_its_usual_size():
         "moor.line_material": "polyester",
         "moor.line_diameter": "2 mm",
     }
+
+
+@pytest.mark.parametrize(("before", "missed"), [(0.85, ()), (0.9, ("out.arrived",))])
+def test_a_requirement_that_is_missed_anyway_turns_on_no_assumption(one_leg, monkeypatch, before, missed):
+    runs = iter((before, 0.5))
+
+    def probabilities(*_, **__):
+        share = SimpleNamespace(value=next(runs))
+        return defaultdict(lambda: share)
+
+    monkeypatch.setattr("missionplan.studies.judgement.event_probabilities", probabilities)
+    (found,) = ledger(one_leg("0 m/s"), seed=3)
+    assert (found.missed, found.worth) == (missed, pytest.approx(0.5 - before))

@@ -1,14 +1,18 @@
 """Trials that meet a limit of the world fail with its reason, and what did not happen is missing."""
 
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
 from simulate_missions import chesapeake
 
+from missionplan.phases.hooks import TrialState
+from missionplan.phases.place import Cause, Place
+from missionplan.phases.zones import Fence, Zone
 from missionplan.report.simulation.page import answer
-from missionplan.studies.simulation import mooring_trials
-from missionplan.studies.simulation.phase_trials import _profile
+from missionplan.studies.simulation import mooring_trials, phase_trials
+from missionplan.studies.simulation.phase_trials import _leg_inputs, _profile
 from missionplan.studies.simulation.simulate import simulate
 
 pytestmark = pytest.mark.usefixtures("unplanned", "unranked", "unheld")
@@ -108,3 +112,55 @@ def test_a_moorings_depths_track_and_wear_by_hand():
         (1000.0, 1105.0, 30.0),
     ]
     assert [place[0, 0] for place in (*down.places, *up.places)] == [0.0, 3.0, 3.0, 4.0, 9.0]
+
+
+def test_an_anchor_lands_where_the_current_at_the_surface_and_then_half_way_down_carry_it(monkeypatch):
+    """Released after 10 s, 20 m at 2 m/s: 10 s of 0.5 m/s eastward, and 10 s of the flow then at 10 m, 0.3 m/s north."""
+    monkeypatch.setattr(mooring_trials, "_depth", lambda *_: np.array([20.0]))
+    monkeypatch.setattr(mooring_trials, "dive_of", lambda *_: None)
+    monkeypatch.setattr(mooring_trials, "sinking_speed", lambda *_: 2.0)
+    flows = {(100.0, 0.0): [0.5, 0.0], (110.0, 10.0): [0.0, 0.3]}
+
+    def at(clock, depth, position):
+        return np.array(flows[float(clock[0]), float(np.ravel(depth)[0])])[:, None]
+
+    current = SimpleNamespace(velocity=at, mean_velocity=lambda clock, lasting, depth, position, _: at(clock, depth, 0))
+    state = TrialState(np.array([[7.0], [9.0]]), np.zeros((2, 1)), np.array([100.0]), np.zeros(1), np.ones(1, bool))
+    scenario, phase = SimpleNamespace(current=current, place=Place(), means=None), SimpleNamespace(release_time=10.0)
+    found = mooring_trials._foreseen(scenario, phase, state)
+    assert found[:, 0] == pytest.approx([7.0 + 5.0, 9.0 + 3.0])
+
+
+@pytest.mark.parametrize(("until", "cause"), [(905.0, Cause.KEEP_OUT), (895.0, Cause.NONE)])
+def test_a_vehicle_drifts_into_zones_while_it_is_at_the_surface_after_the_ascent(until, cause):
+    """It surfaces in the zone at 900 s, and its fix is at 1000 s."""
+    box = pytest.importorskip("shapely").box
+    place = Place(None, Fence((Zone(box(-5.0, -5.0, 5.0, 5.0), "range", is_land=False, until=until, since=850.0),)))
+    state = TrialState(np.full((2, 1), 500.0), np.zeros((2, 1)), np.zeros(1), np.zeros(1), np.ones(1, bool))
+    after = replace(state, position=np.array([[100.0], [0.0]]), clock=np.array([1000.0]))
+    plan = SimpleNamespace(surfacing_time=100.0, dive=SimpleNamespace(site_depth=np.array([20.0])))
+    descent = SimpleNamespace(touched_down=np.ones(1, bool), release_time=np.zeros(1))
+    record = SimpleNamespace(
+        descent=descent, anchor=state.position, surfaced=np.ones(1, bool), surfaced_at=np.zeros((2, 1))
+    )
+    assert mooring_trials.met_at_mooring(place, plan, state, after, record).cause.tolist() == [cause]
+
+
+def test_errors_of_legs_are_along_the_course_and_to_port(monkeypatch):
+    """Going north, 3 m/s east is to starboard; over two legs a mean, and of fixes the last leg's."""
+    monkeypatch.setattr(phase_trials, "random_part", lambda size, normals: size * normals)
+    velocity = SimpleNamespace(leg=lambda number: np.array([[3.0, 3.0], [4.0, 4.0]]) * (1.0 - number))
+    fixes = SimpleNamespace(leg=lambda number: np.array([[1.0, 1.0], [2.0, 2.0]]) * (1.0 + number))
+    plan = SimpleNamespace(velocity_error=10.0, fix_error=5.0)
+    state = TrialState(np.zeros((2, 2)), np.zeros((2, 2)), np.zeros(2), np.zeros(2), np.ones(2, bool))
+    normals, record = (
+        SimpleNamespace(velocity=velocity, fix_on_diving=fixes),
+        SimpleNamespace(surfacings=np.array([1, 2])),
+    )
+    found = _leg_inputs(plan, normals, state, record, np.array([[0.0], [100.0]]))
+    assert {name: values.tolist() for name, values in found.items()} == {
+        "velocity_error.along": [40.0, 20.0],
+        "velocity_error.across": [-30.0, -15.0],
+        "fix_error.along": [10.0, 20.0],
+        "fix_error.across": [-5.0, -10.0],
+    }
