@@ -13,7 +13,7 @@ from missionplan.diagnosis.diagnose import diagnose
 from missionplan.diagnosis.tank.experiments import drag_forward
 from missionplan.diagnosis.tank.fitting import LinearData, fitted_root, marginal
 from missionplan.diagnosis.tank.forward import noise_sd, row_blocks
-from missionplan.diagnosis.tank.kind import _uncertainty, tank_misfit, tank_residuals, tank_share
+from missionplan.diagnosis.tank.kind import TankKind, _uncertainty, tank_misfit, tank_share
 from missionplan.mission import load
 from missionplan.montecarlo.distributions import Normal
 from missionplan.physics.tank import displacement, natural_frequency
@@ -182,7 +182,7 @@ def test_rows_of_tank_data_lie_beside_both_models():
     model = SimpleNamespace(forward=forward, plain_residuals=lambda: np.array([0.5, 1.0]))
     for causes, left in ((("drag-bias",), [0.1, -0.2]), ((), [0.5, 1.0])):
         best = SimpleNamespace(causes=causes, state=SimpleNamespace(residuals=np.array([0.1, -0.2])))
-        found = tank_residuals(model, best)
+        found = TankKind("drag", None, None, model).residual_table(None, best)
         assert (found["at_speed"].tolist(), found["force_n"].tolist(), found["base"].tolist()) == (
             [1.0, 2.0],
             [3.0, 5.0],
