@@ -147,6 +147,10 @@ class GridRuns:
     def table(self, variant: str) -> pd.DataFrame:
         """One run a row."""
         record = self._record
+        # option (a): until the slowest of each set of mid-transition speeds hovers
+        hover = np.where(np.isnan(record.hover_time), record.end_time, record.hover_time)
+        latest = hover.reshape(self._shape).max(axis=2, keepdims=True)
+        common = energy_until(record.history, np.broadcast_to(latest, self._shape).ravel())
         return pd.DataFrame(
             {
                 "variant": variant,
@@ -157,7 +161,7 @@ class GridRuns:
                 "pitch_excursion_rad": record.pitch_excursion,
                 "hover_time_s": record.hover_time,
                 "hover_pitch_rad": record.hover_pitch,
-                "energy_common_wh": self._common_energy() / JOULES_PER_WATT_HOUR,
+                "energy_common_wh": common / JOULES_PER_WATT_HOUR,
                 "energy_to_hover_wh": record.energy_to_hover / JOULES_PER_WATT_HOUR,
                 "energy_out_of_range": record.out_of_range,
             }
@@ -167,13 +171,6 @@ class GridRuns:
         """Time history of one combination: deceleration, steepness and mid-transition speed."""
         index = int(np.flatnonzero(np.all(self._points == np.array(point)[:, None], axis=0))[0])
         return time_history(self._record, index, label)
-
-    def _common_energy(self) -> Array:
-        """Energy until the slowest of each set of mid-transition speeds hovers, option (a) [J]."""
-        record = self._record
-        hover = np.where(np.isnan(record.hover_time), record.end_time, record.hover_time)
-        latest = hover.reshape(self._shape).max(axis=2, keepdims=True)
-        return energy_until(record.history, np.broadcast_to(latest, self._shape).ravel())
 
 
 def time_history(record: TransitionRecord, index: int, label: str) -> TimeHistory:

@@ -31,29 +31,17 @@ def unassisted_figure(result: TransitionSweep) -> Figure:
     name_axis(depth.yaxis, "rise above target", "m")
     depth.set_xlabel("time since the deceleration began (s)")
     if np.isfinite(result.saturation_speed):
-        _mark_saturation(angles, depth, result)
+        crossing = track.time[np.argmax(track.speed < result.saturation_speed)]
+        for axes in (angles, depth):
+            axes.axvline(crossing, color=GREY, linewidth=1.0, linestyle=":")
+        point, corner = f"A: {quantity(result.saturation_speed, 'm/s', '.2f')}", (crossing, depth.get_ylim()[1])
+        depth.annotate(point, corner, (-4, -4), textcoords="offset points", ha="right", va="top")
     angles.legend(loc="upper left")
     alt = (
         "Pitch, sternplane and rise against time without thrusters: once the sternplane is at its limit depth is lost."
     )
-    return to_figure(
-        figure, "fig-3-no-thrusters", alt, "Without thrusters (the paper's Fig. 3); speed falls with time."
-    )
-
-
-def _mark_saturation(angles: Axes, depth: Axes, result: TransitionSweep) -> None:
-    track = result.unassisted
-    crossing = track.time[np.argmax(track.speed < result.saturation_speed)]
-    for axes in (angles, depth):
-        axes.axvline(crossing, color=GREY, linewidth=1.0, linestyle=":")
-    depth.annotate(
-        f"A: {quantity(result.saturation_speed, 'm/s', '.2f')}",
-        (crossing, depth.get_ylim()[1]),
-        xytext=(-4, -4),
-        textcoords="offset points",
-        ha="right",
-        va="top",
-    )
+    caption = "Without thrusters (the paper's Fig. 3); speed falls with time."
+    return to_figure(figure, "fig-3-no-thrusters", alt, caption)
 
 
 def _draw_histories(
@@ -106,9 +94,8 @@ def energy_figure(result: TransitionSweep, option: str) -> Figure:
     until = "until the slowest run of the set hovers" if option == "a" else "until each run hovers"
     number = "10" if option == "a" else "11"
     alt = f"Thruster energy {until} against mid-transition speed, one line a steepness."
-    return to_figure(
-        figure, f"fig-{number}-energy", alt, f"Energy {until}: option ({option}), the paper's Fig. {number}."
-    )
+    caption = f"Energy {until}: option ({option}), the paper's Fig. {number}."
+    return to_figure(figure, f"fig-{number}-energy", alt, caption)
 
 
 def draw_energy(axes: Axes, result: TransitionSweep, option: str = "a") -> None:
@@ -116,14 +103,8 @@ def draw_energy(axes: Axes, result: TransitionSweep, option: str = "a") -> None:
     table = result.energy(FORCE, option)
     colours = mpl.colormaps["viridis"](np.linspace(0.0, 0.85, len(table.columns)))
     for steepness, colour in zip(table.columns, colours, strict=True):
-        axes.plot(
-            table.index,
-            table[steepness],
-            "o-",
-            color=colour,
-            markersize=3,
-            label=quantity(float(steepness), "m/s", "g"),
-        )
+        label = quantity(float(steepness), "m/s", "g")
+        axes.plot(table.index, table[steepness], "o-", color=colour, markersize=3, label=label)
     name_axis(axes.xaxis, "mid-transition speed", "m/s")
     axes.set_ylabel("energy (W\u202fh)")
     axes.set_ylim(bottom=0.0)

@@ -2,6 +2,7 @@
 
 import math
 import shlex
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -12,7 +13,14 @@ from matplotlib.ticker import MaxNLocator
 
 from missionplan.arrays import Array
 from missionplan.report.axes import name_axis
-from missionplan.report.imported.leg_basis import COLUMNS, basis_rows, common_words, explained_rows, explained_section
+from missionplan.report.imported.leg_basis import (
+    COLUMNS,
+    basis_rows,
+    common_words,
+    explained_rows,
+    explained_section,
+    inside,
+)
 from missionplan.report.page import (
     BLUE,
     GREY,
@@ -73,10 +81,13 @@ def draw_track(axes: Axes, result: ImportedData) -> None:
         if chosen:
             axes.add_collection(LineCollection(chosen, colors=colour, linewidths=1.2, label=label))
     axes.plot(*(lines.fixes / unit), ".", color=SKY, markersize=3, label="fixes", zorder=2.5)
-    near = _rejected_nearby(result)
+    near = inside(lines.rejected, lines.fixes, margin=0.5)
     if near.size:
         axes.plot(*(near / unit), "x", color=PINK, markersize=6, label="fixes rejected", zorder=4)
-    _error_arrows(axes, result, counted, unit)
+    ends = lines.leg_ends[:, :, counted] / unit  # by dead reckoning, and by the fixes after them
+    if ends.size:
+        arrows: dict[str, Any] = {"angles": "xy", "scale_units": "xy", "scale": 1.0, "width": 0.004, "zorder": 3}
+        axes.quiver(*ends[0], *(ends[1] - ends[0]), color=ORANGE, label="errors", **arrows)
     axes.set(aspect="equal")
     name_axis(axes.xaxis, "east", word)
     name_axis(axes.yaxis, "north", word)
@@ -101,32 +112,6 @@ def _widen(axes: Axes, points: Array) -> None:
         axes.set_xlim(west, west + least)
     if np.isfinite(south):
         axes.set_ylim(south, south + least)
-
-
-def _rejected_nearby(result: ImportedData) -> Array:
-    """Rejected fixes within the extent of the others, and half of it around."""
-    fixes, rejected = result.lines.fixes, result.lines.rejected
-    if not rejected.size or not fixes.size:
-        return np.empty((2, 0))
-    low, high = fixes.min(axis=1, keepdims=True), fixes.max(axis=1, keepdims=True)
-    inside = np.all((rejected >= low - 0.5 * (high - low)) & (rejected <= high + 0.5 * (high - low)), axis=0)
-    return np.asarray(rejected[:, inside])
-
-
-def _error_arrows(axes: Axes, result: ImportedData, counted: Array, unit: float) -> None:
-    tails, tips = _errors(result, counted)
-    if not tails.size:
-        return
-    axes.quiver(
-        *(tails / unit), *((tips - tails) / unit), angles="xy", scale_units="xy", scale=1.0, color=ORANGE,
-        width=0.004, zorder=3, label="errors",
-    )  # fmt: skip
-
-
-def _errors(result: ImportedData, counted: Array) -> tuple[Array, Array]:
-    """Dead-reckoned ends of the legs that count, and the fixes after them, shape (2, n) [m]."""
-    ends = result.lines.leg_ends[:, :, counted]
-    return ends[0], ends[1]
 
 
 def _span(values: Array) -> tuple[float, float] | None:
@@ -204,10 +189,13 @@ def page(result: ImportedData) -> Page:
 
 
 def _sections(result: ImportedData) -> list[PageSection]:
-    depth = depth_figure(result)
+    depth, mission = depth_figure(result), Listing(result.mission_text)
+    starter = "In this folder; mission.yaml is a starter mission with what the log says, for you to correct:"
+    lacking = any(verdict.startswith("no") for _, verdict in result.can_show)
+    shows = "What these data can show, and what they cannot" if lacking else "What these data can show"
     sections = [
-        _what_they_show(result),
-        PageSection("What to type next", _next_blocks(result)),
+        PageSection(shows, [Table(("what", "can it be seen?"), result.can_show, text_columns=2)]),
+        PageSection("What to type next", [starter, Listing("\n".join(result.next_commands)), mission]),
         PageSection(_dives_heading(result), [*([depth] if depth else []), _dives_table(result)]),
         *(explained_section(result, each) for each in result.pictures),
         _sources(result),
@@ -256,20 +244,6 @@ def _numbers(result: ImportedData) -> list[tuple[str, str]]:
         ("Velocity error, each axis", f"{quantity(found['velocity_error_sigma_m_s'], 'm/s', '.3f')} about {about}"),
         ("Leg, median", f"{quantity(found['leg_length_m'], 'm', '.0f')} in {found['leg_duration_s'] / 60.0:.0f} min"),
         ("Fix, each axis", quantity(found["fix_sd_m"], "m", ".1f")),
-    ]
-
-
-def _what_they_show(result: ImportedData) -> PageSection:
-    lacking = sum(verdict.startswith("no") for _, verdict in result.can_show)
-    heading = "What these data can show, and what they cannot" if lacking else "What these data can show"
-    return PageSection(heading, [Table(("what", "can it be seen?"), result.can_show, text_columns=2)])
-
-
-def _next_blocks(result: ImportedData) -> list[Block]:
-    return [
-        "In this folder; mission.yaml is a starter mission with what the log says, for you to correct:",
-        Listing("\n".join(result.next_commands)),
-        Listing(result.mission_text),
     ]
 
 

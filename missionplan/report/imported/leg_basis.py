@@ -8,6 +8,7 @@ import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure as MatplotlibFigure
 
+from missionplan.arrays import Array
 from missionplan.report.axes import name_axis
 from missionplan.report.page import BLUE, GREY, ORANGE, PINK, SKY, Figure, PageSection, Table, to_figure
 from missionplan.report.quantities import quantity
@@ -30,9 +31,8 @@ def basis_rows(dives: pd.DataFrame, basis: Basis) -> list[tuple[str, ...]]:
         (
             str(dive["leg"]),
             "yes" if dive["ok"] else str(dive["reason"]),
-            _fix(dive, "before"),
-            _fix(dive, "after"),
-            _reckoning(dive),
+            *(_doubted(_SHORT[dive[f"fix_{side}_by"]], ", ", dive[f"fix_{side}_sd_m"]) for side in ("before", "after")),
+            _doubted(dive["dr_by"], " ± ", dive["dr_sd_m"]),
             "depth" if dive["depth_readings"] else "the fix",
             quantity(dive["depth_m"], "m", ".0f") if math.isfinite(dive["depth_m"]) else "none",
             f"{dive['heading_deg']:.0f} deg" if dive["heading_readings"] else "none",
@@ -42,14 +42,8 @@ def basis_rows(dives: pd.DataFrame, basis: Basis) -> list[tuple[str, ...]]:
     ]
 
 
-def _fix(dive: pd.Series, side: str) -> str:
-    sd, by = dive[f"fix_{side}_sd_m"], _SHORT[dive[f"fix_{side}_by"]]
-    return f"{by}, {quantity(sd, 'm', '.0f')}" if math.isfinite(sd) else by
-
-
-def _reckoning(dive: pd.Series) -> str:
-    doubt = dive["dr_sd_m"]
-    return f"{dive['dr_by']} ± {quantity(doubt, 'm', '.0f')}" if math.isfinite(doubt) else str(dive["dr_by"])
+def _doubted(by: str, sign: str, sd: float) -> str:
+    return f"{by}{sign}{quantity(sd, 'm', '.0f')}" if math.isfinite(sd) else by
 
 
 def common_words(basis: Basis) -> str:
@@ -90,10 +84,8 @@ def explained_rows(result: ImportedData, picture: LegPicture) -> Iterator[tuple[
         yield "surfaced", "at the fix: no depth was logged"
     yield "longest gap under water", f"{dive['gap_s']:.0f} s ({basis.longest_gap:.0f} s at most)"
     if dive["heading_readings"]:
-        yield (
-            "heading",
-            f"{dive['heading_deg']:.0f} deg on average, {dive['heading_readings']} readings, {basis.heading}",
-        )
+        average = f"{dive['heading_deg']:.0f} deg on average"
+        yield "heading", f"{average}, {dive['heading_readings']} readings, {basis.heading}"
     if math.isfinite(dive["speed_m_s"]):
         yield "speed", f"{quantity(dive['speed_m_s'], 'm/s', '.2f')} by {basis.speed}"
     duration = (dive["t_end_s"] - dive["t_start_s"]) / 60.0
@@ -142,7 +134,7 @@ def draw_places(axes: Axes, result: ImportedData, picture: LegPicture) -> None:
             pair = np.stack([picture.reckoned[:, -1], after[:, 0]], axis=1)
             axes.plot(*pair, color=ORANGE, linewidth=2, label="error")
     axes.plot(*picture.fixes, "o", color=SKY, markersize=4, label="fixes")
-    near = _inside(picture.rejected, np.concatenate(lines, axis=1))
+    near = inside(picture.rejected, np.concatenate(lines, axis=1))
     if near.size:
         axes.plot(*near, "x", color=PINK, label="fixes left out")
     axes.plot(0.0, 0.0, "^", color=ORANGE, label="fix before")
@@ -153,12 +145,13 @@ def draw_places(axes: Axes, result: ImportedData, picture: LegPicture) -> None:
     axes.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=3)
 
 
-def _inside(points: np.ndarray, shown: np.ndarray) -> np.ndarray:
-    """Points within what is drawn, and as much about it."""
+def inside(points: Array, shown: Array, *, margin: float = 1.0) -> Array:
+    """Points within what is drawn, and a share of it about it."""
     if not points.size or not shown.size:
         return np.empty((2, 0))
     low, high = shown.min(axis=1, keepdims=True), shown.max(axis=1, keepdims=True)
-    return np.asarray(points[:, np.all((points >= 2.0 * low - high) & (points <= 2.0 * high - low), axis=0)])
+    about = margin * (high - low)
+    return np.asarray(points[:, np.all((points >= low - about) & (points <= high + about), axis=0)])
 
 
 def draw_times(axes: Axes, result: ImportedData, picture: LegPicture) -> None:
