@@ -19,7 +19,6 @@ from missionplan.results.learned.evidence import (
     DiscrepancyShape,
     ParameterEstimate,
     RankedSet,
-    ResidualTest,
 )
 
 _LISTED = 8
@@ -120,7 +119,10 @@ def discrepancy_section(diagnosis: Diagnosis) -> PageSection:
     rows = [[axis, f"{value:.1f}"] for axis, value in found.by_axis]
     blocks.append(Table(["What it could look like", "ln BF of a smooth discrepancy"], rows))
     if found.tests:
-        blocks.append(_tests(found.tests))
+        least, chance = sorted(found.tests, key=lambda test: test.p_value)[:_TESTS_SHOWN], 1.0 / len(found.tests)
+        caption = f"The smallest p-values of {len(found.tests)} tests; by chance alone the least would be about "
+        rows = [[test.name, f"{test.p_value:.2g}"] for test in least]
+        blocks.append(Table(["Test of the errors left", "p-value"], rows, f"{caption}{chance:.2g}."))
     heading = "Nothing structured is left" if found.axis is None else f"What is left {resemblance(found)}"
     return PageSection(heading, blocks)
 
@@ -130,14 +132,6 @@ def resemblance(found: Discrepancy) -> str:
     if found.resembles is None:
         return f"is structured along {found.axis}"
     return f"looks like {found.resembles}"
-
-
-def _tests(tests: tuple[ResidualTest, ...]) -> Table:
-    least = sorted(tests, key=lambda test: test.p_value)[:_TESTS_SHOWN]
-    rows = [[test.name, f"{test.p_value:.2g}"] for test in least]
-    chance = 1.0 / len(tests)
-    caption = f"The smallest p-values of {len(tests)} tests; by chance alone the least would be about {chance:.2g}."
-    return Table(["Test of the errors left", "p-value"], rows, caption)
 
 
 def ranking_section(diagnosis: Diagnosis) -> PageSection:
@@ -159,7 +153,14 @@ def ranking_section(diagnosis: Diagnosis) -> PageSection:
     )
     more = len(diagnosis.ranking) - len(rows)
     table = Table(columns, rows, f"Sets of causes, best first{f'; {more} more in ranking.csv' if more > 0 else ''}.")
-    return PageSection(heading, [ranking_figure(diagnosis), table, meaning, _parameters(best)])
+    shown = []
+    for p in best.parameters:
+        unit = _unit_of(p)
+        value, low, high = (f"{unit(each):.3g}" for each in (p.value, p.low, p.high))
+        shown.append([parameter_in_words(p.effect, p.name), value, f"{low} to {high}", unit.name])
+    heads = ["Parameter", "Value", "90 % interval", "Unit"]
+    parameters = Table(heads, shown, "Parameters of the set in the first row, with 90 % intervals.")
+    return PageSection(heading, [ranking_figure(diagnosis), table, meaning, parameters])
 
 
 def ranking_rows(ranking: Sequence[RankedSet]) -> tuple[list[str], list[list[str]]]:
@@ -177,20 +178,6 @@ def ranking_rows(ranking: Sequence[RankedSet]) -> tuple[list[str], list[list[str
         for entry in ranking
     ]
     return columns, rows
-
-
-def _parameters(best: RankedSet) -> Table:
-    rows = [
-        [
-            parameter_in_words(p.effect, p.name),
-            _shown(p, p.value),
-            f"{_shown(p, p.low)} to {_shown(p, p.high)}",
-            _unit_of(p).name,
-        ]
-        for p in best.parameters
-    ]
-    caption = "Parameters of the set in the first row, with 90 % intervals."
-    return Table(["Parameter", "Value", "90 % interval", "Unit"], rows, caption)
 
 
 def known_section(diagnosis: Diagnosis) -> list[PageSection]:
@@ -231,10 +218,6 @@ def _value_and_sd(parameter: ParameterEstimate) -> tuple[str, str]:
     """Write both with the digits that the standard deviation supports, angles in degrees."""
     value, sd = map(_unit_of(parameter), (parameter.value, parameter.sd))
     return number(value, sd), number(sd, sd)
-
-
-def _shown(parameter: ParameterEstimate, value: float) -> str:
-    return f"{_unit_of(parameter)(value):.3g}"
 
 
 def _unit_of(parameter: ParameterEstimate) -> Unit:
@@ -289,10 +272,7 @@ def distinction_section(diagnosis: Diagnosis) -> PageSection:
     if diagnosis.untestable:
         rows = [[name.replace("-", " "), why] for name, why in diagnosis.untestable.items()]
         blocks.append(Table(["Effect that these data cannot show", "Why"], rows, text_columns=2))
-    return PageSection(_distinction_heading(diagnosis), blocks)
-
-
-def _distinction_heading(diagnosis: Diagnosis) -> str:
+    heading = "Nothing else comes near" if diagnosis.causes else "No cause comes near"
     if len(diagnosis.credible_set) > 1 or diagnosis.indistinguishable:
-        return "What these data cannot distinguish, and what would"
-    return "Nothing else comes near" if diagnosis.causes else "No cause comes near"
+        heading = "What these data cannot distinguish, and what would"
+    return PageSection(heading, blocks)

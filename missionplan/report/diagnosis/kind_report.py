@@ -142,14 +142,12 @@ def _name(cause: str) -> str:
 def found_causes(causes: Causes, found: Iterable[ParameterEstimate]) -> str:
     """Write a set of causes in words, of their sizes as found: one too large to be true is said to be like it."""
     sizes = {(parameter.effect, parameter.name): abs(parameter.value) for parameter in found}
-    return enumerated([_found(cause, sizes) for cause in causes])
-
-
-def _found(cause: str, sizes: Mapping[tuple[str, str], float]) -> str:
-    likeness = CATALOGUE[cause].likeness
-    if likeness is not None and sizes.get((cause, likeness.parameter), 0.0) > likeness.size:
-        return likeness.words
-    return names((cause,))
+    words = []
+    for cause in causes:
+        like = CATALOGUE[cause].likeness
+        is_like = like is not None and sizes.get((cause, like.parameter), 0.0) > like.size
+        words.append(like.words if like is not None and is_like else _name(cause))
+    return enumerated(words)
 
 
 def enumerated(words: Sequence[str]) -> str:

@@ -2,13 +2,12 @@
 
 import math
 from collections.abc import Mapping
+from typing import Any
 
 import numpy as np
-import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure as MatplotlibFigure
 
-from missionplan.arrays import Array
 from missionplan.report.axes import name_axis
 from missionplan.report.diagnosis.kind_report import KindReport, ResidualSeries, against_axes, autocorrelation
 from missionplan.report.page import BLUE, GREY, ORANGE, Figure, to_figure
@@ -27,7 +26,11 @@ def _dive_figure(diagnosis: Diagnosis) -> Figure:
     figure = MatplotlibFigure(figsize=(6.4, 2.0 * rows + 0.6))
     panels = np.atleast_1d(figure.subplots(rows, columns, sharex=True, sharey=True)).ravel()
     for axes, (name, run) in zip(panels, runs, strict=False):
-        _draw_dive(axes, str(name), run, extended=bool(diagnosis.causes))
+        axes.plot(run["t_s"], run["depth_m"], ".", color=GREY, markersize=3.0, label="measured")
+        axes.plot(run["t_s"], run["base_m"], "--", color=ORANGE, linewidth=1.3, label="mission")
+        if diagnosis.causes:
+            axes.plot(run["t_s"], run["extended_m"], "-", color=BLUE, linewidth=1.1, label="extended")
+        axes.set_title(str(name), fontsize=9)
     for axes in panels[len(runs) :]:
         axes.set_visible(False)
     panels[0].invert_yaxis()
@@ -47,14 +50,6 @@ def _dive_figure(diagnosis: Diagnosis) -> Figure:
     )
 
 
-def _draw_dive(axes: Axes, name: str, run: pd.DataFrame, *, extended: bool) -> None:
-    axes.plot(run["t_s"], run["depth_m"], ".", color=GREY, markersize=3.0, label="measured")
-    axes.plot(run["t_s"], run["base_m"], "--", color=ORANGE, linewidth=1.3, label="mission")
-    if extended:
-        axes.plot(run["t_s"], run["extended_m"], "-", color=BLUE, linewidth=1.1, label="extended")
-    axes.set_title(name, fontsize=9)
-
-
 def _dive_residuals(diagnosis: Diagnosis) -> list[Figure]:
     """Draw what is left against time, depth and speed, and by lag in each dive."""
     table = diagnosis.residuals
@@ -66,13 +61,9 @@ def _dive_residuals(diagnosis: Diagnosis) -> list[Figure]:
         ("Speed (m/s)", np.concatenate(speeds)),
     ]
     left = ResidualSeries([table["residual_base_m"].to_numpy()], [table["residual_extended_m"].to_numpy()], "m")
-    return [against_axes(places, left), autocorrelation(_innovations(runs), "Readings")]
-
-
-def _innovations(runs: list[pd.DataFrame]) -> ResidualSeries:
-    """One-step-ahead errors of each dive, over their standard deviations."""
+    # one-step-ahead errors of each dive, over their standard deviations
     before, after = ([run[f"innovation_{model}"].to_numpy() for run in runs] for model in ("base", "extended"))
-    return ResidualSeries(before, after, "")
+    return [against_axes(places, left), autocorrelation(ResidualSeries(before, after, ""), "Readings")]
 
 
 def _gained_of_dives(diagnosis: Diagnosis, before: float, after: float) -> str:
@@ -167,21 +158,18 @@ def _leg_figure(diagnosis: Diagnosis) -> Figure:
 
 def _leg_residuals(diagnosis: Diagnosis) -> list[Figure]:
     """Draw what is left against time, heading and duration, where the legs began, and by lag."""
-    table, left = diagnosis.residuals, _residuals(diagnosis)
+    table = diagnosis.residuals
+    before, after = (
+        [100.0 * table[f"residual_{model}_{component}_m_s"].to_numpy() for component in _COMPONENTS]
+        for model in ("base", "extended")
+    )
+    left = ResidualSeries(before, after, "cm/s")
     places = [
         ("Time (h)", table["t_start_s"].to_numpy() / 3600.0),
         ("Heading (deg)", table["heading_deg"].to_numpy()),
         ("Leg duration (min)", table["duration_s"].to_numpy() / 60.0),
     ]
     return [against_axes(places, left), _chart(diagnosis, left), autocorrelation(left, "Legs")]
-
-
-def _residuals(diagnosis: Diagnosis) -> ResidualSeries:
-    before, after = (
-        [100.0 * diagnosis.residuals[f"residual_{model}_{component}_m_s"].to_numpy() for component in _COMPONENTS]
-        for model in ("base", "extended")
-    )
-    return ResidualSeries(before, after, "cm/s")
 
 
 def _chart(diagnosis: Diagnosis, left: ResidualSeries) -> Figure:
@@ -191,10 +179,7 @@ def _chart(diagnosis: Diagnosis, left: ResidualSeries) -> Figure:
     longest = max(float(np.max(np.hypot(*left.before))), 1e-9)
     figure = MatplotlibFigure(figsize=(6.4, 3.3))
     panels = figure.subplots(1, 2, sharex=True, sharey=True)
-    shown: tuple[tuple[list[Array], str, str], ...] = (
-        (left.before, ORANGE, "Before"),
-        (left.after, BLUE, "After"),
-    )
+    shown = ((left.before, ORANGE, "Before"), (left.after, BLUE, "After"))
     scale = 5.0 * longest / max(float(np.ptp(east)), float(np.ptp(north)), 1e-3)
     for axes, (values, colour, title) in zip(panels, shown, strict=True):
         axes.plot(east, north, "-", color=GREY, linewidth=0.6, alpha=0.6)
@@ -209,15 +194,8 @@ def _chart(diagnosis: Diagnosis, left: ResidualSeries) -> Figure:
         axes.plot(*tip, " ")
     axes.autoscale_view()
     _not_too_narrow(axes)
-    axes.quiverkey(
-        arrows,
-        0.6,
-        1.06,
-        0.5 * longest,
-        f"{0.5 * longest:.1f}\u00a0{left.unit}",
-        labelpos="E",
-        fontproperties={"size": 8},
-    )
+    key = f"{0.5 * longest:.1f}\u00a0{left.unit}"
+    axes.quiverkey(arrows, 0.6, 1.06, 0.5 * longest, key, labelpos="E", fontproperties={"size": 8})
     name_axis(panels[0].yaxis, "North", "km")
     return to_figure(
         figure,
@@ -280,13 +258,10 @@ def _tank_figure(diagnosis: Diagnosis) -> Figure:
     axes = figure.subplots()
     axes.plot(shown[place], shown[quantity], ".", color=GREY, markersize=4.0, label="measured")
     line = "-" if place == "at_time" else ""
-    axes.plot(
-        shown[place], shown["base"], line + "s", color=ORANGE, fillstyle="none", markersize=3.0, label="base model"
-    )
-    if diagnosis.causes:
-        axes.plot(
-            shown[place], shown["extended"], line + "D", color=BLUE, fillstyle="none", markersize=3.0, label="extended"
-        )
+    models = (("base", "s", ORANGE, "base model"), ("extended", "D", BLUE, "extended"))
+    for name, marker, colour, label in models if diagnosis.causes else models[:1]:
+        look: dict[str, Any] = {"color": colour, "fillstyle": "none", "markersize": 3.0, "label": label}
+        axes.plot(shown[place], shown[name], line + marker, **look)
     axes.set(xlabel=_AXES[place], ylabel=_LABELS[quantity])
     axes.legend(fontsize=9, frameon=False)
     label = _LABELS[quantity].split(" (")[0]
@@ -307,22 +282,18 @@ def _tank_residuals(diagnosis: Diagnosis) -> list[Figure]:
     return [against_axes(places, ResidualSeries(before, after, _UNITS[diagnosis.kind]))]
 
 
-_TANK_REPORTS = {
-    kind: KindReport(
-        unit=unit,
-        data_figure=_tank_figure,
-        residual_figures=_tank_residuals,
-        more_data="measure again, at other speeds too",
-    )
-    for kind, unit in _UNITS.items()
-}
-"""By kind."""
-
-
 REPORTS: Mapping[str, KindReport] = {
     "transit": _LEG_REPORT,
     "descent": _DIVE_REPORT,
     "summary": _SUMMARY_REPORT,
-    **_TANK_REPORTS,
+    **{
+        kind: KindReport(
+            unit=unit,
+            data_figure=_tank_figure,
+            residual_figures=_tank_residuals,
+            more_data="measure again, at other speeds too",
+        )
+        for kind, unit in _UNITS.items()
+    },
 }
 """By the data set's kind."""

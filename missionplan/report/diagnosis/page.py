@@ -2,7 +2,6 @@
 
 import math
 import shlex
-from collections.abc import Iterator
 
 from missionplan.effects import CATALOGUE
 from missionplan.report.diagnosis.evidence import (
@@ -54,13 +53,6 @@ def last_part_words(diagnosis: Diagnosis) -> str:
     return f" Kept away from all this, the last {last.groups} {many}: the extended mission {told(last)}{chance}"
 
 
-def last_part_sections(diagnosis: Diagnosis) -> list[PageSection]:
-    """Show the scores on what was held out beside yardsticks."""
-    if diagnosis.last_part is None:
-        return []
-    return dataset_sections(diagnosis.last_part, "The last part, held out")
-
-
 _INDISTINGUISHABLE = 1.0
 """Expected nats below which a measurement separates nothing."""
 _KEEP = "Nothing: keep planning with this mission. The last table gives its noise levels as fitted."
@@ -92,6 +84,7 @@ def page(diagnosis: Diagnosis) -> Page:
 
 
 def _sections(diagnosis: Diagnosis) -> list[PageSection]:
+    last, residuals = diagnosis.last_part, REPORTS[diagnosis.kind].residual_figures(diagnosis)
     return [
         PageSection("What to do next", _next_words(diagnosis), is_summary=True),
         *plan_section(diagnosis),
@@ -100,9 +93,9 @@ def _sections(diagnosis: Diagnosis) -> list[PageSection]:
         ranking_section(diagnosis),
         *causes_section(diagnosis),
         *known_section(diagnosis),
-        *_residual_section(diagnosis),
+        *([PageSection("What was left before, and what is left now", residuals)] if residuals else []),
         *held_out_section(diagnosis),
-        *last_part_sections(diagnosis),
+        *([] if last is None else dataset_sections(last, "The last part, held out")),
         discrepancy_section(diagnosis),
         distinction_section(diagnosis),
         PageSection("How the data were treated", _treatment(diagnosis)),
@@ -139,7 +132,8 @@ def _verdict_words(diagnosis: Diagnosis) -> str:
         words += " Named, but plan without it: kept-away data are predicted no better with it, all the way."
     words += _changed(diagnosis)
     if diagnosis.not_constant:
-        words += _not_constant(diagnosis)
+        verb = "is" if len(diagnosis.not_constant) == 1 else "are"
+        words += f" {_sentence(names(diagnosis.not_constant))} {verb} {REPORTS[diagnosis.kind].not_constant}."
     if any(CATALOGUE[cause].tier != "physical" for cause in diagnosis.causes):
         words += " Part of this describes the errors statistically; its physical cause is not identified."
     return words.strip()
@@ -164,16 +158,12 @@ def _without_cause(diagnosis: Diagnosis) -> str:
     if diagnosis.causes:
         named = found_causes(diagnosis.causes, claimed_parameters(diagnosis))
         return f"The data fit {named}, which describes the errors: their physical cause is not identified."
-    return _left_over(diagnosis)
-
-
-def _left_over(diagnosis: Diagnosis) -> str:
-    """Write that something is left, how sure that is, and what it is like."""
+    # that something is left, how sure that is, and what it is like
     is_sure = diagnosis.none_of_these >= 1.0 - UNLIKELY
     chance = "" if is_sure else f" (with a probability of {percent(diagnosis.none_of_these)})"
     like = [f": it looks like {what}" for _, what, _ in diagnosis.readings.responses[:1]]
     if diagnosis.discrepancy.axis is not None:
-        like = [f": it {resemblance(diagnosis.discrepancy)}"]
+        like = [f": it {left}"]
     return f"Something is left{chance} that no cause of the catalogue explains{''.join(like)}."
 
 
@@ -205,16 +195,14 @@ def _told_as_one(diagnosis: Diagnosis) -> str:
     return f" Whether this current turns, the record cannot show: {', '.join(told)}." if len(told) > 1 else ""
 
 
-def _not_constant(diagnosis: Diagnosis) -> str:
-    """Say which causes do not hold still."""
-    verb = "is" if len(diagnosis.not_constant) == 1 else "are"
-    return f" {_sentence(names(diagnosis.not_constant))} {verb} {REPORTS[diagnosis.kind].not_constant}."
-
-
 def _confirmed(diagnosis: Diagnosis) -> str:
     """Say what the data bear out of what the mission knew, and what of it is in doubt."""
     before = {(p.effect, p.name): p for p in diagnosis.known}
-    sure = [p for p in diagnosis.confirmed if p.effect in diagnosis.borne_out and not _is_moment(p)]
+    sure = [
+        p  # of the moment from which an effect acts a later record tells nothing
+        for p in diagnosis.confirmed
+        if p.effect in diagnosis.borne_out and CATALOGUE[p.effect].parameters[p.name].searched != "time"
+    ]
     told = [f"{_parameter_words(p)} is {sized(p)}, was {sized(before[p.effect, p.name])}" for p in sure[:_CONFIRMED]]
     more = len(sure) - len(told)
     words = f" Confirmed: {'; '.join(told)}{f'; and {more} more below' if more else ''}." if told else ""
@@ -222,11 +210,6 @@ def _confirmed(diagnosis: Diagnosis) -> str:
     chances = {effect: diagnosis.probability_of(effect) for effect in effects}
     doubted = [f"{names((effect,))} ({percent(p)})" for effect, p in chances.items() if 1.0 - SURE <= p < SURE]
     return f"{words} In doubt is {listed(doubted, 'or')}." if doubted else words
-
-
-def _is_moment(parameter: ParameterEstimate) -> bool:
-    """Whether a parameter is the moment from which its effect acts, of which a later record tells nothing."""
-    return CATALOGUE[parameter.effect].parameters[parameter.name].searched == "time"
 
 
 def _changed(diagnosis: Diagnosis) -> str:
@@ -264,19 +247,17 @@ def _numbers(diagnosis: Diagnosis) -> list[tuple[str, str]]:
     return numbers
 
 
-def _mission_words(diagnosis: Diagnosis) -> Iterator[str]:
-    """Write with which mission to plan."""
-    if diagnosis.readings.plan_with is False:
-        file = diagnosis.provenance.file or "the mission as it was"
-        yield f"Plan with {file}. The extended mission, mission.yaml in this folder, is what the next diagnosis needs."
-    elif diagnosis.causes:
-        doubt = ", in each trial one of the explanations" if diagnosis.explanations else ""
-        yield f"mission.yaml in this folder plans with what was found{doubt}: simulate, size-anchor, sweep-dmax run it."
-
-
 def _next_words(diagnosis: Diagnosis) -> list[str]:
     words = plan_words(diagnosis) if diagnosis.causes and diagnosis.readings.plan_with is not False else []
-    words += [*_mission_words(diagnosis), *explanations_in_words(diagnosis)]
+    if diagnosis.readings.plan_with is False:
+        file = diagnosis.provenance.file or "the mission as it was"
+        own = "The extended mission, mission.yaml in this folder, is what the next diagnosis needs."
+        words.append(f"Plan with {file}. {own}")
+    elif diagnosis.causes:
+        doubt = ", in each trial one of the explanations" if diagnosis.explanations else ""
+        found = f"mission.yaml in this folder plans with what was found{doubt}"
+        words.append(f"{found}: simulate, size-anchor, sweep-dmax run it.")
+    words += [*explanations_in_words(diagnosis)]
     words += next_trial_pointer(diagnosis.next_trial)
     if diagnosis.next_trial is None or diagnosis.next_trial.best is None:
         words += [_measurement_words(entry) for entry in diagnosis.next_measurements]
@@ -293,24 +274,15 @@ def _next_words(diagnosis: Diagnosis) -> list[str]:
 
 
 def _measurement_words(entry: NextMeasurement) -> str:
-    first, second = (names(causes) for causes in entry.separates)
-    if entry.expected_log_bayes_factor < _INDISTINGUISHABLE:
+    """Say what to measure, and how clearly that is expected to tell two explanations apart."""
+    (first, second), nats = (names(causes) for causes in entry.separates), entry.expected_log_bayes_factor
+    if nats < _INDISTINGUISHABLE:
         return f"No measurement considered would tell {first} from {second}."
-    favour = _favour(entry.expected_log_bayes_factor)
+    favour = "expected to tell them apart beyond doubt"
+    if nats <= _BEYOND_DOUBT:
+        factor = f"{math.exp(nats):.2g}" if nats < math.log(100.0) else f"{float(f'{math.exp(nats):.1e}'):.0f}"
+        favour = f"expected to make the true one {factor} times as probable against the other"
     return f"To tell {first} from {second}: {entry.measurement} ({favour})."
-
-
-def _favour(nats: float) -> str:
-    """Say how clearly a measurement is expected to tell two explanations apart."""
-    if nats > _BEYOND_DOUBT:
-        return "expected to tell them apart beyond doubt"
-    factor = f"{math.exp(nats):.2g}" if nats < math.log(100.0) else f"{float(f'{math.exp(nats):.1e}'):.0f}"
-    return f"expected to make the true one {factor} times as probable against the other"
-
-
-def _residual_section(diagnosis: Diagnosis) -> list[PageSection]:
-    figures = REPORTS[diagnosis.kind].residual_figures(diagnosis)
-    return [PageSection("What was left before, and what is left now", figures)] if figures else []
 
 
 def _treatment(diagnosis: Diagnosis) -> list[Block]:

@@ -151,7 +151,11 @@ def next_trial_section(found: NextTrial | None) -> list[PageSection]:
     if found.reason is not None:
         return [PageSection("The next trial", [f"No trial was valued: {found.reason}."])]
     heading = "No trial is worth it" if found.recommended is None else "The next trial"
-    blocks: list[Block] = [next_trial_words(found), _assumptions(found), *_few_legs(found)]
+    blocks: list[Block] = [next_trial_words(found), _assumptions(found)]
+    phases = found.trial.get("phases") if found.trial is not None else None
+    if isinstance(phases, list) and found.decides == "d_max_m" and len(phases) < MIN_LEGS:
+        few = f"Fewer than {MIN_LEGS} legs are no data set of their own"
+        blocks.append(f"{few}: add them to the log so far, as another run.")
     if found.best is not None:
         blocks += [_outcomes(found), *_rule_words(found)]
     return [PageSection(heading, [*blocks, _designs(found)])]
@@ -266,15 +270,6 @@ def _assumptions(found: NextTrial) -> str:
         f"counts as {_loss(found.failure_loss, found)} lost, ten missions that work; only {_CHOSEN[found.decides]} is "
         "chosen anew after the trial; random errors are as large in the trial as in the data so far."
     )
-
-
-def _few_legs(found: NextTrial) -> list[str]:
-    """Say what to do with a trial of so few legs that they are no data set of their own."""
-    phases = found.trial.get("phases") if found.trial is not None else None
-    legs = len(phases) if isinstance(phases, list) and found.decides == "d_max_m" else MIN_LEGS
-    if legs >= MIN_LEGS:
-        return []
-    return [f"Fewer than {MIN_LEGS} legs are no data set of their own: add them to the log so far, as another run."]
 
 
 def _outcomes(found: NextTrial) -> Table:

@@ -94,19 +94,16 @@ def pit_figure(each: DatasetScore) -> Figure:
         axes.set_title(title, fontsize=9)
         axes.set_xlabel("Probability of less")
     panels[0].set_ylabel("Values")
+    slug = "".join(letter if letter.isalnum() else "-" for letter in each.name.lower())[:40].strip("-")
     return to_figure(
         figure,
-        f"pit-{each.kind}-{_slug(each.name)}",
+        f"pit-{each.kind}-{slug}",
         alt="Histograms of the probability integral transforms",
         caption=(
             "Where each value fell in its predicted distribution. Right predictions are flat; the grey band holds "
             "90 % of independent bins. Heaps at both ends: intervals too narrow; a heap in the middle: too wide."
         ),
     )
-
-
-def _slug(name: str) -> str:
-    return "".join(letter if letter.isalnum() else "-" for letter in name.lower())[:40].strip("-")
 
 
 NAMES = {"one_step": "one step ahead", "whole": "all the way"}
@@ -141,17 +138,15 @@ def page(score: Score) -> Page:
         answer=answer(score),
         draw=lambda: prediction_figure(score.datasets[0]),
         numbers=_numbers(score.datasets[0]),
-        write=lambda: _sections(score),
+        write=lambda: [
+            *([PageSection("All data sets", [_overview(score)])] if len(score.datasets) > 1 else []),
+            *(section for each in score.datasets for section in dataset_sections(each)),
+        ],
         verdict=_verdict(score),
         rerun=f"missionplan score {shlex.quote(made.file)} {' '.join(named)} --seed {made.seed}",
         table=lambda: _cells(score),
         plots={"predictions": draw_predictions},
     )
-
-
-def _sections(score: Score) -> list[PageSection]:
-    all_of_them = [PageSection("All data sets", [_overview(score)])] if len(score.datasets) > 1 else []
-    return [*all_of_them, *(section for each in score.datasets for section in dataset_sections(each))]
 
 
 def _cells(score: Score) -> Cells:
@@ -235,16 +230,8 @@ def _overview(score: Score) -> Table:
         for each in score.datasets
         for name, prediction in each.predictions.items()
     ]
-    columns = [
-        "Data set",
-        "Prediction",
-        "Groups",
-        "Error, rms",
-        "Skill against the last",
-        "Log score",
-        "In 90 %",
-        "Chance",
-    ]
+    columns = ["Data set", "Prediction", "Groups", "Error, rms", "Skill against the last", "Log score"]
+    columns += ["In 90 %", "Chance"]
     return Table(columns, rows, "Groups are legs or dives.", text_columns=2)
 
 
@@ -303,32 +290,30 @@ def dataset_sections(each: DatasetScore, name: str = "") -> list[PageSection]:
     """Show the scores of a data set beside yardsticks; `name` stands for its own."""
     name = name or each.name
     one, _ = GROUPS[each.kind]
-    words = [EXPLAINED[name].format(group=one) + _chance(prediction) for name, prediction in each.predictions.items()]
-    words.append(_assumed(each.kind))
+    words = []
+    for which, prediction in each.predictions.items():
+        low, high = prediction.chance_90
+        words.append(
+            f"{EXPLAINED[which].format(group=one)} Its {100.0 * STATED:.0f} % intervals hold "
+            f"{100.0 * prediction.coverage_90:.0f} % of the values; were the mission true, chance would leave "
+            f"{100.0 * low:.0f} to {100.0 * high:.0f} %. Of the records of a true mission "
+            f"{100.0 * prediction.p_value:.2g} % fall as unevenly into its distributions. Errors over their standard "
+            f"deviations have a mean of {prediction.z.mean():.2f} and a standard deviation of {prediction.z.std():.2f}."
+        )
     return [
-        PageSection(f"{name}: scores beside yardsticks", [_table(each), *words]),
+        PageSection(f"{name}: scores beside yardsticks", [_table(each), *words, _ASSUMED[each.kind]]),
         PageSection(f"{name}: where in their distributions the values fell", [pit_figure(each)]),
     ]
 
 
-def _chance(prediction: Prediction) -> str:
-    low, high = prediction.chance_90
-    return (
-        f" Its {100.0 * STATED:.0f} % intervals hold {100.0 * prediction.coverage_90:.0f} % of the values; were the "
-        f"mission true, chance would leave {100.0 * low:.0f} to {100.0 * high:.0f} %. Of the records of a true mission "
-        f"{100.0 * prediction.p_value:.2g} % fall as unevenly into its distributions. Errors over their standard "
-        f"deviations have a mean of {prediction.z.mean():.2f} and a standard deviation of {prediction.z.std():.2f}."
-    )
-
-
-def _assumed(kind: str) -> str:
-    if kind == "transit":
-        return (
-            "Expected errors and their covariances come from the transit that simulate runs, along the legs as they "
-            "were logged. The past is taken in as if the expected errors were normal about their mean."
-        )
-    return (
+_ASSUMED = {
+    "transit": (
+        "Expected errors and their covariances come from the transit that simulate runs, along the legs as they "
+        "were logged. The past is taken in as if the expected errors were normal about their mean."
+    ),
+    "descent": (
         "Expected depths come from the descent that simulate runs. Sensor, turbulence and scatter from dive to dive "
         "are those that the diagnosis assumes. The past is taken in as if the expected depths were normal about "
         "their mean."
-    )
+    ),
+}
