@@ -165,16 +165,8 @@ SCALES = (0.75, 1.13, 1.9, 4.5)
 that a strong effect is not shrunk (Gelman et al. 2013, section 17.2). Medians of its parts of probability
 `SCALE_PRIOR`."""
 SCALE_PRIOR = (0.3, 0.35, 0.25, 0.1)
-AT_ONCE = 2_000_000
+AT_ONCE = 500_000
 """Numbers in the largest array of sets, noises and columns."""
-
-
-@dataclass(frozen=True)
-class Block:
-    """Columns that act together: the first of them and their number."""
-
-    first: int
-    size: int
 
 
 @dataclass(frozen=True)
@@ -190,13 +182,13 @@ class GramMatrix:
     inner: tuple[Array, ...] = ()
     """Of the blocks of each size q, the smallest first, those of their own columns, shape (b, q, q)."""
 
-    def joined(self, block: Block) -> "GramMatrix":
-        """Return that with a block's columns after the others."""
+    def joined(self, first: int, size: int) -> "GramMatrix":
+        """Return that with the columns of a block, one of `blocks_by_size`, after the others."""
         assert self.further is not None
-        own = self.further[:, block.first : block.first + block.size]
-        alike = next(each for each in self.inner if each.shape[1] == block.size)
-        before = sum(each.shape[0] * each.shape[1] for each in self.inner if each.shape[1] < block.size)
-        inner = alike[(block.first - before) // block.size]
+        own = self.further[:, first : first + size]
+        alike = next(each for each in self.inner if each.shape[1] == size)
+        before = sum(each.shape[0] * each.shape[1] for each in self.inner if each.shape[1] < size)
+        inner = alike[(first - before) // size]
         k = len(self.products) - 1
         rows = [
             [self.products[:k, :k], own[:k], self.products[:k, k:]],
@@ -206,12 +198,15 @@ class GramMatrix:
         return GramMatrix(np.block(rows), self.log_normaliser)
 
 
-def blocks_by_size(sizes: Sequence[int]) -> list[Block]:
-    """Return blocks of given sizes as they stand in `GramMatrix.further`: smaller ones first, else in their order."""
+def blocks_by_size(sizes: NDArray[np.int_]) -> NDArray[np.int_]:
+    """Return first column and size of blocks as they stand in `GramMatrix.further`: smaller ones first, (b,) → (b, 2).
+
+    Those of one size stand in their order.
+    """
     order = np.argsort(sizes, kind="stable")
     firsts = np.empty(len(sizes), dtype=int)
-    firsts[order] = np.cumsum([0, *np.array(sizes, dtype=int)[order]])[:-1]
-    return [Block(int(first), int(size)) for first, size in zip(firsts, sizes, strict=True)]
+    firsts[order] = np.cumsum(sizes[order]) - sizes[order]
+    return np.stack([firsts, sizes], axis=1)
 
 
 @dataclass(frozen=True)
@@ -230,11 +225,6 @@ class SetPriors:
         products, normalisers = _stacked(grams)
         return self._solved(products, normalisers)[0]
 
-    def log_density(self, gram: GramMatrix) -> float:
-        """Log density of the data under the first set."""
-        moved = _moved(gram.products, self.mean[0])
-        return gaussian_log_density(moved, self.factor[0], 0.0, 0) + gram.log_normaliser
-
     def _solved(self, products: Array, normalisers: Array) -> tuple[Array, Array, Array]:
         """Log densities (j, s), Cholesky factors of the precisions (j, s, k, k), whitened right sides (j, s, k)."""
         columns, with_data = products[:, None, :-1, :-1], products[:, :-1, -1]
@@ -250,26 +240,29 @@ class SetPriors:
         logs -= np.log(np.diagonal(factor, axis1=-2, axis2=-1)).sum(axis=-1)
         return np.asarray(logs), np.asarray(factor, dtype=float), np.asarray(white)
 
-    def gains(self, grams: Sequence[GramMatrix], blocks: Sequence[Block], scale: float) -> Array:
+    def gains(self, grams: Sequence[GramMatrix], blocks: NDArray[np.int_], scale: float) -> Array:
         """What blocks of further columns, one at a time, add to the log densities, shape (j, s, b).
 
-        Each of a block's coefficients has a normal prior of standard deviation `scale`.
+        `blocks`: of `blocks_by_size`. `scale`: standard deviation of the normal prior of each of their coefficients.
         """
-        columns = sum(block.size for block in blocks)
-        together = max(AT_ONCE // (self.factor.size * max(columns, 1) // self.factor.shape[-1] + 1), 1)
-        parts = [grams[first : first + together] for first in range(0, len(grams), together)]
-        return np.concatenate([self._gains(part, blocks, scale) for part in parts])
+        sets, k, _ = self.factor.shape
+        together = max(AT_ONCE // (k * max(int(blocks[:, 1].sum()), 1)), 1)
+        of_sets = [self.of(some) for some in np.array_split(np.arange(sets), math.ceil(sets / together))]
+        noises = max(together // sets, 1)
+        parts = [grams[first : first + noises] for first in range(0, len(grams), noises)]
+        return np.concatenate(
+            [np.concatenate([own._gains(part, blocks, scale) for own in of_sets], axis=1) for part in parts]
+        )
 
-    def _gains(self, grams: Sequence[GramMatrix], blocks: Sequence[Block], scale: float) -> Array:
+    def _gains(self, grams: Sequence[GramMatrix], blocks: NDArray[np.int_], scale: float) -> Array:
         _, factor, white = self._solved(*_stacked(grams))
         further = np.stack([gram.further for gram in grams if gram.further is not None])
         half = (np.linalg.inv(factor) @ np.swapaxes(self.factor, 1, 2)) @ further[:, None, :-1]
         right = further[:, None, -1] - self.mean @ further[:, :-1] - (white[..., None, :] @ half)[..., 0, :]
         found = np.empty((*white.shape[:2], len(blocks)))
-        sizes = np.array([block.size for block in blocks])
-        for place, size in enumerate(np.unique(sizes).tolist()):
-            alike = np.flatnonzero(sizes == size).tolist()
-            first = min(blocks[index].first for index in alike)
+        for place, size in enumerate(np.unique(blocks[:, 1]).tolist()):
+            alike = np.flatnonzero(blocks[:, 1] == size)
+            first = int(blocks[alike[0], 0])
             own = slice(first, first + size * len(alike))
             inner = np.stack([gram.inner[place] for gram in grams])
             halves = half[..., own].reshape(*half.shape[:3], len(alike), size).swapaxes(2, 3)
@@ -310,12 +303,3 @@ def log_slab_factor(inner: Array, right: Array) -> Array:
 
 def _stacked(grams: Sequence[GramMatrix]) -> tuple[Array, Array]:
     return np.stack([gram.products for gram in grams]), np.array([gram.log_normaliser for gram in grams])
-
-
-def _moved(products: Array, mean: Array) -> Array:
-    """Inner products with the data less the columns times a mean."""
-    if not mean.any():
-        return products
-    change = np.eye(len(products))
-    change[:-1, -1] = -mean
-    return np.asarray(change.T @ products @ change)

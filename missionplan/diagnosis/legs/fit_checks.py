@@ -263,7 +263,7 @@ def _of_terms(model: TransitModel, water: Array) -> Iterator[tuple[str, Array]]:
         for term in info.terms:
             if term.searched or info.id in model.by_effect:
                 continue
-            together = unit_columns(model, info, term.strengths, water=water)
+            (together,) = unit_columns(model, info, term.strengths, water)
             if np.isfinite(together).all() and together.any():
                 yield info.id, together
 

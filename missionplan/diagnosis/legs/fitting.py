@@ -107,47 +107,36 @@ class TransitFitting(TransitCovariance):
         steady or not, equally likely before; the fit is that of the likelier case. Raises numpy.linalg.LinAlgError when
         no covariance near the start is positive definite.
         """
-        states, weights = self._in_each_form(causes, near)
-        evidences = np.array([state.posterior.log_evidence for state in states])
-        return self.fit_of(causes, _likeliest(states), float(np.logaddexp.reduce(evidences + weights)))
+        evidence, _, state = self.over_forms(causes, near)
+        return self.fit_of(causes, state, evidence)
 
-    def over_forms(self, causes: Causes) -> tuple[float, float, TransitState]:
-        """Log evidence of a set whose oscillations need not be steady, what that adds, and its likeliest state."""
-        states, weights = self._in_each_form(causes, ())
-        evidences = np.array([state.posterior.log_evidence for state in states])
-        together = float(np.logaddexp.reduce(evidences + weights))
-        return together, together - float(evidences[0]), _likeliest(states)
+    def over_forms(self, causes: Causes, near: Sequence[CauseFit] = ()) -> tuple[float, float, TransitState]:
+        """Log evidence of a set whose oscillations need not be steady, what that adds, and its likeliest state.
 
-    def _in_each_form(self, causes: Causes, near: Sequence[CauseFit]) -> tuple[list[TransitState], Array]:
-        """States of a set with its oscillations in each form, steady ones first, and the forms' log prior weights."""
+        It is a plainer one where another is hardly likelier.
+        """
         states: list[TransitState] = []
-        weights: list[float] = []
-        for forms, weight in self._variants(causes, near):
+        variants = self._variants(causes)
+        for forms, _ in variants:
             starts = [fit.state for fit in near] + states[-1:]
             states.append(self._fitted(causes, forms, starts, ALL_LEGS, integrate=True))
-            weights.append(math.log(weight))
-        return states, np.array(weights)
+        evidences = np.array([state.posterior.log_evidence for state in states])
+        together = float(np.logaddexp.reduce(evidences + np.log([weight for _, weight in variants])))
+        likeliest = states[int(np.argmax(evidences - CLEARLY * np.arange(len(states))))]
+        return together, together - float(evidences[0]), likeliest
 
-    def _may_wander(self, name: str) -> bool:
-        """Whether an oscillation has the parameters of one that wanders, and the mission has none like it."""
-        return len(self.by_effect[name]) == PAIR and all(each.effect != name for each in self.given)
+    def _variants(self, causes: Causes) -> list[tuple[Forms, float]]:
+        """Forms of the oscillations with their prior probabilities.
 
-    def _variants(self, causes: Causes, near: Sequence[CauseFit]) -> list[tuple[Forms, float]]:
-        """Forms of the oscillations with their prior probabilities; those that a smaller set has as steady stay so.
-
-        An oscillation of one amplitude and phase may wander beside a persistent error though alone it seems steady.
+        One of one amplitude and phase may wander, though alone it seems steady, where the mission has none like it.
         """
-        known = {name for fit in near for name in fit.causes}
-        shown = {name for fit in near for name in fit.state.forms.modulated}
+        given = {each.effect for each in self.given}
         found = [(Forms(), 1.0)]
-        for name in causes:
-            if not CATALOGUE[name].is_modulated:
-                continue
-            may_wander = self._may_wander(name)
+        for name in (name for name in causes if CATALOGUE[name].is_modulated):
+            may_wander = len(self.by_effect[name]) == PAIR and name not in given
             share = 0.25 if may_wander else 0.5
             forms = [(forms, 0.5 * weight) for forms, weight in found]
-            if name not in known or name in shown:
-                forms += [(replace(f, modulated=(*f.modulated, name)), share * weight) for f, weight in found]
+            forms += [(replace(f, modulated=(*f.modulated, name)), share * weight) for f, weight in found]
             if may_wander:
                 forms += [(replace(f, wandering=(*f.wandering, name)), share * weight) for f, weight in found]
             found = forms
@@ -298,12 +287,6 @@ class TransitFitting(TransitCovariance):
         found = RecordPosterior(self.coordinates, state.mean, spread).known(tied(held(self.given_in_mean, causes)))
         random = (state.estimates((each.effect,)) for each in held(self.given_in_covariance, causes))
         return found + tuple(itertools.chain.from_iterable(random))
-
-
-def _likeliest(states: Sequence[TransitState]) -> TransitState:
-    """The likeliest of several forms, the plainer one where another is hardly likelier."""
-    evidences = np.array([state.posterior.log_evidence for state in states])
-    return states[int(np.argmax(evidences - CLEARLY * np.arange(len(states))))]
 
 
 def by_quantiles(estimate: ParameterEstimate, quantiles: Array | None) -> ParameterEstimate:

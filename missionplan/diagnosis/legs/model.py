@@ -179,7 +179,7 @@ class TransitModel(TransitFitting):
     def all_sets(self, progress: Progress = no_progress, jobs: int = 1) -> Selection:
         """Return all sets of causes with their probabilities."""
         progress("weighing all sets of causes", 0, 1)
-        return with_forms(beside_terms(infer(LegInference(self, terms_of(self))))).selection()
+        return with_forms(beside_terms(infer(LegInference(self, terms_of(self), jobs)))).selection()
 
     def residuals(self, fit: CauseFit) -> Residuals:
         """Velocity errors leg by leg (first axis, second axis, next leg) and their covariance under a fit."""

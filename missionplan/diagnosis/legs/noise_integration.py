@@ -125,11 +125,12 @@ class NoiseSearch:
         """Log density and prior of all sets at some noises, without a term and with each, shape (j, s, 1 + t)."""
         inference = self.inference
         terms = range(1, len(inference.terms) + 1)
-        found = [
-            self.prior.log_density(logs) + inference.log_densities(self.errors, logs, inference.sets, terms)
-            for logs in levels
-        ]
-        return np.stack(found) + inference.log_priors(self.effects)
+        inference.joint(tuple(grouped(inference.sets, inference.group)), tuple(terms))
+
+        def at(logs: Array) -> Array:
+            return self.prior.log_density(logs) + inference.log_densities(self.errors, logs, inference.sets, terms)
+
+        return np.stack(inference.at_once(at, levels)) + inference.log_priors(self.effects)
 
     def compared(self, plain: Laplace, rich: Laplace) -> "ComparedSets":
         """Compare all sets without a term and with each, each at its likeliest of a few noises."""
@@ -156,20 +157,19 @@ class NoiseSearch:
         self, at: Array, sets: Sequence[MeanSet], terms: Sequence[int]
     ) -> tuple[list[int], dict[Causes, list[GramMatrix]]]:
         """Return which noises are possible, and the inner products of each group of sets at these."""
-        inference = self.inference
-        kept: list[int] = []
-        grams: dict[Causes, list[GramMatrix]] = {group: [] for group in grouped(sets, inference.group)}
-        for index, logs in enumerate(at):
-            if not math.isfinite(self.prior.log_density(logs)):
-                continue
+        inference, groups = self.inference, tuple(grouped(sets, self.inference.group))
+
+        def of(logs: Array) -> dict[Causes, GramMatrix] | None:
             try:
-                found = inference.grams(self.errors, logs, grams, terms)
+                return inference.grams(self.errors, logs, groups, terms)
             except np.linalg.LinAlgError:
-                continue
-            kept.append(index)
-            for group, gram in found.items():
-                grams[group].append(gram)
-        return kept, grams
+                return None
+
+        possible = [index for index, logs in enumerate(at) if math.isfinite(self.prior.log_density(logs))]
+        inference.joint(groups, tuple(terms))
+        found = inference.at_once(of, at[possible])
+        kept = [index for index, each in zip(possible, found, strict=True) if each is not None]
+        return kept, {group: [each[group] for each in found if each is not None] for group in groups}
 
     def _log_weights(
         self,

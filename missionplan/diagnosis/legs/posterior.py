@@ -177,8 +177,8 @@ class LegPosterior:
         inference, k = self.inference, len(self.inference.model.coordinates)
         grams = law.grams[inference.group(one)]
         if one.term:
-            block = inference.blocks(law.terms)[law.terms.index(one.term)]
-            grams = [gram.joined(block) for gram in grams]
+            first, size = inference.blocks(law.terms)[law.terms.index(one.term)].tolist()
+            grams = [gram.joined(first, size) for gram in grams]
         kept = np.concatenate([np.arange(k), np.arange(inference.core, len(grams[0].products) - 1)])
         mean, covariance = np.zeros(len(kept)), np.zeros((len(kept), len(kept)))
         squares = np.zeros_like(covariance)

@@ -8,14 +8,16 @@ about the posterior mean of the likeliest set that has them.
 import itertools
 import math
 from collections.abc import Callable, Iterable, Sequence
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
-from functools import cached_property, partial
+from functools import cached_property
+from typing import TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from missionplan.arrays import Array
-from missionplan.diagnosis.inference.marginal_likelihood import SCALES, Block, GramMatrix, SetPriors, blocks_by_size
+from missionplan.diagnosis.inference.marginal_likelihood import SCALES, GramMatrix, SetPriors, blocks_by_size
 from missionplan.diagnosis.inference.selection import FURTHER, log_prior
 from missionplan.diagnosis.legs.fitting import TransitFitting
 from missionplan.diagnosis.legs.likelihood.hyperparameters import Hyperparameter, values_of
@@ -31,6 +33,7 @@ SETTLING = 3
 """Times that the current to which the vehicle may answer is taken anew."""
 RELINEARISED, SETTLED = 4, 0.02
 """Most times that the columns are linearised anew, and change [slabs] below which they are not."""
+Result = TypeVar("Result")
 Noise = dict[tuple[str, str], float]
 """Logarithms of hyperparameters by effect and name."""
 
@@ -60,8 +63,8 @@ class LegInference:
     A set may have one of the terms.
     """
 
-    def __init__(self, model: TransitFitting, terms: Sequence[LegTerm]) -> None:
-        self.model, self.terms = model, tuple(terms)
+    def __init__(self, model: TransitFitting, terms: Sequence[LegTerm], jobs: int = 1) -> None:
+        self.model, self.terms, self._jobs = model, tuple(terms), jobs
         self.always: LegTerm | None = None
         infos = [CATALOGUE[name] for name in model.candidates]
         self.in_mean = tuple(info.id for info in infos if info.part == "mean")
@@ -79,7 +82,7 @@ class LegInference:
 
     def beside(self, number: int, sets: Sequence[Causes]) -> "LegInference":
         """Return the inference of some sets that have the term of a number, with the neutral terms beside it."""
-        found = LegInference(self.model, [each for each in self.terms if each.is_neutral])
+        found = LegInference(self.model, [each for each in self.terms if each.is_neutral], self._jobs)
         found.always, found.sets, found._water = self.terms[number - 1], tuple(map(MeanSet, sets)), self._water
         found._groups = {group: found._linearised(group, one.about) for group, one in self._groups.items()}
         return found
@@ -104,6 +107,13 @@ class LegInference:
         if plain.max() > scores[level, row, column + 1]:
             return self.sets[int(np.argmax(plain))]
         return MeanSet(best.causes, 1 + next(i for i, each in enumerate(self.terms) if each.key == likeliest.key))
+
+    def at_once(self, task: Callable[[Array], Result], noises: Iterable[Array]) -> list[Result]:
+        """Run a task at some noises, `jobs` at once: most of its time is spent where threads do not wait for others."""
+        if self._jobs < 2:
+            return [task(logs) for logs in noises]
+        with ThreadPoolExecutor(self._jobs) as threads:
+            return list(threads.map(task, noises))
 
     # priors
 
@@ -182,7 +192,7 @@ class LegInference:
     def _of(self, terms: Iterable[LegTerm]) -> list[Array]:
         return [answers(self.model, term, self._water) if term.answers else term.columns for term in terms]
 
-    def _joint(self, groups: tuple[Causes, ...], terms: tuple[int, ...]) -> JointColumns:
+    def joint(self, groups: tuple[Causes, ...], terms: tuple[int, ...]) -> JointColumns:
         """The columns of some groups and terms; those of the last few are kept."""
         if (groups, terms) not in self._joined:
             while len(self._joined) >= KEPT_COLUMNS:
@@ -198,21 +208,18 @@ class LegInference:
         self, law: RandomErrors, logs: Array, groups: Iterable[Causes], terms: Sequence[int]
     ) -> dict[Causes, GramMatrix]:
         """Inner products under a noise of each group's columns, those of some terms, and the data."""
-        joint, values = self._joint(tuple(groups), tuple(terms)), values_of(law.hyperparameters, logs)
+        joint, values = self.joint(tuple(groups), tuple(terms)), values_of(law.hyperparameters, logs)
         noise, legs = self.model.noise_components(values), self.model._all_legs
         scale, modulation = np.ones(self.core + 1), self.linear(()).linear.prior_sd(values)[self._k :]
         scale[self._k : self._k + len(modulation)] = modulation
         independent = noise.independent(legs.under_way)
         if math.isinf(noise.dof):
-            whiten = partial(legs.whitened, white=independent, fix_sd=noise.fix_sd, process=noise.process)
-            return joint.grams(whiten, scale)
+            return joint.grams(legs.prediction(independent, noise.fix_sd, noise.process).whitened, scale)
         if noise.dof <= MIN_DOF:
             raise np.linalg.LinAlgError("the variance of the errors does not exist")
         variance = independent + noise.fix_sd**2 * legs.fix_variance()
-        return {
-            group: joint.heavy_tailed(group, scale, variance, self._bound(law, group, scale, variance, noise.dof))
-            for group in joint.places
-        }
+        bounds = {group: self._bound(law, group, scale, variance, noise.dof) for group in joint.places}
+        return joint.heavy_tailed(scale, variance, bounds)
 
     def _bound(self, law: RandomErrors, group: Causes, scale: Array, variance: Array, dof: float) -> TailBound:
         """Bound of errors with heavy tails, by the likeliest set in the columns of a group."""
@@ -226,11 +233,11 @@ class LegInference:
         """Inner products under a noise of the columns of a set, those of its term last, and the data."""
         group, terms = self.group(one), [one.term] if one.term else []
         gram = self.grams(law, logs, [group], terms)[group]
-        return gram.joined(self.blocks(terms)[0]) if terms else gram
+        return gram.joined(*self.blocks(terms)[0].tolist()) if terms else gram
 
     def log_density(self, law: RandomErrors, logs: Array, one: MeanSet) -> float:
         """Log density of the data under a set at one noise."""
-        return self.priors([one], 1).log_density(self.gram_of(law, logs, one))
+        return float(self.priors([one], 1).log_densities([self.gram_of(law, logs, one)])[0, 0])
 
     def log_densities(self, law: RandomErrors, logs: Array, sets: Sequence[MeanSet], terms: Sequence[int]) -> Array:
         """Log density at one noise under each of some sets without a term, and with each of some, shape (s, 1 + t)."""
@@ -258,9 +265,9 @@ class LegInference:
             gains[:, free] = priors.of(free).gains(grams, self.blocks(terms), SCALES[scale])
         return np.concatenate([plain, plain + gains], axis=2)
 
-    def blocks(self, terms: Sequence[int]) -> list[Block]:
-        """Places of the columns of some terms among theirs."""
-        return blocks_by_size([self.terms[term - 1].columns.shape[2] for term in terms])
+    def blocks(self, terms: Sequence[int]) -> NDArray[np.int_]:
+        """Places of the columns of some terms among theirs, and their numbers, shape (t, 2)."""
+        return blocks_by_size(np.array([self.terms[term - 1].columns.shape[2] for term in terms]))
 
     # search
 

@@ -10,7 +10,7 @@ the catalogue describe it.
 
 import itertools
 import math
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import cast
 
@@ -31,7 +31,7 @@ from missionplan.diagnosis.legs.smooth_axes import (
 )
 from missionplan.effects import CATALOGUE, EffectInfo, effects_of
 from missionplan.effects.info import Term
-from missionplan.phases.hooks import TransitEffect, velocity_error
+from missionplan.phases.hooks import Leg, TransitEffect, velocity_error
 from missionplan.results.learned.evidence import Causes
 
 UNNAMED = 0.05
@@ -56,6 +56,8 @@ LEGS_IN_TURN = 3
 """Legs in the shortest period that is tried, on average; a day is tried besides."""
 MIDDLE = (0.15, 0.85)
 """Part of a log within which something may change: before and after it there must be legs that show it."""
+TOGETHER = 192
+"""Values of shapes whose columns are computed together, and lie side by side."""
 STEP = 1e-3
 """Strength at which columns are taken, in its usual sizes: small, so that turns of the course are linear."""
 
@@ -168,8 +170,7 @@ def _members(
     first, share = term.strengths[0], -math.log(max(len(tried), 1))
     what = info.parameters[first].doc if info.tier == "neutral" else info.what
     does_answer, found = _answers(model, info, term), []
-    for shapes in tried:
-        columns = unit_columns(model, info, term.strengths, shapes)
+    for shapes, columns in zip(tried, unit_columns(model, info, term.strengths, tried=tried), strict=True):
         sizes = [
             info.parameters[name].scale if does_answer else _slab(model, info, name, columns[:, :, i])
             for i, name in enumerate(term.strengths)
@@ -181,7 +182,8 @@ def _members(
             for name, size in zip(term.strengths, sizes, strict=True)
         )
         acting = ActingTerm(info.id, coordinates, shapes)
-        found.append(LegTerm(info.id, first, what, columns * sizes, share, acting, does_answer))
+        columns *= sizes
+        found.append(LegTerm(info.id, first, what, columns, share, acting, does_answer))
     return found
 
 
@@ -189,16 +191,34 @@ def unit_columns(
     model: TransitFitting,
     info: EffectInfo,
     strengths: Sequence[str],
-    shapes: Mapping[str, Scalars] | None = None,
     water: Array | float = 0.0,
-) -> Array:
-    """Velocity errors of an effect a unit of each strength, shape (2, n, q); without water nothing answers to it."""
-    found = []
-    for name in strengths:
-        step = STEP * info.parameters[name].scale
-        effect = cast(TransitEffect, info.make({**(shapes or {}), name: step}))
-        found.append(model.axes.T @ velocity_error((effect,), model.leg, water) / step)
-    return np.stack(found, axis=2)
+    tried: Sequence[Mapping[str, Scalars]] = ({},),
+) -> Iterator[Array]:
+    """Velocity errors of an effect a unit of each strength, at each of some values of its shapes, shape (2, n, q).
+
+    Without water nothing answers to it. Columns at many values lie side by side in memory, and can be whitened as they
+    are (`JointColumns`).
+    """
+    n = model.data.n
+    for first in range(0, len(tried), TOGETHER):
+        some = tried[first : first + TOGETHER]
+        leg, found = _repeated(model.leg, len(some)), np.empty((2, n, len(some), len(strengths)))
+        shapes = {name: np.repeat([each[name] for each in some], n) for name in some[0]}
+        moved = np.tile(np.broadcast_to(water, (2, n)), len(some))
+        for place, name in enumerate(strengths):
+            step = STEP * info.parameters[name].scale
+            effect = cast(TransitEffect, info.make({**shapes, name: step}))
+            error = model.axes.T @ velocity_error((effect,), leg, moved) / step
+            found[..., place] = error.reshape(2, len(some), n).swapaxes(1, 2)
+        yield from np.moveaxis(found, 2, 0)
+
+
+def _repeated(leg: Leg, times: int) -> Leg:
+    """Legs so many times one after the other."""
+    every = np.tile(np.arange(len(leg.t_start)), times)
+    speed, depth = (np.broadcast_to(each, leg.t_start.shape)[every] for each in (leg.speed, leg.depth))
+    t_start, duration, start, along = leg.t_start[every], leg.duration[every], leg.start[:, every], leg.along[:, every]
+    return replace(leg, t_start=t_start, duration=duration, start=start, along=along, speed=speed, depth=depth)
 
 
 def _answers(model: TransitFitting, info: EffectInfo, term: Term) -> bool:
@@ -256,7 +276,7 @@ def answers(model: TransitFitting, term: LegTerm, water: Array) -> Array:
     """Columns of a term that depends on the current, for one of these velocities, shape (2, n, q)."""
     assert term.acting is not None
     coordinates = term.acting.coordinates
-    columns = unit_columns(model, CATALOGUE[term.effect], [each.name for each in coordinates], water=water)
+    (columns,) = unit_columns(model, CATALOGUE[term.effect], [each.name for each in coordinates], water)
     return columns * [each.slab for each in coordinates]
 
 

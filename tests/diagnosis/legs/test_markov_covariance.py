@@ -1,11 +1,11 @@
-"""Whitening by the banded factor against a dense covariance."""
+"""Whitening leg by leg against a dense covariance."""
 
 from functools import cache
 
 import numpy as np
 import pytest
 
-from missionplan.diagnosis.legs.likelihood.markov_covariance import MarkovCovariance
+from missionplan.diagnosis.legs.likelihood.markov_covariance import MANY, MarkovCovariance
 from missionplan.effects.random_errors import PersistentError, RandomWalk
 
 RNG = np.random.default_rng(8)
@@ -79,6 +79,8 @@ def test_gram_is_that_of_the_dense_covariance(process, begins, shared, stated, w
     expected = sum(own.T @ np.linalg.solve(matrix, own) for own, matrix in zip(values, covariances, strict=True))
     exact = 1e-9 if process is None else 2e-3  # the sums in time
     np.testing.assert_allclose(gram, expected, rtol=exact, atol=exact * np.abs(expected).max())
+    of_many, _ = legs.gram(np.tile(values, MANY), np.array(white), 7.0, process)
+    np.testing.assert_allclose(of_many[:4, -4:], gram, rtol=1e-9, atol=1e-12 * np.abs(gram).max())
     determinants = sum(np.linalg.slogdet(matrix)[1] for matrix in covariances)
     assert log_determinant == pytest.approx(determinants, rel=1e-12 if process is None else 1e-5)
     if process is not None:

@@ -174,7 +174,7 @@ class TransitCovariance(TransitMean):
         if not math.isinf(noise.dof):
             return selected.student(noise, prior_sd)
         gram, log_determinant = selected.gram(noise)
-        return gaussian_marginal(gram, prior_sd, log_determinant, selected.count)
+        return gaussian_marginal(gram, prior_sd, log_determinant, selected.joined[:, :, 0].size)
 
     def log_density(
         self,
@@ -188,7 +188,7 @@ class TransitCovariance(TransitMean):
         if not math.isinf(noise.dof):
             return selected.student(noise, prior_sd).log_density
         gram, log_determinant = selected.gram(noise)
-        return gaussian_log_density(gram, prior_sd, log_determinant, selected.count)
+        return gaussian_log_density(gram, prior_sd, log_determinant, selected.joined[:, :, 0].size)
 
     def selected(self, linear: LinearisedLegs, rows: LegSelection = ALL_LEGS) -> SelectedLegs:
         """Select legs of a linearised log, for likelihoods at many hyperparameters."""

@@ -152,11 +152,6 @@ class SelectedLegs:
     """Their columns and, last, data, shape (2, n, k + 1)."""
     _grams: dict[NoiseKey, tuple[Array, float]] = field(default_factory=dict)
 
-    @property
-    def count(self) -> int:
-        """Number of data."""
-        return 2 * int(self.joined.shape[1])
-
     def gram(self, noise: NoiseComponents) -> tuple[Array, float]:
         """Inner products of whitened columns and data, and ln |covariance|; those of the last few noises are kept."""
         if noise.key not in self._grams:
@@ -186,8 +181,8 @@ class LinearisedGroup:
     shape (2, n, c + 1)."""
 
 
-TOGETHER = 256
-"""Columns of terms that are whitened together: they then stay in a processor's cache."""
+TOGETHER, SIDE_BY_SIDE = 512, 64
+"""Columns of terms that are whitened together, and terms that lie side by side from which they are not copied."""
 
 
 @dataclass(frozen=True)
@@ -219,16 +214,22 @@ class JointColumns:
             places[name][alike], places[name][own] = np.arange(len(alike)), first + np.arange(len(own))
             first += len(own)
         together = []
-        for size, alike_terms in itertools.groupby(sorted(terms, key=_number), key=_number):
+        for (size, side_by_side), alike_terms in itertools.groupby(
+            sorted(terms, key=lambda own: own.shape[2]), key=_lies
+        ):
             of_size, count = list(alike_terms), max(1, TOGETHER // size)
+            whole = of_size[0].base
+            if side_by_side and whole is not None and whole.size == sum(each.size for each in of_size):
+                together.append((size, whole.reshape(*of_size[0].shape[:2], -1)))
+                continue
             parts_of_size = (of_size[start : start + count] for start in range(0, len(of_size), count))
-            together += [(size, _side_by_side(some)) for some in parts_of_size]
-        return cls(_side_by_side(parts), places, tuple(together))
+            together += [(size, np.concatenate(some, axis=2)) for some in parts_of_size]
+        return cls(np.concatenate(parts, axis=2), places, tuple(together))
 
     def grams(self, whiten: Callable[[Array], WhitenedColumns], scale: Array) -> dict[Causes, GramMatrix]:
         """Inner products of each group's columns and the terms' under a noise, a group's columns times a scale."""
         white = whiten(self.values)
-        further, inner = self._with_terms(white, whiten)
+        ((further, inner),) = self._with_terms([white], whiten)
         core = white.products(white)
         normaliser = -0.5 * (white.log_determinant + self.values[:, :, 0].size * LOG_2PI)
         return {
@@ -238,38 +239,45 @@ class JointColumns:
             for group, own in self.places.items()
         }
 
-    def heavy_tailed(self, group: Causes, scale: Array, variance: Array, bound: "TailBound") -> GramMatrix:
-        """Return inner products under a normal lower bound of the density of errors with heavy tails."""
-        root = np.sqrt(bound.weight / variance)[:, None]
-
-        def whiten(columns: Array) -> WhitenedColumns:
-            return WhitenedColumns(np.ascontiguousarray(np.swapaxes(columns, 1, 2)) * root, (), 0.0)
-
-        white = whiten(self.values[:, :, self.places[group]])
-        further, inner = self._with_terms(white, whiten)
-        core = white.products(white) * np.outer(scale, scale)
-        return GramMatrix(core, bound.log_normaliser, further * scale[:, None], inner)
+    def heavy_tailed(
+        self, scale: Array, variance: Array, bounds: Mapping[Causes, "TailBound"]
+    ) -> dict[Causes, GramMatrix]:
+        """Return inner products of each group's columns under normal lower bounds of errors with heavy tails."""
+        weights = np.stack([bound.weight / variance for bound in bounds.values()], axis=1)
+        whites = [
+            WhitenedColumns(self.values[:, :, self.places[group]], weights[:, [place]], 0.0)
+            for place, group in enumerate(bounds)
+        ]
+        with_terms = self._with_terms(whites, lambda columns: WhitenedColumns(columns, weights, 0.0))
+        return {
+            group: GramMatrix(
+                white.products(white) * np.outer(scale, scale), bound.log_normaliser, further * scale[:, None], inner
+            )
+            for (group, bound), white, (further, inner) in zip(bounds.items(), whites, with_terms, strict=True)
+        }
 
     def _with_terms(
-        self, white: WhitenedColumns, whiten: Callable[[Array], WhitenedColumns]
-    ) -> tuple[Array, tuple[Array, ...]]:
-        """Inner products of whitened columns with the terms', and of each term's own, by their sizes."""
-        further = [np.empty((white.added.shape[1], 0))]
+        self, whites: Sequence[WhitenedColumns], whiten: Callable[[Array], WhitenedColumns]
+    ) -> list[tuple[Array, tuple[Array, ...]]]:
+        """Inner products of whitened columns with the terms', and of each term's own, by their sizes.
+
+        `whites`: under each of the covariances by which `whiten` whitens.
+        """
+        further = [[np.empty((white.ahead.shape[2], 0))] for white in whites]
         inner: dict[int, list[Array]] = {}
         for size, columns in self.terms:
             some = whiten(columns)
-            further.append(white.products(some))
             inner.setdefault(size, []).append(some.products_of_blocks(size))
-        return np.concatenate(further, axis=1), tuple(np.concatenate(blocks) for blocks in inner.values())
+            for own, white in zip(further, whites, strict=True):
+                own.append(white.products(some))
+        by_size = [np.concatenate(blocks, axis=1) for blocks in inner.values()]
+        return [(np.concatenate(own, axis=1), tuple(each[i] for each in by_size)) for i, own in enumerate(further)]
 
 
-def _number(columns: Array) -> int:
-    return int(columns.shape[2])
-
-
-def _side_by_side(parts: Sequence[Array]) -> Array:
-    """Columns of some arrays, shape (2, n, q) each, side by side, with each one's numbers together in memory."""
-    return np.swapaxes(np.concatenate([np.swapaxes(part, 1, 2) for part in parts], axis=1), 1, 2)
+def _lies(columns: Array) -> tuple[int, int]:
+    """Number of columns, and which array they are part of, where they lie in it side by side with many others."""
+    whole = columns.base
+    return columns.shape[2], id(whole) if whole is not None and whole.size >= SIDE_BY_SIDE * columns.size else 0
 
 
 @dataclass(frozen=True)

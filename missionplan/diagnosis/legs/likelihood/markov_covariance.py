@@ -1,21 +1,20 @@
-"""Whitening by a banded Cholesky factor: likelihoods of n legs in time proportional to n.
+"""Whitening leg by leg: likelihoods of n legs in time proportional to n.
 
 An error that persists from leg to leg is a Markov process (Ornstein–Uhlenbeck, random walk), and a fix is shared by
 two consecutive legs at most. A leg's error is the mean of the process over its time under way: a share of the sum of
-its values at both ends, and a rest that is independent of all others. With such states x of banded precision Q, and
-errors e = H x + ε with independent ε ~ N(0, R), Σ⁻¹ = R⁻¹ − R⁻¹ H M⁻¹ Hᵀ R⁻¹ and ln |Σ| = ln |R| + ln |M| − ln |Q| for
-M = Q + Hᵀ R⁻¹ H (matrix inversion lemma: Rasmussen & Williams 2006, Eqs. A.9 and A.10). With both ends of a leg and the
-fix after it in their order, M has three diagonals on either side of the main one, so that its Cholesky factor has three
-(Rue & Held 2005, Section 2.4), and one where only the process or only fixes are shared; a Kalman filter would give the
-same (Durbin & Koopman 2012, Section 7.2).
+its values at both ends, and a rest that is independent of all others. So each leg is predicted from those before it by
+a Kalman filter (Durbin & Koopman 2012, Section 4.3), whose state is the process at the end of a leg and the fix after
+it. What legs have beyond their predictions is independent; it solves a triangular system with two diagonals below the
+main one, one where only fixes are shared.
 """
 
+import itertools
 from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import lapack
+from scipy.linalg import blas, lapack
 
 from missionplan.arrays import Array, Scalars
 from missionplan.phases.hooks import MarkovProcess
@@ -25,34 +24,42 @@ LegSelection = slice | NDArray[np.int_]
 
 @dataclass(frozen=True)
 class WhitenedColumns:
-    """Columns X of legs of covariance Σ, as A and B of each axis with Xᵀ Σ⁻¹ X = Σ A Aᵀ − Σ B Bᵀ."""
+    """Columns X of legs of covariance Σ, as V and weights w of each axis with Xᵀ Σ⁻¹ X = Σ Vᵀ w V."""
 
-    added: Array
-    """A, shape (2, m, n)."""
-    removed: tuple[Array, ...]
-    """B, shape (m, s) each: what is known of the states that legs share."""
+    ahead: Array
+    """V: what each leg has beyond its prediction from those before it, shape (2, n, m)."""
+    weights: Array
+    """w under each of c covariances, shape (2, c, n)."""
     log_determinant: float
     """ln |Σ|, both axes together."""
 
     def products(self, other: "WhitenedColumns") -> Array:
-        """Inner products xᵀ Σ⁻¹ y of these columns and others."""
-        found = np.sum([mine @ theirs.T for mine, theirs in zip(self.added, other.added, strict=True)], axis=0)
-        for mine, theirs in zip(self.removed, other.removed, strict=True):
-            found -= mine @ theirs.T
-        return np.asarray(found)
+        """Inner products xᵀ Σ⁻¹ y of these columns and others under the first covariance."""
+        if other is self:  # a matrix by its own transpose takes half the time
+            scaled = self.ahead * np.sqrt(self.weights[:, 0, :, None])
+            return np.asarray(np.sum([each.T @ each for each in scaled], axis=0))
+        pairs = zip(self.ahead, self.weights[:, 0], other.ahead, strict=True)
+        return np.asarray(np.sum([(mine.T * weight) @ theirs for mine, weight, theirs in pairs], axis=0))
 
     def products_of_blocks(self, size: int) -> Array:
-        """Inner products within each of b consecutive blocks of columns of the same size q, shape (b, q, q)."""
-        found = np.sum([_of_blocks(each, size) for each in self.added], axis=0)
-        for each in self.removed:
-            found -= _of_blocks(each, size)
-        return np.asarray(found)
+        """Inner products within each of b consecutive blocks of columns of the same size q, shape (c, b, q, q)."""
+        pairs = zip(self.ahead, self.weights, strict=True)
+        return np.asarray(np.sum([_of_blocks(columns, size, weights) for columns, weights in pairs], axis=0))
 
 
-def _of_blocks(columns: Array, size: int) -> Array:
-    """Inner products within blocks of columns, (b·q, N) → (b, q, q)."""
-    blocks = columns.reshape(-1, size, columns.shape[1])
-    return np.asarray(blocks @ blocks.swapaxes(1, 2))
+IN_CACHE = 32768
+"""Numbers whose products are added up together, so that they stay in a processor's cache."""
+
+
+def _of_blocks(columns: Array, size: int, weights: Array) -> Array:
+    """Inner products within blocks of columns, (N, b·q), under weights, (c, N) → (c, b, q, q)."""
+    found = np.zeros((len(weights), columns.shape[1] // size, size, size))
+    together = max(IN_CACHE // columns.shape[1], 1)
+    for first in range(0, len(columns), together):
+        rows, own = columns[first : first + together], weights[:, first : first + together]
+        for i, j in itertools.combinations_with_replacement(range(size), 2):
+            found[:, :, j, i] += own @ (rows[:, i::size] * rows[:, j::size])
+    return np.asarray(np.tril(found) + np.swapaxes(np.tril(found, -1), -1, -2))
 
 
 @dataclass(frozen=True)
@@ -77,19 +84,17 @@ class MarkovCovariance:
         return np.asarray((self.start_scale**2 + self.end_scale**2) / self.under_way**2)
 
     def gram(self, values: Array, white: Array, fix_sd: float, process: MarkovProcess | None) -> tuple[Array, float]:
-        """Σ over axes of valuesᵀ Σ⁻¹ values, shape (m, m), and ln |Σ|, both axes together; arguments of `whitened`."""
-        found = self.whitened(values, white, fix_sd, process)
+        """Σ over axes of valuesᵀ Σ⁻¹ values, shape (m, m), and ln |Σ|, both axes together; noise as in `prediction`."""
+        found = self.prediction(white, fix_sd, process).whitened(values)
         return found.products(found), found.log_determinant
 
-    def whitened(self, values: Array, white: Array, fix_sd: float, process: MarkovProcess | None) -> WhitenedColumns:
-        """Whiten columns.
+    def prediction(self, white: Array, fix_sd: float, process: MarkovProcess | None) -> "Prediction":
+        """Return how each leg is predicted from those before it.
 
-        Raises numpy.linalg.LinAlgError when the covariance is not positive definite.
+        Raises numpy.linalg.LinAlgError when a variance is not positive.
 
         Parameters
         ----------
-        values : array, shape (2, n, m)
-            Columns.
         white : array, shape (2,) or (2, n)
             Variance of the independent velocity error on each axis [m²/s²].
         fix_sd : float
@@ -97,25 +102,13 @@ class MarkovCovariance:
         process : MarkovProcess, optional
             Error that persists from leg to leg.
         """
-        prior = None if process is None else _ProcessStates.of(self, process)
-        variance = white.reshape(2, -1) + fix_sd**2 * self._unshared_fix_variance
-        variance = variance if prior is None else variance + prior.rest
+        share, rest = (np.zeros(1),) * 2 if process is None else process.mean_over(self.under_way)
+        variance = white.reshape(2, -1) + fix_sd**2 * self._unshared_fix_variance + rest
         if not np.all(variance > 0.0):
             raise np.linalg.LinAlgError("a variance is not positive")
-        columns = np.ascontiguousarray(np.swapaxes(values, 1, 2))
-        independent = WhitenedColumns(columns / np.sqrt(variance)[:, None], (), float(np.log(variance).sum()))
-        if prior is None and not self._shares_any_fix:
-            return independent
-        states, log_determinant = self._states(columns / variance[:, None], variance, fix_sd, prior), 0.0
-        removed = []
-        for axis in (0, 1):
-            factor, failed = lapack.dpbtrf(states.band[axis].T, lower=1)
-            if failed:
-                raise np.linalg.LinAlgError("the covariance is not positive definite")
-            whitened, _ = lapack.dtbtrs(factor, states.right[axis].T, uplo="L", overwrite_b=1)
-            removed.append(whitened.T)
-            log_determinant += 2.0 * float(np.log(factor[0]).sum()) + states.log_determinant
-        return WhitenedColumns(independent.added, tuple(removed), independent.log_determinant + log_determinant)
+        if process is not None:
+            return _by_process(variance, fix_sd * self._shared_fix_loads, share, *_transitions(self, process))
+        return _by_fixes(variance, fix_sd * self._shared_fix_loads) if self.in_common.any() else Prediction(variance)
 
     @cached_property
     def _unshared_fix_variance(self) -> Array:
@@ -125,18 +118,14 @@ class MarkovCovariance:
         return np.asarray((starts + ends) / self.under_way**2)
 
     @cached_property
-    def _shared_fix_loads(self) -> tuple[Array, Array]:
-        """Velocity error of a leg for a fix error of 1 m before it and after it that another leg shares [1/s]."""
+    def _shared_fix_loads(self) -> Array:
+        """Velocity error of a leg for 1 m of error of the fix before it and after it, if shared, shape (2, n) [1/s]."""
         loads = np.sqrt(self.in_common)
         start = -self.start_scale * loads / self.under_way
-        return start, self.end_scale * np.append(loads[1:], 0.0) / self.under_way
-
-    @cached_property
-    def _shares_any_fix(self) -> bool:
-        return bool(self.in_common.any())
+        return np.stack([start, self.end_scale * np.append(loads[1:], 0.0) / self.under_way])
 
     def dense(self, white: Array, fix_sd: float, process: MarkovProcess | None) -> Array:
-        """Return Σ of each axis written out, shape (2, n, n) [m²/s²]; arguments of `whitened`."""
+        """Return Σ of each axis written out, shape (2, n, n) [m²/s²]; arguments of `prediction`."""
         n = len(self.under_way)
         total = np.zeros((n, n)) if process is None else self._of_process(process)
         total[np.diag_indices(n)] += fix_sd**2 * self.fix_variance()
@@ -163,71 +152,9 @@ class MarkovCovariance:
             with_state[leg] = share[leg] * (across + variance)
         return total + np.diag(rest)
 
-    def _states(self, weighted: Array, variance: Array, fix_sd: float, prior: "_ProcessStates | None") -> "_States":
-        """States of both axes: the process at both ends of each leg, the fix after it over its standard deviation.
-
-        `weighted`, shape (2, m, n): columns over the variance, those of a leg apart. `variance`, shape (2, n): that no
-        state explains.
-        """
-        if prior is None:
-            return self._fixes(weighted, variance, fix_sd)
-        of_process = prior.states(weighted, variance)
-        if not self._shares_any_fix:
-            return of_process
-        start, end = (fix_sd * loads for loads in self._shared_fix_loads)
-        both = of_process.followed(self._fixes(weighted, variance, fix_sd))
-        share = prior.share / variance
-        for place in (0, 1):  # the values at the start and at the end of a leg, in the same leg as the fix after it
-            present = prior.present[place::2]
-            both.band[:, place::3, 2 - place] = present * share * end
-            both.band[:, 2:-3:3, 1 + place] = (present * share * start)[:, 1:]
-        return both
-
-    def _fixes(self, weighted: Array, variance: Array, fix_sd: float) -> "_States":
-        """Fixes that legs share, as states."""
-        start, end = (fix_sd * loads for loads in self._shared_fix_loads)
-        diagonal = 1.0 + end**2 / variance
-        diagonal[:, :-1] += start[1:] ** 2 / variance[:, 1:]
-        right = end * weighted
-        right[:, :, :-1] += start[1:] * weighted[:, :, 1:]
-        return _States.tridiagonal(diagonal, (end * start / variance)[:, 1:], right, 0.0)
-
-
-@dataclass(frozen=True)
-class _States:
-    """States x of both axes: M = Q + Hᵀ R⁻¹ H and Hᵀ R⁻¹ times columns."""
-
-    band: Array
-    """The main diagonal of M and those below it, each column's elements together, shape (2, s, w)."""
-    right: Array
-    """Of m columns, shape (2, m, s)."""
-    log_determinant: float
-    """Minus ln |Q| of one axis."""
-
-    @classmethod
-    def tridiagonal(cls, diagonal: Array, off_diagonal: Array, right: Array, log_determinant: float) -> "_States":
-        """Make one state a leg, tied to those of the legs before and after."""
-        band = np.zeros((*diagonal.shape, 2))
-        band[:, :, 0], band[:, :-1, 1] = diagonal, off_diagonal
-        return cls(band, right, log_determinant)
-
-    def followed(self, fixes: "_States") -> "_States":
-        """Set after each two of these states, which are tridiagonal, one of the fixes, none tied to these yet."""
-        axes, columns, n = fixes.right.shape
-        band, right = np.zeros((axes, 3 * n, 4)), np.empty((axes, columns, 3 * n))
-        band[:, ::3, :2] = self.band[:, ::2]
-        band[:, 1::3, 0], band[:, 1::3, 2] = self.band[:, 1::2, 0], self.band[:, 1::2, 1]
-        band[:, 2::3, 0], band[:, 2::3, 3] = fixes.band[:, :, 0], fixes.band[:, :, 1]
-        right[:, :, ::3], right[:, :, 1::3], right[:, :, 2::3] = (
-            self.right[:, :, ::2],
-            self.right[:, :, 1::2],
-            fixes.right,
-        )
-        return _States(band, right, self.log_determinant + fixes.log_determinant)
-
 
 LEAST_ELAPSED = 1.0
-"""Least time between two legs [s], so that the values at the end of one and at the start of the next are two states."""
+"""Least time between two legs [s]."""
 
 
 def _transitions(legs: MarkovCovariance, process: MarkovProcess) -> tuple[Array, Array]:
@@ -242,36 +169,102 @@ def _transitions(legs: MarkovCovariance, process: MarkovProcess) -> tuple[Array,
     return kept, variance
 
 
+def _by_fixes(variance: Array, fixes: Array) -> "Prediction":
+    """Predict legs by the fixes that they share alone: their covariance is tridiagonal.
+
+    `fixes`: error of a leg for a unit of the fix before it and after it, shape (2, n).
+    """
+    start, end = fixes
+    found = [lapack.dpttrf(own, start[1:] * end[:-1]) for own in variance + start**2 + end**2]
+    return Prediction(np.stack([own for own, *_ in found]), np.stack([np.append(0.0, own) for _, own, _ in found]))
+
+
+def _by_process(variance: Array, fixes: Array, share: Array, kept: Array, added: Array) -> "Prediction":
+    """Predict legs by a process, by what it keeps and gains to their starts and ends in turn, and by their fixes."""
+    (until, over), (before, under_way) = kept.reshape(-1, 2).T, added.reshape(-1, 2).T
+    start, end = fixes
+    of_process, through = share * (1.0 + over) * until, 1.0 + over
+    comes_up = share**2 * (through**2 * before + under_way) + end**2
+    with_process = share * (through * over * before + under_way)
+    columns = (of_process, start, end, comes_up, with_process, until * over, over**2 * before + under_way)
+    rows = np.stack(columns, axis=1).tolist()
+    unlike = variance if np.any(variance[0] != variance[1]) else variance[:1]
+    found = np.broadcast_to([_filtered(rows, own) for own in unlike.tolist()], (2, len(rows), 3))
+    return Prediction(found[:, :, 0], found[:, :, 1], (of_process, until * over, found[:, :, 2]))
+
+
+def _filtered(rows: list[list[float]], variances: list[float]) -> list[tuple[float, float, float]]:
+    """Variance of each leg beyond its prediction, and what of it goes to the next leg by their fix and to the process.
+
+    `rows`: of each leg its error for a unit of the process, of the fix before it and of the fix after it; the variance
+    that comes up on the leg, what of it goes with the process, the share that this keeps, and the variance that is
+    added to it. `variances`: what no state explains [m²/s²].
+    """
+    found, after, known, tied, left = [], 0.0, 0.0, 0.0, 1.0
+    for (of_process, before, end, added, both, kept, grown), own in zip(rows, variances, strict=True):
+        with_process, with_fix = known * of_process + tied * before, tied * of_process + left * before
+        total = of_process * with_process + before * with_fix + added + own
+        gain = (kept * with_process + both) / total
+        found.append((total, before * after, gain))
+        after = end / total
+        known, tied, left = kept * kept * known + grown - gain * gain * total, -gain * end, 1.0 - after * end
+    return found
+
+
+MANY = 256
+"""Columns from which they are whitened side by side, leg after leg, and not one after the other."""
+
+
 @dataclass(frozen=True)
-class _ProcessStates:
-    """A process at the starts and ends of n legs, in turn: tridiagonal precision, and the legs' means of it."""
+class Prediction:
+    """How each leg is predicted from those before it."""
 
-    diagonal: Array
-    off_diagonal: Array
-    """Of the precision [s²/m²]."""
-    present: Array
-    """1 where the process has a variance, else 0: a random walk is zero where a run begins, shape (2n,)."""
-    log_determinant: float
-    """ln |precision|."""
-    share: Array
-    rest: Array
-    """The mean over a leg is a share of the sum of both values, and a rest of this variance [m²/s²], shape (n,)."""
+    variance: Array
+    """Of what it has beyond that, shape (2, n) [m²/s²]."""
+    of_fix: Array | None = None
+    """Its error for a unit of what the leg before has beyond its own prediction, by their fix; None where no leg tells
+    of another, shape (2, n)."""
+    of_process: tuple[Array, Array, Array] | None = None
+    """Its error for a unit of the process at the end of the leg before, the share of this that is left at its own end,
+    and what it has beyond its prediction adds to it, shapes (n,), (n,) and (2, n)."""
 
-    @classmethod
-    def of(cls, legs: MarkovCovariance, process: MarkovProcess) -> "_ProcessStates":
-        kept, variance = _transitions(legs, process)
-        present = (variance > 0.0).astype(float)
-        precision = 1.0 / np.where(present > 0.0, variance, 1.0)
-        diagonal = precision.copy()
-        diagonal[:-1] += kept[1:] ** 2 * precision[1:]
-        share, rest = process.mean_over(legs.under_way)
-        return cls(diagonal, -kept[1:] * precision[1:], present, float(np.log(precision).sum()), share, rest)
+    def whitened(self, values: Array) -> WhitenedColumns:
+        """Whiten columns, shape (2, n, m)."""
+        if self.of_fix is not None:
+            values = self._side_by_side(values) if values.shape[2] > MANY else self._one_by_one(values, self.of_fix)
+        return WhitenedColumns(values, 1.0 / self.variance[:, None], float(np.log(self.variance).sum()))
 
-    def states(self, weighted: Array, variance: Array) -> "_States":
-        """States of both axes, of columns over the variance that no state explains; see `MarkovCovariance._states`."""
-        information = self.share**2 / variance
-        diagonal = self.diagonal + self.present * np.repeat(information, 2, axis=1)
-        off_diagonal = np.repeat(self.off_diagonal[None], 2, axis=0)
-        off_diagonal[:, ::2] += self.present[::2] * self.present[1::2] * information
-        right = self.present * np.repeat(self.share * weighted, 2, axis=2)
-        return _States.tridiagonal(diagonal, off_diagonal, right, -self.log_determinant)
+    def _one_by_one(self, values: Array, of_fix: Array) -> Array:
+        """Solve for what legs have beyond their predictions, in turn with the process where there is one."""
+        _, n, m = values.shape
+        states = 1 if self.of_process is None else 2
+        found = np.zeros((2, m, states * n))
+        found[:, :, ::states] = np.swapaxes(values, 1, 2)
+        for axis, columns in enumerate(found):
+            band = np.zeros((states * n, states + 1))
+            band[:-states:states, -1] = of_fix[axis, 1:]
+            if self.of_process is not None:
+                of_process, kept, gain = self.of_process
+                band[::2, 1], band[1:-1:2, 1], band[1:-1:2, 2] = -gain[axis], of_process[1:], -kept[1:]
+            lapack.dtbtrs(band.T, columns.T, uplo="L", diag="U", overwrite_b=1)  # in place
+        return np.swapaxes(found, 1, 2)[:, ::states]
+
+    def _side_by_side(self, values: Array) -> Array:
+        """The same, the cost of a leg hardly growing with the number of columns."""
+        assert self.of_fix is not None
+        found = np.array(values, order="C")
+        for axis, columns in enumerate(found):
+            before, state = np.zeros((2, columns.shape[1]))
+            of_fix = self.of_fix[axis].tolist()
+            if self.of_process is None:
+                for row, by_fix in zip(columns, of_fix, strict=True):
+                    before = blas.daxpy(before, row, a=-by_fix)
+                continue
+            of_process, kept, gain = self.of_process
+            steps = zip(columns, of_fix, of_process.tolist(), kept.tolist(), gain[axis].tolist(), strict=True)
+            for row, by_fix, by_process, left, gained in steps:
+                blas.daxpy(before, row, a=-by_fix)
+                before = blas.daxpy(state, row, a=-by_process)
+                state *= left
+                blas.daxpy(row, state, a=gained)
+        return found

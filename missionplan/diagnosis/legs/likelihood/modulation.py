@@ -11,7 +11,7 @@ zero. Its size is then inferred from the record, and a weak one is not compared 
 """
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
@@ -58,6 +58,7 @@ class Modulation:
     wanders_over: Array | None = None
     """Middles of the legs [s] where the oscillation wanders: the functions are those of its whole amplitude, shape
     (n,)."""
+    _mean_sd: dict[float, float] = field(default_factory=dict, init=False, repr=False, compare=False)
 
     def sd(self, relative: float, coherence_time: float) -> Array:
         """Prior standard deviations of the coefficients, real parts then imaginary ones, shape (2m,).
@@ -84,9 +85,11 @@ class Modulation:
         """Standard deviation of the mean over the record of an amplitude that wanders with one of 1."""
         if self.wanders_over is None:
             return 1.0
-        length, n = LENGTH_OF_TIME * coherence_time, len(self.wanders_over)
-        pairs = float(np.exp(-0.5 / length**2 * self._squared_intervals).sum())
-        return math.sqrt((n + 2.0 * pairs) / n**2)
+        if coherence_time not in self._mean_sd:
+            length, n = LENGTH_OF_TIME * coherence_time, len(self.wanders_over)
+            pairs = float(np.exp(-0.5 / length**2 * self._squared_intervals).sum())
+            self._mean_sd[coherence_time] = math.sqrt((n + 2.0 * pairs) / n**2)
+        return self._mean_sd[coherence_time]
 
     @cached_property
     def _squared_intervals(self) -> Array:
