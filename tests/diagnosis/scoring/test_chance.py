@@ -10,10 +10,10 @@ from scipy.special import ndtr
 import missionplan
 from missionplan.datasets.records import TransitData
 from missionplan.diagnosis.dives.preparation import PreparedDives
-from missionplan.diagnosis.scoring import expected_by_vehicle
+from missionplan.diagnosis.scoring import expected_by_vehicle, legs
 from missionplan.diagnosis.scoring.holdout import _kept
-from missionplan.diagnosis.scoring.legs import _fix_covariance
-from missionplan.diagnosis.scoring.predictive import Mixture
+from missionplan.diagnosis.scoring.legs import _fix_covariance, leg_errors
+from missionplan.diagnosis.scoring.predictive import Ensemble, Mixture, Noise, Part, one_step_ahead
 from missionplan.diagnosis.scoring.yardsticks import _remembered, _smoothed, anderson_darling, with_spread, yardsticks
 from missionplan.errors import InputError
 from tests.diagnosis.scoring.test_score_legs import Truth, made_legs, mission
@@ -168,3 +168,41 @@ def test_a_mission_has_learned_from_so_many_legs_as_a_diagnosis_of_the_rest_leav
     for data, share in ((many, 0.0), (many, 1.0), (few, 0.5), (many, 0.9), (dives, 0.99)):
         with pytest.raises(InputError, match="holdout"):
             _kept(data, share)
+
+
+def test_a_leg_is_predicted_by_the_explanations_as_the_legs_before_it_left_them():
+    """Of 0 and of 3 m, either with 1 m: a first leg of 3 m is for the second by exp(-4.5), and the first as they were."""
+    noise = Noise(1.0, np.diag([1.0, 4.0]), np.ones(1), np.zeros(2))
+    parts = tuple(Part(share, np.full((1, 2), mean), (noise,)) for share, mean in ((0.8, 0.0), (0.2, 3.0)))
+    found = one_step_ahead(Ensemble(np.array([3.0, 9.0]), np.array([0, 1]), parts))
+    left = 0.8 * np.exp(-4.5) / (0.8 * np.exp(-4.5) + 0.2)
+    assert found.mixture.weights == pytest.approx(np.array([[0.8, left], [0.2, 1.0 - left]]))
+    assert found.mixture.means == pytest.approx(np.array([[0.0, 0.0], [3.0, 3.0]]))
+    assert found.mixture.sds == pytest.approx(np.array([[1.0, 2.0], [1.0, 2.0]]))
+
+
+def test_the_drift_at_the_surface_is_that_of_the_time_and_place_where_a_leg_ends(monkeypatch):
+    """A leg of 100 s from 1000 s on, from 7 m to 57 m; then 20 s at the surface, the flow told as its time and place."""
+
+    class Moved:
+        def __init__(self, plan, *_):
+            self.plan = plan
+
+        def of_leg(self, number, own, t, duration, start, through, speed):
+            assert (t.tolist(), duration.tolist(), speed) == ([1000.0], [100.0], 0.5)
+            return np.array([[0.3], [0.0]])
+
+        def at_surface(self, t, place):
+            assert self.plan.surfacing_time == 20.0
+            return np.stack((t, place[0]))
+
+    monkeypatch.setattr(legs, "GroundVelocity", Moved)
+    data = SimpleNamespace(
+        **{"n": 1, "run": np.zeros(1), "under_way": np.array([100.0]), "surface": np.array([20.0])},
+        **{"t_start": np.array([1000.0]), "start": np.array([[7.0], [0.0]])},
+        dead_reckoned=np.array([[57.0], [0.0]]),
+    )
+    scenario = SimpleNamespace(transit=lambda: None, transit_plan=lambda _: None, current=None)
+    monkeypatch.setattr(legs, "replace", lambda plan, **changes: SimpleNamespace(**changes))
+    normals = SimpleNamespace(velocity=SimpleNamespace(leg=lambda _: np.zeros((2, 1))))
+    assert leg_errors(data, scenario, (), normals, 1)[0, :, 0] == pytest.approx([30.0 + 20.0 * 1100.0, 20.0 * 57.0])
