@@ -2,13 +2,14 @@
 
 import math
 from collections.abc import Callable, Iterator, Sequence
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 from scipy.stats import multivariate_normal, norm
 
-from missionplan.montecarlo.rare_events import Key, NormalPopulation
-from missionplan.montecarlo.rare_events.failure_search import FailureSearch, Found, find
+from missionplan.montecarlo.rare_events import Key, NormalPopulation, failure_search
+from missionplan.montecarlo.rare_events.failure_search import CHAINS, Batch, FailureSearch, Found, Part, find
 from missionplan.montecarlo.rare_events.strata import (
     RARE,
     DiscreteValue,
@@ -179,3 +180,19 @@ def test_likely_values_get_no_stratum() -> None:
     (usual,) = strata(values)
     assert usual.probability == 1.0
     assert not usual.allowed
+
+
+def test_a_trial_that_fails_weighs_its_stratum_too(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Of strata of a quarter and three quarters, that fail in 0.1 and 0.01."""
+    found = SimpleNamespace(failing=None, weights=np.full(2 * CHAINS, 0.5), trials=0)
+    found.probabilities, found.counted = np.array([0.1, 0.01]), np.array([0.08, 0.01])
+    monkeypatch.setattr(failure_search, "run_pilots", lambda *_: [])
+    monkeypatch.setattr(failure_search, "run_levels", lambda *_: found)
+    monkeypatch.setattr(failure_search, "StrataView", lambda failing, strata: strata)
+    search = SimpleNamespace(
+        **{"_drive": lambda _: None, "_stream": lambda _: None, "describe": lambda _, weights: weights},
+        strata=[SimpleNamespace(probability=share) for share in (0.25, 0.75)],
+    )
+    run = FailureSearch.run(search, Batch((Part(0, 0), Part(1, 0)), "estimate", 0))
+    assert run.described == pytest.approx(np.repeat([0.125, 0.375], CHAINS))
+    assert (run.probabilities, run.counted) == (pytest.approx([0.025, 0.0075]), pytest.approx([0.02, 0.0075]))

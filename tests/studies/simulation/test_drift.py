@@ -1,8 +1,9 @@
 """The drift afloat: exact in eddies, with the wind, with the error of a current, and found by searches."""
 
 import json
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -12,11 +13,12 @@ import missionplan
 from missionplan.mission import Mission
 from missionplan.phases.currents import Current, Leeway, layers, leeway_velocity
 from missionplan.phases.ensemble import ErringCurrent, ErrorWaves
-from missionplan.phases.place import Place
+from missionplan.phases.ground import Frame, Ground
+from missionplan.phases.place import Place, SeaLevel
 from missionplan.phases.zones import Fence, Zone
 from missionplan.results.whereabouts import AFLOAT, DriftAssumption
 from missionplan.scenario.scenario import Scenario
-from missionplan.studies.simulation.drift import UNSTATED_ERROR, UNSTATED_TIME, Drift
+from missionplan.studies.simulation.drift import UNSTATED_ERROR, UNSTATED_TIME, Drift, _shore, _tide
 from missionplan.studies.simulation.losses import Losses, Search, encloses, read_searches
 from missionplan.studies.simulation.overdue import search_areas
 
@@ -279,3 +281,29 @@ def test_a_coast_stops_a_drifter():
     first, last = drift.places(np.array([[0.0, 0.0], [100.0, -100.0]]), np.zeros(2), (1000.0, 6000.0))
     assert first == pytest.approx(np.array([[500.0, 500.0], [100.0, -100.0]]))
     assert last == pytest.approx(np.array([[1000.0, 3000.0], [100.0, -100.0]]))
+
+
+def test_a_drifter_is_left_by_the_ebb_where_the_water_has_gone():
+    """Over 5 m with a draught of 1 m, and a sea that falls by 1 cm/s: after 400 s at 0.5 m/s, until which it drifts."""
+    low, high = np.array([-500.0, -500.0]), np.array([1500.0, 500.0])
+    axes = np.meshgrid(*(np.linspace(a, b, 5) for a, b in zip(low, high, strict=True)))
+    places = np.stack([axis.ravel() for axis in axes])
+    frame = Frame.fitted(low, high, places, (places - low[:, None]) / 100.0)
+    ebb = SeaLevel(time=np.array([0.0, 800.0]), height=np.array([0.0, -8.0]))
+    shore = Place(Ground(np.full((11, 21), 5.0, dtype=np.float32), frame), sea_level=ebb, draught=1.0)
+    drift = Drift(layers([1.0], [0.5], [np.pi / 2.0]), (), 1, shore=shore)
+    first, last = drift.places(np.zeros((2, 1)), np.zeros(1), (300.0, 800.0))
+    assert first[:, 0] == pytest.approx([150.0, 0.0])
+    assert last[:, 0] == pytest.approx([200.0, 0.0], abs=2.0)
+    range_ = Zone(None, "range", is_land=False)
+    assert _shore(replace(shore, clearance=3.0, fence=Fence((range_,)))) == shore
+    assert _shore(Place(fence=Fence((range_,)))) is None
+
+
+def test_a_tide_at_the_surface_is_the_sum_of_its_waves_under_way():
+    """A sixth of a period on: half of each cosine and 0.866 of each sine."""
+    waves = {"a": {3600.0: (0.1, 0.2, 0.3, 0.4)}, "b": {7200.0: (0.0, 0.0, 1.0, 0.0)}}
+    effects = [SimpleNamespace(drift=lambda own=own: SimpleNamespace(waves=own)) for own in waves.values()]
+    root = 0.75**0.5
+    found = _tide(effects, np.array([600.0]))[:, 0]
+    assert found == pytest.approx([0.05 + 0.2 * root, 0.15 + 0.4 * root + root])
