@@ -66,6 +66,10 @@ class Validated:
     """What is wrong; then there is no more."""
 
 
+_ORIGIN = "site.origin for formats with positions on Earth"
+_CONSTRUCTION = "vehicle.anchor.construction to say how the anchor is built"
+
+
 def needs(check: Callable[[], object]) -> tuple[str, ...]:
     """What a check refuses, in words: the key path where it is missing."""
     try:
@@ -88,7 +92,9 @@ def validated_mission(path: Path, mission: Mission) -> Validated:
     Raises InputError when the current cannot be read or does not cover the mission, a nominal dive is impossible, or
     what may be chosen is wrong.
     """
-    wrong = _wrong_choices(mission)
+    wrong: list[Problem] = []
+    if mission.optimise.choose:
+        attempted(partial(read_lattice, mission, ()), wrong)
     try:
         means = covered_means(mission)
         check_place(means)
@@ -108,13 +114,16 @@ def validated_mission(path: Path, mission: Mission) -> Validated:
 
     simulation = needs(simulable)
     kinds = ", ".join(phase.kind for phase in mission.phases) or "none"
+    placed = mission.site is not None and mission.site.origin is not None
+    anchor = mission.vehicle.anchor if mission.vehicle else None
+    built = anchor is None or anchor.construction is not None
     legs = needs(lambda: SweepScenario.of(mission, means))
     table = (
         Readiness("simulate", simulation),
-        Readiness("export", needs(lambda: navigation_of(mission)), _origin(mission)),
+        Readiness("export", needs(lambda: navigation_of(mission)), "" if placed else _ORIGIN),
         Readiness("sweep-dmax", legs),
         Readiness("plan-legs", legs),
-        Readiness("size-anchor", needs(sizable), _construction(mission)),
+        Readiness("size-anchor", needs(sizable), "" if built else _CONSTRUCTION),
         Readiness("sweep-transition", needs(lambda: TransitionMission.of(mission))),
         Readiness(
             "optimise",
@@ -125,25 +134,6 @@ def validated_mission(path: Path, mission: Mission) -> Validated:
     summary = f"valid. Phases: {kinds}; {len(mission.uncertain())} quantities are distributions."
     summary += cover_in_words(mission, means.recorded)
     return Validated(path, summary, mission.values_in_force(), table, tuple(notices) or mission.notices())
-
-
-def _origin(mission: Mission) -> str:
-    placed = mission.site is not None and mission.site.origin is not None
-    return "" if placed else "site.origin for formats with positions on Earth"
-
-
-def _construction(mission: Mission) -> str:
-    anchor = mission.vehicle.anchor if mission.vehicle else None
-    built = anchor is None or anchor.construction is not None
-    return "" if built else "vehicle.anchor.construction to say how the anchor is built"
-
-
-def _wrong_choices(mission: Mission) -> list[Problem]:
-    """Everything wrong with what the mission says may be chosen."""
-    problems: list[Problem] = []
-    if mission.optimise.choose:
-        attempted(partial(read_lattice, mission, ()), problems)
-    return problems
 
 
 def validate(paths: MissionOrPath | Iterable[MissionOrPath], *, allow_outside: bool = False) -> tuple[Validated, ...]:

@@ -12,7 +12,7 @@ from missionplan.report.diagnosis.kinds import REPORTS
 from missionplan.report.quantities import quantity
 from missionplan.report.wording import capitalised, listed, parameter_in_words
 from missionplan.results.learned import Diagnosis
-from missionplan.results.learned.evidence import SURE, Causes, Coverage, ParameterEstimate, WrongFix
+from missionplan.results.learned.evidence import SURE, Coverage, ParameterEstimate, WrongFix
 from missionplan.results.learned.levels import ParameterLevels
 
 _PERCENT, _HOUR = 100.0, 3600.0
@@ -42,7 +42,10 @@ def finding_in_words(diagnosis: Diagnosis) -> str:
     }
     if not told or not all(told.values()):
         return ""
-    doubted = [f"{words}{_chance(diagnosis, cause)}" for cause, words in told.items() if cause not in certain]
+    doubted = []
+    for cause in (each for each in told if each not in certain):
+        chance = diagnosis.readings.inclusion.get(cause, 1.0)  # that it is there
+        doubted.append(f"{told[cause]} ({part(chance)})" if chance < SURE else told[cause])
     if doubted and diagnosis.verdict in _DOUBTFUL:
         doubted[0] = f"it looks as if {doubted[0]}"
     clauses = [*(words for cause, words in told.items() if cause in certain), *doubted]
@@ -52,12 +55,6 @@ def finding_in_words(diagnosis: Diagnosis) -> str:
     if diagnosis.verdict in _DOUBTFUL and diagnosis.none_of_these > UNLIKELY:
         words += f" Beside that, something that {_NO_NAME} may be there ({part(diagnosis.none_of_these)})."
     return words
-
-
-def _chance(diagnosis: Diagnosis, cause: str) -> str:
-    """Write how likely it is that a cause is there, where that is in doubt."""
-    probability = diagnosis.readings.inclusion.get(cause, 1.0)
-    return f" ({part(probability)})" if probability < SURE else ""
 
 
 def _certain_causes(diagnosis: Diagnosis, disputed: frozenset[str]) -> frozenset[str]:
@@ -74,23 +71,23 @@ def disputed_causes(diagnosis: Diagnosis) -> frozenset[str]:
     by.
     """
     made = frozenset(diagnosis.readings.confounded_with_reckoning)
-    return made | _disputed_by_the_data(diagnosis)
-
-
-def _disputed_by_the_data(diagnosis: Diagnosis) -> frozenset[str]:
     if diagnosis.verdict not in _DOUBTFUL:
-        return frozenset()
+        return made
     physical = frozenset(cause for cause in diagnosis.causes if CATALOGUE[cause].tier == "physical")
     if REPORTS[diagnosis.kind].proves_nothing or diagnosis.none_of_these >= _LIKELIER:
-        return physical
+        return made | physical
     doubtful = {cause for cause, probability in diagnosis.readings.inclusion.items() if probability < SURE}
-    return physical & {*doubtful, *diagnosis.not_constant}
+    return made | (physical & {*doubtful, *diagnosis.not_constant})
 
 
 def _find_out(diagnosis: Diagnosis, disputed: frozenset[str], *, is_all: bool) -> str:
     """Write what else it may be, how likely that is, and what would tell."""
     chances = {entry.causes: entry.posterior for entry in diagnosis.ranking if entry.posterior is not None}
-    others = [causes for causes in diagnosis.rivals if not disputed <= {*causes} and _has_name(causes)]
+    others = [
+        causes
+        for causes in diagnosis.rivals
+        if not disputed <= {*causes} and all(CATALOGUE[cause].tier != "neutral" for cause in causes)
+    ]
     rivals = [f"{names(causes)} ({part(chances[causes])})" for causes in others if causes in chances][:_RIVALS]
     rivals = rivals or [names(causes) for causes in others[:_RIVALS]]
     if diagnosis.none_of_these > UNLIKELY:
@@ -106,10 +103,6 @@ def _find_out(diagnosis: Diagnosis, disputed: frozenset[str], *, is_all: bool) -
     else:
         else_it_is = f"But {REPORTS[diagnosis.kind].proves_nothing or 'that is not sure enough to act on'}"
     return f"{else_it_is}: correct nothing {'yet' if is_all else 'else yet'}, first {until}."
-
-
-def _has_name(causes: Causes) -> bool:
-    return all(CATALOGUE[cause].tier != "neutral" for cause in causes)
 
 
 def _clause(cause: str, found: tuple[ParameterEstimate, ...], *, is_order: bool, is_known: bool) -> str:
@@ -143,15 +136,12 @@ def sized_clause(finding: Finding, mine: Mapping[str, ParameterEstimate]) -> str
     estimate = mine.get(finding.parameter)
     if estimate is None:
         return ""
-    at = " until ".join(_place(each) for each in mine.values() if _is_searched(each))
+    searched = [each for each in mine.values() if CATALOGUE[each.effect].parameters[each.name].searched]
+    at = " until ".join(map(_place, searched))
     if finding.toward is not None:
         return _vector_clause(finding, mine, at)
     clause = finding.negative if estimate.value < 0.0 and finding.negative else finding.positive
     return clause.format(size=_size(estimate, finding), at=at)
-
-
-def _is_searched(parameter: ParameterEstimate) -> bool:
-    return bool(CATALOGUE[parameter.effect].parameters[parameter.name].searched)
 
 
 def _place(parameter: ParameterEstimate) -> str:
@@ -200,12 +190,14 @@ WORTH_TELLING = 1.0
 
 def how_sure(diagnosis: Diagnosis) -> list[str]:
     """Write the paragraphs; the sections below them have the statistics."""
-    words = [
-        _among_the_tried(diagnosis),
-        _held_out(diagnosis),
-        _coverage_words(diagnosis.coverage),
-    ]
-    return [each for each in words if each]
+    words, best = [_among_the_tried(diagnosis)], diagnosis.best
+    if diagnosis.causes and best is not None and best.held_out is not None:
+        gain = best.held_out
+        words.append(
+            f"Each part of the data was left out in turn and predicted from the others: {gain.groups_improved} of "
+            f"{gain.groups} parts are predicted better with what was found than without."
+        )
+    return [*words, *filter(None, [_coverage_words(diagnosis.coverage)])]
 
 
 def _among_the_tried(diagnosis: Diagnosis) -> str:
@@ -226,17 +218,6 @@ def _among_the_tried(diagnosis: Diagnosis) -> str:
         return f"Among the explanations tried, {names(best.causes)} fits best; {other}."
     return (
         f"Among the explanations tried, {names(best.causes)} has a probability of {percent(best.posterior)}; {other}."
-    )
-
-
-def _held_out(diagnosis: Diagnosis) -> str:
-    best = diagnosis.best
-    if not diagnosis.causes or best is None or best.held_out is None:
-        return ""
-    gain = best.held_out
-    return (
-        f"Each part of the data was left out in turn and predicted from the others: {gain.groups_improved} of "
-        f"{gain.groups} parts are predicted better with what was found than without."
     )
 
 
