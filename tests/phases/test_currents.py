@@ -6,9 +6,9 @@ from scipy.integrate import trapezoid
 from scipy.interpolate import RegularGridInterpolator
 
 from missionplan.errors import InputError
-from missionplan.phases.currents import Current, LayeredCurrent, layers
+from missionplan.phases.currents import Current, LayeredCurrent, Span, layers
 from missionplan.phases.gridded_current import GriddedCurrent
-from missionplan.phases.grids import RegularGrid
+from missionplan.phases.grids import FieldWater, RegularGrid
 from missionplan.phases.recorded_currents import SeriesCurrent, bracket, even_step
 
 HERE = np.zeros((2, 1))
@@ -157,3 +157,31 @@ def test_a_leg_that_outlasts_a_record_has_its_last_value_or_none_for_the_rest(ou
         np.array([0.0, 100.0]), np.array([0.0]), np.full((2, 1), 1.5), np.zeros((2, 1)), outside=outside
     )
     assert record.mean_velocity(50.0, 100.0, 0.0, HERE, HERE)[:, 0] == pytest.approx([mean, 0.0])
+
+
+def test_a_record_is_good_some_metres_beyond_its_depths_and_in_its_time():
+    """By 5 m above the first of 10 and 40 m, and by a fifth of the last below it."""
+    record = SeriesCurrent(np.array([0.0, 100.0]), np.array([10.0, 40.0]), np.zeros((2, 2)), np.zeros((2, 2)))
+    depths, ends = np.array([4.9, 5.0, 48.0, 48.1, 30.0]), np.array([100.0, 100.0, 100.0, 100.0, 100.1])
+    assert record.covers(Span(0.0, ends, depths, (HERE,))).tolist() == [False, True, True, False, False]
+    assert record.depths_covered == (5.0, 48.0)
+
+
+def test_places_are_water_by_most_of_their_columns_and_deep_by_the_shallowest():
+    """Nine columns 100 m apart; that of the south-west corner is 5 m deep of 20, or always dry."""
+    grid = RegularGrid(np.array([0.0, 100.0, 200.0]), np.array([0.0, 100.0, 200.0]))
+    wet, bottom = np.ones((2, 9), dtype=bool), np.full(9, 20.0)
+    wet[:, 0], bottom[0] = False, 5.0
+    dry, shoal = (FieldWater(grid, np.array([0.0, 1.0]), each, bottom) for each in (wet, np.ones_like(wet)))
+    assert dry.holds(np.array([[30.0, 25.0, 25.0], [30.0, 25.0, -1.0]])).tolist() == [True, False, False]
+    apart, away = np.array([[50.0, 150.0], [50.0, 150.0]]), np.full((2, 1), 150.0)
+    assert [shoal.is_all_open(apart, depth) for depth in (5.0, 6.0)] == [True, False]
+    assert [shoal.is_all_open(away, depth) for depth in (20.0, 21.0)] == [True, False]
+    assert not dry.is_all_open(apart, 0.0)
+
+
+def test_a_column_without_water_is_as_deep_as_the_nearest_that_has_some():
+    values = np.array([[[1.0], [2.0], [np.nan]]], dtype=complex)
+    grid = RegularGrid(np.zeros(1), np.array([0.0, 1e3, 1.9e3]))
+    found = GriddedCurrent.of(np.zeros(1), grid, np.zeros(1), values, np.array([30.0, 20.0, 70.0]))
+    assert (found.bottom.tolist(), found.depths_covered) == ([30.0, 20.0, 20.0], (0.0, 30.0))

@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -91,3 +92,19 @@ def test_energy_until_the_end_is_the_end_energy(vehicle, slow_down):
 
 def test_no_history_after_the_start_by_default(vehicle, slow_down):
     assert tr.simulate_transition(vehicle, replace(slow_down, after=101.0), time_step=1.0).history.time.size == 1
+
+
+def test_a_vehicle_hovers_once_it_has_stopped_and_stays_at_its_depth():
+    """Three at 5 s: one 3 cm off, one still to stop, one in hover; pitch counts from that at survey speed."""
+    pitch, depth = np.array([0.3, -0.2, 0.1]), np.array([0.03, 0.01, 0.01])
+    run = SimpleNamespace(
+        **{"time": 5.0, "stopped": np.array([4.0, 6.0, 4.0]), "start_pitch": 0.1, "energy": np.array([7.0, 8.0, 9.0])},
+        **{"hover_time": np.ones(3), "energy_to_hover": np.full(3, 2.0), "pitch_sums": np.ones((3, 3))},
+        **{"depth_excursion": np.full(3, 0.02), "pitch_excursion": np.full(3, 0.25)},
+        state=np.stack((*np.zeros((3, 3)), pitch, -depth)),
+    )
+    tr._Run._observe(run, steady=True)
+    assert (run.hover_time.tolist(), run.energy_to_hover.tolist()) == ([5.0, 5.0, 1.0], [7.0, 8.0, 2.0])
+    assert run.depth_excursion == pytest.approx([0.03, 0.02, 0.02])
+    assert run.pitch_excursion == pytest.approx([0.25, 0.3, 0.25])
+    assert run.pitch_sums == pytest.approx(1.0 + np.array([np.ones(3), pitch, pitch**2]))
