@@ -3,11 +3,13 @@
 import copy
 import re
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 
 from missionplan.errors import InputError
 from missionplan.mission import Mission, load
+from missionplan.mission.checks.relations import _cover
 
 MISSIONS = Path(__file__).parents[2] / "missions"
 IN, MOOR, OUT = "phases.0.transit.", "phases.1.moor.", "phases.2.transit."
@@ -135,3 +137,9 @@ def test_what_just_can_be_is_let_pass():
     floats = [{"distance": each, "buoyancy": "0.1 N"} for each in ("0 m", "5 m")]
     changes = {IN + "to": ["280.01 km", "0 m"], MOOR + "line_floats": floats}
     assert Mission.from_data(altered(changes)).moors[0].line_floats[1].distance == 5.0
+
+
+def test_water_above_a_moored_vehicle_is_asked_about_where_there_is_less_than_a_metre_and_some():
+    vehicle = SimpleNamespace(hull=SimpleNamespace(length=1.5))
+    asked = [bool(list(_cover(SimpleNamespace(line_length=5.0), 6.5 + cover, vehicle))) for cover in (-1, 0, 0.5, 1)]
+    assert asked == [False, False, True, False]

@@ -108,3 +108,18 @@ def test_a_vehicle_hovers_once_it_has_stopped_and_stays_at_its_depth():
     assert run.depth_excursion == pytest.approx([0.03, 0.02, 0.02])
     assert run.pitch_excursion == pytest.approx([0.25, 0.3, 0.25])
     assert run.pitch_sums == pytest.approx(1.0 + np.array([np.ones(3), pitch, pitch**2]))
+
+
+def test_a_record_tells_of_hover_only_where_it_was_reached_and_the_share_beyond_the_models_range():
+    run = SimpleNamespace(
+        **{"time": 5.0, "hover_time": np.array([3.0, 5.0]), "energy_to_hover": np.array([6.0, 9.0])},
+        **{"energy": np.array([10.0, 0.0]), "energy_beyond": np.array([2.0, 0.0])},
+        **{"depth_excursion": np.zeros(2), "pitch_excursion": np.zeros(2)},
+        pitch_sums=np.array([[2.0, 4.0], [0.4, 0.0], [0.1, 0.36]]),  # of 0.1 and 0.3; of 0.3 and its opposite, twice
+        controllers=SimpleNamespace(saturation_speed=np.full(2, np.nan)),
+    )
+    found = tr._Run.record(run, None)
+    np.testing.assert_array_equal(found.hover_time, [3.0, np.nan])
+    np.testing.assert_array_equal(found.energy_to_hover, [6.0, np.nan])
+    assert found.out_of_range.tolist() == [0.2, 0.0]
+    assert found.hover_pitch == pytest.approx([0.1, 0.3])
