@@ -9,6 +9,7 @@ import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
+from missionplan.effects import CATALOGUE
 from missionplan.errors import InputError, MissionplanError
 from missionplan.mission import Mission
 from missionplan.mission.changes import changed_data
@@ -26,6 +27,7 @@ from missionplan.studies.simulation.trial_block import MissionTrials
 
 TRIALS = 400
 """Of each run of the ledger; they share their random numbers, so that small differences show."""
+_ANYWHERE = {"low": "0 deg", "high": "360 deg"}
 _SD = {"sd": "0.1 m/s"}
 """Of a current: drifters differ by about 0.1 m/s from maps of the current that are measured there and then."""
 
@@ -74,7 +76,7 @@ def doubts_of(mission: Mission) -> Iterator[Doubt]:
     """Yield what a mission takes for granted, as far as it can be put off by its usual size."""
     yield from _current(mission)
     if mission.site is not None and mission.site.wind is None:
-        blows = {"speed": {"low": "0 m/s", "high": "12 m/s"}, "from": {"low": "0 deg", "high": "360 deg"}}
+        blows = {"speed": {"low": "0 m/s", "high": "12 m/s"}, "from": _ANYWHERE}
         yield Doubt("there is no wind", "winds of 0 to 12 m/s from anywhere", {"site.wind": blows})
     if mission.transits and mission.navigation is not None and mission.navigation.fix_error == 0.0:
         yield Doubt("fixes are exact", "an error of 5 m on each axis", {"navigation.fix_error": "5 m"})
@@ -84,11 +86,18 @@ def doubts_of(mission: Mission) -> Iterator[Doubt]:
 
 
 def _anchor(anchor: Anchor | None) -> Iterator[Doubt]:
-    if anchor is not None and isinstance(anchor.holding_factor, float):
+    if anchor is None:
+        return
+    holding = "vehicle.anchor.holding_factor"
+    if anchor.holding_factor is None:  # DNV-RP-F109: clay to sand
+        changes = {holding: {"low": 0.2, "high": 0.6}}
+        yield Doubt("the anchor stays where it lies", "a holding factor of 0.2 to 0.6", changes)
+    elif isinstance(anchor.holding_factor, float):
         factor = {"median": anchor.holding_factor, "factor": 1.4}
-        words = "the anchor holds just as its holding factor says"
-        yield Doubt(words, "a factor of 1.4 more or less", {"vehicle.anchor.holding_factor": factor})
-    if anchor is not None and anchor.flooding_time is None:
+        yield Doubt(
+            "the anchor holds just as its holding factor says", "a factor of 1.4 more or less", {holding: factor}
+        )
+    if anchor.flooding_time is None:
         words = "the anchor is full of water at once"
         yield Doubt(words, "10 s of flooding", {"vehicle.anchor.flooding_time": "10 s"})
 
@@ -105,21 +114,26 @@ def _lines(moors: Sequence[MoorPhase]) -> Iterator[Doubt]:
 
 
 def _current(mission: Mission) -> Iterator[Doubt]:
-    """Yield a current that is taken as exact: numbers for layers, a record or a tide without an error."""
+    """Yield a current that is taken as exact: none, numbers for layers, a record or a tide without an error."""
     current = mission.site.current if mission.site else ()
+    infos = [CATALOGUE[entry.effect] for entry in mission.effect_list.entries]
+    is_told = bool(current) or any(info.is_steady_current or info.is_modulated for info in infos)
+    if mission.site and (mission.transits or mission.moors) and not is_told:
+        flows = {"down_to": "11 km", "speed": {"low": "0 m/s", "high": "0.5 m/s"}, "toward": _ANYWHERE}
+        yield Doubt("there is no current", "currents of 0 to 0.5 m/s to anywhere", {"site.current": [flows]})
     if isinstance(current, CurrentFile | TidalCurrent):
         single = not isinstance(current, CurrentFile) or len(current.members) == 1
         if current.error is None and single:
             error = {"sigma": "0.1 m/s", "time": "12 h"}
             yield Doubt("the current is as recorded", "0.1 m/s off on each axis", {"site.current.error": error})
         return
-    exact = [number for number, layer in enumerate(current) if not isinstance(layer.speed, Distribution)]
+    exact = {
+        f"site.current[{number}].speed": {"mean": f"{float(layer.speed)!r} m/s", **_SD}
+        for number, layer in enumerate(current)
+        if not isinstance(layer.speed, Distribution)
+    }
     if exact:
-        changes = {
-            f"site.current[{number}].speed": {"mean": f"{float(current[number].speed)!r} m/s", **_SD}  # type: ignore[arg-type]
-            for number in exact
-        }
-        yield Doubt("the layers flow just as fast as stated", "0.1 m/s faster or slower", changes)
+        yield Doubt("the layers flow just as fast as stated", "0.1 m/s faster or slower", exact)
 
 
 FRESH = 1_000_003

@@ -83,7 +83,8 @@ def test_no_headline_orders_while_the_truth_is_not_known(command, way, monkeypat
 
 def test_the_same_command_orders_where_nothing_is_in_doubt(monkeypatch):
     """So that the test above can fail: the words that it looks for are those of a mission that is known."""
-    site = {**TRANSIT["site"], "wind": {"speed": "0 m/s", "from": "0 deg"}}
+    current = [{"down_to": "30 m", "speed": {"mean": "0 m/s", "sd": "0.01 m/s"}, "toward": "90 deg"}]
+    site = {**TRANSIT["site"], "current": current, "wind": {"speed": "0 m/s", "from": "0 deg"}}
     known = Mission.from_data({**TRANSIT, "site": site})
     monkeypatch.setattr(optimise_legs, "MEAN_FAMILY", PolicyFamily((1.0,), ()))
     assert ORDER.search(headline(missionplan.sweep_dmax(known)))

@@ -69,9 +69,34 @@ def test_what_is_taken_for_granted_is_named(tmp_path):
         "phases: [{transit: {from: [0 m, 0 m], to: [0 m, 800 m], speed: 1 m/s, d_max: 400 m, arrival_radius: 50 m}}]\n",
         encoding="utf-8",
     )
-    assert [doubt.what for doubt in doubts_of(missionplan.load(path))] == ["there is no wind", "fixes are exact"]
+    expected = ["there is no current", "there is no wind", "fixes are exact"]
+    assert [doubt.what for doubt in doubts_of(missionplan.load(path))] == expected
     found = ledger(missionplan.load(path), seed=1)
-    assert {each.what for each in found} == {"there is no wind", "fixes are exact"}
+    assert {each.what for each in found} == set(expected)
+    assert not any(math.isnan(each.worth) for each in found)
+
+
+def test_water_that_is_taken_as_still_turns_the_answer_of_a_vehicle_that_cannot_correct(one_leg):
+    """1000 s in a current of up to 0.5 m/s, within 60 m: 0.12; an effect that is the current answers for it."""
+    mission = one_leg("0 m/s").with_({"site.current": None})
+    (still,) = ledger(mission, seed=1)
+    assert still.what == "there is no current"
+    assert still.success == pytest.approx(0.12, abs=0.05)
+    assert still.turns
+    stated = mission.with_({"effects": [{"mean-current": {"east": "0 m/s", "north": "0 m/s"}}]})
+    assert not list(doubts_of(stated))
+
+
+def test_an_anchor_that_would_slide_on_clay_is_named():
+    """0.83 m/s asks for a factor of 0.42 of this anchor: of 0.2 to 0.6, somewhat less than half hold."""
+    layers = [{"down_to": "20 ft", "speed": "0 m/s"}, {"down_to": "40 ft", "speed": "0.83 m/s"}]
+    mission = missionplan.load("missions/chesapeake.yaml")
+    required = [{"quantity": "total.success", "probability": 0.9}]
+    current = [{**each, "toward": "60 deg"} for each in layers]
+    mission = mission.with_({"site.current": current, "requirements": required})
+    (held,) = (each for each in ledger(mission, seed=1) if each.what == "the anchor stays where it lies")
+    assert held.success == pytest.approx(0.45, abs=0.15)
+    assert held.turns
 
 
 def test_an_assumption_that_cannot_be_run_is_not_passed_over(one_leg, monkeypatch):
