@@ -253,6 +253,8 @@ class EffectInfo:
     """Why a navigation log cannot show it; empty where it can."""
     resolvable: Callable[[float], Collection[str]] | None = None
     """From a log's duration [s], the parameters that it can resolve; default all."""
+    kept_after: Callable[[Collection[str], float], float] | None = None
+    """From the parameters that a record resolved, the correlation of what it showed with what is so much later [s]."""
     needs_latitude: bool = False
     """Whether the phase needs the latitude of the coordinates' origin."""
     is_steady_current: bool = False

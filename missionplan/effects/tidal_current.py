@@ -1,5 +1,7 @@
 """A tidal current of the constituents M2, S2, N2, K1, O1, K2, P1, Q1 and M4."""
 
+import math
+from collections.abc import Collection
 from dataclasses import dataclass, make_dataclass, replace
 from typing import Self
 
@@ -33,17 +35,10 @@ def _beat(first: str, second: str) -> float:
     return 1.0 / abs(1.0 / PERIODS[first] - 1.0 / PERIODS[second])
 
 
-LEAST_RECORD = {
-    "m2": 0.5 * PERIODS["m2"],
-    "s2": _beat("s2", "m2"),
-    "n2": _beat("n2", "m2"),
-    "k1": PERIODS["k1"],
-    "o1": _beat("o1", "k1"),
-    "k2": _beat("k2", "s2"),
-    "p1": _beat("p1", "k1"),
-    "q1": _beat("q1", "o1"),
-    "m4": _beat("s2", "m2"),
-}
+STRONGER = {"s2": "m2", "n2": "m2", "k2": "s2", "o1": "k1", "p1": "k1", "q1": "o1"}
+"""The nearest stronger constituent of each: a record shorter than their beat takes both for one."""
+_LEAST = {"m2": 0.5 * PERIODS["m2"], "k1": PERIODS["k1"], "m4": _beat("s2", "m2")}
+LEAST_RECORD = {name: _LEAST.get(name) or _beat(name, STRONGER[name]) for name in PERIODS}
 """Length of a record that resolves a constituent: its beat with the nearest stronger one (Rayleigh's criterion); of M4
 with MS4, which is the beat of M2 and S2 [s]."""
 _USUAL = {"m2": 0.12, "s2": 0.12, "n2": 0.03, "k1": 0.12, "o1": 0.12, "k2": 0.03, "p1": 0.04, "q1": 0.025, "m4": 0.01}
@@ -114,6 +109,22 @@ def resolvable_constituents(duration: float) -> tuple[str, ...]:
     return tuple(name for name, least in LEAST_RECORD.items() if duration >= least)
 
 
+def kept_after(names: Collection[str], seconds: float) -> float:
+    """Correlation of a tide with itself so much later [s], where a record resolved the parameters of these names.
+
+    Those that it took for a stronger one, of their usual sizes, come out of step with it.
+    """
+    kept, total, told = 0.0, 0.0, {name.split("_")[0] for name in names}
+    for name, size in _USUAL.items():
+        stands = name
+        while stands not in told and stands in STRONGER:
+            stands = STRONGER[stands]
+        if stands in told:
+            total += size**2
+            kept += size**2 * math.cos(2.0 * math.pi * seconds * (1.0 / PERIODS[name] - 1.0 / PERIODS[stands]))
+    return kept / total if total else 1.0
+
+
 def _parameters() -> dict[str, Parameter]:
     entries = {}
     for name in PERIODS:
@@ -158,4 +169,5 @@ TIDAL_CURRENT = EffectInfo(
     frequency_of=lambda phase, latitude: 2.0 * np.pi / PERIODS[phase.split("_")[0]],
     is_modulated=True,
     resolvable=_resolvable,
+    kept_after=kept_after,
 )

@@ -39,15 +39,20 @@ def not_handed_on(effects: Collection[str], learned: Sequence[Place], here: Plac
     return found
 
 
-def still_alike(effects: Collection[str], learned: Sequence[Place], here: Place) -> dict[str, float]:
+def still_alike(columns: Collection[Column], learned: Sequence[Place], here: Place) -> dict[str, float]:
     """Return the correlation of what was learned with what is here, of each effect of the place or the day.
 
-    That of a smooth field, a Gaussian of distance and time; parameters as of `not_handed_on`.
+    That of a smooth field, a Gaussian of distance and time, and of what a record could not tell from it; places as of
+    `not_handed_on`.
     """
     found = {}
-    for effect, lasts in _lasting(effects).items():
+    for effect, lasts in _lasting(dict.fromkeys(effect for effect, _ in columns if effect)).items():
         away, ago = _nearest(learned, here, lasts)
         found[effect] = math.exp(-0.5 * ((away / REACH) ** 2 + (ago / lasts) ** 2))
+        kept = CATALOGUE[effect].kept_after
+        if kept is not None:
+            since = min(abs(float(np.nan_to_num(here[2] - place[2]))) for place in learned)
+            found[effect] *= kept([name for of, name in columns if of == effect], since)
     return found
 
 
@@ -59,7 +64,7 @@ def _nearest(learned: Sequence[Place], here: Place, lasts: float) -> tuple[float
 
 
 def _lasting(effects: Collection[str]) -> dict[str, float]:
-    """How long each effect of the place or the day lasts [s]; a tide's constituents outlast a season."""
+    """How long each effect of the place or the day lasts [s]; a tide has no season."""
     infos = [CATALOGUE[effect] for effect in effects]
     return {
         info.id: DAYS if info.belongs_to == "day" else math.inf if info.is_modulated else SEASON
@@ -203,16 +208,8 @@ def at_date(
 ) -> EffectList:
     """Return effects with what was learned of the vehicle as it will be at a date.
 
-    Parameters
-    ----------
-    seen : sequence of Seen
-        What the draws come from.
-    ahead : float, optional
-        Date [s since 1970]; nan: of the next mission; None: of the last record.
-    missions : float
-        From the last record to a date that is not known.
-    alike : mapping, optional
-        Of what belongs to a place or a day; see `faded`.
+    `seen`: what the draws come from. `ahead`: date [s since 1970]; nan: of the next mission; None: of the last record.
+    `missions`: from the last record to a date that is not known. `alike`: of what belongs to a place; see `faded`.
     """
     learned = effects.learned
     if learned is None:

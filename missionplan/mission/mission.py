@@ -196,22 +196,16 @@ class Mission(Sections[V], Generic[V]):
         return date if moved else math.nan
 
     def at_place(self: "Mission", here: Place, ahead: float | None = math.nan, missions: float = 1.0) -> "Mission":
-        """Return the mission at a place [rad] and a date: without what was learned too far from there.
+        """Return the mission at a place and a date: without what was learned too far from there.
 
-        Parameters
-        ----------
-        here : tuple of float
-            Latitude, longitude [rad] and date [s since 1970].
-        ahead : float, optional
-            Date to which the vehicle has aged; nan: as it is in its next mission; None: as in the last record.
-        missions : float
-            Instead of the next one, of such a date.
+        `here`: latitude, longitude [rad] and date [s since 1970]. `ahead`: date to which the vehicle has aged; nan: as
+        it is in its next mission; None: as in the last record. `missions`: instead of the next one, of such a date.
         """
         if self.posterior is None:
             return self
         effects, words = left_behind(self.effect_list, self.posterior.places, here)
-        learned = effects.learned.draws.effects if effects.learned is not None else ()
-        alike = still_alike(learned, self.posterior.places, here)
+        columns = effects.learned.draws.columns if effects.learned is not None else ()
+        alike = still_alike(columns, self.posterior.places, here)
         effects = at_date(effects, self.posterior.seen, ahead, missions, alike)
         moved = self.model_copy(update={"effect_list": effects})
         moved._unusual = (*self._unusual, *words)

@@ -16,6 +16,7 @@ from tests.fixtures import TRANSIT
 
 HERE = (np.radians(37.0), np.radians(-76.0), 1.78e9)
 ALL = ("compass-bias", "mean-current", "tidal-current", "inertial-current", "persistent-error")
+COLUMNS = tuple((effect, "") for effect in ALL)
 
 
 def moved(north_km=0.0, east_km=0.0, days=0.0):
@@ -44,9 +45,9 @@ def test_what_was_learned_on_a_long_way_holds_all_along_it():
     way = tuple(moved(north_km=-80.0 + 20.0 * n, days=-90.0 + 22.0 * n) for n in range(5))
     assert not_handed_on(ALL, way, HERE) == {}
     assert set(not_handed_on(ALL, way[2:3], HERE)) == {"mean-current", "tidal-current", "inertial-current"}
-    alike = still_alike(ALL, way, HERE)
+    alike = still_alike(COLUMNS, way, HERE)
     assert alike["mean-current"] == pytest.approx(np.exp(-0.5 * (2.0 / 30.0) ** 2), rel=1e-6)
-    assert still_alike(("mean-current",), way[:4], HERE)["mean-current"] == pytest.approx(
+    assert still_alike([("mean-current", "east")], way[:4], HERE)["mean-current"] == pytest.approx(
         np.exp(-0.5 * (1.0 + (24.0 / 30.0) ** 2)), rel=1e-3
     )
 
@@ -114,17 +115,24 @@ def test_doubt_grows_with_distance_and_season():
         assert found.std(axis=0) == pytest.approx(expected, rel=1e-3)
 
 
+def tide(*constituents):
+    """Draws of a tide in which a record resolved these constituents, each of 0.4 m/s to the east."""
+    columns = tuple(("tidal-current", f"{name}_east{part}") for name in constituents for part in ("", "_phase"))
+    values = np.tile([0.4, 1.0], len(constituents)) + 0.01 * np.random.default_rng(4).standard_normal(
+        (4000, len(columns))
+    )
+    return WeightedDraws((("tidal-current",),), np.zeros(4000, int), columns, values, np.full(4000, 1 / 4000))
+
+
 def test_a_tide_outlasts_the_season_and_is_in_doubt_elsewhere():
-    """Both components of each constituent shrink towards nothing and widen; at the same place none changes."""
-    names = ("m2_east", "m2_east_phase")
-    columns = tuple(("tidal-current", name) for name in names)
-    values = np.array([0.4, 1.0]) + 0.01 * np.random.default_rng(4).standard_normal((4000, 2))
-    draws = WeightedDraws((("tidal-current",),), np.zeros(4000, int), columns, values, np.full(4000, 1 / 4000))
+    """Both components of each constituent shrink towards nothing and widen; at the same place hardly anything changes."""
+    draws = tide("m2", "s2", "n2", "k2")
     size = drawn_here(draws, 200.0).values[:, 0]
-    np.testing.assert_allclose(size, values[:, 0], rtol=1e-6)
+    np.testing.assert_allclose(size, draws.values[:, 0], rtol=1e-6)
+    draws = tide("m2")
     there = drawn_here(draws, 0.0, 15.0).values
     pair = there[:, 0] * np.exp(1j * there[:, 1])
-    before = values[:, 0] * np.exp(1j * values[:, 1])
+    before = draws.values[:, 0] * np.exp(1j * draws.values[:, 1])
     share = np.exp(-0.5 * (15.0 / 20.0) ** 2)
     assert pair.mean() == pytest.approx(share * before.mean(), rel=2e-3)
     scale = CATALOGUE["tidal-current"].parameters["m2_east"].scale
@@ -134,15 +142,32 @@ def test_a_tide_outlasts_the_season_and_is_in_doubt_elsewhere():
 def test_what_is_only_like_what_was_learned_correlates_as_a_gaussian_of_distance_and_time():
     """Of 20 km; a mean lasts a month, an inertial current three days, and tides outlast a season."""
     for there in (moved(10.0, 0.0, 2.0), moved(0.0, -10.0, -2.0)):
-        found = still_alike(ALL, (HERE,), there)
+        found = still_alike(COLUMNS, (HERE,), there)
         squares = {
             "mean-current": 0.5**2 + (2.0 / 30.0) ** 2,
             "tidal-current": 0.5**2,
             "inertial-current": 0.5**2 + (2.0 / 3.0) ** 2,
         }
         assert found == {name: pytest.approx(np.exp(-0.5 * squared), rel=1e-4) for name, squared in squares.items()}
-    assert still_alike(ALL, (HERE,), (np.nan, np.nan, np.nan))["mean-current"] == 1.0
+    assert still_alike(COLUMNS, (HERE,), (np.nan, np.nan, np.nan))["mean-current"] == 1.0
     sphere = Geod(a=6.371e6, b=6.371e6)
     for one, other in (((60.0, 179.0), (59.0, -178.0)), ((-30.0, 10.0), (45.0, 80.0))):
         *_, expected = sphere.inv(one[1], one[0], other[1], other[0])
         assert _distance((*np.radians(one), 0.0), (*np.radians(other), 0.0)) == pytest.approx(expected)
+
+
+@pytest.mark.parametrize("days", [1.0, 3.7, 7.4, 14.77, 100.0])
+def test_springs_say_little_of_neaps_where_a_record_took_both_for_one(days):
+    """Tides of M2, S2, N2 and K2 with the sizes of the catalogue, by their phasors: how alike the sums are later."""
+    parameters = CATALOGUE["tidal-current"].parameters
+    hours = {"m2": 12.4206012, "s2": 12.0, "n2": 12.65834751, "k2": 11.96723606}
+    generator, now, later = np.random.default_rng(8), 0.0, 0.0
+    for name, period in hours.items():
+        phasor = parameters[f"{name}_east"].scale * (generator.standard_normal((2, 40_000)).T @ [1.0, 1.0j])
+        now, later = now + phasor, later + phasor * np.exp(2j * np.pi * 24.0 * days * (1 / period - 1 / hours["m2"]))
+    expected = np.mean(now * later.conj()).real / np.mean(np.abs(now) ** 2)
+    draws, turned = tide("m2"), np.exp(2j * np.pi * 24.0 * days / hours["m2"])
+    before, there = (
+        np.mean(each[:, 0] * np.exp(1j * each[:, 1])) for each in (draws.values, drawn_here(draws, days).values)
+    )
+    assert there * turned / before == pytest.approx(expected, abs=0.03)
