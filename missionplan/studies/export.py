@@ -115,8 +115,9 @@ def _notes(mission: Mission) -> Iterator[str]:
             f"the mission corrects its course for drift ({way}) from fix to fix; courses and waypoints here are those "
             "without drift, and the vehicle's own navigation has to correct them"
         )
-    names = {phase.name for phase in mission.phases}
-    uncertain = [path for path in mission.uncertain() if path.split(".")[0] in names]
+    names = {phase.name: phase.label for phase in mission.phases}
+    split = (path.split(".", 1) for path in mission.uncertain())
+    uncertain = [f"{names[first]}.{rest[0]}" for first, *rest in split if first in names]
     if uncertain:
         yield f"uncertain quantities are at their means: {', '.join(uncertain)}"
 

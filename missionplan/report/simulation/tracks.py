@@ -75,8 +75,8 @@ def track_points(outcome: Outcome, trial: int) -> list[TrackPoint]:
         number[index] += 1
         if not all(map(math.isfinite, (*place, time))):
             continue
-        phase = names[index]
-        kind, ordinal = _kind(kinds.get(phase, "transit"), number[index])
+        kind, ordinal = _kind(kinds.get(names[index], "transit"), number[index])
+        phase = _label(outcome, names[index])
         name = f"{phase}: {kind}{f' {ordinal}' if ordinal else ''}"
         position = (place[0], place[1])
         found.append(TrackPoint(name, kind, phase, position, time, _utc(outcome, time), _depth(outcome, phase)))
@@ -94,8 +94,12 @@ def _kind(phase: str, number: int) -> tuple[str, int]:
     return ("surfacing" if number % 2 else "fix"), (number + 1) // 2
 
 
-def _depth(outcome: Outcome, phase: str) -> float | None:
-    label = next((each.label for each in outcome.phases if each.name == phase), phase)
+def _label(outcome: Outcome, phase: str) -> str:
+    """What the mission calls a phase, of which key paths may only have the place."""
+    return next((each.label for each in outcome.phases if each.name == phase), phase)
+
+
+def _depth(outcome: Outcome, label: str) -> float | None:
     for planned in outcome.plan.phases if outcome.plan else ():
         if planned.name == label:
             return known(planned.water_depth if isinstance(planned, PlannedMooring) else planned.depth, 3)
@@ -175,10 +179,12 @@ def _ring_features(outcome: Outcome, origin: Origin) -> Iterator[Feature]:
         share = None if math.isnan(ring.share) else ring.share
         boundary = longitudes_latitudes(ring.line, origin)
         radius = round(ring.radius, 3)
-        yield area_feature(boundary, ring.kind, name=describe(ring), phase=ring.phase, share=share, radius_m=radius)
+        of = _label(outcome, ring.phase)
+        yield area_feature(boundary, ring.kind, name=describe(ring), phase=of, share=share, radius_m=radius)
 
 
 def _goal_features(outcome: Outcome, origin: Origin) -> Iterator[Feature]:
     for name, (goal, _) in outcome.tracks.targets.items():
         (point,) = longitudes_latitudes(np.array(goal)[:, None], origin)
-        yield feature("Point", point, "goal", name=f"{name}: goal", phase=name)
+        label = _label(outcome, name)
+        yield feature("Point", point, "goal", name=f"{label}: goal", phase=label)

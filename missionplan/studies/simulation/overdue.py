@@ -232,6 +232,8 @@ def overdue(scenario: Scenario, trials: MissionTrials, seed: int, searches: Sequ
     `searches`: that found nothing.
     """
     back = np.isfinite(trials.total["duration_s"])
+    names = {phase.name: phase.label for phase in scenario.mission.phases}
+    trials = replace(trials, phases=tuple(replace(each, name=names[each.name]) for each in trials.phases))
     moving = [phase for phase in trials.phases if phase.kind in ("transit", "moor")]
     if np.count_nonzero(back) < FEWEST_BACK or not moving:
         return None

@@ -143,6 +143,21 @@ def test_the_sheet_is_in_the_report_as_words_table_map_and_geojson(outcome: Outc
     assert "search-areas.csv" in outcome.files()
 
 
+def test_the_sheet_and_its_files_call_a_phase_what_the_mission_does() -> None:
+    """A name that is not made of words is a place in key paths, ``phases[1]``, which tells the boat nothing."""
+    named = missionplan.load(STARTER)
+    raw = [{kind: {**phase} for kind, phase in each.items()} for each in named.raw["phases"]]
+    raw[1]["moor"]["name"] = "A, deep"
+    outcome = simulate(named.with_({"phases": raw, "requirements": []}), trials=256)
+    assert outcome.overdue is not None
+    assert "A, deep, up from the seafloor" in [time.name for time in outcome.overdue.times]
+    assert {area.after for area in outcome.overdue.areas} == {"A, deep", ""}
+    files = render(outcome).files
+    said = [files[name] for name in ("search-areas.geojson", "track.geojson", "track.kml", "plan.json")]
+    assert not any("phases[" in str(each) for each in said)
+    assert "A, deep.release_time" in str(said[-1])
+
+
 def test_the_hours_on_the_map_do_not_lie_on_each_other(outcome: Outcome) -> None:
     found = outcome.overdue
     assert found is not None
