@@ -9,7 +9,7 @@ import pytest
 
 from missionplan.errors import InputError
 from missionplan.mission import Mission, load
-from missionplan.mission.checks.relations import _cover
+from missionplan.mission.checks.relations import _cover, _layers
 
 MISSIONS = Path(__file__).parents[2] / "missions"
 IN, MOOR, OUT = "phases.0.transit.", "phases.1.moor.", "phases.2.transit."
@@ -143,3 +143,9 @@ def test_water_above_a_moored_vehicle_is_asked_about_where_there_is_less_than_a_
     vehicle = SimpleNamespace(hull=SimpleNamespace(length=1.5))
     asked = [bool(list(_cover(SimpleNamespace(line_length=5.0), 6.5 + cover, vehicle))) for cover in (-1, 0, 0.5, 1)]
     assert asked == [False, False, True, False]
+
+
+def test_a_layer_is_refused_that_begins_at_the_seafloor_or_below():
+    site = SimpleNamespace(current=tuple(SimpleNamespace(down_to=end) for end in (5.0, 10.0, 20.0, 30.0)))
+    refused = [[problem.path[-1] for problem in _layers(site, depth)] for depth in (21.0, 12.0, 10.0)]
+    assert refused == [[], [3], [2, 3]]
