@@ -79,6 +79,12 @@ def test_effects_are_named_by_their_ids(starter: Mission) -> None:
     assert biased.with_(effects=None).effects == ()
 
 
+def test_an_item_of_a_list_is_taken_out_by_none(starter: Mission) -> None:
+    first, second = starter.raw["site"]["current"]
+    assert starter.with_({"site.current[0]": None}).raw["site"]["current"] == [second]
+    assert starter.with_({"site.current[1]": {**second, "toward": 1.0}}).raw["site"]["current"][0] == first
+
+
 def test_effects_of_an_explanation_are_named_as_reports_name_them(starter: Mission) -> None:
     explanations = [
         {"probability": 0.6, "effects": [{"speed-scale": {"fraction": 0.05}}]},

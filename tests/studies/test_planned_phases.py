@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from missionplan.mission import Mission
+from missionplan.montecarlo.distributions import Normal
 from missionplan.phases.transit.plan import Execution
 from missionplan.scenario.scenario import Scenario
 from missionplan.scenario.site_current import recorded_current
@@ -96,3 +97,22 @@ def test_the_interval_in_place_of_a_table_is_the_quickest_of_those_that_arrive_o
     found = planned_phases.single_interval(SimpleNamespace(mission=same), SimpleNamespace(name="out"), None, 1)
     assert (found.length, found.extra_time) == (200.0, pytest.approx((20.0 + 30.0) / 2.0))
     assert found.standard_error == pytest.approx(5.0 / np.sqrt(2.0))
+
+
+def test_a_planned_mooring_has_the_times_of_its_parts_and_what_most_take():
+    """Released after 10 s, held 600 and 1200 s, 300 s until the release; then 80 s at the surface."""
+    drawn = {"name": "hold", "label": "Hold", "radius": 20.0, "line_length": 5.0, "anchor_wet_weight": 11.8}
+    phase = SimpleNamespace(**drawn, release_time=10.0, times_moored=(600.0, 1200.0, 300.0))
+    written = SimpleNamespace(name="hold", release_time=Normal(10.0, 3.0))
+    navigation = SimpleNamespace(surfacing_time=Normal(80.0, 10.0))
+    mission = SimpleNamespace(moors=(SimpleNamespace(name="other"), written), navigation=True)
+    site = SimpleNamespace(depth=12.0)
+    means = SimpleNamespace(
+        mission=mission, navigation=navigation, drawn=SimpleNamespace(site=site), surfacing_time=80.0
+    )
+    planner = SimpleNamespace(means=means, _place=np.array([3.0, 4.0]), _elapsed=50.0, _on_earth=lambda _: (1.0, 2.0))
+    found = planned_phases.PhaseBuilder._mooring(planner, phase)
+    assert (found.elapsed, found.hold, found.galvanic_release, planner._elapsed) == (50.0, 1800.0, 300.0, 2240.0)
+    assert (found.east, found.north, found.latitude, found.longitude, found.water_depth) == (3.0, 4.0, 1.0, 2.0, 12.0)
+    assert found.release_time_p99 == pytest.approx(10.0 + 3.0 * 2.3263, abs=1e-3)
+    assert found.surface_time_p99 == pytest.approx(80.0 + 10.0 * 2.3263, abs=1e-3)
