@@ -47,12 +47,15 @@ class WhitenedColumns:
         return np.asarray(np.sum([_of_blocks(columns, size, weights) for columns, weights in pairs], axis=0))
 
 
-IN_CACHE = 32768
-"""Numbers whose products are added up together, so that they stay in a processor's cache."""
+IN_CACHE, FEW = 32768, 3
+"""Numbers whose products are added up together, to stay in a processor's cache, and columns of many small blocks."""
 
 
 def _of_blocks(columns: Array, size: int, weights: Array) -> Array:
     """Inner products within blocks of columns, (N, b·q), under weights, (c, N) → (c, b, q, q)."""
+    if size > FEW:
+        blocks = columns.reshape(len(columns), -1, size).swapaxes(0, 1)
+        return np.asarray(blocks.swapaxes(1, 2) @ (weights[:, None, :, None] * blocks))
     found = np.zeros((len(weights), columns.shape[1] // size, size, size))
     together = max(IN_CACHE // columns.shape[1], 1)
     for first in range(0, len(columns), together):
@@ -174,8 +177,7 @@ def _by_fixes(variance: Array, fixes: Array) -> "Prediction":
 
     `fixes`: error of a leg for a unit of the fix before it and after it, shape (2, n).
     """
-    start, end = fixes
-    found = [lapack.dpttrf(own, start[1:] * end[:-1]) for own in variance + start**2 + end**2]
+    found = [lapack.dpttrf(own, fixes[0, 1:] * fixes[1, :-1]) for own in variance + np.sum(fixes**2, axis=0)]
     return Prediction(np.stack([own for own, *_ in found]), np.stack([np.append(0.0, own) for _, own, _ in found]))
 
 
