@@ -13,7 +13,7 @@ from missionplan.errors import InputError
 from missionplan.mission.schema.place import Geographic, curvature_of_parallel, to_geographic, to_plane
 from missionplan.phases.currents import Span
 from missionplan.phases.grids import RegularGrid
-from missionplan.scenario.currents.area import Area
+from missionplan.scenario.currents.area import SKIN, Area, _deepest
 from missionplan.scenario.currents.reading import read_field
 from missionplan.scenario.currents.unstructured import _sigma_levels
 from missionplan.scenario.currents.vertical import good_down_to
@@ -495,3 +495,12 @@ def test_sigma_layers_rise_with_the_surface_and_are_good_to_the_bottom_under_the
     levels, good = _sigma_levels(files, mesh, np.zeros(2))
     assert levels == pytest.approx(np.array([[[1.05, 9.45]], [[1.2, 10.8]]]))
     assert good == pytest.approx(good_down_to(np.array([12.0])))
+
+
+def test_a_column_is_good_to_the_level_below_its_deepest_value_or_beyond_the_last():
+    """Values at 0, 10, 40 and 100 m: at one time down to a level, at another to one less deep."""
+    levels = np.array([0.0, 10.0, 40.0, 100.0])
+    values = np.where(np.tri(4, dtype=bool)[None], 1.0 + 0.0j, np.nan)
+    values = np.concatenate((values, np.where(np.tri(4, k=-1, dtype=bool)[None], 1.0 + 0.0j, np.nan)))
+    assert _deepest(levels, values) == pytest.approx([10.0, 40.0, 100.0, 120.0])
+    assert _deepest(np.zeros(1), values[:, :, :1]).tolist() == [SKIN] * 4
