@@ -1,13 +1,14 @@
 """The error of a forecast: its covariance in time and space against theory, over many trials."""
 
 from functools import cache
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 from scipy.stats import kurtosis
 
 from missionplan.phases.currents import layers
-from missionplan.phases.ensemble import NORMALS, WAVES, ErringCurrent, ErrorWaves, Statistics
+from missionplan.phases.ensemble import NORMALS, WAVES, Ensemble, ErringCurrent, ErrorWaves, Statistics
 
 TRIALS = 40_000
 SIGMA, TIME, LENGTH = 0.12, 5400.0, 3000.0
@@ -97,3 +98,31 @@ def test_on_a_leg_it_is_met_where_the_forecast_carries_the_vehicle_too():
     steps = np.mean([error.at(1e4 + share * duration, start + share * over_ground) for share in shares], axis=0)
     found = ErringCurrent(forecast, error).mean_velocity(1e4, duration, 2.0, start, through)
     assert found == pytest.approx(0.5 * np.sqrt(0.5) + steps, abs=1e-4)
+
+
+def test_one_wave_by_hand_at_a_place_and_along_a_track():
+    """0.1 rad/s, 0.01 and 0.02 rad/m: phase 1 at 5 s; along a track from 1 to 3, so 2 times sin(1) over 1."""
+    wave = ErrorWaves(
+        *(np.array(each) for each in ([[0.1]], [[[0.01]], [[0.02]]], [[[2.0]], [[0.0]]], [[[0.0]], [[3.0]]]))
+    )
+    here, through = np.array([[10.0], [20.0]]), np.array([[40.0], [30.0]])
+    assert wave.at(5.0, here)[:, 0] == pytest.approx([2.0 * np.cos(1.0), 3.0 * np.sin(1.0)])
+    mean = wave.mean(5.0, 10.0, here, through)[:, 0]
+    assert mean == pytest.approx(np.sin(1.0) * np.array([2.0 * np.cos(2.0), 3.0 * np.sin(2.0)]))
+
+
+def test_members_are_good_where_all_are_and_weigh_what_they_are_given():
+    members = [
+        SimpleNamespace(
+            **{"time": np.array([begin, end]), "depths_covered": depths, "steady_for": steady},
+            velocity=lambda *_, speed=speed: np.array([[speed], [0.0]]),
+        )
+        for begin, end, depths, steady, speed in (
+            (0.0, 90.0, (0.0, 30.0), 600.0, 1.0),
+            (10.0, 100.0, (2.0, 40.0), 300.0, 5.0),
+        )
+    ]
+    both = Ensemble.of(members, ("a", "b"), (1.0, 3.0))
+    assert (both.time.tolist(), both.depths_covered, both.steady_for) == ([10.0, 90.0], (2.0, 30.0), 300.0)
+    assert both.velocity(0.0, 0.0, np.zeros((2, 1))).tolist() == [[4.0], [0.0]]
+    assert both.drawn(np.array([-0.7, -0.6, 0.0])).chosen.tolist() == [0, 1, 1]  # a quarter lies below -0.674
