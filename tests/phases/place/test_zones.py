@@ -90,7 +90,7 @@ def test_no_way_that_touches_is_left_out():
 def test_how_near_a_way_comes_is_by_place_time_and_depth_together():
     """10 m east of a zone at 1 m/s: 90 s before it holds or 60 s after, and 3 m deeper than what it forbids, or less."""
     box = shapely.box(0.0, 0.0, 10.0, 10.0)
-    ways = np.array([[20.0, 5.0], [5.0, 5.0]]), np.array([[30.0, 15.0], [5.0, 5.0]])  # the second begins inside
+    ways = np.array([[20.0, 5.0], [5.0, 5.0]]), np.array([[30.0, 6.0], [5.0, 5.0]])  # the second inside, at 0.1 m/s
     depths = np.array([[8.0, 8.0], [9.0, 9.0]])
     over, under = (
         Zone(box, "range", is_land=False, since=100.0, until=200.0, **limit)
@@ -98,7 +98,7 @@ def test_how_near_a_way_comes_is_by_place_time_and_depth_together():
     )
     for zone in (over, under):
         early = zone.distance(*ways, np.array([[0.0, 0.0], [10.0, 10.0]]), depths)
-        assert early == pytest.approx(np.sqrt([10.0**2 + 90.0**2 + 3.0**2, 90.0**2 + 3.0**2]))
+        assert early == pytest.approx(np.sqrt([10.0**2 + 90.0**2 + 3.0**2, 9.0**2 + 3.0**2]))
         late = zone.distance(*ways, np.array([[260.0, 150.0], [270.0, 160.0]]), depths)
         assert late == pytest.approx(np.sqrt([10.0**2 + 60.0**2 + 3.0**2, 3.0**2]))
 

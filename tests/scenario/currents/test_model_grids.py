@@ -13,6 +13,7 @@ from missionplan.errors import InputError
 from missionplan.mission.schema.place import Geographic, curvature_of_parallel, to_geographic, to_plane
 from missionplan.phases.currents import Span
 from missionplan.phases.grids import RegularGrid
+from missionplan.scenario.currents import regular as regular_grids
 from missionplan.scenario.currents.area import SKIN, Area, _deepest
 from missionplan.scenario.currents.reading import read_field
 from missionplan.scenario.currents.unstructured import _sigma_levels
@@ -504,3 +505,18 @@ def test_a_column_is_good_to_the_level_below_its_deepest_value_or_beyond_the_las
     values = np.concatenate((values, np.where(np.tri(4, k=-1, dtype=bool)[None], 1.0 + 0.0j, np.nan)))
     assert _deepest(levels, values) == pytest.approx([10.0, 40.0, 100.0, 120.0])
     assert _deepest(np.zeros(1), values[:, :, :1]).tolist() == [SKIN] * 4
+
+
+def test_a_staggered_node_has_the_mean_of_its_faces_and_none_where_all_are_dry(monkeypatch):
+    nan = np.nan
+    u = np.array([[nan] * 3, [nan, nan, 3.0], [2.0, nan, nan], [nan] * 3])
+    v = np.array([[nan, 4.0, nan, nan], [nan] * 4, [nan, 2.0, nan, nan]])
+    whole = {"lon_rho": np.zeros((4, 4)), "u": u, "v": v}
+    files = SimpleNamespace(
+        named=lambda name: name,
+        variable=lambda name: SimpleNamespace(shape=whole[name].shape, dims=("y", "x")),
+        series=lambda name, _, window, dims: whole[name][None, window["y"], window["x"]],
+    )
+    monkeypatch.setattr(regular_grids, "velocities", lambda files, names, parts: parts[0] + 1j * parts[1])
+    found = regular_grids._unstaggered(files, ("u", "v"), None, SimpleNamespace(rows=slice(0, 4), columns=slice(0, 4)))
+    np.testing.assert_array_equal(found, [[[2.0j, 1.5], [1.0 + 1.0j, nan]]])
