@@ -12,7 +12,7 @@ from hypothesis import given, settings
 from missionplan import Mission, init, load
 from missionplan.errors import InputError
 from missionplan.mission.yaml_text import edited
-from missionplan.montecarlo.distributions import Normal
+from missionplan.montecarlo.distributions import LogNormal, Normal
 
 MISSIONS = Path(__file__).parents[2] / "missions"
 
@@ -68,6 +68,8 @@ def test_distributions_by_text_number_and_object(starter: Mission) -> None:
                 "moor.galvanic_release"
             ]
         )
+    skewed = starter.with_({"moor.galvanic_release": LogNormal(2.0, 1.5)}).quantities()["moor.galvanic_release"]
+    assert (skewed.median, skewed.factor) == (2.0, 1.5)
     narrower = starter.with_({"site.current[0].speed.sd": "0.01 kn"})
     assert narrower.uncertain()["site.current[0].speed"].sd == pytest.approx(0.01 * 1852 / 3600)
 

@@ -293,6 +293,18 @@ def test_a_constituent_has_its_period_and_amplitude_and_the_error_its_spread(tmp
     )
 
 
+def test_high_water_is_when_greenwich_has_it_and_a_record_by_dates_counts_from_the_start(tmp_path, write):
+    """S2 of phase 90° is high at 3 and 15 h UTC: 8 h after a start at 7 h, and at mean level 5 h after it."""
+    netcdf(tmp_path / "bay.nc")
+    tide = {"constituents": [{"name": "S2", "amplitude": "0.4 m", "phase": "90 deg"}]}
+    level = placed(write("m", start="2026-06-01T07:00Z", bathymetry={"file": "bay.nc"}, tide_height=tide)).sea_level
+    assert level.at(3600.0 * np.array([8.0, 6.5, 5.0, 2.0])) == pytest.approx([0.4, 0.283, 0.0, -0.4], abs=0.01)
+    (tmp_path / "tide.csv").write_text("t_s,height_m\n2026-06-01T08:00Z,1.2\n2026-06-01T07:00Z,0\n")
+    tide = {"file": "tide.csv"}
+    level = placed(write("m", start="2026-06-01T07:00Z", bathymetry={"file": "bay.nc"}, tide_height=tide)).sea_level
+    assert level.at(np.array([0.0, 1800.0, 3600.0])) == pytest.approx([0.0, 0.6, 1.2])
+
+
 def test_continents_collections_and_crossed_outlines_are_read(tmp_path, write):
     land = shapely.box(-130.0, 20.0, -75.99, 60.0).difference(shapely.box(-76.5, 36.5, -75.995, 37.5))
     bowtie = {
