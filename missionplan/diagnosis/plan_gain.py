@@ -68,11 +68,11 @@ def _written_d_max(mission: Mission) -> float | None:
 
 def _sweeps(seed: int, asked: Sequence[tuple[Mission, float | None]]) -> list[SweepCurve]:
     """Cost over maximum leg length of each mission, or of one leg length."""
-    from missionplan.studies.leg_length.sweep_dmax import sweep_dmax  # each kind of data needs one of the studies
+    from missionplan.studies.leg_length.sweep_dmax import first_curve  # each kind of data needs one of the studies
 
     tried = [(mission, GRID if d_max is None else (f"{d_max!r} m",)) for mission, d_max in asked]
     plain = [m.model_copy(update={"sweep": type(m.sweep).model_validate({"d_max": d_max})}) for m, d_max in tried]
-    return [sweep_dmax(m, trials=TRIALS, seed=seed, method="monte-carlo").curves[0] for m in plain]
+    return [first_curve(m, trials=TRIALS, seed=seed) for m in plain]
 
 
 def _leg_plan(point: SweepPoint) -> Plan:

@@ -104,17 +104,16 @@ def test_the_length_of_before_is_told_as_the_extended_mission_has_it(monkeypatch
 
     def sweep(mission: Mission, **given: Any) -> Any:
         lengths, is_extended = mission.sweep.d_max, len(mission.effects) > 0
-        asked.append((is_extended, lengths if isinstance(lengths, tuple) else None, given["method"]))
+        asked.append((is_extended, lengths if isinstance(lengths, tuple) else None))
         own = (350.0,) if isinstance(lengths, tuple) else (100.0, 200.0, 300.0)
         points = [
             SimpleNamespace(d_max=each, cost=each / 1e3 + is_extended, arrived=SimpleNamespace(value=0.9))
             for each in own
         ]
         best = -1 if is_extended else 1
-        curve = SimpleNamespace(points=points, recommended_index=best % len(own), recommended=points[best])
-        return SimpleNamespace(curves=[curve])
+        return SimpleNamespace(points=points, recommended_index=best % len(own), recommended=points[best])
 
-    monkeypatch.setattr(sweep_dmax, "sweep_dmax", sweep)
+    monkeypatch.setattr(sweep_dmax, "first_curve", sweep)
     base = load(MISSIONS / "fig8.yaml").with_(**{"ingress.d_max": "350 m"})
     found = plan_gain(
         leg_length_choice, base, {**base.raw, "effects": [{"speed-scale": {"fraction": 0.1}}]}, seed=1, jobs=1

@@ -8,7 +8,7 @@ from typing import Any, Literal, get_args
 import numpy as np
 
 from missionplan.errors import InputError, Problem
-from missionplan.mission import MissionOrPath
+from missionplan.mission import Mission, MissionOrPath
 from missionplan.montecarlo.blocks import Backend, Progress
 from missionplan.montecarlo.statistics import Probability, wilson
 from missionplan.montecarlo.streams import block_count, block_size
@@ -86,6 +86,13 @@ def sweep_dmax(
         recommended = {f"{sweep.phase}.d_max": f"{sweep.middle.recommended.d_max!r} m"}
         outcome = judged(run.mission, recommended, trials=run.trials, seed=run.seed, jobs=jobs)
     return replace(sweep, explanations=tuple(explained), members=tuple(members), judged=outcome)
+
+
+def first_curve(mission: Mission, *, trials: int, seed: int) -> SweepCurve:
+    """Find the cost of every d_max for the first velocity error by Monte Carlo, as `sweep_dmax` does, and no more."""
+    run = Run.begun("sweep-dmax", mission, trials=trials, seed=seed)
+    scenario = SweepScenario.of(run.mission)
+    return _curve(scenario, 0, _sampled(run, scenario).get(0), ())
 
 
 def _sampled(run: Run, scenario: SweepScenario) -> dict[int, CellTotals]:
