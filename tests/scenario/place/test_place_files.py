@@ -14,6 +14,7 @@ from missionplan.errors import InputError
 from missionplan.mission import load
 from missionplan.mission.schema.place import BathymetryFile, Geographic, TideHeight
 from missionplan.phases.place import Place, SeaLevel
+from missionplan.scenario.grid_files import _SCALE, _TIE_POINT, _first_and_step, esri
 from missionplan.scenario.place import _evened, _index, _near, drawn_place, read_place
 from missionplan.scenario.polygons import Chart, _windows
 from missionplan.scenario.scenario import Scenario
@@ -153,6 +154,16 @@ def test_esri_grid(tmp_path, write, corner):
     place = placed(write("m", bathymetry={"file": "bay.asc"}))
     check(place)
     assert np.isnan(place.ground.depth).sum() == 1
+
+
+def test_cells_that_are_higher_than_wide_and_a_tie_point_inside_are_where_they_say(tmp_path):
+    """Columns 10 m and rows 20 m apart from a corner at (100, 50); a tie at the third row's fourth corner."""
+    (tmp_path / "bay.asc").write_text("ncols 3\nnrows 2\nxllcorner 100\nyllcorner 50\ndx 10\ndy 20\n1 2 3 4 5 6\n")
+    grid = esri(Chart("k", BathymetryFile(file=str(tmp_path / "bay.asc")), None, np.zeros(2), np.ones(2)))
+    assert (grid.x.tolist(), grid.y.tolist()) == ([105.0, 115.0, 125.0], [80.0, 60.0])
+    assert grid.values.tolist() == [[1.0, 2.0, 3.0], [4.0, 5.0, 6.0]]
+    tags = {_SCALE: (10.0, 20.0, 0.0), _TIE_POINT: (3.0, 2.0, 0.0, 130.0, 50.0, 0.0)}
+    assert _first_and_step(None, tags) == ((100.0, 10.0), (90.0, -20.0))
 
 
 @pytest.mark.parametrize("separator", [" ", ",", "; ", "\t"])
