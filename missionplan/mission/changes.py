@@ -51,8 +51,6 @@ def unit_of(key: str, data: Mapping[str, object], model: type[BaseModel]) -> str
 
 def unit_at(path: KeyPath, model: type[BaseModel]) -> str:
     """SI unit of the quantity at a key path; empty where it has none, or where it depends on other keys."""
-    if path[-1] == "factor":
-        return ""
     while path and (isinstance(path[-1], int) or path[-1] in _SPREADS) and path[-1] not in fields_at(path[:-1], model):
         path = path[:-1]
     if path[:1] == ("effects",):
