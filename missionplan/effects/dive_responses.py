@@ -247,6 +247,7 @@ RESPONSES = (
             "the dive begins {size} late for its line",
             "the dive begins {size} early for its line, as where a part of it stays on the spool",
         ),
+        changes_plan=False,
     ),
     _response(
         "weight-from-moment",

@@ -88,6 +88,8 @@ def _described(parameter: Parameter) -> str:
 
 def _usual(parameter: Parameter) -> str:
     value = parameter.median if parameter.is_shape else parameter.scale
+    if parameter.high <= 0.0:
+        value = -value
     if parameter.low > -1.0 and parameter.low > value:
         value = parameter.low
     return f"{value:g} {parameter.unit}".rstrip()

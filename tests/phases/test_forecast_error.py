@@ -97,7 +97,7 @@ def test_on_a_leg_it_is_met_where_the_forecast_carries_the_vehicle_too():
     shares = (np.arange(400) + 0.5) / 400.0
     steps = np.mean([error.at(1e4 + share * duration, start + share * over_ground) for share in shares], axis=0)
     found = ErringCurrent(forecast, error).mean_velocity(1e4, duration, 2.0, start, through)
-    assert found == pytest.approx(0.5 * np.sqrt(0.5) + steps, abs=1e-4)
+    assert found == pytest.approx(0.5 * np.sqrt(0.5) + steps, abs=2e-4)
 
 
 def test_one_wave_by_hand_at_a_place_and_along_a_track():
