@@ -94,7 +94,7 @@ def weigh(model: LinearisedModel, progress: Progress, jobs: int = 1) -> Selectio
     progress("weighing all sets of causes", 0, 1)
     sets.sample()
     for _ in range(ROUNDS):
-        sets.fit([causes for causes in sets.credible() if causes not in sets.fits])
+        sets.fit([causes for causes in sets.likely() if causes not in sets.fits])
     return sets.selection()
 
 
@@ -235,8 +235,8 @@ class _Sets:
         """Probability of each set, with a response or without, greatest first."""
         return over_responses(probabilities(self.log_masses()))
 
-    def credible(self) -> list[Causes]:
-        """Sets that hold 95 % of the probability, as they are told."""
+    def likely(self) -> list[Causes]:
+        """Sets that hold 95 % of the probability as they are told, which are worth a fit of their own."""
         return credible_set(told_together(self.probabilities(), self._named))
 
     def selection(self) -> Selection:
@@ -255,9 +255,7 @@ class _Sets:
             self._without_a_name(joint),
             nothing=joint[(), 0],
             not_computed=sum(p for causes, p in posterior.items() if causes not in self.fits),
-            credible=tuple(
-                credible_set(told_together({c: p for c, p in posterior.items() if c in self.fits}, self._named))
-            ),
+            credible=tuple(credible_set(posterior)),
         )
 
     def _without_a_name(self, joint: Mapping[tuple[Causes, int], float]) -> tuple[Response, ...]:

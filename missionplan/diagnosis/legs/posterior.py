@@ -269,7 +269,7 @@ class LegPosterior:
             self._families(posterior),
             math.exp(nothing) / total,
             self.not_computed,
-            tuple(credible_set({c: p for c, p in self.named.items() if c not in ruled_out})),
+            tuple(credible_set(posterior)),
         )
 
     def _of_impossible_size(self, fits: Sequence[CauseFit]) -> set[int]:

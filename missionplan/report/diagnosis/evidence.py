@@ -258,8 +258,10 @@ def held_out_section(diagnosis: Diagnosis) -> list[PageSection]:
 
 def distinction_section(diagnosis: Diagnosis) -> PageSection:
     """Show which sets the data leave probable, and which effects they could not show at all."""
-    held = ", ".join(names(causes) for causes in diagnosis.credible_set)
-    blocks: list[Block] = [f"95 % of the probability lies with: {held}."]
+    held = ", ".join(names(causes) for causes in diagnosis.credible_set[:_LISTED])
+    more = len(diagnosis.credible_set) - _LISTED
+    beyond = f" and {more} more in diagnosis.json" if more > 0 else ""
+    blocks: list[Block] = [f"95 % of the probability lies with: {held}{beyond}."]
     for first, second in diagnosis.indistinguishable:
         blocks.append(f"{names(first).capitalize()} and {names(second)} predict the same of data like these.")
     if diagnosis.readings.aliases:
@@ -273,6 +275,7 @@ def distinction_section(diagnosis: Diagnosis) -> PageSection:
         rows = [[name.replace("-", " "), why] for name, why in diagnosis.untestable.items()]
         blocks.append(Table(["Effect that these data cannot show", "Why"], rows, text_columns=2))
     heading = "Nothing else comes near" if diagnosis.causes else "No cause comes near"
-    if len(diagnosis.credible_set) > 1 or diagnosis.indistinguishable:
+    claimed, likely = {*diagnosis.causes}, [e for e in diagnosis.ranking if (e.posterior or 0.0) > 1.0 - SURE]
+    if diagnosis.indistinguishable or any(not (claimed and claimed <= {*each.causes}) for each in likely):
         heading = "What these data cannot distinguish, and what would"
     return PageSection(heading, blocks)
