@@ -121,13 +121,13 @@ def over_responses(found: Mapping[tuple[Causes, int], float]) -> dict[Causes, fl
 def told_together(posterior: Mapping[Causes, float], catalogue: int) -> dict[Causes, float]:
     """Return the probabilities of sets as they are listed, greatest first.
 
-    A set is told with one of its parts, which may be nothing, where the data speak against the causes that it has
-    beyond that: a Bayes factor below `AGAINST`.
+    A set is told with one of its parts where the data speak against the causes that it has beyond that: a Bayes factor
+    below `AGAINST`.
     """
     told: dict[Causes, Causes] = {}
     found: dict[Causes, float] = {}
     for causes in sorted(posterior, key=len):
-        smaller = (itertools.combinations(causes, size) for size in range(len(causes)))
+        smaller = (itertools.combinations(causes, size) for size in range(1, len(causes)))
         parts = [part for part in itertools.chain.from_iterable(smaller) if part in posterior]
         prior = AGAINST * math.exp(log_prior(len(causes), catalogue))
         better = [

@@ -255,7 +255,7 @@ class _Sets:
             self._without_a_name(joint),
             nothing=joint[(), 0],
             not_computed=sum(p for causes, p in posterior.items() if causes not in self.fits),
-            credible=tuple(credible_set(posterior)),
+            credible=tuple(credible_set(told_together(posterior, self._named))),
         )
 
     def _without_a_name(self, joint: Mapping[tuple[Causes, int], float]) -> tuple[Response, ...]:

@@ -269,7 +269,7 @@ class LegPosterior:
             self._families(posterior),
             math.exp(nothing) / total,
             self.not_computed,
-            tuple(credible_set(posterior)),
+            tuple(credible_set(told_together(posterior, self.inference.catalogue))),
         )
 
     def _of_impossible_size(self, fits: Sequence[CauseFit]) -> set[int]:
