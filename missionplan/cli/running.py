@@ -202,8 +202,7 @@ def beside_import(module: str, compute: Callable[[], _Result]) -> _Result:
 
     Raises what computing raises, and RunError when the copy dies.
     """
-    from missionplan.montecarlo.copies import Copy, copies_at_once
-    from missionplan.montecarlo.pool import WORKER_DIED, end_with, shut_down_pool
+    from missionplan.montecarlo.pool import WORKER_DIED, Copy, copies_at_once, end_with, shut_down_pool
 
     if not module or not copies_at_once():
         return compute()

@@ -270,6 +270,8 @@ def _read(
 ) -> tuple[WeightedDraws, str, float, tuple[Place, ...], tuple[Seen, ...], Mapping[str, object]]:
     """Read draws, the hash of what they were learned from, the date of phases, the places, levels, and the summary."""
     arrays = _arrays(content)
+    if int(arrays["format"]) not in (_ONE_PLACE, FORMAT):
+        raise DamagedPosteriorError(f"has format {int(arrays['format'])}, expected {FORMAT}")
     try:
         summary = json.loads(str(arrays["summary"]))
     except (ValueError, RecursionError):
@@ -320,7 +322,8 @@ def _arrays(content: bytes) -> dict[str, NDArray[np.generic]]:
             raise DamagedPosteriorError("does not hold what diagnose writes")
         with np.load(io.BytesIO(content), allow_pickle=False) as loaded:
             arrays = {name: loaded[name] for name in _MEMBERS}
-        _check_format(arrays)
+        if np.array_equal(arrays["format"], _ONE_PLACE):
+            arrays["place"] = arrays["place"].reshape(1, -1)
     except DamagedPosteriorError:
         raise
     except Exception as error:  # zipfile, zlib and numpy raise what they like on damaged bytes
@@ -329,15 +332,6 @@ def _arrays(content: bytes) -> dict[str, NDArray[np.generic]]:
         if arrays[name].dtype.kind != kind or arrays[name].ndim != dimensions:
             raise DamagedPosteriorError(f"is damaged: {name} is not what diagnose writes")
     return arrays
-
-
-def _check_format(arrays: dict[str, NDArray[np.generic]]) -> None:
-    """Refuse another format; one before this had one place, the middle of the data."""
-    found = int(arrays["format"])
-    if found == _ONE_PLACE:
-        arrays["place"] = arrays["place"].reshape(1, -1)
-    elif found != FORMAT:
-        raise DamagedPosteriorError(f"has format {found}, expected {FORMAT}")
 
 
 def _check(draws: WeightedDraws) -> None:

@@ -18,7 +18,7 @@ from matplotlib.axis import Axis
 from matplotlib.backends.backend_svg import FigureCanvasSVG
 from matplotlib.text import Text
 
-from missionplan.montecarlo.copies import Copy, copies_at_once
+from missionplan.montecarlo.pool import Copy, copies_at_once
 from missionplan.report.axes import draw_in_units, set_ticks
 from missionplan.report.readings import Shown, Slider, name_series, readings
 from missionplan.report.wording import typeset

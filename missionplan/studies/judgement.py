@@ -116,9 +116,7 @@ def _lines(moors: Sequence[MoorPhase]) -> Iterator[Doubt]:
 def _current(mission: Mission) -> Iterator[Doubt]:
     """Yield a current that is taken as exact: none, numbers for layers, a record or a tide without an error."""
     current = mission.site.current if mission.site else ()
-    infos = [CATALOGUE[entry.effect] for entry in mission.effect_list.entries]
-    is_told = bool(current) or any(info.is_steady_current or info.is_modulated for info in infos)
-    if mission.site and (mission.transits or mission.moors) and not is_told:
+    if mission.site and (mission.transits or mission.moors) and not _has_current(mission):
         flows = {"down_to": "11 km", "speed": {"low": "0 m/s", "high": "0.5 m/s"}, "toward": _ANYWHERE}
         yield Doubt("there is no current", "currents of 0 to 0.5 m/s to anywhere", {"site.current": [flows]})
     if isinstance(current, CurrentFile | TidalCurrent):
@@ -134,6 +132,13 @@ def _current(mission: Mission) -> Iterator[Doubt]:
     }
     if exact:
         yield Doubt("the layers flow just as fast as stated", "0.1 m/s faster or slower", exact)
+
+
+def _has_current(mission: Mission) -> bool:
+    """Whether the mission's site or its effects tell of a current."""
+    infos = [CATALOGUE[entry.effect] for entry in mission.effect_list.entries]
+    stated = mission.site is not None and bool(mission.site.current)
+    return stated or any(info.is_steady_current or info.is_modulated for info in infos)
 
 
 FRESH = 1_000_003

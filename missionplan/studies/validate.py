@@ -113,7 +113,6 @@ def validated_mission(path: Path, mission: Mission) -> Validated:
             design_current(means, phase)
 
     simulation = needs(simulable)
-    kinds = ", ".join(phase.kind for phase in mission.phases) or "none"
     placed = mission.site is not None and mission.site.origin is not None
     anchor = mission.vehicle.anchor if mission.vehicle else None
     built = anchor is None or anchor.construction is not None
@@ -131,9 +130,13 @@ def validated_mission(path: Path, mission: Mission) -> Validated:
             "" if mission.optimise.choose else "optimise.choose in the mission, or --choose",
         ),
     )
-    summary = f"valid. Phases: {kinds}; {len(mission.uncertain())} quantities are distributions."
-    summary += cover_in_words(mission, means.recorded)
+    summary = f"{_contents(mission)}{cover_in_words(mission, means.recorded)}"
     return Validated(path, summary, mission.values_in_force(), table, tuple(notices) or mission.notices())
+
+
+def _contents(mission: Mission) -> str:
+    kinds = ", ".join(phase.kind for phase in mission.phases) or "none"
+    return f"valid. Phases: {kinds}; {len(mission.uncertain())} quantities are distributions."
 
 
 def validate(paths: MissionOrPath | Iterable[MissionOrPath], *, allow_outside: bool = False) -> tuple[Validated, ...]:

@@ -53,11 +53,8 @@ def yardsticks(values: Sequence[Array], past: Past, scales: Sequence[Array], fir
     """
     carried = [[past(later, earlier) for earlier in range(later)] for later in range(len(values))]
     nothing, pairs = np.zeros_like(values[0]), list(zip(carried, values, strict=True))
-    smoothed = [[_smoothed(each, gain, own) for each, own in pairs] for gain in GAINS.tolist()]
-    kinds = [(gain, kept) for gain in GAINS[1::2].tolist() for kept in MEMORIES]
-    remembered = [[_remembered(each, gain, kept, own) for each, own in pairs] for gain, kept in kinds]
     by_gain, by_memory = (
-        [_with_spread(values, means, scales, first_sd) for means in each] for each in (smoothed, remembered)
+        [_with_spread(values, means, scales, first_sd) for means in each] for each in (_smooth(pairs), _persist(pairs))
     )
     averages = [np.asarray(np.mean(each, axis=0)) if each else nothing for each in carried]
     found = {
@@ -73,6 +70,17 @@ def yardsticks(values: Sequence[Array], past: Past, scales: Sequence[Array], fir
 def with_spread(values: Sequence[Array], means: Sequence[Array], scales: Sequence[Array], first_sd: float) -> Point:
     """Add to predictions of every group the spread of their errors before it; as in `yardsticks`."""
     return _joined(_with_spread(values, means, scales, first_sd))
+
+
+def _smooth(pairs: Sequence[tuple[Sequence[Array], Array]]) -> list[list[Array]]:
+    """Predictions of every group by its past, for each gain of a random walk."""
+    return [[_smoothed(past, gain, own) for past, own in pairs] for gain in GAINS.tolist()]
+
+
+def _persist(pairs: Sequence[tuple[Sequence[Array], Array]]) -> list[list[Array]]:
+    """Predictions of every group by its past, for each gain and memory of a persistent error."""
+    kinds = [(gain, kept) for gain in GAINS[1::2].tolist() for kept in MEMORIES]
+    return [[_remembered(past, gain, kept, own) for past, own in pairs] for gain, kept in kinds]
 
 
 def _joined(points: Sequence[Point]) -> Point:

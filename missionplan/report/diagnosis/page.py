@@ -247,7 +247,8 @@ def _numbers(diagnosis: Diagnosis) -> list[tuple[str, str]]:
     return numbers
 
 
-def _next_words(diagnosis: Diagnosis) -> list[str]:
+def _plan_on(diagnosis: Diagnosis) -> list[str]:
+    """Say with which mission to plan, and what of it is in doubt."""
     words = plan_words(diagnosis) if diagnosis.causes and diagnosis.readings.plan_with is not False else []
     if diagnosis.readings.plan_with is False:
         file = diagnosis.provenance.file or "the mission as it was"
@@ -257,8 +258,11 @@ def _next_words(diagnosis: Diagnosis) -> list[str]:
         doubt = ", in each trial one of the explanations" if diagnosis.explanations else ""
         found = f"mission.yaml in this folder plans with what was found{doubt}"
         words.append(f"{found}: simulate, size-anchor, sweep-dmax run it.")
-    words += [*explanations_in_words(diagnosis)]
-    words += next_trial_pointer(diagnosis.next_trial)
+    return [*words, *explanations_in_words(diagnosis)]
+
+
+def _next_words(diagnosis: Diagnosis) -> list[str]:
+    words = [*_plan_on(diagnosis), *next_trial_pointer(diagnosis.next_trial)]
     if diagnosis.next_trial is None or diagnosis.next_trial.best is None:
         words += [_measurement_words(entry) for entry in diagnosis.next_measurements]
     if diagnosis.outlying_groups:

@@ -124,9 +124,7 @@ def simulate(
         notices = (*notices, *_loss(mission, exported, merged, seed))
     tracks = merged.tracks or task.tracks(*merged.first)  # block 0 has them, unless it failed
     options: dict[str, object] = {"jobs": jobs, "backend": backend, "precision": precision, "keep_trials": keep_trials}
-    options |= {} if searched is None else {"searched": digest_of_files([as_path(searched, "searched")])}
-    options |= {} if as_exported is None else {"as_exported": as_exported}
-    options |= {"assumptions": assumptions, "sheet": sheet}
+    options |= {**_asked_besides(searched, as_exported), "assumptions": assumptions, "sheet": sheet}
     provenance = run.provenance(options, (*notices, *run_notices(merged, goal)), trials=merged.totals.trials)
     table = sequence.table.parquet() if sequence.table else None
     anchors, held = mooring_anchors(mission, means), held_vehicles(means)
@@ -139,6 +137,12 @@ def simulate(
         chart=_chart(means, tracks),
         assumptions=judgement.ledger(mission, seed, merged.trials if exported is None else None) if assumptions else (),
     )
+
+
+def _asked_besides(searched: str | Path | None, as_exported: str | None) -> dict[str, object]:
+    """Options of a simulation that are written where they are given: what was searched by its content."""
+    found: dict[str, object] = {} if as_exported is None else {"as_exported": as_exported}
+    return found if searched is None else {"searched": digest_of_files([as_path(searched, "searched")]), **found}
 
 
 def _carried_out(mission: Mission, as_exported: str | None) -> tuple[Scenario, tuple[str, Plan] | None]:
