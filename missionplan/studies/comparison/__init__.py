@@ -91,11 +91,7 @@ def _entries(
         check_arguments(missions[0], trials=trials, seed=seed, jobs=jobs)
         trials = missions[0].monte_carlo.trials if trials is None else trials
         seed = missions[0].monte_carlo.seed if seed is None else seed
-        task = MissionTask(missions, [SharedCurrent.of(mission) for mission in missions], seed, (DURATION, ENERGY))
-        items = [(number, *block) for number in range(len(missions)) for block in sized_blocks(trials)]
-        ran = cell_trials(task, items, range(len(missions)), Workers(jobs, progress=progress))
-    if problems := [Problem(each.reason, own.file) for own, each in zip(missions, ran, strict=True) if each.reason]:
-        raise InputError(problems)
+        ran = _run(missions, trials, seed, Workers(jobs, progress=progress))
     runs = iter(ran)
     found = [next(runs) if each.mission is not None else None for each in sources]
     entries = [
@@ -105,6 +101,16 @@ def _entries(
         for each, run in zip(sources, found, strict=True)
     ]
     return entries, found
+
+
+def _run(missions: Sequence[Mission], trials: int, seed: int, workers: Workers) -> list[CellTrials]:
+    """Run missions on common random numbers; raises InputError where one cannot be run."""
+    task = MissionTask(missions, [SharedCurrent.of(mission) for mission in missions], seed, (DURATION, ENERGY))
+    items = [(number, *block) for number in range(len(missions)) for block in sized_blocks(trials)]
+    ran = cell_trials(task, items, range(len(missions)), workers)
+    if problems := [Problem(each.reason, own.file) for own, each in zip(missions, ran, strict=True) if each.reason]:
+        raise InputError(problems)
+    return ran
 
 
 @dataclass(frozen=True)

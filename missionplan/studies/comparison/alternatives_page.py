@@ -95,17 +95,7 @@ def _of_alike(found: Alternatives, alike: list[Alternative], *, is_rest: bool) -
     """Write how those that do as well as the best differ from it in cost."""
     best = found.best_one
     if alike and found.aim == "success":
-        names = [each.name for each in alike]
-        who = (
-            f"{listed(names)} cannot be told from it"
-            if is_rest
-            else f"{listed([best.name, *names])} cannot be told apart"
-        )
-        contrast = alike[0].contrasts["success"]
-        by = f"{alike[0].name} differs by {with_error(contrast.difference, contrast.error, PERCENT)}"
-        if not contrast.difference and not contrast.error:
-            by = "they succeed in the same trials" if contrast.paired else "they succeed equally often"
-        yield f"{who} by P(success) ({by})."
+        yield _alike_in_success(best, alike, is_rest=is_rest)
         for each in alike:  # which of two takes less energy, or else less time, where that is more than chance
             cheaper = [key for key in ("energy_wh", "duration_s") if _differs(each, key)]
             yield from (_less(found, each, key) for key in cheaper[:1])
@@ -115,6 +105,19 @@ def _of_alike(found: Alternatives, alike: list[Alternative], *, is_rest: bool) -
         yield from (_less(found, each, key) for each in alike if each not in same)
         if same:
             yield f"{listed([each.name for each in (best, *same)])} cannot be told apart by their {_WORDS[key]}."
+
+
+def _alike_in_success(best: Alternative, alike: list[Alternative], *, is_rest: bool) -> str:
+    """Write which cannot be told from the best by how often they succeed, and by how much the first differs."""
+    names = [each.name for each in alike]
+    who = (
+        f"{listed(names)} cannot be told from it" if is_rest else f"{listed([best.name, *names])} cannot be told apart"
+    )
+    contrast = alike[0].contrasts["success"]
+    by = f"{alike[0].name} differs by {with_error(contrast.difference, contrast.error, PERCENT)}"
+    if not contrast.difference and not contrast.error:
+        by = "they succeed in the same trials" if contrast.paired else "they succeed equally often"
+    return f"{who} by P(success) ({by})."
 
 
 def _differs(each: Alternative, key: str) -> bool:

@@ -275,16 +275,21 @@ def _sections(comparison: Comparison) -> Iterator[PageSection]:
     ]
     heading = "The missions of the two runs differ" if comparison.mission_changes else "Both runs are of one mission"
     yield PageSection(heading, [Table(("folder", "made (UTC)", "missionplan", "trials", "seed"), rows, text_columns=3)])
+    yield from _inputs_sections(comparison)
+    rest = [item for item in comparison.differences if item.verdict != "changed" and item not in deciding]
+    rest = [item for item in rest if comparison.alike or item.change is not None]
+    if rest:
+        yield PageSection("What did not change, or cannot be judged", [_table(comparison, rest)])
+
+
+def _inputs_sections(comparison: Comparison) -> Iterator[PageSection]:
+    """Tabulate the values of the missions and the options of the runs that differ."""
     mission, options = comparison.mission_changes if comparison.alike else (), comparison.option_changes
     for noun, whole, changes in (("value", "mission", mission), ("option", "run", options)):
         if changes:
             heading = f"{_count(changes, noun)} of the {whole} {'differs' if len(changes) == 1 else 'differ'}"
             values = [(each.path, each.first or "–", each.second or "–") for each in changes]
             yield PageSection(heading, [Table(("key", "first", "second"), values, text_columns=3)])
-    rest = [item for item in comparison.differences if item.verdict != "changed" and item not in deciding]
-    rest = [item for item in rest if comparison.alike or item.change is not None]
-    if rest:
-        yield PageSection("What did not change, or cannot be judged", [_table(comparison, rest)])
 
 
 def _table(comparison: Comparison, items: Sequence[ComparedNumber]) -> Table:

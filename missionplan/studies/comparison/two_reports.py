@@ -74,7 +74,7 @@ def summary_numbers(summary: Mapping[str, object], command: str) -> dict[KeyPath
 
 
 def _walk(value: object, path: KeyPath, error: float) -> Iterator[tuple[KeyPath, SummaryNumber]]:
-    """Read a number, a list of named items, or a mapping, such as a statistic, a probability or a point of a sweep."""
+    """Read a number, a list of named items, or a mapping."""
     if len(path) > _MAX_DEPTH:
         return
     if isinstance(value, list):
@@ -82,10 +82,14 @@ def _walk(value: object, path: KeyPath, error: float) -> Iterator[tuple[KeyPath,
             if isinstance(item, Mapping):
                 inside = {key: inner for key, inner in item.items() if key not in (*_NAMES, *_NUMBERS)}
                 yield from _walk(inside, (*path, _identity(item)), error)
+    elif isinstance(value, Mapping):
+        yield from _walk_mapping(value, path, error)
     elif _is_number(value):
         yield path, SummaryNumber("number", float(value), error)
-    if not isinstance(value, Mapping):
-        return
+
+
+def _walk_mapping(value: Mapping[str, object], path: KeyPath, error: float) -> Iterator[tuple[KeyPath, SummaryNumber]]:
+    """Read a statistic, a point of a sweep, a probability, or what is under the keys of any other mapping."""
     is_cost = "mean" not in value
     estimate, standard_error = value.get("cost" if is_cost else "mean"), value.get("standard_error")
     if _is_number(estimate) and _is_number(standard_error):

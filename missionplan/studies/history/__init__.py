@@ -113,13 +113,7 @@ def history(folder: str | Path, *, mission: MissionOrPath | None = None) -> Hist
     reports, notices = _counted_once(reports)
     by_start = all(report.start for report in reports)
     reports.sort(key=lambda report: (_moment(report.start if by_start else report.created), report.place))
-    entries = [entry for report in reports for entry in _learned(report, report.start if by_start else report.created)]
-    # levels by all that the draws of reports have seen, each record once
-    names = {hash_of(report.summary.get("learned_from")): report.place for report in reports}
-    levels = parameter_levels([each for report in reports for each in report.seen], names)
-    # what is told by a record before which its level jumped is changed
-    jumped = {(each.effect, each.name, level.record) for each in levels for level in each.jumps}
-    entries = [replace(each, state="changed") if (*each.key, each.report) in jumped else each for each in entries]
+    entries, levels = _followed(reports, by_start=by_start)
     places = tuple(report.place for report in reports)
     provenance = Provenance(
         command="history",
@@ -135,7 +129,19 @@ def history(folder: str | Path, *, mission: MissionOrPath | None = None) -> Hist
         },
     )
     written = rates_file(rates, planned) if rates else ""
-    return History(provenance, places, tuple(entries), by_start, levels, rates, written)
+    return History(provenance, places, entries, by_start, levels, rates, written)
+
+
+def _followed(reports: Sequence[_Report], *, by_start: bool) -> tuple[tuple[Learned, ...], tuple[ParameterLevels, ...]]:
+    """Return what ordered reports say of each parameter, and how each that has a level went over all of them."""
+    entries = [entry for report in reports for entry in _learned(report, report.start if by_start else report.created)]
+    # levels by all that the draws of reports have seen, each record once
+    names = {hash_of(report.summary.get("learned_from")): report.place for report in reports}
+    levels = parameter_levels([each for report in reports for each in report.seen], names)
+    # what is told by a record before which its level jumped is changed
+    jumped = {(each.effect, each.name, level.record) for each in levels for level in each.jumps}
+    told = (replace(each, state="changed") if (*each.key, each.report) in jumped else each for each in entries)
+    return tuple(told), levels
 
 
 def _other_programs(reports: Sequence[_Report]) -> Iterator[str]:

@@ -267,21 +267,7 @@ def search_policies(
         return least, index
 
     def best_variant(factors: Sequence[tuple[float, float]]) -> tuple[Score, float, LegTable]:
-        """The best of the legs for factors on spread and cost of a surfacing, with their own first leg or another.
-
-        Errors that no legs can cope with are left out.
-        """
-        solved = list(workers.run(partial(_best_table, transit), factors))
-        best = [
-            (spread, table) for (spread, _), table in zip(factors, solved, strict=True) if not isinstance(table, str)
-        ]
-        if not best:
-            raise ValueError(solved[-1])
-        policies = [
-            (spread, each)
-            for spread, table in best
-            for each in (table, *(replace_first_leg(table, distance, length) for length in lengths))
-        ]
+        policies = _policies(transit, factors, lengths, workers)
         least, index = best_of([table for _, table in policies])
         return least, *policies[index]
 
@@ -292,6 +278,22 @@ def search_policies(
         other, _, variant = best_variant([(spread, factor) for factor in family.surfacing_factors])
         value, table = (other, variant) if other < value else (value, table)
     return float(constant.leg[0]), table if value < fixed_value else constant
+
+
+def _policies(
+    transit: AnalyticTransit, factors: Sequence[tuple[float, float]], lengths: Sequence[float], workers: Workers
+) -> list[tuple[float, LegTable]]:
+    """Best legs for factors on spread and cost of a surfacing, with their own first leg or another, by their spread."""
+    solved = list(workers.run(partial(_best_table, transit), factors))
+    # errors that no legs can cope with are left out
+    best = [(spread, table) for (spread, _), table in zip(factors, solved, strict=True) if not isinstance(table, str)]
+    if not best:
+        raise ValueError(solved[-1])
+    return [
+        (spread, each)
+        for spread, table in best
+        for each in (table, *(replace_first_leg(table, transit.scenario.distance, length) for length in lengths))
+    ]
 
 
 def replace_first_leg(table: LegTable, distance: float, length: float) -> LegTable:

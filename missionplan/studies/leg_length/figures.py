@@ -206,6 +206,11 @@ def draw_costs(axes: Axes, sweep: Sweep) -> None:
         axes.annotate(label, (critical, top), ha="center", va="bottom", fontsize=8.5, annotation_clip=False)
     bottom = 100.0 * least - 0.05 * top if least < 0.0 else 0.0
     axes.set(xlabel=X_LABEL, ylabel="Mean cost c (%)", ylim=(bottom, top), xlim=(0.0, 1.0))
+    _name_curves(axes, sweep, top)
+
+
+def _name_curves(axes: Axes, sweep: Sweep, top: float) -> None:
+    """Write the velocity error of each curve right of its end, below `top` [%] where labels leave room."""
     height = -np.inf
     for cost, index in sorted((100.0 * curve.points[-1].cost, index) for index, curve in enumerate(sweep.curves)):
         height = max(min(cost, top) if np.isfinite(cost) else 0.0, height + 0.07 * top)  # labels do not overlap

@@ -168,16 +168,11 @@ def _numbers(plan: LegPlan) -> list[tuple[str, str]]:
 
 
 def _sections(plan: LegPlan) -> Iterator[PageSection]:
-    own, has_deadline = plan.cases[0], bool(np.isfinite(plan.deadline))
+    own = plan.cases[0]
     if not plan.integral_applies:
         yield PageSection("Only the trials show what the legs cost", [_APPROXIMATE, trials_table(plan)])
     if plan.candidates:
-        best = max(plan.candidates, key=lambda candidate: candidate.value if has_deadline else -candidate.value)
-        choice = best.name if plan.recommended else f"the fixed d_max is kept, as {_why_fixed(plan)}"
-        what = (
-            "Least energy" if plan.aim == "energy" else "Most often on time" if has_deadline else "Shortest 95 % time"
-        )
-        yield PageSection(f"{what}: {choice}", [plan.how_found, candidates_table(plan)])
+        yield _candidates_section(plan)
     yield from members_section(plan.arrivals, "plan", "arrive (95 % interval)", _SAILED)
     surfacings = f"The vehicle surfaces {own.fixed.surfacings:.2f} times on average"
     if plan.recommended:  # a fixed d_max stands among what changes
@@ -198,6 +193,15 @@ def _sections(plan: LegPlan) -> Iterator[PageSection]:
         agree = all(abs(trials.cost - expected) <= 3.0 * trials.standard_error for trials, expected in compared)
         heading = f"Trials and integral equation {'agree' if agree else 'differ by more than chance'}"
         yield PageSection(heading, [trials_table(plan)])
+
+
+def _candidates_section(plan: LegPlan) -> PageSection:
+    """Write which candidate does best by the aim, or why the fixed d_max is kept."""
+    has_deadline = bool(np.isfinite(plan.deadline))
+    best = max(plan.candidates, key=lambda candidate: candidate.value if has_deadline else -candidate.value)
+    choice = best.name if plan.recommended else f"the fixed d_max is kept, as {_why_fixed(plan)}"
+    what = "Least energy" if plan.aim == "energy" else "Most often on time" if has_deadline else "Shortest 95 % time"
+    return PageSection(f"{what}: {choice}", [plan.how_found, candidates_table(plan)])
 
 
 def _table_in_words(plan: LegPlan) -> str:
