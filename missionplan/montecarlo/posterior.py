@@ -171,10 +171,9 @@ class WeightedDraws:
 
 FILE, FORMAT, _ONE_PLACE = "posterior.npz", 3, 2
 """Name of the file beside the mission that names it, its form, and the one before, with the middle of the data."""
-MOST_PLACES = 64
 MOST_BYTES, MOST_UNPACKED = 8_000_000, 64_000_000
 """Of the file, and of each of its members unpacked."""
-MOST_DRAWS, MOST_COLUMNS, MOST_SETS, MOST_SEEN = 50_000, 200, 500, 20_000
+MOST_DRAWS, MOST_COLUMNS, MOST_SETS, MOST_SEEN, MOST_PLACES = 50_000, 200, 500, 20_000, 64
 _MEMBERS: Mapping[str, tuple[str, int]] = {
     "format": ("i", 0),
     "effects": ("U", 1),
@@ -220,8 +219,8 @@ class PosteriorFile(Mapping[str, object]):
     ) -> "PosteriorFile":
         """Write draws, with the hash of what they were learned from and a summary for the reader.
 
-        `epoch`: date from which phases count [s since 1970]. `places`: all over the data
-        that they were learned from. `seen`: what each record has told of the levels of the vehicle's parameters.
+        `epoch`: date from which phases count [s since 1970]. `places`: all over the data. `seen`: what each record has
+        told of the levels of the vehicle's parameters.
         """
         effects = draws.effects
         held = np.array([[effect in own for effect in effects] for own in draws.sets], dtype=bool)
@@ -292,11 +291,14 @@ def _read(
         arrays["weights"].astype(float),
     )
     _check(draws)
-    if arrays["place"].shape[1:] != (3,) or not 0 < len(arrays["place"]) <= MOST_PLACES:
+    places, seen = _places(arrays["place"]), _seen(arrays["seen_of"], arrays["seen"])
+    return draws, str(arrays["learned_from"]), float(arrays["epoch"]), places, seen, summary
+
+
+def _places(rows: NDArray[np.generic]) -> tuple[Place, ...]:
+    if rows.shape[1:] != (3,) or not 0 < len(rows) <= MOST_PLACES:
         raise DamagedPosteriorError("is damaged: it names no place")
-    places = tuple((float(north), float(east), float(date)) for north, east, date in arrays["place"])
-    found = draws, str(arrays["learned_from"]), float(arrays["epoch"]), places
-    return *found, _seen(arrays["seen_of"], arrays["seen"]), summary
+    return tuple((north, east, date) for north, east, date in rows.astype(float).tolist())
 
 
 def _seen(of: NDArray[np.generic], rows: NDArray[np.generic]) -> tuple[Seen, ...]:
