@@ -338,14 +338,13 @@ def _arrays(content: bytes) -> dict[str, NDArray[np.generic]]:
 
 def _check(draws: WeightedDraws) -> None:
     """Refuse draws that are no distribution."""
-    which, weights = draws.which, draws.weights
-    if which.min() < 0 or which.max() >= len(draws.sets) or np.any(np.diff(which) < 0):
+    if draws.which.min() < 0 or draws.which.max() >= len(draws.sets) or np.any(np.diff(draws.which) < 0):
         raise DamagedPosteriorError("is damaged: its draws are of no set")
-    if len(np.unique(which)) < len(draws.sets) or len(set(draws.columns)) < len(draws.columns):
+    if len(np.unique(draws.which)) < len(draws.sets) or len(set(draws.columns)) < len(draws.columns):
         raise DamagedPosteriorError("is damaged: a set has no draws, or a column is there twice")
-    if not np.all(weights > 0.0) or not math.isclose(float(weights.sum()), 1.0, abs_tol=1e-6):
+    if not np.all(draws.weights > 0.0) or not math.isclose(float(draws.weights.sum()), 1.0, abs_tol=1e-6):
         raise DamagedPosteriorError("is damaged: its weights are no probabilities")
     for index, (effect, name) in enumerate(draws.columns):
-        holds = np.array([not effect or effect in held for held in draws.sets])[which]
+        holds = np.array([not effect or effect in held for held in draws.sets])[draws.which]
         if not np.array_equal(np.isfinite(draws.values[:, index]), holds):
             raise DamagedPosteriorError(f"is damaged: {effect}.{name} has values that are no numbers")
