@@ -97,8 +97,6 @@ class WeighsAllSets(Model, Protocol):
 
 
 CREDIBLE = 0.95
-AGAINST = 0.5
-"""Bayes factor for further causes below which a set is told without them: the data have halved their odds."""
 
 K = TypeVar("K", bound=Hashable)
 
@@ -122,14 +120,14 @@ def told_together(posterior: Mapping[Causes, float], catalogue: int) -> dict[Cau
     """Return the probabilities of sets as they are listed, greatest first.
 
     A set is told with one of its parts where the data speak against the causes that it has beyond that: a Bayes factor
-    below `AGAINST`.
+    below 1.
     """
     told: dict[Causes, Causes] = {}
     found: dict[Causes, float] = {}
     for causes in sorted(posterior, key=len):
         smaller = (itertools.combinations(causes, size) for size in range(1, len(causes)))
         parts = [part for part in itertools.chain.from_iterable(smaller) if part in posterior]
-        prior = AGAINST * math.exp(log_prior(len(causes), catalogue))
+        prior = math.exp(log_prior(len(causes), catalogue))
         better = [
             part
             for part in parts
