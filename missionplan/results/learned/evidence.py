@@ -238,7 +238,13 @@ class Judgement:
     """What may be said after a diagnosis."""
 
     verdict: Annotated[Verdict, Entry("what may be said of the causes")]
-    credible_set: Annotated[tuple[Causes, ...], Entry("sets that hold 95 % of the probability, best first")]
+    credible_set: Annotated[
+        tuple[Causes, ...],
+        Entry(
+            "sets that hold 95 % of the probability, best first; a set counts with a part of it where the data speak "
+            "against the rest"
+        ),
+    ]
     rivals: tuple[Causes, ...]
     """Sets within 3 nats of the claimed one, and those that the data cannot separate from it."""
     not_constant: Annotated[Causes, Entry("claimed causes that do not hold still over the record")]
