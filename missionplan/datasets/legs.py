@@ -16,7 +16,7 @@ from typing_extensions import Doc
 from missionplan.arrays import Array
 from missionplan.datasets import DatasetFormat, DatasetSettings, read_dataset
 from missionplan.datasets.dives import DEEPEST
-from missionplan.datasets.records import TransitData, as_other, listed, repeated
+from missionplan.datasets.records import TransitData, as_other, first_known, listed
 from missionplan.datasets.table import Columns, wrong_cells
 from missionplan.errors import InputError, Problem, counted
 from missionplan.mission import Mission
@@ -238,7 +238,7 @@ def _epoch(t_start: Array, mission: Mission, notices: list[str]) -> float | None
 
 def _counted_once(data: TransitData) -> TransitData:
     """Leave out legs that repeat another of the log, under another name or in another run."""
-    first = repeated(data.identities)
+    first = first_known(data)
     again = np.flatnonzero(first < np.arange(data.n))
     if not len(again):
         return data

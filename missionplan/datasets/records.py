@@ -10,6 +10,7 @@ import math
 from collections import Counter
 from collections.abc import Hashable, Iterable, Sequence
 from dataclasses import dataclass, replace
+from itertools import product
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,8 +19,13 @@ from missionplan.arrays import Array
 
 LENGTH, TIME, DEPTH = 0.01, 0.1, 0.001
 """Steps in which distances of legs, times and depths of dives are told apart [m, s, m]."""
+WHEN, REWRITTEN = np.array([10.0, 10.0, 5.0, 5.0]), np.array([2.0, 2.0, 1.0, 1.0])
+"""Steps in which legs with a date are told apart: start, time under way, error and its part across the way [s, s, m,
+m]; and by how much these differ in a log that is written with fewer digits."""
 EDGE = 1.0 / math.sqrt(3.0)
 """Place of the edges between steps, away from every decimal that a file may write."""
+DIGITS = 16
+"""Of a hash."""
 ROW_BY_ROW = 100
 """Rows of a table up to which each is known by itself; a longer one is known as a whole."""
 NAMED = 8
@@ -30,14 +36,50 @@ def leg_identities(data: "TransitData") -> tuple[str, ...]:
     """Return the hash of each leg: how long it took, and the triangle of fix, dead-reckoned position and next fix.
 
     The three sides, and on which side of the way the next fix lies, depend on no origin, no grid and no format of
-    positions; when the leg began is left out, since a log may count from any zero.
+    positions; when the leg began is left out, since a log may count from any zero. Where the log has a date, a second
+    hash follows, of its moment and coarse error: it stays when the log is written with fewer digits.
     """
+    length, error, made_good, across = _triangle(data)
+    columns = [_steps(data.under_way + data.surface, TIME)]
+    columns += [_steps(side, LENGTH) for side in (length, error, made_good, across)]
+    shapes = [_hash("leg", row) for row in np.stack(columns, axis=1)]
+    if data.epoch is None:
+        return tuple(shapes)
+    return tuple(shape + _hash("leg at", row) for shape, row in zip(shapes, _steps(_moments(data), WHEN), strict=True))
+
+
+def first_known(data: "TransitData", learned: Sequence[str] = ()) -> NDArray[np.int_]:
+    """Return, for each leg, the place of the first before it that is the same, or itself; -1 where it was `learned`.
+
+    Legs are the same where they have the same shape, or the same moment and error within `REWRITTEN`.
+    """
+    first = {half: -1 for identity in learned for half in (identity[:DIGITS], identity[DIGITS:]) if half}
+    near = [[""]] * data.n
+    if data.epoch is not None:
+        around = np.stack([_steps(_moments(data) + sign * REWRITTEN, WHEN) for sign in (-1.0, 1.0)], axis=-1)
+        near = [sorted({_hash("leg at", row) for row in product(*map(tuple, leg))}) for leg in around.tolist()]
+    found = []
+    for leg, identity in enumerate(data.identities):
+        shape, moment = identity[:DIGITS], identity[DIGITS:]
+        found.append(next((first[key] for key in (shape, *near[leg]) if key in first), leg))
+        for key in filter(None, (shape, moment)):
+            first.setdefault(key, found[-1])
+    return np.array(found, dtype=int)
+
+
+def _triangle(data: "TransitData") -> tuple[Array, Array, Array, Array]:
+    """Length of each leg, of its error, of its way made good, and the error's part across the way [m]."""
     way, error, made_good = data.dead_reckoned - data.start, data.end - data.dead_reckoned, data.end - data.start
     length = np.hypot(*way)
     across = (way[0] * error[1] - way[1] * error[0]) / np.where(length > 0.0, length, 1.0)
-    sides = [length, np.hypot(*error), np.hypot(*made_good), across]
-    columns = [_steps(data.under_way + data.surface, TIME), *(_steps(side, LENGTH) for side in sides)]
-    return tuple(_hash("leg", row) for row in np.stack(columns, axis=1))
+    return length, np.hypot(*error), np.hypot(*made_good), across
+
+
+def _moments(data: "TransitData") -> Array:
+    """What `WHEN` tells apart, shape (n, 4)."""
+    _, error, _, across = _triangle(data)
+    began = data.t_start + (data.epoch or 0.0)
+    return np.stack([began, data.under_way + data.surface, error, across], axis=1)
 
 
 def dive_identity(t: Array, depth: Array) -> str:
@@ -106,12 +148,12 @@ def _occurrences(rows: Sequence[str]) -> list[int]:
     return found
 
 
-def _steps(values: Array, step: float) -> NDArray[np.int_]:
+def _steps(values: Array, step: float | Array) -> NDArray[np.int_]:
     return np.floor(values / step + EDGE).astype(np.int64)
 
 
 def _hash(kind: str, values: Iterable[object]) -> str:
-    return hashlib.sha256(" ".join([kind, *map(str, values)]).encode()).hexdigest()[:16]
+    return hashlib.sha256(" ".join([kind, *map(str, values)]).encode()).hexdigest()[:DIGITS]
 
 
 TOUCHDOWN_MARGIN = 0.12

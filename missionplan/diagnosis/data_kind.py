@@ -14,6 +14,7 @@ from missionplan.diagnosis.given import GivenEffect
 from missionplan.diagnosis.inference.experiment_design import DirectMeasurement
 from missionplan.diagnosis.inference.model import CauseFit
 from missionplan.diagnosis.inference.selection import Selection, WeighsAllSets
+from missionplan.diagnosis.learned_data import HasIdentities, learned
 from missionplan.diagnosis.plan_gain import anchor_choice, plan_gain
 from missionplan.effects import instruments
 from missionplan.mission import Mission
@@ -22,7 +23,7 @@ from missionplan.results.learned import PlanGain
 from missionplan.results.learned.evidence import Alias, Causes, ParameterEstimate, Verdict, WrongFix
 
 
-class Dataset(Protocol):
+class Dataset(HasIdentities, Protocol):
     """What every data set has."""
 
     @property
@@ -43,11 +44,6 @@ class Dataset(Protocol):
     @property
     def date(self) -> float:
         """When they were taken [s since 1970]; nan where they do not tell."""
-        ...
-
-    @property
-    def identities(self) -> tuple[str, ...]:
-        """Hashes of its legs, dives or runs."""
         ...
 
 
@@ -78,7 +74,7 @@ class DataKind(ABC):
     @property
     def is_known(self) -> bool:
         """Whether the mission has learned from all of these data: they teach it nothing more."""
-        return set(self.data.identities) <= set(self.mission.learned_from)
+        return bool(learned(self.data, self.mission).all())
 
     @property
     def direct_measurements(self) -> Mapping[str, DirectMeasurement]:

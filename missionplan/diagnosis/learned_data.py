@@ -3,13 +3,13 @@
 import math
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import TypeVar
+from typing import Protocol, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from missionplan.datasets.legs import enough
-from missionplan.datasets.records import TransitData, listed
+from missionplan.datasets.records import TransitData, first_known, listed
 from missionplan.datasets.summaries import SummaryData
 from missionplan.datasets.tank import TankData
 from missionplan.diagnosis.dives.preparation import MIN_DIVES, PreparedDives
@@ -57,8 +57,19 @@ def as_then(
     return mission.at_place(NOWHERE, None if learned(data, mission).all() else date)
 
 
-def learned(data: TransitData | PreparedDives | SummaryData | TankData, mission: Mission) -> NDArray[np.bool_]:
+class HasIdentities(Protocol):
+    """Data whose legs, dives or runs are known by their hashes."""
+
+    @property
+    def identities(self) -> tuple[str, ...]:
+        """Hashes of its legs, dives or runs."""
+        ...
+
+
+def learned(data: HasIdentities, mission: Mission) -> NDArray[np.bool_]:
     """Return from which legs, dives or runs of a data set a mission has learned."""
+    if isinstance(data, TransitData):
+        return np.asarray(first_known(data, mission.learned_from) < 0)
     return np.isin(np.array(data.identities, dtype=str), np.array(mission.learned_from, dtype=str))
 
 

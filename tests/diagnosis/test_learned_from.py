@@ -13,6 +13,7 @@ from missionplan.datasets.legs import read_transit
 from missionplan.datasets.summaries import read_summary
 from missionplan.datasets.tank import read_tank_data
 from missionplan.diagnosis.extended_mission import having_learned
+from missionplan.diagnosis.learned_data import learned as known_legs
 from missionplan.diagnosis.learned_data import unlearned
 from missionplan.errors import InputError
 from missionplan.mission import Mission, load
@@ -113,6 +114,27 @@ def test_what_is_new_beside_known_legs_counts_alone(learned, written, tmp_path):
         missionplan.diagnose(
             mission, written("few", pd.concat([log().assign(run=1), log(28, 9).iloc[:4].assign(run=2)])), plan=False
         )
+
+
+@pytest.mark.parametrize("digits", [6, 5])
+def test_a_log_with_a_date_is_known_where_it_is_written_with_fewer_digits(written, digits):
+    """A GPX file has six decimals of a degree, NMEA four of a minute: 0.1 to 0.2 m; five decimals are 1.1 m."""
+    mission, exact = Mission.from_data(TRANSIT), written_otherwise(log(40, seed=5))
+    degrees = [name for name in exact if name.startswith(("lat", "lon"))]
+    seconds = ["t_start_s", "t_end_s"]
+    rounded = exact.assign(**exact[degrees].round(digits), **exact[seconds].round())
+    fine, coarse = (read_transit(written(name, table), mission) for name, table in (("a", exact), ("b", rounded)))
+    later = read_transit(written("c", exact.assign(**exact[seconds] + 86_400.0)), mission)
+    assert not {each[:16] for each in fine.identities} & {each[:16] for each in coarse.identities}
+    for known, new in ((fine, coarse), (coarse, fine)):
+        learned_mission = Mission.from_data({**TRANSIT, "learned_from": list(known.identities)})
+        assert known_legs(new, learned_mission).mean() >= 0.9
+    others = read_transit(written("d", written_otherwise(log(40, seed=6))), mission)
+    of_fine = Mission.from_data({**TRANSIT, "learned_from": list(fine.identities)})
+    assert not known_legs(others, of_fine).any()
+    assert known_legs(later, of_fine).all()  # the same shape, to a centimetre
+    both = pd.concat([exact.assign(run="native"), rounded.assign(run="gpx", leg=[f"G{k}" for k in range(40)])])
+    assert read_transit(written("both", both), mission).n <= 44
 
 
 @pytest.mark.slow
@@ -223,7 +245,7 @@ def test_the_list_is_checked_kept_short_and_no_difference_of_plans(tmp_path):
     assert more["learned_from"][-1] == f"{MOST_LEARNED - 1:016x}"
     (changed,) = changed_values(TRANSIT, mission.raw)
     assert (changed.path, changed.second) == ("learned_from", "3 legs, dives or runs")
-    assert missionplan.schema("mission")["properties"]["learned_from"]["items"]["pattern"] == "^[0-9a-f]{16}$"
+    assert missionplan.schema("mission")["properties"]["learned_from"]["items"]["pattern"] == "^(?:[0-9a-f]{16}){1,2}$"
 
 
 def test_a_history_counts_the_same_data_once(learned, tmp_path):

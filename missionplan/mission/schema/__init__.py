@@ -73,7 +73,7 @@ class ReadBy:
 def _read_identity(value: object) -> str:
     if isinstance(value, str) and IDENTITY.fullmatch(value):
         return value
-    raise invalid(f"given {shown(value)}, expected a hash that diagnose has written: 16 hexadecimal digits, in quotes")
+    raise invalid(f"given {shown(value)}, expected a hash written by diagnose: 16 or 32 hexadecimal digits, in quotes")
 
 
 def _read_schema(kind: str, value: object) -> str:
@@ -92,9 +92,9 @@ _SCHEMA = Doc("form of the file; without it the first")
 MissionSchema = Annotated[str, ReadBy(partial(_read_schema, "mission")), _SCHEMA]
 VehicleSchema = Annotated[str, ReadBy(partial(_read_schema, "vehicle")), _SCHEMA]
 DatasetSchema = Annotated[str, ReadBy(partial(_read_schema, "dataset")), _SCHEMA]
-IDENTITY = re.compile(r"[0-9a-f]{16}")
+IDENTITY = re.compile(r"(?:[0-9a-f]{16}){1,2}")
 Identity = Annotated[str, ReadBy(_read_identity)]
-"""Hash of a leg, dive or run; see `datasets.identity`."""
+"""Hash of a leg, dive or run; see `datasets.records`."""
 
 
 def invalid(message: str, below: KeyPath = ()) -> PydanticCustomError:
