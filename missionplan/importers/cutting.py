@@ -192,7 +192,7 @@ def _row(track: Track, fixes: JudgedFixes, dive: Candidate, line: Positions, by:
     sd = fixes.sd[dive.after]
     under_way = max(dive.surfaced - start, 1.0)
     return (
-        _iso(start), _iso(end), start, end, good.latitude[dive.before], good.longitude[dive.before],
+        iso(start), iso(end), start, end, good.latitude[dive.before], good.longitude[dive.before],
         line.latitude[-1] if has_end else np.nan, line.longitude[-1] if has_end else np.nan,
         good.latitude[dive.after], good.longitude[dive.after], end - dive.surfaced,
         _mean_speed(track, line, start, dive.surfaced, under_way), _mean_heading(track, start, dive.surfaced),
@@ -206,7 +206,8 @@ def _row(track: Track, fixes: JudgedFixes, dive: Candidate, line: Positions, by:
     )  # fmt: skip
 
 
-def _iso(t: float) -> str:
+def iso(t: float) -> str:
+    """Write a time since 1970 [s] by ISO 8601."""
     return pd.Timestamp(round(t, 3), unit="s", tz="UTC").isoformat(timespec="milliseconds").replace("+00:00", "Z")
 
 

@@ -9,7 +9,7 @@ import pandas as pd
 
 from missionplan.arrays import Array
 from missionplan.errors import InputError, Problem, shown
-from missionplan.importers.dives import from_surface
+from missionplan.importers.dives import from_surface, shallowest
 from missionplan.importers.judging import judge_fixes
 from missionplan.importers.sources import Reading
 from missionplan.importers.track import Series
@@ -22,8 +22,6 @@ STEADY_TIME = 3.0
 """How long it has to, for its first moment to be the separation [s]."""
 LEAST_DEPTH = 1.0
 """Depth that a dive reaches [m]."""
-AT_SURFACE = 0.02
-"""Share of the readings that are made at the surface, or above."""
 GAUGE_OFF = 1.0
 """What a gauge reads at the surface from which depths count from there [m]: less is waves, or the gauge's place."""
 LONGEST_GAP = 10.0
@@ -44,7 +42,7 @@ def descent_data(reading: Reading, marks: Sequence[float] = ()) -> ImportedData:
     if not len(reading.track.depth):
         raise InputError([Problem("these logs hold no depth", key="kind")])
     track, _, by = from_surface(reading.track, judge_fixes(reading.track.fixes).good)
-    zero = _shallowest(track.depth)
+    zero = shallowest(track.depth)
     if by == "assumed" and zero > GAUGE_OFF:
         notice = f"the depth gauge reads {zero:.1f} m at the surface, its shallowest: depths count from there"
         track = replace(track, depth=_counted_from(track.depth, zero), notices=(*track.notices, notice))
@@ -109,7 +107,7 @@ def separations_by_sinking(depth: Series) -> list[float]:
     The rate is the slope over `STEADY_TIME`, so that a wave is no dive; the next dive begins after the vehicle has
     been above half of the least depth again. Depths count from the shallowest, which the gauge reads at the surface.
     """
-    depth = _counted_from(depth, _shallowest(depth))
+    depth = _counted_from(depth, shallowest(depth))
     later = depth.at(depth.t + STEADY_TIME)
     sinking = (later - depth.values) / STEADY_TIME >= STEADY
     found, k, n = [], 0, len(depth)
@@ -128,11 +126,6 @@ def separations_by_sinking(depth: Series) -> list[float]:
         else:
             k = stops + 1
     return found
-
-
-def _shallowest(depth: Series) -> float:
-    """What the gauge reads at the surface, where it is below 0 [m]."""
-    return max(float(np.quantile(depth.values, AT_SURFACE)), 0.0)
 
 
 def _counted_from(depth: Series, zero: float) -> Series:

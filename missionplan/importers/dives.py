@@ -24,6 +24,8 @@ _ABOVE = 1.0
 """How far above the surface's reading waves reach [m]."""
 _SHARE_ABOVE = 0.01
 """Share of all readings that may lie further above: more of them show that it was no surface."""
+_AT_SURFACE = 0.02
+"""Share of the readings that are made at the surface, or above."""
 _SEVERAL = 10.0
 """Length of a hole in the log over that of a usual dive from which many may hide in it."""
 
@@ -88,20 +90,30 @@ def from_surface(track: Track, good: Fixes) -> tuple[Track, float, str]:
     The surface is known by the vehicle's own ``state``, else by its ``fixes``, which it takes there, or is
     ``assumed``; returned are the track, what the gauge reads there [m], and by which it is known.
     """
+    track = downwards(track)
     depth = track.depth
     if not len(depth):
         return track, 0.0, "assumed"
-    notices = []
-    if float(np.quantile(depth.values, 0.05)) < -max(2.0, 2.0 * float(np.quantile(depth.values, 0.95))):
-        depth = replace(depth, values=-depth.values)
-        notices.append("depths are logged as heights, less than 0 under water: their sign was turned")
     zero, by = _surface_reading(depth, track.at_surface, good)
-    if abs(zero) > _ABOVE:
-        depth = replace(depth, values=depth.values - zero)
-        notices.append(f"the depth gauge reads {zero:.1f} m at the surface: depths count from there")
-    else:
-        zero = 0.0
-    return replace(track, depth=depth, notices=(*track.notices, *notices)), zero, by
+    if abs(zero) <= _ABOVE:
+        return track, 0.0, by
+    notice = f"the depth gauge reads {zero:.1f} m at the surface: depths count from there"
+    depth = replace(depth, values=depth.values - zero)
+    return replace(track, depth=depth, notices=(*track.notices, notice)), zero, by
+
+
+def downwards(track: Track) -> Track:
+    """Turn the sign of depths that are logged as heights, and say so."""
+    depth = track.depth
+    if not len(depth) or np.quantile(depth.values, 0.05) >= -max(2.0, 2.0 * np.quantile(depth.values, 0.95)):
+        return track
+    notice = "depths are logged as heights, less than 0 under water: their sign was turned"
+    return replace(track, depth=replace(depth, values=-depth.values), notices=(*track.notices, notice))
+
+
+def shallowest(depth: Series) -> float:
+    """What the gauge reads at the surface, where nothing but its readings tells it, and where it is below 0 [m]."""
+    return max(float(np.quantile(depth.values, _AT_SURFACE)), 0.0)
 
 
 def _surface_reading(depth: Series, at_surface: Series, good: Fixes) -> tuple[float, str]:
@@ -206,8 +218,10 @@ def split_at_surface(track: Track, own: Positions) -> Track:
     """
     if not len(track.depth) or not len(own):
         return track
-    depths = depths_of(track.depth, LegRules())
-    under = track.depth.at(own.t) > depths.surface
+    track = downwards(track)
+    zero = shallowest(track.depth)
+    depth = replace(track.depth, values=track.depth.values - (zero if zero > _ABOVE else 0.0))
+    under = depth.at(own.t) > depths_of(depth, LegRules()).surface
     if not under.any():
         return track
     is_fix = ~under

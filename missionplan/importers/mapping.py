@@ -129,10 +129,9 @@ def ddmm_to_degrees(value: Array) -> Array:
     return np.asarray(np.sign(value) * (degrees + (size - 100.0 * degrees) / 60.0))
 
 
-_DIRECTIONS = {"N": 1.0, "S": -1.0, "E": 1.0, "W": -1.0, "O": 1.0}
 _WORDED = re.compile(
-    r"\s*([NSEWO])?\s*([-+]?\d+(?:\.\d+)?)\s*[°ºd: ]?\s*(?:(\d+(?:\.\d+)?)\s*['′m: ]?\s*)?"
-    r"(?:(\d+(?:\.\d+)?)\s*[\"″s]?\s*)?([NSEWO])?\s*",
+    r"\s*([NSEW])?\s*([-+]?\d+(?:\.\d+)?)\s*[°ºd: -]?\s*(?:(\d+(?:\.\d+)?)\s*['′m: -]?\s*)?"
+    r"(?:(\d+(?:\.\d+)?)\s*[\"″s]?\s*)?([NSEW])?\s*",
     re.IGNORECASE,
 )
 
@@ -143,16 +142,23 @@ def degrees_of(word: str) -> float:
     if found is None:
         return math.nan
     degrees, minutes, seconds = (float(each or 0.0) for each in found.group(2, 3, 4))
-    letter = (found[1] or found[5] or "").upper()
-    sign = math.copysign(1.0, degrees) * _DIRECTIONS.get(letter, 1.0)
-    return sign * (abs(degrees) + minutes / 60.0 + seconds / 3600.0)
+    is_back = math.copysign(1.0, degrees) < 0.0 or (found[1] or found[5] or "").upper() in ("S", "W")
+    return math.copysign(abs(degrees) + minutes / 60.0 + seconds / 3600.0, -1.0 if is_back else 1.0)
 
 
 def angles(words: Words, unit: str) -> Array:
-    """Latitudes or longitudes [deg]: in ``deg`` in any writing, ``ddmm`` (4839.12) or ``rad``."""
+    """Latitudes or longitudes [deg]: in ``deg`` in any writing, ``ddmm`` (4839.12) or ``rad``.
+
+    Raises InputError where a direction is written O: it is east in German, and west in French and Spanish.
+    """
+    is_other = words.str.contains(r"\d\W*[Oo]\W*$|^\s*[Oo]\W*\d", regex=True)
+    if is_other.any():
+        message = f"given {shown(words[is_other].iloc[0].strip())}: is O east (Ost) or west (ouest, oeste)?"
+        raise InputError([Problem(message, key="map", hint="write E or W")])
     if unit.lower() in ("ddmm", "ddmm.mmm", "dm"):
-        letters = words.str.extract(r"([NSEWnsew])", expand=False).str.upper().map(_DIRECTIONS).fillna(1.0)
-        return np.asarray(ddmm_to_degrees(plain_numbers(words.str.replace(r"[NSEWnsew ]", "", regex=True))) * letters)
+        is_back = words.str.contains(r"[SWsw]", regex=True)
+        numbers = ddmm_to_degrees(plain_numbers(words.str.replace(r"[NSEWnsew ]", "", regex=True)))
+        return np.asarray(np.where(is_back, -np.abs(numbers), numbers))
     numbers = plain_numbers(words)
     if unit.lower() in ("rad", "radian", "radians"):
         return np.degrees(numbers)
@@ -161,9 +167,21 @@ def angles(words: Words, unit: str) -> Array:
     return numbers
 
 
+_NINES = [sign * float(f"{'9' * digits}{rest}") for digits in (3, 4, 5, 6) for rest in ("", ".9", ".99")
+          for sign in (-1.0, 1.0) if digits > 3 or sign < 0.0]  # fmt: skip
+_FILLED = 1e19
+"""Size from which on a number stands for none."""
+
+
+def without_nines(values: Array) -> Array:
+    """Put nan for -999, -9999, 9999, 1e20 and the like, by which loggers write that they have no value."""
+    return np.where(np.isin(values, _NINES) | (np.abs(values) >= _FILLED), np.nan, values)
+
+
 def plain_numbers(words: Words) -> Array:
     """Numbers, with a decimal point or comma; nan where a cell holds none."""
-    return np.array(pd.to_numeric(words.str.strip().str.replace(",", "."), errors="coerce"), dtype=float)
+    numbers = pd.to_numeric(words.str.strip().str.replace(",", "."), errors="coerce")
+    return without_nines(np.array(numbers, dtype=float))
 
 
 def quantities(words: Words, unit: str, wanted: str) -> Array:

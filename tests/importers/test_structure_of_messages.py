@@ -353,7 +353,6 @@ NAMES = ["time=t[epoch] dr_lat=a dr_lon=b depth=depth"]
 
 def test_gpx_of_any_order_zone_version_and_kind_of_point_beside_a_table(plain, tmp_path):
     """Without a format named: the table beside the GPX file is read by `--map`."""
-    pytest.importorskip("gpxpy", reason="gpxpy is not installed")
     table = own_table(tmp_path / "own.csv")
     changes = ({}, {"order": -1}, {"zone": "+02:00"}, {"zone": "-05:00"}, {"namespace": False}, {"version": "1.0"},
                {"tag": "wpt"}, {"tag": "rtept"}, {"every": 7})  # fmt: skip
@@ -363,7 +362,6 @@ def test_gpx_of_any_order_zone_version_and_kind_of_point_beside_a_table(plain, t
 
 
 def test_gpx_of_two_vehicles_is_no_track(tmp_path):
-    pytest.importorskip("gpxpy", reason="gpxpy is not installed")
     table = own_table(tmp_path / "own.csv")
     both = [gpx(tmp_path / "a.gpx"), gpx(tmp_path / "b.gpx", north=0.5)]
     with pytest.raises(InputError, match="two vehicles"):

@@ -14,7 +14,7 @@ import pandas as pd
 from missionplan.arrays import Array
 from missionplan.errors import InputError
 from missionplan.importers.importer import needed_module
-from missionplan.importers.mapping import QUANTITIES, MappedName, times, unit_factor
+from missionplan.importers.mapping import QUANTITIES, MappedName, times, unit_factor, without_nines
 from missionplan.importers.track import Series, series
 from missionplan.moments import since
 
@@ -85,7 +85,7 @@ class Variables:
         if values.dtype.kind in "SU":  # flags are often characters
             words = values.astype(str).ravel()
             return np.array([float(word) if word.strip().isdigit() else np.nan for word in words])
-        return np.asarray(values, dtype=float).ravel()
+        return without_nines(np.asarray(values, dtype=float).ravel())
 
     def in_unit(self, name: str | None, wanted: str) -> Array:
         """Values in a unit, by the variable's own; a pressure becomes a depth."""

@@ -21,7 +21,7 @@ import pandas as pd
 
 from missionplan.arrays import Array
 from missionplan.importers.importer import ColumnStore, Identity, Importer, ReadOptions, SourceLog, unpacked
-from missionplan.importers.mapping import MappedName, angles, mapped, plain_numbers
+from missionplan.importers.mapping import MappedName, angles, mapped, plain_numbers, times
 from missionplan.importers.readers import track
 from missionplan.importers.readers.track import read_header
 from missionplan.importers.track import Positions, Series, Track, fixes, positions, series
@@ -42,7 +42,7 @@ _NEEDED = ("time", "lat", "lon", "depth")
 _MARKS = {"timestamp", "navstate", "heading", "depth"}
 """Columns by which such a log is recognised."""
 _NAME = re.compile(r"([A-Za-z]+\d+)\.(\d+)\.")
-_TIMES = ("%d/%m/%Y %H:%M:%S", "%d/%m/%Y %H:%M:%S.%f", "%Y-%m-%d %H:%M:%S", "%Y-%m-%d %H:%M:%S.%f")
+_TIMES = ("%d/%m/%Y %H:%M:%S", "iso")
 _AT_SURFACE = 116.0
 _ROWS = 50_000
 """Rows that are held as text at a time."""
@@ -142,12 +142,9 @@ def _role(name: str) -> str | None:
 
 
 def _seconds(words: "pd.Series[str]") -> Array:
-    """Times since 1970 [s], by the pattern that fits most of them."""
-    words = words.str.strip()
+    """Times since 1970 [s], in the form that fits most of them."""
     few = words.iloc[:: max(len(words) // 50, 1)]
-    best = max(_TIMES, key=lambda each: int(pd.to_datetime(few, format=each, errors="coerce", utc=True).notna().sum()))
-    stamps = pd.to_datetime(words, format=best, errors="coerce", utc=True)
-    return np.asarray((stamps - pd.Timestamp(0, tz="UTC")).dt.total_seconds().to_numpy(), dtype=float)
+    return times(words, max(_TIMES, key=lambda each: int(np.isfinite(times(few, each)).sum())))
 
 
 _IVER_COLUMNS = {

@@ -5,14 +5,18 @@ one position alone has the vehicle's own: dead-reckoned under water, and fixes a
 separator, a preface or none, and decimal points or commas.
 """
 
+import codecs
 import csv
 import io
 import math
+import re
+from collections import defaultdict
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from datetime import date, datetime, time, timedelta
 from pathlib import Path
 from typing import IO, Any
+from xml.etree import ElementTree
 
 import numpy as np
 import pandas as pd
@@ -23,6 +27,7 @@ from missionplan.importers.geodesy import origin_of, plane_positions
 from missionplan.importers.importer import (
     ColumnStore,
     Importer,
+    PartlyReadError,
     ReadOptions,
     Samples,
     SourceLog,
@@ -32,9 +37,11 @@ from missionplan.importers.importer import (
 from missionplan.importers.mapping import QUANTITIES, MappedName, angles, check_mapping, quantities, times
 from missionplan.importers.readers.netcdf import MAGIC, Variables, mapped_parts, opened
 from missionplan.importers.track import Fixes, Positions, Series, Track, fixes, positions, series
-from missionplan.moments import utc
+from missionplan.moments import moment_of, utc
 
 _ANGLES = ("lat", "lon", "dr_lat", "dr_lon")
+_HEAD = 4096
+"""Bytes of a file by which it is told what it is."""
 _NO_COLUMNS = ("origin", "gps", "odometry")
 _QUALITIES = {"hdop": "hdop", "accuracy": "hacc", "satellites": "satellites", "valid": "valid"}
 
@@ -51,9 +58,9 @@ def read(files: Sequence[Path], options: ReadOptions, log: SourceLog) -> Track:
     """
     store, found = ColumnStore(), Samples(FIX_COLUMNS)
     for path in log.each(sorted(files)):
-        with path.open("rb") as stream:
-            head = stream.read(4096)
         with log.reading(path):
+            with unpacked(path) as stream:
+                head = stream.read(_HEAD)
             if is_gpx(path, head):
                 add_gpx(path, found)
             elif is_nmea(path, head):
@@ -76,16 +83,21 @@ def _parts(path: Path, head: bytes, names: Mapping[str, MappedName]) -> Iterator
     wanted = [each.name for each in columns.values()]
     for number, chunk in enumerate(text_chunks(path, wanted)):
         found = _of_text(chunk, columns)
-        if number == 0 and "time" in columns:
-            _check_times(chunk[columns["time"].name], found["t"], columns["time"])
+        if "time" in columns:
+            _check_times(chunk[columns["time"].name], found["t"], columns["time"], is_first=number == 0)
         yield found
 
 
-def _check_times(words: "pd.Series[str]", found: Array, asked: MappedName) -> None:
-    """Refuse a file whose first rows hold no time of the form asked for."""
-    is_written = words.str.strip() != ""
-    if is_written.any() and not np.isfinite(found).any():
-        raise ValueError(f"no time in {asked.name} is as {asked.unit} says: {words[is_written].iloc[0]!r:.60}")
+def _check_times(words: "pd.Series[str]", found: Array, asked: MappedName, *, is_first: bool) -> None:
+    """Refuse rows whose times are not of the form asked for: day and month exchanged are read up to the 12th.
+
+    Raises PartlyReadError where rows before were read.
+    """
+    is_other = ((words.str.strip() != "") & ~np.isfinite(found)).to_numpy()
+    if is_other.sum() > max(_OTHER * len(words), _FEW) or (is_other.any() and not np.isfinite(found).any()):
+        shown = words[is_other].iloc[0].strip()
+        message = f"{is_other.sum()} of {len(words)} times in {asked.name} are not as {asked.unit} says: {shown!r:.60}"
+        raise ValueError(message) if is_first else PartlyReadError(message)
 
 
 def _of_text(chunk: pd.DataFrame, columns: Mapping[str, MappedName]) -> dict[str, Array]:
@@ -167,6 +179,10 @@ def _marks(t: Array, values: Array) -> tuple[float, ...]:
     return tuple(float(each) for each in t[up & ~np.append(False, up[:-1])])
 
 
+_OTHER = 0.05
+"""Share of the times of some rows up to which they are damaged, and not of another form."""
+_FEW = 3
+"""And so many of them."""
 _ROWS = 50_000
 """Rows that are held as text at a time."""
 _PREFACE = 60
@@ -216,7 +232,10 @@ def _joined(chunk: pd.DataFrame, name: str) -> "pd.Series[str]":
 
 
 def _opened(path: Path) -> IO[str]:
-    return io.TextIOWrapper(unpacked(path), encoding="utf-8-sig", errors="replace", newline="")
+    with unpacked(path) as stream:
+        is_wide = stream.read(2) in (codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)
+    encoding = "utf-16" if is_wide else "utf-8-sig"
+    return io.TextIOWrapper(unpacked(path), encoding=encoding, errors="replace", newline="")
 
 
 def _cells(line: str, separator: str) -> list[str]:
@@ -249,35 +268,53 @@ def is_gpx(path: Path, head: bytes) -> bool:
     return path.suffix.lower() == ".gpx" or b"<gpx" in head[:2000]
 
 
+_SENTENCE = re.compile(rb"^[^$\r\n]{0,48}\$[A-Z]{2}(RMC|GGA|GNS|GLL|ZDA|GSV|GSA|VTG),", re.MULTILINE)
+"""Of a receiver, on a line that a logger may begin with a time or a tag of its own."""
+_SUMMED = re.compile(rb"\*[0-9A-Fa-f]{2}\s*$", re.MULTILINE)
+_PLACED = ("RMC", "GGA", "GNS", "GLL")
+_NO_FIX = ("N", "E", "M", "S")
+"""Modes of RMC, GLL and GNS: none, and estimated (dead-reckoned), manual and simulated ones; of GGA see `_GUESSED`."""
+_GUESSED = (0.0, 6.0, 7.0, 8.0)
+
+
 def is_nmea(path: Path, head: bytes) -> bool:
     """Whether a file holds NMEA sentences."""
-    return path.suffix.lower() in (".nmea", ".nme") or (head[:1] == b"$" and b"RMC," in head[:4000])
+    return path.suffix.lower() in (".nmea", ".nme") or _SENTENCE.search(head) is not None
 
 
 def add_gpx(path: Path, found: Samples) -> None:
     """Add the points of a GPX file that have times: of its tracks, else of its routes and its waypoints."""
-    gpxpy = needed_module("gpxpy", "track", "track (GPX)")
-    with path.open(encoding="utf-8-sig") as stream:
+    with unpacked(path) as stream:
         try:
-            track = gpxpy.parse(stream)
-        except gpxpy.gpx.GPXException as error:
+            root = ElementTree.parse(stream).getroot()
+        except ElementTree.ParseError as error:
             raise ValueError(str(error)) from None
-    points = list(track.walk(only_points=True))
-    for point in points or (*track.waypoints, *(each for route in track.routes for each in route.points)):
-        if point.time is not None:
-            quality = _number(point.horizontal_dilution), _number(point.satellites)
-            found.add(utc(point.time).timestamp(), point.latitude, point.longitude, *quality, 1.0)
+    kinds: dict[str, list[ElementTree.Element]] = defaultdict(list)
+    for each in root.iter():
+        kinds[str(each.tag).rpartition("}")[2]].append(each)
+    for point in kinds["trkpt"] or (*kinds["wpt"], *kinds["rtept"]):
+        said = {str(each.tag).rpartition("}")[2]: (each.text or "").strip() for each in point}
+        if said.get("time"):
+            valid = float(said["fix"].lower() != "none") if said.get("fix") else math.nan
+            place = float(point.get("lat", "nan")), float(point.get("lon", "nan"))
+            quality = _number(said.get("hdop")), _number(said.get("sat"))
+            found.add(moment_of(said["time"]).timestamp(), *place, *quality, valid)
 
 
 def add_nmea(path: Path, found: Samples) -> None:
-    """Add the fixes of NMEA sentences: RMC has the date and GGA the quality, or ZDA the date and GGA the rest."""
+    """Add the fixes of NMEA sentences: RMC has the date and GGA the quality, or ZDA the date and GGA the rest.
+
+    Sentences may go without their sums in a file that has none; elsewhere such a one is cut off.
+    """
     library = needed_module("pynmea2", "track", "track (NMEA)")
     epoch, last, has_fixes = _Epoch(), None, False
-    with path.open(encoding="ascii", errors="replace") as stream:
+    with unpacked(path) as head:
+        is_summed = _SUMMED.search(head.read(_HEAD)) is not None
+    with io.TextIOWrapper(unpacked(path), encoding="ascii", errors="replace") as stream:
         for line in stream:
             start = line.find("$")
             try:
-                sentence = library.parse(line[start:].strip(), check=True) if start >= 0 else None
+                sentence = library.parse(line[start:].strip(), check=is_summed) if start >= 0 else None
             except library.ParseError:
                 continue
             clock = getattr(sentence, "timestamp", None)
@@ -288,7 +325,9 @@ def add_nmea(path: Path, found: Samples) -> None:
                 epoch = _Epoch(clock)
             epoch.take(sentence)
             has_fixes = has_fixes or epoch.place is not None
-    if epoch.add_to(found, last) is None and has_fixes:
+    if not has_fixes:
+        raise ValueError(f"no fixes: no whole sentence {', '.join(_PLACED)} with a position")
+    if epoch.add_to(found, last) is None:
         raise ValueError("its fixes have no date: sentences RMC or ZDA have it, beside GGA")
 
 
@@ -303,17 +342,24 @@ class _Epoch:
     quality: tuple[float, float] = (math.nan, math.nan)
 
     def take(self, sentence: Any) -> None:
-        """Take in a sentence."""
+        """Take in a sentence; a fix is none where one of them says so."""
         kind = getattr(sentence, "sentence_type", "")
         if kind in ("RMC", "ZDA"):
             self.day = sentence.datestamp or self.day
-        if kind in ("RMC", "GGA") and sentence.lat and sentence.lon:
+        if kind not in _PLACED:
+            return
+        if sentence.lat and sentence.lon:
             self.place = sentence.latitude, sentence.longitude
-        if kind == "RMC":
-            self.valid = float(sentence.status == "A")
         if kind == "GGA":
             self.quality = _number(sentence.horizontal_dil), _number(sentence.num_sats)
-            self.valid = float(_number(sentence.gps_qual) > 0.0) if math.isnan(self.valid) else self.valid
+            quality = _number(sentence.gps_qual)
+            said = math.nan if math.isnan(quality) else float(quality not in _GUESSED)
+        else:
+            mode = str(getattr(sentence, "faa_mode" if kind == "GLL" else "mode_indicator", "") or "")
+            said = float(
+                getattr(sentence, "status", "A") == "A" and not (mode and all(each in _NO_FIX for each in mode))
+            )
+        self.valid = float(np.fmin(self.valid, said))
 
     def add_to(self, found: Samples, last: datetime | None) -> datetime | None:
         """Add the fix, on the date it says or on that of the time before, or on the day after; returns its moment."""

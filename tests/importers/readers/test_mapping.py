@@ -8,7 +8,7 @@ import pytest
 
 from missionplan.errors import InputError
 from missionplan.importers.geodesy import displacement, moved
-from missionplan.importers.mapping import MappedName, angles, mapped, quantities, read_mapping, times
+from missionplan.importers.mapping import MappedName, angles, mapped, plain_numbers, quantities, read_mapping, times
 
 MOMENT = datetime(2023, 11, 14, 22, 13, 20, 500_000, tzinfo=UTC)
 SECONDS = MOMENT.timestamp()
@@ -29,12 +29,24 @@ def series(*words):
             ("-030.0", "ddmm", -0.5),
         ],
         *[("48 39.12 N", "deg", 48.652), ("48°39.12'S", "deg", -48.652), ("W 123 15 36", "deg", -123.26)],
-        *[("123°28'30\"W", "deg", -123.475), ("E 7", "deg", 7.0), ("7 O", "deg", 7.0), ("-48 39.12", "deg", -48.652)],
+        *[("123°28'30\"W", "deg", -123.475), ("E 7", "deg", 7.0), ("-7 W", "deg", -7.0), ("-48 39.12", "deg", -48.652)],
+        *[("48-39.12S", "deg", -48.652), ("-12315.0W", "ddmm", -123.25)],
         *[("-0 30", "deg", -0.5), ("4839.12 s", "ddmm", -48.652), ("0012.0 e", "ddmm", 0.2)],
     ],
 )
 def test_degrees_in_every_writing(word, unit, degrees):
     assert angles(series("", word, "none"), unit) == pytest.approx([np.nan, degrees, np.nan], abs=1e-9, nan_ok=True)
+
+
+@pytest.mark.parametrize(("word", "unit"), [("7 O", "deg"), ("O 7°", "deg"), ("00730.0 O", "ddmm")])
+def test_a_direction_that_is_east_in_one_tongue_and_west_in_another_is_refused(word, unit):
+    with pytest.raises(InputError, match="is O east"):
+        angles(series(word), unit)
+
+
+def test_numbers_that_stand_for_none():
+    words = series("-999", "-9999.0", "9999", "-999.9", "1e20", "999", "-99", "0")
+    assert plain_numbers(words) == pytest.approx([np.nan] * 5 + [999.0, -99.0, 0.0], nan_ok=True)
 
 
 @pytest.mark.parametrize(

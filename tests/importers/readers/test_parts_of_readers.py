@@ -8,8 +8,8 @@ import pyproj
 import pytest
 
 from missionplan.importers.geodesy import displacement, metres_per_degree, model_declination
-from missionplan.importers.importer import ChannelStore, Samples
-from missionplan.importers.mapping import MappedName
+from missionplan.importers.importer import ChannelStore, PartlyReadError, Samples
+from missionplan.importers.mapping import MappedName, times
 from missionplan.importers.readers import ardupilot, moos, netcdf
 from missionplan.importers.readers.track import _check_times, _marks
 from missionplan.importers.reckoning import HEADING_ERROR
@@ -68,12 +68,22 @@ def test_a_filter_that_counts_from_an_origin_needs_that_origin(has_origin, count
         assert north == pytest.approx([0.0, 100.0, 200.0], abs=2e-3)
 
 
-def test_times_of_another_form_are_refused_where_a_file_begins_and_passed_by_later():
-    asked = MappedName("clock", "iso")
-    with pytest.raises(ValueError, match="no time in clock is as iso says: '12h'"):
-        _check_times(pd.Series(["", "12h"]), np.array([np.nan, np.nan]), asked)
-    _check_times(pd.Series(["12h", "2026-05-01"]), np.array([np.nan, 0.0]), asked)
-    _check_times(pd.Series(["", ""]), np.array([np.nan, np.nan]), asked)  # nothing is written
+def test_times_of_another_form_are_refused_and_damaged_ones_passed_by():
+    asked = MappedName("clock", "%m/%d/%Y %H:%M:%S")
+
+    def check(*words, is_first=True):
+        words = pd.Series(words, dtype=str)
+        _check_times(words, times(words, asked.unit), asked, is_first=is_first)
+
+    with pytest.raises(ValueError, match="1 of 2 times in clock are not as %m/%d/%Y %H:%M:%S says: '12h'"):
+        check("", "12h")
+    check("12h", "05/01/2026 00:00:00")
+    check("", "")  # nothing is written
+    days = [f"{day:02d}/06/2026 00:00:00" for day in range(8, 17)]  # of June, days first
+    with pytest.raises(ValueError, match=r"4 of 9 .*'13/06/2026 00:00:00'"):
+        check(*days)
+    with pytest.raises(PartlyReadError, match="4 of 9"):
+        check(*days, is_first=False)
 
 
 def test_a_mark_counts_where_it_rises_from_nothing_or_nil():
