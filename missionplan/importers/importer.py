@@ -26,8 +26,10 @@ from missionplan.identity import PluginError, how_to_install, load_plugin
 from missionplan.importers.mapping import MappedName
 from missionplan.importers.track import Break, Series, Track, series
 
-DAMAGED = (OSError, ValueError, LookupError, EOFError, RuntimeError, ArithmeticError, TypeError, zlib.error)
-"""Errors by which libraries say that a file is damaged."""
+DAMAGED = (
+    OSError, ValueError, LookupError, EOFError, RuntimeError, ArithmeticError, TypeError, AttributeError, zlib.error,
+)  # fmt: skip
+"""Errors by which libraries say that a file is damaged, or its messages lack a field."""
 
 
 class PartlyReadError(Exception):

@@ -122,6 +122,10 @@ _MATLAB_1970 = 719529.0
 """Matlab's day number of 1970-01-01."""
 
 
+DDMM = ("ddmm", "ddmm.mmm", "dm")
+"""What degrees and minutes in one number are called."""
+
+
 def ddmm_to_degrees(value: Array) -> Array:
     """Degrees from degrees and minutes written as one number: 4839.12 is 48° 39.12′, negative south and west."""
     size = np.abs(value)
@@ -155,7 +159,7 @@ def angles(words: Words, unit: str) -> Array:
     if is_other.any():
         message = f"given {shown(words[is_other].iloc[0].strip())}: is O east (Ost) or west (ouest, oeste)?"
         raise InputError([Problem(message, key="map", hint="write E or W")])
-    if unit.lower() in ("ddmm", "ddmm.mmm", "dm"):
+    if unit.lower() in DDMM:
         is_back = words.str.contains(r"[SWsw]", regex=True)
         numbers = ddmm_to_degrees(plain_numbers(words.str.replace(r"[NSEWnsew ]", "", regex=True)))
         return np.asarray(np.where(is_back, -np.abs(numbers), numbers))

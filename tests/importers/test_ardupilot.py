@@ -31,11 +31,11 @@ def rows(voyage):
         )
 
 
-def dataflash(path, voyage=VOYAGE, firmware="ArduSub V4.1.0", satellites=12):
+def dataflash(path, voyage=VOYAGE, firmware="ArduSub V4.1.0", satellites=12, week_name="GWk"):
     formats = {
         128: (b"FMT", "BBnNZ", "Type,Length,Name,Format,Columns", "<BB4s16s64s"),
         129: (b"MSG", "QZ", "TimeUS,Message", "<Q64s"),
-        130: (b"GPS", "QBIHBcLL", "TimeUS,Status,GMS,GWk,NSats,HDop,Lat,Lng", "<QBIHBhii"),
+        130: (b"GPS", "QBIHBcLL", f"TimeUS,Status,GMS,{week_name},NSats,HDop,Lat,Lng", "<QBIHBhii"),
         131: (b"POS", "QLLf", "TimeUS,Lat,Lng,Alt", "<Qiif"),
         132: (b"CTUN", "Qff", "TimeUS,ThI,Alt", "<Qff"),
         133: (b"ATT", "Qccc", "TimeUS,Roll,Pitch,Yaw", "<Qhhh"),
@@ -48,6 +48,7 @@ def dataflash(path, voyage=VOYAGE, firmware="ArduSub V4.1.0", satellites=12):
            for kind, (name, form, labels, packed) in formats.items()]  # fmt: skip
     first = float(voyage.track.depth.t[0])
     out.append(message(129, 1, firmware.encode()))
+    out.append(message(130, 2, 1, 0, 1356, 0, 9999, 0, 0))  # a receiver without a fix knows no week
     for t, fix, own, state in rows(voyage):
         us = int((t - first + 5.0) * 1e6)
         if fix is not None:
@@ -200,3 +201,8 @@ def test_what_is_no_message_within_a_log_is_passed_over(flashed, tmp_path):
     cut = data.index(b"\xa3\x95\x83", len(data) // 2)  # before a position
     path.write_bytes(data[:cut] + b"\xa3\x95\x07\x00noise\xa3" + data[cut:])
     agree(flashed, import_logs([path]), metres=0.1, seconds=0.01)
+
+
+def test_messages_that_lack_a_field_are_named(tmp_path):
+    with pytest.raises(InputError, match=r"passed over: .*'GWk'"):
+        import_logs([dataflash(tmp_path / "old.BIN", week_name="Week")])

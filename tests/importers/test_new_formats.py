@@ -25,7 +25,7 @@ def one_position():
     return t, *place, track.depth.values, track.heading.values
 
 
-def cf(path, form="one", *, pressure=False, names=("lat", "lon"), up=False, comment="", upper=False):
+def cf(path, form="one", *, pressure=False, names=("lat", "lon"), up=False, comment="", upper=False, heading_name=""):
     netcdf = pytest.importorskip("netCDF4", reason="netCDF4 is not installed")
     t, lat, lon, depth, heading = one_position()
     other = 40  # rows of another vehicle, before this one's
@@ -39,7 +39,8 @@ def cf(path, form="one", *, pressure=False, names=("lat", "lon"), up=False, comm
             names[1]: (lon, {"units": "degrees_east", "standard_name": "longitude"}),
             "z": (-depth if up else depth, {"units": "dbar" if pressure else "m", "positive": "up" if up else "down",
                                             "standard_name": "sea_water_pressure" if pressure else "depth"}),
-            "heading": (heading, {"units": "degree", "standard_name": "platform_orientation"}),
+            "heading": (heading, {"units": "degree", "standard_name": "platform_orientation",
+                                  "long_name": heading_name}),
         }  # fmt: skip
         rows["time"] = ((t - 1672531200.0) / 3600.0, rows["time"][1])
         file.createDimension("obs", len(t) + (other if form in ("contiguous", "indexed") else 0))
@@ -78,6 +79,10 @@ def test_a_trajectory_is_read_by_its_standard_names_in_each_form(tmp_path):
     np.testing.assert_allclose(plain.table["t_start_s"], VOYAGE.starts, rtol=0.0, atol=20.1)  # the first row of a dive
     for k, change in enumerate(({"pressure": True}, {"names": ("a", "b")}, {"up": True}, {"upper": True})):
         agree(plain, import_logs([cf(tmp_path / f"{k}.nc", **change)]))
+    headings = [
+        import_logs([cf(tmp_path / "h.nc", heading_name=each)]).table["heading_deg"] for each in ("", "Magnetic")
+    ]
+    assert (headings[1] - headings[0]).to_numpy() == pytest.approx(np.full(4, 16.0), abs=2.0)  # its declination
     for form in ("matrix", "contiguous", "indexed"):
         path = cf(tmp_path / f"{form}.nc", form)
         agree(plain, import_logs([path], vehicle="this"))

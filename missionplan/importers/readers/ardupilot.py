@@ -144,9 +144,10 @@ def _each_packet(
 def _each_record(path: Path, kinds: Collection[str], take: Callable[[str, float, Any], None]) -> None:
     """Take each message of some kinds of a dataflash log, from which all is read a piece at a time.
 
-    Times count from the autopilot's start; the first message of the receiver with a week tells when that was.
+    Times count from the autopilot's start; the receiver's first fix tells when that was: before, its week may be any.
     """
-    started = next((_gps_time(m) - _MICRO * m.TimeUS for _, m in _records(path, ("GPS",)) if m.GWk > 0), 0.0)
+    known = (m for _, m in _records(path, ("GPS",)) if m.GWk > 0 and m.Status >= _FIX_3D)
+    started = next((_gps_time(m) - _MICRO * m.TimeUS for m in known), 0.0)
     for kind, message in _records(path, kinds):
         take(kind, started + _MICRO * getattr(message, "TimeUS", math.nan), message)
 

@@ -1,6 +1,5 @@
 """NetCDF files: variables by name, alias or standard name, each along its own dimension with that dimension's clock."""
 
-import re
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from functools import lru_cache
@@ -12,11 +11,20 @@ import numpy as np
 import pandas as pd
 
 from missionplan.arrays import Array
-from missionplan.errors import InputError
 from missionplan.importers.importer import needed_module
-from missionplan.importers.mapping import QUANTITIES, MappedName, times, unit_factor, without_nines
+from missionplan.importers.mapping import (
+    DDMM,
+    PASCALS_A_METRE,
+    QUANTITIES,
+    MappedName,
+    ddmm_to_degrees,
+    times,
+    unit_factor,
+    without_nines,
+)
 from missionplan.importers.track import Series, series
 from missionplan.moments import since
+from missionplan.scenario.currents.attributes import factor
 
 if TYPE_CHECKING:
     from xarray import Dataset
@@ -26,7 +34,6 @@ MAGIC = (b"CDF", b"\x89HDF")
 _GOOD_FLAGS = (1.0, 2.0, 5.0, 8.0)
 """Quality flags (OceanSITES, reference table 2) of values that are good, probably good, changed or interpolated."""
 _BAD_FLAGS = (3.0, 4.0)
-_SUFFIX = re.compile(r"(?<=[a-z])\s*-\s*1\b")
 
 
 @contextmanager
@@ -89,7 +96,10 @@ class Variables:
 
     def in_unit(self, name: str | None, wanted: str) -> Array:
         """Values in a unit, by the variable's own; a pressure becomes a depth."""
-        return self.numbers(name) * (_factor(self.unit(name), wanted) if name else 1.0)
+        try:
+            return self.numbers(name) * (_factor(self.unit(name), wanted) if name else 1.0)
+        except ValueError as error:
+            raise ValueError(f"{name}: {error}") from None
 
     def unit(self, name: str | None) -> str:
         """Unit that a variable states; nothing where it states none."""
@@ -161,7 +171,7 @@ class Variables:
 
     def attribute(self, name: str, of: str) -> str:
         """An attribute of a variable; nothing where it has none."""
-        return str(self._data[name].attrs.get(of, ""))
+        return str(self._data[name].attrs.get(of, "")) if name else ""
 
     def _is_time(self, name: str) -> bool:
         return " since " in self.unit(name)
@@ -175,13 +185,19 @@ def _shared(clock: str, name: str) -> int:
 
 
 def _factor(unit: str, wanted: str) -> float:
-    """Factor from a unit as files write it; 1 where it states none that is known."""
-    if not unit or unit == wanted:
+    """Factor from a unit as files write it; 1 where it states none.
+
+    Raises ValueError when it is one of something else, or none that is known.
+    """
+    if not wanted or unit in ("", "1", wanted) or (wanted == "deg" and unit.lower().startswith("deg")):
         return 1.0
-    try:
-        return unit_factor(_SUFFIX.sub("^-1", unit), wanted)
-    except InputError:
-        return 1.0
+    found = factor(unit, wanted)
+    if found is None and wanted == "m":
+        pressure = factor(unit, "Pa")
+        found = None if pressure is None else pressure / PASCALS_A_METRE
+    if found is None:
+        raise ValueError(f"given the unit {unit!r}, expected one such as {wanted}")
+    return found
 
 
 def mapped_parts(file: Variables, columns: Mapping[str, MappedName]) -> list[dict[str, Array]]:
@@ -199,7 +215,7 @@ def mapped_parts(file: Variables, columns: Mapping[str, MappedName]) -> list[dic
         if "t" not in part:
             is_same = file.dimension(names["time"]) == file.dimension(name)
             part["t"] = _mapped_times(file, names["time"], columns["time"].unit) if is_same else file.clock(name)
-        part[quantity] = file.numbers(name) * _mapped_factor(quantity, columns[quantity].unit)
+        part[quantity] = _mapped(file, name, columns[quantity].unit, QUANTITIES[quantity])
     return list(parts.values())
 
 
@@ -209,6 +225,10 @@ def _mapped_times(file: Variables, name: str, unit: str) -> Array:
     return times(pd.Series(file.numbers(name).astype(str)), "epoch" if unit == "iso" else unit)
 
 
-def _mapped_factor(quantity: str, unit: str) -> float:
-    wanted = QUANTITIES[quantity]
-    return 1.0 if unit == wanted or not wanted else unit_factor(unit, wanted)
+def _mapped(file: Variables, name: str, unit: str, usual: str) -> Array:
+    """Values in the usual unit, from the one that the user names; where that is the usual one, from the file's."""
+    if unit.lower() in DDMM:
+        return ddmm_to_degrees(file.numbers(name))
+    if unit == usual or not usual:
+        return file.in_unit(name, usual)
+    return file.numbers(name) * unit_factor(unit, usual)

@@ -77,6 +77,9 @@ def read(files: Sequence[Path], options: ReadOptions, log: SourceLog) -> Track:
                 raise ValueError("no variables of the standard names latitude and longitude")
             if any("interpolat" in file.attribute(found[axis] or "", "comment").lower() for axis in ("lat", "lon")):
                 _refuse([path], options, log)
+            said = " ".join(file.attribute(found["heading_true"] or "", of) for of in ("long_name", "comment"))
+            if "magnetic" in said.lower():
+                found["heading"] = found.pop("heading_true")
             _add(store, file, found)
             names |= {quantity: MappedName(name, QUANTITIES[quantity]) for quantity, name in found.items() if name}
     return split_track(f"trajectory {title or files[0].stem}", "trajectory", store, names)

@@ -5,7 +5,8 @@ from datetime import UTC, datetime
 import numpy as np
 import pytest
 
-from missionplan.importers.readers.netcdf import Variables
+from missionplan.importers.mapping import mapped
+from missionplan.importers.readers.netcdf import Variables, mapped_parts
 
 xarray = pytest.importorskip("xarray")
 
@@ -36,13 +37,32 @@ def test_quality_flags_are_those_of_oceansites(kind):
     ("unit", "wanted", "one"),
     [
         *[("m", "m", 1.0), ("cm", "m", 0.01), ("km", "m", 1000.0), ("cm s-1", "m/s", 0.01), ("m s -1", "m/s", 1.0)],
-        *[("rad", "deg", 180.0 / np.pi), ("degrees", "rad", np.pi / 180.0), ("", "m", 1.0), ("no unit", "m", 1.0)],
+        *[("rad", "deg", 180.0 / np.pi), ("degrees", "rad", np.pi / 180.0), ("", "m", 1.0), ("1", "deg", 1.0)],
+        *[("FEET", "m", 0.3048), ("cm.s-1", "m/s", 0.01), ("degrees_true", "deg", 1.0), ("kPa", "m", 0.1)],
     ],
 )
 def test_numbers_come_in_the_unit_that_is_wanted(unit, wanted, one):
     file = variables(v=([1.0, -2.0], {"units": unit}))
     assert file.in_unit("v", wanted) == pytest.approx([one, -2.0 * one])
     assert file.in_unit(None, wanted).size == 0
+
+
+def test_a_unit_of_something_else_is_refused():
+    for unit in ("counts", "m s-1", "db"):
+        with pytest.raises(ValueError, match=f"^v: given the unit '{unit}', expected one such as m$"):
+            variables(v=([1.0], {"units": unit})).in_unit("v", "m")
+
+
+def test_a_variable_that_a_user_names_without_its_unit_is_in_the_files():
+    file = variables(time=([0.0, 9.0], {"units": "seconds since 2010-01-01"}), z=([1.0, 200.0], {"units": "cm"}),
+                     lat=([4839.12, -12315.0], {}), lon=([0.1, 0.2], {"units": "radian"}))  # fmt: skip
+    names = {"time": "time", "depth": "z", "lat": "lat[ddmm]", "lon": "lon"}
+    (part,) = mapped_parts(file, {key: mapped(key, name) for key, name in names.items()})
+    assert part["depth"] == pytest.approx([0.01, 2.0])
+    assert part["lat"] == pytest.approx([48.652, -123.25])
+    assert part["lon"] == pytest.approx(np.degrees([0.1, 0.2]))
+    (part,) = mapped_parts(file, {key: mapped(key, name) for key, name in {**names, "depth": "z[dbar]"}.items()})
+    assert part["depth"] == pytest.approx([1.0, 200.0])
 
 
 @pytest.mark.parametrize(

@@ -10,7 +10,7 @@ import pytest
 from missionplan.importers.geodesy import displacement, metres_per_degree, model_declination
 from missionplan.importers.importer import ChannelStore, PartlyReadError, Samples
 from missionplan.importers.mapping import MappedName, times
-from missionplan.importers.readers import ardupilot, moos, netcdf
+from missionplan.importers.readers import ardupilot, moos
 from missionplan.importers.readers.track import _check_times, _marks
 from missionplan.importers.reckoning import HEADING_ERROR
 from missionplan.importers.starter import _glide_doubt
@@ -110,8 +110,3 @@ def test_units_of_readers_are_those_given_or_usual():
     found = [moos._factor(given, *each) for each in (("depth",), ("speed",), ("hdop",), ("pitch", "rad"), ("heading",))]
     assert found == pytest.approx([0.3048, 1852.0 / 3600.0, 1.0, 180.0 / np.pi, 1.0], rel=1e-6)
     assert moos._factor({"pitch": MappedName("PITCH", "deg")}, "pitch", "rad") == 1.0
-    units = (("cm s-1", "m/s", 0.01), ("dbar", "m", 1.0), ("", "m", 1.0), ("m", "m", 1.0), ("counts", "m", 1.0))
-    assert [netcdf._factor(unit, wanted) for unit, wanted, _ in units] == pytest.approx(
-        [each[2] for each in units], rel=0.02
-    )
-    assert [netcdf._mapped_factor(*each) for each in (("depth", "cm"), ("valid", "km"))] == pytest.approx([0.01, 1.0])
