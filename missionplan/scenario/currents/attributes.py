@@ -28,11 +28,12 @@ class FieldAttributeError(ValueError):
 
 
 def tidied(dataset: "Dataset") -> "Dataset":
-    """Write the names of CF's attributes in lower case: files have `Units` and `UNITS` too."""
+    """Write the names of CF's attributes in lower case: files have `Units` and `UNITS` too; and let time come first."""
     for variable in dataset.variables.values():
         names = {key: str(key).lower() if str(key).lower() in _KNOWN else str(key) for key in variable.attrs}
         variable.attrs = {names[key]: value for key, value in variable.attrs.items()}
-    return dataset
+    clocks = [dim for dim in dataset.dims if time_along(dataset, str(dim))]
+    return dataset.transpose(*clocks, ...) if len(clocks) == 1 else dataset
 
 
 def word(variable: "DataArray", key: str) -> str:

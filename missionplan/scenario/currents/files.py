@@ -60,6 +60,7 @@ WIND = Carried(
     ("northward_wind",),
     90.0,
 )
+_OF_UNITS = {"degreenorth": "latitude", "degreen": "latitude", "degreeeast": "longitude", "degreee": "longitude"}
 _MODELS_SPEEDS = ("horizontalVelX", "horizontalVelY")
 """Velocities of SCHISM, which writes them in m/s and without `units`."""
 MEMBER_DIMENSIONS = ("member", "ensemble", "ensemble_member", "realization", "number", "ens")
@@ -87,7 +88,7 @@ class FieldFiles:
                 return name
         for dataset in self.datasets:
             for other in dataset.variables:
-                if word(dataset[other], "standard_name").lower() in standard:
+                if _standard_name(dataset[other]) in standard:
                     return str(other)
         return None
 
@@ -213,6 +214,12 @@ class FieldFiles:
         """Return one member of an ensemble."""
         chosen = [d.isel({dimension: number}) if dimension in d.dims else d for d in self.datasets]
         return replace(self, datasets=chosen, shown=f"{self.shown}, {dimension} {number}")
+
+
+def _standard_name(variable: "DataArray") -> str:
+    """Standard name of a variable; of one without that of what its units are of alone (CF 1.11, 4.1 and 4.2)."""
+    by_units = _OF_UNITS.get(word(variable, "units").lower().replace("_", "").replace("degrees", "degree"), "")
+    return word(variable, "standard_name").lower() or by_units
 
 
 def velocities(

@@ -201,6 +201,9 @@ def _read(files: FieldFiles, area: Area) -> GriddedCurrent:
         raise files.problem(
             f"is no grid that is known: no variable for latitude; looked for {looked}, {files.carries.east[0]}"
         )
+    if files.variable(position).ndim == 0:
+        hint = f"a record is read as CSV, with the columns {', '.join(CURRENT_LIMITS)}"
+        raise files.problem(f"is a record at one place: {position} is one number", hint)
     if files.variable(position).ndim == 2:
         return read_curved(files, area)
     return read_regular(files, area)

@@ -3,6 +3,7 @@
 Fields on grids of rows and columns that bend: ROMS with staggered velocities, and any with both at one place.
 """
 
+import re
 from dataclasses import dataclass
 
 import numpy as np
@@ -93,6 +94,8 @@ def _near(offset: Array, reach: float) -> Indices:
 
 _ANGLE_OFF = 0.2
 """By which the angle of a grid may differ from the direction of its rows [rad]."""
+_TURNED = 0.05
+"""Direction of rows from which on a velocity has to say whether it is toward east or along them [rad]."""
 
 
 @dataclass(frozen=True)
@@ -137,7 +140,7 @@ def read_curved(files: FieldFiles, area: Area) -> GriddedCurrent:
         order = [*across, *part.dims]
         parts = [files.series(name, moments, part.window, order) for name in (u, v)]
         velocity = velocities(files, (u, v), (parts[0], parts[1]))
-        if u in ("u", "u_sur") and files.named("angle"):
+        if _is_along_rows(files, u, part):
             velocity = velocity * _turning(files, part, edge=0)
     mask = files.named("mask_rho", "mask", "wetdry_mask_rho") if files.named("lat_rho") else None
     if mask is not None:
@@ -212,13 +215,35 @@ def _unstaggered(files: FieldFiles, names: tuple[str, str], moments: Moments, pa
     return velocity
 
 
+def _is_along_rows(files: FieldFiles, u: str, part: _Part) -> bool:
+    """Whether a velocity at the nodes is along rows and columns: by its standard name, its name, or the file's `angle`.
+
+    Raises InputError when none says it of rows that do not run east.
+    """
+    standard = word(files.variable(u), "standard_name").lower()
+    if re.search(r"(^|_)x_(wind|velocity)", standard):
+        return True
+    if "east" in standard + u.lower() or u == "water_u":
+        return False
+    if files.named("angle") is None and np.nanmedian(np.abs(_rows_from_east(part))) > _TURNED:
+        degrees = np.degrees(np.nanmedian(_rows_from_east(part)))
+        hint = "its attribute `standard_name` says it"
+        raise files.problem(f"is {u} toward east, or along its rows, which run {degrees:.1f}° from east?", hint)
+    return files.named("angle") is not None
+
+
+def _rows_from_east(part: _Part) -> Array:
+    """Direction of the rows at the nodes of a part, counter-clockwise from east [rad]."""
+    step_east = np.gradient(part.points[0], axis=1), np.gradient(part.points[1], axis=1)
+    return np.asarray(np.arctan2(step_east[1], step_east[0]))
+
+
 def _turning(files: FieldFiles, part: _Part, edge: int = 1) -> NDArray[np.complex64]:
     """Factor that turns velocities along rows and columns toward east and north, at the inner nodes of a part.
 
     Raises InputError when ``angle`` contradicts the direction of the rows: degrees for radians, or another grid's.
     """
-    step_east = np.gradient(part.points[0], axis=1), np.gradient(part.points[1], axis=1)
-    seen = np.arctan2(step_east[1], step_east[0])
+    seen = _rows_from_east(part)
     name = files.named("angle")
     angle = seen
     if name is not None:

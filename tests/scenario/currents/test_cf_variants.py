@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from missionplan.errors import InputError
-from missionplan.mission.schema.place import Geographic
+from missionplan.mission.schema.place import Geographic, to_geographic
 from missionplan.scenario.currents.area import Area
 from missionplan.scenario.currents.reading import read_field
 
@@ -150,6 +150,7 @@ SAME = {
     "backward in time": {"flip": ("time",)},
     "longitudes of 0 to 360": {"lon": (LONGITUDE + 360.0, {"units": "degreesE"})},
     "degree_N": {"lat": (LATITUDE, {"units": "degree_N"})},
+    "coordinates by their units": {"names": ("lev", "ROW", "COLUMN", "u", "v")},
     "coordinates by standard names": {
         "names": ("z_axis", "row", "column", "east_speed", "north_speed"),
         "lat": (LATITUDE, {"units": "degrees_north", "standard_name": "latitude"}),
@@ -213,6 +214,61 @@ def test_what_cannot_be_told_is_refused_in_words(tmp_path, name):
     changes, message = REFUSED[name]
     write(tmp_path / "field.nc", **changes)
     with pytest.raises(InputError, match=message):
+        drift(tmp_path / "field.nc")
+
+
+@pytest.mark.parametrize(
+    "order", [("lev", "lat", "lon", "time"), ("lev", "time", "lat", "lon"), ("time", "lon", "lev", "lat")]
+)
+def test_dimensions_stand_in_any_order(tmp_path, plain, order):
+    xarray = pytest.importorskip("xarray")
+    write(tmp_path / "plain.nc")
+    with xarray.open_dataset(tmp_path / "plain.nc", decode_times=False) as field:
+        field.transpose(*order).to_netcdf(tmp_path / "field.nc")
+    assert drift(tmp_path / "field.nc") == pytest.approx(plain, rel=2e-5)
+
+
+def bent(path, kind, angle=0.5, names=("u", "v"), more=None):
+    """The field on rows that run `angle` from east, its velocities along them where the standard names say so."""
+    y, x = np.meshgrid(np.linspace(-25e3, 25e3, 11), np.linspace(-25e3, 25e3, 12), indexing="ij")
+    place = to_geographic(x * np.cos(angle) - y * np.sin(angle), x * np.sin(angle) + y * np.cos(angle), ORIGIN)
+    east, north = (each[..., :1, :1] * np.ones(x.shape) for each in speeds())
+    along = (east + 1j * north) * np.exp(-1j * angle * ("_x_" in kind[0]))
+    axes = {"time": (HOURS, {"units": "hours since 2026-06-01"}, ("time",)), "lev": (DEPTHS, DOWN, ("lev",))}
+    axes |= {name: (np.degrees(each), {}, ("j", "i")) for name, each in zip(("lat", "lon"), place, strict=True)}
+    of_velocity = [{"units": "m s-1"} | ({"standard_name": each} if each else {}) for each in kind]
+    speed = {name: (each, said, ("time", "lev", "j", "i"))
+             for name, each, said in zip(names, (along.real, along.imag), of_velocity, strict=True)}  # fmt: skip
+    with netcdf.Dataset(path, "w") as file:
+        for name, size in {"time": HOURS.size, "lev": DEPTHS.size, "j": 11, "i": 12}.items():
+            file.createDimension(name, size)
+        for name, (values, said, dims) in {**axes, **speed, **(more or {})}.items():
+            variable = file.createVariable(name, "f8", dims)
+            variable.setncatts(said)
+            variable[...] = values
+
+
+def test_velocities_on_rows_that_do_not_run_east_say_along_what_they_are(tmp_path, plain):
+    path = tmp_path / "field.nc"
+    turned = {"angle": (np.full((11, 12), 0.5), {"units": "radian"}, ("j", "i"))}
+    ways = [tuple(f"{each}_sea_water_velocity" for each in ("eastward", "northward")),
+            tuple(f"sea_water_{each}_velocity" for each in "xy")]  # fmt: skip
+    for kind, names, more in [(ways[0], ("u", "v"), {}), (ways[0], ("u", "v"), turned), (ways[1], ("u", "v"), {}),
+                              (ways[1], ("uo", "vo"), {}), (("", ""), ("u_eastward", "v_northward"), turned)]:  # fmt: skip
+        bent(path, kind, names=names, more=more)
+        assert drift(path) == pytest.approx(plain, rel=2e-3)
+    bent(path, ("", ""), angle=0.01)
+    assert drift(path) == pytest.approx(plain, rel=2e-3)
+    bent(path, ("", ""))
+    with pytest.raises(InputError, match=r"is u toward east, or along its rows, which run 28\.6° from east\?"):
+        drift(path)
+
+
+def test_a_record_at_one_place_is_named(tmp_path):
+    with netcdf.Dataset(tmp_path / "field.nc", "w") as file:
+        for name in ("lat", "lon"):
+            file.createVariable(name, "f8", ())[...] = 45.0
+    with pytest.raises(InputError, match="is a record at one place: lat is one number"):
         drift(tmp_path / "field.nc")
 
 
