@@ -55,7 +55,8 @@ def _lost_table(transit: PlannedTransit) -> str:
     words = f"the table of legs of {transit.name}; in its place the interval that costs least, {rule.interval:.0f} m"
     if rule.extra_time != rule.extra_time:  # not compared
         return f"{words.replace('that costs least', 'of its longest leg')}, whose cost is not known"
-    return f"{words}, at {rule.extra_time / 60.0:.2f} ± {rule.extra_time_error / 60.0:.2f} minutes more on average"
+    size, error = abs(rule.extra_time) / 60.0, rule.extra_time_error / 60.0
+    return f"{words}, at {size:.2f} ± {error:.2f} minutes {'less' if rule.extra_time < 0.0 else 'more'} on average"
 
 
 def no_correction(plan: Plan) -> tuple[str, ...]:

@@ -15,9 +15,8 @@ from missionplan.results.decision import (
     Assumption,
     ExplainedOutcome,
     MemberOutcome,
+    differ,
     label,
-    members_differ,
-    success_differs,
 )
 from missionplan.results.simulation import Outcome, Sensitivity
 
@@ -30,7 +29,7 @@ def members_in_words(members: Sequence[MemberOutcome], does: str) -> str:
         return ""
     worst, best = (pick(members, key=lambda each: each.good.value) for pick in (min, max))
     low, high = share(worst.good), share(best.good)
-    if members_differ(members):
+    if differ([each.good for each in members]):
         return f"It depends on the forecast: it {does} {low} of the time in {worst.name} and {high} in {best.name}."
     ends = f"{low} to {high}" if low != high else f"in {low} of the trials"
     return f"In each member of the current's ensemble it {does} as often, as far as the trials can tell ({ends})."
@@ -44,7 +43,7 @@ def members_section(members: Sequence[MemberOutcome], plan: str, good: str, note
         [each.name, f"{100.0 * each.probability:.1f}\u00a0%", percent(each.good)]
         for each in sorted(members, key=lambda each: each.good.value)
     ]
-    heading = DIFFER.format(plan) if members_differ(members) else "Members of the current's ensemble"
+    heading = DIFFER.format(plan) if differ([each.good for each in members]) else "Members of the current's ensemble"
     yield PageSection(heading, [Table(("member", "probability", good), rows, note)])
 
 
@@ -61,16 +60,11 @@ def explanation_in_words(outcome: Outcome) -> str:
         return ""
     worst, best = tried[0], tried[-1]
     low, high = share(worst.success), share(best.success)
-    if success_differs(tried):
+    if differ([each.success for each in tried]):
         ends = f"{low} with {label(worst.causes)}, {high} with {label(best.causes)}"
         return f"It depends on which explanation holds: it succeeds {ends}."
     ends = f" ({low} to {high})" if low != high else ""
     return f"Whichever explanation holds, it succeeds as often, as far as the trials can tell{ends}."
-
-
-def member_in_words(outcome: Outcome) -> str:
-    """Write in a sentence which member of the current's ensemble spoils the mission; empty without an ensemble."""
-    return members_in_words(outcome.sailed, "succeeds")
 
 
 def member_sections(outcome: Outcome) -> Iterator[PageSection]:
@@ -81,7 +75,11 @@ def member_sections(outcome: Outcome) -> Iterator[PageSection]:
         columns = ("member", *_COLUMNS[1:])
         rows = [(each.causes[0], *row[1:]) for each, row in zip(tried, _rows(outcome, tried), strict=True)]
         words = [_worth(found, "member") for found in _by_place(outcome, outcome.members)]
-        heading = DIFFER.format("mission") if success_differs(tried) else "Members of the current's ensemble"
+        heading = (
+            DIFFER.format("mission")
+            if differ([each.success for each in tried if each.trials])
+            else "Members of the current's ensemble"
+        )
         yield PageSection(heading, [*words, Table(columns, rows, note)])
 
 
@@ -134,7 +132,7 @@ def may_order(judged: Outcome | None, phase: str) -> bool:
     if judged is None:
         return True
     groups = [tuple(item.quantity for item in judged.requirements if not item.met)]
-    groups += [each.missed or ("total.success",) for each in judged.assumed if each.turns]
+    groups += [each.missed or (f"{each.spoils or 'total'}.success",) for each in judged.assumed if each.turns]
     return not any(_concern(missed, phase) for missed in groups if missed)
 
 
@@ -145,7 +143,7 @@ def _concern(missed: Sequence[str], phase: str) -> bool:
 
 def judged_in_words(judged: Outcome | None) -> str:
     """Write which of the mission's requirements are met on fresh draws; nothing for a mission that requires nothing."""
-    if judged is None:
+    if judged is None or not judged.requirements:
         return ""
     missed = [item for item in judged.requirements if not item.met]
     if not missed:
@@ -165,11 +163,11 @@ _LEAST_CHANGE = 0.02
 
 
 def with_assumptions(page: Page, assumed: Sequence[Assumption]) -> Page:
-    """Tell of what is taken for granted: a page is marked good only while none of it could turn the answer."""
+    """Tell of what is taken for granted: a page is undecided while any of it could turn the answer."""
     if not assumed:
         return page
     words, write = _turning_in_words(assumed), page.write
-    undecided = page.verdict == "good" and any(each.turns for each in assumed)
+    undecided = page.verdict != "bad" and any(each.turns for each in assumed)
 
     def written() -> list[PageSection]:
         sections = list(write())
@@ -191,9 +189,10 @@ def _turning_in_words(assumed: Sequence[Assumption]) -> str:
     if not turning:
         return ""
     first, others = turning[0], len(turning) - 1
+    fails = "fails more often than not: it " if first.success < 0.5 and not first.missed else ""
     words = (
-        f" But this assumes that {first.what}: with {first.otherwise} it succeeds {100.0 * first.success:.0f} % of the "
-        "time"
+        f" But this assumes that {first.what}: with {first.otherwise} it {fails}succeeds {100.0 * first.success:.0f} % "
+        "of the time"
     )
     if first.missed:
         words += f", short of what is required of {listed([in_words(each) for each in first.missed])}"

@@ -13,6 +13,9 @@ from missionplan.arrays import Array
 from missionplan.montecarlo.statistics import Probability, Statistic
 from missionplan.results.entries import Entry, Record
 
+FAILURE_LOSS = 10.0
+"""Missions that work, of whose mean cost a mission that fails costs as much besides."""
+
 
 @dataclass(frozen=True)
 class Assumption(Record):
@@ -23,11 +26,17 @@ class Assumption(Record):
     worth: Annotated[float, Entry("by how much P(success) then changes")]
     success: Annotated[float, Entry("P(success) then")]
     missed: Annotated[tuple[str, ...], Entry("requirements that are met as it stands, and then no longer")] = ()
+    is_required: Annotated[bool, Entry("whether the mission requires P(success)", key="success_required")] = False
+    spoils: Annotated[str, Entry("phase in which most of the trials are lost that then fail; empty where none")] = ""
 
     @property
     def turns(self) -> Annotated[bool, Entry()]:
-        """Whether it could turn the answer: a requirement, or a mission that works more often than not."""
-        return bool(self.missed) or self.success < 0.5 <= self.success - self.worth
+        """Whether it could turn the answer: a requirement, or a mission that works more often than not.
+
+        Where no requirement says how often the mission has to succeed, also failures that cost as much as the mission.
+        """
+        costs = not self.is_required and -self.worth * FAILURE_LOSS >= 1.0
+        return bool(self.missed) or costs or self.success < 0.5 <= self.success - self.worth
 
 
 _STEP = re.compile(r"([^.\[\]]+)|\[(\d+)\]")
@@ -107,10 +116,9 @@ class ExplainedOutcome(Record):
     trials: Annotated[int, Entry("in which it holds")]
 
 
-def success_differs(explained: Sequence[ExplainedOutcome]) -> bool:
-    """Whether success is likelier under one explanation than under another, beyond chance: 95 % intervals apart."""
-    tried = [each.success for each in explained if each.trials]
-    return bool(tried) and max(each.low for each in tried) > min(each.high for each in tried)
+def differ(shares: Sequence[Probability]) -> bool:
+    """Whether one is likelier than another, beyond chance: 95 % intervals apart."""
+    return bool(shares) and max(each.low for each in shares) > min(each.high for each in shares)
 
 
 def label(causes: Iterable[str]) -> str:
@@ -126,11 +134,6 @@ class MemberOutcome(Record):
     name: Annotated[str, Entry("name of the member", key="member")]
     probability: Annotated[float, Entry("of the member")]
     good: Annotated[Probability, Entry("success, arrival or a dive within the radius, where the member comes true")]
-
-
-def members_differ(members: Sequence[MemberOutcome]) -> bool:
-    """Whether the plan does better in one member than in another, beyond chance: 95 % intervals apart."""
-    return bool(members) and max(each.good.low for each in members) > min(each.good.high for each in members)
 
 
 @dataclass(frozen=True)

@@ -16,10 +16,10 @@ from missionplan.mission.changes import changed_data
 from missionplan.mission.schema.phases import MoorPhase
 from missionplan.mission.schema.site import CurrentFile, TidalCurrent
 from missionplan.mission.schema.vehicle import Anchor
-from missionplan.montecarlo.distributions import Distribution
-from missionplan.montecarlo.statistics import Count
+from missionplan.montecarlo.distributions import mean_of, sd_of
+from missionplan.montecarlo.statistics import Count, Probability
 from missionplan.results.decision import Assumption
-from missionplan.results.failures import SUCCESS, Counted
+from missionplan.results.failures import SUCCESS, Counted, CountedKind
 from missionplan.results.simulation import Outcome
 from missionplan.studies.simulation.block_statistics import happened
 from missionplan.studies.simulation.simulate import event_probabilities, simulate
@@ -55,6 +55,7 @@ def ledger(mission: Mission, seed: int, run: MissionTrials | None = None) -> tup
         base = {each: Count.of(trial[:TRIALS]).probability() for each, trial in happened(mission, run).items()}
     else:
         base = event_probabilities(mission, trials=TRIALS, seed=seed)
+    is_required = any(requirement.quantity == "total.success" for requirement in mission.requirements)
     found = []
     for doubt in doubts:
         try:
@@ -68,14 +69,23 @@ def ledger(mission: Mission, seed: int, run: MissionTrials | None = None) -> tup
             if other[met := Counted.requirement(index)].value < requirement.probability <= base[met].value
         )
         before, after = base[SUCCESS].value, other[SUCCESS].value
-        found.append(Assumption(doubt.what, doubt.otherwise, after - before, after, missed))
+        spoilt = _spoilt(base, other)
+        found.append(Assumption(doubt.what, doubt.otherwise, after - before, after, missed, is_required, spoilt))
     return tuple(sorted(found, key=lambda each: (not each.turns, math.isnan(each.worth), each.worth)))
+
+
+def _spoilt(base: Mapping[Counted, Probability], other: Mapping[Counted, Probability]) -> str:
+    """Name the phase that loses most more trials than before; empty where none does."""
+    more: dict[str, float] = {"": 0.0}
+    for step in (each for each in other if each.kind is CountedKind.FAILURE):
+        more[step.of] = more.get(step.of, 0.0) + other[step].value - (base[step].value if step in base else 0.0)
+    return max(more, key=lambda phase: more[phase])
 
 
 def doubts_of(mission: Mission) -> Iterator[Doubt]:
     """Yield what a mission takes for granted, as far as it can be put off by its usual size."""
     yield from _current(mission)
-    if mission.site is not None and mission.site.wind is None:
+    if (mission.transits or mission.moors) and (mission.site is None or mission.site.wind is None):
         blows = {"speed": {"low": "0 m/s", "high": "12 m/s"}, "from": _ANYWHERE}
         yield Doubt("there is no wind", "winds of 0 to 12 m/s from anywhere", {"site.wind": blows})
     if mission.transits and mission.navigation is not None and mission.navigation.fix_error == 0.0:
@@ -116,7 +126,7 @@ def _lines(moors: Sequence[MoorPhase]) -> Iterator[Doubt]:
 def _current(mission: Mission) -> Iterator[Doubt]:
     """Yield a current that is taken as exact: none, numbers for layers, a record or a tide without an error."""
     current = mission.site.current if mission.site else ()
-    if mission.site and (mission.transits or mission.moors) and not _has_current(mission):
+    if (mission.transits or mission.moors) and not _has_current(mission):
         flows = {"down_to": "11 km", "speed": {"low": "0 m/s", "high": "0.5 m/s"}, "toward": _ANYWHERE}
         yield Doubt("there is no current", "currents of 0 to 0.5 m/s to anywhere", {"site.current": [flows]})
     if isinstance(current, CurrentFile | TidalCurrent):
@@ -126,9 +136,9 @@ def _current(mission: Mission) -> Iterator[Doubt]:
             yield Doubt("the current is as recorded", "0.1 m/s off on each axis", {"site.current.error": error})
         return
     exact = {
-        f"site.current[{number}].speed": {"mean": f"{float(layer.speed)!r} m/s", **_SD}
+        f"site.current[{number}].speed": {"mean": f"{mean_of(layer.speed)!r} m/s", **_SD}
         for number, layer in enumerate(current)
-        if not isinstance(layer.speed, Distribution)
+        if not sd_of(layer.speed)
     }
     if exact:
         yield Doubt("the layers flow just as fast as stated", "0.1 m/s faster or slower", exact)
@@ -147,44 +157,30 @@ FRESH = 1_000_003
 
 def judged(
     mission: Mission,
-    recommended: Mapping[str, object],
-    *,
-    trials: int,
-    seed: int,
-    jobs: int = 1,
-    assumptions: bool = True,
-) -> Outcome | None:
-    """Simulate a mission with what is recommended, and without each of its assumptions.
-
-    `mission`: as its file has it. `recommended`: values by key path, as a mission file has them. `trials`, `seed`: with
-    which the recommendation was chosen; the draws are those of another seed. Returns None where the mission requires
-    nothing, or cannot be simulated as a whole.
-    """
-    if not mission.requirements:
-        return None
-    return simulated_with(mission, recommended, trials=trials, seed=seed + FRESH, jobs=jobs, assumptions=assumptions)
-
-
-def doubted(mission: Mission, recommended: Mapping[str, object], outcome: Outcome) -> Outcome:
-    """Simulate a mission that was judged without each of its assumptions too."""
-    return replace(outcome, assumptions=ledger(_with(mission, recommended), outcome.provenance.seed))
-
-
-def simulated_with(
-    mission: Mission,
     values: Mapping[str, object],
     *,
     trials: int,
     seed: int,
     jobs: int = 1,
-    assumptions: bool = False,
+    assumptions: bool = True,
+    fresh: bool = True,
 ) -> Outcome | None:
-    """Simulate a mission with other values at some key paths; None where it cannot be."""
+    """Simulate a mission with what is recommended, and without each of its assumptions; None where it cannot be.
+
+    `mission`: as its file has it. `values`: by key path, as a mission file has them. `trials`, `seed`: with which they
+    were chosen; `fresh` draws are those of another seed.
+    """
+    seed += FRESH if fresh else 0
     try:
         whole = _with(mission, values)
         return simulate(whole, trials=trials, seed=seed, jobs=jobs, assumptions=assumptions, sheet=False)
     except InputError:
         return None
+
+
+def doubted(mission: Mission, recommended: Mapping[str, object], outcome: Outcome) -> Outcome:
+    """Simulate a mission that was judged without each of its assumptions too."""
+    return replace(outcome, assumptions=ledger(_with(mission, recommended), outcome.provenance.seed))
 
 
 def _with(mission: Mission, values: Mapping[str, object]) -> Mission:

@@ -5,6 +5,7 @@ import hashlib
 import json
 import re
 from dataclasses import replace
+from types import SimpleNamespace
 
 import jsonschema
 import numpy as np
@@ -16,7 +17,7 @@ from pyproj import Geod
 
 import missionplan
 from missionplan.errors import InputError
-from missionplan.exporters import VEHICLES, conformance, conformance_table
+from missionplan.exporters import VEHICLES, conformance, conformance_table, one_interval
 from missionplan.exporters.plan_json import plan_json
 from missionplan.mission import Mission
 from missionplan.results import to_yaml
@@ -332,3 +333,10 @@ def test_times_depths_and_parts_of_a_plan_by_hand():
     assert (second.aim.east, second.aim.north) == (590.0, -20.0)
     assert [each.name for each in transit.sequence] == ["1", "aim", "2 again 1", "2 again 2"]
     assert [(each.east, each.length, each.duration) for each in transit.sequence[2:]] == [(590.0, 0.0, 0.0)] * 2
+
+
+@pytest.mark.parametrize(("extra", "words"), [(-81.6, "1.36 ± 0.03 minutes less"), (81.6, "1.36 ± 0.03 minutes more")])
+def test_time_that_one_interval_saves_is_less(extra, words):
+    rule = SimpleNamespace(interval=300.0, extra_time=extra, extra_time_error=1.8, table=((0.0, 100.0),))
+    (lost,) = one_interval(SimpleNamespace(transits=(SimpleNamespace(name="out", surfacing=rule),)))
+    assert lost.endswith(f"{words} on average")

@@ -1,6 +1,7 @@
 """A mission that names draws: read and drawn from as they are, and refused when they are not its own."""
 
 import zipfile
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -80,6 +81,16 @@ def test_trials_draw_whole_rows_with_their_weights(tmp_path):
     picked = own.draws.values[own.draws.which == 2, 1]
     share = own.draws.weights[own.draws.which == 2]
     assert drawn["mean-current.east"][both].mean() == pytest.approx(np.average(picked, weights=share), abs=0.001)
+
+
+def test_a_size_that_was_measured_is_not_asked_about(tmp_path):
+    """A compass up to 0.75 rad off: of draws a fact, as a number of somebody's own unusual."""
+    found = draws()
+    far = replace(found, values=found.values * [15.0, 1.0, 1.0, 1.0])
+    path = written(tmp_path, file_of(far))
+    assert missionplan.load(path).notices() == ()
+    path.write_text(yaml.safe_dump(BASE | {"effects": [{"compass-bias": {"angle": "0.6 rad"}}]}))
+    assert "is unusual" in missionplan.load(path).notices()[0]
 
 
 def test_the_draw_of_a_trial_is_of_its_own_stream_and_of_no_other_choice(tmp_path):

@@ -18,11 +18,11 @@ from missionplan.diagnosis.coordinates import Coordinate
 from missionplan.diagnosis.explanations import weighed
 from missionplan.diagnosis.next_trial import Valuation, valuation
 from missionplan.diagnosis.next_trial.belief import to_do
-from missionplan.diagnosis.next_trial.designs import FAILURE
 from missionplan.diagnosis.next_trial.experiment import Experiment
 from missionplan.diagnosis.next_trial.leg_trials import LegTrials
 from missionplan.diagnosis.pipeline import run_pipeline
 from missionplan.mission import Mission
+from missionplan.results.decision import FAILURE_LOSS
 from tests.calibration import truths
 from tests.calibration.voyages import Truth, sail, write
 from tests.calibration.voyages import Voyage as Legs
@@ -165,7 +165,7 @@ def saved(value: Valuation, experiment: Experiment, y: np.ndarray, truth: Truth,
         return 0.0
 
     def loss(choice: int) -> float:
-        failed = value.losses.failure * (1.0 + 1.0 / FAILURE)
+        failed = value.losses.failure * (1.0 + 1.0 / FAILURE_LOSS)
         d_max, rng = float(problem.alternatives[choice]), np.random.default_rng(seed + 2)
         return mean_loss(truth, VEHICLE, VOYAGE, d_max, TRIALS, failed, rng)
 

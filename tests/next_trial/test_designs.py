@@ -11,10 +11,11 @@ import pytest
 import missionplan
 from missionplan.datasets.legs import read_transit
 from missionplan.diagnosis.next_trial import designs as losing
-from missionplan.diagnosis.next_trial.designs import COSTING_TRIALS, FAILURE, Alternatives, cost_of
+from missionplan.diagnosis.next_trial.designs import COSTING_TRIALS, Alternatives, cost_of
 from missionplan.diagnosis.next_trial.dive_trials import DiveTrials, _counted, _deepened
 from missionplan.diagnosis.next_trial.leg_trials import SHAPES, SHARES, LegTrials
 from missionplan.mission import Mission
+from missionplan.results.decision import FAILURE_LOSS
 
 MISSIONS = Path(__file__).parents[2] / "missions"
 KIND = {"kind": "transit", "name": "legs", "noise": {"fix": "3 m"}}
@@ -179,7 +180,7 @@ def test_a_failure_costs_ten_missions_besides(monkeypatch, has_energy):
     cost = np.concatenate(energy if has_energy else minutes)
     worked = np.concatenate(success)
     usual = cost[(worked > 0.0) & np.isfinite(cost)].mean()
-    assert (found.unit, found.failure) == ("W h" if has_energy else "min", pytest.approx(FAILURE * usual))
+    assert (found.unit, found.failure) == ("W h" if has_energy else "min", pytest.approx(FAILURE_LOSS * usual))
     expected = np.where(np.isfinite(cost), cost, usual) + 10.0 * usual * (1.0 - worked)
     assert found.problem.losses == pytest.approx(expected)
     assert found.success == pytest.approx(weight @ worked)

@@ -19,13 +19,11 @@ from missionplan.diagnosis.next_trial.prediction import Prediction
 from missionplan.effects import CATALOGUE
 from missionplan.errors import MissionplanError
 from missionplan.mission import Mission
+from missionplan.results.decision import FAILURE_LOSS
 from missionplan.results.learned.next_trial import LossUnit
 from missionplan.scenario.scenario import Scenario
 from missionplan.scenario.site_current import recorded_current
 from missionplan.studies.simulation.trial_block import run_block
-
-FAILURE = 10.0
-"""Missions that work, of whose mean cost a mission that fails costs as much besides."""
 
 Change = Callable[[Mission, float], Mission]
 """A mission with another value of what is chosen."""
@@ -78,7 +76,7 @@ def losses(
     cost = energy if has_energy else duration / 60.0
     works = success > 0.0
     usual = float(np.mean(cost[works & np.isfinite(cost)])) if np.any(works & np.isfinite(cost)) else 1.0
-    failure = FAILURE * usual
+    failure = FAILURE_LOSS * usual
     loss = np.where(np.isfinite(cost), cost, usual) + failure * (1.0 - success)
     unit: LossUnit = "W h" if has_energy else "min"
     return Losses(DecisionProblem(alternatives.values, loss, draws.weight), unit, failure, draws.weight @ success)

@@ -13,7 +13,7 @@ from pydantic.fields import FieldInfo
 
 from missionplan.effects import CATALOGUE, FAILED_PLUGINS
 from missionplan.errors import KeyPath, LocalProblem
-from missionplan.mission.schema.effect_list import EffectEntry
+from missionplan.mission.schema.effect_list import POSTERIOR, EffectEntry
 from missionplan.mission.schema.phases import Phase
 from missionplan.mission.schema.quantity_parser import IN_UNIT, Limit
 from missionplan.mission.validation_errors import parsers_of
@@ -109,9 +109,9 @@ def _compared(path: KeyPath, quantity: Quantity, limit: Limit) -> Findings:
 
 
 def check_effects(effects: Sequence[EffectEntry]) -> Findings:
-    """Compare the parameters of a mission's effects with the catalogue's plausible sizes."""
+    """Compare what a mission states of its effects with the catalogue's plausible sizes; draws have units already."""
     notices = []
-    for entry in effects:
+    for entry in (each for each in effects if each.explanation is None or each.explanation[0] != POSTERIOR):
         for name, quantity in entry.parameters.items():
             known = CATALOGUE[entry.effect].parameters[name]
             low, high = ends(quantity)

@@ -25,8 +25,10 @@ _COLOURS = {
     "on the seafloor": PINK,
     "still under way": BLUE,
 }
-_CROWDED = 0.08
-"""Share of the map's width within which two labels would lie on each other."""
+_LABEL_OFF = 0.04
+"""Distance of a label from its area, as a share of the map's width."""
+_SIDES = np.array([(np.sin(angle), np.cos(angle)) for angle in np.radians(np.arange(0.0, 360.0, 30.0))])
+"""Directions from an area in which its label may stand, north first."""
 
 
 def overdue_section(outcome: Outcome) -> Iterator[PageSection]:
@@ -123,7 +125,7 @@ def _map(outcome: Outcome, found: Overdue) -> Figure:
             label = None if area.way in named else area.way
             named.add(area.way)
             axes.plot(*(ring / 1000.0), color=_COLOURS[area.way], linewidth=1.3, label=label)
-    _name_hours(axes, drawn)
+    _name_hours(axes, drawn, shown.limits)
     for position in outcome.tracks.targets.values():
         axes.plot(*(np.array(position[0]) / 1000.0), "+", color=INK, markersize=7)  # an area may be too small to see
     limits = shown.limits / 1000.0
@@ -142,24 +144,20 @@ def _map(outcome: Outcome, found: Overdue) -> Figure:
     )
 
 
-def _name_hours(axes: Axes, drawn: Sequence[SearchArea]) -> None:
-    """Write the hours at the areas of the drift, one above the other where these crowd."""
-    width = float(np.ptp(np.concatenate([area.points[0] for area in drawn])))
-    placed: list[Array] = []
+def _name_hours(axes: Axes, drawn: Sequence[SearchArea], limits: Array) -> None:
+    """Write the hours beside the areas of the drift, each where the map's edge, lines and other hours are farthest."""
+    taken = np.concatenate([area.points for area in drawn], axis=1)
+    off = _LABEL_OFF * float(np.ptp(limits[0]))
     for area in sorted((area for area in drawn if area.overdue > 0.0), key=lambda area: area.centre_east):
-        top = area.points[:, np.argmax(area.points[1])]
-        level = sum(bool(np.all(np.abs(top - other) < _CROWDED * width)) for other in placed)
-        placed.append(top)
-        axes.annotate(
-            f"+{area.overdue / 3600.0:.0f}\u00a0h",
-            (float(top[0]) / 1000.0, float(top[1]) / 1000.0),
-            (0.0, 4.0 + 11.0 * level),
-            textcoords="offset points",
-            fontsize=8,
-            ha="center",
-            color=INK,
-            arrowprops={"arrowstyle": "-", "color": INK, "linewidth": 0.4} if level else None,
-        )
+        edges = area.points[:, np.argmax(_SIDES @ area.points, axis=1)]
+        places = edges + off * _SIDES.T
+        gaps = (places[:, :, None] - taken[:, None, :]) * [[[0.5]], [[1.0]]]  # words are wider than high
+        edge = np.min((places - limits[:, :1]) * (limits[:, 1:] - places) > 0.0, axis=0)
+        room = np.minimum(np.min(np.hypot(*gaps), axis=1), 0.9 * off)
+        place = places[:, np.argmax(room * edge)]
+        taken = np.concatenate((taken, np.tile(place[:, None], 2)), axis=1)
+        words = f"+{area.overdue / 3600.0:.0f}\u00a0h"
+        axes.text(*(place / 1000.0), words, fontsize=8, ha="center", va="center", color=INK)
 
 
 def _areas(outcome: Outcome, found: Overdue) -> Table:

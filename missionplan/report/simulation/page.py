@@ -10,7 +10,7 @@ from missionplan.exporters.plan_json import plan_json
 from missionplan.exporters.table import waypoints_csv
 from missionplan.montecarlo.statistics import wilson
 from missionplan.report.anchor.drawing import hold_section
-from missionplan.report.explained import explanation_in_words, explanation_sections, member_in_words, member_sections
+from missionplan.report.explained import explanation_in_words, explanation_sections, member_sections, members_in_words
 from missionplan.report.page import Cells, Page, PageSection, Table
 from missionplan.report.plan_view import rings
 from missionplan.report.quantities import quantity, reader_unit, span, with_error
@@ -192,7 +192,7 @@ def answer(outcome: Outcome) -> str:
         _success_in_words(outcome),
         "" if outcome.holds_equipment else "That is of navigation and physics: nothing breaks in it.",
         explanation_in_words(outcome),
-        member_in_words(outcome),
+        members_in_words(outcome.sailed, "succeeds"),
         *_anchors_in_words(outcome),
         *_holds_in_words(outcome),
         *_limits_in_words(outcome),

@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import Literal
 
@@ -18,7 +19,7 @@ from missionplan.store.folder import as_path
 from missionplan.studies.exploration import first_start, with_values
 from missionplan.studies.exploration.cells import SUCCESS, SharedCurrent
 from missionplan.studies.exploration.result import AIM_COLUMNS
-from missionplan.studies.judgement import is_good, judged, simulated_with
+from missionplan.studies.judgement import is_good, judged
 from missionplan.studies.optimisation import Lattice, Point, read_lattice
 from missionplan.studies.optimisation.evaluations import (
     ChoiceTask,
@@ -171,11 +172,12 @@ class _Problem:
         mission, values = self.evaluations.mission, self.lattice.values_at(point)
         run = self.run
         self.checked_trials += run.trials
-        checked = simulated_with(mission, values, trials=run.trials, seed=run.seed, jobs=run.workers.jobs)
+        judge = partial(judged, mission, values, trials=run.trials, seed=run.seed, jobs=run.workers.jobs)
+        checked = judge(assumptions=False, fresh=False)
         if checked is None or not is_good(checked):
             return None, None
         self.checked_trials += run.trials
-        fresh = judged(mission, values, trials=run.trials, seed=run.seed, jobs=run.workers.jobs)
+        fresh = judge()
         return checked, fresh if is_good(fresh) else None
 
     def _nearest(self) -> Evaluation:

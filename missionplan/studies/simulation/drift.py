@@ -9,7 +9,7 @@ import numpy as np
 from missionplan.arrays import Array
 from missionplan.mission import Mission
 from missionplan.mission.views import forecast_error
-from missionplan.montecarlo.distributions import Distribution
+from missionplan.montecarlo.distributions import sd_of
 from missionplan.montecarlo.streams import BlockStreams
 from missionplan.phases.currents import Current, LayeredCurrent
 from missionplan.phases.ensemble import Ensemble, ErringCurrent, Statistics
@@ -216,5 +216,5 @@ def states_error(mission: Mission, current: Current) -> bool:
     """Whether a mission says how far its current may be off: by an error, an ensemble, or uncertain layers."""
     written = mission.site.current if mission.site else ()
     if isinstance(written, tuple):
-        return bool(written) and isinstance(written[0].speed, Distribution)
+        return bool(written) and sd_of(written[0].speed) > 0.0
     return forecast_error(mission) is not None or isinstance(current, Ensemble)

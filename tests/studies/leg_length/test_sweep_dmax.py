@@ -8,6 +8,9 @@ import pytest
 
 from missionplan.errors import InputError
 from missionplan.mission import Mission, load
+from missionplan.report.render import terminal_view
+from missionplan.results.decision import Assumption
+from missionplan.studies import judgement
 from missionplan.studies.judgement import FRESH
 from missionplan.studies.leg_length import MAX_PAIRED, CellTotals, _totals
 from missionplan.studies.leg_length.plan_legs import plan_legs
@@ -141,7 +144,7 @@ def test_a_grid_too_fine_to_be_paired_has_unpaired_errors():
 
 
 def stripped(sweep):
-    return replace(sweep, provenance=None)
+    return replace(sweep, provenance=None, judged=sweep.judged.total.events)
 
 
 @pytest.mark.parametrize(
@@ -271,8 +274,13 @@ def test_a_transit_that_the_battery_cannot_pay_is_refused(study):
         study(Mission.from_data({**data, "vehicle": vehicle, "requirements": []}), trials=10)
 
 
-def test_nothing_is_judged_where_nothing_is_required(small):
-    assert sweep_dmax(small(), trials=64).judged is None
+@pytest.mark.parametrize(("spoils", "lead"), [("out", "Nothing to choose yet"), ("moor", "Choose d_max")])
+def test_a_choice_that_an_assumption_could_turn_is_no_order_where_nothing_is_required(small, monkeypatch, spoils, lead):
+    swell = Assumption("it is calm", "a swell", -0.4, 0.6, spoils=spoils)
+    monkeypatch.setattr(judgement, "ledger", lambda *_: (swell,))
+    found = terminal_view(sweep_dmax(small(), trials=64)).sentence
+    assert found.startswith(lead)
+    assert found.endswith("But this assumes that it is calm: with a swell it succeeds 60\u00a0% of the time.")
 
 
 @pytest.mark.usefixtures("unsought")

@@ -3,6 +3,7 @@
 import copy
 import math
 from collections import defaultdict
+from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -11,7 +12,9 @@ import scipy
 
 import missionplan
 from missionplan.rendering import render
+from missionplan.report.explained import may_order
 from missionplan.report.render import terminal_view
+from missionplan.results.decision import Assumption
 from missionplan.studies.judgement import Doubt, doubts_of, ledger
 
 pytestmark = pytest.mark.usefixtures("unplanned", "unranked", "unheld")
@@ -87,6 +90,26 @@ def test_water_that_is_taken_as_still_turns_the_answer_of_a_vehicle_that_cannot_
     assert not list(doubts_of(stated))
 
 
+def test_water_of_which_a_mission_says_nothing_is_doubted_too(one_leg):
+    """1000 s in a current of up to 0.5 m/s, within 60 m: 0.12 still; without `site` there is no wind either."""
+    mission = one_leg("0 m/s").with_({"site": None, "requirements": None})
+    still, calm = ledger(mission, seed=1)
+    assert (still.what, still.success) == ("there is no current", pytest.approx(0.12, abs=0.05))
+    assert (calm.what, calm.turns) == ("there is no wind", False)
+    shown = terminal_view(missionplan.simulate(mission, assumptions=True))
+    assert shown.verdict == "undecided"
+    assert "anywhere it fails more often than not: it succeeds" in shown.sentence.replace("\u00a0", " ")
+
+
+@pytest.mark.parametrize(
+    ("success", "is_required", "turns"),
+    [(0.95, False, False), (0.85, False, True), (0.55, False, True), (0.85, True, False), (0.45, True, True)],
+)
+def test_failures_that_cost_as_much_as_the_mission_turn_what_no_requirement_decides(success, is_required, turns):
+    """One in ten, of ten missions each, is a mission for each mission."""
+    assert Assumption("it is calm", "a swell", success - 1.0, success, is_required=is_required).turns is turns
+
+
 def test_an_anchor_that_would_slide_on_clay_is_named():
     """0.83 m/s asks for a factor of 0.42 of this anchor: of 0.2 to 0.6, somewhat less than half hold."""
     layers = [{"down_to": "20 ft", "speed": "0 m/s"}, {"down_to": "40 ft", "speed": "0.83 m/s"}]
@@ -96,7 +119,12 @@ def test_an_anchor_that_would_slide_on_clay_is_named():
     mission = mission.with_({"site.current": current, "requirements": required})
     (held,) = (each for each in ledger(mission, seed=1) if each.what == "the anchor stays where it lies")
     assert held.success == pytest.approx(0.45, abs=0.15)
-    assert held.turns
+    assert (held.turns, held.spoils) == (True, "moor")
+    held = replace(held, missed=())  # as where nothing requires it
+    assert [may_order(SimpleNamespace(requirements=(), assumed=(held,)), name) for name in ("ingress", "moor")] == [
+        True,
+        False,
+    ]
 
 
 def test_an_assumption_that_cannot_be_run_is_not_passed_over(one_leg, monkeypatch):
@@ -111,7 +139,7 @@ def test_an_assumption_that_cannot_be_run_is_not_passed_over(one_leg, monkeypatc
 def test_each_assumption_is_put_off_by_its_usual_size():
     """Of what the file gives as exact: one layer of two, no wind, no fix error, holding, flooding and the line."""
     data = copy.deepcopy(dict(missionplan.load(Path(__file__).parents[3] / "missions" / "chesapeake.yaml").raw))
-    data["site"]["current"][1]["speed"] = "0.2 m/s"
+    data["site"]["current"][1]["speed"] = {"mean": "0.2 m/s", "sd": "0 m/s"}
     data["navigation"]["fix_error"] = "0 m"
     data["vehicle"]["anchor"]["holding_factor"] = 0.3
     data["phases"][1]["moor"] |= {"line_material": None}
