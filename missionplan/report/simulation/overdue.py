@@ -154,10 +154,10 @@ def _name_hours(axes: Axes, drawn: Sequence[SearchArea], limits: Array) -> None:
         gaps = (places[:, :, None] - taken[:, None, :]) * [[[0.5]], [[1.0]]]  # words are wider than high
         edge = np.min((places - limits[:, :1]) * (limits[:, 1:] - places) > 0.0, axis=0)
         room = np.minimum(np.min(np.hypot(*gaps), axis=1), 0.9 * off)
-        place = places[:, np.argmax(room * edge)]
+        east, north = place = places[:, np.argmax(room * edge)]
         taken = np.concatenate((taken, np.tile(place[:, None], 2)), axis=1)
         words = f"+{area.overdue / 3600.0:.0f}\u00a0h"
-        axes.text(*(place / 1000.0), words, fontsize=8, ha="center", va="center", color=INK)
+        axes.text(east / 1000.0, north / 1000.0, words, fontsize=8, ha="center", va="center", color=INK)
 
 
 def _areas(outcome: Outcome, found: Overdue) -> Table:
