@@ -32,6 +32,8 @@ _SCALE, _TIE_POINT, _MATRIX, _KEYS, _NO_DATA = 33550, 33922, 34264, 34735, 42113
 """Tags of GeoTIFF 1.1, and GDAL's for missing values."""
 _GEOGRAPHIC, _PROJECTED, _RASTER_TYPE, _USER_DEFINED = 2048, 3072, 1025, 32767
 """Keys of GeoTIFF 1.1: EPSG codes of both kinds of reference systems; 2 where a pixel is a point."""
+NO_DEPTH = 9999.0
+"""What stands for a missing height or depth where nothing else is said, of either sign [m]."""
 _MOST_CELLS = 1_000_000
 """Of the grid that is made of soundings."""
 
@@ -205,7 +207,7 @@ def esri(chart: Chart) -> Grid:
     if len(numbers) != rows * columns:
         raise chart.problem(f"has {len(numbers)} values; its head says {rows} × {columns} = {rows * columns}")
     values = np.array(numbers, dtype=float).reshape(rows, columns)
-    values[values == header.get("nodata_value", -9999.0)] = np.nan
+    values[values == header.get("nodata_value", -NO_DEPTH)] = np.nan
     west = header["xllcenter"] if "xllcenter" in header else header["xllcorner"] + 0.5 * step
     south = header["yllcenter"] if "yllcenter" in header else header["yllcorner"] + 0.5 * up
     beside = chart.path.with_suffix(".prj")
@@ -216,25 +218,42 @@ def esri(chart: Chart) -> Grid:
 
 
 def xyz(chart: Chart) -> Grid:
-    """Read columns x, y and height: of a grid in any order, or of soundings, which are joined by triangles."""
-    table = _numbers(chart)
-    x, y, z = table.T
+    """Read columns x, y and height: of a grid in any order, or of soundings, which are joined by triangles.
+
+    A header may name latitudes first, and depths, which count down.
+    """
+    table, header = _numbers(chart)
+    y_first = header[:1] and header[0].startswith(("lat", "north", "y")) and header[1].startswith(("lon", "east", "x"))
+    x, y, z = table.T[[1, 0, 2]] if y_first else table.T
+    is_up = _asked_up(chart)
+    if chart.written.positive is None and header[2:] and header[2].startswith("depth"):
+        is_up = False
     columns, column = np.unique(x, return_inverse=True)
     rows, row = np.unique(y, return_inverse=True)
     if columns.size * rows.size <= 2 * x.size and min(columns.size, rows.size) > 1:
         values = np.full((rows.size, columns.size), np.nan)
         values[row, column] = z
-        return Grid(columns, rows, values, _asked_up(chart))
-    depth = -z if _asked_up(chart) else z
-    return _of_soundings(chart.to_plane(x, y, chart.system(None)), depth)
+        return Grid(columns, rows, values, is_up)
+    return _of_soundings(chart.to_plane(x, y, chart.system(None)), -z if is_up else z)
 
 
-def _numbers(chart: Chart) -> Array:
-    """Rows of three numbers, separated by blanks, commas, semicolons or tabs, under a header or none."""
-    lines = chart.path.read_text(encoding="utf-8-sig").replace(";", " ").replace(",", " ").splitlines()
+_BETWEEN = re.compile(r"\s*;\s*|\s*,\s+|\s+,\s*|\s+")
+"""Separators of cells, of which a comma within a number is none."""
+
+
+def _numbers(chart: Chart) -> tuple[Array, list[str]]:
+    """Rows of three numbers, separated by blanks, commas, semicolons or tabs, and the header above, where there is one.
+
+    Between other separators commas are decimal.
+    """
+    lines = chart.path.read_text(encoding="utf-8-sig").splitlines()
     rows = [(number, line) for number, line in enumerate(lines, start=1) if line.strip() and line.lstrip()[0] != "#"]
+    header: list[str] = []
     if rows and not re.match(r"\s*[-+.\d]", rows[0][1]):
-        rows = rows[1:]
+        header = re.split(r"[\s,;]+", rows.pop(0)[1].strip().lower())
+    first = _BETWEEN.split(rows[0][1].strip()) if rows else []
+    comma = "." if len(first) > 2 and any("," in cell for cell in first) else " "
+    rows = [(number, line.replace(";", " ").replace(",", comma)) for number, line in rows]
     try:
         table: NDArray[np.float64] = np.loadtxt([line for _, line in rows], usecols=(0, 1, 2), ndmin=2)
     except (ValueError, IndexError):
@@ -246,7 +265,7 @@ def _numbers(chart: Chart) -> Array:
         raise
     if len(table) < 4:
         raise chart.problem(f"has {len(table)} points; expected four or more")
-    return table[np.isfinite(table).all(axis=1)]
+    return table[np.isfinite(table).all(axis=1) & (np.abs(table[:, 2]) != NO_DEPTH)], header
 
 
 def contours(chart: Chart) -> Grid:

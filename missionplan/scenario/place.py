@@ -72,6 +72,7 @@ def ground_of(chart: Chart, grid: Grid) -> Ground:
     x, y = grid.x[columns], grid.y[rows]
     values = grid.values[rows, columns]
     depth = np.asarray(-values if grid.is_up else values, dtype=np.float32)
+    depth[np.abs(depth) == grid_files.NO_DEPTH] = np.nan
     _check_depths(chart, depth)
     frame = Frame.fitted(chart.low, chart.high, places, np.stack((_index(x, there[0]), _index(y, there[1]))))
     if frame is None:

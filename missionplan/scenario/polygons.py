@@ -2,6 +2,7 @@
 
 import json
 import math
+import re
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from datetime import datetime
@@ -123,21 +124,24 @@ def features(chart: Chart) -> tuple[list[Feature], str]:
         raise chart.problem("reading polygons needs shapely", how_to_install("place")) from None
     ending = chart.path.suffix.lower()
     if ending in GEOJSON:
-        return _geojson(chart), chart.system(None)
+        return _geojson(chart)
     if ending in VECTOR:
         return _vector(chart)
     raise chart.problem(f"given {shown(chart.path.name)}; expected {', '.join((*GEOJSON, *VECTOR))}")
 
 
-def _geojson(chart: Chart) -> list[Feature]:
+def _geojson(chart: Chart) -> tuple[list[Feature], str]:
+    """Geometries, and their reference system: degrees, or what files of before RFC 7946 name as `crs`."""
     from shapely.errors import ShapelyError
     from shapely.geometry import shape
 
     try:
         data = json.loads(chart.path.read_text(encoding="utf-8-sig"))
-        return [(shape(geometry), properties) for geometry, properties in _parts(data)]
+        known = [(shape(geometry), properties) for geometry, properties in _parts(data)]
+        system = str(data.get("crs", {}).get("properties", {}).get("name", ""))
     except (OSError, ValueError, KeyError, TypeError, AttributeError, ShapelyError) as error:
         raise chart.problem(f"cannot be read as GeoJSON: {type(error).__name__}: {error}") from None
+    return known, chart.system(None if re.search(r"CRS84$|\D4326$|^$", system) else system)
 
 
 def _parts(data: Any) -> Iterator[tuple[Mapping[str, Any], Mapping[str, object]]]:
@@ -283,7 +287,7 @@ def _since_start(chart: Chart, value: object, what: str, start: datetime | None)
     if start is None:
         raise chart.problem(f"{what}: given {shown(value)}; the mission needs its `start` (UTC)")
     try:
-        moment = value if isinstance(value, datetime) else moment_of(str(value)[:26])
+        moment = value if isinstance(value, datetime) else moment_of(str(value))
         return (utc(moment) - utc(start)).total_seconds()
     except (ValueError, OverflowError) as error:
         raise chart.problem(

@@ -166,13 +166,37 @@ def test_cells_that_are_higher_than_wide_and_a_tie_point_inside_are_where_they_s
     assert _first_and_step(None, tags) == ((100.0, 10.0), (90.0, -20.0))
 
 
-@pytest.mark.parametrize("separator", [" ", ",", "; ", "\t"])
-def test_xyz_of_a_grid_in_any_order(tmp_path, write, separator):
+@pytest.mark.parametrize(
+    ("separator", "point", "names"),
+    [
+        *[
+            (" ", ".", "x y z"),
+            (",", ".", "lon lat z"),
+            ("; ", ".", ""),
+            (", ", ".", ""),
+            (" ,", ".", ""),
+            ("\t", ",", "lon lat z"),
+        ],
+        *[
+            (";", ",", ""),
+            (" ", ",", "lat lon z"),
+            (",", ".", "Latitude Longitude Depth_m"),
+            (";", ",", "Lon Lat depth"),
+        ],
+    ],
+)
+def test_xyz_of_a_grid_in_any_order(tmp_path, write, separator, point, names):
     x, y = axes()
     rows = np.stack([axis.ravel() for axis in (*np.meshgrid(x, y), elevation())], axis=1)
     np.random.default_rng(1).shuffle(rows)
-    text = "\n".join(separator.join(f"{value:.8f}" for value in row) for row in rows)
-    (tmp_path / "bay.xyz").write_text(f"# x y z\nlon{separator}lat{separator}z\n{text}\n")
+    if "epth" in names:
+        rows[:, 2] *= -1.0
+    if names.lower().startswith("lat"):
+        rows = rows[:, [1, 0, 2]]
+    rows[5, 2] = -9999.0  # not known there
+    text = "\n".join(separator.join(f"{value:.8f}".replace(".", point) for value in row) for row in rows)
+    header = separator.join(names.split())
+    (tmp_path / "bay.xyz").write_text(f"# x y z\n{header}\n{text}\n")
     check(placed(write("m", bathymetry={"file": "bay.xyz"})))
 
 
@@ -211,7 +235,9 @@ def test_polygons_are_the_same_in_geojson_shapefile_and_geopackage(tmp_path, wri
     frame.to_file(tmp_path / "islet.geojson")
     frame.to_file(tmp_path / "islet.gpkg")
     frame.to_crs(32618).to_file(tmp_path / "islet.shp")
-    zones = [placed(write(ending, land={"file": f"islet.{ending}"})).zones[0] for ending in ("geojson", "gpkg", "shp")]
+    frame.to_crs(32618).to_file(tmp_path / "islet.json", driver="GeoJSON")  # which names it by `crs`
+    endings = ("geojson", "gpkg", "shp", "json")
+    zones = [placed(write(ending, land={"file": f"islet.{ending}"})).zones[0] for ending in endings]
     assert {zone.name for zone in zones} == {"islet"}
     for zone in zones[1:]:
         assert zone.geometry.hausdorff_distance(zones[0].geometry) < 0.05
@@ -220,7 +246,12 @@ def test_polygons_are_the_same_in_geojson_shapefile_and_geopackage(tmp_path, wri
 def test_times_and_depths_of_a_zone(tmp_path, write):
     feature = {
         "type": "Feature",
-        "properties": {"name": "range", "from": "2026-06-01T09:00+01:00", "to": "2026-06-01T10:00Z", "above": "30 ft"},
+        "properties": {
+            "name": "range",
+            "from": "2026-06-01T09:00:00.000000+01:00",
+            "to": "2026-06-01T10:00Z",
+            "above": "30 ft",
+        },
         "geometry": shapely.geometry.mapping(shapely.box(-76.01, 36.99, -75.99, 37.01)),
     }
     (tmp_path / "k.geojson").write_text(json.dumps(feature))
