@@ -1,6 +1,5 @@
 """A current from its files: a series at one place (CSV), or the field of an ocean model, by the reader for its grid."""
 
-import math
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import ExitStack, contextmanager
 from dataclasses import replace
@@ -15,7 +14,7 @@ from missionplan.datasets.table import plain_table
 from missionplan.errors import InputError, Problem
 from missionplan.identity import how_to_install
 from missionplan.mission.includes import REMOTE
-from missionplan.moments import epoch_seconds, utc
+from missionplan.moments import EPOCH_SCALE, epoch_seconds, utc
 from missionplan.phases.gridded_current import GriddedCurrent
 from missionplan.phases.recorded_currents import SeriesCurrent
 from missionplan.scenario.currents.area import Area
@@ -55,11 +54,11 @@ def read_series_csv(
     shown = str(path)
     frame = plain_table(path, limits, MAX_BYTES)
     values = frame[list(limits)].apply(pd.to_numeric, errors="coerce")
-    if not pd.api.types.is_numeric_dtype(frame["t_s"]):
+    if not pd.api.types.is_numeric_dtype(frame["t_s"]) or values["t_s"].min() > EPOCH_SCALE:
         if epoch is not None:
             message = "its times are dates, which site.current.start does not shift: leave it out, or give seconds"
             raise InputError([Problem(message, shown)])
-        values["t_s"] = values["t_s"].fillna(_since(start, frame["t_s"], shown))
+        values["t_s"] = _since(start, frame["t_s"].astype(str), shown)
     bad = np.flatnonzero(~np.isfinite(values.to_numpy(dtype=float)).all(axis=1))
     problems = [Problem(f"expected {len(limits)} numbers", shown, int(row) + 2) for row in bad[:20]]
     problems = problems or _impossible(values, limits, shown)
@@ -93,19 +92,22 @@ def _lead(start: datetime | None, epoch: datetime | None, shown: str) -> float:
 def _impossible(values: pd.DataFrame, limits: Mapping[str, float], shown: str) -> list[Problem]:
     """Rows with a current, a depth or a time that no sea has: a fill value, or another unit."""
     too_much = [values[name].abs() > most for name, most in limits.items()]
-    rows = np.flatnonzero(np.any(too_much, axis=0))
+    rows = np.flatnonzero(np.any([*too_much, values["depth_m"] < 0.0] if "depth_m" in limits else too_much, axis=0))
     expected = ", ".join(f"{name} at most {most:g} in size" for name, most in limits.items())
+    expected += ", depths positive down" if "depth_m" in limits else ""
     return [Problem(f"is impossible; expected {expected}", shown, int(row) + 2) for row in rows[:20]]
 
 
 def _since(start: datetime | None, times: "pd.Series[str]", shown: str) -> "pd.Series[float]":
-    """Times by ISO 8601 as seconds since the mission's start, nan where a cell holds none."""
+    """Times by ISO 8601, or since 1970, as seconds since the mission's start, nan where a cell holds none.
+
+    Seconds beside them count from the mission's start already.
+    """
     moments = epoch_seconds(times)
-    if start is None:
-        if moments.notna().any() and pd.to_numeric(times, errors="coerce").isna().all():
-            raise InputError([Problem("its times are of the day: the mission needs its `start` (UTC)", shown)])
-        return moments * math.nan
-    return moments - utc(start).timestamp()
+    is_dated = (moments > EPOCH_SCALE) | pd.to_numeric(times, errors="coerce").isna()
+    if start is None and moments[is_dated].notna().any():
+        raise InputError([Problem("its times are of the day: the mission needs its `start` (UTC)", shown)])
+    return moments - is_dated * (0.0 if start is None else utc(start).timestamp())
 
 
 def read_field(

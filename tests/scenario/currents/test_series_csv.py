@@ -35,11 +35,15 @@ def test_rows_in_any_order_by_seconds_or_by_dates(tmp_path):
     same(read(tmp_path, ROWS.sample(frac=1.0, random_state=3)[list(CURRENT_LIMITS)[::-1]]))
     dated = ROWS.assign(t_s=[(START + timedelta(seconds=t)).isoformat() for t in ROWS["t_s"]])
     same(read(tmp_path, dated, start=START))
-    same(read(tmp_path, dated, start=START + timedelta(hours=1)), -3600.0)
+    since_1970 = ROWS.assign(t_s=ROWS["t_s"] + START.timestamp())
+    same(read(tmp_path, since_1970, start=START))
+    for rows in (dated, since_1970):
+        same(read(tmp_path, rows, start=START + timedelta(hours=1)), -3600.0)
     same(read(tmp_path, ROWS, start=START, epoch=START + timedelta(minutes=5)), 300.0)
     for options, words in (({}, "its times are of the day"), ({"start": START, "epoch": START}, "its times are dates")):
-        with pytest.raises(InputError, match=words):
-            read(tmp_path, dated, **options)
+        for rows in (dated, since_1970):
+            with pytest.raises(InputError, match=words):
+                read(tmp_path, rows, **options)
     with pytest.raises(InputError, match="the mission needs its `start`"):
         read(tmp_path, ROWS, epoch=START)
 
@@ -63,6 +67,7 @@ def test_a_wind_has_no_depth_and_may_be_faster(tmp_path):
             lambda r: r.assign(depth_m=r["depth_m"] * 1200.0),
             r"series\.csv:3: is impossible; expected .*depth_m at most 11",
         ),
+        (lambda r: r.assign(depth_m=-r["depth_m"]), r"series\.csv:2: is impossible; .*depths positive down"),
     ],
 )
 def test_a_row_twice_missing_or_absurd_is_named_by_its_line(change, message, tmp_path):
