@@ -16,6 +16,7 @@ from missionplan.arrays import Array
 from missionplan.errors import InputError, Problem, did_you_mean, shown
 from missionplan.mission.documents import load_document
 from missionplan.mission.units import QuantityError, parse_number_with_unit
+from missionplan.scenario.currents.attributes import factor
 
 QUANTITIES = {
     "time": "iso",
@@ -203,16 +204,13 @@ def unit_factor(unit: str, wanted: str) -> float:
 
     Raises InputError when the unit is unknown, or of another kind.
     """
-    try:
-        return parse_number_with_unit(f"1 {unit}", wanted)
-    except QuantityError as error:
-        problems = error.problems
-    try:
-        if wanted == "m":
-            return parse_number_with_unit(f"1 {unit}", "Pa") / PASCALS_A_METRE
-    except QuantityError:
-        pass
-    raise InputError([Problem(problem.message, key="map", hint=problem.hint) for problem in problems])
+    found, pressure = factor(unit, wanted), factor(unit, "Pa") if wanted == "m" else None
+    if found is None and pressure is None:
+        try:
+            return parse_number_with_unit(f"1 {unit}", wanted)
+        except QuantityError as error:
+            raise InputError([Problem(each.message, key="map", hint=each.hint) for each in error.problems]) from None
+    return found if found is not None else (pressure or 0.0) / PASCALS_A_METRE
 
 
 def times(words: Words, unit: str) -> Array:

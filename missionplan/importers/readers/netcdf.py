@@ -11,10 +11,10 @@ import numpy as np
 import pandas as pd
 
 from missionplan.arrays import Array
+from missionplan.errors import InputError
 from missionplan.importers.importer import needed_module
 from missionplan.importers.mapping import (
     DDMM,
-    PASCALS_A_METRE,
     QUANTITIES,
     MappedName,
     ddmm_to_degrees,
@@ -24,7 +24,6 @@ from missionplan.importers.mapping import (
 )
 from missionplan.importers.track import Series, series
 from missionplan.moments import since
-from missionplan.scenario.currents.attributes import factor
 
 if TYPE_CHECKING:
     from xarray import Dataset
@@ -191,13 +190,10 @@ def _factor(unit: str, wanted: str) -> float:
     """
     if not wanted or unit in ("", "1", wanted) or (wanted == "deg" and unit.lower().startswith("deg")):
         return 1.0
-    found = factor(unit, wanted)
-    if found is None and wanted == "m":
-        pressure = factor(unit, "Pa")
-        found = None if pressure is None else pressure / PASCALS_A_METRE
-    if found is None:
-        raise ValueError(f"given the unit {unit!r}, expected one such as {wanted}")
-    return found
+    try:
+        return unit_factor(unit, wanted)
+    except InputError:
+        raise ValueError(f"given the unit {unit!r}, expected one such as {wanted}") from None
 
 
 def mapped_parts(file: Variables, columns: Mapping[str, MappedName]) -> list[dict[str, Array]]:

@@ -12,7 +12,7 @@ Pitch Angle, DFS Depth (m), Vehicle Speed (kn).
 """
 
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -20,10 +20,10 @@ import numpy as np
 import pandas as pd
 
 from missionplan.arrays import Array
-from missionplan.importers.importer import ColumnStore, Identity, Importer, ReadOptions, SourceLog, unpacked
+from missionplan.importers.importer import ColumnStore, Identity, Importer, ReadOptions, SourceLog
 from missionplan.importers.mapping import MappedName, angles, mapped, plain_numbers, times
 from missionplan.importers.readers import track
-from missionplan.importers.readers.track import read_header
+from missionplan.importers.readers.track import read_header, text_chunks
 from missionplan.importers.track import Positions, Series, Track, fixes, positions, series
 
 _COLUMNS = {
@@ -44,8 +44,6 @@ _MARKS = {"timestamp", "navstate", "heading", "depth"}
 _NAME = re.compile(r"([A-Za-z]+\d+)\.(\d+)\.")
 _TIMES = ("%d/%m/%Y %H:%M:%S", "iso")
 _AT_SURFACE = 116.0
-_ROWS = 50_000
-"""Rows that are held as text at a time."""
 _MOST_FIXES = 0.5
 """Share of rows with a new position up to which each is kept when rows are thinned."""
 
@@ -111,34 +109,25 @@ def _number(path: Path) -> tuple[str, int, str]:
 
 def _parts(path: Path) -> Iterator[dict[str, Array]]:
     """Read some rows at a time."""
-    with unpacked(path) as stream:
-        head = stream.readline()
-        separator = next((each for each in (";", "\t", "|", ",") if each.encode() in head), ";")
-        stream.seek(0)
-        tables = pd.read_csv(
-            stream, sep=separator, usecols=lambda name: _role(name) is not None, encoding="latin-1", dtype=str,
-            keep_default_na=False, on_bad_lines="skip", chunksize=_ROWS, index_col=False,
-        )  # fmt: skip
-        for table in tables:
-            yield _columns(table)
-
-
-def _columns(table: pd.DataFrame) -> dict[str, Array]:
-    table = table.rename(columns={name: _role(str(name)) for name in table})
-    missing = [name for name in _NEEDED if name not in table]
+    names = {role: name for name in reversed(read_header(path)) if (role := _role(name)) is not None}
+    missing = [role for role in _NEEDED if role not in names]
     if missing:
         raise ValueError(f"no column {', '.join(missing)}: not a gli log, or a damaged one")
-    given = {str(name): plain_numbers(table[name]) for name in table if name not in ("time", "lat", "lon")}
-    latitude, longitude = (angles(table[name], "ddmm") for name in ("lat", "lon"))
+    for table in text_chunks(path, list(names.values())):
+        yield _columns({role: table[name] for role, name in names.items()})
+
+
+def _columns(words: Mapping[str, "pd.Series[str]"]) -> dict[str, Array]:
+    given = {role: plain_numbers(each) for role, each in words.items() if role not in ("time", "lat", "lon")}
+    latitude, longitude = (angles(words[role], "ddmm") for role in ("lat", "lon"))
     moved = np.append(True, (np.diff(latitude) != 0.0) | (np.diff(longitude) != 0.0))[: len(latitude)]
     is_fix = moved & ~(given.get("reckoned", np.zeros(len(moved))) == 1.0)
     kept = {"keep": is_fix.astype(float)} if np.mean(is_fix) < _MOST_FIXES else {}
-    return {"t": _seconds(table["time"]), "lat": latitude, "lon": longitude, **given, **kept}
+    return {"t": _seconds(words["time"]), "lat": latitude, "lon": longitude, **given, **kept}
 
 
 def _role(name: str) -> str | None:
-    word = name.strip().strip('"').lower().removeprefix("ï»¿")
-    return next((role for role, names in _COLUMNS.items() if word in names), None)
+    return next((role for role, names in _COLUMNS.items() if name.lower() in names), None)
 
 
 def _seconds(words: "pd.Series[str]") -> Array:
