@@ -5,6 +5,7 @@ import shlex
 from base64 import b64encode
 from collections.abc import Sequence
 from dataclasses import replace
+from functools import cache
 from hashlib import sha256
 from importlib.resources import files
 from itertools import chain, count, groupby
@@ -85,7 +86,9 @@ def _begun(notice: str) -> str:
     return capitalised(notice) if first.isalpha() else notice
 
 
+@cache
 def _environment() -> Environment:
+    """Of the process: it keeps the templates that it has compiled."""
     environment = Environment(
         loader=PackageLoader("missionplan.report", "html"), autoescape=True, trim_blocks=True, lstrip_blocks=True
     )
