@@ -11,6 +11,7 @@ import pandas as pd
 import pytest
 import yaml
 from hypothesis import HealthCheck, settings
+from hypothesis import strategies as st
 
 from missionplan.diagnosis.dives.model import descent_model
 from missionplan.diagnosis.dives.preparation import PreparedDives, binned
@@ -33,6 +34,12 @@ settings.register_profile(
 )
 settings.register_profile("thorough", settings.get_profile("repeatable"), max_examples=100, derandomize=False)
 settings.load_profile("repeatable")
+
+
+def any_text(most: int) -> st.SearchStrategy[str]:
+    """Text of all characters but surrogates; to find these, `st.text` encodes each, for two seconds of each process."""
+    return st.text(st.characters(exclude_categories=("Cs",)), max_size=most)
+
 
 TRANSIT = {
     "name": "Legs in a bay",

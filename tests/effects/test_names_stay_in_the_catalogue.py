@@ -11,11 +11,15 @@ from missionplan.effects import CATALOGUE
 PACKAGE = Path(missionplan.__file__).parent
 MODULES = {info.effect.__module__ for info in CATALOGUE.values()}
 CLASSES = {info.effect.__name__ for info in CATALOGUE.values()}
+WORDS = (*CATALOGUE, "missionplan.effects")
+"""Where none of them is written, nothing is named or imported: most sources need not be parsed."""
 
 
 def names_known(source: str) -> list[str]:
     """Effects that a source names or imports, with the line."""
-    found = []
+    found: list[str] = []
+    if not any(word in source for word in WORDS):
+        return found
     for node in ast.walk(ast.parse(source)):
         if isinstance(node, ast.Constant) and node.value in CATALOGUE:
             found.append(f"line {node.lineno}: {node.value!r}")

@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 from missionplan import Mission, load
 from missionplan.errors import InputError
 from missionplan.montecarlo.distributions import Normal, WhichHolds
+from tests.fixtures import any_text
 
 DATA = {
     "name": "in doubt",
@@ -181,7 +182,7 @@ def test_an_unusual_size_in_an_explanation_is_noticed():
 
 @given(
     st.recursive(
-        st.none() | st.integers() | st.text(max_size=5),
+        st.none() | st.integers() | any_text(5),
         lambda inner: (
             st.lists(inner, max_size=3)
             | st.dictionaries(

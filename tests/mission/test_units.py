@@ -14,6 +14,7 @@ from pydantic_core import PydanticCustomError
 from missionplan.mission.schema.quantity_parser import CoordinateParser, QuantityParser
 from missionplan.mission.units import FACTORS, QuantityError, parse_number_with_unit
 from missionplan.montecarlo.distributions import Choices, LogNormal, Normal, TruncatedNormal, Uniform
+from tests.fixtures import any_text
 
 
 @pytest.mark.parametrize(
@@ -145,7 +146,7 @@ def test_round_trip_through_text(value: float, unit: str) -> None:
     assert metres == pytest.approx(value * one, rel=1e-12)
 
 
-@given(st.text(max_size=40))
+@given(any_text(40))
 def test_any_text_is_read_or_refused_in_words(text: str) -> None:
     try:
         assert math.isfinite(parse_number_with_unit(text, "m"))
