@@ -9,6 +9,8 @@ from pathlib import Path
 import pytest
 import yaml
 
+from missionplan.cli import main
+
 ROOT = Path(__file__).parents[1]
 PAGES = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *ROOT.glob("docs/**/*.md"), *ROOT.glob("examples/**/*.md")]
 
@@ -104,10 +106,21 @@ def test_files_are_written_and_their_parts_compared(problems):
     assert len(problems(page("<!-- from nowhere.txt -->", "y: 3"))) == 1
 
 
-def test_a_fragment_is_validated_in_its_mission(runner, tmp_path):
+def test_a_fragment_is_validated_in_its_mission(runner, tmp_path, monkeypatch, capsys):
     home = tmp_path / "here"
     shutil.copytree(ROOT / "missionplan" / "starter", home)
-    reader = runner.Reader(home)
+    reader, in_bash = runner.Reader(home), runner.Reader.run
+
+    def run(self, command):
+        """In this process, where it is a command of the package."""
+        if not command.startswith("missionplan "):
+            return in_bash(self, command)
+        monkeypatch.setattr(sys, "argv", command.split())
+        with pytest.raises(SystemExit) as ended:
+            main()
+        return int(ended.value.code or 0), "".join(capsys.readouterr())
+
+    monkeypatch.setattr(runner.Reader, "run", run)
     assert runner.problems_of(page("<!-- in mission.yaml: phases -->", "- moor: {radius: 12 m}", "yaml"), reader) == []
     made = yaml.safe_load((home / "with-mission.yaml").read_text(encoding="utf-8"))
     assert [next(iter(each)) for each in made["phases"]] == ["transit", "moor", "transit"]

@@ -8,6 +8,7 @@ The wind's part in the drift of a vehicle afloat.
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Self
 
 import numpy as np
@@ -116,13 +117,16 @@ class LayeredCurrent(Current):
 
     @override
     def velocity(self, t: Scalars, depth: Scalars, position: Array) -> Array:
-        east, north = self.east[-1], self.north[-1]
+        chosen: Array = self._velocities[-1]
         for index in range(len(self.down_to) - 2, -1, -1):
-            inside = depth <= self.down_to[index]
-            east = np.where(inside, self.east[index], east)
-            north = np.where(inside, self.north[index], north)
-        chosen = np.stack((east, north))
-        return chosen if chosen.ndim == 2 else chosen[:, None]
+            chosen = np.where(depth <= self.down_to[index], self._velocities[index], chosen)
+        return chosen
+
+    @cached_property
+    def _velocities(self) -> Array:
+        """Shape (k, 2, n), or (k, 2, 1) of trials alike [m/s]."""
+        both = np.stack((self.east, self.north), axis=1)
+        return both if both.ndim == 3 else both[..., None]
 
     @override
     def mean_velocity(self, t: Scalars, duration: Scalars, depth: Scalars, start: Array, through: Array) -> Array:
