@@ -125,8 +125,7 @@ class LayeredCurrent(Current):
     @cached_property
     def _velocities(self) -> Array:
         """Shape (k, 2, n), or (k, 2, 1) of trials alike [m/s]."""
-        both = np.stack((self.east, self.north), axis=1)
-        return both if both.ndim == 3 else both[..., None]
+        return np.stack((self.east, self.north), axis=1).reshape(len(self.east), 2, -1)
 
     @override
     def mean_velocity(self, t: Scalars, duration: Scalars, depth: Scalars, start: Array, through: Array) -> Array:

@@ -44,8 +44,7 @@ class Drawn:
 @contextmanager
 def style() -> Iterator[None]:
     """Apply the project's figure style, leaving the caller's matplotlib settings alone."""
-    path = files("missionplan.report") / "style.mplstyle"
-    with mpl.rc_context(fname=Path(str(path))):
+    with mpl.rc_context(fname=Path(str(files("missionplan.report") / "style.mplstyle"))):
         yield
 
 

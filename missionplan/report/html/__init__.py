@@ -86,17 +86,12 @@ def _begun(notice: str) -> str:
     return capitalised(notice) if first.isalpha() else notice
 
 
-@cache
+@cache  # which keeps the templates that it has compiled
 def _environment() -> Environment:
-    """Of the process: it keeps the templates that it has compiled."""
     environment = Environment(
         loader=PackageLoader("missionplan.report", "html"), autoescape=True, trim_blocks=True, lstrip_blocks=True
     )
-    environment.filters["inline"] = inline
-    environment.filters["grouped"] = grouped
-    environment.filters["shape"] = shape
-    environment.filters["size_class"] = size_class
-    environment.filters["filled"] = filled
+    environment.filters.update(inline=inline, grouped=grouped, shape=shape, size_class=size_class, filled=filled)
     environment.tests["text"] = lambda block: isinstance(block, str)
     environment.tests["figures"] = lambda block: isinstance(block, list)
     environment.tests["table"] = lambda block: isinstance(block, Table)
