@@ -9,13 +9,14 @@ from dataclasses import dataclass, replace
 from difflib import get_close_matches
 from functools import partial
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pandas as pd
 
 from missionplan.datasets.csv_cells import BLANKS, check_file, long_rows, open_table, read_cells, read_header
 from missionplan.errors import UNPRINTABLE, InputError, Problem, counted
-from missionplan.moments import epoch_seconds
+from missionplan.moments import EPOCH_SCALE, epoch_seconds
 
 MAX_SHOWN = 5
 """Problems of one sort that are reported one by one; the rest are counted."""
@@ -95,6 +96,19 @@ def plain_table(path: Path, columns: Collection[str], max_bytes: int) -> pd.Data
     if frame.empty:
         raise InputError([Problem("has no rows of data", file, 1)])
     return frame.rename(columns=str.strip)
+
+
+def times_from(cells: "pd.Series[Any]", zero: float | None, file: str) -> "pd.Series[float]":
+    """Read the times of a record as seconds from a zero, nan where a cell holds none.
+
+    Times by ISO 8601 and seconds since 1970 are counted from there, other seconds count from it already. Raises
+    InputError where they are dates and the zero is not known [s since 1970].
+    """
+    moments = epoch_seconds(cells.astype(str))
+    is_date = (moments > EPOCH_SCALE) | pd.to_numeric(cells, errors="coerce").isna()
+    if zero is None and moments[is_date].notna().any():
+        raise InputError([Problem("its times are of the day: the mission needs its `start` (UTC)", file)])
+    return moments - is_date * (zero or 0.0)
 
 
 def read_table(path: Path, columns: Columns) -> CsvTable:

@@ -238,19 +238,14 @@ def _record(path: Path, mission: Mission) -> SeaLevel:
     """Read a record of the sea level: CSV with ``t_s``, from the mission's start, or dates, and ``height_m``."""
     import pandas as pd
 
-    from missionplan.datasets.table import plain_table
+    from missionplan.datasets.table import plain_table, times_from
 
     frame = plain_table(path, ("t_s", "height_m"), MAX_BYTES)
     if len(frame) < 2:
         message = "has fewer than two rows; a record of the tide has t_s, height_m"
         raise InputError([Problem(message, str(path), 1, key="site.tide_height.file")])
-    time = pd.to_numeric(frame["t_s"], errors="coerce")
-    if not pd.api.types.is_numeric_dtype(frame["t_s"]):
-        from missionplan.moments import epoch_seconds
-
-        if mission.start is None:
-            raise InputError([Problem("its times are of the day: the mission needs its `start` (UTC)", str(path))])
-        time = epoch_seconds(frame["t_s"]) - mission.start.timestamp()
+    zero = None if mission.start is None else mission.start.timestamp()
+    time = times_from(frame["t_s"], zero, str(path))
     table = np.stack((time.to_numpy(dtype=float), pd.to_numeric(frame["height_m"], errors="coerce").to_numpy(float)))
     wrong = np.flatnonzero(~np.isfinite(table).all(axis=0) | (np.abs(table[1]) > _HIGHEST_TIDE))
     problems = [

@@ -10,11 +10,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 import pandas as pd
 
-from missionplan.datasets.table import plain_table
+from missionplan.datasets.table import plain_table, times_from
 from missionplan.errors import InputError, Problem
 from missionplan.identity import how_to_install
 from missionplan.mission.includes import REMOTE
-from missionplan.moments import EPOCH_SCALE, epoch_seconds, utc
+from missionplan.moments import EPOCH_SCALE, utc
 from missionplan.phases.gridded_current import GriddedCurrent
 from missionplan.phases.recorded_currents import SeriesCurrent
 from missionplan.scenario.currents.area import Area
@@ -58,7 +58,7 @@ def read_series_csv(
         if epoch is not None:
             message = "its times are dates, which site.current.start does not shift: leave it out, or give seconds"
             raise InputError([Problem(message, shown)])
-        values["t_s"] = _since(start, frame["t_s"].astype(str), shown)
+        values["t_s"] = times_from(frame["t_s"], None if start is None else utc(start).timestamp(), shown)
     bad = np.flatnonzero(~np.isfinite(values.to_numpy(dtype=float)).all(axis=1))
     problems = [Problem(f"expected {len(limits)} numbers", shown, int(row) + 2) for row in bad[:20]]
     problems = problems or _impossible(values, limits, shown)
@@ -96,18 +96,6 @@ def _impossible(values: pd.DataFrame, limits: Mapping[str, float], shown: str) -
     expected = ", ".join(f"{name} at most {most:g} in size" for name, most in limits.items())
     expected += ", depths positive down" if "depth_m" in limits else ""
     return [Problem(f"is impossible; expected {expected}", shown, int(row) + 2) for row in rows[:20]]
-
-
-def _since(start: datetime | None, times: "pd.Series[str]", shown: str) -> "pd.Series[float]":
-    """Times by ISO 8601, or since 1970, as seconds since the mission's start, nan where a cell holds none.
-
-    Seconds beside them count from the mission's start already.
-    """
-    moments = epoch_seconds(times)
-    is_dated = (moments > EPOCH_SCALE) | pd.to_numeric(times, errors="coerce").isna()
-    if start is None and moments[is_dated].notna().any():
-        raise InputError([Problem("its times are of the day: the mission needs its `start` (UTC)", shown)])
-    return moments - is_dated * (0.0 if start is None else utc(start).timestamp())
 
 
 def read_field(

@@ -14,10 +14,10 @@ import pandas as pd
 from typing_extensions import override
 
 from missionplan.arrays import Array
-from missionplan.datasets.csv_cells import check_file, read_cells, read_header
-from missionplan.errors import InputError, Problem, did_you_mean
+from missionplan.datasets.table import plain_table, times_from
+from missionplan.errors import InputError, Problem
 from missionplan.identity import how_to_install
-from missionplan.moments import epoch_of, is_since, utc
+from missionplan.moments import EPOCH_SCALE, is_since, utc
 from missionplan.results import Provenance, Result, to_csv, to_yaml
 from missionplan.results.entries import Entry, Record
 from missionplan.scenario.currents.attributes import FieldAttributeError, depths, moments, speed_factor, tidied
@@ -213,16 +213,13 @@ def read_current_record(path: Path, start: datetime | None = None) -> CurrentRec
     """
     if path.suffix.lower() in NETCDF:
         return _read_netcdf(path)
-    check_file(path, MAX_BYTES)
-    header = read_header(path)
-    missing = [name for name in COLUMNS if name not in header]
-    problems = [Problem(f"lacks the column {name}", str(path), 1, hint=did_you_mean(name, header)) for name in missing]
-    twice = [name for name in COLUMNS if header.count(name) > 1]
-    if problems := [*problems, *(Problem(f"the column {name} stands twice", str(path), 1) for name in twice)]:
-        raise InputError(problems)
-    cells = read_cells(path, header, COLUMNS, ("t_s",))
-    times = _times(cells["t_s"], start, path)
-    numbers = {name: pd.to_numeric(cells[name], errors="coerce") for name in COLUMNS[1:]}
+    cells = plain_table(path, COLUMNS, MAX_BYTES)
+    numbers = {name: pd.to_numeric(cells[name], errors="coerce") for name in COLUMNS}
+    if start is None and (numbers["t_s"] <= EPOCH_SCALE).any():
+        hint = "give times such as 2026-05-01T00:00:00Z, or --start"
+        raise InputError([Problem("its times are seconds, and nothing says since when", str(path), hint=hint)])
+    zero = 0.0 if start is None else utc(start).timestamp()
+    times, _ = zero + times_from(cells["t_s"], zero, str(path)), numbers.pop("t_s")
     _check_cells(path, cells, times, numbers)
     rows = pd.DataFrame({"t": times, **numbers})
     if (again := rows.duplicated(["t", "depth_m"]).to_numpy().nonzero()[0]).size:
@@ -234,41 +231,20 @@ def read_current_record(path: Path, start: datetime | None = None) -> CurrentRec
     )
 
 
-def _times(words: "pd.Series[str]", start: datetime | None, path: Path) -> "pd.Series[float]":
-    """Seconds since 1970; nan where a cell holds no time."""
-    seconds = pd.to_numeric(words, errors="coerce")
-    if seconds.notna().all() and len(seconds):
-        if start is None:
-            hint = "give times such as 2026-05-01T00:00:00Z, or --start"
-            raise InputError([Problem("its times are seconds, and nothing says since when", str(path), hint=hint)])
-        return seconds + utc(start).timestamp()
-    return words.map(_moment).astype(float)
-
-
-def _moment(text: object) -> float:
-    try:
-        return math.nan if not isinstance(text, str) or not text.strip()[:4].isdigit() else epoch_of(text)
-    except (ValueError, OverflowError):
-        return math.nan
-
-
 def _check_cells(
     path: Path, cells: pd.DataFrame, times: "pd.Series[float]", numbers: dict[str, "pd.Series[float]"]
 ) -> None:
-    if cells.empty:
-        raise InputError([Problem("has no rows of data", str(path), 1)])
-    shown, problems = str(path), []
-    bad = times.isna() | numbers["depth_m"].isna()
-    problems += [Problem("expected a time and a depth", shown, int(row)) for row in cells.index[bad][:_LISTED]]
-    deep = numbers["depth_m"].abs() > DEEPEST
+    shown, depth = str(path), numbers["depth_m"]
     fast = (numbers["east_m_s"].abs() > FASTEST) | (numbers["north_m_s"].abs() > FASTEST)
-    words = f"is impossible; expected a depth of at most {DEEPEST:g} m and a current of at most {FASTEST:g} m/s"
+    words = f"is impossible; expected a depth of 0 to {DEEPEST:g} m and a current of at most {FASTEST:g} m/s"
     hint = "a fill value, or another unit? leave the cell empty where nothing was measured"
-    problems += [Problem(words, shown, int(row), hint=hint) for row in cells.index[deep | fast][:_LISTED]]
-    for name in ("east_m_s", "north_m_s"):
-        text = numbers[name].isna() & cells[name].notna() & (cells[name].astype(str).str.strip() != "")
-        text &= ~cells[name].astype(str).str.lower().isin(["nan", "na", "n/a", "null"])
-        problems += [Problem(f"{name}: expected a number", shown, int(row)) for row in cells.index[text][:_LISTED]]
+    wrong = [
+        ("expected a time and a depth", times.isna() | depth.isna(), ""),
+        (words, (depth < 0.0) | (depth > DEEPEST) | fast, hint),
+        *((f"{each}: expected a number", numbers[each].isna() & cells[each].notna(), "") for each in COLUMNS[2:]),
+    ]
+    problems = [Problem(what, shown, int(row) + 2, hint=more)
+                for what, where, more in wrong for row in cells.index[where][:_LISTED]]  # fmt: skip
     if problems:
         raise InputError(problems)
 

@@ -245,6 +245,7 @@ def test_latitude_and_start_may_be_text_as_on_the_command_line(tmp_path):
         ({"north_m_s": "fast"}, {"latitude": 0.6}, "expected a number"),
         ({}, {"latitude": 37.2}, "between −90° and 90°"),
         ({"depth_m": 8e6}, {"latitude": 0.6}, "impossible"),
+        ({"depth_m": -8.0}, {"latitude": 0.6}, "impossible; expected a depth of 0 to"),
         ({"east_m_s": math.nan}, {"latitude": 0.6}, "too short for a tide"),
         ({}, {"latitude": "37.2 furlong"}, "furlong"),
         ({}, {"latitude": 0.6, "start": "yesterday"}, "expected a time such as"),

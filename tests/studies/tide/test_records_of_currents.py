@@ -72,9 +72,13 @@ def test_a_csv_in_any_order_of_rows_with_gaps(tmp_path):
     same(read_current_record(path))
     dated.drop(index=7).to_csv(path, index=False)  # a row that is not there is a gap as well
     same(read_current_record(path))
+    began = pd.Timestamp(BEGINS, unit="s", tz="UTC").to_pydatetime()
+    rows.to_csv(path, index=False)  # seconds since 1970 need no start, and none is added
+    same(read_current_record(path))
+    same(read_current_record(path, began))
     since = rows.assign(t_s=rows["t_s"] - BEGINS)
     since.to_csv(path, index=False)
-    same(read_current_record(path, pd.Timestamp(BEGINS, unit="s", tz="UTC").to_pydatetime()))
+    same(read_current_record(path, began))
     pd.concat([dated, dated.iloc[[4]]]).to_csv(path, index=False)
     with pytest.raises(InputError, match=r"record\.csv:14: this row has the time and depth of an earlier one"):
         read_current_record(path)
