@@ -157,7 +157,7 @@ def _dive(depth: Series, start: float, end: float) -> Series:
 def _judged(parts: Sequence[Series], starts: Sequence[float]) -> pd.DataFrame:
     rows = []
     for k, (part, start) in enumerate(zip(parts, starts, strict=True)):
-        gap = float(np.diff(part.t).max()) if len(part) > 1 else np.inf
+        gap = float(np.diff(part.t, prepend=0.0).max()) if len(part) > 1 else np.inf
         deepest = float(part.values.max()) if len(part) else np.nan
         reasons = [
             f"fewer than {FEWEST} readings ({len(part)})" if len(part) < FEWEST else "",

@@ -73,6 +73,14 @@ def test_the_folder_says_what_is_known_and_what_is_not(tmp_path):
     assert dict(by_sinking.can_show)["late payout of the line, a clock's offset"].startswith("no: ")
 
 
+def test_a_mark_long_before_the_log_is_of_no_dive(tmp_path):
+    imported(tmp_path)
+    found = import_logs([tmp_path / "dives.csv"], kind="descent", names=["time=t[epoch] depth=depth"],
+                        marks=["2023-11-14T15:15:00Z"])  # fmt: skip
+    assert found.dives["ok"].tolist() == [0]
+    assert found.dives["reason"][0].startswith("a gap in the log (2")
+
+
 def test_marks_are_read_in_any_order():
     assert read_marks(["2023-11-14T22:15:00Z", "1700000000"]) == [BEGAN, BEGAN + 100.0]
     with pytest.raises(InputError, match="given 'noon', expected a time") as refused:

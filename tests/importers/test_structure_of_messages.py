@@ -206,6 +206,7 @@ def test_bags_of_any_kind_names_types_and_frames_say_the_same(plain, tmp_path, k
     changes = [{}, {"stamped": True}, {"flat": True}]  # each type of message in each kind of bag
     if kind == "mcap":
         changes += [{"fix": "/gnss/raw", "odometry": "/nav/state"}, {"ned": True}, {"ned": True, "frame": "world"}]
+        changes += [{"frame": "map_aligned"}, {"ned": True, "flat": True, "frame": "local-NED"}]
     for k, change in enumerate(changes):
         path = tmp_path / f"{k}.bag" if kind == "bag" else tmp_path / str(k)
         with Bag(path, kind) as bag:

@@ -6,6 +6,7 @@ geometry_msgs and gps_common of docs.ros.org.
 """
 
 import math
+import re
 from collections import defaultdict
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
@@ -38,6 +39,8 @@ _COLUMNS = {
     "depth": ("t", "depth"),
 }
 _SECOND_FORMAT = (".db3", ".mcap")
+_DOWNWARDS = re.compile(r"(?<![a-z])ned(?![a-z])")
+"""In the name of a frame: a word, unlike that in `aligned`."""
 
 
 def recognises(path: Path, head: bytes) -> bool:
@@ -150,7 +153,7 @@ def _odometry(message: Any, logged: float) -> tuple[float, ...]:
         place.z,
         yaw,
         pitch,
-        float("ned" in message.header.frame_id.lower()),
+        float(_DOWNWARDS.search(message.header.frame_id.lower()) is not None),
     )
 
 
