@@ -28,7 +28,7 @@ from missionplan.importers.judging import JUMPED
 from missionplan.importers.mapping import read_mapping
 from missionplan.importers.sources import Reading, Sources, find_sources, of_one
 from missionplan.importers.starter import LegNumbers, mission_text, numbers_of, prospects
-from missionplan.importers.track import Fixes, Positions, Track
+from missionplan.importers.track import Fixes, Positions, Track, possible
 from missionplan.mission.schema.place import Geographic, to_plane
 from missionplan.results.imported import ImportedData, LogFigures, SourceEntry, TrackLines
 from missionplan.store.folder import as_path
@@ -108,7 +108,7 @@ def import_logs(
     log = SourceLog(progress=progress, is_strict=is_strict)
     options = ReadOptions(mapping, None if cache is None else as_path(cache, "cache"), vehicle)
     track = _of_one_deployment(_read(found, options, log), None if identity.deployment else deployment)
-    track = with_declination(track)
+    track = with_declination(possible(track))
     track = replace(track, notices=(*track.notices, *_of_the_clock(track), *map(str, left_out)))
     if shift_origin is not None:
         track = shifted(track, *shift_origin)

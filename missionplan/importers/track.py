@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from missionplan.arrays import Array
+from missionplan.errors import InputError, Problem
 
 _NONE = np.empty(0)
 _SAME_PLACE = 1e-4
@@ -223,3 +224,29 @@ class Track:
 
     notices: tuple[str, ...] = ()
     """What the reader noticed."""
+
+
+_GREATEST = {"depth": 12_000.0, "pitch": 180.0, "heading": 360.0, "speed": 12.0, "declination": 180.0}
+"""Size of a quantity beyond which it is none, but a value that stands for none, in the track's units."""
+_MOST = 0.5
+"""Share of such readings from which on the unit is another one."""
+
+
+def possible(track: Track) -> Track:
+    """Leave out readings that no vehicle has, and say how many.
+
+    Raises InputError where most of a quantity's are such: they are in another unit.
+    """
+    kept: dict[str, Any] = {}
+    notices = []
+    for name, greatest in _GREATEST.items():
+        read: Series = getattr(track, name)
+        wrong = np.abs(read.values) > greatest
+        if wrong.any():
+            told = f"{wrong.sum()} of {len(read)} readings of the {name} are impossible, such as"
+            told = f"{told} {read.values[wrong][0]:.6g}"
+            if wrong.mean() > _MOST:
+                raise InputError([Problem(told, hint="are they in another unit than said?")])
+            kept[name] = Series(read.t[~wrong], read.values[~wrong])
+            notices.append(f"{told}: left out")
+    return replace(track, **kept, notices=(*track.notices, *notices))

@@ -1,5 +1,6 @@
 """Parts of readers, by themselves: the Earth, what is nearest in time, from which origin a filter counts, doubts."""
 
+from dataclasses import replace
 from datetime import UTC, datetime
 
 import numpy as np
@@ -7,6 +8,7 @@ import pandas as pd
 import pyproj
 import pytest
 
+from missionplan.errors import InputError
 from missionplan.importers.geodesy import displacement, metres_per_degree, model_declination
 from missionplan.importers.importer import ChannelStore, PartlyReadError, Samples
 from missionplan.importers.mapping import MappedName, times
@@ -14,6 +16,7 @@ from missionplan.importers.readers import ardupilot, moos
 from missionplan.importers.readers.track import _check_times, _marks
 from missionplan.importers.reckoning import HEADING_ERROR
 from missionplan.importers.starter import _glide_doubt
+from missionplan.importers.track import Track, fixes, possible, series
 
 GEOD = pyproj.Geod(ellps="WGS84")
 
@@ -110,3 +113,16 @@ def test_units_of_readers_are_those_given_or_usual():
     found = [moos._factor(given, *each) for each in (("depth",), ("speed",), ("hdop",), ("pitch", "rad"), ("heading",))]
     assert found == pytest.approx([0.3048, 1852.0 / 3600.0, 1.0, 180.0 / np.pi, 1.0], rel=1e-6)
     assert moos._factor({"pitch": MappedName("PITCH", "deg")}, "pitch", "rad") == 1.0
+
+
+def test_readings_that_no_vehicle_has_are_left_out_and_those_of_another_unit_refused():
+    none, t = fixes(np.empty(0), np.empty(0), np.empty(0)), np.arange(4.0)
+    track = Track(
+        "a", "track", none, heading=series(t, [10.0, 655.35, 359.0, -170.0]), speed=series(t, [1.0, -1.0, 2.0, 0.0])
+    )
+    found = possible(track)
+    assert (found.heading.t.tolist(), found.heading.values.tolist()) == ([0.0, 2.0, 3.0], [10.0, 359.0, -170.0])
+    assert found.speed is track.speed
+    assert found.notices == ("1 of 4 readings of the heading are impossible, such as 655.35: left out",)
+    with pytest.raises(InputError, match="3 of 4 readings of the speed are impossible, such as 1000"):
+        possible(replace(track, speed=series(t, [1000.0, 1200.0, 900.0, 0.0])))
