@@ -129,6 +129,16 @@ def unpacked(path: Path) -> BinaryIO:
     return cast(BinaryIO, gzip.open(path, "rb")) if path.suffix.lower() == ".gz" else path.open("rb")
 
 
+_HEAD = 4096
+"""Bytes of a file by which it is recognised."""
+
+
+def head_of(path: Path) -> bytes:
+    """First bytes of a file, unpacked where it is packed."""
+    with unpacked(path) as stream:
+        return bytes(stream.read(_HEAD))
+
+
 def needed_module(name: str, extra: str, format_name: str) -> ModuleType:
     """Import a library that a format needs.
 

@@ -12,14 +12,12 @@ from pathlib import Path
 import yaml
 
 from missionplan.errors import InputError, Problem, did_you_mean, shown
-from missionplan.importers.importer import DAMAGED, Identity, Importer, unpacked
+from missionplan.importers.importer import DAMAGED, Identity, Importer, head_of
 from missionplan.importers.track import Track
 from missionplan.results import Provenance
 from missionplan.results.imported import SourceEntry
 from missionplan.store.folder import check_name, is_file, is_folder
 
-_HEAD = 4096
-"""Bytes of a file by which it is recognised."""
 _COMPANIONS = (".cac", ".ccc")
 """Files that others need and that are no logs themselves."""
 _UTC = "times without a zone are taken as UTC"
@@ -236,10 +234,9 @@ def _format_of(path: Path, importers: Mapping[str, Importer], format_name: str |
 
 
 def _head(path: Path) -> bytes:
-    """First bytes of a file, unpacked where it is packed; none where it cannot be read."""
+    """First bytes of a file; none where it cannot be read."""
     try:
-        with unpacked(path) as stream:
-            return bytes(stream.read(_HEAD))
+        return head_of(path)
     except (OSError, EOFError, zlib.error):
         return b""
 

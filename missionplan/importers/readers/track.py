@@ -31,6 +31,7 @@ from missionplan.importers.importer import (
     ReadOptions,
     Samples,
     SourceLog,
+    head_of,
     needed_module,
     unpacked,
 )
@@ -40,8 +41,6 @@ from missionplan.importers.track import Fixes, Positions, Series, Track, fixes, 
 from missionplan.moments import moment_of, utc
 
 _ANGLES = ("lat", "lon", "dr_lat", "dr_lon")
-_HEAD = 4096
-"""Bytes of a file by which it is told what it is."""
 _NO_COLUMNS = ("origin", "gps", "odometry")
 _QUALITIES = {"hdop": "hdop", "accuracy": "hacc", "satellites": "satellites", "valid": "valid"}
 
@@ -59,8 +58,7 @@ def read(files: Sequence[Path], options: ReadOptions, log: SourceLog) -> Track:
     store, found = ColumnStore(), Samples(FIX_COLUMNS)
     for path in log.each(sorted(files)):
         with log.reading(path):
-            with unpacked(path) as stream:
-                head = stream.read(_HEAD)
+            head = head_of(path)
             if is_gpx(path, head):
                 add_gpx(path, found)
             elif is_nmea(path, head):
@@ -225,16 +223,11 @@ def _names_in(name: str) -> list[str]:
 
 def _joined(chunk: pd.DataFrame, name: str) -> "pd.Series[str]":
     first, *others = _names_in(name)
-    words = chunk[first].astype(str)
-    for other in others:
-        words = words + " " + chunk[other].astype(str)
-    return words
+    return chunk[first].str.cat([chunk[other] for other in others], sep=" ") if others else chunk[first]
 
 
 def _opened(path: Path) -> IO[str]:
-    with unpacked(path) as stream:
-        is_wide = stream.read(2) in (codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)
-    encoding = "utf-16" if is_wide else "utf-8-sig"
+    encoding = "utf-16" if head_of(path).startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)) else "utf-8-sig"
     return io.TextIOWrapper(unpacked(path), encoding=encoding, errors="replace", newline="")
 
 
@@ -308,8 +301,7 @@ def add_nmea(path: Path, found: Samples) -> None:
     """
     library = needed_module("pynmea2", "track", "track (NMEA)")
     epoch, last, has_fixes = _Epoch(), None, False
-    with unpacked(path) as head:
-        is_summed = _SUMMED.search(head.read(_HEAD)) is not None
+    is_summed = _SUMMED.search(head_of(path)) is not None
     with io.TextIOWrapper(unpacked(path), encoding="ascii", errors="replace") as stream:
         for line in stream:
             start = line.find("$")
