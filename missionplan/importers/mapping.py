@@ -189,6 +189,23 @@ def plain_numbers(words: Words) -> Array:
     return without_nines(np.array(numbers, dtype=float))
 
 
+_FLAGS = {**dict.fromkeys(("a", "true", "t", "yes", "y", "ok", "valid"), 1.0),
+          **dict.fromkeys(("v", "false", "f", "no", "n", "invalid", "void"), 0.0)}  # fmt: skip
+
+
+def flags(words: Words) -> Array:
+    """Whether fixes are valid: numbers, or A and V as receivers write them, True and False, yes and no.
+
+    Raises InputError when a cell holds anything else.
+    """
+    plain = words.str.strip().str.lower()
+    found = np.where(plain.isin(_FLAGS), plain.map(_FLAGS), plain_numbers(words))
+    other = plain[np.isnan(found) & ~plain.isin(("", "nan"))]
+    if len(other):
+        raise InputError([Problem(f"given {shown(other.iloc[0])}, expected numbers, A or V, True or False", key="map")])
+    return np.asarray(found, dtype=float)
+
+
 def quantities(words: Words, unit: str, wanted: str) -> Array:
     """Numbers in a unit that pint knows, in the wanted one.
 

@@ -35,7 +35,7 @@ from missionplan.importers.importer import (
     needed_module,
     unpacked,
 )
-from missionplan.importers.mapping import QUANTITIES, MappedName, angles, check_mapping, quantities, times
+from missionplan.importers.mapping import QUANTITIES, MappedName, angles, check_mapping, flags, quantities, times
 from missionplan.importers.readers.netcdf import MAGIC, Variables, mapped_parts, opened
 from missionplan.importers.track import Fixes, Positions, Series, Track, fixes, positions, series
 from missionplan.moments import moment_of, utc
@@ -106,6 +106,8 @@ def _of_text(chunk: pd.DataFrame, columns: Mapping[str, MappedName]) -> dict[str
             found["t"] = times(words, each.unit)
         elif quantity in _ANGLES:
             found[quantity] = angles(words, each.unit)
+        elif quantity == "valid":
+            found[quantity] = flags(words)
         else:
             found[quantity] = quantities(words, each.unit, QUANTITIES[quantity])
     return found
@@ -223,7 +225,7 @@ def _names_in(name: str) -> list[str]:
 
 def _joined(chunk: pd.DataFrame, name: str) -> "pd.Series[str]":
     first, *others = _names_in(name)
-    return chunk[first].str.cat([chunk[other] for other in others], sep=" ") if others else chunk[first]
+    return chunk[first].str.cat(chunk[others], sep=" ") if others else chunk[first]
 
 
 def _opened(path: Path) -> IO[str]:

@@ -8,7 +8,16 @@ import pytest
 
 from missionplan.errors import InputError
 from missionplan.importers.geodesy import displacement, moved
-from missionplan.importers.mapping import MappedName, angles, mapped, plain_numbers, quantities, read_mapping, times
+from missionplan.importers.mapping import (
+    MappedName,
+    angles,
+    flags,
+    mapped,
+    plain_numbers,
+    quantities,
+    read_mapping,
+    times,
+)
 
 MOMENT = datetime(2023, 11, 14, 22, 13, 20, 500_000, tzinfo=UTC)
 SECONDS = MOMENT.timestamp()
@@ -42,6 +51,13 @@ def test_degrees_in_every_writing(word, unit, degrees):
 def test_a_direction_that_is_east_in_one_tongue_and_west_in_another_is_refused(word, unit):
     with pytest.raises(InputError, match="is O east"):
         angles(series(word), unit)
+
+
+def test_flags_of_fixes_in_words_and_numbers():
+    assert flags(series("A", "V", "true", "No", "1", "0", "", "2")).tolist()[:6] == [1.0, 0.0] * 3
+    assert np.isnan(flags(series("", "A"))[0])
+    with pytest.raises(InputError, match="given '3d', expected numbers, A or V"):
+        flags(series("A", "3D"))
 
 
 def test_numbers_that_stand_for_none():
