@@ -20,7 +20,7 @@ from missionplan.results.plan_places import Waypoint, WaypointKind
 from missionplan.scenario.phases import deployed, transit_normals
 from missionplan.scenario.scenario import Scenario, leg_table
 from missionplan.studies.leg_length import SweepScenario
-from missionplan.studies.leg_length.paired_trials import PILOT_BLOCK, LegsAtSpeed, arrival_shortfall, run_plans
+from missionplan.studies.leg_length.paired_trials import PILOT_BLOCK, LegsAtSpeed, expected_cost, run_plans
 
 TRIALS = 1024
 """Trials from which the 99 % durations are taken, and on which a table and intervals are compared."""
@@ -118,7 +118,7 @@ def single_interval(means: Scenario, phase: TransitPhase[Scalars], legs: LegTabl
     """Find the d_max of the mission's grid that costs least, and what it costs beyond the transit's table.
 
     It is chosen by the rule of `sweep-dmax`: of those that arrive as often as the mission requires the one of least
-    time, and where none does, the likeliest to arrive.
+    time, and where none does, with failures counted.
 
     Raises InputError when the transit cannot be swept: the drift is as fast as the vehicle, or the energy does not
     suffice.
@@ -129,19 +129,12 @@ def single_interval(means: Scenario, phase: TransitPhase[Scalars], legs: LegTabl
     candidates = [float(length) for length in scenario.d_max]
     plans = [LegsAtSpeed(legs), *(LegsAtSpeed(length) for length in candidates)]
     table, *single = run_plans(scenario, plans, seed, PILOT_BLOCK, TRIALS)
-    scores = [
-        (arrival_shortfall(found, scenario.required_arrival), _mean(found.duration[found.arrived])) for found in single
-    ]
+    scores = [expected_cost(found, scenario.required_arrival, found.duration) for found in single]
     best = min(range(len(single)), key=scores.__getitem__)
     both = single[best].arrived & table.arrived
     extra = single[best].duration[both] - table.duration[both]
-    error = float(extra.std() / np.sqrt(max(extra.size, 1))) if extra.size else float("nan")
-    return SingleInterval(candidates[best], _mean(extra), error)
-
-
-def _mean(values: Array) -> float:
-    """Mean; infinite where no trial arrives, so that no such interval is chosen."""
-    return float(values.mean()) if values.size else float("inf")
+    mean, error = (extra.mean(), extra.std() / np.sqrt(extra.size)) if extra.size else (np.nan, np.nan)
+    return SingleInterval(candidates[best], float(mean), float(error))
 
 
 class PhaseBuilder:

@@ -76,7 +76,9 @@ def test_legs_that_arrive_less_often_than_required_are_said_to_in_red(adaptive):
     rare = wilson(1520, 2000)
     own = replace(own, fixed=replace(own.fixed, arrived=rare), adaptive=replace(own.adaptive, arrived=rare))
     plan = replace(adaptive, cases=(own, *others))
-    assert answer(plan).startswith("No legs arrive as often as 99\u00a0%: ")
+    assert answer(plan).startswith(
+        "No legs arrive as often as 99\u00a0%; with a failure counted as 10 missions, the table"
+    )
     assert "in 76.0\u00a0% of the trials" in answer(plan)
     assert page(plan).verdict == terminal_view(plan).verdict == "bad"
 

@@ -34,6 +34,7 @@ from missionplan.studies.leg_length.paired_trials import (
     PlanTrials,
     Score,
     arrival_shortfall,
+    expected_cost,
     run_plans,
 )
 from missionplan.studies.leg_length.plan_result import FoundLegs
@@ -75,7 +76,7 @@ def optimise_legs(
     progress: Progress | None = None,
     workers: Workers = IN_THIS_PROCESS,
 ) -> FoundLegs:
-    """Find the best legs for an aim, among those that arrive as often as the mission requires; else the likeliest to.
+    """Find the best legs for an aim, of those that arrive as often as the mission requires; else with failures counted.
 
     `scenario`: with one σ_v, the mission's own. `seed`: of the pilot trials. `spread`: of legs in the pilot trials,
     where it is known already. `progress`: called with (done, total) pilot trials. `workers`: for the pilot trials and
@@ -120,9 +121,7 @@ def _family_of(aim: LegAim, required: float) -> tuple[PolicyFamily, Objective, s
     """
 
     def mean(trials: PlanTrials) -> Score:
-        values = trials.energy if aim.name == "energy" else trials.cost
-        least = float(np.mean(values[trials.arrived])) if trials.arrived.any() else float("inf")
-        return arrival_shortfall(trials, required), least
+        return expected_cost(trials, required, trials.energy if aim.name == "energy" else 1.0 + trials.cost)
 
     def lateness(trials: PlanTrials) -> Score:
         time = np.where(trials.arrived, trials.duration, np.inf)

@@ -5,6 +5,7 @@ and Analysis, sect. 11.2).
 """
 
 import itertools
+import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
@@ -19,6 +20,7 @@ from missionplan.phases.hooks import TransitEffect, TrialState
 from missionplan.phases.transit import transit
 from missionplan.phases.transit.compensation import Compensation
 from missionplan.phases.transit.plan import Environment, LegTable, LegTables, TransitNormals, TransitPlan, VelocityError
+from missionplan.results.decision import FAILURE_LOSS
 from missionplan.studies.leg_length import SweepScenario, start_of
 
 PILOT_BLOCK = 1 << 40
@@ -127,11 +129,7 @@ class PlanTrials:
 
 
 Score = tuple[float, float]
-"""By how much fewer trials arrive than required, then what is to be least: the first decides, the second among equals.
-
-By it a plan that arrives as often as required is better than any that does not, and of those that do not the likeliest
-to arrive is best.
-"""
+"""By how much too few trials arrive, or that they do, then what is to be least: the first decides, then the second."""
 Objective = Callable[[PlanTrials], Score]
 """Function of a plan's trials whose least value is sought."""
 
@@ -139,6 +137,18 @@ Objective = Callable[[PlanTrials], Score]
 def arrival_shortfall(trials: PlanTrials, required: float) -> float:
     """By how much the share of trials that arrive is less than required."""
     return max(required - float(np.mean(trials.arrived)), 0.0)
+
+
+def expected_cost(trials: PlanTrials, required: float, values: Array) -> Score:
+    """Score by the mean of what is spent, where too few trials arrive with failures, each as dear as several missions.
+
+    `values`: spent in each trial, positive. So a plan that arrives as often as required is better than any that does
+    not, and of those that do not none is dearer for a trial or two that arrive by chance.
+    """
+    least = float(values[trials.arrived].mean()) if trials.arrived.any() else math.inf
+    if not arrival_shortfall(trials, required):
+        return 0.0, least
+    return 1.0, least * (1.0 + FAILURE_LOSS * float(np.mean(~trials.arrived)))
 
 
 def run_plans(

@@ -18,6 +18,7 @@ from missionplan.report.quantities import (
     with_error,
 )
 from missionplan.report.wording import number, percent, phase_in_words, share
+from missionplan.results.decision import FAILURE_LOSS
 from missionplan.studies.leg_length.figures import (
     cases_figure,
     draw_aims,
@@ -97,8 +98,8 @@ def _choice(plan: LegPlan) -> str:
         arriving = share(plan.chosen.arrived)
         what = "the table of legs" if plan.recommended else f"a fixed d_max of {length_in_words(plan.fixed_d_max)}"
         return (
-            f"No legs arrive as often as {100.0 * plan.required_arrival:g}\u00a0%: the likeliest to arrive, {what}, do "
-            f"so in {arriving} of the trials.{speed}"
+            f"No legs arrive as often as {100.0 * plan.required_arrival:g}\u00a0%; with a failure counted as "
+            f"{FAILURE_LOSS:g} missions, {what} is best, and arrives in {arriving} of the trials.{speed}"
         )
     if not plan.recommended:
         what = f"a fixed d_max of {length_in_words(plan.fixed_d_max)}"

@@ -16,7 +16,7 @@ from missionplan.report.quantities import (
     with_error,
 )
 from missionplan.report.wording import number, percent, phase_in_words, share
-from missionplan.results.decision import label
+from missionplan.results.decision import FAILURE_LOSS, label
 from missionplan.studies.leg_length.figures import cost_figure, draw_costs, draw_surfacings, surfacings_figure
 from missionplan.studies.leg_length.sweep_result import Sweep, SweepCurve
 
@@ -74,9 +74,9 @@ def answer(sweep: Sweep) -> str:
     time, arriving = time_in_words(sweep.nominal_time * (1.0 + chosen.cost)), share(chosen.arrived)
     if not curve.reaches(chosen):
         return (
-            f"With {sigma} no d_max of this sweep arrives as often as {100.0 * curve.required_arrival:g}\u00a0%: the "
-            f"likeliest to arrive, {d_max}, does so in {arriving} of the trials. The mean time of the "
-            f"{arriving} that arrive is {time}.{members}{judged}"
+            f"With {sigma} no d_max of this sweep arrives as often as {100.0 * curve.required_arrival:g}\u00a0%; "
+            f"with a failure counted as {FAILURE_LOSS:g} missions, {d_max} is best: {arriving} of the trials arrive, "
+            f"and the mean time of the {arriving} that arrive is {time}.{members}{judged}"
         )
     took = f"the transit then takes {time} on average"
     if chosen.arrived.value < 1.0:
@@ -132,7 +132,7 @@ def _against_one_leg(sweep: Sweep) -> str:
 def _numbers(sweep: Sweep) -> list[tuple[str, str]]:
     curve = sweep.middle
     chosen = curve.recommended
-    what = "Recommended d_max" if curve.reaches(chosen) else "d_max that is likeliest to arrive"
+    what = "Recommended d_max" if curve.reaches(chosen) else "Best d_max, failures counted"
     return [
         (what, f"{length_in_words(chosen.d_max)} ({number(chosen.d_max_over_distance)} of the distance)"),
         ("Trials that arrive with it", percent(chosen.arrived)),
@@ -148,7 +148,7 @@ def _choice_heading(sweep: Sweep) -> str:
     ratios = sorted(curve.recommended.d_max_over_distance for curve in sweep.curves)
     low, high = f"{ratios[0]:.2f}", f"{ratios[-1]:.2f}"
     if not all(curve.reaches(curve.recommended) for curve in sweep.curves):
-        return "Where no d_max arrives as often as required, the likeliest to arrive is shown"
+        return "Where no d_max arrives as often as required, the best with failures counted is shown"
     if low == high:
         return f"The recommended d_max is {low} of the distance"
     return f"The recommended d_max lies between {low} and {high} of the distance, depending on the velocity error"

@@ -10,7 +10,7 @@ import numpy as np
 
 from missionplan.montecarlo.statistics import Probability
 from missionplan.results import Provenance, Result, to_csv, to_grid
-from missionplan.results.decision import MemberOutcome
+from missionplan.results.decision import FAILURE_LOSS, MemberOutcome
 from missionplan.results.entries import Entry, Record
 from missionplan.results.simulation import JUDGED, Outcome
 
@@ -91,12 +91,13 @@ class SweepCurve(Record):
 
     @property
     def recommended_index(self) -> int:
-        """Index of the point of least cost among those that arrive as often as required; else of the likeliest to."""
+        """Index of the point of least cost among those that arrive as often as required; else with failures counted."""
         reaching = [index for index, point in enumerate(self.points) if self.reaches(point)]
         if reaching:
             return min(reaching, key=lambda index: self.points[index].cost)
-        likeliest = [(p.arrived.value, -p.cost if np.isfinite(p.cost) else -np.inf) for p in self.points]
-        return likeliest.index(max(likeliest))
+        failing = ((1.0 + p.cost) * (1.0 + FAILURE_LOSS * (1.0 - p.arrived.value)) for p in self.points)
+        costs = [cost if np.isfinite(cost) else np.inf for cost in failing]
+        return costs.index(min(costs))
 
     @property
     def recommended(self) -> Annotated[SweepPoint, Entry(parts=_ARRIVING)]:

@@ -21,7 +21,7 @@ from missionplan.studies.leg_length.analytic_transit import (
     _RecordingCompensation,
     fit_leg_spread,
 )
-from missionplan.studies.leg_length.paired_trials import LegsAtSpeed, best_plan, run_plans
+from missionplan.studies.leg_length.paired_trials import LegsAtSpeed, best_plan, expected_cost, run_plans
 from missionplan.studies.leg_length.plan_legs import _deadline, _quantile, plan_legs
 from missionplan.studies.leg_length.plan_result import MeanAndError
 from missionplan.studies.leg_length.sweep_dmax import sweep_dmax
@@ -108,8 +108,21 @@ def test_a_table_is_not_recommended_that_loses_under_a_doubt_or_arrives_less_oft
     assert not replace(adaptive, cases=(unsure, *others)).recommended
 
 
+def test_a_trial_that_arrives_by_chance_is_worth_no_dearer_plan():
+    """97.7 % for 1.29 times the straight way's time, or 97.6 % for 1.10; a plan that arrives often enough goes first."""
+
+    def cost(arriving, values):
+        arrived = np.arange(1000) < arriving
+        return expected_cost(SimpleNamespace(arrived=arrived), 0.99, np.full(1000, values))
+
+    assert cost(976, 1.10) < cost(977, 1.29)
+    assert cost(976, 1.10) == (1.0, pytest.approx(1.10 * 1.24))
+    assert cost(990, 9.0) == (0.0, 9.0) < cost(976, 1.10)
+    assert cost(0, 1.0) == (1.0, np.inf)
+
+
 @pytest.mark.usefixtures("unsought")
-def test_where_none_arrives_as_often_as_required_the_likeliest_to_arrive_is_chosen(tmp_path):
+def test_where_none_arrives_as_often_as_required_failures_are_counted(tmp_path):
     path = tmp_path / "few-legs.yaml"
     few = "navigation: {max_legs: 3, "
     path.write_text(ERRATIC.replace("navigation: {", few), encoding="utf-8")
