@@ -16,14 +16,15 @@ from typing_extensions import override
 from missionplan.arrays import Array
 from missionplan.datasets.table import plain_table, times_from
 from missionplan.errors import InputError, Problem
-from missionplan.identity import how_to_install
 from missionplan.moments import EPOCH_SCALE, is_since, utc
 from missionplan.results import Provenance, Result, to_csv, to_yaml
 from missionplan.results.entries import Entry, Record
-from missionplan.scenario.currents.attributes import FieldAttributeError, depths, moments, speed_factor, tidied
+from missionplan.scenario.currents.attributes import FieldAttributeError, depths, moments, speed_factor
+from missionplan.scenario.currents.files import FieldFiles
+from missionplan.scenario.currents.reading import CURRENT_LIMITS, MAX_BYTES, opened
 
 if TYPE_CHECKING:
-    from xarray import DataArray, Dataset
+    from xarray import DataArray
 
 
 @dataclass(frozen=True)
@@ -166,12 +167,8 @@ class TideResult(Result):
         return head + to_yaml({"depths": depths})
 
 
-MAX_BYTES = 200_000_000
-FASTEST = 12.0
-"""Faster water than in any sea (Saltstraumen) [m/s]."""
-DEEPEST = 11_000.0
-"""[m]"""
-COLUMNS = ("t_s", "depth_m", "east_m_s", "north_m_s")
+FASTEST, DEEPEST = CURRENT_LIMITS["east_m_s"], CURRENT_LIMITS["depth_m"]
+COLUMNS = tuple(CURRENT_LIMITS)
 NETCDF = (".nc", ".nc4", ".cdf", ".netcdf")
 _LISTED = 20
 _STANDARD = {
@@ -250,33 +247,27 @@ def _check_cells(
 
 
 def _read_netcdf(path: Path) -> CurrentRecord:
-    try:
-        import xarray
-    except ImportError:
-        hint = how_to_install("netcdf")
-        raise InputError([Problem("reading NetCDF needs xarray and netCDF4", str(path), hint=hint)]) from None
-    try:
-        with xarray.open_dataset(path, decode_times=False) as dataset:
-            return _of_dataset(tidied(dataset), str(path))
-    except InputError:
-        raise
-    except FieldAttributeError as error:
-        raise InputError([Problem(str(error), str(path))]) from None
-    except Exception as error:  # the libraries below raise many kinds for what is damaged
-        words = str(error).partition("\n")[0]
-        raise InputError([Problem(f"cannot be read as NetCDF: {words}", str(path))]) from None
+    with opened([str(path)], str(path)) as files:
+        try:
+            return _of_files(files)
+        except InputError:
+            raise
+        except FieldAttributeError as error:
+            raise files.problem(str(error)) from None
+        except Exception as error:  # the libraries below raise many kinds for what is damaged
+            raise files.problem(f"cannot be read as NetCDF: {str(error).partition(chr(10))[0]}") from None
 
 
-def _of_dataset(dataset: "Dataset", shown: str) -> CurrentRecord:
-    east, north = (_variable(dataset, key, shown).squeeze(drop=True) for key in ("east", "north"))
-    time = _variable(dataset, "time", shown)
+def _of_files(files: FieldFiles) -> CurrentRecord:
+    east, north = (_variable(files, key).squeeze(drop=True) for key in ("east", "north"))
+    time = _variable(files, "time")
     if not is_since(time.attrs.get("units")) or time.ndim != 1:
-        raise InputError([Problem("its times are no dates along one dimension", shown)])
+        raise files.problem("its times are no dates along one dimension")
     others = [name for name in east.dims if name != time.dims[0]]
     if time.dims[0] not in east.dims or len(others) > 1 or set(east.dims) != set(north.dims):
         message = f"expected currents against time and depth, they have {', '.join(map(str, east.dims))}"
-        raise InputError([Problem(message, shown)])
-    axis = _variable(dataset, "depth", shown)
+        raise files.problem(message)
+    axis = _variable(files, "depth")
     depth = np.atleast_1d(depths(axis, axis.squeeze().to_numpy().astype(float)))
     seconds = (moments(time) - np.datetime64(0, "s")) / np.timedelta64(1, "s")
     order, down = np.argsort(seconds), np.argsort(depth)
@@ -286,20 +277,14 @@ def _of_dataset(dataset: "Dataset", shown: str) -> CurrentRecord:
         for each in (east, north)
     ]
     if values[0].shape[1] != depth.size:
-        raise InputError([Problem(f"has {values[0].shape[1]} bins and {depth.size} depths", shown)])
+        raise files.problem(f"has {values[0].shape[1]} bins and {depth.size} depths")
     u, v = (np.where(np.abs(each) <= FASTEST, each, math.nan)[order][:, down] for each in values)
     latitude = math.nan
-    if any(name in dataset.variables for name in _NAMES["latitude"]):
-        places = _variable(dataset, "latitude", shown).to_numpy().astype(float).ravel()
+    if files.named(*_NAMES["latitude"]):
+        places = _variable(files, "latitude").to_numpy().astype(float).ravel()
         latitude = math.radians(float(places[0])) if places.size == 1 else math.nan
     return CurrentRecord(np.asarray(seconds, dtype=float)[order], depth[down], u, v, latitude)
 
 
-def _variable(dataset: "Dataset", key: str, shown: str) -> "DataArray":
-    for name in _NAMES[key]:
-        if name in dataset.variables:
-            return dataset[name]
-    for other in dataset.variables:
-        if dataset[other].attrs.get("standard_name") in _STANDARD.get(key, ()):
-            return dataset[other]
-    raise InputError([Problem(f"has no variable for {key}; looked for {', '.join(_NAMES[key])}", shown)])
+def _variable(files: FieldFiles, key: str) -> "DataArray":
+    return files.variable(files.required(key, *_NAMES[key], standard=_STANDARD.get(key, ())))
