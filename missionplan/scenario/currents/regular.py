@@ -94,6 +94,8 @@ def _near(offset: Array, reach: float) -> Indices:
 
 _ANGLE_OFF = 0.2
 """By which the angle of a grid may differ from the direction of its rows [rad]."""
+_SAME = 1e-5
+"""Difference of longitudes of one place, a metre [deg]."""
 _TURNED = 0.05
 """Direction of rows from which on a velocity has to say whether it is toward east or along them [rad]."""
 
@@ -132,6 +134,8 @@ def read_curved(files: FieldFiles, area: Area) -> GriddedCurrent:
     shapes = [files.variable(name).shape[-2:] for name in (u, v)]
     staggered = shapes[0] != shapes[1]
     part = _part(files, area, u, staggered=staggered)
+    if not staggered:
+        _check_one_place(files, _coordinates(files, u, staggered=False)[0], (u, v))
     across = [str(dim) for dim in files.variable(u).dims[1:-2]]
     if staggered:
         velocity = _unstaggered(files, (u, v), moments, part) * _turning(files, part)
@@ -150,6 +154,16 @@ def read_curved(files: FieldFiles, area: Area) -> GriddedCurrent:
     levels, bottom = layer_depths(files, across, at, moments.size, count)
     flat = velocity.reshape(moments.size, -1, count)
     return assembled(files, area.seconds(moments), CurvedGrid(part.points), levels, flat, bottom)
+
+
+def _check_one_place(files: FieldFiles, longitude: str, names: tuple[str, str]) -> None:
+    """Refuse velocities at other places in a file each, as NEMO's grids U and V are."""
+    found = [next(each for each in files.datasets if name in each.variables) for name in names]
+    if found[0] is not found[1] and all(longitude in each.variables for each in found):
+        first, second = (each[longitude].to_numpy() for each in found)
+        if first.shape != second.shape or not np.allclose(first, second, atol=_SAME, equal_nan=True):
+            hint = "bring both to the middles of the cells first"
+            raise files.problem(f"{names[0]} and {names[1]} are at other places: {longitude} is another", hint)
 
 
 def _part(files: FieldFiles, area: Area, u: str, *, staggered: bool) -> _Part:

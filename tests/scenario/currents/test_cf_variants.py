@@ -264,6 +264,22 @@ def test_velocities_on_rows_that_do_not_run_east_say_along_what_they_are(tmp_pat
         drift(path)
 
 
+def test_velocities_of_two_files_are_at_one_place(tmp_path, plain):
+    xarray = pytest.importorskip("xarray")
+    bent(tmp_path / "field.nc", [f"{each}_sea_water_velocity" for each in ("eastward", "northward")])
+    paths = [str(tmp_path / f"{name}.nc") for name in "uv"]
+    area = Area(ORIGIN, np.datetime64("2026-06-01T00:30", "ns"), np.zeros((2, 1)))
+    for shift in (0.0, 0.01):
+        with xarray.open_dataset(tmp_path / "field.nc", decode_times=False) as field:
+            field.drop_vars("v").to_netcdf(paths[0])
+            field.drop_vars("u").assign(lon=field["lon"] + shift).to_netcdf(paths[1])
+        if shift:
+            with pytest.raises(InputError, match="u and v are at other places: lon is another"):
+                read_field(paths, area, "field")
+        else:
+            assert read_field(paths, area, "field").depth[0] == pytest.approx(DEPTHS[0])
+
+
 def test_a_record_at_one_place_is_named(tmp_path):
     with netcdf.Dataset(tmp_path / "field.nc", "w") as file:
         for name in ("lat", "lon"):
