@@ -27,9 +27,10 @@ from missionplan.importers.mapping import MappedName
 from missionplan.importers.track import Break, Series, Track, series
 
 DAMAGED = (
-    OSError, ValueError, LookupError, EOFError, RuntimeError, ArithmeticError, TypeError, AttributeError, zlib.error,
+    OSError, ValueError, LookupError, EOFError, RuntimeError, ArithmeticError, TypeError, AttributeError, SyntaxError,
+    zlib.error,
 )  # fmt: skip
-"""Errors by which libraries say that a file is damaged, or its messages lack a field."""
+"""Errors by which libraries say that a file is damaged, of XML too, or its messages lack a field."""
 
 
 class PartlyReadError(Exception):

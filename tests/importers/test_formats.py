@@ -106,9 +106,15 @@ def test_one_position_alone_is_split_at_the_surface(log, expected, tmp_path):
     rows["depth"] = track.depth.at(rows["t"].to_numpy())
     path = tmp_path / "auv.csv"
     path.write_text(rows.to_csv(index=False, float_format="%.9f"))
-    result = import_logs([path], names=["time=t[epoch] lat=lat lon=lon depth=depth"])
+    names = ["time=t[epoch] lat=lat lon=lon depth=depth"]
+    result = import_logs([path], names=names)
     assert any("one position alone" in notice for notice in result.provenance.notices)
     assert len(result.table) == LEGS
+    for depth in (-rows["depth"], rows["depth"] + 10.1, rows["depth"].where(np.arange(len(rows)) % 50 != 7, -9999.0)):
+        path.write_text(rows.assign(depth=depth).to_csv(index=False, float_format="%.9f").upper(), encoding="utf-16")
+        other = import_logs([path], names=names)  # heights, an absolute pressure, -9999 for none; UTF-16, in capitals
+        np.testing.assert_allclose(other.table["t_end_s"], result.table["t_end_s"])
+        np.testing.assert_allclose(other.table["lat_dr_end"], result.table["lat_dr_end"], atol=1e-6)
     np.testing.assert_allclose(result.table["t_end_s"], expected["t_end_s"])
     np.testing.assert_allclose(result.table["lat_end"], expected["lat_end"], atol=1e-6)
 

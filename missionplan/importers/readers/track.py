@@ -199,15 +199,15 @@ def text_chunks(path: Path, wanted: Sequence[str]) -> Iterator[pd.DataFrame]:
     names.
     """
     columns = list(dict.fromkeys(part for name in wanted for part in _names_in(name)))
-    line, separator = _header(path, columns)
+    line, separator, there = _header(path, columns)
     with _opened(path) as stream:
         table = pd.read_csv(
-            stream, sep=separator, skiprows=line, usecols=lambda name: name.strip() in columns, dtype=str,
+            stream, sep=separator, skiprows=line, usecols=lambda name: name.strip() in there, dtype=str,
             keep_default_na=False, skipinitialspace=True, chunksize=_ROWS, on_bad_lines="skip", engine="c",
             index_col=False,
         )  # fmt: skip
         for chunk in table:
-            chunk.columns = [str(name).strip() for name in chunk.columns]
+            chunk.columns = [there[str(name).strip()] for name in chunk.columns]
             yield pd.DataFrame({name: _joined(chunk, name) for name in wanted})
 
 
@@ -241,15 +241,17 @@ def _cells(line: str, separator: str) -> list[str]:
         return []
 
 
-def _header(path: Path, columns: Sequence[str]) -> tuple[int, str]:
-    """Line of the header, from 0, and the separator that shows all columns there."""
+def _header(path: Path, columns: Sequence[str]) -> tuple[int, str, dict[str, str]]:
+    """Line of the header, from 0, the separator that shows all columns there, and their names (in any case) to these."""
     seen: list[str] = []
     with _opened(path) as stream:
         for number, line in zip(range(_PREFACE), stream, strict=False):
             for separator in (*_SEPARATORS, r"\s+"):
                 names = [cell.strip() for cell in _cells(line, separator)]
-                if set(columns) <= set(names):
-                    return number, separator
+                by_case = {name.lower(): name for name in reversed(names)}
+                there = {name if name in names else by_case.get(name.lower(), ""): name for name in columns}
+                if "" not in there:
+                    return number, separator, there
                 seen = max(seen, names, key=len)
     missing = [name for name in columns if name not in seen]
     raise ValueError(f"no column {', '.join(missing)}; it has {', '.join(name[:_LONGEST] for name in seen[:20])}")
@@ -280,10 +282,7 @@ def is_nmea(path: Path, head: bytes) -> bool:
 def add_gpx(path: Path, found: Samples) -> None:
     """Add the points of a GPX file that have times: of its tracks, else of its routes and its waypoints."""
     with unpacked(path) as stream:
-        try:
-            root = ElementTree.parse(stream).getroot()
-        except ElementTree.ParseError as error:
-            raise ValueError(str(error)) from None
+        root = ElementTree.parse(stream).getroot()
     kinds: dict[str, list[ElementTree.Element]] = defaultdict(list)
     for each in root.iter():
         kinds[str(each.tag).rpartition("}")[2]].append(each)
