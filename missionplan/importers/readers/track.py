@@ -242,7 +242,7 @@ def _cells(line: str, separator: str) -> list[str]:
 
 
 def _header(path: Path, columns: Sequence[str]) -> tuple[int, str, dict[str, str]]:
-    """Line of the header, from 0, the separator that shows all columns there, and their names (in any case) to these."""
+    """Line of the header, from 0, its separator, and the names of all columns there, in any case, to these."""
     seen: list[str] = []
     with _opened(path) as stream:
         for number, line in zip(range(_PREFACE), stream, strict=False):
