@@ -71,13 +71,9 @@ def residual_tests(residuals: Residuals, innovations: Array) -> tuple[ResidualTe
     Innovations enter by their normal scores (van der Waerden 1952, *Indag. Math.* 14), so that a heavy tail alone
     rejects nothing.
 
-    Parameters
-    ----------
-    residuals : Residuals
-        Which say what makes a series. The quantisation steps of a coarse sensor beat with the sampling: of quantised
-        residuals, neighbours are added together, and only a positive sum of autocorrelations counts.
-    innovations : array, shape (N,)
-        Their innovations.
+    `residuals`: which say what makes a series. The quantisation steps of a coarse sensor beat with the sampling: of
+    quantised residuals, neighbours are added together, and only a positive sum of autocorrelations counts.
+    `innovations`, shape (N,): theirs.
     """
     tests = []
     for number in np.unique(residuals.series):
@@ -102,11 +98,7 @@ def ljung_box_p_value(series: Array, lags: int) -> float:
 
     Q = n(n + 2) Σ_k r_k²/(n - k) is χ² with as many degrees of freedom as lags (Ljung & Box 1978, Eq. 1.3).
 
-    Parameters
-    ----------
-    series : array, shape (n,)
-    lags : int
-        Fewer than n.
+    `series`, shape (n,). `lags`: fewer than n.
     """
     n, centred = len(series), series - series.mean()
     lag = np.arange(1, lags + 1)

@@ -61,19 +61,11 @@ def laplace(
     by Laplace's method, ln p(mode) + (h/2) ln 2π − ½ ln |A| with A the negative curvature (MacKay 2003, chapter 27).
     Raises numpy.linalg.LinAlgError when the mode lies on the boundary of the support, where there is no curvature.
 
-    Parameters
-    ----------
-    log_posterior : callable
-        Of an array of shape (h,), smooth.
-    starts : list of array
-        Where to start; the search goes on from the best of them.
-    spread : array, shape (h, h)
-        A guess of the posterior covariance: the first inverse Hessian of the search.
-    integrate : bool
-        Whether the curvature is wanted; without it the evidence is nan and the covariance is the guess.
-    keep_inside : bool
-        Take a mode on the boundary of the support just inside it, which serves to draw about it: the evidence is that
-        of a normal law that the boundary does not cut.
+    `log_posterior`: smooth, of an array of shape (h,). `starts`: the search goes on from the best of them. `spread`,
+    shape (h, h): a guess of the posterior covariance, the first inverse Hessian of the search. `integrate`: whether the
+    curvature is wanted; without it the evidence is nan and the covariance is the guess. `keep_inside`: take a mode on
+    the boundary of the support just inside it, which serves to draw about it: the evidence is that of a normal law that
+    the boundary does not cut.
     """
     known: dict[bytes, float] = {}
 
@@ -225,20 +217,9 @@ def _with_factor(shape: Array) -> tuple[Array, Array]:
 
 
 def log_student_density(at: Array, mean: Array, factor: Array, dof: int) -> Array:
-    """Log density of the multivariate Student-t distribution.
+    """Log density of the multivariate Student-t distribution at points, shape (s, k) → (s,).
 
-    Parameters
-    ----------
-    at : array, shape (s, k)
-    mean : array, shape (k,)
-    factor : array, shape (k, k)
-        Lower Cholesky factor of its shape matrix.
-    dof : int
-        Degrees of freedom.
-
-    Returns
-    -------
-    array, shape (s,)
+    `mean`, shape (k,). `factor`, shape (k, k): lower Cholesky factor of its shape matrix.
     """
     dimension = len(mean)
     squared = np.sum(solve_triangular(factor, (at - mean).T, lower=True) ** 2, axis=0)

@@ -52,16 +52,9 @@ def gaussian_marginal(gram: Array, prior_sd: Array, log_determinant: float, coun
     Eqs. 3.49 to 3.51 and 3.86), from inner products of whitened columns. Raises numpy.linalg.LinAlgError when the
     posterior has no covariance.
 
-    Parameters
-    ----------
-    gram : array, shape (k + 1, k + 1)
-        Inner products of the whitened columns and, last, the whitened data; those of parts of the data add up.
-    prior_sd : array, shape (k,) or (k, k)
-        Prior standard deviations of the coefficients; a factor R of their prior covariance R Rᵀ where they are tied.
-    log_determinant : float
-        ln |covariance| of the noise.
-    count : int
-        Number of data.
+    `gram`, shape (k + 1, k + 1): inner products of the whitened columns and, last, the whitened data; those of parts of
+    the data add up. `prior_sd`, shape (k,) or (k, k): prior standard deviations of the coefficients; a factor R of the
+    covariance R Rᵀ where they are tied. `log_determinant`: ln |covariance| of the noise. `count`: of data.
     """
     factor, white = _standardised_posterior(gram, prior_sd)
     inverse, _ = lapack.dtrtri(factor, lower=1)
@@ -109,18 +102,8 @@ def student_marginal(y: Array, design: Array, prior_sd: Array, variance: Array, 
     found by iteratively reweighted least squares with weights (ν+2)/(ν−2+q) (Lange, Little & Taylor 1989), near it
     by Newton's steps where they are shorter than the last step and lead uphill.
 
-    Parameters
-    ----------
-    y : array, shape (2, n)
-        Data.
-    design : array, shape (2, n, k)
-        Columns of the coefficients.
-    prior_sd : array, shape (k,)
-        Their prior standard deviations.
-    variance : array, shape (2, n)
-        Variances for each axis.
-    dof : float
-        Degrees of freedom ν, above 2.
+    `y`, shape (2, n): data. `design`, shape (2, n, k), and `prior_sd`, shape (k,): columns of the coefficients, and
+    their prior standard deviations. `variance`, shape (2, n): for each axis. `dof`: degrees of freedom ν, above 2.
     """
     k, n = len(prior_sd), y.shape[1]
     sd = np.sqrt(variance)

@@ -1,9 +1,12 @@
 """What legs differ in, alone and two together, along which a velocity error may be smooth."""
 
 import itertools
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from missionplan.arrays import Array
 from missionplan.datasets.records import TransitData
@@ -12,6 +15,18 @@ from missionplan.phases.hooks import Leg
 
 VARIES = 0.1
 """Range over the median from which a quantity is an axis."""
+LEGS_IN_TURN = 3
+"""Legs in the shortest period that is tried, on average."""
+
+
+class Tried(NamedTuple):
+    """Columns tried of a velocity error at one value of its shape."""
+
+    axis: str
+    words: str
+    shape: tuple[float, ...]
+    columns: Array
+    """Of unit size, shape (2n, p)."""
 
 
 def transit_axes(data: TransitData, leg: Leg, principal: Array) -> list[Axis]:
@@ -89,24 +104,80 @@ BEARINGS, LINES = 6, np.linspace(0.15, 0.85, 6)
 """Directions across a line in the sea, and shares of the legs that lie before one, that are tried."""
 
 
-def across_lines(data: TransitData, leg: Leg, principal: Array) -> list[tuple[str, tuple[float, float], Array]]:
-    """Velocities on one side of a line: words, its direction [rad] and distance [m], columns of unit size, (2n, p)."""
+def across_lines(data: TransitData, leg: Leg, principal: Array) -> list[Tried]:
+    """Velocities on one side of a line, by its direction [rad] and distance [m]."""
     found = []
     for bearing in (np.pi / BEARINGS * np.arange(BEARINGS)).tolist():
         first, last = (np.array([np.sin(bearing), np.cos(bearing)]) @ each for each in (data.start, data.dead_reckoned))
         for line in np.quantile(0.5 * (first + last), LINES).tolist():
             share = np.clip((np.maximum(first, last) - line) / np.maximum(np.abs(last - first), 1e-9), 0.0, 1.0)
             for frame, directions in _frames(data, leg, principal).items():
-                columns = directions * np.repeat(share, 2)[:, None]
-                size = float(np.sqrt(np.sum(columns**2) / data.n / columns.shape[1]))
-                found.append((f"a velocity{frame} that changes across a line", (bearing, line), columns / size))
+                columns = _of_unit_size(directions * np.repeat(share, 2)[:, None])
+                found.append(Tried("place", f"a velocity{frame} that changes across a line", (bearing, line), columns))
     return found
+
+
+MOST_TURNS = 64
+"""Turns of a flow in a record that are tried at most: what comes and goes faster does so between a few legs."""
+WHILE = 0.04
+"""Standard deviation of the time for which something comes and goes, of the record."""
+WINDOWS, FASTER = 2.0, 0.12
+"""Steps from one such time to the next, in `WHILE`, and of the turns in a record, in its reciprocal: two thirds of
+what lies between them are seen with the nearer (Gabor 1946, *J. IEE* 93)."""
+WAVES, WAVE_STEP = 4.0, 0.5
+"""Most waves of a flow over the extent of a record, and steps from one number of them to the next."""
+
+
+def waves_of_water(data: TransitData, principal: Array) -> Iterator[Tried]:
+    """Velocities of the water that come and go, by their turns in the record, and that wind over a place.
+
+    All the time they turn either way (Gonella 1972, *Deep-Sea Res.* 19) or go round an ellipse, for a while about a
+    moment round one; over a place they go across plane waves, by their number east and north in its extent.
+    """
+    span, origin = max(float(np.ptp(data.middle)), 1.0), data.middle.min()
+    legs = tuple((t - origin) / span for t in (data.t_start, data.t_start + data.under_way))
+    ways = np.array([[1.0, 1.0j], [1.0, -1.0j]])  # east and north, clockwise and the other way
+    for turns in np.arange(1.0, max(min(data.n, MOST_TURNS) / LEGS_IN_TURN, 1.0) + 0.5, 0.5).tolist():
+        for sense, own in enumerate((ways[:1], ways[1:], ways)):
+            columns = _wave(legs, turns, own, principal)
+            yield Tried("time", "a velocity that comes and goes with a period", (turns, sense), columns)
+    for middle in np.quantile(data.middle, np.arange(0.5 * WINDOWS * WHILE, 1.0, WINDOWS * WHILE)).tolist():
+        about = np.exp(-0.5 * np.square((data.middle - middle) / (WHILE * span)))
+        for turns in np.arange(0.2 / WHILE, min(data.n, MOST_TURNS), FASTER / WHILE).tolist():
+            columns = _wave(legs, turns, ways, principal, about)
+            yield Tried("time", "a velocity that comes and goes for a while", (middle, turns), columns)
+    numbers = np.arange(-WAVES, WAVES + WAVE_STEP, WAVE_STEP).tolist()
+    for east, north in itertools.product(numbers, numbers):
+        if (north, east) > (0.0, 0.0) and np.hypot(east, north) <= WAVES:  # the opposite waves are the same
+            legs = tuple(np.array([east, north]) @ each / _extent(data) for each in (data.start, data.dead_reckoned))
+            columns = _wave(legs, 1.0, np.array([[north, -east]]), principal)
+            yield Tried("place", "a velocity that winds from side to side over a place", (east, north), columns)
+
+
+def _wave(
+    legs: Sequence[Array], turns: float, ways: NDArray[np.number], principal: Array, about: Array | float = 1.0
+) -> Array:
+    """Means over legs, from one place to another on an axis, of velocities along ways that go round at either phase.
+
+    `ways`, (w, 2), complex where they turn. `about`: size at each leg. Returns columns of unit size, (2n, 2w).
+    """
+    first, last = legs
+    wave = about * np.sinc(turns * (last - first)) * np.exp(1j * np.pi * turns * (first + last))
+    moved = wave[:, None, None] * (ways @ principal).T
+    return _of_unit_size(np.concatenate([moved.real, moved.imag], axis=2).reshape(2 * len(wave), -1))
+
+
+def _of_unit_size(columns: Array) -> Array:
+    return columns / max(float(np.sqrt(2.0 * np.mean(columns**2))), 1e-9)
+
+
+def _extent(data: TransitData) -> float:
+    return max(float(np.ptp(0.5 * (data.start + data.dead_reckoned), axis=1).max()), 1.0)
 
 
 def _place(data: TransitData) -> Array:
     """Middles of the legs as reckoned, scaled so that they span about one, shape (n, 2)."""
-    place = data.start + 0.5 * (data.dead_reckoned - data.start)
-    return np.asarray((place / max(float(np.ptp(place, axis=1).max()), 1.0)).T)
+    return np.asarray((0.5 * (data.start + data.dead_reckoned) / _extent(data)).T)
 
 
 def _frames(data: TransitData, leg: Leg, principal: Array) -> dict[str, Array]:

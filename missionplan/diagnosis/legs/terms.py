@@ -4,15 +4,16 @@ An effect that acts by its terms (`effects.info.Term`) is linear in a few streng
 of a change, a threshold. Every value tried is a column or two under a prior of its own. Named effects have the
 catalogue's; the neutral response, and smooth random functions of one quantity or two (Kennedy & O'Hagan 2001, *J. R.
 Stat. Soc. B* 63; Brynjarsdóttir & O'Hagan 2014, *Inverse Problems* 30) by their leading principal components, share
-that of `UNNAMED`. A velocity fixed to the Earth that changes with time is not among the smooth ones: random effects of
-the catalogue describe it.
+that of `UNNAMED`. A velocity fixed to the Earth that changes with time is not among the smooth ones, but where it comes
+and goes: random effects of the catalogue describe it.
 """
 
 import itertools
 import math
+from collections import Counter
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import cast
+from typing import Any, cast
 
 import numpy as np
 
@@ -23,15 +24,17 @@ from missionplan.diagnosis.legs.fitting import TransitFitting
 from missionplan.diagnosis.legs.likelihood.mean import ActingTerm
 from missionplan.diagnosis.legs.smooth_axes import (
     FLOW_LENGTH,
+    LEGS_IN_TURN,
     across_lines,
     along_one_line,
     flow_columns,
     paired_axes,
     transit_axes,
+    waves_of_water,
 )
 from missionplan.effects import CATALOGUE, EffectInfo, effects_of
 from missionplan.effects.info import Term
-from missionplan.phases.hooks import Leg, TransitEffect, velocity_error
+from missionplan.phases.hooks import TransitEffect, velocity_error
 from missionplan.results.learned.evidence import Causes
 
 UNNAMED = 0.05
@@ -49,11 +52,9 @@ MOMENTS = {1: 16, 2: 12}
 """Most values tried of the moment of a change, and of each of two."""
 THRESHOLDS, MOST_TIMES = 6, 8
 """Values tried of a threshold, and of how often something comes and goes in a circle of courses."""
-TURNS = 3.0
-"""Periods tried for each turn in the record: between two of them they differ by a third of a turn."""
+TURNS = 2.0
+"""Periods tried for each turn in the record: between two of them they differ by half a turn."""
 DAY = 86400.0
-LEGS_IN_TURN = 3
-"""Legs in the shortest period that is tried, on average; a day is tried besides."""
 MIDDLE = (0.15, 0.85)
 """Part of a log within which something may change: before and after it there must be legs that show it."""
 TOGETHER = 192
@@ -80,7 +81,7 @@ class LegTerm:
     answers: bool = False
     """Whether it depends on the current."""
     shape: tuple[Scalars, ...] = ()
-    """Of one without a name: correlation length, of the record's extent, and direction, or the line it is beyond."""
+    """Of one without a name: correlation length, of the record's extent, and direction, or the shape that is tried."""
 
     @property
     def is_neutral(self) -> bool:
@@ -165,21 +166,27 @@ def at_size(model: TransitFitting, term: LegTerm, causes: Causes, values: Array,
 def _members(
     model: TransitFitting, info: EffectInfo, term: Term, wanted: Sequence[Mapping[str, Scalars]] | None = None
 ) -> list[LegTerm]:
-    """A term at each value of its shapes, or at some."""
+    """A term at each value of its shapes, or at some.
+
+    A strength has the catalogue's usual size, or of a neutral response that of what errs as much as is usual.
+    """
     tried = _tried(model, info, term) if wanted is None else wanted
     first, share = term.strengths[0], -math.log(max(len(tried), 1))
-    what = info.parameters[first].doc if info.tier == "neutral" else info.what
-    does_answer, found = _answers(model, info, term), []
+    own = [info.parameters[name] for name in term.strengths]
+    what = own[0].doc if info.tier == "neutral" else info.what
+    effect = cast(TransitEffect, info.make(dict.fromkeys(term.strengths, 1.0)))
+    does_answer = bool(np.any(effect.answer_to_current(model.leg, np.ones((2, model.data.n)))))
+    depths, found = max(float(np.nan_to_num(model.record.depths)), 1e-9), []
     for shapes, columns in zip(tried, unit_columns(model, info, term.strengths, tried=tried), strict=True):
-        sizes = [
-            info.parameters[name].scale if does_answer else _slab(model, info, name, columns[:, :, i])
-            for i, name in enumerate(term.strengths)
-        ]
-        if min(sizes) <= 0.0:
+        sizes = np.array([min(each.scale, each.extent_scale / depths) for each in own])
+        if info.tier == "neutral" and not does_answer:
+            rms = np.sqrt(np.mean(np.sum(columns**2, axis=0), axis=0))
+            sizes = np.where(rms > 0.0, SIZE / np.maximum(rms, 1e-300), 0.0)
+        if sizes.min() <= 0.0:
             continue
         coordinates = tuple(
-            Coordinate(info.id, name, "strength", 0.0, size, info.parameters[name].spike)
-            for name, size in zip(term.strengths, sizes, strict=True)
+            Coordinate(info.id, name, "strength", 0.0, size, each.spike)
+            for name, each, size in zip(term.strengths, own, sizes.tolist(), strict=True)
         )
         acting = ActingTerm(info.id, coordinates, shapes)
         columns *= sizes
@@ -199,42 +206,21 @@ def unit_columns(
     Without water nothing answers to it. Columns at many values lie side by side in memory, and can be whitened as they
     are (`JointColumns`).
     """
-    n = model.data.n
+    n, leg = model.data.n, model.leg
+    fields = {name: getattr(leg, name) for name in ("t_start", "duration", "start", "along")}
+    fields |= {name: np.broadcast_to(getattr(leg, name), n) for name in ("speed", "depth")}
     for first in range(0, len(tried), TOGETHER):
         some = tried[first : first + TOGETHER]
-        leg, found = _repeated(model.leg, len(some)), np.empty((2, n, len(some), len(strengths)))
+        repeated: dict[str, Any] = {name: np.tile(each, len(some)) for name, each in fields.items()}
+        legs, found = replace(leg, **repeated), np.empty((2, n, len(some), len(strengths)))
         shapes = {name: np.repeat([each[name] for each in some], n) for name in some[0]}
         moved = np.tile(np.broadcast_to(water, (2, n)), len(some))
         for place, name in enumerate(strengths):
             step = STEP * info.parameters[name].scale
             effect = cast(TransitEffect, info.make({**shapes, name: step}))
-            error = model.axes.T @ velocity_error((effect,), leg, moved) / step
+            error = model.axes.T @ velocity_error((effect,), legs, moved) / step
             found[..., place] = error.reshape(2, len(some), n).swapaxes(1, 2)
         yield from np.moveaxis(found, 2, 0)
-
-
-def _repeated(leg: Leg, times: int) -> Leg:
-    """Legs so many times one after the other."""
-    every = np.tile(np.arange(len(leg.t_start)), times)
-    speed, depth = (np.broadcast_to(each, leg.t_start.shape)[every] for each in (leg.speed, leg.depth))
-    t_start, duration, start, along = leg.t_start[every], leg.duration[every], leg.start[:, every], leg.along[:, every]
-    return replace(leg, t_start=t_start, duration=duration, start=start, along=along, speed=speed, depth=depth)
-
-
-def _answers(model: TransitFitting, info: EffectInfo, term: Term) -> bool:
-    """Whether a term depends on the current."""
-    effect = cast(TransitEffect, info.make(dict.fromkeys(term.strengths, 1.0)))
-    return bool(np.any(effect.answer_to_current(model.leg, np.ones((2, model.data.n)))))
-
-
-def _slab(model: TransitFitting, info: EffectInfo, name: str, column: Array) -> float:
-    """Usual size of a strength: the catalogue's, or of a neutral response what errs as much as is usual."""
-    parameter = info.parameters[name]
-    rms = float(np.sqrt(np.mean(np.sum(column**2, axis=0))))
-    if info.tier != "neutral":
-        depths = model.record.depths
-        return min(parameter.scale, parameter.extent_scale / depths) if depths > 0.0 else parameter.scale
-    return SIZE / rms if rms > 0.0 else 0.0
 
 
 def _moments(model: TransitFitting) -> Array:
@@ -281,7 +267,7 @@ def answers(model: TransitFitting, term: LegTerm, water: Array) -> Array:
 
 
 def _smooth(model: TransitFitting) -> list[LegTerm]:
-    """Smooth errors along the axes of a log, and along two of them together."""
+    """Smooth errors along the axes of a log, and along two of them together; others at each value of their shapes."""
     axes = transit_axes(model.data, model.leg, model.axes)
     wanted = [axis for axis in axes if axis.name != "time" or not _is_fixed_to_earth(axis)]
     pairs = paired_axes(model.data, model.leg, model.axes)
@@ -290,7 +276,12 @@ def _smooth(model: TransitFitting) -> list[LegTerm]:
     found += _along([along_one_line(axis) if _is_fixed_to_earth(axis) else [axis] for axis in pairs], LENGTHS[:1])
     flow = SMOOTH_SIZE * principal_components(flow_columns(model.data, model.axes), MOST_COLUMNS, LEAST_SHARE)
     eddies = "a velocity that changes with place as in eddies"
-    return [*found, LegTerm("", "place", eddies, _by_leg(flow), 0.0, shape=(FLOW_LENGTH,)), *_beyond_lines(model)]
+    found.append(LegTerm("", "place", eddies, _by_leg(flow), 0.0, shape=(FLOW_LENGTH,)))
+    tried = [*across_lines(model.data, model.leg, model.axes), *waves_of_water(model.data, model.axes)]
+    counts = Counter(each.words for each in tried)
+    for name, words, shape, columns in tried:
+        found.append(LegTerm("", name, words, _by_leg(SIZE * columns), -math.log(counts[words]), shape=shape))
+    return found
 
 
 def _is_fixed_to_earth(axis: Axis) -> bool:
@@ -313,13 +304,6 @@ def _along(families: Sequence[Sequence[Axis]], lengths: Sequence[float]) -> list
             columns = _by_leg(SMOOTH_SIZE * columns)
             found.append(LegTerm("", axis.name, axis.description, columns, share, shape=(length, number)))
     return found
-
-
-def _beyond_lines(model: TransitFitting) -> list[LegTerm]:
-    """Errors on one side of a line in the sea."""
-    tried = across_lines(model.data, model.leg, model.axes)
-    share = -math.log(len({line for _, line, _ in tried}))
-    return [LegTerm("", "place", words, _by_leg(SIZE * columns), share, shape=line) for words, line, columns in tried]
 
 
 def _by_leg(columns: Array) -> Array:

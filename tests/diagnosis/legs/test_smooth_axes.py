@@ -1,4 +1,4 @@
-"""Velocity errors over a place: of a flow that has no sources, and on one side of a line."""
+"""Velocity errors over a place and in time: of flows without sources, on one side of a line, that come and go."""
 
 import numpy as np
 import pytest
@@ -11,6 +11,7 @@ from missionplan.diagnosis.legs.smooth_axes import (
     along_one_line,
     flow_columns,
     transit_axes,
+    waves_of_water,
 )
 from missionplan.diagnosis.legs.terms import terms_of
 
@@ -34,7 +35,7 @@ def test_a_flow_has_the_covariance_of_the_curl_of_a_normal_function(bound):
 
 
 def test_beyond_a_line_are_the_legs_that_lie_there(bound):
-    words, (bearing, line), columns = across_lines(bound.data, bound.leg, np.eye(2))[0]
+    _, words, (bearing, line), columns = across_lines(bound.data, bound.leg, np.eye(2))[0]
     along = np.array([np.sin(bearing), np.cos(bearing)])
     least, most = np.sort([along @ bound.data.start, along @ bound.data.dead_reckoned], axis=0)
     east, north = columns[::2, 0], columns[1::2, 1]
@@ -43,6 +44,51 @@ def test_beyond_a_line_are_the_legs_that_lie_there(bound):
     assert np.ptp(east[least > line]) == pytest.approx(0.0, abs=1e-12)
     assert np.all(east[(least < line) & (most > line)] < east.max())
     assert np.mean(east**2 + north**2) == pytest.approx(2.0)
+
+
+STEPS = (np.arange(400) + 0.5) / 400.0
+"""Shares of a leg that is done, at which a flow is added up."""
+
+
+def left_of(columns, flow):
+    """What columns leave of the mean over each leg of a flow at each step, shape (2, n, s): its share."""
+    own = flow.mean(axis=2).T.ravel()
+    return np.linalg.norm(own - columns @ np.linalg.lstsq(columns, own)[0]) / np.linalg.norm(own)
+
+
+def test_a_current_that_turns_is_a_sum_of_two_columns_and_the_opposite_turn_is_not(bound):
+    data = bound.data
+    turning = {each.shape: each.columns for each in waves_of_water(data, np.eye(2)) if each.words.endswith("period")}
+    turns = 3.0
+    t = data.t_start[:, None] + data.under_way[:, None] * STEPS
+    angle = 2.0 * np.pi * turns * t / np.ptp(data.middle) + 0.7
+    flow = np.stack([np.sin(angle), np.cos(angle)])  # clockwise from north
+    assert left_of(turning[turns, 0], flow) < 1e-4
+    assert left_of(turning[turns, 1], flow) > 0.5
+    assert left_of(turning[turns, 2], flow) < 1e-4
+    assert left_of(turning[turns, 2], np.stack([np.sin(angle), 0.3 * np.sin(angle)])) < 1e-4
+    assert all(np.mean(2.0 * columns**2) == pytest.approx(1.0) for columns in turning.values())
+
+
+def test_what_comes_and_goes_for_a_while_does_so_about_a_moment(bound):
+    data, span = bound.data, np.ptp(bound.data.middle)
+    found = [each for each in waves_of_water(data, np.eye(2)) if each.words.endswith("while")]
+    for _, _, (middle, _), columns in found:
+        power = (columns**2).sum(axis=1).reshape(-1, 2).sum(axis=1)
+        assert power[np.abs(data.middle - middle) > 0.2 * span].sum() < 1e-3 * power.sum()
+    assert len({each.shape for each in found}) == len(found)
+
+
+def test_a_stream_that_winds_goes_across_its_waves(bound):
+    data = bound.data
+    extent = np.ptp(0.5 * (data.start + data.dead_reckoned), axis=1).max()
+    columns = {each.shape: each.columns for each in waves_of_water(data, np.eye(2))}[
+        -1.5, 0.5
+    ]  # the waves of (1.5, −0.5)
+    place = data.start[:, :, None] + (data.dead_reckoned - data.start)[:, :, None] * STEPS
+    waves = 2.0 * np.pi * (1.5 * place[0] - 0.5 * place[1]) / extent
+    assert left_of(columns, np.array([0.5, 1.5])[:, None, None] * np.cos(waves + 0.4)) < 1e-4
+    assert left_of(columns, np.array([1.5, -0.5])[:, None, None] * np.cos(waves + 0.4)) > 0.3
 
 
 @pytest.mark.parametrize("name", ["time", "place"])

@@ -77,15 +77,8 @@ def share_of_fix_errors(gaps: FixGaps, error: Array, under_way: Array, sigma: fl
     By weighted least squares of the velocity errors on those that the gaps would mean, its standard error by the
     residuals, whatever their law (White 1980, *Econometrica* 48).
 
-    Parameters
-    ----------
-    gaps : FixGaps
-    error : array, shape (2, n)
-        Velocity errors less what the mission expects [m/s].
-    under_way : array, shape (n,)
-        [s]
-    sigma, fix_sd : float
-        Standard deviations for the weights: of the velocity error [m/s], of a fix [m].
+    `error`, shape (2, n): velocity errors less what the mission expects [m/s]. `under_way`, shape (n,) [s]. `sigma`,
+    `fix_sd`: standard deviations for the weights: of the velocity error [m/s], of a fix [m].
     """
     if not gaps.is_gap.any():
         return 0.0

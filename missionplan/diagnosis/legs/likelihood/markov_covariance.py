@@ -96,14 +96,8 @@ class MarkovCovariance:
 
         Raises numpy.linalg.LinAlgError when a variance is not positive.
 
-        Parameters
-        ----------
-        white : array, shape (2,) or (2, n)
-            Variance of the independent velocity error on each axis [m²/s²].
-        fix_sd : float
-            Standard deviation of a fix, each axis [m].
-        process : MarkovProcess, optional
-            Error that persists from leg to leg.
+        `white`, shape (2,) or (2, n): variance of the independent velocity error on each axis [m²/s²]. `fix_sd`:
+        standard deviation of a fix, each axis [m]. `process`: error that persists from leg to leg.
         """
         share, rest = (np.zeros(1),) * 2 if process is None else process.mean_over(self.under_way)
         variance = white.reshape(2, -1) + fix_sd**2 * self._unshared_fix_variance + rest

@@ -65,12 +65,8 @@ class Modulation:
 
         With them ε has the squared-exponential covariance (Solin & Särkkä 2020, Eq. 20).
 
-        Parameters
-        ----------
-        relative : float
-            Standard deviation of the real and of the imaginary part of ε.
-        coherence_time : float
-            e-folding time of ε [s].
+        `relative`: standard deviation of the real and of the imaginary part of ε. `coherence_time`: its e-folding time
+        [s].
         """
         length = LENGTH_OF_TIME * coherence_time
         density = math.sqrt(2.0 * math.pi) * length * np.exp(-0.5 * (self.frequencies * length) ** 2)
