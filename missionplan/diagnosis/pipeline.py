@@ -60,14 +60,16 @@ class Reading:
     def claimed(self) -> Causes:
         """The likeliest set, where something is there; of a family its likeliest member.
 
-        Where something without a name is likely, a set of named causes that may as well not be there is none.
+        Where something without a name is likely, named causes that may as well not be there are left out.
         """
         if 1.0 - self.nothing < SURE or not self.posterior:
             return ()
         likeliest = max(self.posterior, key=lambda causes: self.posterior[causes])
-        is_named = all(CATALOGUE[name].tier != "neutral" for name in likeliest)
-        doubtful = is_named and self.none_of_these >= LIKELY and self.probability(likeliest) < SURE
-        return () if doubtful else likeliest
+        named = tuple(name for name in likeliest if CATALOGUE[name].tier != "neutral")
+        if self.none_of_these < LIKELY or not named or self.probability(named) >= SURE:
+            return likeliest
+        rest = tuple(name for name in likeliest if name not in named)
+        return rest if rest in self.posterior else ()
 
     def probability(self, causes: Causes) -> float:
         """Probability of a set, its supersets and those of the sets told as one with it counted."""

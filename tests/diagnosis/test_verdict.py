@@ -68,6 +68,7 @@ BOTH = ("compass-bias", "speed-scale")
         ({A: 0.6, B: 0.4}, 0.0, 0.6, "unexplained"),
         ({("response",): 0.97, A: 0.03}, 0.0, 0.97, "unexplained"),
         ({("compass-bias", "response"): 0.6, A: 0.4}, 0.0, 0.6, "partly-explained"),
+        ({("compass-bias", "response"): 0.6, ("response",): 0.4}, 0.0, 1.0, "unexplained"),
     ],
 )
 def test_verdict_is_the_first_that_fits(posterior, nothing, none_of_these, expected):
@@ -78,6 +79,10 @@ def test_a_cause_in_the_place_of_which_something_without_a_name_may_be_is_not_cl
     assert Reading({A: 0.6, B: 0.4}, 0.0, 0.6).claimed == ()
     assert Reading({A: 0.96, B: 0.04}, 0.0, 0.6).claimed == A
     assert Reading({("response",): 0.6, A: 0.4}, 0.0, 0.6).claimed == ("response",)
+    doubtful = {("compass-bias", "response"): 0.6, ("speed-scale", "response"): 0.3}
+    assert Reading({**doubtful, ("response",): 0.1}, 0.0, 1.0).claimed == ("response",)
+    assert Reading({**doubtful, B: 0.1}, 0.0, 0.9).claimed == ()
+    assert Reading({("compass-bias", "response"): 0.96, B: 0.04}, 0.0, 0.96).claimed == ("compass-bias", "response")
 
 
 def test_a_cause_that_changes_explains_a_part():
