@@ -69,13 +69,14 @@ def seaglider(folder, *, ctd="ctd_data_point", upper=False, order=1, transposed=
                 variable.setncatts({"units": units, **attributes})
 
             since = "seconds since 1970-1-1 00:00:00"
+            size, unit = (100.0, "cm") if in_cm else (1.0, "meters")
             columns = [
                 ("log_gps_time", "gps_info", fixed.t, since), ("log_gps_lat", "gps_info", fixed.latitude),
                 ("log_gps_lon", "gps_info", fixed.longitude), ("log_gps_hdop", "gps_info", [1.0, 1.0, 1.0]),
                 ("time", "sg_data_point", depth.t, since),
-                ("depth", "sg_data_point", depth.values * (100.0 if in_cm else 1.0), "cm" if in_cm else "meters"),
-                ("ctd_time", ctd, t, since), ("east_displacement", ctd, east, "meters"),
-                ("north_displacement", ctd, north, "meters"), ("horz_speed", ctd, 30.0 + 0.0 * t, "cm/s"),
+                ("depth", "sg_data_point", depth.values * size, unit),
+                ("ctd_time", ctd, t, since), ("east_displacement", ctd, east * size, unit),
+                ("north_displacement", ctd, north * size, unit), ("horz_speed", ctd, 30.0 + 0.0 * t, "cm/s"),
             ]  # fmt: skip
             for column in columns[::order]:
                 put(*column)

@@ -104,11 +104,11 @@ class Variables:
         """Unit that a variable states; nothing where it states none."""
         return str(self._data[name].attrs.get("units", "")).strip() if name else ""
 
-    def like(self, name: str | None, other: str) -> Array:
-        """Values of a variable where another's stand; nan where it is missing or lies along another dimension."""
+    def like(self, name: str | None, other: str, wanted: str = "") -> Array:
+        """Values in a unit where another variable stands; nan where missing, or along another dimension."""
         if name is None or self.dimension(name) != self.dimension(other):
             return np.full(self._data[other].size, np.nan)
-        return self.numbers(name)
+        return self.in_unit(name, wanted)
 
     def dimension(self, name: str) -> str:
         """Dimension of a variable: the longest one, as those of length 1 are no axis."""

@@ -177,7 +177,7 @@ def _ways(file: Variables) -> tuple[tuple[Array, Array, Array], str]:
     for ending, how in (("", _BY_MODEL), ("_gsm", _BY_SLOPE)):
         east, north = (file.find(f"{axis}_displacement{ending}") for axis in ("east", "north"))
         if east is not None and north is not None and np.isfinite(file.numbers(east)).any():
-            return (file.clock(east), file.in_unit(east, "m"), file.like(north, east)), how
+            return (file.clock(east), file.in_unit(east, "m"), file.like(north, east, "m")), how
     return (np.empty(0), np.empty(0), np.empty(0)), ""
 
 
