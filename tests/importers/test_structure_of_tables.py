@@ -138,6 +138,18 @@ def test_og1_of_two_gliders_are_asked_for(tmp_path):
     assert import_logs([tmp_path], vehicle="SG034").counted == 4
 
 
+def test_positions_of_og1_are_in_their_unit(tmp_path):
+    netcdf = pytest.importorskip("netCDF4", reason="netCDF4 is not installed")
+    plain = import_logs([og1(tmp_path / "a.nc")])
+    with netcdf.Dataset(og1(tmp_path / "b.nc"), "a") as file:
+        for each in (
+            each for name, each in file.variables.items() if name.lower().startswith(("latitude", "longitude"))
+        ):
+            each[:] = np.radians(each[:])
+            each.units = "radian"
+    agree(plain, import_logs([tmp_path / "b.nc"]))
+
+
 def test_a_seaglider_without_its_model_is_reckoned_aloud(tmp_path):
     """Raw files of a dive have headings and pitches, and no displacements."""
     netcdf = pytest.importorskip("netCDF4", reason="netCDF4 is not installed")

@@ -197,7 +197,7 @@ def _deployment(file: Variables) -> _Part:
         ways, how = (np.empty(0), np.empty(0), np.empty(0)), "the file's own, where DEAD_RECKONING is 1"
     phase = file.find("phase")
     return _Part(
-        fixes=fixes(t, file.numbers(latitude), file.numbers(longitude), valid=file.validity(latitude)),
+        fixes=fixes(t, file.in_unit(latitude, "deg"), file.in_unit(longitude, "deg"), valid=file.validity(latitude)),
         ways=ways,
         reckoned=own,
         reckoning=how,
@@ -219,7 +219,7 @@ def _flagged(file: Variables) -> Positions:
         return Positions()
     own = file.like(flag, latitude) == 1.0
     t = np.where(own, file.clock(latitude), np.nan)
-    return positions(t, file.numbers(latitude), file.like(longitude, latitude))
+    return positions(t, file.in_unit(latitude, "deg"), file.like(longitude, latitude, "deg"))
 
 
 def _drifting(file: Variables, phase: str | None) -> Series:
