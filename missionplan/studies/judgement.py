@@ -145,10 +145,14 @@ def _current(mission: Mission) -> Iterator[Doubt]:
 
 
 def _has_current(mission: Mission) -> bool:
-    """Whether the mission's site or its effects tell of a current."""
-    infos = [CATALOGUE[entry.effect] for entry in mission.effect_list.entries]
-    stated = mission.site is not None and bool(mission.site.current)
-    return stated or any(info.is_steady_current or info.is_modulated for info in infos)
+    """Whether the mission's site or its effects tell of a current, of those in doubt at least as likely as not."""
+    flow = {name for name, info in CATALOGUE.items() if info.is_steady_current or info.is_modulated}
+    always = any(each.effect in flow and each.explanation is None for each in mission.effects)
+    likely = (
+        sum(share for share, held in zip(doubt.probabilities, doubt.causes, strict=True) if flow.intersection(held))
+        for doubt in mission.doubts
+    )
+    return bool(mission.site and mission.site.current) or always or max(likely, default=0.0) >= 0.5
 
 
 FRESH = 1_000_003

@@ -88,6 +88,10 @@ def test_water_that_is_taken_as_still_turns_the_answer_of_a_vehicle_that_cannot_
     assert still.turns
     stated = mission.with_({"effects": [{"mean-current": {"east": "0 m/s", "north": "0 m/s"}}]})
     assert not list(doubts_of(stated))
+    flow = {"mean-current": {"east": "0 m/s", "north": "0 m/s"}}
+    for probability, doubts in ((0.05, ["there is no current"]), (0.6, [])):  # of a current that may be
+        one_of = {"one-of": [{"probability": probability, "effects": [flow]}]}
+        assert [each.what for each in doubts_of(mission.with_({"effects": [one_of]}))] == doubts
 
 
 def test_water_of_which_a_mission_says_nothing_is_doubted_too(one_leg):
