@@ -241,7 +241,7 @@ def _missing_end(covered: float, start: float, end: float, line: Positions) -> s
 
 
 def _interrupted(track: Track, start: float, end: float, surface: float) -> str:
-    found = [each for each in track.breaks if start < each.t <= end]
+    found = [each for each in track.breaks if each.t <= end and start < max(each.t, each.until)]
     under = [
         each.reason
         for each in found

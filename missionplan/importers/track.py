@@ -156,6 +156,8 @@ class Break:
     """What happened: a restart, a jump of the clock."""
     at_surface_too: bool = True
     """Whether it spoils a leg even while the vehicle is at the surface, as a jump of the clock does."""
+    until: float = -np.inf
+    """To when it spoils what is logged: where the clock went back, times up to then stand twice [s]."""
 
 
 @dataclass(frozen=True)
@@ -203,7 +205,7 @@ class Track:
             for each in dataclass_fields(self)
             if isinstance(part := getattr(self, each.name), Series) and len(part) > 1
         }
-        breaks = tuple(each for each in self.breaks if start <= each.t < end)
+        breaks = tuple(each for each in self.breaks if start <= max(each.t, each.until) and each.t < end)
         marks = tuple(each for each in self.marks if start <= each < end)
         return replace(self, fixes=kept, reckoned=self.reckoned.within(start, end), breaks=breaks, marks=marks, **parts)
 

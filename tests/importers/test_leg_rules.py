@@ -188,6 +188,10 @@ def test_a_wrong_fix_is_left_out(which, away, angle):
     ("change", "reason"),
     [
         (lambda log: {"breaks": (Break(log.starts[2] + 1000.0, "the clock jumps back (30 s)"),)}, "clock jumps back"),
+        (
+            lambda log: {"breaks": (Break(log.ends[1] + 1.0, "the clock jumps back", until=log.starts[2] + 1.0),)},
+            "back",
+        ),
         (lambda log: {"breaks": (Break(log.starts[2] + 1000.0, "a restart", at_surface_too=False),)}, "a restart"),
         (lambda log: {"depth": without(log.track.depth, log.starts[2] + 600.0, log.starts[2] + 1200.0)}, "a gap"),
         (lambda log: {"reckoned": jumping(log, 2)}, "jumps under water"),

@@ -317,6 +317,9 @@ def test_a_clock_that_steps_back_more_than_a_second_is_told_unless_the_rows_are_
     t[60:] -= 30.0
     (found,) = clock_jumps(t)
     assert (found.t, found.reason, found.at_surface_too) == (30.0, "the clock jumps back (29 s)", True)
+    assert found.until == 56.0  # times from 30 s to there stand twice
+    (single,) = clock_jumps(np.where(np.arange(100) == 50, 9e9, np.arange(100.0)))
+    assert (single.t, single.until) == (51.0, -np.inf)
     assert not clock_jumps(np.where(np.arange(100) == 50, 48.5, np.arange(100.0)))
     assert not clock_jumps(np.arange(100.0)[::-1])
     assert not clock_jumps(np.random.default_rng(1).permutation(100.0 * np.arange(100.0)))

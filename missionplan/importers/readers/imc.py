@@ -19,6 +19,7 @@ from missionplan.arrays import Array
 from missionplan.errors import InputError, Problem, did_you_mean, shown
 from missionplan.importers.geodesy import moved
 from missionplan.importers.importer import (
+    DAMAGED,
     Importer,
     PartlyReadError,
     ReadOptions,
@@ -132,7 +133,10 @@ def _add(systems: dict[int, _System], library: ModuleType, path: Path) -> None:
     names = {int(library.Factory.id_from_abbrev(name)): name for name in (*_COLUMNS, "Announce")}
     with unpacked(path) as stream:
         for kind, packet in _packets(stream, frozenset(names)):
-            message: Any = library.Packet.deserialize(packet)  # as its definition says
+            try:
+                message: Any = library.Packet.deserialize(packet)  # as its definition says
+            except DAMAGED as error:
+                raise PartlyReadError(f"a message is damaged: {error}") from None
             system, name = systems[int(message.src)], names[kind]
             if name == "Announce":
                 system.name = str(message.sys_name)
