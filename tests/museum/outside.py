@@ -184,6 +184,8 @@ SEEN: dict[str, Build] = {
     ),
     "cell that cuts out": _pace(lambda m, phase, when: 2.0 * float((m.t / 5400.0 + phase) % 1.0 < 0.4)),
     "speed by the square of time under way": _pace(lambda m, phase, when: 4.0 * (m.since / 900.0) ** 2),
+    "stream that winds": _meander,
+    "current that turns round": _rotating,
 }
 UNSEEN: dict[str, Build] = {
     "compass that warms up": _turn(lambda m, phase, when: 2.0 * float(np.exp(-m.t / 7200.0))),
@@ -207,9 +209,7 @@ UNSEEN: dict[str, Build] = {
     "current that dies after a gale": _water(lambda m, when: np.array(np.exp(-m.t / (0.4 * when)))),
     "lock that opens for a while": _water(lambda m, when: np.array(float(0.8 * when < m.t < 1.2 * when))),
     "shear line": _shear_line,
-    "stream that winds": _meander,
     "cable on the ground": _cable,
-    "current that turns round": _rotating,
     "propeller that draws air near the surface": _pace(lambda m, phase, when: 2.0 * float(np.exp(-m.depth / 8.0))),
     "drag that falls at a speed": _pace(lambda m, phase, when: float(np.tanh((m.speed - 1.3) / 0.1))),
     "waves that carry near the surface": _water(lambda m, when: np.array(np.exp(-m.depth / 15.0))),
@@ -218,6 +218,10 @@ UNSEEN: dict[str, Build] = {
     "current near the ground": _water(lambda m, when: np.array(np.exp((m.depth - 150.0) / 20.0))),
     "compass that warms through": _turn(lambda m, phase, when: float(np.tanh((m.t - when) / 3000.0))),
     "speed by the place north": _pace(lambda m, phase, when: m.place[1] / 3000.0),
+    "speed by the distance from the middle": _pace(lambda m, phase, when: float(np.hypot(*m.place)) / 3000.0),
+    "course by time and depth": _turn(lambda m, phase, when: m.t / 20000.0 * m.depth / 100.0),
+    "speed by time and course": _pace(lambda m, phase, when: 2.0 * m.t / 20000.0 * float(np.sin(m.heading + phase))),
+    "current that fades to both sides": _water(lambda m, when: 1.0 / (1.0 + np.square(m.place[0] / 1500.0))),
     "load every third hour": _pace(lambda m, phase, when: 2.0 * float((m.t / 10800.0 + phase) % 1.0 < 1.0 / 3.0)),
 }
 
