@@ -57,7 +57,22 @@ def entry_problems(info: EffectInfo) -> list[str]:
     if problems:
         return problems
     if info.part == "covariance":
-        return _covariance_problems(info)
+        problems = []
+        if info.phase != "transit":
+            problems.append('part="covariance": only effects on a transit enter a covariance')
+        hooks = ("fix_variance", "position_variance_rate", "tail_dof")
+        refined = [hook for hook in hooks if getattr(info.effect, hook, None) is not getattr(TransitEffect, hook)]
+        if not refined and not _is_process(info):
+            problems.append(
+                'part="covariance": refine fix_variance, position_variance_rate or tail_dof, or give transition, '
+                "first_variance and mean_over of a Markov process"
+            )
+        problems += [
+            f'parameter {name}: part="covariance" needs a median and a factor'
+            for name, parameter in info.parameters.items()
+            if not parameter.is_shape
+        ]
+        return problems
     undeclared = _is_random(info) and not info.is_modulated
     return ['an effect that is random from leg to leg must declare part="covariance"'] if undeclared else []
 
@@ -132,25 +147,6 @@ def _is_random(info: EffectInfo) -> bool:
     """Whether an effect draws normals for each leg."""
     made = _usual(info)
     return isinstance(made, TransitEffect) and made.is_random
-
-
-def _covariance_problems(info: EffectInfo) -> list[str]:
-    problems = []
-    if info.phase != "transit":
-        problems.append('part="covariance": only effects on a transit enter a covariance')
-    hooks = ("fix_variance", "position_variance_rate", "tail_dof")
-    refined = [hook for hook in hooks if getattr(info.effect, hook, None) is not getattr(TransitEffect, hook)]
-    if not refined and not _is_process(info):
-        problems.append(
-            'part="covariance": refine fix_variance, position_variance_rate or tail_dof, or give transition, '
-            "first_variance and mean_over of a Markov process"
-        )
-    problems += [
-        f'parameter {name}: part="covariance" needs a median and a factor'
-        for name, parameter in info.parameters.items()
-        if not parameter.is_shape
-    ]
-    return problems
 
 
 def _is_process(info: EffectInfo) -> bool:

@@ -126,7 +126,12 @@ class _PoolRun(Generic[Item, Result]):
         if self._todo and len(self._begun) < _MAX_PENDING:
             self._begun.append((self._todo.popleft(), Future()))
             own = self._begun[-1]
-            self._submit()
+            # submit items to the pool: one per worker, and once the workers have started another that waits
+            self._in_pool = [future for future in self._in_pool if not future.done()]
+            wanted = self._workers * (2 if self._started.done() else 1) - len(self._in_pool)
+            for item in [self._todo.popleft() for _ in range(min(wanted, len(self._todo)))]:
+                self._in_pool.append(self._executor.submit(self._shipped, item))
+                self._begun.append((item, self._in_pool[-1]))
             return own
         if self._started.done():
             return None
@@ -141,14 +146,6 @@ class _PoolRun(Generic[Item, Result]):
                     return
                 result = self._begun.popleft()[1].result()
             yield result
-
-    def _submit(self) -> None:
-        """Submit items to the pool: one per worker, and once the workers have started another that waits."""
-        self._in_pool = [future for future in self._in_pool if not future.done()]
-        wanted = self._workers * (2 if self._started.done() else 1) - len(self._in_pool)
-        for item in [self._todo.popleft() for _ in range(min(wanted, len(self._todo)))]:
-            self._in_pool.append(self._executor.submit(self._shipped, item))
-            self._begun.append((item, self._in_pool[-1]))
 
     def _run(self, item: Item, future: "Future[Result]") -> None:
         """Run an item here as a worker would: an error is raised where its result is read."""
@@ -213,12 +210,14 @@ def parallel_map(
         return task(items)
     if separately:
         return list(Workers(min(jobs, MAX_PROCESSES)).run(partial(_alone, task), items))
+    from loky.backend.reduction import dumps
+
     parts = min(jobs, MAX_PROCESSES, len(items))
     with borrowed_pool(min(jobs, MAX_PROCESSES) - 1) as executor:
         # pickled here, not by the executor's thread: this process may change the task's caches while it runs its part
-        pickled = [_PickledPart.of(task, items[part::parts]) for part in range(1, parts)]
+        pickled = [bytes(dumps((task, items[part::parts]))) for part in range(1, parts)]
         with interrupts_deferred():
-            futures = [executor.submit(part.run) for part in pickled]
+            futures = [executor.submit(_run_pickled, part) for part in pickled]
         results = [task(items[::parts]), *(result_of(future) for future in futures)]
     return [results[index % parts][index // parts] for index in range(len(items))]
 
@@ -227,21 +226,8 @@ def _alone(task: "Part[Item, Result]", item: Item) -> Result:
     return task([item])[0]
 
 
-@dataclass(frozen=True)
-class _PickledPart(Generic[Item, Result]):
-    """A task with its items, pickled."""
-
-    content: bytes
-
-    @classmethod
-    def of(cls, task: "Part[Item, Result]", items: Sequence[Item]) -> "_PickledPart[Item, Result]":
-        """Pickle a task and its items."""
-        from loky.backend.reduction import dumps
-
-        return cls(bytes(dumps((task, items))))
-
-    def run(self) -> list[Result]:
-        """Run the task on its items."""
-        task, items = pickle.loads(self.content)
-        results: list[Result] = task(items)
-        return results
+def _run_pickled(content: bytes) -> list[Result]:
+    """Run a task on its items, both pickled."""
+    task, items = pickle.loads(content)
+    results: list[Result] = task(items)
+    return results

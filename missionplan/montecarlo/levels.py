@@ -189,7 +189,8 @@ def levels(measured: Measured, ageing: Ageing) -> Levels:
     n = len(measured.times)
     sets, found = np.zeros((1, n), dtype=bool), [_weighed(measured, ageing, np.zeros((1, n), dtype=bool))]
     for _ in range(min(MOST_JUMPS, n - 1) if ageing.is_jump > 0.0 else 0):
-        sets = _with_one_more(_likeliest(found[-1], sets), measured.begins)
+        logs = np.logaddexp.reduce(found[-1].log_weights.reshape(len(sets), -1), axis=1)
+        sets = _with_one_more(np.asarray(sets[np.argsort(-logs)[:KEPT]]), measured.begins)
         if not len(sets):
             break
         found.append(_weighed(measured, ageing, sets))
@@ -244,12 +245,6 @@ def _of_measurements(measured: Measured, ageing: Ageing, models: _Models) -> Arr
     times = measured.times
     of_mission = models.redrawn[:, None, None] * (times[:, None] == times)
     return np.asarray(_covariance(times, times, measured, ageing, models) + of_mission + np.diag(measured.sds**2))
-
-
-def _likeliest(models: _Models, sets: NDArray[np.bool_]) -> NDArray[np.bool_]:
-    """The likeliest of the sets of jumps that were weighed last."""
-    logs = np.logaddexp.reduce(models.log_weights.reshape(len(sets), -1), axis=1)
-    return np.asarray(sets[np.argsort(-logs)[:KEPT]])
 
 
 def _with_one_more(sets: NDArray[np.bool_], begins: NDArray[np.bool_]) -> NDArray[np.bool_]:

@@ -125,26 +125,8 @@ def first_order_index(source: Source, y: Array) -> tuple[float, float]:
     x = source.values - source.values.mean()
     sums = _class_sums(source.classes, x, (y - y.mean()) / y.std())
     whole = sums.sum(axis=2, keepdims=True)
-    shares = _adjusted_share(np.concatenate((whole, whole - sums), axis=2))  # of all, then with each group left out
-    return float(shares[0]), math.sqrt((_GROUPS - 1) * float(np.var(shares[1:])))
-
-
-def _class_sums(classes: NDArray[np.int64], x: Array, y: Array) -> Array:
-    """Sums of 1, x, y, x², xy, y² by class and jackknife group, shape (6, classes, groups)."""
-    group = np.arange(len(x)) % _GROUPS
-    cell, cells = classes * _GROUPS + group, (int(classes.max()) + 1) * _GROUPS
-    weights = (None, x, y, x * x, x * y, y * y)
-    return np.array([np.bincount(cell, weight, cells).reshape(-1, _GROUPS) for weight in weights], dtype=float)
-
-
-def _adjusted_share(sums: Array) -> Array:
-    """Share of the variance that a line in each class explains, corrected for the fitted parameters, shape (samples,).
-
-    Parameters
-    ----------
-    sums : array, shape (6, classes, samples)
-    """
-    count, sum_x, sum_y, sum_xx, sum_xy, sum_yy = sums
+    # of all, then with each group left out: what a line in each class explains, corrected for the fitted parameters
+    count, sum_x, sum_y, sum_xx, sum_xy, sum_yy = np.concatenate((whole, whole - sums), axis=2)
     n, used = np.maximum(count, 1.0), count > 0.0
     within_xx = sum_xx - sum_x**2 / n
     within_xy = sum_xy - sum_x * sum_y / n
@@ -156,4 +138,14 @@ def _adjusted_share(sums: Array) -> Array:
     total = sum_yy.sum(axis=0) - sum_y.sum(axis=0) ** 2 / trials
     freedom = trials - np.count_nonzero(used, axis=0) - np.count_nonzero(sloped, axis=0)
     varies = total > 1e-9 * sum_yy.sum(axis=0)  # without the one trial that differs it may not
-    return np.where(varies, 1.0 - (residual / freedom) / (np.where(varies, total, 1.0) / (trials - 1)), 0.0)
+    explained = (residual / freedom) / (np.where(varies, total, 1.0) / (trials - 1))
+    shares = np.where(varies, 1.0 - explained, 0.0)
+    return float(shares[0]), math.sqrt((_GROUPS - 1) * float(np.var(shares[1:])))
+
+
+def _class_sums(classes: NDArray[np.int64], x: Array, y: Array) -> Array:
+    """Sums of 1, x, y, x², xy, y² by class and jackknife group, shape (6, classes, groups)."""
+    group = np.arange(len(x)) % _GROUPS
+    cell, cells = classes * _GROUPS + group, (int(classes.max()) + 1) * _GROUPS
+    weights = (None, x, y, x * x, x * y, y * y)
+    return np.array([np.bincount(cell, weight, cells).reshape(-1, _GROUPS) for weight in weights], dtype=float)

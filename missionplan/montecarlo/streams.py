@@ -164,25 +164,18 @@ class KeptStreams:
         return self._legs[quantity]
 
 
-class _Kept(threading.local):
-    """Streams by block, of each thread its own."""
-
-    def __init__(self) -> None:
-        self.blocks: dict[int, KeptStreams] = {}
-
-
 class CommonStreams:
     """The streams of a run's blocks, kept in this process and thread up to `MOST_KEPT` legs; pickled without them."""
 
     def __init__(self, seed: int) -> None:
-        self._seed, self._kept = seed, _Kept()
+        self._seed, self._kept = seed, threading.local()
 
     def __reduce__(self) -> tuple[type["CommonStreams"], tuple[int]]:
         return CommonStreams, (self._seed,)
 
     def of_block(self, block: int) -> NormalSource:
         """Return the streams of a block."""
-        kept = self._kept.blocks
+        kept: dict[int, KeptStreams] = vars(self._kept).setdefault("blocks", {})  # of this thread
         if sum(streams.kept for streams in kept.values()) > MOST_KEPT:
             kept.clear()
         if block not in kept:
@@ -245,17 +238,14 @@ class JointDistribution:
         """Draw each quantity once per trial from a source of normals; as `draw`."""
         mixed: dict[str, Array] = {}
         if self.correlated:
-            independent = np.stack([self._normals(source, name) for name in self.correlated])
+            independent = np.stack([source.once(self.streams.get(name, name)) for name in self.correlated])
             # einsum, not BLAS: the bits must not depend on the number of BLAS threads
             mixed = dict(zip(self.correlated, np.einsum("ij,jt->it", self.factor, independent), strict=True))
         drawn = {}
         for name, marginal in self.marginals.items():
-            normals = mixed[name] if name in mixed else self._normals(source, name)
+            normals = mixed[name] if name in mixed else source.once(self.streams.get(name, name))
             drawn[name] = marginal.from_normal(normals[:size])
         return drawn
-
-    def _normals(self, source: NormalSource, name: str) -> Array:
-        return source.once(self.streams.get(name, name))
 
 
 def correlation_factor(

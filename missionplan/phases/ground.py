@@ -218,7 +218,13 @@ class Ground:
         needed = least.max(axis=0)
         while way.size:
             extent = float(np.abs(last - first).max(initial=0.0))
-            suspect = ~(self._shallowest(first, last, extent) > needed[way])
+            # least depth of all cells in the blocks that hold ways of at most an extent [cells], -inf beyond the grid
+            level = min(int(np.ceil(np.log2(extent + 2.0))), len(self._blocks) - 1)
+            blocks = self._blocks[level]
+            corner = (np.floor(np.minimum(first, last)).astype(np.int64) >> level) + 1
+            top = blocks.shape
+            found: Depths = blocks[np.clip(corner[1], 0, top[0] - 1), np.clip(corner[0], 0, top[1] - 1)]
+            suspect = ~(found > needed[way])
             way, low, high = way[suspect], low[suspect], high[suspect]
             if extent <= _FINEST:
                 break
@@ -266,15 +272,6 @@ class Ground:
         low = table[south, west] * (1.0 - across) + table[south, east] * across
         high = table[north, west] * (1.0 - across) + table[north, east] * across
         return np.where(inside, low * (1.0 - up) + high * up, np.nan)
-
-    def _shallowest(self, first: Array, last: Array, extent: float) -> Depths:
-        """Least depth of all cells in the blocks that hold ways of at most an extent [cells], -inf beyond the grid."""
-        level = min(int(np.ceil(np.log2(extent + 2.0))), len(self._blocks) - 1)
-        blocks = self._blocks[level]
-        corner = (np.floor(np.minimum(first, last)).astype(np.int64) >> level) + 1
-        top = blocks.shape
-        found: Depths = blocks[np.clip(corner[1], 0, top[0] - 1), np.clip(corner[0], 0, top[1] - 1)]
-        return found
 
     @cached_property
     def _blocks(self) -> list[Depths]:

@@ -205,7 +205,8 @@ class _Run:
     def advance(self, *, steady: bool) -> None:
         """One step: controls, forces held, Runge-Kutta, energy; `steady` when it counts for the pitch in hover."""
         u = self.state[0]
-        required = self._required_speed()
+        fallen = np.asarray(self.manoeuvre.deceleration) * max(self.time, 0.0)
+        required: Array = np.maximum(self.manoeuvre.start_speed - fallen, 0.0)
         command = required + self.vehicle.speed_gain * (required - u)
         share = self.controllers.thruster_share(u)
         self.plane = self.controllers.sternplane(self.state, share)
@@ -223,11 +224,6 @@ class _Run:
         self._account(static, u)
         self.time += h
         self._observe(steady)
-
-    def _required_speed(self) -> Array:
-        fallen = np.asarray(self.manoeuvre.deceleration) * max(self.time, 0.0)
-        required: Array = np.maximum(self.manoeuvre.start_speed - fallen, 0.0)
-        return required
 
     def _slope(self, state: Array, command: Array, static: list[Array]) -> Array:
         """Time derivative of the state, Eqs. 4 to 6, shape (5, n)."""

@@ -7,13 +7,13 @@ about the centre of buoyancy is nil.
 """
 
 import math
-from collections.abc import Callable
 from dataclasses import dataclass, replace
+from operator import attrgetter
 
 import numpy as np
 
 from missionplan.arrays import Array
-from missionplan.physics.anchor import AnchorDesign, AnchorProblem, Construction, solve_anchor
+from missionplan.physics.anchor import AnchorDesign, AnchorProblem, solve_anchor
 
 
 @dataclass(frozen=True)
@@ -32,46 +32,14 @@ class Remedy:
         return f"{self.part} with {self.quantity} {self.needed:.4g} {self.unit} instead of {self.given:.4g} {self.unit}"
 
 
-@dataclass(frozen=True)
-class _Number:
-    """A number of the construction that a remedy may change: part, quantity and unit in words, getter and setter."""
-
-    part: str
-    quantity: str
-    unit: str
-    of: Callable[[Construction], float]
-    changed: Callable[[Construction, float], Construction]
-
-
 _NUMBERS = (
-    _Number(
-        "front",
-        "a mass of",
-        "kg",
-        lambda c: c.front.mass,
-        lambda c, value: replace(c, front=replace(c.front, mass=value)),
-    ),
-    _Number(
-        "back", "a mass of", "kg", lambda c: c.back.mass, lambda c, value: replace(c, back=replace(c.back, mass=value))
-    ),
-    _Number(
-        "front",
-        "its centre at",
-        "m",
-        lambda c: c.front.centre,
-        lambda c, value: replace(c, front=replace(c.front, centre=value)),
-    ),
-    _Number(
-        "tube",
-        "a mass per length of",
-        "kg/m",
-        lambda c: c.tube_mass_per_length,
-        lambda c, value: replace(c, tube_mass_per_length=value),
-    ),
-    _Number(
-        "trim ring", "a density of", "kg/m³", lambda c: c.trim_density, lambda c, value: replace(c, trim_density=value)
-    ),
+    ("front", "a mass of", "kg", "front.mass"),
+    ("back", "a mass of", "kg", "back.mass"),
+    ("front", "its centre at", "m", "front.centre"),
+    ("tube", "a mass per length of", "kg/m", "tube_mass_per_length"),
+    ("trim ring", "a density of", "kg/m³", "trim_density"),
 )
+"""Of the construction, which a remedy may change: part, quantity and unit in words, and the field."""
 MAX_WET_WEIGHT = 500.0
 """Largest wet weight of a hand-launched anchor, the end of the search for buildable weights [N]."""
 _MAX_DENSITY = 19300.0
@@ -93,12 +61,11 @@ def find_remedies(design: AnchorDesign) -> tuple[Remedy, ...]:
     if design.feasible:
         return ()
     found = []
-    for number in _NUMBERS:
-        factor = _least_factor(design, number)
+    for part, quantity, unit, field in _NUMBERS:
+        factor = _least_factor(design, field)
         if factor is not None:
-            given = number.of(design.problem.construction)
-            remedy = Remedy(number.part, number.quantity, given, given * factor, number.unit)
-            found.append((abs(math.log(factor)), remedy))
+            given: float = attrgetter(field)(design.problem.construction)
+            found.append((abs(math.log(factor)), Remedy(part, quantity, given, given * factor, unit)))
     return tuple(remedy for _, remedy in sorted(found, key=lambda item: item[0]))
 
 
@@ -115,12 +82,15 @@ def buildable_weights(problem: AnchorProblem) -> tuple[float, float] | None:
     return (buildable[0], min(buildable[-1], MAX_WET_WEIGHT)) if buildable else None
 
 
-def _least_factor(design: AnchorDesign, number: _Number) -> float | None:
-    """Factor nearest to 1 on a number with which the anchor can be built, to a thousandth; None where there is none."""
+def _least_factor(design: AnchorDesign, field: str) -> float | None:
+    """Factor nearest to 1 on a field with which the anchor can be built, to a thousandth; None where there is none."""
     construction = design.problem.construction
+    name, _, inside = field.partition(".")
 
     def works(factor: float) -> bool:
-        changed = number.changed(construction, number.of(construction) * factor)
+        value = attrgetter(field)(construction) * factor
+        part = replace(getattr(construction, name), **{inside: value}) if inside else value
+        changed = replace(construction, **{name: part})
         if changed.trim_density > _MAX_DENSITY or changed.front.centre > design.problem.radius:
             return False
         try:

@@ -199,7 +199,8 @@ def _remedies(hold: Hold, means: Scenario, layers: LayersAbove, faults: Iterator
     for fault in wrong:
         found, useless = [], []
         for knob, record in records.items():
-            factor = _least_change(fault.is_mended(record))
+            factors = _FACTORS[fault.is_mended(record)]
+            factor = float(factors[np.argmin(np.abs(np.log(factors)))]) if factors.size else None
             if factor is None:
                 useless.append(knob.name)
             else:
@@ -216,12 +217,6 @@ def _remedies(hold: Hold, means: Scenario, layers: LayersAbove, faults: Iterator
 def _record(hold: Hold, layers: LayersAbove) -> HoldRecord:
     many = take_trials(layers, np.zeros(_FACTORS.size, dtype=np.intp))
     return record_at_once(hold, held_pose(hold.body, hold.line, many), many)
-
-
-def _least_change(works: NDArray[np.bool_]) -> float | None:
-    """Factor nearest to 1 that works, where one does."""
-    factors = _FACTORS[works]
-    return float(factors[np.argmin(np.abs(np.log(factors)))]) if factors.size else None
 
 
 FASTEST = 10.0

@@ -6,14 +6,13 @@ by its usual size, and the mission is run again.
 """
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 
 from missionplan.effects import CATALOGUE
 from missionplan.errors import InputError, MissionplanError
 from missionplan.mission import Mission
 from missionplan.mission.changes import changed_data
-from missionplan.mission.schema.phases import MoorPhase
 from missionplan.mission.schema.site import CurrentFile, TidalCurrent
 from missionplan.mission.schema.vehicle import Anchor
 from missionplan.montecarlo.distributions import mean_of, sd_of
@@ -92,7 +91,14 @@ def doubts_of(mission: Mission) -> Iterator[Doubt]:
         yield Doubt("fixes are exact", "an error of 5 m on each axis", {"navigation.fix_error": "5 m"})
     if mission.moors:
         yield from _anchor(mission.vehicle.anchor if mission.vehicle else None)
-        yield from _lines(mission.moors)
+        for phase in mission.moors:
+            if phase.line_material is None and phase.line_wet_weight is None:
+                changes = {f"{phase.name}.line_material": "polyester"}
+                if phase.line_diameter:
+                    yield Doubt(f"the line has no weight ({phase.label})", "polyester", changes)
+                else:
+                    changes[f"{phase.name}.line_diameter"] = "2 mm"
+                    yield Doubt(f"the line has neither weight nor drag ({phase.label})", "2 mm of polyester", changes)
 
 
 def _anchor(anchor: Anchor | None) -> Iterator[Doubt]:
@@ -110,17 +116,6 @@ def _anchor(anchor: Anchor | None) -> Iterator[Doubt]:
     if anchor.flooding_time is None:
         words = "the anchor is full of water at once"
         yield Doubt(words, "10 s of flooding", {"vehicle.anchor.flooding_time": "10 s"})
-
-
-def _lines(moors: Sequence[MoorPhase]) -> Iterator[Doubt]:
-    for phase in moors:
-        if phase.line_material is None and phase.line_wet_weight is None:
-            changes = {f"{phase.name}.line_material": "polyester"}
-            if phase.line_diameter:
-                yield Doubt(f"the line has no weight ({phase.label})", "polyester", changes)
-            else:
-                changes[f"{phase.name}.line_diameter"] = "2 mm"
-                yield Doubt(f"the line has neither weight nor drag ({phase.label})", "2 mm of polyester", changes)
 
 
 def _current(mission: Mission) -> Iterator[Doubt]:

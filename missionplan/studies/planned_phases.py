@@ -82,8 +82,8 @@ def transit_durations(
     legs = time[1::2] - time[:-1:2]
     arrived = record.duration[record.arrived & np.isfinite(record.duration)]
     return TransitDurations(
-        legs=np.array([_quantile(leg[np.isfinite(leg)]) for leg in legs if np.isfinite(leg).any()]),
-        whole=_quantile(arrived) if arrived.size else float("nan"),
+        legs=np.array([np.quantile(leg[np.isfinite(leg)], SHARE) for leg in legs if np.isfinite(leg).any()]),
+        whole=float(np.quantile(arrived, SHARE)) if arrived.size else float("nan"),
         arrived=arrived.size / trials,
         surface_drift=_last_drift(record.track),
     )
@@ -99,19 +99,9 @@ def _last_drift(track: Array | None) -> Array:
     return np.asarray(last[:, legs > 0].mean(axis=1) if np.any(legs) else np.zeros(2))
 
 
-def _quantile(durations: Array) -> float:
-    return float(np.quantile(durations, SHARE))
-
-
-@dataclass(frozen=True)
-class SingleInterval:
-    """An interval in place of a table."""
-
-    length: float
-    """[m]"""
-    extra_time: float
-    standard_error: float
-    """Mean time of a transit beyond that by the table, of the trials that arrive by both [s]."""
+SingleInterval = tuple[float, float, float]
+"""Length of an interval in place of a table [m], and mean time of a transit beyond that by the table, of the trials
+that arrive by both, with its standard error [s]."""
 
 
 def single_interval(means: Scenario, phase: TransitPhase[Scalars], legs: LegTable, seed: int) -> SingleInterval:
@@ -134,7 +124,7 @@ def single_interval(means: Scenario, phase: TransitPhase[Scalars], legs: LegTabl
     both = single[best].arrived & table.arrived
     extra = single[best].duration[both] - table.duration[both]
     mean, error = (extra.mean(), extra.std() / np.sqrt(extra.size)) if extra.size else (np.nan, np.nan)
-    return SingleInterval(candidates[best], float(mean), float(error))
+    return candidates[best], float(mean), float(error)
 
 
 class PhaseBuilder:
@@ -206,7 +196,11 @@ class PhaseBuilder:
         for number in range(done, done + plan.max_legs):
             if left < SHORTEST_LEG:
                 break
-            length = _leg_length(phase, left)
+            length = (
+                float(leg_table(phase.d_max)(np.array(left)))
+                if isinstance(phase.d_max, LegTableSection)
+                else min(left, float(phase.d_max))
+            )
             left = max(left - length, 0.0)
             nominal = float(plan.time_under_way(np.array(length), np.array(1.0)))
             self._place = goal - left * towards
@@ -241,19 +235,18 @@ class PhaseBuilder:
 
     def _rule(self, phase: TransitPhase[Scalars]) -> SurfacingRule:
         means, table = self.means, phase.d_max
-        if isinstance(table, LegTableSection):
-            single = self._single(phase, table)
-        else:
-            single = SingleInterval(float(table), 0.0, 0.0)
+        interval, extra, error = (
+            self._single(phase, table) if isinstance(table, LegTableSection) else (float(table), 0.0, 0.0)
+        )
         plan, time = means.transit_plan(phase), means.navigation.surfacing_time
         return SurfacingRule(
-            interval=single.length,
-            interval_time=float(plan.time_under_way(np.array(single.length), np.array(1.0))),
+            interval=interval,
+            interval_time=float(plan.time_under_way(np.array(interval), np.array(1.0))),
             surface_time=mean_of(time),
             surface_time_p99=_p99(time),
             table=table.table if isinstance(table, LegTableSection) else (),
-            extra_time=single.extra_time,
-            extra_time_error=single.standard_error,
+            extra_time=extra,
+            extra_time_error=error,
         )
 
     def _single(self, phase: TransitPhase[Scalars], table: LegTableSection) -> SingleInterval:
@@ -262,7 +255,7 @@ class PhaseBuilder:
         except InputError as error:
             reason = error.problems[0].message
             self.notes.append(f"{phase.label}: no interval in place of the table could be compared with it ({reason})")
-            return SingleInterval(max(length for _, length in table.table), math.nan, math.nan)
+            return max(length for _, length in table.table), math.nan, math.nan
 
     def _mooring(self, phase: MoorPhase[Scalars]) -> PlannedMooring:
         means, site = self.means, self.means.drawn.site
@@ -318,13 +311,6 @@ def _sailed_by_its_vehicle(
             for number, point in enumerate(planned.waypoints)
         ),
     )
-
-
-def _leg_length(phase: TransitPhase[Scalars], left: float) -> float:
-    """Length of the nominal leg at a distance left (Eq. 19) [m]."""
-    if isinstance(phase.d_max, LegTableSection):
-        return float(leg_table(phase.d_max)(np.array(left)))
-    return min(left, float(phase.d_max))
 
 
 def _p99(quantity: Quantity) -> float:

@@ -47,20 +47,25 @@ def check_arguments(
     arguments that are text or None. Raises InputError with every argument that is wrong, else every problem of the
     mission's file.
     """
+    count, listed = "a whole number", [(name, value, known) for name, (value, known) in (one_of or {}).items()]
     kinds = (
         ("mission", mission, isinstance(mission, Mission | str | PurePath), "a Mission, or the path of a mission file"),
-        ("trials", trials, trials is None or _is_whole(trials, 1), "a whole number, at least 1"),
-        ("seed", seed, seed is None or _is_whole(seed, 0), "a whole number, at least 0"),
+        ("trials", trials, trials is None or _is_whole(trials, 1), f"{count}, at least 1"),
+        ("seed", seed, seed is None or _is_whole(seed, 0), f"{count}, at least 0"),
         (
             "jobs",
             jobs,
             jobs == -1 or _is_whole(jobs, 1, MAX_JOBS),
-            f"a whole number from 1 to {MAX_JOBS}, or -1 for every core",
+            f"{count} from 1 to {MAX_JOBS}, or -1 for every core",
         ),
         *((name, value, value is None or isinstance(value, str), "text") for name, value in (text or {}).items()),
-        *((name, value, value in known, _choice(known)) for name, (value, known) in (one_of or {}).items()),
+        *((name, value, value in known, f"one of {', '.join(map(str, known))}") for name, value, known in listed),
     )
-    problems = [_wrong(name, value, expected) for name, value, is_right, expected in kinds if not is_right]
+    problems = [
+        Problem(f"given {shown(value)}, expected {expected}", key=name)
+        for name, value, is_right, expected in kinds
+        if not is_right
+    ]
     if problems:
         raise InputError(problems)
     running_program()  # as it is before anything is computed
@@ -174,13 +179,5 @@ class Run:
         )
 
 
-def _choice(known: Sequence[object]) -> str:
-    return f"one of {', '.join('None' if each is None else str(each) for each in known)}"
-
-
 def _is_whole(value: object, least: int, most: float = float("inf")) -> bool:
     return isinstance(value, int) and not isinstance(value, bool) and least <= value <= most
-
-
-def _wrong(argument: str, value: object, expected: str) -> Problem:
-    return Problem(f"given {shown(value)}, expected {expected}", key=argument)

@@ -226,6 +226,8 @@ def sweep_transition(
     options = {"phase": transition.name, "time_step": time_step}
     provenance = run.provenance(options, mission.notices(), trials=0)
     deceleration, steepness, mid_speed = shown = (grid.shown_deceleration, grid.shown_steepness, grid.shown_mid_speed)
+    thruster, force = vehicle.thrusters[0], float(vehicle.body.excess_buoyancy)
+    density = vehicle.body.density
     return TransitionSweep(
         provenance=provenance,
         cells=pd.concat([run.table(name) for name, run in runs.items()], ignore_index=True),
@@ -235,7 +237,12 @@ def sweep_transition(
         by_mid_speed=tuple(runs[FORCE].history((deceleration, steepness, u), f"{u:g}") for u in grid.mid_speed),
         by_steepness=tuple(runs[FORCE].history((deceleration, s, mid_speed), f"{s:g}") for s in grid.steepness),
         by_variant=tuple(run.history(shown, name) for name, run in runs.items()),
-        hover=_hover(vehicle),
+        hover={
+            "thrust_n": force,
+            "revolutions_per_s": float(revolutions_for(thruster.thrust_constant, force)),
+            "power_w": hover_power(force, thruster.area, density),
+            "pair_power_w": hover_power(force, thruster.area, density, thrusters=2),
+        },
     )
 
 
@@ -276,14 +283,3 @@ def saturation_speed(vehicle: TransitionVehicle, start_speed: float) -> float:
         if beyond(slower) >= 0.0:
             return float(brentq(beyond, slower, faster))
     return float("nan")
-
-
-def _hover(vehicle: TransitionVehicle) -> dict[str, float]:
-    thruster, force = vehicle.thrusters[0], float(vehicle.body.excess_buoyancy)
-    density = vehicle.body.density
-    return {
-        "thrust_n": force,
-        "revolutions_per_s": float(revolutions_for(thruster.thrust_constant, force)),
-        "power_w": hover_power(force, thruster.area, density),
-        "pair_power_w": hover_power(force, thruster.area, density, thrusters=2),
-    }

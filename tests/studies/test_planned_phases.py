@@ -95,8 +95,7 @@ def test_the_interval_in_place_of_a_table_is_the_quickest_of_those_that_arrive_o
     monkeypatch.setattr(planned_phases, "run_plans", lambda scenario, plans, *_: runs)
     same = SimpleNamespace(sweep=SimpleNamespace(model_copy=lambda update: update), model_copy=lambda update: update)
     found = planned_phases.single_interval(SimpleNamespace(mission=same), SimpleNamespace(name="out"), None, 1)
-    assert (found.length, found.extra_time) == (200.0, pytest.approx((20.0 + 30.0) / 2.0))
-    assert found.standard_error == pytest.approx(5.0 / np.sqrt(2.0))
+    assert found == (200.0, pytest.approx((20.0 + 30.0) / 2.0), pytest.approx(5.0 / np.sqrt(2.0)))
 
 
 def test_a_planned_mooring_has_the_times_of_its_parts_and_what_most_take():

@@ -44,7 +44,21 @@ def descent_axes(model: LinearisedDescent, linear: DiveLinearisation) -> list[Ax
     extents = {"time": since_taut, "depth": readings, "speed": speed}
     shared = [_reading_error(name, values) for name, values in extents.items()]
     forces = force_axes(model.forward.coarse, model.coordinates, linear.at, linear.release_delays, extents)
-    return [*shared, *forces, *_dive_by_dive(logs, linear, shared[0])]
+    # each dive's own of a common error of the depth, and delay; a force or a reading with a trend over dives
+    dive, weight = np.repeat(np.arange(len(logs)), [len(log.t) for log in logs]), linear.sensitivity("weight")
+    axes = []
+    if len(logs) > 1:
+        own = _of_each(logs)
+        axes.append(_otherwise_in_each(shared[0], own))
+        delays = own * linear.sensitivity("release")[:, None]
+        axes.append(replace(differing("a delay that differs from dive to dive", delays), size=DELAY))
+    if len(logs) > 2:
+        axes.append(_wrong_anchor(logs, own, weight))
+        lift = -weight / np.array([log.wet_weight for log in logs])[dive]
+        axes.append(_trend("drag", linear.sensitivity("drag"), dive, DRAG, ("Extra drag (%)", 100.0)))
+        axes.append(_trend("a lift", lift, dive, LIFT, ("Lift (N)", 1.0)))
+        axes.append(_trend("an error of the depth read", own.sum(axis=1), dive, READING, ("Error (m)", 1.0)))
+    return [*shared, *forces, *axes]
 
 
 def _reading_error(name: str, values: Array) -> Axis:
@@ -55,24 +69,6 @@ def _reading_error(name: str, values: Array) -> Axis:
     words = AXIS_LABELS[name], "Error of the depth read (m)"
     scale = AxisScale(float(places.min()), float(places.max()), *words, unit=unit)
     return replace(axis, scale=scale, size=READING)
-
-
-def _dive_by_dive(logs: Sequence[DiveLog], linear: DiveLinearisation, common: Axis) -> list[Axis]:
-    """Each dive's own of a common error of the depth, and delay; a force or a reading with a trend over dives."""
-    dive, weight = np.repeat(np.arange(len(logs)), [len(log.t) for log in logs]), linear.sensitivity("weight")
-    axes = []
-    if len(logs) > 1:
-        own = _of_each(logs)
-        axes.append(_otherwise_in_each(common, own))
-        delays = own * linear.sensitivity("release")[:, None]
-        axes.append(replace(differing("a delay that differs from dive to dive", delays), size=DELAY))
-    if len(logs) > 2:
-        axes.append(_wrong_anchor(logs, own, weight))
-        lift = -weight / np.array([log.wet_weight for log in logs])[dive]
-        axes.append(_trend("drag", linear.sensitivity("drag"), dive, DRAG, ("Extra drag (%)", 100.0)))
-        axes.append(_trend("a lift", lift, dive, LIFT, ("Lift (N)", 1.0)))
-        axes.append(_trend("an error of the depth read", own.sum(axis=1), dive, READING, ("Error (m)", 1.0)))
-    return axes
 
 
 def drag_of_each_dive(logs: Sequence[DiveLog], axes: Sequence[Axis]) -> list[Axis]:
@@ -163,7 +159,18 @@ def force_axes(
     """
     ends = {name: (float(values.min()), float(values.max())) for name, values in extents.items()}
     ends["speed"] = (MIN_SPEED_SHARE * ends["speed"][1], ends["speed"][1])
-    kinds = _force_kinds(np.array([log.wet_weight for log in forward.logs]))
+    # kinds of force on dives with given wet weights, shape (d,) [N]
+    weight = np.array([log.wet_weight for log in forward.logs])
+    shares = np.full(len(weight), FORCE_STEP)
+    kinds = [
+        _ForceKind("time", "drag that changes with time", "drag_in_time", shares, AXIS_LABELS["time"]),
+        _ForceKind("speed", "drag that changes with speed", "drag_at_speed", shares, AXIS_LABELS["speed"]),
+        _ForceKind(
+            "depth", "a lift that changes with depth", "lift_at_depth", shares * weight.mean(), AXIS_LABELS["depth"]
+        ),
+        # bodies that sink steadily have as much drag as weight
+        _ForceKind("depth", DRAG_BY_DEPTH, "lift_at_depth", shares * weight, AXIS_LABELS["depth"]),
+    ]
     settings = np.repeat(at[:, None], 1 + NODES * len(kinds), axis=1)
     forced = replace(forward, given=(*forward.given, _all_forces(kinds, ends)))
     readings = forced.readings(coordinates, settings, np.broadcast_to(delays, (settings.shape[1], len(delays))))
@@ -194,20 +201,6 @@ class _ForceKind(NamedTuple):
         if self.words.startswith("drag"):
             return AxisScale(low, high, self.place, "Extra drag (%)", 100.0 * FORCE_STEP)
         return AxisScale(low, high, self.place, "Lift (N)", float(self.steps.mean()))
-
-
-def _force_kinds(weight: Array) -> list[_ForceKind]:
-    """Kinds of force on dives with given wet weights, shape (d,) [N]."""
-    shares = np.full(len(weight), FORCE_STEP)
-    return [
-        _ForceKind("time", "drag that changes with time", "drag_in_time", shares, AXIS_LABELS["time"]),
-        _ForceKind("speed", "drag that changes with speed", "drag_at_speed", shares, AXIS_LABELS["speed"]),
-        _ForceKind(
-            "depth", "a lift that changes with depth", "lift_at_depth", shares * weight.mean(), AXIS_LABELS["depth"]
-        ),
-        # bodies that sink steadily have as much drag as weight
-        _ForceKind("depth", DRAG_BY_DEPTH, "lift_at_depth", shares * weight, AXIS_LABELS["depth"]),
-    ]
 
 
 def _all_forces(kinds: Sequence[_ForceKind], ends: Mapping[str, tuple[float, float]]) -> UnknownForce:

@@ -1,6 +1,6 @@
 """Fits of sets of causes to dive logs: most likely coordinates at nominal noise, then evidence about them."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
 
@@ -255,7 +255,9 @@ class DescentFitting(DescentLikelihood):
             if isinstance(fit, CauseFit) and fit.log_evidence > best - RELINEARISE_WITHIN
         }
         for _ in range(RELINEARISATIONS):
-            points = self._relinearisation_points(found, lengths)
+            wanted = [(i, found[i], length) for i, length in lengths.items()]
+            moved = {i: self._towards_mean(fit, length) for i, fit, length in wanted if isinstance(fit, CauseFit)}
+            points = {i: at for i, at in moved.items() if at is not None}
             linears = self.linearise([(found[i].causes, at) for i, at in points.items()]) if points else []
             for i, linear in zip(points, linears, strict=True):
                 other = self.integrated(found[i].causes, linear)
@@ -264,14 +266,6 @@ class DescentFitting(DescentLikelihood):
                 else:
                     lengths[i] *= STEP_REDUCTION
         return found
-
-    def _relinearisation_points(
-        self, fits: Sequence[CauseFit | FailedFit], lengths: Mapping[int, float]
-    ) -> dict[int, Array]:
-        """Coordinates for another linearisation of each fit that needs one."""
-        wanted = [(i, fits[i], length) for i, length in lengths.items()]
-        points = {i: self._towards_mean(fit, length) for i, fit, length in wanted if isinstance(fit, CauseFit)}
-        return {i: at for i, at in points.items() if at is not None}
 
     def _towards_mean(self, fit: CauseFit, length: float) -> Array | None:
         """Coordinates a share of the way to a fit's posterior mean; None if that is near enough or out of range."""

@@ -9,7 +9,7 @@ from scipy.ndimage import median_filter
 from scipy.special import logsumexp
 
 from missionplan.arrays import Array
-from missionplan.datasets.records import DescentData, MeasuredDive
+from missionplan.datasets.records import DescentData
 from missionplan.diagnosis.dives import designs as dive_designs
 from missionplan.diagnosis.dives.consistency import EXCHANGED, ExchangedLabels, exchanged_labels
 from missionplan.diagnosis.dives.discrepancy_axes import descent_axes, drag_of_each_dive
@@ -286,7 +286,16 @@ def check_leaves_surface(data: DescentData, mission: Mission) -> None:
     if not floating:
         return
     problems = []
-    for dive, taut in zip(floating, _taut_times(floating, mission), strict=True):
+    # times from the separation to the taut line as the mission expects them, shape (n,) [s]
+    weights, lines, depths = (
+        np.array([getattr(expected, key) for expected in floating])
+        for key in ("wet_weight", "line_length", "site_depth")
+    )
+    effects = [effect for effect in given_effects(mission) if isinstance(effect, DescentEffect)]
+    expected = replace(descent_builder(mission)(weights, lines), site_depth=depths)
+    for dive, taut in zip(
+        floating, descent_stages(expected, DescentHooks(effects), len(floating)).taut_at, strict=True
+    ):
         end = float(dive.t[-1])
         if end <= taut:
             words = f"the log ends {end:.3g} s after the separation, before the line is taut (at {taut:.3g} s)"
@@ -297,13 +306,3 @@ def check_leaves_surface(data: DescentData, mission: Mission) -> None:
             )
         problems.append(Problem(f"{dive.name}: {words}", data.file, dive.line, "depth_m"))
     raise InputError(problems)
-
-
-def _taut_times(dives: list[MeasuredDive], mission: Mission) -> Array:
-    """Times from the separation to the taut line as the mission expects them, shape (n,) [s]."""
-    weights, lines, depths = (
-        np.array([getattr(dive, key) for dive in dives]) for key in ("wet_weight", "line_length", "site_depth")
-    )
-    effects = [effect for effect in given_effects(mission) if isinstance(effect, DescentEffect)]
-    dive = replace(descent_builder(mission)(weights, lines), site_depth=depths)
-    return descent_stages(dive, DescentHooks(effects), len(dives)).taut_at

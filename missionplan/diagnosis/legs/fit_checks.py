@@ -205,7 +205,15 @@ def aliases(model: TransitModel, fit: CauseFit) -> tuple[Alias, ...]:
     leaves `TOLD` nats between them.
     """
     model = model.with_term(fit.state.term)
-    here, back = _Legs.of(model, fit), _Legs.of(_on_the_way_back(model), fit)
+    # the model of the same courses sailed the other way, at the mission's speed and depth
+    data, depth, path = model.data, model.data.depth, model.data.dead_reckoned - model.data.start
+    if model.planned is not None:
+        path = model.leg.along * model.planned[0] * data.under_way
+        depth = None if depth is None else np.full(data.n, model.planned[1])
+    later = LATER + float(np.ptp(data.t_start))
+    turned = data.start - path
+    moved = replace(data, t_start=data.t_start + later, dead_reckoned=turned, end=turned, depth=depth)
+    here, back = _Legs.of(model, fit), _Legs.of(replace(model, data=moved, only=model.with_term(None).coordinates), fit)
     trials: list[tuple[str, _Legs]] = []
     found = []
     for claimed in fit.causes:
@@ -274,18 +282,6 @@ def _likest(signal: Array, columns: Array, noise: Array) -> tuple[Array, float]:
     wanted = (signal / noise).ravel()
     alike = np.linalg.lstsq(weighted, wanted, rcond=1e-9)[0]
     return np.asarray(alike), 0.5 * float(np.sum((wanted - weighted @ alike) ** 2))
-
-
-def _on_the_way_back(model: TransitModel) -> TransitModel:
-    """The model of the same courses sailed the other way, at the mission's speed and depth."""
-    data, depth, path = model.data, model.data.depth, model.data.dead_reckoned - model.data.start
-    if model.planned is not None:
-        path = model.leg.along * model.planned[0] * data.under_way
-        depth = None if depth is None else np.full(data.n, model.planned[1])
-    later = LATER + float(np.ptp(data.t_start))
-    turned = data.start - path
-    moved = replace(data, t_start=data.t_start + later, dead_reckoned=turned, end=turned, depth=depth)
-    return replace(model, data=moved, only=model.with_term(None).coordinates)
 
 
 def _matters_from(model: TransitModel, apart: Array, noise: Array) -> float:

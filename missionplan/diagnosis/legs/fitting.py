@@ -10,7 +10,7 @@ import numpy as np
 
 from missionplan.arrays import Array
 from missionplan.diagnosis.coordinates import SIGMA_V, Coordinate, JointPosterior, estimates, is_possible
-from missionplan.diagnosis.given import GivenEffect, RecordPosterior, held, tied
+from missionplan.diagnosis.given import RecordPosterior, held, tied
 from missionplan.diagnosis.inference.evidence_approximations import Laplace, laplace
 from missionplan.diagnosis.inference.marginal_likelihood import QUANTILE_95
 from missionplan.diagnosis.inference.model import CauseFit
@@ -97,7 +97,9 @@ class TransitFitting(TransitCovariance):
     @property
     def given_forms(self) -> Forms:
         """The mission's own oscillations that are modulated."""
-        return Forms(modulated=tuple(each.effect for each in self.given_in_covariance if _modulates(each)))
+        return Forms(
+            modulated=tuple(each.effect for each in self.given_in_covariance if CATALOGUE[each.effect].is_modulated)
+        )
 
     def fit(self, causes: Causes, near: Sequence[CauseFit] = ()) -> CauseFit:
         """Fit a set of causes, linearised about its own posterior mean.
@@ -181,7 +183,7 @@ class TransitFitting(TransitCovariance):
     def _fitted(
         self, causes: Causes, forms: Forms, near: Sequence[TransitState], rows: LegSelection, *, integrate: bool
     ) -> TransitState:
-        known = (each.effect for each in held(self.given_in_covariance, causes) if _modulates(each))
+        known = (each.effect for each in held(self.given_in_covariance, causes) if CATALOGUE[each.effect].is_modulated)
         forms = replace(forms, modulated=tuple(dict.fromkeys((*forms.modulated, *known))))
         hyperparameters = self.hyperparameters(causes, forms)
         starts, covariance = _starts(hyperparameters, near)
@@ -254,7 +256,16 @@ class TransitFitting(TransitCovariance):
         A cause adds to what varies from record to record in any case.
         """
         spikes = [coordinate.spike if coordinate.effect in causes else 0.0 for coordinate in self.coordinates]
-        return np.asarray(state.covariance + self._from_modulation(state) + np.diag(np.square(spikes)))
+        # covariance of the usual amplitudes about those of this record, of oscillations that are modulated, (k, k)
+        variance = np.zeros(len(state.mean))
+        for modulation in state.linear.modulations:
+            if modulation.wanders_over is not None:
+                continue
+            of_mean = variance_of_mean(self.data.middle, *(state.values[key] for key in modulation.keys))
+            own = self.by_effect[modulation.effect]
+            squared = state.mean[own[::2]] ** 2 + state.mean[own[1::2]] ** 2
+            variance[own] = of_mean * np.repeat(squared, 2)
+        return np.asarray(state.covariance + np.diag(variance) + np.diag(np.square(spikes)))
 
     def _relative_sizes(self, state: TransitState, found: Sequence[ParameterEstimate]) -> JointPosterior:
         """Sizes of oscillations that wander over their mean amplitudes in the record, as the effect has them."""
@@ -270,18 +281,6 @@ class TransitFitting(TransitCovariance):
             variances.append(min(sd, 1.0) ** 2)
         return JointPosterior(tuple(shapes), np.array(logs), np.diag(variances).reshape(len(logs), len(logs)))
 
-    def _from_modulation(self, state: TransitState) -> Array:
-        """Covariance of the usual amplitudes about those of this record, of oscillations that are modulated, (k, k)."""
-        variance = np.zeros(len(state.mean))
-        for modulation in state.linear.modulations:
-            if modulation.wanders_over is not None:
-                continue
-            of_mean = variance_of_mean(self.data.middle, *(state.values[key] for key in modulation.keys))
-            own = self.by_effect[modulation.effect]
-            squared = state.mean[own[::2]] ** 2 + state.mean[own[1::2]] ** 2
-            variance[own] = of_mean * np.repeat(squared, 2)
-        return np.diag(variance)
-
     def _given_estimates(self, causes: Causes, state: TransitState, spread: Array) -> tuple[ParameterEstimate, ...]:
         """What is known of the mission's own effects after this record, those that changed left out."""
         found = RecordPosterior(self.coordinates, state.mean, spread).known(tied(held(self.given_in_mean, causes)))
@@ -296,10 +295,6 @@ def by_quantiles(estimate: ParameterEstimate, quantiles: Array | None) -> Parame
     low, median, high = quantiles.tolist()
     sd = median * math.log(high / low) / (2.0 * QUANTILE_95)
     return replace(estimate, value=median, sd=sd, low=low, high=high)
-
-
-def _modulates(given: GivenEffect) -> bool:
-    return CATALOGUE[given.effect].is_modulated
 
 
 def _starts(hyperparameters: tuple[Hyperparameter, ...], near: Sequence[TransitState]) -> tuple[list[Array], Array]:

@@ -81,7 +81,8 @@ def transit_model(data: TransitData, mission: Mission, seed: int) -> TransitMode
     model = TransitModel(
         data, base, error.covariance, fix_error, current_sd, given, site_current=current, planned=planned
     )
-    return with_fix_share(replace(model, base=_with_given_effects(model, mission)))
+    effects = [effect for effect in given_effects(mission) if isinstance(effect, TransitEffect)]
+    return with_fix_share(replace(model, base=model.base + model.velocity_error(effects)))
 
 
 def with_fix_share(model: TransitModel) -> TransitModel:
@@ -132,12 +133,6 @@ def _expected_velocity(data: TransitData, means: Scenario, drawn: Scenario) -> t
     draws = drawn.current.velocity(float(data.t_start[0]), depth, place)
     under_way, whole = (np.broadcast_to(each, (2, data.n)).copy() for each in (velocity, expected))
     return under_way, whole, np.broadcast_to(draws, (2, DRAWS)).std(axis=1)
-
-
-def _with_given_effects(model: TransitModel, mission: Mission) -> Array:
-    """Velocity error that the mission expects, its own effects at their means included, shape (2, n) [m/s]."""
-    effects = [effect for effect in given_effects(mission) if isinstance(effect, TransitEffect)]
-    return model.base + model.velocity_error(effects)
 
 
 _MOSTLY = 0.9

@@ -71,22 +71,18 @@ def infer(inference: LegInference) -> LegPosterior:
     whole = float(logsumexp([logsumexp(each.scores) for each in searches.values()]))
     integrated, left = [], np.zeros(1 + len(inference.terms))
     for each in searches.values():
-        chosen = _chosen(inference, each, highest)
+        # which sets are integrated, without a term and with which: the likely ones, and parts without their term
+        least = np.full(each.scores.shape[1], highest - KEPT_WITH_TERM)
+        least[0] = highest - KEPT
+        chosen = each.scores > least
+        chosen[:, 0] |= chosen.any(axis=1)
+        if not each.search.effects:
+            chosen[inference.sets.index(MeanSet(())), 0] = True
+        chosen = np.asarray(chosen)
         left += np.sum(np.where(chosen, 0.0, np.exp(each.scores - whole)), axis=0)
         if chosen.any():
             integrated.append(each.integrated(chosen))
     return LegPosterior(inference, tuple(integrated), left)
-
-
-def _chosen(inference: LegInference, compared: ComparedSets, best: float) -> NDArray[np.bool_]:
-    """Which sets are integrated, without a term and with which: the likely ones, and parts without their term."""
-    least = np.full(compared.scores.shape[1], best - KEPT_WITH_TERM)
-    least[0] = best - KEPT
-    chosen = compared.scores > least
-    chosen[:, 0] |= chosen.any(axis=1)
-    if not compared.search.effects:
-        chosen[inference.sets.index(MeanSet(())), 0] = True
-    return np.asarray(chosen)
 
 
 def beside_terms(posterior: LegPosterior) -> LegPosterior:

@@ -120,21 +120,20 @@ def outcome_rule(believed: Sequence[Believed], problem: DecisionProblem, made: S
                     there = values > threshold if above else values < threshold
                     agreement = float(weight[there == changed].sum())
                     if agreement >= max(FITTING, best.agreement + 1e-9 if best else 0.0) and np.any(there & changed):
-                        causes, choice = _commonest(believed, problem, made, there & changed)
+                        own = there & changed
+                        commonest = int(np.argmax(problem.weight[own] @ made.probabilities[own]))
+                        counts = np.bincount(
+                            made.chosen[own], weights=problem.weight[own], minlength=len(problem.alternatives)
+                        )
+                        causes, choice = (
+                            believed[commonest].causes,
+                            float(problem.alternatives[int(np.argmax(counts))]),
+                        )
                         unit = CATALOGUE[coordinate.effect].parameters[coordinate.name].unit
                         names = (coordinate.effect, coordinate.name, unit)
                         best = OutcomeRule(*names, threshold, above, causes, choice, agreement)
     constant = float(max(weight[changed].sum(), weight[~changed].sum()))
     return best if best is not None and best.agreement > constant + 1e-9 else None
-
-
-def _commonest(
-    believed: Sequence[Believed], problem: DecisionProblem, made: SimulatedTrial, own: NDArray[np.bool_]
-) -> tuple[tuple[str, ...], float]:
-    """Commonest causes and choice among some of the draws."""
-    which = int(np.argmax(problem.weight[own] @ made.probabilities[own]))
-    counts = np.bincount(made.chosen[own], weights=problem.weight[own], minlength=len(problem.alternatives))
-    return believed[which].causes, float(problem.alternatives[int(np.argmax(counts))])
 
 
 DRAWS, FEWEST = 2000, 250

@@ -88,7 +88,12 @@ def _trials(
     """Energy [W h], time [s] and success of every draw with every alternative, shape (n, a) each."""
     spikes = np.array([coordinate.spike for coordinate in each.coordinates])
     today = parameters + generator.standard_normal(parameters.shape) * spikes
-    own = _draws_of(each, today)
+    # draws of the parameters by their key paths in the mission, inside their ranges
+    own = {}
+    for effect, named in parameters_from(each.coordinates, today.T).items():
+        for name, drawn in named.items():
+            parameter = CATALOGUE[effect].parameters[name]
+            own[f"effects.{effect}.{name}"] = np.clip(drawn, parameter.low, parameter.high)
     columns = []
     for value in alternatives.values.tolist():
         mission = alternatives.change(each.mission, value)
@@ -100,16 +105,6 @@ def _trials(
         columns.append((trials.total["energy_wh"], trials.total["duration_s"], trials.success.astype(float)))
     energy, duration, success = (np.stack(values, axis=1) for values in zip(*columns, strict=True))
     return energy, duration, success
-
-
-def _draws_of(each: Believed, values: Array) -> dict[str, Array]:
-    """Draws of the parameters by their key paths in the mission, inside their ranges."""
-    found = {}
-    for effect, named in parameters_from(each.coordinates, values.T).items():
-        for name, drawn in named.items():
-            parameter = CATALOGUE[effect].parameters[name]
-            found[f"effects.{effect}.{name}"] = np.clip(drawn, parameter.low, parameter.high)
-    return found
 
 
 COSTING_TRIALS = 16

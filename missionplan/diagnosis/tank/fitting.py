@@ -270,7 +270,9 @@ class TankFitting:
         found = estimates([cut.coordinates[k] for k in rows], cut.mean[rows], cut.covariance[np.ix_(rows, rows)])
         known = held(self.given, causes)
         given, together, possible = record.known(known), record.afterwards(known, rows), is_possible(found)
-        calibration = self._calibration(state)
+        constants = {n.name: float(v) for n, v in zip(self.forward.nuisances, state.at, strict=False)}
+        noise = float(np.median(self.forward.sd)) * state.factor
+        calibration = constants | {f"noise_{self.forward.quantity}": noise}
         return CauseFit(causes, whole.log_evidence, found, calibration, possible, state, given, together)
 
     def _search(self, causes: Causes, starts: Sequence[Start]) -> list[GaussNewtonResult]:
@@ -323,9 +325,3 @@ class TankFitting:
         rows = np.flatnonzero(active >= self.fixed)
         coordinates = [self.coordinates[index - self.fixed] for index in active[rows]]
         return RecordPosterior(coordinates, mean[rows], covariance[np.ix_(rows, rows)])
-
-    def _calibration(self, state: TankState) -> dict[str, float]:
-        """Constants of the base model, and the noise, as fitted."""
-        constants = {n.name: float(v) for n, v in zip(self.forward.nuisances, state.at, strict=False)}
-        noise = float(np.median(self.forward.sd)) * state.factor
-        return constants | {f"noise_{self.forward.quantity}": noise}

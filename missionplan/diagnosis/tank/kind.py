@@ -3,6 +3,7 @@
 import copy
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 from typing import Self
 
@@ -85,23 +86,18 @@ MASS_FACTORS = (1e-4, 1e4)
 """Least and largest mass of the flow over ρ A_p D at which the model is evaluated: no effect's parameter is beyond."""
 
 
-@dataclass(frozen=True)
-class PropellerModel:
-    """Quasi-steady thrust, the flow in the disc (1 + a)(1 - w) times the speed (Blanke, Lindegaard & Fossen 2000)."""
+def _thrust(run: TransientRun, water_mass: float, values: Array, effects: Sequence[Effect]) -> Array:
+    """Predict the thrust of a run, shape (N, m) [N]: quasi-steady, or with a mass of the flow in the disc.
 
-    run: TransientRun
-    """The measured run."""
-    water_mass: float
-    """Mass of a cylinder of water with the propeller's diameter and as long [kg]."""
-
-    def __call__(self, values: Array, effects: Sequence[Effect]) -> Array:
-        """Predict the thrust, shape (N, m) [N]."""
-        factors = [np.asarray(effect.flow_mass_factor()) for effect in tank_effects(effects)]
-        if not factors:
-            return np.stack([self.run.quasi_steady(pair) for pair in values.T], axis=1)
-        masses = np.broadcast_to(self.water_mass * np.clip(sum(factors), *MASS_FACTORS), values.shape[1:])
-        constants = (np.array([*pair, mass]) for pair, mass in zip(values.T, masses, strict=True))
-        return np.stack([self.run.axial_flow(each) for each in constants], axis=1)
+    The flow is (1 + a)(1 - w) times the speed (Blanke, Lindegaard & Fossen 2000). `water_mass`: of a cylinder of water
+    with the propeller's diameter and as long [kg].
+    """
+    factors = [np.asarray(effect.flow_mass_factor()) for effect in tank_effects(effects)]
+    if not factors:
+        return np.stack([run.quasi_steady(pair) for pair in values.T], axis=1)
+    masses = np.broadcast_to(water_mass * np.clip(sum(factors), *MASS_FACTORS), values.shape[1:])
+    constants = (np.array([*pair, mass]) for pair, mass in zip(values.T, masses, strict=True))
+    return np.stack([run.axial_flow(each) for each in constants], axis=1)
 
 
 def propeller_forward(data: TankData, settings: PropellerSettings) -> TankForward:
@@ -120,7 +116,7 @@ def propeller_forward(data: TankData, settings: PropellerSettings) -> TankForwar
         sd=sd,
         stated=stated,
         nuisances=(Nuisance("thrust_nn_n_s2", level, 2.0 * level), Nuisance("thrust_nu_kg", slope, 3.0 * abs(slope))),
-        predict=PropellerModel(run, data.density * float(disc_area(diameter)) * diameter),
+        predict=partial(_thrust, run, data.density * float(disc_area(diameter)) * diameter),
         axes={"time": run.time, "speed": run.speed},
         groups=row_blocks(len(thrust)),
     )

@@ -201,7 +201,15 @@ def moor(
     carried = current.mean_velocity(up_at, time, 0.0, came_up, np.zeros((2, 1)))
     end = came_up + (carried + surface_velocity(surface_effects, up_at, time, came_up)) * time
     record = _record(plan, state, (descent, hold, ascent), came_up, up_at + time - state.clock)
-    return _after(state, record, end, end + plan.fix_error * fix_normals), record
+    # state after the mooring; a trial that ends here, or has ended before, stays where it was
+    goes_on = state.alive & record.surfaced
+    return TrialState(
+        position=np.where(goes_on, end, state.position),
+        fix=np.where(goes_on, (end + plan.fix_error * fix_normals), state.fix),
+        clock=np.where(goes_on, state.clock + record.duration, state.clock),
+        energy=np.where(goes_on, state.energy + record.energy, state.energy),
+        alive=goes_on,
+    ), record
 
 
 def _record(
@@ -231,16 +239,4 @@ def _record(
         struck=descent.struck & down,
         surfaced=surfaced,
         line_parted=descent.parted | (down & (hold.line_tension > strength)),
-    )
-
-
-def _after(state: TrialState, record: MoorRecord, position: Array, fix: Array) -> TrialState:
-    """State after the mooring; a trial that ends here, or has ended before, stays where it was."""
-    goes_on = state.alive & record.surfaced
-    return TrialState(
-        position=np.where(goes_on, position, state.position),
-        fix=np.where(goes_on, fix, state.fix),
-        clock=np.where(goes_on, state.clock + record.duration, state.clock),
-        energy=np.where(goes_on, state.energy + record.energy, state.energy),
-        alive=goes_on,
     )

@@ -245,11 +245,16 @@ def descend(
     down = stages.lone.ended & stages.pull_down.ended & ~reaches_seafloor & ~parted
     deepest = np.where(down, stages.coast.depth, stages.pull_down.depth)
     lowest = over_trials(dive.site_depth, trials) - deepest
+    # speed through the water at which the forces at touchdown balance, shape (n,) [m/s]
+    ended = stages.pull_down
+    forces = PullDown(dive, hooks, stages.lone.time)
+    pull = forces.pull(ended.time, ended.depth)
+    speed = terminal_velocity(lambda v: forces.drag(ended.time, ended.depth, np.asarray(v)), pull)
     return DescentRecord(
         release_time=release_time,
         payout_time=stages.taut_at,
         descent_time=np.where(down, stages.touchdown_at, np.nan),
-        terminal_velocity=_balance_speed(dive, hooks, stages),
+        terminal_velocity=np.broadcast_to(speed, ended.time.shape),
         touchdown_speed=np.where(down, stages.pull_down.speed + hooks.water_velocity, np.nan),
         offset=drift.position - position,
         lowest_altitude=lowest,
@@ -260,12 +265,3 @@ def descend(
         nose_down_time=turning[0],
         depth_lost=turning[1],
     )
-
-
-def _balance_speed(dive: Dive, hooks: DescentHooks, stages: DescentStages) -> Array:
-    """Speed through the water at which the forces at touchdown balance, shape (n,) [m/s]."""
-    ended = stages.pull_down
-    forces = PullDown(dive, hooks, stages.lone.time)
-    pull = forces.pull(ended.time, ended.depth)
-    speed = terminal_velocity(lambda v: forces.drag(ended.time, ended.depth, np.asarray(v)), pull)
-    return np.broadcast_to(speed, ended.time.shape)

@@ -212,7 +212,14 @@ def simulate_profile(
     drift = HorizontalDrift(current, place, np.array([t_start]))
     drift.wait(np.array([release_time]), np.zeros(1))
     stages = descent_stages(dive, hooks, 1, keep=True, drift=drift)
-    events = _event_times(stages, release_time)
+    lengths = {
+        "free fall": stages.delay,
+        "pull-down": stages.lone.time,
+        "touchdown": stages.pull_down.time,
+        "lowest point": stages.coast.time,
+    }
+    at = release_time + np.cumsum([float(length[0]) for length in lengths.values()])
+    events = {"separation": release_time, **{name: float(t) for name, t in zip(lengths, at, strict=True)}}
     since, vehicle = _vehicle_depth(dive, hooks, stages)
     line = float(np.asarray(dive.line_length))
     falling = stages.lone.depth_at(since)
@@ -231,17 +238,6 @@ def simulate_profile(
     if stages.tied is not None and stages.fall is not None:
         tracks = _tied_tracks(stages.tied, stages.fall, tracks[0], time, events, place)
     return DescentProfile(record, time, depths[0], depths[1], tracks[0], tracks[1], events)
-
-
-def _event_times(stages: DescentStages, release_time: float) -> dict[str, float]:
-    lengths = {
-        "free fall": stages.delay,
-        "pull-down": stages.lone.time,
-        "touchdown": stages.pull_down.time,
-        "lowest point": stages.coast.time,
-    }
-    at = release_time + np.cumsum([float(length[0]) for length in lengths.values()])
-    return {"separation": release_time, **{name: float(t) for name, t in zip(lengths, at, strict=True)}}
 
 
 def _vehicle_depth(dive: Dive, hooks: DescentHooks, stages: DescentStages) -> tuple[Array, Array]:

@@ -10,13 +10,13 @@ Read first `plan` (parameters and record), then `leg_loop` and `ground_velocity`
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 from typing_extensions import override
 
-from missionplan.arrays import Array, Normals
+from missionplan.arrays import Array
 from missionplan.phases.hooks import TrialState
 from missionplan.phases.place import Contact
 from missionplan.phases.transit.leg_loop import LegLoop, length_of
@@ -141,10 +141,8 @@ def transit(
         return _to_goal(plan, state, normals, around, tracked, execution)
     records: list[TransitRecord] = []
     for number, goal in enumerate((*plan.via, plan.goal)):
-        part = replace(plan, goal=goal, via=())
-        state, record = _to_goal(
-            part, state, _later(normals, number * plan.max_legs), around, tracked, _towards(execution, plan, goal)
-        )
+        part, later = replace(plan, goal=goal, via=()), replace(normals, first=number * plan.max_legs)
+        state, record = _to_goal(part, state, later, around, tracked, _towards(execution, plan, goal))
         records.append(record)
     return state, _joined(records, state, plan)
 
@@ -202,33 +200,6 @@ def _to_goal(
     return TrialState(end.position + goal, end.fix + goal, clock, used, arrived), record
 
 
-@dataclass(frozen=True)
-class _Later:
-    """Normals of legs from a number on."""
-
-    source: Normals
-    first: int
-
-    def leg(self, number: int) -> Array:
-        """Normals of a leg, from 0."""
-        return self.source.leg(self.first + number)
-
-
-def _later(normals: TransitNormals, first: int) -> TransitNormals:
-    """Normals of the legs of a part of a way: no leg has those of another."""
-
-    def later(source: Normals | None) -> Normals | None:
-        return None if source is None else _Later(source, first)
-
-    return TransitNormals(
-        velocity=_Later(normals.velocity, first),
-        fix_on_surfacing=later(normals.fix_on_surfacing),
-        fix_on_diving=later(normals.fix_on_diving),
-        effects=[later(source) for source in normals.effects],
-        rows=normals.rows,
-    )
-
-
 def _joined(records: Sequence[TransitRecord], end: TrialState, plan: TransitPlan) -> TransitRecord:
     """Join the records of the parts of a way."""
     trials = end.trials
@@ -241,17 +212,13 @@ def _joined(records: Sequence[TransitRecord], end: TrialState, plan: TransitPlan
         legs = legs + record.surfacings
     away = end.position - column(plan.goal)
     track = time = None
-    if records[0].track is not None and records[0].track_time is not None:
-        tracks = [
-            record.track if not number else record.track[:, 1:]
-            for number, record in enumerate(records)
-            if record.track is not None
-        ]
-        times = [
-            record.track_time[min(number, 1) :]
-            for number, record in enumerate(records)
-            if record.track_time is not None
-        ]
+    tracked = [
+        (record.track[:, min(number, 1) :], record.track_time[min(number, 1) :])
+        for number, record in enumerate(records)
+        if record.track is not None and record.track_time is not None
+    ]
+    if tracked:
+        tracks, times = zip(*tracked, strict=True)
         track, time = np.concatenate(tracks, axis=1), np.concatenate(times)
         order = np.argsort(np.isnan(time), axis=0, kind="stable")  # a trial's points one after the other, then nan
         time, track = np.take_along_axis(time, order, axis=0), np.take_along_axis(track, order[None], axis=1)

@@ -99,7 +99,16 @@ def expected_transit(
         s₀, standard deviation that each leg's end has on each axis whatever the leg's length [m].
     """
     table = d_max if isinstance(d_max, LegTable) else LegTable(np.array([0.0]), np.array([_positive("d_max", d_max)]))
-    _check(distance, speed, arrival_radius, sigma, surfacing_time, base_spread)
+    for name, value in {"distance": distance, "speed": speed, "arrival_radius": arrival_radius}.items():
+        _positive(name, value)
+    for name, value in {"sigma": sigma, "surfacing_time": surfacing_time, "base_spread": base_spread}.items():
+        if not value >= 0 or not np.isfinite(value):
+            raise ValueError(f"{name} must be finite and not negative, not {value:g}")
+    if sigma / speed > MAX_RATIO:
+        raise ValueError(
+            f"a velocity error of {sigma:g} m/s is too large compared with a speed of {speed:g} m/s: "
+            f"above {MAX_RATIO:g} times the speed a leg does not bring the vehicle nearer in the mean square"
+        )
     k = sigma / speed
     if distance <= arrival_radius or math.hypot(k * distance, base_spread) <= NO_ERROR * arrival_radius:
         run, surfacings = _without_error(table, distance, arrival_radius)
@@ -127,21 +136,6 @@ def _positive(name: str, value: float) -> float:
     if not value > 0 or not np.isfinite(value):
         raise ValueError(f"{name} must be positive and finite, not {value:g}")
     return value
-
-
-def _check(
-    distance: float, speed: float, arrival_radius: float, sigma: float, surfacing_time: float, base_spread: float
-) -> None:
-    for name, value in {"distance": distance, "speed": speed, "arrival_radius": arrival_radius}.items():
-        _positive(name, value)
-    for name, value in {"sigma": sigma, "surfacing_time": surfacing_time, "base_spread": base_spread}.items():
-        if not value >= 0 or not np.isfinite(value):
-            raise ValueError(f"{name} must be finite and not negative, not {value:g}")
-    if sigma / speed > MAX_RATIO:
-        raise ValueError(
-            f"a velocity error of {sigma:g} m/s is too large compared with a speed of {speed:g} m/s: "
-            f"above {MAX_RATIO:g} times the speed a leg does not bring the vehicle nearer in the mean square"
-        )
 
 
 def _without_error(table: LegTable, distance: float, arrival_radius: float) -> tuple[float, float]:

@@ -76,14 +76,14 @@ class GroundVelocity:
 
     def _with_effects(self, number: int, velocity: Array, leg: Leg, current: Array | float) -> tuple[Array, Array]:
         """Random velocity error of a leg as the effects change it, and the velocity that they add to it [m/s]."""
-        effects, trials = self._environment.effects, leg.t_start.size
+        effects, trials, first = self._environment.effects, leg.t_start.size, self._normals.first
         mid_leg = leg.t_start + 0.5 * leg.duration
         elapsed = np.zeros(trials) if self._mid_leg is None else mid_leg - self._mid_leg
         persistent: Array | float = 0.0
         gathered: Array | float = 0.0
         for index, effect in enumerate(effects):
             source = self._normals.effects[index] if effect.is_random else None
-            own = leg_normals(source, number, self._rows) if source is not None else np.zeros((2, trials))
+            own = np.zeros((2, trials)) if source is None else leg_normals(source, first + number, self._rows)
             velocity = velocity * effect.error_scale(own)
             self._memory[index], carried = effect.step(self._memory[index], elapsed, own, leg)
             persistent = persistent + carried

@@ -117,7 +117,10 @@ class LegLoop:
         self._mark(moving)
         if self._compensation is not None and aim is not None:
             duration = self._duration(length, moving)
-            leg = _completed(aim, surfaced, self._fix, duration, course)
+            error = (surfaced - aim.aim) / np.where(duration > 0.0, duration, 1.0)
+            leg = CompletedLeg(
+                error, duration, self._fix - surfaced, self._fix - aim.nominal_end, aim.t, aim.dived, course
+            )
             self._memory = self._compensation.update(self._memory, leg)
         self._check_arrival()
 
@@ -183,7 +186,7 @@ class LegLoop:
     def _move(self, number: int, length: Array, course: Array) -> None:
         """Move along `course` through the water, and over the ground with the velocity error and the current."""
         error, speed = self._plan.velocity_error, self._plan.speed
-        normals = leg_normals(self._normals.velocity, number, self._rows)
+        normals = leg_normals(self._normals.velocity, self._normals.first + number, self._rows)
         if self._is_still and error.is_plain and self._legs_begun is None:
             np.multiply(length, error.root[0, 0] / speed, out=self._ratio)
             np.multiply(normals, self._ratio, out=self._error)
@@ -230,7 +233,7 @@ class LegLoop:
     def _fix_noise(self, source: Normals | None, number: int) -> Array:
         if source is None:
             raise ValueError("fixes have errors: TransitNormals needs fix_on_surfacing and fix_on_diving")
-        return leg_normals(source, number, self._rows)
+        return leg_normals(source, self._normals.first + number, self._rows)
 
     def _check_arrival(self) -> None:
         """Find who has arrived by the fix on diving, and drop those trials from the arrays once they are many."""
@@ -307,12 +310,6 @@ class LegLoop:
             time[ended] = np.nan
         self._track.append(place)
         self._track_time.append(time)
-
-
-def _completed(aim: _Aim, surfaced: Array, fix: Array, duration: Array, course: Array) -> CompletedLeg:
-    """Describe a leg for the compensation, from the fixes on surfacing and on diving relative to the goal."""
-    error = (surfaced - aim.aim) / np.where(duration > 0.0, duration, 1.0)
-    return CompletedLeg(error, duration, fix - surfaced, fix - aim.nominal_end, aim.t, aim.dived, course)
 
 
 def length_of(vectors: Array) -> Array:

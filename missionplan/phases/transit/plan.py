@@ -185,6 +185,8 @@ class TransitNormals:
     """One per effect; required where the effect is random."""
     rows: NDArray[np.intp] | None = None
     """Which of the normals each trial takes, where several trials share them; default the first n; shape (n,)."""
+    first: int = 0
+    """Leg of which those of the first leg are, from 0: no leg of a part of a way has those of another part."""
 
 
 @dataclass(frozen=True)

@@ -133,21 +133,18 @@ def expectation_matrix(panels: Panels, centre: Array, scale: Array) -> csr_array
     x = 0.5 * (start + stop) + half * _NODES[:, None]
     mass = rice_density(x, centre[row], scale[row]) * (_WEIGHTS[:, None] * half)
     left, right = edges[panel], edges[panel + 1]
-    weights = _legendre_moments((2.0 * x - left - right) / (right - left), mass) @ _TO_NODES
-
-    columns = panel[:, None] * ORDER + np.arange(ORDER)
-    starts = np.searchsorted(row, np.arange(len(centre) + 1)) * ORDER
-    return csr_array((weights.ravel(), columns.ravel(), starts), shape=(len(centre), ORDER * (len(edges) - 1)))
-
-
-def _legendre_moments(t: Array, mass: Array) -> Array:
-    """Sum of mass times Legendre polynomial over the first axis, shape (pieces, ORDER)."""
+    # sum of mass times Legendre polynomial over the first axis, shape (pieces, ORDER)
+    t = (2.0 * x - left - right) / (right - left)
     moments = np.empty((t.shape[1], ORDER))
     before, now = np.zeros_like(t), np.ones_like(t)
     for degree in range(ORDER):
         moments[:, degree] = np.einsum("qp,qp->p", now, mass)
         before, now = now, ((2 * degree + 1) * t * now - degree * before) / (degree + 1)
-    return moments
+    weights = moments @ _TO_NODES
+
+    columns = panel[:, None] * ORDER + np.arange(ORDER)
+    starts = np.searchsorted(row, np.arange(len(centre) + 1)) * ORDER
+    return csr_array((weights.ravel(), columns.ravel(), starts), shape=(len(centre), ORDER * (len(edges) - 1)))
 
 
 def solve_ascending(matrix: csr_array, right: Array) -> Array:

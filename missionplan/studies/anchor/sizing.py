@@ -19,7 +19,6 @@ from missionplan.phases.hooks import TrialState
 from missionplan.phases.mooring.forces import DescentHooks, SteadyDescent
 from missionplan.phases.mooring.profile import simulate_profile
 from missionplan.physics.anchor import (
-    AnchorDesign,
     required_terminal_velocity,
     required_terminal_velocity_vector,
     solve_anchor,
@@ -180,7 +179,9 @@ class AnchorSizer:
 
     def sized(self, weight: float) -> SizedAnchor:
         """Anchor of a wet weight [N]: its construction, nominal dive and probabilities."""
-        design = self._design(weight)
+        design = (
+            None if self.means.mooring.anchor.construction is None else solve_anchor(anchor_problem(self.means), weight)
+        )
         dive = dive_of(self.means, self.moor, weight)
         position, t_start = start_of(self.means, self.moor)
         profile = simulate_profile(
@@ -191,7 +192,14 @@ class AnchorSizer:
             position=position,
             t_start=t_start,
         )
-        speed = self._balanced_speed(weight)
+        # speed through the water at which the drag balances the wet weight (Eq. 15, or with the buoyancy) [m/s]
+        descent = SteadyDescent.at(
+            self.required_velocity, self._hooks, float(self.means.mooring.depth), self.line_length
+        )
+        pull = weight * float(descent.weight_factor) - float(descent.lift)
+        pull -= float(self.means.mooring.vehicle.net_buoyancy) if self.moor.carry_net_buoyancy else 0.0
+        factor = float(descent.drag_factor)
+        speed = float(terminal_velocity(lambda v: factor * (self.means.vehicle_drag(v) + self._anchor_drag(v)), pull))
         return SizedAnchor(
             wet_weight=weight,
             terminal_velocity=speed,
@@ -286,27 +294,12 @@ class AnchorSizer:
         )
         return (note, *notes)
 
-    def _design(self, weight: float) -> AnchorDesign | None:
-        if self.means.mooring.anchor.construction is None:
-            return None
-        return solve_anchor(anchor_problem(self.means), weight)
-
     def _drag(self, speed: float) -> DragBuildUp:
         """Drag by its sources at a speed through the water, with the effects' factor."""
         descent = SteadyDescent.at(speed, self._hooks, float(self.means.mooring.depth), self.line_length)
         parts = self.means.vehicle_drag.build_up(speed, self._anchor_drag)
         factor = float(descent.drag_factor)
         return replace(parts, **{name: float(value) * factor for name, value in vars(parts).items()})
-
-    def _balanced_speed(self, weight: float) -> float:
-        """Speed through the water at which the drag balances the wet weight (Eq. 15, or with the buoyancy) [m/s]."""
-        descent = SteadyDescent.at(
-            self.required_velocity, self._hooks, float(self.means.mooring.depth), self.line_length
-        )
-        pull = weight * float(descent.weight_factor) - float(descent.lift)
-        pull -= float(self.means.mooring.vehicle.net_buoyancy) if self.moor.carry_net_buoyancy else 0.0
-        factor = float(descent.drag_factor)
-        return float(terminal_velocity(lambda v: factor * (self.means.vehicle_drag(v) + self._anchor_drag(v)), pull))
 
     @property
     def _anchor_drag(self) -> QuadraticDrag:

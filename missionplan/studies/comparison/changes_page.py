@@ -52,22 +52,18 @@ def name_of(comparison: Comparison, difference: ComparedNumber) -> str:
         what = "requirement: reached" if difference.place[-1] == "reached" else "requirement"
         return f"{_requirement(comparison, difference, difference.requirement)} ({what})"
     if difference.of_sweep:
-        return _of_sweep(comparison, difference)
+        # name a number of a sweep over maximum leg lengths
+        sigma, *inside = difference.of_sweep
+        which = str(inside[0]) if inside else ""
+        words = _OF_SWEEP.get((which, difference.key), "") or in_words(difference.key)
+        if which == "curve":
+            words += f" at d_max = {as_written(str(inside[1]), 'm')}"
+        spreads = {each.of_sweep[0] for each in comparison.differences if each.of_sweep}
+        return f"{words} (σ_v = {as_written(str(sigma), 'm/s')})" if len(spreads) > 1 else words
     group = _GROUPS.get(difference.group, difference.group)
     if difference.place[0] == "phases":
         return of_phase(split_key(difference.key)[0], group)
     return in_words(f"{group}.{difference.key}".lstrip(".")) if group != difference.key else in_words(difference.key)
-
-
-def _of_sweep(comparison: Comparison, difference: ComparedNumber) -> str:
-    """Name a number of a sweep over maximum leg lengths."""
-    sigma, *inside = difference.of_sweep
-    which = str(inside[0]) if inside else ""
-    words = _OF_SWEEP.get((which, difference.key), "") or in_words(difference.key)
-    if which == "curve":
-        words += f" at d_max = {as_written(str(inside[1]), 'm')}"
-    spreads = {each.of_sweep[0] for each in comparison.differences if each.of_sweep}
-    return f"{words} (σ_v = {as_written(str(sigma), 'm/s')})" if len(spreads) > 1 else words
 
 
 def _requirement(comparison: Comparison, difference: ComparedNumber, item: ListItem) -> str:

@@ -77,9 +77,30 @@ def reported_alternative(name: str, folder: Path, summary: Summary) -> Alternati
     """Read a report of `simulate`, or the best of one of `explore` or `optimise`."""
     command = summary.get("command")
     if command == "explore":
-        return _of_exploration(name, folder, summary)
+        entry, cells = mapping(summary.get("best")), []
+        for cell in mappings(summary.get("cells")):
+            required = mappings(cell.get("requirements"))
+            met = bool(required) and all(item.get("met") for item in required)
+            cells.append(
+                TriedCell(tuple(_texts(cell.get("values")).values()), met, probability_of(cell.get("success")))
+            )
+        of_total = {
+            str(key).removeprefix("total."): value
+            for key, value in mapping(entry.get("quantities")).items()
+            if str(key).startswith("total.")
+        }
+        windows = tuple((str(each.get("from")), str(each.get("to"))) for each in mappings(summary.get("windows")))
+        chosen = Chosen(_texts(entry.get("values")), len(cells), windows, tuple(cells))
+        return _alternative(name, folder, summary, {**entry, "quantities": of_total}, chosen)
     if command == "optimise":
-        return _of_optimisation(name, folder, summary)
+        chosen = Chosen(_texts(summary.get("chosen")), whole(summary.get("combinations")))
+        found = _alternative(name, folder, summary, _whole_mission(summary), chosen)
+        # requirements that no choice meets, with the most that is reached of each
+        obstacles = mappings(summary.get("obstacles"))
+        unmet = [{**each, "probability": each.get("reached"), "met": False, "undecided": False} for each in obstacles]
+        return replace(
+            found, requirements=found.requirements or tuple(_requirement(each, found.trials) for each in unmet)
+        )
     if command == "simulate" and isinstance(mapping(summary.get("total")).get("events"), Mapping):
         return _alternative(name, folder, summary, _whole_mission(summary))
     others = "missions and reports of simulate are compared, or reports of explore, or of optimise"
@@ -125,31 +146,6 @@ def _check_keys(sources: Sequence[tuple[Path, Summary]]) -> None:
     if len(set(varied)) > 1:
         listed = ", ".join(f"{path} varies {keys}" for (path, _), keys in zip(sources, varied, strict=True))
         raise InputError([Problem(f"explorations of the same keys were expected, in the same order, but {listed}")])
-
-
-def _of_exploration(name: str, folder: Path, summary: Summary) -> Alternative:
-    entry, cells = mapping(summary.get("best")), []
-    for cell in mappings(summary.get("cells")):
-        required = mappings(cell.get("requirements"))
-        met = bool(required) and all(item.get("met") for item in required)
-        cells.append(TriedCell(tuple(_texts(cell.get("values")).values()), met, probability_of(cell.get("success"))))
-    of_total = {
-        str(key).removeprefix("total."): value
-        for key, value in mapping(entry.get("quantities")).items()
-        if str(key).startswith("total.")
-    }
-    windows = tuple((str(each.get("from")), str(each.get("to"))) for each in mappings(summary.get("windows")))
-    chosen = Chosen(_texts(entry.get("values")), len(cells), windows, tuple(cells))
-    return _alternative(name, folder, summary, {**entry, "quantities": of_total}, chosen)
-
-
-def _of_optimisation(name: str, folder: Path, summary: Summary) -> Alternative:
-    chosen = Chosen(_texts(summary.get("chosen")), whole(summary.get("combinations")))
-    found = _alternative(name, folder, summary, _whole_mission(summary), chosen)
-    # requirements that no choice meets, with the most that is reached of each
-    obstacles = mappings(summary.get("obstacles"))
-    unmet = [{**each, "probability": each.get("reached"), "met": False, "undecided": False} for each in obstacles]
-    return replace(found, requirements=found.requirements or tuple(_requirement(each, found.trials) for each in unmet))
 
 
 def _texts(value: object) -> dict[str, str]:

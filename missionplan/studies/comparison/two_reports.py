@@ -81,7 +81,12 @@ def _walk(value: object, path: KeyPath, error: float) -> Iterator[tuple[KeyPath,
         for item in value:
             if isinstance(item, Mapping):
                 inside = {key: inner for key, inner in item.items() if key not in (*_NAMES, *_NUMBERS)}
-                yield from _walk(inside, (*path, _identity(item)), error)
+                name = next((str(item[key]) for key in _NAMES if key in item), "")
+                number = next((item[key] for key in (*_NUMBERS, *_BOUNDS) if _is_number(item.get(key))), None)
+                bound = next((key for key in _BOUNDS if key in item), None)
+                yield from _walk(
+                    inside, (*path, ListItem(name, None if number is None else float(f"{number:.6g}"), bound)), error
+                )
     elif isinstance(value, Mapping):
         yield from _walk_mapping(value, path, error)
     elif _is_number(value):
@@ -103,13 +108,6 @@ def _walk_mapping(value: Mapping[str, object], path: KeyPath, error: float) -> I
         for key, inner in value.items():
             if key not in _NOT_RESULTS:
                 yield from _walk(inner, (*path, str(key)), error)
-
-
-def _identity(item: Mapping[str, object]) -> ListItem:
-    name = next((str(item[key]) for key in _NAMES if key in item), "")
-    number = next((item[key] for key in (*_NUMBERS, *_BOUNDS) if _is_number(item.get(key))), None)
-    bound = next((key for key in _BOUNDS if key in item), None)
-    return ListItem(name, None if number is None else float(f"{number:.6g}"), bound)
 
 
 def _is_number(value: object) -> TypeGuard[float]:

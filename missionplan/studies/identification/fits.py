@@ -255,7 +255,13 @@ def fit(
     covariance = _covariance(name, np.asarray(solution.jac), parameters)
     chi_squared = float(2.0 * solution.cost)
     fitted = model(solution.x)
-    widened = _widening(chi_squared / dof, data_sd is not None, data - fitted if in_sequence else None)
+    # factor on the errors for scatter beyond the stated errors, and for correlated residuals where they are given
+    residuals = data - fitted if in_sequence else None
+    widened = float(np.sqrt(max(1.0, (chi_squared / dof)))) if (data_sd is not None) else 1.0
+    if residuals is not None and np.any(residuals != 0.0):
+        correlation = float(np.sum(residuals[1:] * residuals[:-1]) / np.sum(residuals**2))
+        correlation = min(max(correlation, 0.0), 0.99)
+        widened *= float(np.sqrt((1.0 + correlation) / (1.0 - correlation)))
     spread = covariance * widened**2 * (1.0 if data_sd is not None else chi_squared / dof)
     deviations = np.sqrt(np.diag(spread))
     wrong = data_sd is not None and bool(chdtrc(dof, chi_squared / STATED_WITHIN**2) < IMPROBABLE)
@@ -291,16 +297,6 @@ def _solution(name: str, misfit: Callable[[Array], Array], parameters: Sequence[
 def with_interval(name: str, symbol: str, unit: str, value: float, sd: float, quantile: float) -> IdentifiedParameter:
     """Return an estimate with the interval of so many standard deviations on either side."""
     return IdentifiedParameter(name, symbol, value, sd, value - quantile * sd, value + quantile * sd, unit)
-
-
-def _widening(chi_squared_per_dof: float, stated: bool, residuals: Array | None) -> float:
-    """Factor on the errors for scatter beyond the stated errors, and for correlated residuals where they are given."""
-    factor = float(np.sqrt(max(1.0, chi_squared_per_dof))) if stated else 1.0
-    if residuals is not None and np.any(residuals != 0.0):
-        correlation = float(np.sum(residuals[1:] * residuals[:-1]) / np.sum(residuals**2))
-        correlation = min(max(correlation, 0.0), 0.99)
-        factor *= float(np.sqrt((1.0 + correlation) / (1.0 - correlation)))
-    return factor
 
 
 def _covariance(name: str, jacobian: Array, parameters: Sequence[FitParameter]) -> Array:

@@ -3,7 +3,6 @@
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from missionplan.arrays import Array
 from missionplan.datasets.tank import NoiseLevels, TankData, ThrusterGeometry, ThrusterSettings
@@ -46,13 +45,31 @@ def identify_tunnel_thruster(
     if measured is not None:
         fits = _moment_fits(run, fits[0], force, measured, noise)
     best = fits[0]
+    values = np.array([best["thrust_constant"].value, best["decay"].value])
+    limit = float(np.asarray(tt.highest_ratio(values[1])))
+    beyond = int(np.sum(tt.out_of_range(run.ratio(values), values[1])))
+    remarks = [f"The exponential holds up to u/u_j = {limit:.2f}; beyond, forces may recover as ships' do."]
+    if beyond:
+        remarks.append(f"{beyond} of {len(run.speed)} points lie beyond that.")
+    constant, decay = best["thrust_constant"], best["decay"]
+    fragment: dict[str, object] = {
+        "name": "tunnel thruster",
+        "diameter": f"{geometry.diameter:.6g} m",
+        "position": f"{geometry.position:.6g} m",
+        "thrust_constant": {"mean": f"{constant.value:.5g} N*s^2", "sd": f"{constant.sd:.2g} N*s^2"},
+        "decay": {"mean": round(decay.value, 3), "sd": round(decay.sd, 3)},
+    }
+    if "suction_gradient" in best:
+        fragment["suction_gradient"] = round(best["suction_gradient"].value, 3)
+    if "suction_offset" in best:
+        fragment["suction_offset"] = f"{best['suction_offset'].value:.4g} m"
     return TankAnalysis(
         answer=f"The static constant is {best['thrust_constant'].value:.4g} N s², and speed takes thrust away with c = "
         f"{best['decay'].value:.2f}{best['decay'].interval_in_words('.2f')}.",
         fits=fits,
         panels=_panels(run, best, force, measured),
-        remarks=_remarks(run, best),
-        fragment={"thrusters": [_fragment(best, geometry)]},
+        remarks=tuple(remarks),
+        fragment={"thrusters": [fragment]},
     )
 
 
@@ -163,33 +180,6 @@ def _panels(run: TunnelThrusterRun, best: FittedModel, force: Array, moments: Ar
     return force_panel, moment_panel
 
 
-def _remarks(run: TunnelThrusterRun, best: FittedModel) -> tuple[str, ...]:
-    values = np.array([best["thrust_constant"].value, best["decay"].value])
-    limit = float(np.asarray(tt.highest_ratio(values[1])))
-    beyond = int(np.sum(tt.out_of_range(run.ratio(values), values[1])))
-    remarks = [f"The exponential holds up to u/u_j = {limit:.2f}; beyond, forces may recover as ships' do."]
-    if beyond:
-        remarks.append(f"{beyond} of {len(run.speed)} points lie beyond that.")
-    return tuple(remarks)
-
-
-def _fragment(best: FittedModel, geometry: ThrusterGeometry) -> dict[str, object]:
-    """An item of the vehicle's `thrusters:`."""
-    constant, decay = best["thrust_constant"], best["decay"]
-    fragment: dict[str, object] = {
-        "name": "tunnel thruster",
-        "diameter": f"{geometry.diameter:.6g} m",
-        "position": f"{geometry.position:.6g} m",
-        "thrust_constant": {"mean": f"{constant.value:.5g} N*s^2", "sd": f"{constant.sd:.2g} N*s^2"},
-        "decay": {"mean": round(decay.value, 3), "sd": round(decay.sd, 3)},
-    }
-    if "suction_gradient" in best:
-        fragment["suction_gradient"] = round(best["suction_gradient"].value, 3)
-    if "suction_offset" in best:
-        fragment["suction_offset"] = f"{best['suction_offset'].value:.4g} m"
-    return fragment
-
-
 _RATE_REMARK = (
     "A vehicle file carries thrust against shaft rate as `thrust_constant` of a tunnel thruster, with its `decay`: "
     "give `geometry` and measure under way."
@@ -203,11 +193,8 @@ def identify_thruster(data: TankData, settings: ThrusterSettings) -> TankAnalysi
     speed = data.columns.get("speed_m_s", np.zeros_like(data.columns["thrust_n"]))
     if np.any(speed > AT_REST) and settings.geometry is not None and "rpm" in data.columns:
         return identify_tunnel_thruster(data, settings, settings.geometry, speed)
-    return _static(data, speed <= AT_REST)
-
-
-def _static(data: TankData, at_rest: NDArray[np.bool_]) -> TankAnalysis:
-    """Fit τ = c(|V| - V₀)² with a constant for each direction, without and with the deadband V₀."""
+    # fit τ = c(|V| - V₀)² with a constant for each direction, without and with the deadband V₀
+    at_rest = speed <= AT_REST
     name, unit = ("voltage_v", "V") if "voltage_v" in data.columns else ("rpm", "1/s")
     command = data.columns[name][at_rest] / (1.0 if unit == "V" else 60.0)
     thrust = data.columns["thrust_n"][at_rest]

@@ -186,7 +186,12 @@ class SweepScenario:
         if drift >= speed:
             message = f"the mean drift, {drift:.3g} m/s, is as fast as the vehicle, {speed:.3g} m/s: it cannot arrive"
             raise InputError([Problem(message, mission.file, key=f"{phase.name}.speed")])
-        _check_energy(means, phase, distance, speed + drift)
+        needed = float(np.mean(means.transit_plan(phase).power_under_way)) * distance / (speed + drift)
+        needed, capacity = needed / JOULES_PER_WATT_HOUR, float(np.max(means.capacity)) / JOULES_PER_WATT_HOUR
+        if needed > capacity:  # never where energy is not computed: nan
+            course = f"the straight course alone takes {needed:.3g} W h"
+            words = f"{course}, the battery holds {capacity:.3g} W h: it cannot arrive"
+            raise InputError([Problem(words, means.mission.file, key=phase.name)])
         grid = np.asarray(mission.sweep.d_max_values(distance), dtype=float)
         sigmas = tuple(mission.sweep.sigma) if mission.sweep.sigma else (None,)
         return cls(means, phase, navigation, distance, np.append(grid, distance), sigmas)
@@ -263,16 +268,6 @@ def start_of(mission: Mission[V], phase: TransitPhase[V]) -> Position[V]:
     if phase.start is None and not before:
         raise InputError([Problem("missing; the first transit needs a start", mission.file, key="from")])
     return before[-1] if phase.start is None else phase.start
-
-
-def _check_energy(means: Scenario, phase: TransitPhase[Scalars], distance: float, fastest: float) -> None:
-    """Refuse a transit whose straight course, with all of the current, takes more energy than there is."""
-    needed = float(np.mean(means.transit_plan(phase).power_under_way)) * distance / fastest
-    needed, capacity = needed / JOULES_PER_WATT_HOUR, float(np.max(means.capacity)) / JOULES_PER_WATT_HOUR
-    if needed > capacity:  # never where energy is not computed: nan
-        course = f"the straight course alone takes {needed:.3g} W h"
-        message = f"{course}, the battery holds {capacity:.3g} W h: it cannot arrive"
-        raise InputError([Problem(message, means.mission.file, key=phase.name)])
 
 
 def _mean_drift(means: Scenario, phase: TransitPhase[Scalars], start: Array) -> Array:

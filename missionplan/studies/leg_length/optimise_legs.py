@@ -149,8 +149,20 @@ def _at_best_speed(transit: AnalyticTransit) -> AnalyticTransit:
     scenario = transit.scenario
 
     def at_speed(speed: float) -> tuple[AnalyticTransit, float]:
-        per_second, per_surfacing = _energy_rates(scenario, speed)
-        return replace(transit, speed=speed, surfacing_time=per_surfacing / per_second), per_second
+        # energy of a second under way and of a surfacing, at a speed [W, J]
+        plan = scenario.means.transit_plan(scenario.phase.model_copy(update={"speed": speed}))
+        under_way = float(np.mean(plan.power_under_way))
+        surfacing = float(np.mean(plan.power_at_surface)) * scenario.surfacing_time
+        surfacing += float(np.mean(plan.surfacing_energy))
+        if not np.isfinite(under_way + surfacing):
+            words = "the aim energy needs a vehicle with hull and energy, and the site's water"
+            raise InputError([Problem(words, scenario.mission.file, key="vehicle")])
+        if surfacing <= 0.0:
+            words = (
+                "a surfacing costs no energy, so that legs would be endlessly short: give energy.hotel or .surfacing"
+            )
+            raise InputError([Problem(words, scenario.mission.file, key="energy")])
+        return replace(transit, speed=speed, surfacing_time=surfacing / under_way), under_way
 
     def energy(speed: float) -> float:
         candidate, per_second = at_speed(speed)
@@ -163,20 +175,6 @@ def _at_best_speed(transit: AnalyticTransit) -> AnalyticTransit:
         energy, bounds=bounds, method="bounded", options={"xatol": 0.02 * low, "maxiter": 12}
     )
     return at_speed(float(found.x))[0]
-
-
-def _energy_rates(scenario: SweepScenario, speed: float) -> tuple[float, float]:
-    """Energy of a second under way and of a surfacing, at a speed [W, J]."""
-    plan = scenario.means.transit_plan(scenario.phase.model_copy(update={"speed": speed}))
-    under_way = float(np.mean(plan.power_under_way))
-    surfacing = float(np.mean(plan.power_at_surface)) * scenario.surfacing_time + float(np.mean(plan.surfacing_energy))
-    if not np.isfinite(under_way + surfacing):
-        words = "the aim energy needs a vehicle with hull and energy, and the site's water"
-        raise InputError([Problem(words, scenario.mission.file, key="vehicle")])
-    if surfacing <= 0.0:
-        words = "a surfacing costs no energy, so that legs would be endlessly short: give energy.hotel or .surfacing"
-        raise InputError([Problem(words, scenario.mission.file, key="energy")])
-    return under_way, surfacing
 
 
 def _optimised(transit: AnalyticTransit, d_max: float, table: LegTable, how_found: str) -> FoundLegs:

@@ -180,8 +180,26 @@ def run_plans(
             chosen = lengths[first : first + together]
             if len(chosen) == 1:
                 yield _run(replace(plan, d_max=chosen[0]), state, normals, environment, tracked)
-            else:
-                yield from _run_together(plan, chosen, state, normals, environment)
+            else:  # one block, in which each trial stands once for each plan
+                rows = np.tile(np.arange(state.trials), len(chosen))
+                tables = [
+                    legs if isinstance(legs, LegTable) else LegTable(np.zeros(1), np.array([legs])) for legs in chosen
+                ]
+                ends = state.trials * np.arange(1, len(chosen) + 1)
+                around = replace(
+                    environment,
+                    current=environment.current.take(rows) if environment.current else None,
+                    effects=tuple(effect.take(rows, state.trials) for effect in environment.effects),
+                    place=environment.place.take(rows) if environment.place else None,
+                )
+                run = _run(
+                    replace(plan.take(rows), d_max=LegTables(tables, ends)),
+                    state.take(rows),
+                    replace(normals, rows=rows),
+                    around,
+                )
+                for number in range(len(chosen)):
+                    yield run.take(slice(number * state.trials, (number + 1) * state.trials))
 
 
 def _run(
@@ -198,37 +216,6 @@ def _run(
         nominal=nominal,
         track=np.empty((2, 0, 0)) if record.track is None else record.track,
     )
-
-
-def _run_together(
-    plan: TransitPlan,
-    lengths: Sequence[float | LegTable],
-    state: TrialState,
-    normals: TransitNormals,
-    environment: Environment,
-) -> Iterator[PlanTrials]:
-    """Run several plans at once, as one block of trials in which each trial stands once for each plan.
-
-    The few trials that never arrive make every plan take all its legs. Together their legs cost as many calls as those
-    of one plan, and every trial has the same numbers as on its own.
-    """
-    rows = np.tile(np.arange(state.trials), len(lengths))
-    tables = [legs if isinstance(legs, LegTable) else LegTable(np.zeros(1), np.array([legs])) for legs in lengths]
-    ends = state.trials * np.arange(1, len(lengths) + 1)
-    around = replace(
-        environment,
-        current=environment.current.take(rows) if environment.current else None,
-        effects=tuple(effect.take(rows, state.trials) for effect in environment.effects),
-        place=environment.place.take(rows) if environment.place else None,
-    )
-    run = _run(
-        replace(plan.take(rows), d_max=LegTables(tables, ends)),
-        state.take(rows),
-        replace(normals, rows=rows),
-        around,
-    )
-    for number in range(len(lengths)):
-        yield run.take(slice(number * state.trials, (number + 1) * state.trials))
 
 
 def _pilot_trials(scenario: SweepScenario, seed: int, trials: int, plans: Sequence[LegsAtSpeed]) -> list[PlanTrials]:

@@ -40,11 +40,18 @@ _APPROXIMATE = (
 def page(plan: LegPlan) -> Page:
     """Build the page of a plan of legs."""
     good = plan.reaches and (plan.judged is None or plan.judged.requirements_met)
+    own, (head, unit) = plan.cases[0], saving_unit(plan)
+    costs = [(f"Mean cost of the best fixed d_max, {length_in_words(plan.fixed_d_max)}", own.fixed)]
+    costs = [("Mean cost of the table", own.adaptive), *costs] if plan.adapts else costs
+    numbers = [(name, with_error(it.cost, it.standard_error, PERCENT)) for name, it in costs]
+    if plan.adapts:
+        saved = with_error(*own.saving_for(plan.aim), unit)
+        numbers.insert(0, (f"{head}, against the best fixed d_max", saved))
     return Page(
         title=f"Legs for {phase_in_words(plan.phase)}: {plan.provenance.mission}",
         answer=answer(plan),
         draw=lambda: policy_figure(plan),
-        numbers=_numbers(plan),
+        numbers=numbers,
         write=lambda: list(_sections(plan)),
         verdict="good" if good and plan.recommended else "" if good else "bad",
         table=lambda: _cells(plan),
@@ -157,17 +164,6 @@ def _speed_in_words(plan: LegPlan) -> str:
     )
 
 
-def _numbers(plan: LegPlan) -> list[tuple[str, str]]:
-    own, (head, unit) = plan.cases[0], saving_unit(plan)
-    costs = [(f"Mean cost of the best fixed d_max, {length_in_words(plan.fixed_d_max)}", own.fixed)]
-    costs = [("Mean cost of the table", own.adaptive), *costs] if plan.adapts else costs
-    numbers = [(name, with_error(it.cost, it.standard_error, PERCENT)) for name, it in costs]
-    if plan.adapts:
-        saved = with_error(*own.saving_for(plan.aim), unit)
-        numbers.insert(0, (f"{head}, against the best fixed d_max", saved))
-    return numbers
-
-
 def _sections(plan: LegPlan) -> Iterator[PageSection]:
     own = plan.cases[0]
     if not plan.integral_applies:
@@ -177,7 +173,17 @@ def _sections(plan: LegPlan) -> Iterator[PageSection]:
     yield from members_section(plan.arrivals, "plan", "arrive (95 % interval)", _SAILED)
     surfacings = f"The vehicle surfaces {own.fixed.surfacings:.2f} times on average"
     if plan.recommended:  # a fixed d_max stands among what changes
-        yield PageSection("What to write in the mission file", [_table_in_words(plan), _changes_as_written(plan)])
+        spread = f"σ_v = {with_error(plan.planned_sigma, 0.0, reader_unit('m/s', 0.0))}"
+        if plan.base_spread > 0.0:
+            spread += (
+                f" and for {with_error(plan.base_spread, 0.0, reader_unit('m', plan.base_spread))} of spread "
+                "at the end of any leg, however short"
+            )
+        words = (
+            f"{plan.how_found} The legs are planned for {spread}. Each knot is [distance left, leg length]; between "
+            "knots, leg length is linear. The table is also in legs.yaml, and in its place in mission-with-legs.yaml."
+        )
+        yield PageSection("What to write in the mission file", [words, _changes_as_written(plan)])
         surfacings = (
             f"The vehicle surfaces {own.adaptive.surfacings:.2f} times on average with the table, "
             f"{own.fixed.surfacings:.2f} times with the best fixed d_max"
@@ -203,19 +209,6 @@ def _candidates_section(plan: LegPlan) -> PageSection:
     choice = best.name if plan.recommended else f"the fixed d_max is kept, as {_why_fixed(plan)}"
     what = "Least energy" if plan.aim == "energy" else "Most often on time" if has_deadline else "Shortest 95 % time"
     return PageSection(f"{what}: {choice}", [plan.how_found, candidates_table(plan)])
-
-
-def _table_in_words(plan: LegPlan) -> str:
-    spread = f"σ_v = {with_error(plan.planned_sigma, 0.0, reader_unit('m/s', 0.0))}"
-    if plan.base_spread > 0.0:
-        spread += (
-            f" and for {with_error(plan.base_spread, 0.0, reader_unit('m', plan.base_spread))} of spread "
-            "at the end of any leg, however short"
-        )
-    return (
-        f"{plan.how_found} The legs are planned for {spread}. Each knot is [distance left, leg length]; between knots, "
-        "leg length is linear. The table is also in legs.yaml, and in its place in mission-with-legs.yaml."
-    )
 
 
 def _changes_as_written(plan: LegPlan) -> Listing:

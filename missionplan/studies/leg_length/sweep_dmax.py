@@ -2,7 +2,8 @@
 
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
+from functools import partial
 from typing import Any, Literal, get_args
 
 import numpy as np
@@ -101,7 +102,7 @@ def _sampled(run: Run, scenario: SweepScenario) -> dict[int, CellTotals]:
     # the largest sigma, as a rule the last, takes longest: it goes first, so that workers end together
     curves = range(len(scenario.sigmas))
     items = [(index, block) for block in range(block_count(run.trials)) for index in reversed(curves)]
-    results = run.workers.run(SweepTask(scenario, run.trials, run.seed), items)
+    results = run.workers.run(partial(_block, scenario, run.trials, run.seed), items)
     for (index, _), totals in zip(items, results, strict=True):
         found[index] = found[index].merge(totals) if index in found else totals
     return found
@@ -130,23 +131,14 @@ def _members(sweep: Sweep, scenario: SweepScenario, run: Run) -> Iterator[Member
         yield MemberOutcome(name, probability, point.arrived)
 
 
-@dataclass(frozen=True)
-class SweepTask:
-    """One block of trials of one curve: a function of the curve's index and the block, and of nothing else."""
-
-    scenario: SweepScenario
-    trials: int
-    seed: int
-
-    def __call__(self, item: tuple[int, int]) -> CellTotals:
-        """Run every d_max of a curve on a block of trials."""
-        index, block = item
-        scenario, size = self.scenario, block_size(self.trials, block)
-        drawn = scenario.means.sampled(seed=self.seed, block=block, size=size)
-        state = scenario.state(drawn, self.seed, block, size)
-        normals = scenario.normals(self.seed, block)
-        plan, environment = scenario.plan(index, drawn), scenario.environment(drawn)
-        return run_cells(plan, state, normals, environment, scenario.d_max, scenario.table)
+def _block(scenario: SweepScenario, trials: int, seed: int, item: tuple[int, int]) -> CellTotals:
+    """Run every d_max of a curve on a block of trials, by the curve's index and the block."""
+    index, block = item
+    size = block_size(trials, block)
+    drawn = scenario.means.sampled(seed=seed, block=block, size=size)
+    state, normals = scenario.state(drawn, seed, block, size), scenario.normals(seed, block)
+    plan, environment = scenario.plan(index, drawn), scenario.environment(drawn)
+    return run_cells(plan, state, normals, environment, scenario.d_max, scenario.table)
 
 
 def _of_trials(totals: CellTotals, grid: int) -> tuple[int, Columns]:

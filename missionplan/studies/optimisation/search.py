@@ -61,10 +61,21 @@ class Search:
         keys = sum(count > 1 for count in lattice.shape)
         rng = np.random.default_rng(self.seed)
         first = max(_FIRST * keys, 1) + min(round(_LOOKED_AT * len(lattice)), _MOST_LOOKED_AT * keys)
-        self.evaluations.of(_spread_out(lattice.shape, first, rng), COARSE)
+        columns = [rng.permutation((np.arange(first) + rng.random(first)) / first) for _ in lattice.shape]
+        points = [
+            np.minimum((column * size).astype(int), size - 1)
+            for column, size in zip(columns, lattice.shape, strict=True)
+        ]
+        self.evaluations.of([tuple(int(i) for i in point) for point in np.stack(points, axis=1)], COARSE)
         most = min(first + _MOST * keys, len(lattice))
         self._while_hopeful(rng, most)
-        for point in self._separate_best():
+        found: list[Point] = []
+        better: set[Point] = set()
+        for each in sorted(self.evaluations.best_known(), key=self._by_rank):
+            if better.isdisjoint(self.evaluations.lattice.neighbours(each.point)):
+                found.append(each.point)
+            better.add(each.point)
+        for point in found[:_STARTS]:
             self._descend(point)
         self._while_hopeful(rng, most)
 
@@ -137,15 +148,6 @@ class Search:
             if not todo:
                 break
             self.evaluations.of(todo, COARSE)
-
-    def _separate_best(self) -> list[Point]:
-        found: list[Point] = []
-        better: set[Point] = set()
-        for each in sorted(self.evaluations.best_known(), key=self._by_rank):
-            if better.isdisjoint(self.evaluations.lattice.neighbours(each.point)):
-                found.append(each.point)
-            better.add(each.point)
-        return found[:_STARTS]
 
     def _descend(self, point: Point) -> None:
         """Step to a better choice beside one while there is any, with few trials.
@@ -247,10 +249,3 @@ class Search:
         if is_feasible(demands, each, doubt=doubt):
             return 0.0, each.cost(self.aim)
         return sum(violations(demands, each)) + 1e-12, each.cost(self.aim)
-
-
-def _spread_out(shape: Sequence[int], count: int, rng: np.random.Generator) -> list[Point]:
-    """Draw choices that are spread evenly along each axis (Latin hypercube)."""
-    columns = [rng.permutation((np.arange(count) + rng.random(count)) / count) for _ in shape]
-    points = [np.minimum((column * size).astype(int), size - 1) for column, size in zip(columns, shape, strict=True)]
-    return [tuple(int(i) for i in point) for point in np.stack(points, axis=1)]

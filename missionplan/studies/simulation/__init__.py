@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from missionplan.arrays import Array, Scalars
+from missionplan.arrays import Scalars
 from missionplan.effects import CATALOGUE
 from missionplan.errors import InputError, MissionplanError, Problem
 from missionplan.mission import Mission
@@ -177,7 +177,12 @@ def _outside_in_place(mission: Mission, means: Scenario, current: RecordedCurren
     if not isinstance(current, GriddedCurrent) or not current.is_binding:
         return
     low, high = current.grid.extent
-    for name, place in _places(means):
+    ends = [
+        (phase.name, key, place)
+        for phase in means.drawn.transits
+        for key, place in (("from", phase.start), ("to", phase.to))
+    ]
+    for name, place in ((f"{name}.{key}", means.position(place)) for name, key, place in ends if place is not None):
         where = np.asarray(place, dtype=float)[:, None]
         beyond = False
         for value, first, last, way in zip(place, low, high, ("east", "north"), strict=True):
@@ -188,13 +193,6 @@ def _outside_in_place(mission: Mission, means: Scenario, current: RecordedCurren
         if not beyond and not np.all(current.holds(where)):
             message = "lies on land, or in a gap of the grid, of this field of the current"
             yield Problem(message, mission.file, key=name, hint=REMEDY)
-
-
-def _places(means: Scenario) -> Iterator[tuple[str, Array]]:
-    for phase in means.drawn.transits:
-        for key, place in (("from", phase.start), ("to", phase.to)):
-            if place is not None:
-                yield f"{phase.name}.{key}", means.position(place)
 
 
 def _lacking(mission: Mission) -> list[Problem]:
@@ -232,14 +230,25 @@ def covered_means(mission: Mission) -> Scenario:
 
 def input_notices(mission: Mission, means: Scenario) -> tuple[str, ...]:
     """Notices of the input: truncated distributions, models out of their range, what is left out."""
+    found: list[str] = []
+    for entry in mission.effects:
+        if not CATALOGUE[entry.effect].changes_plan:
+            where = "shows in the tank alone" if CATALOGUE[entry.effect].phase == "tank" else "acts on a reading alone"
+            found.append(f"{entry.effect} {where}: it is carried and does not change the plan.")
+    uncertain = [path for path in mission.uncertain() if path.startswith("vehicle.anchor.construction")]
+    if uncertain and _makes_anchors(mission):
+        found.append(f"The anchor is built once, from the means of its parts: {', '.join(uncertain)} not drawn.")
+    site = mission.site
+    if site is not None and site.bathymetry is not None and site.depth_datum is None:
+        found.append(
+            "site.depth_datum is not given: depths are taken as below the level that site.tide_height counts from."
+        )
     return (
         *mission.notices(),
         *_energy_notices(mission),
         *interpolation_notices(means),
         *(words for phase in means.drawn.transits if (words := _drift_notice(means, phase))),
-        *_effect_notices(mission),
-        *_anchor_notices(mission),
-        *_datum_notice(mission),
+        *found,
     )
 
 
@@ -269,29 +278,6 @@ def _drift_notice(means: Scenario, phase: TransitPhase[Scalars]) -> str:
     if drift_speed < vehicle_speed:
         return ""
     return f"{phase.name}: the mean drift, {drift_speed:.3g} m/s, is as fast as the vehicle, {vehicle_speed:.3g} m/s."
-
-
-def _effect_notices(mission: Mission) -> list[str]:
-    found = []
-    for entry in mission.effects:
-        if not CATALOGUE[entry.effect].changes_plan:
-            where = "shows in the tank alone" if CATALOGUE[entry.effect].phase == "tank" else "acts on a reading alone"
-            found.append(f"{entry.effect} {where}: it is carried and does not change the plan.")
-    return found
-
-
-def _anchor_notices(mission: Mission) -> list[str]:
-    uncertain = [path for path in mission.uncertain() if path.startswith("vehicle.anchor.construction")]
-    if not uncertain or not _makes_anchors(mission):
-        return []
-    return [f"The anchor is built once, from the means of its parts: {', '.join(uncertain)} not drawn."]
-
-
-def _datum_notice(mission: Mission) -> list[str]:
-    site = mission.site
-    if site is None or site.bathymetry is None or site.depth_datum is not None:
-        return []
-    return ["site.depth_datum is not given: depths are taken as below the level that site.tide_height counts from."]
 
 
 def _makes_anchors(mission: Mission) -> bool:

@@ -61,7 +61,10 @@ class Precision:
         name, _, wanted = text.rpartition("=")
         name, wanted = name.strip() or SUCCESS, wanted.strip()
         quantity = f"total.{SUCCESS}" if name == SUCCESS else name
-        unit = _unit(quantity, mission)
+        try:
+            unit = quantity_unit(quantity, mission.phases)  # none of an event
+        except QuantityError as problem:
+            raise InputError([Problem(str(problem), key=_OPTION)]) from None
         share = wanted.endswith("%")
         try:
             if share or unit is None:
@@ -88,14 +91,6 @@ class Precision:
         statistic = totals.statistics[self.key].moments
         limit = self.error * (abs(float(statistic.mean)) if self.relative else 1.0)
         return bool(float(statistic.standard_error) < limit)
-
-
-def _unit(quantity: str, mission: Mission) -> str | None:
-    """Unit of a quantity's bound; None for an event."""
-    try:
-        return quantity_unit(quantity, mission.phases)
-    except QuantityError as error:
-        raise InputError([Problem(str(error), key=_OPTION)]) from None
 
 
 BlockItem = tuple[int, int]
@@ -126,20 +121,10 @@ class BlockResult:
         return cls(BlockStatistics.from_arrays(flat), rows, MapTracks.from_arrays(tracks) if "time" in tracks else None)
 
 
-@dataclass(frozen=True)
-class FailedBlock:
-    """A block that failed, and why."""
-
-    reason: str
-
-
-BlockOutcome = BlockResult | FailedBlock
+BlockOutcome = BlockResult | str
+"""A finished block, or why it failed."""
 RunBlocks = Callable[[Sequence[BlockItem]], Generator[BlockOutcome, None, None]]
 """Runs blocks and yields their outcomes in the order given."""
-
-
-def _arrays_of(block: BlockOutcome) -> Mapping[str, NDArray[np.generic]] | None:
-    return block.to_arrays() if isinstance(block, BlockResult) else None
 
 
 @dataclass(frozen=True)
@@ -158,43 +143,38 @@ class MergedBlocks:
     """Of the run's first block, where it was run and not read."""
 
 
-@dataclass(frozen=True)
-class BlockSequence:
-    """A run."""
+def run_sequence(
+    items: Sequence[BlockItem],
+    run_blocks: RunBlocks,
+    store: Checkpoints | None = None,
+    goal: Precision | None = None,
+    table: "TrialsTable | None" = None,
+    progress: Progress | None = None,
+) -> MergedBlocks:
+    """Run blocks until all are done or the result is precise enough.
 
-    items: Sequence[BlockItem]
-    """All blocks, ascending."""
-    store: Checkpoints | None = None
-    """Where finished blocks are kept."""
-    goal: Precision | None = None
-    """Ends the run early."""
-    table: "TrialsTable | None" = None
-    """Takes the rows."""
-
-    def run(self, run_blocks: RunBlocks, progress: Progress | None = None) -> MergedBlocks:
-        """Run until all blocks are done or the result is precise enough.
-
-        Raises RunError when every block failed, or the checkpoint cannot be written.
-        """
-        merged: MergedBlocks | None = None
-        failures: list[str] = []
-        form = _arrays_of, BlockResult.from_arrays
-        with closing(kept_or_run(self.items, run_blocks, self.store, lambda item: item, form, progress)) as blocks:
-            for item, block in blocks:
-                if isinstance(block, FailedBlock):
-                    failures.append(block.reason)
-                    continue
-                totals = block.totals if merged is None else merged.totals.merge(block.totals)
-                if merged is None:
-                    merged = MergedBlocks(totals, tuple(failures), item, block.tracks, block.trials)
-                merged = replace(merged, totals=totals)
-                if self.table is not None:
-                    self.table.add(item[0] * BLOCK, block.rows)
-                if self.goal is not None and self.goal.is_reached(totals):
-                    break
-        if merged is None:
-            raise RunError("\n".join(["every block of trials failed:", *failures[:10]]))
-        return replace(merged, failures=tuple(failures))
+    `items`: ascending. `store`: where finished blocks are kept. `goal`: ends the run early. `table`: takes the rows.
+    Raises RunError when every block failed, or the checkpoint cannot be written.
+    """
+    merged: MergedBlocks | None = None
+    failures: list[str] = []
+    form = (lambda block: None if isinstance(block, str) else block.to_arrays()), BlockResult.from_arrays
+    with closing(kept_or_run(items, run_blocks, store, lambda item: item, form, progress)) as blocks:
+        for item, block in blocks:
+            if isinstance(block, str):
+                failures.append(block)
+                continue
+            totals = block.totals if merged is None else merged.totals.merge(block.totals)
+            if merged is None:
+                merged = MergedBlocks(totals, tuple(failures), item, block.tracks, block.trials)
+            merged = replace(merged, totals=totals)
+            if table is not None:
+                table.add(item[0] * BLOCK, block.rows)
+            if goal is not None and goal.is_reached(totals):
+                break
+    if merged is None:
+        raise RunError("\n".join(["every block of trials failed:", *failures[:10]]))
+    return replace(merged, failures=tuple(failures))
 
 
 @dataclass(frozen=True, eq=False)  # hashed by identity: Dask hashes what it runs, and arrays have no hash
@@ -233,6 +213,6 @@ class BlockTask:
         except Exception as error:
             first = block * BLOCK
             place = f"block {block} (trials {first} to {first + size - 1}, seed {self.seed})"
-            return FailedBlock(f"{place}: {type(error).__name__}: {error}")
+            return f"{place}: {type(error).__name__}: {error}"
         rows = trials.columns() if self.keep_trials else {}
         return BlockResult(reduced, rows, MapTracks.of(trials), trials) if tracked else BlockResult(reduced, rows)

@@ -138,7 +138,11 @@ def statistics_of_block(mission: Mission, trials: MissionTrials, *, sampled: boo
         for counted, where in held.items()
         for quantity, values in trials.total.items()
     }
-    statistics = RunningStatistics.of(_quantities(trials) | explained)
+    total = {f"total.{name}": values for name, values in trials.total.items()}
+    phases = {f"{phase.name}.{name}": values for phase in trials.phases for name, values in phase.quantities.items()}
+    statistics = RunningStatistics.of(
+        {**total, **phases, **{f"{phase.name}.end": phase.end for phase in trials.phases[:-1]}} | explained
+    )
     return BlockStatistics(statistics, counts, sample, _summed(_contacts(trials)))
 
 
@@ -185,19 +189,18 @@ def explained_name(explanation: Counted, quantity: str) -> str:
     return f"{explanation.kind}:{explanation.of} {explanation.name}.{quantity}"
 
 
-def _quantities(trials: MissionTrials) -> dict[str, Array]:
-    """Quantities of the mission and of its phases, and when each phase but the last ends."""
-    total = {f"total.{name}": values for name, values in trials.total.items()}
-    phases = {f"{phase.name}.{name}": values for phase in trials.phases for name, values in phase.quantities.items()}
-    return {**total, **phases, **{f"{phase.name}.end": phase.end for phase in trials.phases[:-1]}}
-
-
 def requirement_flags(mission: Mission, columns: Mapping[str, Array | Flags]) -> dict[Counted, Flags]:
     """Trials that meet each requirement."""
     found = {}
     for index, requirement in enumerate(mission.requirements):
         key, unit = requirement_key(mission, requirement.quantity)
-        found[Counted.requirement(index)] = _meets(columns[key], bound_of(requirement), unit)
+        values, bound = columns[key], bound_of(requirement)
+        if bound is None or unit is None:
+            met = np.asarray(values, dtype=bool)
+        else:  # a trial that never reached the quantity does not meet it
+            limit = bound[1] * SCALES.get(unit, 1.0)
+            met = np.asarray(values <= limit if bound[0] == "at_most" else values >= limit)
+        found[Counted.requirement(index)] = met
     return found
 
 
@@ -216,15 +219,6 @@ def bound_of(requirement: Requirement) -> tuple[Side, float] | None:
     if requirement.at_most is not None:
         return "at_most", requirement.at_most
     return None if requirement.at_least is None else ("at_least", requirement.at_least)
-
-
-def _meets(values: Array | Flags, bound: tuple[Side, float] | None, unit: str | None) -> Flags:
-    """Whether each trial meets a requirement; one that never reached the quantity does not."""
-    if bound is None or unit is None:
-        return np.asarray(values, dtype=bool)
-    side, limit = bound
-    scaled = limit * SCALES.get(unit, 1.0)
-    return np.asarray(values <= scaled if side == "at_most" else values >= scaled)
 
 
 def _limits(trials: MissionTrials) -> dict[Counted, Flags]:

@@ -43,19 +43,6 @@ class Losses:
     """Whether they are assumed to be lost so: too few trials were."""
 
 
-@dataclass(frozen=True)
-class _Part:
-    """Phases from one mooring to the next, or before the first."""
-
-    mooring: PhaseTrials | None
-    phases: tuple[PhaseTrials, ...]
-    """The mooring first."""
-
-    @property
-    def name(self) -> str:
-        return self.mooring.name if self.mooring else ""
-
-
 def losses(
     phases: Sequence[PhaseTrials], failed_at: Mapping[tuple[str, str], Flags], generator: np.random.Generator
 ) -> list[Losses]:
@@ -64,91 +51,50 @@ def losses(
     `phases`: transits and moorings, with the tracks of all trials. `failed_at`, shape (n,): trials that failed for
     good, by phase and reason. `generator`: of the moments at which trials are assumed to fail.
     """
-    parts, transits = list(_parts(phases)), [phase for phase in phases if phase.kind == "transit"]
-    return [
-        *(found for part in parts if part.mooring for found in _not_released(part.mooring, failed_at)),
-        *(found for part in parts for found in _adrift(part, len(parts) > 1, failed_at, generator)),
-        *_on_the_seafloor(phases, transits, failed_at, generator),
-        *_lost("still under way", "", _on_the_way(transits[-1:], generator) if transits else None, None),
-    ]
+    moorings = [number for number, phase in enumerate(phases) if phase.kind == "moor"]
+    bounds = sorted({0, *moorings, len(phases)})
+    parts = [phases[first:end] for first, end in pairwise(bounds)]  # up to the first mooring, then from each
+    transits = [phase for phase in phases if phase.kind == "transit"]
 
+    def failed(within: Sequence[PhaseTrials], counts: Callable[[str], bool]) -> Flags:
+        names = {phase.name for phase in within}
+        own = [one for (name, why), one in failed_at.items() if name in names and counts(why)]
+        return np.asarray(np.any(own, axis=0))
 
-def _parts(phases: Sequence[PhaseTrials]) -> Iterator[_Part]:
-    starts = [number for number, phase in enumerate(phases) if phase.kind == "moor"]
-    bounds = [*([0] if not starts or starts[0] else []), *starts, len(phases)]
-    for first, end in pairwise(bounds):
-        within = tuple(phases[first:end])
-        yield _Part(within[0] if within[0].kind == "moor" else None, within)
-
-
-def _not_released(mooring: PhaseTrials, failed_at: Mapping[tuple[str, str], Flags]) -> Iterator[Losses]:
-    flags = _failed((mooring,), failed_at, lambda reason: reason in _HELD)
-    yield from _lost(
-        "not released", mooring.name, (mooring.anchor, mooring.start), (flags, mooring.anchor, mooring.start)
-    )
-
-
-def _adrift(
-    part: _Part, has_others: bool, failed_at: Mapping[tuple[str, str], Flags], generator: np.random.Generator
-) -> Iterator[Losses]:
-    """Lost afloat: from where those that failed so were last at a fix, else, after a mooring, from any fix."""
-    flags = _failed(part.phases, failed_at, lambda reason: reason not in (*_SINKING, *_HELD))
-    assumed = None if part.mooring is None and has_others else _at_random_fix(part.phases, generator)
-    place, clock = _last_fix(part.phases)
-    yield from _lost("adrift at the surface", part.name, assumed, (flags, place, clock))
-
-
-def _on_the_seafloor(
-    phases: Sequence[PhaseTrials],
-    transits: Sequence[PhaseTrials],
-    failed_at: Mapping[tuple[str, str], Flags],
-    generator: np.random.Generator,
-) -> Iterator[Losses]:
+    found = []
+    for mooring in (phases[number] for number in moorings):
+        there = mooring.anchor, mooring.start
+        found += _lost("not released", mooring.name, there, (failed([mooring], lambda why: why in _HELD), *there))
+    for part in parts:
+        # from where those that failed so were last at a fix, else, after a mooring, from any fix
+        after = part[0].name if part[0].kind == "moor" else ""
+        assumed = None if not after and len(parts) > 1 else _at_random_fix(part, generator)
+        flags = failed(part, lambda why: why not in (*_SINKING, *_HELD))
+        found += _lost("adrift at the surface", after, assumed, (flags, *_last_fix(part)))
     if transits:
-        flags = _failed(phases, failed_at, lambda reason: reason in _SINKING)
-        yield from _lost("on the seafloor", "", _on_the_way(transits, generator), (flags, *_last_fix(phases)))
-
-
-def _failed(
-    phases: Sequence[PhaseTrials], failed_at: Mapping[tuple[str, str], Flags], counts: Callable[[str], bool]
-) -> Flags | None:
-    names = {phase.name for phase in phases}
-    found = [flags for (phase, reason), flags in failed_at.items() if phase in names and counts(reason)]
-    return np.any(found, axis=0) if found else None
+        flags = failed(phases, lambda why: why in _SINKING)
+        found += _lost("on the seafloor", "", _on_the_way(transits, generator), (flags, *_last_fix(phases)))
+        found += _lost("still under way", "", _on_the_way(transits[-1:], generator), None)
+    return found
 
 
 def _lost(
-    way: Way,
-    after: str,
-    assumed: tuple[Array, Array] | None,
-    failed: tuple[Flags | None, Array, Array] | None,
-) -> Iterator[Losses]:
-    """Yield those that failed so, where they are enough, else all that are assumed to."""
-    flags, place, clock = failed or (None, np.zeros((2, 0)), np.zeros(0))
-    if flags is not None:
-        chosen = np.flatnonzero(flags & _known(place, clock))
-        if chosen.size >= FEWEST_FAILED:
-            yield Losses(way, after, chosen, place[:, chosen], clock[chosen], is_assumed=False)
-            return
-    if assumed is not None:
-        place, clock = assumed
-        chosen = np.flatnonzero(_known(place, clock))
-        if chosen.size >= FEWEST_FAILED:
-            yield Losses(way, after, chosen, place[:, chosen], clock[chosen], is_assumed=True)
-
-
-def _known(place: Array, moment: Array) -> Flags:
-    """Trials that were at a place, such as that of an anchor which was laid, at a moment."""
-    return np.isfinite(moment) & np.isfinite(place).all(axis=0)
+    way: Way, after: str, assumed: tuple[Array, Array] | None, failed: tuple[Flags, Array, Array] | None
+) -> list[Losses]:
+    """Those that failed so, where they are enough, else all that are assumed to, where they were at a known place."""
+    for tried, is_assumed in ((failed, False), (None if assumed is None else (np.True_, *assumed), True)):
+        if tried is not None:
+            flags, place, clock = tried
+            chosen = np.flatnonzero(flags & np.isfinite(clock) & np.isfinite(place).all(axis=0))
+            if chosen.size >= FEWEST_FAILED:
+                return [Losses(way, after, chosen, place[:, chosen], clock[chosen], is_assumed)]
+    return []
 
 
 def _last_fix(phases: Sequence[PhaseTrials]) -> tuple[Array, Array]:
     """Where and when each trial was last at a fix of these phases."""
     track, time = _tracks(phases)
-    count = np.arange(len(time))[:, None]
-    last = np.max(np.where(np.isfinite(time), count, -1), axis=0)
-    numbers = np.arange(time.shape[1])
-    return track[last, :, numbers].T, np.where(last >= 0, time[last, numbers], np.nan)
+    return _at_row(track, time, np.max(np.where(np.isfinite(time), np.arange(len(time))[:, None], -1), axis=0))
 
 
 def _tracks(phases: Sequence[PhaseTrials]) -> tuple[Array, Array]:
@@ -160,15 +106,20 @@ def _at_random_fix(phases: Sequence[PhaseTrials], generator: np.random.Generator
     track, time = _tracks(phases)
     if phases[0].kind == "moor":
         track, time = track[1:], time[1:]  # the anchor's touchdown is not at the surface
-    return _picked(track, time, _random_row(np.isfinite(time), generator), 0.0)
+    return _at_row(track, time, _random_row(np.isfinite(time), generator))
 
 
 def _on_the_way(phases: Sequence[PhaseTrials], generator: np.random.Generator) -> tuple[Array, Array]:
     """A place of each trial between two fixes of one transit, each leg as likely as any other."""
     track, time = _tracks(phases)
     dives = np.concatenate([np.arange(len(phase.track_time)) % 2 == 0 for phase in phases])  # and by turns surfacings
-    legs = dives[:-1, None] & np.isfinite(time[:-1]) & np.isfinite(time[1:])
-    return _picked(track, time, _random_row(legs, generator), generator.random(time.shape[1]))
+    row = _random_row(dives[:-1, None] & np.isfinite(time[:-1]) & np.isfinite(time[1:]), generator)
+    share = generator.random(time.shape[1])
+    (first, begun), (second, ended) = (
+        _at_row(track, time, row),
+        _at_row(track, time, np.minimum(row + 1, len(time) - 1)),
+    )
+    return first + share * (second - first), begun + share * (ended - begun)
 
 
 def _random_row(possible: Flags, generator: np.random.Generator) -> NDArray[np.intp]:
@@ -177,16 +128,10 @@ def _random_row(possible: Flags, generator: np.random.Generator) -> NDArray[np.i
     return np.where(possible.any(axis=0), np.argmax(keys, axis=0), -1)
 
 
-def _picked(track: Array, time: Array, row: NDArray[np.intp], share: Array | float) -> tuple[Array, Array]:
-    """Place and time of a row of each trial, a share of the way to the next."""
-    numbers, further = np.arange(row.size), np.minimum(row + 1, len(time) - 1)
-    share = np.where(np.asarray(share) > 0.0, share, 0.0)
-    first, second = track[row, :, numbers].T, track[further, :, numbers].T
-    place = first if not np.any(share) else first + share * (second - first)
-    moment = time[row, numbers]
-    if np.any(share):
-        moment = moment + share * (time[further, numbers] - moment)
-    return place, np.where(row >= 0, moment, np.nan)
+def _at_row(track: Array, time: Array, row: NDArray[np.intp]) -> tuple[Array, Array]:
+    """Place and time of a row of each trial; no time where the row is -1."""
+    numbers = np.arange(row.size)
+    return track[row, :, numbers].T, np.where(row >= 0, time[row, numbers], np.nan)
 
 
 MAX_BYTES = 20_000_000

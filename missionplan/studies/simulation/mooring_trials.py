@@ -6,7 +6,7 @@ A mooring on a grid of depths: the depth and slope where the anchor lands, and w
 from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
-from typing import NamedTuple, TypedDict
+from typing import NamedTuple
 
 import numpy as np
 import scipy
@@ -135,8 +135,7 @@ def mooring_trials(
     """
     scenario, begun = block.scenario, state.alive
     current = scenario.current or STILL_WATER
-    normals = fix_normals(f"{phase.name}.fix", block.source, state.trials)
-    moored_in = partial(_moored_in, block, phase, state, normals)
+    moored_in = partial(_moored_in, block, phase, state, fix_normals(f"{phase.name}.fix", block.source, state.trials))
     plan, prevented, after, record = on_ground(scenario, phase, state, moored_in)
     taut = begun & ~np.logical_or.reduce(list(prevented.values()))
     moored = taut & record.descent.touched_down
@@ -157,7 +156,8 @@ def mooring_trials(
         Failure.OUT_OF_ENERGY: exhausted,
     }
     room = room_in_depth(plan.dive, plan.held.body.length)
-    found = PhaseTrials(
+    track, track_time = _track(plan, state, after, record, block.tracked)
+    return continuing, PhaseTrials(
         name=phase.name,
         kind=phase.kind,
         quantities=_quantities(record, goal, moored, after.alive, ended) | _snatch(plan, record, taut),
@@ -167,7 +167,8 @@ def mooring_trials(
         end=where_reached(ended, after.clock),
         failures=failures,
         miss=where_reached(moored, record.anchor - goal),
-        **_track(plan, state, after, record, block.tracked),
+        track=track,
+        track_time=track_time,
         anchor=where_reached(moored, record.anchor),
         goal=goal,
         radius=plan.radius,
@@ -177,7 +178,6 @@ def mooring_trials(
         profile=_profile(plan, state, moored, after, record)[:, :, : block.tracked],
         margins={Failure.TOO_SHALLOW: over_trials(room, state.trials), **margins_met(contact)},
     )
-    return continuing, found
 
 
 def _moored_in(
@@ -185,7 +185,11 @@ def _moored_in(
 ) -> Moored:
     """Moor in a scenario: the block's, or that with the depths of the trials' own places."""
     plan = moor_plan(scenario, phase)
-    prevented = _prevented(block, phase, plan, state.alive)
+    prevented = {Failure.TOO_SHALLOW: state.alive & (room_in_depth(plan.dive, plan.held.body.length) <= 0.0)}
+    anchor = block.scenario.mooring.anchor
+    if anchor.premature_flooding > 0.0:
+        flooding = block.source.once(f"{phase.name}.premature_flooding")[: state.alive.size]
+        prevented[Failure.FLOODED_EARLY] = state.alive & (scipy.special.ndtr(flooding) < anchor.premature_flooding)
     taut = state.alive & ~np.logical_or.reduce(list(prevented.values()))
     current = block.scenario.current or STILL_WATER
     effects, surface = scenario.descent_effects, scenario.effects_afloat
@@ -195,13 +199,19 @@ def _moored_in(
 
 def _failures(block: TrialBlock, record: MoorRecord, begun: Flags, taut: Flags, moored: Flags) -> dict[Failure, Flags]:
     """Return the trials that fail by each way of the dive and the hold, in the order in which they come about."""
+    # of the hold those alone of which the vehicle file gives what they depend on
+    given, hold, held = block.scenario.mooring, record.hold, {}
+    if given.anchor.holding_factor is not None:
+        held[Failure.DRAGGED] = moored & ~hold.anchor_holds
+    if given.vehicle.centres is not None:
+        held[Failure.GROUNDED] = moored & hold.grounded
     return {
         Failure.LINE_PARTED: taut & record.line_parted,
         Failure.TOO_LIGHT: begun & ~moored & (record.descent.terminal_velocity <= 0.0),
         Failure.NOT_DOWN: begun & ~moored,
         Failure.OUTSIDE: moored & ~record.within_radius,
         Failure.STRUCK: moored & record.struck,
-        **_hold_failures(block, record, moored),
+        **held,
         Failure.NOT_SURFACED: moored & ~record.surfaced,
     }
 
@@ -214,16 +224,6 @@ def _exposure(plan: MoorPlan, begun: Flags, record: MoorRecord) -> Exposure:
     down = begun & descent.touched_down
     up = (down & record.surfaced).astype(float)
     return Exposure(one * time, 0.0, up, one, one, down.astype(float))
-
-
-def _prevented(block: TrialBlock, phase: MoorPhase[Scalars], plan: MoorPlan, begun: Flags) -> dict[Failure, Flags]:
-    """Trials in which the dive cannot be, by what prevents it."""
-    prevented = {Failure.TOO_SHALLOW: begun & (room_in_depth(plan.dive, plan.held.body.length) <= 0.0)}
-    anchor = block.scenario.mooring.anchor
-    if anchor.premature_flooding > 0.0:
-        normals = block.source.once(f"{phase.name}.premature_flooding")[: begun.size]
-        prevented[Failure.FLOODED_EARLY] = begun & (scipy.special.ndtr(normals) < anchor.premature_flooding)
-    return prevented
 
 
 def _snatch(plan: MoorPlan, record: MoorRecord, taut: Flags) -> dict[str, Array]:
@@ -248,28 +248,15 @@ def _events(
     return events
 
 
-def _hold_failures(block: TrialBlock, record: MoorRecord, moored: Flags) -> dict[Failure, Flags]:
-    """Failures of the hold, where the vehicle file gives what they depend on."""
-    given, hold = block.scenario.mooring, record.hold
-    is_known = given.anchor.holding_factor is not None
-    failures = {Failure.DRAGGED: moored & ~hold.anchor_holds} if is_known else {}
-    return failures | ({Failure.GROUNDED: moored & hold.grounded} if given.vehicle.centres is not None else {})
-
-
-class _Track(TypedDict):
-    track: Array
-    track_time: Array
-
-
-def _track(plan: MoorPlan, before: TrialState, after: TrialState, record: MoorRecord, tracked: int) -> _Track:
+def _track(
+    plan: MoorPlan, before: TrialState, after: TrialState, record: MoorRecord, tracked: int
+) -> tuple[Array, Array]:
     """Anchor on the seafloor, vehicle surfacing, last fix: where, shape (3, 2, k) [m], and when, shape (3, k) [s]."""
     descent, end = record.descent, before.clock + record.duration
     points = (record.anchor, record.surfaced_at, after.position)
     times = (before.clock + descent.release_time + descent.descent_time, end - plan.surfacing_time, end)
-    return {
-        "track": np.stack([np.where(after.alive, point, np.nan)[:, :tracked] for point in points]),
-        "track_time": np.stack([np.where(after.alive, time, np.nan)[:tracked] for time in times]),
-    }
+    track = np.stack([np.where(after.alive, point, np.nan)[:, :tracked] for point in points])
+    return track, np.stack([np.where(after.alive, time, np.nan)[:tracked] for time in times])
 
 
 def _profile(plan: MoorPlan, before: TrialState, moored: Flags, after: TrialState, record: MoorRecord) -> Array:

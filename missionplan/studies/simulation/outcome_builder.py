@@ -19,14 +19,12 @@ from missionplan.results.failures import LIMITS, MET, Counted, CountedKind
 from missionplan.results.simulation import (
     Attrition,
     Histogram,
-    MooringAnchor,
     Outcome,
     PhaseOutcome,
     RequirementOutcome,
     Sensitivity,
     Tracks,
 )
-from missionplan.results.whereabouts import HeldVehicle
 from missionplan.scenario.site_current import MEMBER
 from missionplan.studies.simulation.block_statistics import (
     SCALES,
@@ -56,19 +54,18 @@ class OutcomeBuilder:
     """Of all blocks that succeeded."""
     tracks: MapTracks
     """Of the first trials."""
-    failed_blocks: tuple[str, ...] = ()
-    trials_table: bytes | None = None
-    anchors: tuple[MooringAnchor, ...] = ()
-    """As of `Outcome`."""
-    held: tuple[HeldVehicle, ...] = ()
-    """As of `Outcome`."""
     members: tuple[tuple[str, float], ...] = ()
     """Of the current's ensemble: names and probabilities."""
 
     def outcome(self, provenance: Provenance) -> Outcome:
-        """Return the result."""
+        """Return the result, as far as the blocks tell it."""
         clocks = tuple(self._clocks())
         phases, spans = self.mission.phases, itertools.pairwise(clocks)
+        steps, left, trials = [], self.totals.trials, self.totals.trials
+        for step, count in self.totals.counts.items():
+            if step.kind is CountedKind.FAILURE and (count.successes or step.name not in LIMITS):
+                left -= count.successes
+                steps.append(Attrition(str(step), count.probability(), Count(left, trials).probability()))
         return Outcome(
             provenance=provenance,
             phases=tuple(
@@ -77,15 +74,11 @@ class OutcomeBuilder:
             ),
             total=self._phase("total", "total", clocks[0], clocks[-1]),
             requirements=tuple(self._requirement(*numbered) for numbered in enumerate(self.mission.requirements)),
-            attrition=self._attrition(),
+            attrition=tuple(steps),
             limits=self._counted(CountedKind.LIMIT, ""),
             sensitivities=self._sensitivities(),
             tracks=simulation_tracks(self.mission, self.tracks),
             arrivals=self._sampled(Sampled.MISS),
-            anchors=self.anchors,
-            held=self.held,
-            failed_blocks=self.failed_blocks,
-            trials_table=self.trials_table,
             explanations=tuple(
                 self._explained(doubt.place, number, doubt.causes[number], doubt.probabilities[number])
                 for doubt in self.mission.doubts
@@ -159,14 +152,6 @@ class OutcomeBuilder:
         if share > 1.0:
             return None
         return running.quantile(float(share if side == "at_most" else 1.0 - share)) / SCALES.get(unit, 1.0)
-
-    def _attrition(self) -> tuple[Attrition, ...]:
-        steps, left, trials = [], self.totals.trials, self.totals.trials
-        for step, count in self.totals.counts.items():
-            if step.kind is CountedKind.FAILURE and (count.successes or step.name not in LIMITS):
-                left -= count.successes
-                steps.append(Attrition(str(step), count.probability(), Count(left, trials).probability()))
-        return tuple(steps)
 
     def _sensitivities(self) -> tuple[Sensitivity, ...]:
         """Sensitivity of each phase's key figures to what was drawn until its end, of the mission's to everything."""

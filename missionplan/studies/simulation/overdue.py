@@ -57,68 +57,54 @@ class Cloud:
         return np.sqrt(np.maximum(values, _LEAST**2)), vectors
 
     @cached_property
-    def _density(self) -> "_Density":
-        return _Density.of(self)
+    def _density(self) -> tuple[Array, Array, Array, Array]:
+        """A kernel estimate on a grid along the axes, in units of the standard deviations: of x, y, and by (y, x).
+
+        Then at each point, as the others alone give it: what a point adds at its own place is no evidence that the
+        vehicle is there, and areas that counted it would be too small, shape (n,).
+        """
+        sds, vectors = self.axes
+        scaled = (vectors.T @ (self.points - self.centre[:, None])) / sds[:, None]
+        alike = 1.0 / float(np.sum(np.square(self.weights)))  # as many points of one weight would tell as much
+        width = _KERNEL * alike ** (-1.0 / 6.0)
+        low, high = scaled.min(axis=1) - _REACH * width, scaled.max(axis=1) + _REACH * width
+        step = min(float(np.max(high - low)) / _CELLS, 0.5 * width)
+        x, y = (np.arange(a, b + step, step) for a, b in zip(low, high, strict=True))
+        row, column = (np.rint((at - axis[0]) / step).astype(int) for at, axis in ((scaled[1], y), (scaled[0], x)))
+        cells = np.bincount(row * x.size + column, self.weights, minlength=y.size * x.size)
+        along, across = _kernels(y.size, width / step), _kernels(x.size, width / step)
+        smooth = along @ cells.reshape(y.size, x.size) @ across
+        return x, y, smooth, smooth[row, column] - self.weights * along[row, row] * across[column, column]
 
     def areas(self, shares: Sequence[float]) -> list[tuple[Polygon, ...]]:
         """Return, for each share, the parts of the area of highest density that holds it."""
-        return [self._density.area(share) for share in shares]
+        x, y, values, of_points = self._density
+        order = np.argsort(-of_points)
+        held, contours = (
+            np.cumsum(self.weights[order]),
+            contourpy.contour_generator(x, y, values, fill_type="OuterOffset"),
+        )
+        found = []
+        for share in shares:
+            level = float(of_points[order[min(int(np.searchsorted(held, share)), order.size - 1)]])
+            lines = contours.filled(max(level, 1e-6 * float(values.max())), np.inf)
+            found.append(
+                tuple(
+                    tuple(self._placed(points[a:b].T) for a, b in pairwise(offsets))
+                    for points, offsets in zip(*lines, strict=True)
+                )
+            )
+        return found
 
     def densest(self) -> Array:
         """Return the place of highest density, shape (2,) [m]."""
-        return self._density.densest()
-
-
-@dataclass(frozen=True)
-class _Density:
-    """A kernel estimate on a grid along the cloud's axes, in units of its standard deviations."""
-
-    cloud: Cloud
-    x: Array
-    y: Array
-    """Of the grid's nodes."""
-    values: Array
-    """Shape (y, x)."""
-    of_points: Array
-    """At each point, as the others alone give it: what a point adds at its own place is no evidence that the vehicle is
-    there, and areas that counted it would be too small, shape (n,)."""
-
-    @classmethod
-    def of(cls, cloud: Cloud) -> "_Density":
-        sds, vectors = cloud.axes
-        scaled = (vectors.T @ (cloud.points - cloud.centre[:, None])) / sds[:, None]
-        alike = 1.0 / float(np.sum(np.square(cloud.weights)))  # as many points of one weight would tell as much
-        width = _KERNEL * alike ** (-1.0 / 6.0)
-        low, high = scaled.min(axis=1) - _REACH * width, scaled.max(axis=1) + _REACH * width
-        step = float(np.max(high - low)) / _CELLS
-        step = min(step, 0.5 * width)
-        x, y = (np.arange(a, b + step, step) for a, b in zip(low, high, strict=True))
-        row, column = (np.rint((at - axis[0]) / step).astype(int) for at, axis in ((scaled[1], y), (scaled[0], x)))
-        cells = np.bincount(row * x.size + column, cloud.weights, minlength=y.size * x.size)
-        counts = cells.reshape(y.size, x.size)
-        along, across = _kernels(counts.shape[0], width / step), _kernels(counts.shape[1], width / step)
-        smooth = along @ counts @ across
-        own = cloud.weights * along[row, row] * across[column, column]
-        return cls(cloud, x, y, smooth, smooth[row, column] - own)
-
-    def area(self, share: float) -> tuple[Polygon, ...]:
-        order = np.argsort(-self.of_points)
-        reached = np.searchsorted(np.cumsum(self.cloud.weights[order]), share)
-        level = float(self.of_points[order[min(int(reached), order.size - 1)]])
-        level = max(level, 1e-6 * float(self.values.max()))
-        lines = contourpy.contour_generator(self.x, self.y, self.values, fill_type="OuterOffset").filled(level, np.inf)
-        return tuple(
-            tuple(self._placed(points[a:b].T) for a, b in pairwise(offsets))
-            for points, offsets in zip(*lines, strict=True)
-        )
-
-    def densest(self) -> Array:
-        row, column = np.unravel_index(int(np.argmax(self.values)), self.values.shape)
-        return self._placed(np.array([[self.x[column]], [self.y[row]]]))[:, 0]
+        x, y, values, _ = self._density
+        row, column = np.unravel_index(int(np.argmax(values)), values.shape)
+        return self._placed(np.array([[x[column]], [y[row]]]))[:, 0]
 
     def _placed(self, scaled: Array) -> Array:
-        sds, vectors = self.cloud.axes
-        return np.asarray(self.cloud.centre[:, None] + vectors @ (sds[:, None] * scaled))
+        sds, vectors = self.axes
+        return np.asarray(self.centre[:, None] + vectors @ (sds[:, None] * scaled))
 
 
 def _kernels(count: int, sd: float) -> Array:

@@ -231,7 +231,13 @@ def _leg_inputs(
     """
     legs = record.surfacings
     # the error is linear in its normals
-    found = {"velocity_error": random_part(plan.velocity_error, _mean_over_legs(normals.velocity, state, legs))}
+    # mean over each trial's legs of the normals, shape (2, n)
+    fewest, most = int(legs.min()), int(legs.max())
+    total = np.zeros((2, state.trials))
+    for number in range(most):
+        normal = normals.velocity.leg(number)[:, : state.trials]
+        total += normal if number < fewest else np.where(legs > number, normal, 0.0)
+    found = {"velocity_error": random_part(plan.velocity_error, np.asarray(total / np.maximum(legs, 1.0)))}
     if normals.fix_on_diving is not None and np.any(plan.fix_error):
         found["fix_error"] = plan.fix_error * _of_last_leg(normals.fix_on_diving, state, legs)
     course = goal - state.position
@@ -246,16 +252,6 @@ def _leg_inputs(
             strict=True,
         )
     }
-
-
-def _mean_over_legs(source: Normals, state: TrialState, legs: Array) -> Array:
-    """Mean over each trial's legs of the normals, shape (2, n)."""
-    fewest, most = int(legs.min()), int(legs.max())
-    total = np.zeros((2, state.trials))
-    for number in range(most):
-        normal = source.leg(number)[:, : state.trials]
-        total += normal if number < fewest else np.where(legs > number, normal, 0.0)
-    return np.asarray(total / np.maximum(legs, 1.0))
 
 
 def _of_last_leg(source: Normals, state: TrialState, legs: Array) -> Array:

@@ -32,7 +32,7 @@ from missionplan.studies.simulation import (
     mooring_anchors,
     run_notices,
 )
-from missionplan.studies.simulation.block_sequence import BlockSequence, BlockTask, MergedBlocks, Precision
+from missionplan.studies.simulation.block_sequence import BlockTask, MergedBlocks, Precision, run_sequence
 from missionplan.studies.simulation.losses import Search, read_searches
 from missionplan.studies.simulation.outcome_builder import OutcomeBuilder
 from missionplan.studies.simulation.overdue import overdue
@@ -117,8 +117,8 @@ def simulate(
     task = BlockTask(means, seed, keep_trials)
     items = sized_blocks(trials or (MAX_TRIALS if goal else mission.monte_carlo.trials))
     store = Checkpoints(folder, _identity(task, as_exported), resume=resume) if folder else None
-    sequence = BlockSequence(items, store, goal, TrialsTable() if keep_trials else None)
-    merged = sequence.run(lambda todo: run.workers.quiet.run(task, todo), progress)
+    table = TrialsTable() if keep_trials else None
+    merged = run_sequence(items, lambda todo: run.workers.quiet.run(task, todo), store, goal, table, progress)
     check_trials(means, merged.totals.counts.get(_LEFT))
     if exported is not None:
         notices = (*notices, *_loss(mission, exported, merged, seed))
@@ -126,12 +126,12 @@ def simulate(
     options: dict[str, object] = {"jobs": jobs, "backend": backend, "precision": precision, "keep_trials": keep_trials}
     options |= {**_asked_besides(searched, as_exported), "assumptions": assumptions, "sheet": sheet}
     provenance = run.provenance(options, (*notices, *run_notices(merged, goal)), trials=merged.totals.trials)
-    table = sequence.table.parquet() if sequence.table else None
-    anchors, held = mooring_anchors(mission, means), held_vehicles(means)
-    builder = OutcomeBuilder(mission, merged.totals, tracks, merged.failures, table, anchors, held, task.members)
-    built = builder.outcome(provenance)
     return replace(
-        built,
+        OutcomeBuilder(mission, merged.totals, tracks, task.members).outcome(provenance),
+        anchors=mooring_anchors(mission, means),
+        held=held_vehicles(means),
+        failed_blocks=merged.failures,
+        trials_table=table.parquet() if table else None,
         plan=plan_if_any(mission, means, seed),
         overdue=_overdue(task, merged, searches) if sheet else None,
         chart=_chart(means, tracks),
@@ -183,7 +183,7 @@ def event_probabilities(mission: Mission, *, trials: int, seed: int) -> dict[Cou
     check_complete(mission)
     means = covered_means(mission)
     task = BlockTask(means, seed)
-    merged = BlockSequence(sized_blocks(trials)).run(lambda items: (task(item) for item in items))
+    merged = run_sequence(sized_blocks(trials), lambda items: (task(item) for item in items))
     check_trials(means, merged.totals.counts.get(_LEFT))
     return {counted: count.probability() for counted, count in merged.totals.counts.items()}
 

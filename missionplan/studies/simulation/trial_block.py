@@ -194,46 +194,35 @@ def run_trials(
     FloatingPointError when a phase divides by zero, overflows or computes nan, or the position or the time of a trial
     under way is not finite.
     """
-    with np.errstate(divide="raise", over="raise", invalid="raise"):
-        return _run(TrialBlock(scenario, source, tracked, inputs), trials)
-
-
-def _run(block: TrialBlock, trials: int) -> MissionTrials:
-    scenario = block.scenario
-    state = _deployed(block, trials)
-    goal = state.position
+    parts: list[Part] = []
     done: list[PhaseTrials] = []
-    vehicle, exposure = scenario.drawn.vehicle, Exposure()
-    hazards = vehicle.reliability if vehicle is not None else ()
-    parts = [_drawn(block, number, hazard, trials) for number, hazard in enumerate(hazards)]
-    for phase in scenario.drawn.phases:
-        begun = state
-        if isinstance(phase, TransitPhase):
-            state, found = transit_trials(block, phase, state)
-            goal = found.goal
-        elif isinstance(phase, MoorPhase):
-            state, found = mooring_trials(block, phase, state, goal)
-        else:
-            state, found = transition_trials(block, phase, state)
-        if parts:
-            state, found, exposure = failing(parts, exposure, begun, state, found)
-        done.append(found)
+    with np.errstate(divide="raise", over="raise", invalid="raise"):
+        block, first, position = TrialBlock(scenario, source, tracked, inputs), scenario.drawn.phases[0], np.zeros(2)
+        if isinstance(first, TransitPhase) and first.start is not None:
+            position = scenario.position(first.start)  # else the origin
+        state = deployed(scenario, first, position, source, trials)
+        goal, exposure = state.position, Exposure()
+        if scenario.drawn.vehicle is not None:
+            hazards = enumerate(scenario.drawn.vehicle.reliability)
+            parts = [_drawn(block, number, hazard, trials) for number, hazard in hazards]
+        for phase in scenario.drawn.phases:
+            begun = state
+            if isinstance(phase, TransitPhase):
+                state, found = transit_trials(block, phase, state)
+                goal = found.goal
+            elif isinstance(phase, MoorPhase):
+                state, found = mooring_trials(block, phase, state, goal)
+            else:
+                state, found = transition_trials(block, phase, state)
+            if parts:
+                state, found, exposure = failing(parts, exposure, begun, state, found)
+            done.append(found)
+        total = {
+            "duration_s": where_reached(state.alive, state.clock),
+            "energy_wh": where_reached(state.alive, state.energy / JOULES_PER_WATT_HOUR),
+        }
     success = np.ones(trials, dtype=bool)
     for found in done:
         for failed in found.failures.values():
             success &= ~failed
-    total = {
-        "duration_s": where_reached(state.alive, state.clock),
-        "energy_wh": where_reached(state.alive, state.energy / JOULES_PER_WATT_HOUR),
-    }
     return MissionTrials(tuple(done), total, success, scenario.draws)
-
-
-def _deployed(block: TrialBlock, trials: int) -> TrialState:
-    """Trials at the start of the first phase; at the origin where it has none."""
-    scenario = block.scenario
-    first = scenario.drawn.phases[0]
-    position = np.zeros(2)
-    if isinstance(first, TransitPhase) and first.start is not None:
-        position = scenario.position(first.start)
-    return deployed(scenario, first, position, block.source, trials)

@@ -146,11 +146,24 @@ def fit_tide(samples: Samples) -> HarmonicFit:
     `samples`: at least some days of them.
     """
     candidates = [wave.name for wave in _solve(samples, "auto")[0]]
-    samples = _without_outliers(samples, _fit(samples, candidates))
+    fit = _fit(samples, candidates)
+    left = samples.velocity - fit.mean[:, None]
+    left = left - tidal_velocity(fit.constituents, samples.time, samples.latitude)
+    centred = np.abs(left - np.median(left, axis=1, keepdims=True))
+    scale = _MAD * np.median(centred, axis=1, keepdims=True)
+    good = np.all(centred <= OUTLIER * np.maximum(scale, 1e-6), axis=0)
+    samples = Samples(samples.time[good], samples.velocity[:, good], samples.latitude)
     kept = [name for name in candidates if name in MAIN]
     every = _fit(samples, candidates).constituents
     for _ in range(_ROUNDS):
-        before, kept = kept, _significant(every, _fit(samples, kept))
+        before, others = kept, max(sum(wave.name not in MAIN for wave in every), 1)
+        least = float(scipy.stats.chi2.isf(FALSE_ALARM / others, 4))
+        variances = _fit(samples, kept).coefficient_variance([wave.name for wave in every])
+        kept = [
+            wave.name
+            for wave, variance in zip(every, variances, strict=True)
+            if wave.major**2 + wave.minor**2 > variance * (LEAST_MAIN if wave.name in MAIN else least)
+        ]
         if set(kept) == set(before):
             break
     inferred = {
@@ -225,27 +238,6 @@ def _fit(samples: Samples, names: Sequence[str], inferred: Mapping[str, str] | N
         known.append(wave)
     largest = sorted(known, key=lambda wave: -math.hypot(wave.major, wave.minor))
     return HarmonicFit(samples, tuple(largest), mean, bare.residual)
-
-
-def _without_outliers(samples: Samples, fit: HarmonicFit) -> Samples:
-    left = samples.velocity - fit.mean[:, None]
-    left = left - tidal_velocity(fit.constituents, samples.time, samples.latitude)
-    centred = np.abs(left - np.median(left, axis=1, keepdims=True))
-    scale = _MAD * np.median(centred, axis=1, keepdims=True)
-    good = np.all(centred <= OUTLIER * np.maximum(scale, 1e-6), axis=0)
-    return Samples(samples.time[good], samples.velocity[:, good], samples.latitude)
-
-
-def _significant(waves: Sequence[Constituent], noise: HarmonicFit) -> list[str]:
-    """Names of the constituents that stand out of the noise."""
-    others = max(sum(wave.name not in MAIN for wave in waves), 1)
-    least = float(scipy.stats.chi2.isf(FALSE_ALARM / others, 4))
-    variances = noise.coefficient_variance([wave.name for wave in waves])
-    return [
-        wave.name
-        for wave, variance in zip(waves, variances, strict=True)
-        if wave.major**2 + wave.minor**2 > variance * (LEAST_MAIN if wave.name in MAIN else least)
-    ]
 
 
 def _solve(

@@ -91,10 +91,10 @@ def test_a_moorings_depths_track_and_wear_by_hand():
     assert when[:, 0] == pytest.approx([100.0, 110.0, 130.0, 1000.0, 1015.0, 1105.0])
     assert depth[:, 0] == pytest.approx([0.0, 0.0, 24.0, 24.0, 0.0, 0.0])
     assert when[:, 1] == pytest.approx([200.0, 212.0, 237.0, nan, nan, nan], nan_ok=True)
-    track = mooring_trials._track(plan, before, after, record, 2)
-    assert track["track_time"][:, 0] == pytest.approx([130.0, 1015.0, 1105.0])
-    assert track["track"][:, 0, 0].tolist() == [3.0, 4.0, 9.0]
-    assert np.isnan(track["track"][:, :, 1]).all()
+    track, track_time = mooring_trials._track(plan, before, after, record, 2)
+    assert track_time[:, 0] == pytest.approx([130.0, 1015.0, 1105.0])
+    assert track[:, 0, 0].tolist() == [3.0, 4.0, 9.0]
+    assert np.isnan(track[:, :, 1]).all()
     worn = mooring_trials._exposure(plan, before.alive, record)
     assert [each.tolist() for each in (worn.time, worn.surfacings, worn.wake_ups)] == [
         [1005.0, 637.0, 0.0],
