@@ -1,7 +1,8 @@
-"""What every process of a test run needs: its threads, its collector of garbage, and the tests' fixtures."""
+"""What every process of a test run needs: its threads, signals, collector of garbage, and the tests' fixtures."""
 
 import gc
 import os
+import signal
 
 import pytest
 
@@ -13,9 +14,12 @@ gc.disable()
 for _threads in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
     os.environ.setdefault(_threads, "1")
 
-# workers and all programs that tests start keep compiled modules: beside their sources, where those of installed
-# packages are already
+# workers and all programs that tests start keep compiled modules, those of installed packages too
 os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
+
+# tests send Ctrl-C, which a shell has ignored by what it starts in the background: they would wait for ever
+if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
+    signal.signal(signal.SIGINT, signal.default_int_handler)
 
 
 def pytest_configure(config: pytest.Config) -> None:
