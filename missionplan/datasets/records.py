@@ -11,6 +11,7 @@ from collections import Counter
 from collections.abc import Hashable, Iterable, Sequence
 from dataclasses import dataclass, replace
 from itertools import product
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -65,6 +66,22 @@ def first_known(data: "TransitData", learned: Sequence[str] = ()) -> NDArray[np.
         for key in filter(None, (shape, moment)):
             first.setdefault(key, found[-1])
     return np.array(found, dtype=int)
+
+
+class HasIdentities(Protocol):
+    """Data whose legs, dives or runs are known by their hashes."""
+
+    @property
+    def identities(self) -> tuple[str, ...]:
+        """Hashes of its legs, dives or runs."""
+        ...
+
+
+def is_learned(data: HasIdentities, learned_from: Sequence[str]) -> NDArray[np.bool_]:
+    """Return from which legs, dives or runs of a data set a mission has learned, by the hashes that it lists."""
+    if isinstance(data, TransitData):
+        return np.asarray(first_known(data, learned_from) < 0)
+    return np.isin(np.array(data.identities, dtype=str), np.array(learned_from, dtype=str))
 
 
 def _triangle(data: "TransitData") -> tuple[Array, Array, Array, Array]:

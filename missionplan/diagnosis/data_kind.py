@@ -9,12 +9,12 @@ from typing import ClassVar, Protocol, Self, cast
 import pandas as pd
 
 from missionplan.datasets import dataset_kind
+from missionplan.datasets.records import HasIdentities, is_learned
 from missionplan.diagnosis.coordinates import Coordinate
 from missionplan.diagnosis.given import GivenEffect
 from missionplan.diagnosis.inference.experiment_design import DirectMeasurement
 from missionplan.diagnosis.inference.model import CauseFit
 from missionplan.diagnosis.inference.selection import Selection, WeighsAllSets
-from missionplan.diagnosis.learned_data import HasIdentities, learned
 from missionplan.diagnosis.plan_gain import anchor_choice, plan_gain
 from missionplan.effects import instruments
 from missionplan.mission import Mission
@@ -74,7 +74,7 @@ class DataKind(ABC):
     @property
     def is_known(self) -> bool:
         """Whether the mission has learned from all of these data: they teach it nothing more."""
-        return bool(learned(self.data, self.mission).all())
+        return bool(is_learned(self.data, self.mission.learned_from).all())
 
     @property
     def direct_measurements(self) -> Mapping[str, DirectMeasurement]:

@@ -3,13 +3,10 @@
 import math
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import Protocol, TypeVar
-
-import numpy as np
-from numpy.typing import NDArray
+from typing import TypeVar
 
 from missionplan.datasets.legs import enough
-from missionplan.datasets.records import TransitData, first_known, listed
+from missionplan.datasets.records import TransitData, is_learned, listed
 from missionplan.datasets.summaries import SummaryData
 from missionplan.datasets.tank import TankData
 from missionplan.diagnosis.dives.preparation import MIN_DIVES, PreparedDives
@@ -28,7 +25,7 @@ def unlearned(data: Data, mission: Mission) -> Data:
     Where it has learned from everything, all is returned: such data can be laid against the mission, but teach nothing.
     Raises InputError when too little is new.
     """
-    known = learned(data, mission)
+    known = is_learned(data, mission.learned_from)
     if not known.any():
         return data
     noun, names = _groups(data)
@@ -54,23 +51,7 @@ def as_then(
 
     `date`: of the data [s since 1970]; nan where it is not known: they are those of the next mission.
     """
-    return mission.at_place(NOWHERE, None if learned(data, mission).all() else date)
-
-
-class HasIdentities(Protocol):
-    """Data whose legs, dives or runs are known by their hashes."""
-
-    @property
-    def identities(self) -> tuple[str, ...]:
-        """Hashes of its legs, dives or runs."""
-        ...
-
-
-def learned(data: HasIdentities, mission: Mission) -> NDArray[np.bool_]:
-    """Return from which legs, dives or runs of a data set a mission has learned."""
-    if isinstance(data, TransitData):
-        return np.asarray(first_known(data, mission.learned_from) < 0)
-    return np.isin(np.array(data.identities, dtype=str), np.array(mission.learned_from, dtype=str))
+    return mission.at_place(NOWHERE, None if is_learned(data, mission.learned_from).all() else date)
 
 
 def _all(count: int, noun: str) -> str:

@@ -10,10 +10,10 @@ import yaml
 import missionplan
 from missionplan.datasets.dives import read_descent
 from missionplan.datasets.legs import read_transit
+from missionplan.datasets.records import is_learned
 from missionplan.datasets.summaries import read_summary
 from missionplan.datasets.tank import read_tank_data
 from missionplan.diagnosis.extended_mission import having_learned
-from missionplan.diagnosis.learned_data import learned as known_legs
 from missionplan.diagnosis.learned_data import unlearned
 from missionplan.errors import InputError
 from missionplan.mission import Mission, load
@@ -128,11 +128,11 @@ def test_a_log_with_a_date_is_known_where_it_is_written_with_fewer_digits(writte
     assert not {each[:16] for each in fine.identities} & {each[:16] for each in coarse.identities}
     for known, new in ((fine, coarse), (coarse, fine)):
         learned_mission = Mission.from_data({**TRANSIT, "learned_from": list(known.identities)})
-        assert known_legs(new, learned_mission).mean() >= 0.9
+        assert is_learned(new, learned_mission.learned_from).mean() >= 0.9
     others = read_transit(written("d", written_otherwise(log(40, seed=6))), mission)
     of_fine = Mission.from_data({**TRANSIT, "learned_from": list(fine.identities)})
-    assert not known_legs(others, of_fine).any()
-    assert known_legs(later, of_fine).all()  # the same shape, to a centimetre
+    assert not is_learned(others, of_fine.learned_from).any()
+    assert is_learned(later, of_fine.learned_from).all()  # the same shape, to a centimetre
     both = pd.concat([exact.assign(run="native"), rounded.assign(run="gpx", leg=[f"G{k}" for k in range(40)])])
     assert read_transit(written("both", both), mission).n <= 44
 

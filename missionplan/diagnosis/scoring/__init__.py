@@ -18,12 +18,12 @@ from missionplan.arrays import Array
 from missionplan.datasets import dataset_kind, files_outside
 from missionplan.datasets.dives import read_descent
 from missionplan.datasets.legs import read_transit
-from missionplan.datasets.records import TransitData
+from missionplan.datasets.records import TransitData, is_learned
 from missionplan.diagnosis.dives.forward import NO_BOTTOM, STEP, DiveHistories
 from missionplan.diagnosis.dives.model import check_leaves_surface, descent_model
 from missionplan.diagnosis.dives.noise import noise_grid
 from missionplan.diagnosis.dives.preparation import DiveLog, PreparedDives, prepare_dives
-from missionplan.diagnosis.learned_data import as_then, learned
+from missionplan.diagnosis.learned_data import as_then
 from missionplan.diagnosis.scoring.legs import leg_ensemble
 from missionplan.diagnosis.scoring.predictive import (
     Ensemble,
@@ -171,7 +171,8 @@ def score(
         for done, folder in enumerate(folders):
             record = read_record(folder, mission)
             then = as_then(record, mission, record.date)
-            found.append(replace(scored_record(record, then, seed, level), learned=int(learned(record, mission).sum())))
+            known = int(is_learned(record, mission.learned_from).sum())
+            found.append(replace(scored_record(record, then, seed, level), learned=known))
             if progress is not None:
                 progress(done + 1, len(folders))
     provenance = Run("score", mission, 0, seed, started=started).provenance(
