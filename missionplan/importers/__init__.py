@@ -19,7 +19,7 @@ import pandas as pd
 
 from missionplan.arrays import Array
 from missionplan.errors import InputError, Problem, did_you_mean, shown
-from missionplan.importers.cutting import LEG_COLUMNS, CutTrack, cut, iso, leg_picture
+from missionplan.importers.cutting import LEG_COLUMNS, CutTrack, cut, leg_picture, of_the_clock
 from missionplan.importers.descents import descent_data, read_marks
 from missionplan.importers.dives import LegRules
 from missionplan.importers.geodesy import shifted, with_declination
@@ -109,7 +109,7 @@ def import_logs(
     options = ReadOptions(mapping, None if cache is None else as_path(cache, "cache"), vehicle)
     track = _of_one_deployment(_read(found, options, log), None if identity.deployment else deployment)
     track = with_declination(possible(track))
-    track = replace(track, notices=(*track.notices, *_of_the_clock(track), *map(str, left_out)))
+    track = replace(track, notices=(*track.notices, *of_the_clock(track), *map(str, left_out)))
     if shift_origin is not None:
         track = shifted(track, *shift_origin)
     read = set(log.read)
@@ -160,14 +160,6 @@ def _of_one_deployment(track: Track, begun: str | None) -> Track:
         message = f"no deployment {shown(begun)}; {message}"
     hint = f"choose one with --deployment {next(iter(parts), 'DATE')}"
     raise InputError([Problem(message, key="deployment", hint=hint)])
-
-
-def _of_the_clock(track: Track) -> Iterator[str]:
-    """Say where the clock jumps: no leg across shows it."""
-    jumps = [each for each in track.breaks if each.at_surface_too]
-    if jumps:
-        more = f", and {len(jumps) - 1} times more" if len(jumps) > 1 else ""
-        yield f"{jumps[0].reason} to {iso(jumps[0].t)}{more}: times before or after are wrong by as much"
 
 
 def _name(track: Track, identity: Identity) -> str:

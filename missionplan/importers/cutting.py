@@ -192,7 +192,7 @@ def _row(track: Track, fixes: JudgedFixes, dive: Candidate, line: Positions, by:
     sd = fixes.sd[dive.after]
     under_way = max(dive.surfaced - start, 1.0)
     return (
-        iso(start), iso(end), start, end, good.latitude[dive.before], good.longitude[dive.before],
+        _iso(start), _iso(end), start, end, good.latitude[dive.before], good.longitude[dive.before],
         line.latitude[-1] if has_end else np.nan, line.longitude[-1] if has_end else np.nan,
         good.latitude[dive.after], good.longitude[dive.after], end - dive.surfaced,
         _mean_speed(track, line, start, dive.surfaced, under_way), _mean_heading(track, start, dive.surfaced),
@@ -206,7 +206,15 @@ def _row(track: Track, fixes: JudgedFixes, dive: Candidate, line: Positions, by:
     )  # fmt: skip
 
 
-def iso(t: float) -> str:
+def of_the_clock(track: Track) -> Iterator[str]:
+    """Say where the clock jumps: no leg across shows it."""
+    jumps = [each for each in track.breaks if each.at_surface_too]
+    if jumps:
+        more = f", and {len(jumps) - 1} times more" if len(jumps) > 1 else ""
+        yield f"{jumps[0].reason} to {_iso(jumps[0].t)}{more}: times before or after are wrong by as much"
+
+
+def _iso(t: float) -> str:
     """Write a time since 1970 [s] by ISO 8601."""
     return pd.Timestamp(round(t, 3), unit="s", tz="UTC").isoformat(timespec="milliseconds").replace("+00:00", "Z")
 

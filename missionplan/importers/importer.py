@@ -24,7 +24,7 @@ from missionplan.arrays import Array
 from missionplan.errors import InputError, Problem, shown
 from missionplan.identity import PluginError, how_to_install, load_plugin
 from missionplan.importers.mapping import MappedName
-from missionplan.importers.track import Break, Series, Track, series
+from missionplan.importers.track import Break, Series, Track, clock_jumps, series
 
 DAMAGED = (
     OSError, ValueError, LookupError, EOFError, RuntimeError, ArithmeticError, TypeError, AttributeError, SyntaxError,
@@ -278,12 +278,6 @@ class Samples:
 _EXACT = ("t", "lat", "lon", "dr_lat", "dr_lon", "x", "y", "dr_x", "dr_y")
 _COARSEST = 64.0
 """Interval to which rows are thinned at most [s]."""
-_IN_NO_ORDER = 0.05
-"""Share of steps back from which on rows are in no order of time."""
-_BACKWARDS = 1.0
-"""Step back of the times within a file that is a jump of the clock [s]."""
-_SINGLE = 4
-"""Fewer readings that are later than those after them are of single wrong times."""
 
 
 class ColumnStore:
@@ -335,20 +329,3 @@ def _small(name: str, values: Array) -> Array:
 
 def _column(part: dict[str, Array], name: str) -> Array:
     return part[name] if name in part else np.full(len(part["t"]), np.nan)
-
-
-def clock_jumps(t: Array) -> list[Break]:
-    """Find where the times of a file step back; rows that are in no order of time, or the last first, tell nothing."""
-    back = np.flatnonzero(np.diff(t) < -_BACKWARDS)
-    if len(back) > _IN_NO_ORDER * len(t):
-        return []
-    return [
-        Break(float(t[k + 1]), f"the clock jumps back ({t[k] - t[k + 1]:.0f} s)", until=_twice(t[: k + 1], t[k + 1]))
-        for k in back
-    ]
-
-
-def _twice(before: Array, t: float) -> float:
-    """To when times from some moment on were logged before already [s]; a few are single wrong ones."""
-    later = np.sort(before[before > t])
-    return float(later[-_SINGLE]) if len(later) >= _SINGLE else -np.inf

@@ -252,3 +252,28 @@ def possible(track: Track) -> Track:
             kept[name] = Series(read.t[~wrong], read.values[~wrong])
             notices.append(f"{told}: left out")
     return replace(track, **kept, notices=(*track.notices, *notices))
+
+
+_IN_NO_ORDER = 0.05
+"""Share of steps back from which on rows are in no order of time."""
+_BACKWARDS = 1.0
+"""Step back of the times within a file that is a jump of the clock [s]."""
+_SINGLE = 4
+"""Fewer readings that are later than those after them are of single wrong times."""
+
+
+def clock_jumps(t: Array) -> list[Break]:
+    """Find where the times of a file step back; rows that are in no order of time, or the last first, tell nothing."""
+    back = np.flatnonzero(np.diff(t) < -_BACKWARDS)
+    if len(back) > _IN_NO_ORDER * len(t):
+        return []
+    return [
+        Break(float(t[k + 1]), f"the clock jumps back ({t[k] - t[k + 1]:.0f} s)", until=_twice(t[: k + 1], t[k + 1]))
+        for k in back
+    ]
+
+
+def _twice(before: Array, t: float) -> float:
+    """To when times from some moment on were logged before already [s]; a few are single wrong ones."""
+    later = np.sort(before[before > t])
+    return float(later[-_SINGLE]) if len(later) >= _SINGLE else -np.inf

@@ -6,7 +6,6 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from missionplan.arrays import Array
 from missionplan.errors import did_you_mean
@@ -253,16 +252,14 @@ def _numbers(chart: Chart) -> tuple[Array, list[str]]:
         header = re.split(r"[\s,;]+", rows.pop(0)[1].strip().lower())
     first = _BETWEEN.split(rows[0][1].strip()) if rows else []
     comma = "." if len(first) > 2 and any("," in cell for cell in first) else " "
-    rows = [(number, line.replace(";", " ").replace(",", comma)) for number, line in rows]
-    try:
-        table: NDArray[np.float64] = np.loadtxt([line for _, line in rows], usecols=(0, 1, 2), ndmin=2)
-    except (ValueError, IndexError):
-        for number, line in rows:
-            try:
-                _ = [float(each) for each in line.split()[:3]][2]
-            except (ValueError, IndexError):
-                raise chart.problem(f"line {number}: expected three numbers: x, y, height; has {line[:40]!r}") from None
-        raise
+    cells: list[list[float]] = []
+    for number, line in rows:
+        try:
+            cells.append([float(cell) for cell in line.replace(";", " ").replace(",", comma).split()[:3]])
+            _ = cells[-1][2]
+        except (ValueError, IndexError):
+            raise chart.problem(f"line {number}: expected three numbers: x, y, height; has {line[:40]!r}") from None
+    table = np.array(cells).reshape(-1, 3)
     if len(table) < 4:
         raise chart.problem(f"has {len(table)} points; expected four or more")
     return table[np.isfinite(table).all(axis=1) & (np.abs(table[:, 2]) != NO_DEPTH)], header

@@ -16,12 +16,11 @@ from missionplan.importers import _of_current, geodesy, transit_data
 from missionplan.importers.cutting import cut
 from missionplan.importers.descents import _lines as lines_of_depth
 from missionplan.importers.dives import LegRules, depths_of, longest_gap
-from missionplan.importers.importer import clock_jumps
 from missionplan.importers.judging import fix_sd
 from missionplan.importers.reckoning import HEADING_ERROR, VehicleCurrent
 from missionplan.importers.sources import Reading
 from missionplan.importers.starter import mission_text, numbers_of, prospects
-from missionplan.importers.track import Break, Positions, Series, Track, fixes
+from missionplan.importers.track import Break, Positions, Series, Track, clock_jumps, fixes
 from missionplan.mission import Mission
 
 GEOD = Geod(ellps="WGS84")

@@ -25,11 +25,10 @@ from missionplan.importers.importer import (
     ReadOptions,
     Samples,
     SourceLog,
-    clock_jumps,
     needed_module,
     unpacked,
 )
-from missionplan.importers.track import Break, Series, Track, fixes, positions, series
+from missionplan.importers.track import Break, Series, Track, clock_jumps, fixes, positions, series
 
 _ORDERS = {0xFE54: "<", 0x54FE: ">"}
 """Byte order by the synchronisation word, read as little-endian."""

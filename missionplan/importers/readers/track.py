@@ -8,15 +8,10 @@ separator, a preface or none, and decimal points or commas.
 import codecs
 import csv
 import io
-import math
-import re
-from collections import defaultdict
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
-from datetime import date, datetime, time, timedelta
+from dataclasses import replace
 from pathlib import Path
-from typing import IO, Any
-from xml.etree import ElementTree
+from typing import IO
 
 import numpy as np
 import pandas as pd
@@ -32,13 +27,12 @@ from missionplan.importers.importer import (
     Samples,
     SourceLog,
     head_of,
-    needed_module,
     unpacked,
 )
 from missionplan.importers.mapping import QUANTITIES, MappedName, angles, check_mapping, flags, quantities, times
 from missionplan.importers.readers.netcdf import MAGIC, Variables, mapped_parts, opened
+from missionplan.importers.readers.receivers import FIX_COLUMNS, add_gpx, add_nmea, is_gpx, is_nmea
 from missionplan.importers.track import Fixes, Positions, Series, Track, fixes, positions, series
-from missionplan.moments import moment_of, utc
 
 _ANGLES = ("lat", "lon", "dr_lat", "dr_lon")
 _NO_COLUMNS = ("origin", "gps", "odometry")
@@ -255,123 +249,6 @@ def _header(path: Path, columns: Sequence[str]) -> tuple[int, str, dict[str, str
                 seen = max(seen, names, key=len)
     missing = [name for name in columns if name not in seen]
     raise ValueError(f"no column {', '.join(missing)}; it has {', '.join(name[:_LONGEST] for name in seen[:20])}")
-
-
-FIX_COLUMNS = ("t", "lat", "lon", "hdop", "satellites", "valid")
-
-
-def is_gpx(path: Path, head: bytes) -> bool:
-    """Whether a file is a GPX track."""
-    return path.suffix.lower() == ".gpx" or b"<gpx" in head[:2000]
-
-
-_SENTENCE = re.compile(rb"^[^$\r\n]{0,48}\$[A-Z]{2}(RMC|GGA|GNS|GLL|ZDA|GSV|GSA|VTG),", re.MULTILINE)
-"""Of a receiver, on a line that a logger may begin with a time or a tag of its own."""
-_SUMMED = re.compile(rb"\*[0-9A-Fa-f]{2}\s*$", re.MULTILINE)
-_PLACED = ("RMC", "GGA", "GNS", "GLL")
-_NO_FIX = ("N", "E", "M", "S")
-"""Modes of RMC, GLL and GNS: none, and estimated (dead-reckoned), manual and simulated ones; of GGA see `_GUESSED`."""
-_GUESSED = (0.0, 6.0, 7.0, 8.0)
-
-
-def is_nmea(path: Path, head: bytes) -> bool:
-    """Whether a file holds NMEA sentences."""
-    return path.suffix.lower() in (".nmea", ".nme") or _SENTENCE.search(head) is not None
-
-
-def add_gpx(path: Path, found: Samples) -> None:
-    """Add the points of a GPX file that have times: of its tracks, else of its routes and its waypoints."""
-    with unpacked(path) as stream:
-        root = ElementTree.parse(stream).getroot()
-    kinds: dict[str, list[ElementTree.Element]] = defaultdict(list)
-    for each in root.iter():
-        kinds[str(each.tag).rpartition("}")[2]].append(each)
-    for point in kinds["trkpt"] or (*kinds["wpt"], *kinds["rtept"]):
-        said = {str(each.tag).rpartition("}")[2]: (each.text or "").strip() for each in point}
-        if said.get("time"):
-            valid = float(said["fix"].lower() != "none") if said.get("fix") else math.nan
-            place = float(point.get("lat", "nan")), float(point.get("lon", "nan"))
-            quality = _number(said.get("hdop")), _number(said.get("sat"))
-            found.add(moment_of(said["time"]).timestamp(), *place, *quality, valid)
-
-
-def add_nmea(path: Path, found: Samples) -> None:
-    """Add the fixes of NMEA sentences: RMC has the date and GGA the quality, or ZDA the date and GGA the rest.
-
-    Sentences may go without their sums in a file that has none; elsewhere such a one is cut off.
-    """
-    library = needed_module("pynmea2", "track", "track (NMEA)")
-    epoch, last, has_fixes = _Epoch(), None, False
-    is_summed = _SUMMED.search(head_of(path)) is not None
-    with io.TextIOWrapper(unpacked(path), encoding="ascii", errors="replace") as stream:
-        for line in stream:
-            start = line.find("$")
-            try:
-                sentence = library.parse(line[start:].strip(), check=is_summed) if start >= 0 else None
-            except library.ParseError:
-                continue
-            clock = getattr(sentence, "timestamp", None)
-            if not isinstance(clock, time):
-                continue
-            if clock != epoch.clock:
-                last = epoch.add_to(found, last)
-                epoch = _Epoch(clock)
-            epoch.take(sentence)
-            has_fixes = has_fixes or epoch.place is not None
-    if not has_fixes:
-        raise ValueError(f"no fixes: no whole sentence {', '.join(_PLACED)} with a position")
-    if epoch.add_to(found, last) is None:
-        raise ValueError("its fixes have no date: sentences RMC or ZDA have it, beside GGA")
-
-
-@dataclass
-class _Epoch:
-    """What the sentences of one time say; a receiver sends them in any order."""
-
-    clock: time | None = None
-    day: date | None = None
-    place: tuple[float, float] | None = None
-    valid: float = math.nan
-    quality: tuple[float, float] = (math.nan, math.nan)
-
-    def take(self, sentence: Any) -> None:
-        """Take in a sentence; a fix is none where one of them says so."""
-        kind = getattr(sentence, "sentence_type", "")
-        if kind in ("RMC", "ZDA"):
-            self.day = sentence.datestamp or self.day
-        if kind not in _PLACED:
-            return
-        if sentence.lat and sentence.lon:
-            self.place = sentence.latitude, sentence.longitude
-        if kind == "GGA":
-            self.quality = _number(sentence.horizontal_dil), _number(sentence.num_sats)
-            quality = _number(sentence.gps_qual)
-            said = math.nan if math.isnan(quality) else float(quality not in _GUESSED)
-        else:
-            mode = str(getattr(sentence, "faa_mode" if kind == "GLL" else "mode_indicator", "") or "")
-            said = float(
-                getattr(sentence, "status", "A") == "A" and not (mode and all(each in _NO_FIX for each in mode))
-            )
-        self.valid = float(np.fmin(self.valid, said))
-
-    def add_to(self, found: Samples, last: datetime | None) -> datetime | None:
-        """Add the fix, on the date it says or on that of the time before, or on the day after; returns its moment."""
-        day = self.day or (last.date() if last else None)
-        if self.clock is None or day is None:
-            return last
-        moment = utc(datetime.combine(day, self.clock))
-        if self.day is None and last and moment < last - timedelta(hours=12.0):
-            moment += timedelta(days=1)
-        if self.place is not None:
-            found.add(moment.timestamp(), *self.place, *self.quality, self.valid)
-        return moment
-
-
-def _number(value: object) -> float:
-    try:
-        return float(str(value))
-    except ValueError:
-        return math.nan
 
 
 IMPORTERS = (Importer("track", "tables and NetCDF with --map, GPX, NMEA", recognises, read),)

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from missionplan.importers.importer import Samples
-from missionplan.importers.readers.track import FIX_COLUMNS, add_gpx, add_nmea, is_gpx, is_nmea
+from missionplan.importers.readers.receivers import FIX_COLUMNS, add_gpx, add_nmea, is_gpx, is_nmea
 
 NOON = datetime(2023, 11, 14, 12, 0, 0, tzinfo=UTC).timestamp()
 

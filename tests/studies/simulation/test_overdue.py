@@ -168,7 +168,7 @@ def test_the_hours_on_the_map_do_not_lie_on_each_other(outcome: Outcome) -> None
     (map_of_them,) = [each for each in block.blocks if isinstance(each, Figure)]
     tops = sorted(map(float, re.findall(r' y="([\d.]+)"[^>]*>\+\d+\u00a0h', map_of_them.svg)))
     assert len(tops) == 3
-    assert np.diff(tops) == pytest.approx(11.0, abs=0.1)
+    assert np.diff(tops).min() > 10.9
 
 
 def test_a_mission_that_never_comes_back_has_no_sheet(mission: Mission) -> None:
