@@ -64,17 +64,14 @@ def unit_at(path: KeyPath, model: type[BaseModel]) -> str:
 
 def _forms(value: Normal | TruncatedNormal | Uniform | LogNormal | Choices) -> dict[str, object]:
     """A distribution by the keys of a mission file."""
-    if isinstance(value, Normal):
-        return {"mean": value.mean, "sd": value.sd}
+    if isinstance(value, Choices):
+        return {"choices": list(value.values)}
     if isinstance(value, TruncatedNormal):
         bounds = {"low": value.low, "high": value.high}
         finite = {key: bound for key, bound in bounds.items() if math.isfinite(bound)}
         return {"mean": value.parent_mean, "sd": value.parent_sd, **finite}
-    if isinstance(value, Uniform):
-        return {"low": value.low, "high": value.high}
-    if isinstance(value, LogNormal):
-        return {"median": value.median, "factor": value.factor}
-    return {"choices": list(value.values)}
+    keys = {Normal: ("mean", "sd"), Uniform: ("low", "high"), LogNormal: ("median", "factor")}[type(value)]
+    return {key: getattr(value, key) for key in keys}
 
 
 _PART = re.compile(r"([^.\[\]]+)((?:\[\d+\])*)")
@@ -146,13 +143,13 @@ def _effect_path(key: str, path: KeyPath, effects: object, at: int) -> KeyPath:
 def _alone(key: str, data: Mapping[str, object], model: type[BaseModel]) -> list[KeyPath]:
     """Paths of a key given alone: in phases of one kind, or in one section; what the mission has goes first."""
     phases = _in_phases(key, data)
-    sections = list(_in_sections(key, model, ()))
+    sections = [path for path in _paths_below(model, ()) if len(path) > 1 and path[-1] == key]
     present = [path for path in sections if _has(data, path[:-1]) and is_in_force(path, data)]
     groups = [*phases.values(), *([path] for path in present or ([] if phases else sections))]
     if len(groups) == 1:
         return groups[0]
     if not groups:
-        known = {*keys_of(model), *_all_keys(model)}
+        known = {str(path[-1]) for path in _paths_below(model, ())}
         for kind in keys_of(PhaseEntry):
             known |= set(fields_at((kind,), PhaseEntry))
         raise UnclearKeyError(key, "unknown key", did_you_mean(key, sorted(known)))
@@ -169,28 +166,13 @@ def _in_phases(key: str, data: Mapping[str, object]) -> dict[str, list[KeyPath]]
     return found
 
 
-def _in_sections(key: str, model: type[BaseModel], path: KeyPath) -> Iterator[KeyPath]:
-    """Paths of a key in sections inside sections; items of lists are left out."""
+def _paths_below(model: type[BaseModel], path: KeyPath) -> Iterator[KeyPath]:
+    """Paths of all keys, in sections inside sections too; items of lists, and what is by name, are left out."""
     for name, field in keys_of(model).items():
-        if path and name == key:
-            yield (*path, name)
-        section = section_in(field.annotation)
-        if section is not None and not _is_list(field.annotation):
-            yield from _in_sections(key, section, (*path, name))
-
-
-def _all_keys(model: type[BaseModel]) -> Iterator[str]:
-    for name, field in keys_of(model).items():
-        yield name
-        section = section_in(field.annotation)
-        if section is not None and not _is_list(field.annotation):
-            yield from _all_keys(section)
-
-
-def _is_list(annotation: object) -> bool:
-    """Whether a section lies in a tuple, or is one of several by name."""
-    text = str(annotation)
-    return "tuple[" in text or "Mapping[" in text
+        yield (*path, name)
+        section, text = section_in(field.annotation), str(field.annotation)
+        if section is not None and "tuple[" not in text and "Mapping[" not in text:
+            yield from _paths_below(section, (*path, name))
 
 
 def _has(data: object, path: Sequence[str | int]) -> bool:

@@ -196,7 +196,23 @@ class _Builder:
             self.problems.append(Problem(f"the tag {node.tag} is not supported", self.name, line, key_path(path)))
             return None
         if isinstance(node, yaml.MappingNode):
-            return self._mapping(node, path)
+            result: dict[str, object] = {}
+            first_line: dict[str, int] = {}
+            for key_node, value_node in node.value:
+                key, line = key_node.value, key_node.start_mark.line + 1
+                if not isinstance(key_node, yaml.ScalarNode) or key_node.tag == "tag:yaml.org,2002:merge":
+                    message = "a key must be a plain word (merge keys are not supported)"
+                    self.problems.append(Problem(message, self.name, line, key_path(path)))
+                    continue
+                here = (*path, key)
+                if key in result:
+                    message = f"duplicate key; first on line {first_line[key]}"
+                    self.problems.append(Problem(message, self.name, line, key_path(here)))
+                    continue
+                first_line[key] = line
+                self.marks[here] = (self.name, line)
+                result[key] = self.build(value_node, here)
+            return result
         if isinstance(node, yaml.SequenceNode):
             return [self.build(child, (*path, index)) for index, child in enumerate(node.value)]
         return self._scalar(node, path)
@@ -214,22 +230,3 @@ class _Builder:
             words = f"{shown(node.value)} is no {node.tag.rpartition(':')[2]}"
         self.problems.append(Problem(f"cannot be read: {words}", self.name, node.start_mark.line + 1, key_path(path)))
         return None
-
-    def _mapping(self, node: yaml.MappingNode, path: KeyPath) -> dict[str, object]:
-        result: dict[str, object] = {}
-        first_line: dict[str, int] = {}
-        for key_node, value_node in node.value:
-            key, line = key_node.value, key_node.start_mark.line + 1
-            if not isinstance(key_node, yaml.ScalarNode) or key_node.tag == "tag:yaml.org,2002:merge":
-                message = "a key must be a plain word (merge keys are not supported)"
-                self.problems.append(Problem(message, self.name, line, key_path(path)))
-                continue
-            here = (*path, key)
-            if key in result:
-                message = f"duplicate key; first on line {first_line[key]}"
-                self.problems.append(Problem(message, self.name, line, key_path(here)))
-                continue
-            first_line[key] = line
-            self.marks[here] = (self.name, line)
-            result[key] = self.build(value_node, here)
-        return result

@@ -157,13 +157,6 @@ def has_level(key: LevelKey) -> bool:
     return not within and info.parameters[key[1]].spike > 0.0
 
 
-def ageing_of(key: LevelKey) -> Ageing:
-    """How a level goes from mission to mission, by the kind of its effect and its usual sizes."""
-    info = CATALOGUE[key[0]]
-    size, spike = info.parameters[key[1]].scale, info.parameters[key[1]].spike
-    return Ageing(TREND * size, WALK * size, spike, size, IS_TREND[info.ageing], IS_JUMP[info.ageing])
-
-
 @dataclass(frozen=True)
 class Series:
     """What records have told of one level, in the order of time."""
@@ -180,7 +173,11 @@ class Series:
         times, then = in_missions([each.date for each in last], ahead, missions)
         values, sds = (np.array([getattr(each, name) for each in last]) for name in ("value", "sd"))
         measured = Measured(times, values, sds, self.first, self.first_sd)
-        return levels(measured, ageing_of(self.of)), then
+        info = CATALOGUE[self.of[0]]
+        size, spike = info.parameters[self.of[1]].scale, info.parameters[self.of[1]].spike
+        return levels(
+            measured, Ageing(TREND * size, WALK * size, spike, size, IS_TREND[info.ageing], IS_JUMP[info.ageing])
+        ), then
 
 
 def series_of(seen: Sequence[Seen]) -> dict[LevelKey, Series]:
@@ -270,7 +267,12 @@ def _columns(draws: WeightedDraws) -> dict[Column, Array]:
 
 def _with_columns(draws: WeightedDraws, columns: Mapping[Column, Array]) -> WeightedDraws:
     """Draws with other values, cut to the range of their parameters."""
-    return replace(draws, values=np.stack([_inside(column, columns[column]) for column in draws.columns], axis=1))
+    values = [columns[column] for column in draws.columns]
+    for index, (effect, name) in enumerate(draws.columns):
+        if effect:
+            parameter = CATALOGUE[effect].parameters[name]
+            values[index] = np.clip(values[index], parameter.low, parameter.high)
+    return replace(draws, values=np.stack(values, axis=1))
 
 
 def _rows_of_sets(draws: WeightedDraws, values: Array) -> Iterator[NDArray[np.int_]]:
@@ -324,11 +326,3 @@ def _spread(own: Array, shares: Array, added: float, generator: np.random.Genera
     normals = generator.standard_normal(len(own))
     normals -= shares @ normals + apart * (shares @ (apart * normals)) / variance
     return np.asarray(normals * math.sqrt(added / float(shares @ np.square(normals))))
-
-
-def _inside(column: tuple[str, str], values: Array) -> Array:
-    """Values cut to the range of their parameter."""
-    if not column[0]:
-        return values
-    parameter = CATALOGUE[column[0]].parameters[column[1]]
-    return np.asarray(np.clip(values, parameter.low, parameter.high))

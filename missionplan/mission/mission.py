@@ -104,7 +104,14 @@ class Mission(Sections[V], Generic[V]):
         mission = mission._from_its_start()
         requirements, wrong = read_requirements(mission.requirements, mission.phases)
         limits = mission._limits()
-        problems += [document.located(problem) for problem in (*mission._contradictions(), *wrong, *limits.problems)]
+        undated = "the mission has no start, which the date of these phases needs"
+        between = [
+            *check_phases(mission.phases, mission.site, mission.vehicle, mission.navigation, mission.sweep),
+            *check_site(mission.site, mission.phases),
+            *(LocalProblem((*e.path, e.effect, "epoch"), undated) for e in mission.effects if e.epoch is not None),
+            *check_correlations(mission.correlations, mission.quantities(), mission.doubts),
+        ]
+        problems += [document.located(problem) for problem in (*between, *wrong, *limits.problems)]
         if problems:
             raise InputError(in_order(problems))
         mission = mission.model_copy(update={"requirements": requirements})
@@ -210,15 +217,6 @@ class Mission(Sections[V], Generic[V]):
         moved = self.model_copy(update={"effect_list": effects})
         moved._unusual = (*self._unusual, *words)
         return moved
-
-    def _contradictions(self: "Mission") -> list[LocalProblem]:
-        """List what is wrong between sections that are each valid."""
-        return [
-            *check_phases(self.phases, self.site, self.vehicle, self.navigation, self.sweep),
-            *check_site(self.site, self.phases),
-            *self._undated(),
-            *check_correlations(self.correlations, self.quantities(), self.doubts),
-        ]
 
     def knowing(self, place: str, number: int) -> Self:
         """Return the mission with an explanation of a list that is known to hold; see `EffectList.knowing`.

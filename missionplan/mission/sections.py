@@ -17,16 +17,7 @@ from missionplan.mission.checks import Findings, check_effects, check_ranges
 from missionplan.mission.checks.relations import check_relations
 from missionplan.mission.includes import posterior_of
 from missionplan.mission.quantity_paths import joined, phase_keys
-from missionplan.mission.schema import (
-    FileSection,
-    Identity,
-    MissionSchema,
-    Moment,
-    ReadBy,
-    V,
-    all_invalid,
-    invalid,
-)
+from missionplan.mission.schema import FileSection, Identity, MissionSchema, Moment, ReadBy, V, all_invalid, invalid
 from missionplan.mission.schema.effect_list import ONE_OF, EffectEntry, EffectList, Explanation, Learned, OneOf
 from missionplan.mission.schema.manoeuvring import TransitionPhase
 from missionplan.mission.schema.phases import MoorPhase, Navigation, Phase, PhaseEntry, TransitPhase
@@ -84,9 +75,7 @@ def _one_of(value: object, path: KeyPath) -> OneOf:
         raise QuantityError("expected a list of explanations, each {probability, effects}", (ONE_OF,))
     place = f"{key_path(path)}.{ONE_OF}"
     found = each_read(
-        value,
-        lambda number, item: _explanation(item, (*path, ONE_OF, number), (place, (number,))),
-        (ONE_OF,),
+        value, lambda number, item: _explanation(item, (*path, ONE_OF, number), (place, (number,))), (ONE_OF,)
     )
     total = sum(each.probability for each in found)
     if total > 1.0 + ROUNDING:
@@ -103,7 +92,7 @@ def _explanation(item: object, path: KeyPath, explanation: tuple[str, tuple[int,
         if key not in _EXPLANATION
     ]
     problems += [LocalProblem((key,), "missing") for key in _EXPLANATION[:2] if key not in item]
-    probability = _read(problems, item, "probability", lambda given: _fixed(_PROBABILITY, given)) or 0.0
+    probability = _read(problems, item, "probability", lambda given: mean_of(_PROBABILITY.parse(given))) or 0.0
     entries = _read(problems, item, "effects", lambda given: _held(given, (*path, "effects"), explanation)) or ()
     names = {f"{entry.effect}.{name}": value for entry in entries for name, value in entry.parameters.items()}
     correlations: tuple[Correlation, ...] = ()
@@ -125,10 +114,6 @@ def _read(
     except QuantityError as error:
         problems += [problem.within((key,)) for problem in error.problems]
         return None
-
-
-def _fixed(parser: QuantityParser, given: object) -> float:
-    return mean_of(parser.parse(given))
 
 
 def _held(value: object, path: KeyPath, explanation: tuple[str, tuple[int, ...]]) -> tuple[EffectEntry, ...]:
@@ -166,7 +151,7 @@ def _correlation(item: object) -> Correlation:
     if not isinstance(between, list) or len(between) != 2 or not all(isinstance(name, str) for name in between):
         raise QuantityError(f"given {shown(between)}, expected two of the explanation's parameters", ("between",))
     try:
-        return Correlation((between[0], between[1]), _fixed(_RHO, item["rho"]))
+        return Correlation((between[0], between[1]), mean_of(_RHO.parse(item["rho"])))
     except QuantityError as error:
         raise QuantityError([problem.within(("rho",)) for problem in error.problems]) from None
 
@@ -309,11 +294,6 @@ class Sections(FileSection, Generic[V]):
     def budget(self) -> EnergyBudget[V] | None:
         """Energy budget in force, key by key: the mission's, else the vehicle's, else the default."""
         return joined(self.energy, self.vehicle.energy if self.vehicle else None)
-
-    def _undated(self: "Sections") -> list[LocalProblem]:
-        """List the effects whose phases count from a date, in a mission without one."""
-        words = "the mission has no start, which the date of these phases needs"
-        return [LocalProblem((*e.path, e.effect, "epoch"), words) for e in self.effects if e.epoch is not None]
 
     def _limits(self: "Sections") -> Findings:
         """List what the world does not allow, and what is unusual."""

@@ -16,51 +16,24 @@ if TYPE_CHECKING:
 _Item = TypeVar("_Item")
 _Read = TypeVar("_Read")
 _LENGTH = {
-    "m": 1.0,
-    "meter": 1.0,
-    "metre": 1.0,
-    "km": 1000.0,
-    "cm": 0.01,
-    "mm": 0.001,
-    "ft": 0.3048,
-    "foot": 0.3048,
-    "feet": 0.3048,
-    "in": 0.0254,
-    "inch": 0.0254,
-    "yd": 0.9144,
-    "nmi": 1852.0,
-    "mi": 1609.344,
+    **dict.fromkeys(("m", "meter", "metre"), 1.0),
+    **{"km": 1000.0, "cm": 0.01, "mm": 0.001},
+    **dict.fromkeys(("ft", "foot", "feet"), 0.3048),
+    **dict.fromkeys(("in", "inch"), 0.0254),
+    **{"yd": 0.9144, "nmi": 1852.0, "mi": 1609.344},
 }
 _TIME = {
-    "s": 1.0,
-    "second": 1.0,
-    "seconds": 1.0,
-    "min": 60.0,
-    "minute": 60.0,
-    "minutes": 60.0,
-    "h": 3600.0,
-    "hr": 3600.0,
-    "hour": 3600.0,
-    "hours": 3600.0,
-    "d": 86400.0,
-    "day": 86400.0,
-    "days": 86400.0,
+    **dict.fromkeys(("s", "second", "seconds"), 1.0),
+    **dict.fromkeys(("min", "minute", "minutes"), 60.0),
+    **dict.fromkeys(("h", "hr", "hour", "hours"), 3600.0),
+    **dict.fromkeys(("d", "day", "days"), 86400.0),
 }
-_KNOT = 1852.0 / 3600.0
-
 FACTORS: Mapping[str, Mapping[str, float]] = {
     "m": _LENGTH,
     "s": _TIME,
     "m/s": {
-        "m/s": 1.0,
-        "km/h": 1000.0 / 3600.0,
-        "cm/s": 0.01,
-        "mm/s": 0.001,
-        "ft/s": 0.3048,
-        "kn": _KNOT,
-        "kt": _KNOT,
-        "knot": _KNOT,
-        "knots": _KNOT,
+        **{"m/s": 1.0, "km/h": 1000.0 / 3600.0, "cm/s": 0.01, "mm/s": 0.001, "ft/s": 0.3048},
+        **dict.fromkeys(("kn", "kt", "knot", "knots"), 1852.0 / 3600.0),
     },
     "N": {"N": 1.0, "kN": 1000.0, "mN": 0.001, "lbf": 4.4482216152605},
     "kg": {"kg": 1.0, "g": 0.001, "lb": 0.45359237, "t": 1000.0},
@@ -163,7 +136,11 @@ def parse_number_with_unit(value: object, unit: str, *, difference: bool = False
         Finite.
     """
     if unit == "":
-        return _bare_number(value)
+        if isinstance(value, bool) or not isinstance(value, int | float) or not math.isfinite(_as_float(value)):
+            raise QuantityError(f"given {shown(value)}, expected a bare number")
+        if not _is_sensible(float(value)):
+            raise QuantityError(f"given {shown(value)}, expected {_SENSIBLE}")
+        return float(value)
     example = f"a quantity in {unit} or a unit like it"
     if isinstance(value, bool) or not isinstance(value, int | float | str):
         raise QuantityError(f"given {shown(value)}, expected {example}")
@@ -176,14 +153,6 @@ def parse_number_with_unit(value: object, unit: str, *, difference: bool = False
     if not name:
         raise QuantityError(f"given the bare number {value}, expected a unit too, such as '{value} {unit}'")
     return _convert(number, name, unit, difference)
-
-
-def _bare_number(value: object) -> float:
-    if isinstance(value, bool) or not isinstance(value, int | float) or not math.isfinite(_as_float(value)):
-        raise QuantityError(f"given {shown(value)}, expected a bare number")
-    if not _is_sensible(float(value)):
-        raise QuantityError(f"given {shown(value)}, expected {_SENSIBLE}")
-    return float(value)
 
 
 def _as_float(value: float) -> float:

@@ -102,11 +102,14 @@ def validation_problems(error: ValidationError, document: Document, model: type[
         elif detail["type"] == "missing":
             missing.append(path)
         elif detail["type"] == "extra_forbidden":
-            problem, meant = _unknown_key(path, document, model)
-            problems.append(problem)
+            known = list(fields_at(path[:-1], model))
+            meant = next(iter(get_close_matches(str(path[-1]), known, n=1)), "")
+            near = f"did you mean {meant}?" if meant else f"known here: {', '.join(known)}"
+            problems.append(document.problem(path, "unknown key", near))
             mistyped.add((*path[:-1], meant))
         else:
-            message = _message(detail["msg"])
+            message = detail["msg"].replace("Input should be", "expected").replace("Field required", "missing")
+            message = next((words for start, words in _MESSAGES.items() if detail["msg"].startswith(start)), message)
             hint = _IN_QUOTES if message == "expected text" and isinstance(detail["input"], bool) else ""
             problems.append(document.problem(path, f"given {_shown(detail['input'])}, {message}", hint))
     for path in missing:
@@ -140,22 +143,6 @@ def _shown(value: object) -> str:
     if isinstance(value, dict):
         return "a mapping"
     return "a list" if isinstance(value, list | tuple) else shown(value)
-
-
-def _message(message: str) -> str:
-    """Return this project's words for a message of pydantic's."""
-    for start, words in _MESSAGES.items():
-        if message.startswith(start):
-            return words
-    return message.replace("Input should be", "expected").replace("Field required", "missing")
-
-
-def _unknown_key(path: KeyPath, document: Document, model: type[BaseModel]) -> tuple[Problem, str]:
-    """Return the problem of a key that no section has there, and the key that was probably meant."""
-    known = list(fields_at(path[:-1], model))
-    close = get_close_matches(str(path[-1]), known, n=1)
-    hint = f"did you mean {close[0]}?" if close else f"known here: {', '.join(known)}"
-    return document.problem(path, "unknown key", hint), close[0] if close else ""
 
 
 def _expected(path: KeyPath, model: type[BaseModel]) -> str:

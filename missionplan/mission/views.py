@@ -152,8 +152,9 @@ def missing_for_moorings(mission: Mission[object], *, depth: bool = True) -> lis
     """List what a mission lacks to run moorings; `depth` as for `MooringMission.of`."""
     vehicle, site = mission.vehicle, mission.site
     anchor = vehicle.anchor if vehicle else None
+    deep = None if site is None else site.bathymetry if site.depth is None else site.depth
     needed = {
-        "site.depth": _depth_of(site) if depth else True,
+        "site.depth": deep if depth else True,
         "site.water": site.water if site else None,
         "vehicle": vehicle,
         "vehicle.mass": vehicle.mass if vehicle else None,
@@ -164,11 +165,6 @@ def missing_for_moorings(mission: Mission[object], *, depth: bool = True) -> lis
         reason = "a descent needs it where no construction is given"
         problems += _missing(mission, reason, {"vehicle.anchor.flooded_mass": None})
     return problems
-
-
-def _depth_of(site: Site[object] | None) -> object:
-    """Return what says how deep a site is; None where nothing does."""
-    return None if site is None else site.bathymetry if site.depth is None else site.depth
 
 
 def missing_for_transitions(mission: Mission[object]) -> list[Problem]:

@@ -43,16 +43,6 @@ def edited(text: str, data: object) -> str:
     return dumped(data)
 
 
-def with_inlined(text: str, key: str, inner: str) -> str:
-    """Put the text of a mapping in the place of a key's value, which is the name of the file that holds it."""
-    for key_node, value in _composed(text).value:
-        if key_node.value == key:
-            start = text.index(":", key_node.end_mark.index) + 1
-            rest, newline, below = text[value.end_mark.index :].partition("\n")
-            return text[:start] + rest + "\n" + textwrap.indent(inner.strip("\n"), "  ") + newline + below
-    return text
-
-
 def dumped(data: object) -> str:
     """Write data as YAML, keys in their order."""
     if isinstance(data, Mapping) and isinstance(data.get(_POSTERIOR), PosteriorFile):
@@ -95,11 +85,15 @@ class _Editor:
 
     def _compare_keys(self, node: yaml.MappingNode, data: Mapping[str, object], *, in_flow: bool) -> None:
         """Note the edits of each key of a mapping, of those that go and of those that come."""
-        for inner_key, value in node.value:
-            if inner_key.value in data:
-                self.compare(value, data[inner_key.value], inner_key, in_flow=in_flow)
-            else:
-                self._remove(inner_key, value)
+        for key, value in node.value:
+            if key.value in data:
+                self.compare(value, data[key.value], key, in_flow=in_flow)
+                continue
+            start = self.text.rfind("\n", 0, key.start_mark.index) + 1
+            if self.text[start : key.start_mark.index].strip():  # it shares its line with a list's dash
+                raise _CannotEditError
+            end = self._line_end(self._end(value))
+            self._note(*((start - 1, end) if start else (0, min(end + 1, len(self.text)))), "")
         given = {inner.value for inner, _ in node.value}
         self._append(node, [(name, value) for name, value in data.items() if name not in given], in_flow=in_flow)
 
@@ -133,14 +127,6 @@ class _Editor:
             kept = len(before) - len(before.rstrip(" ")) if before.endswith(" ") and key is not None else 0
             new = _written(data, indent, in_flow=in_flow, lead="")
             self._note(start - kept if new.startswith("\n") else start, end, new)
-
-    def _remove(self, key: yaml.Node, value: yaml.Node) -> None:
-        """Take out the lines of a key; one that shares its first line with a list's dash cannot be."""
-        start = self.text.rfind("\n", 0, key.start_mark.index) + 1
-        if self.text[start : key.start_mark.index].strip():
-            raise _CannotEditError
-        end = self._line_end(self._end(value))
-        self._note(*((start - 1, end) if start else (0, min(end + 1, len(self.text)))), "")
 
     def _append(self, node: yaml.MappingNode, added: list[tuple[object, object]], *, in_flow: bool) -> None:
         """Add keys at the end of a mapping."""
@@ -232,8 +218,14 @@ class MissionText:
         name, vehicle = self.written[_VEHICLE], new[_VEHICLE]
         if stays and vehicle == self.vehicle:
             return edited(self.text, {**new, _VEHICLE: name})
-        own = edited(self.vehicle_text, vehicle)
-        return with_inlined(edited(self.text, {**new, _VEHICLE: name}), _VEHICLE, own)
+        own = edited(self.vehicle_text, vehicle)  # stands in the place of the name of its file
+        text = edited(self.text, {**new, _VEHICLE: name})
+        for key_node, value in _composed(text).value:
+            if key_node.value == _VEHICLE:
+                start = text.index(":", key_node.end_mark.index) + 1
+                rest, newline, below = text[value.end_mark.index :].partition("\n")
+                return text[:start] + rest + "\n" + textwrap.indent(own.strip("\n"), "  ") + newline + below
+        return text
 
     def keeps_draws(self, own: PosteriorFile | None, folder: Path) -> bool:
         """Whether a mission written into a folder finds its draws where the file that it was read from has them."""

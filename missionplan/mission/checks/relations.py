@@ -5,7 +5,7 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from missionplan.errors import KeyPath, LocalProblem
+from missionplan.errors import LocalProblem
 from missionplan.mission.checks import Findings, four_digits
 from missionplan.mission.checks.sections import phase_path
 from missionplan.mission.schema.phases import LegTableSection, MoorPhase, Navigation, Phase, TransitPhase
@@ -127,6 +127,14 @@ def _line(phase: MoorPhase, length: float) -> Iterator[LocalProblem]:
         before = distance
 
 
+def _cover(phase: MoorPhase, depth: float, vehicle: Vehicle | None) -> Iterator[LocalProblem]:
+    """Ask about a vehicle that is moored close to the surface."""
+    cover = depth - mean_of(phase.line_length) - (mean_of(vehicle.hull.length) if vehicle else 0.0)
+    if 0.0 < cover < _SHALLOWEST:
+        message = f"leaves {cover:.2g} m of water above the moored vehicle: are tide and waves allowed for?"
+        yield LocalProblem(("line_length",), message)
+
+
 def _weightless(phase: MoorPhase) -> Iterator[LocalProblem]:
     """Say what is assumed of a line that has a diameter and neither material nor weight."""
     diameter = mean_of(phase.line_diameter)
@@ -140,14 +148,6 @@ def _weightless(phase: MoorPhase) -> Iterator[LocalProblem]:
     yield LocalProblem(("line_diameter",), message)
 
 
-def _cover(phase: MoorPhase, depth: float, vehicle: Vehicle | None) -> Iterator[LocalProblem]:
-    """Ask about a vehicle that is moored close to the surface."""
-    cover = depth - mean_of(phase.line_length) - (mean_of(vehicle.hull.length) if vehicle else 0.0)
-    if 0.0 < cover < _SHALLOWEST:
-        message = f"leaves {cover:.2g} m of water above the moored vehicle: are tide and waves allowed for?"
-        yield LocalProblem(("line_length",), message)
-
-
 def _way(phases: Sequence[Phase], site: Site | None, navigation: Navigation | None) -> Iterator[LocalProblem]:
     """Follow the goals: how far they are, and whether there is a way to go between them."""
     place: _Place | None = None
@@ -157,17 +157,14 @@ def _way(phases: Sequence[Phase], site: Site | None, navigation: Navigation | No
         path = phase_path(index, phase)
         for key, position in (("from", phase.start), ("to", phase.to)):
             found = _planar(position, site)
-            if found is not None and math.hypot(*found) > FARTHEST:
-                yield _too_far((*path, key), math.hypot(*found))
+            if found is not None and (away := math.hypot(*found)) > FARTHEST:
+                message = f"lies {away / 1e3:.4g} km from the origin; expected at most {FARTHEST / 1e3:g} km"
+                hint = "the plane of the coordinates stretches distances by 0.1 % there"
+                yield LocalProblem((*path, key), message, hint)
         start, goal = (place if phase.start is None else _planar(phase.start, site)), _planar(phase.to, site)
         if start is not None and goal is not None:
             yield from (problem.within(path) for problem in _leg_count(phase, math.dist(start, goal), navigation))
         place = goal
-
-
-def _too_far(path: KeyPath, distance: float) -> LocalProblem:
-    message = f"lies {distance / 1e3:.4g} km from the origin; expected at most {FARTHEST / 1e3:g} km"
-    return LocalProblem(path, message, "the plane of the coordinates stretches distances by 0.1 % there")
 
 
 def _leg_count(phase: TransitPhase, distance: float, navigation: Navigation | None) -> Iterator[LocalProblem]:
@@ -211,10 +208,9 @@ def _layers(site: Site | None, depth: float) -> Iterator[LocalProblem]:
 
 def _vehicle(vehicle: Vehicle) -> tuple[list[LocalProblem], list[LocalProblem]]:
     """What is impossible of a vehicle, and what is unusual."""
-    problems = list(_shape(vehicle))
-    notices: list[LocalProblem] = []
     length, diameter = mean_of(vehicle.hull.length), mean_of(vehicle.hull.diameter)
-    problems += _centres(vehicle, length, diameter)
+    problems = list(_shape(vehicle, length, diameter))
+    notices: list[LocalProblem] = []
     if vehicle.mass is None or diameter > length:
         return problems, notices
     mass, buoyancy = mean_of(vehicle.mass), mean_of(vehicle.net_buoyancy)
@@ -251,8 +247,8 @@ def _battery(vehicle: Vehicle, energy: EnergyBudget | None) -> Iterator[LocalPro
         yield LocalProblem(("energy", "capacity") if mission_has_it else ("vehicle", "energy", "capacity"), message)
 
 
-def _shape(vehicle: Vehicle) -> Iterator[LocalProblem]:
-    length, diameter = mean_of(vehicle.hull.length), mean_of(vehicle.hull.diameter)
+def _shape(vehicle: Vehicle, length: float, diameter: float) -> Iterator[LocalProblem]:
+    """What is larger than what it is a part of, and centres that lie outside the hull."""
     if diameter > length:
         message = f"{diameter:.4g} m is more than the hull's length, {length:.4g} m"
         yield LocalProblem(("hull", "diameter"), message)
@@ -263,10 +259,6 @@ def _shape(vehicle: Vehicle) -> Iterator[LocalProblem]:
     if overlap > nose:
         message = f"{1e3 * overlap:.4g} L is more than the whole nose that it is a part of, {1e3 * nose:.4g} L"
         yield LocalProblem(("anchor", "overlap_volume"), message)
-
-
-def _centres(vehicle: Vehicle, length: float, diameter: float) -> Iterator[LocalProblem]:
-    """Centres that lie outside the hull."""
     for key in ("centre_of_gravity", "centre_of_buoyancy"):
         centre = getattr(vehicle, key)
         if centre is None:

@@ -55,13 +55,15 @@ def check_phases(
         if phase.label == "total" or counts[phase.label] > 1:
             found.append(LocalProblem(("name",), f"given {shown(phase.label)}; each phase needs a name of its own"))
         if isinstance(phase, TransitPhase):
-            found += _start(phase, is_first=index == 0)
-            found += _positions(phase, site)
-            found += _shaft_rate(phase, site, vehicle)
+            found += _transit(phase, site, vehicle, is_first=index == 0)
             if navigation is None:
                 found.append(LocalProblem((), "a transit needs the section `navigation`"))
         problems += [problem.within(phase_path(index, phase)) for problem in found]
-    return [*problems, *_swept(sweep, [phase.name for phase in phases if isinstance(phase, TransitPhase)])]
+    names = [phase.name for phase in phases if isinstance(phase, TransitPhase)]
+    if sweep.phase is not None and sweep.phase not in names:
+        message = f"given {sweep.phase!r}, expected a transit: {', '.join(names)}"
+        problems.append(LocalProblem(("sweep", "phase"), message))
+    return problems
 
 
 def phase_path(index: int, phase: Phase) -> KeyPath:
@@ -69,31 +71,20 @@ def phase_path(index: int, phase: Phase) -> KeyPath:
     return ("phases", index, phase.kind)
 
 
-def _start(phase: TransitPhase, *, is_first: bool) -> Iterator[LocalProblem]:
+def _transit(
+    phase: TransitPhase, site: Site | None, vehicle: Vehicle | None, *, is_first: bool
+) -> Iterator[LocalProblem]:
     if is_first and phase.start is None:
         yield LocalProblem(("from",), "missing; the first transit needs its start")
     if not is_first and phase.start is not None:
         yield LocalProblem(("from",), "only the first phase has `from`; later ones start where the last one ended")
-
-
-def _positions(phase: TransitPhase, site: Site | None) -> Iterator[LocalProblem]:
-    if site is not None and site.origin is not None:
-        return
     for key, position in (("from", phase.start), ("to", phase.to)):
-        if isinstance(position, Geographic):
+        if isinstance(position, Geographic) and (site is None or site.origin is None):
             yield LocalProblem((key,), "given latitude and longitude, but the mission has no site.origin")
-
-
-def _shaft_rate(phase: TransitPhase, site: Site | None, vehicle: Vehicle | None) -> Iterator[LocalProblem]:
     has_propeller = vehicle is not None and vehicle.propulsion is not None
     has_water = site is not None and site.water is not None
     if phase.shaft_rate is not None and not (has_propeller and has_water):
         yield LocalProblem(("shaft_rate",), "a speed from the shaft rate needs vehicle.propulsion and site.water")
-
-
-def _swept(sweep: SweepSection, names: Sequence[str]) -> Iterator[LocalProblem]:
-    if sweep.phase is not None and sweep.phase not in names:
-        yield LocalProblem(("sweep", "phase"), f"given {sweep.phase!r}, expected a transit: {', '.join(names)}")
 
 
 _MAIN = ("M2", "S2", "N2", "K2", "K1", "O1", "P1", "Q1", "M4")
@@ -108,7 +99,13 @@ def check_site(site: Site | None, phases: Sequence[Phase]) -> list[LocalProblem]
         return list(_constituents(site.current))
     if site is None or not isinstance(site.current, tuple):
         return []
-    return [*_layers(site, site.current), *_design_currents(phases, len(site.current))]
+    problems = list(_layers(site, site.current))
+    for index, phase in enumerate(phases):
+        given = phase.design_current if isinstance(phase, MoorPhase) else None
+        if isinstance(given, tuple) and len(given) != len(site.current):
+            message = f"has {len(given)} speeds; site.current has {len(site.current)} layers"
+            problems.append(LocalProblem((*phase_path(index, phase), "design_current"), message))
+    return problems
 
 
 def _layers(site: Site, layers: Sequence[CurrentLayer]) -> Iterator[LocalProblem]:
@@ -134,14 +131,6 @@ def _constituents(current: TidalCurrent) -> Iterator[LocalProblem]:
                 yield LocalProblem(path, f"given {shown(wave.name)}, which is no constituent that UTide knows", hint)
             elif wave.name in (each.name for each in depth.constituents[:column]):
                 yield LocalProblem(path, f"given {shown(wave.name)} a second time at this depth")
-
-
-def _design_currents(phases: Sequence[Phase], layers: int) -> Iterator[LocalProblem]:
-    for index, phase in enumerate(phases):
-        given = phase.design_current if isinstance(phase, MoorPhase) else None
-        if isinstance(given, tuple) and len(given) != layers:
-            message = f"has {len(given)} speeds; site.current has {layers} layers"
-            yield LocalProblem((*phase_path(index, phase), "design_current"), message)
 
 
 EVENTS: dict[str, tuple[str, ...]] = {
@@ -172,13 +161,7 @@ QUANTITIES: dict[str, dict[str, str]] = {
         "duration": "s",
         "energy": "J",
     },
-    "transition": {
-        "depth_excursion": "m",
-        "pitch_excursion": "rad",
-        "hover_time": "s",
-        "duration": "s",
-        "energy": "J",
-    },
+    "transition": {"depth_excursion": "m", "pitch_excursion": "rad", "hover_time": "s", "duration": "s", "energy": "J"},
     "total": {"duration": "s", "energy": "J"},
 }
 """Quantities by kind of phase, with the SI unit in which they are compared."""
@@ -225,34 +208,21 @@ def misspelt_requirements(data: Mapping[str, object]) -> list[LocalProblem]:
     entries, requirements = data.get("phases"), data.get("requirements")
     if not isinstance(entries, list) or not isinstance(requirements, list):
         return []
-    phases = [name for entry in entries if (name := _phase_name(entry)) is not None]
-    if len(phases) < len(entries):
-        return []
-    return [
-        problem.within(("requirements", index))
-        for index, requirement in enumerate(requirements)
-        for problem in _misspelt(requirement, phases)
-    ]
-
-
-def _misspelt(requirement: object, phases: Sequence[PhaseName]) -> Sequence[LocalProblem]:
-    """Return the problem of a requirement whose quantity no phase has, where it has a quantity to read."""
-    quantity = requirement.get("quantity") if isinstance(requirement, dict) else None
-    if not isinstance(quantity, str):
-        return ()
-    try:
-        quantity_unit(quantity, phases)
-    except QuantityError as error:
-        return error.problems
-    return ()
-
-
-def _phase_name(entry: object) -> PhaseName | None:
-    """Return name and kind of a phase as written; None where it is none."""
-    kind, section = next(iter(entry.items())) if isinstance(entry, dict) and len(entry) == 1 else ("", None)
-    if kind not in QUANTITIES or not isinstance(section, dict):
-        return None
-    return PhaseName(str(section.get("name", kind)), str(kind))
+    phases: list[PhaseName] = []
+    problems: list[LocalProblem] = []
+    for entry in entries:
+        kind, section = next(iter(entry.items())) if isinstance(entry, dict) and len(entry) == 1 else ("", None)
+        if kind not in QUANTITIES or not isinstance(section, dict):
+            return []
+        phases.append(PhaseName(str(section.get("name", kind)), str(kind)))
+    for index, requirement in enumerate(requirements):
+        quantity = requirement.get("quantity") if isinstance(requirement, dict) else None
+        if isinstance(quantity, str):
+            try:
+                quantity_unit(quantity, phases)
+            except QuantityError as error:
+                problems += [problem.within(("requirements", index)) for problem in error.problems]
+    return problems
 
 
 def quantity_unit(quantity: str, phases: Sequence[Phase | PhaseName]) -> str | None:

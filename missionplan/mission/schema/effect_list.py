@@ -231,15 +231,11 @@ def _typical(draws: WeightedDraws, columns: Sequence[Column]) -> Mapping[str, fl
             found[name] = float(np.average(values, weights=weights))
     for amplitude, phase in CATALOGUE[columns[0][0]].polar if columns else ():
         if amplitude in found and phase in found:
-            mean = _mean_vector(draws, *((columns[0][0], name) for name in (amplitude, phase)))
+            (sizes, weights), (angles, _) = (draws.column((columns[0][0], name)) for name in (amplitude, phase))
+            turned: Array = sizes * np.exp(1j * angles)
+            mean = complex(np.average(turned, weights=weights))
             found[amplitude], found[phase] = float(np.abs(mean)), float(np.angle(mean))
     return found
-
-
-def _mean_vector(draws: WeightedDraws, amplitude: Column, phase: Column) -> complex:
-    (sizes, weights), (angles, _) = draws.column(amplitude), draws.column(phase)
-    turned: Array = sizes * np.exp(1j * angles)
-    return complex(np.average(turned, weights=weights))
 
 
 @dataclass(frozen=True)

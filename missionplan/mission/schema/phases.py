@@ -154,11 +154,7 @@ class MoorPhase(PhaseSection, Generic[V]):
     line_stiffness: Annotated[
         q.Stiffness[V] | None,
         Doc("force for a metre of stretch of the whole line; over the material's"),
-        Limit(
-            (0.1, 1e9),
-            (50.0, 1e6),
-            "5 m of 4 mm cord: 5 kN/m in nylon, 200 kN/m in Dyneema; of shock cord 50 N/m",
-        ),
+        Limit((0.1, 1e9), (50.0, 1e6), "5 m of 4 mm cord: 5 kN/m in nylon, 200 kN/m in Dyneema; of shock cord 50 N/m"),
     ] = None
     line_strength: Annotated[
         q.Force[V] | None,

@@ -91,8 +91,7 @@ def _tide_tag(value: object) -> str:
 
 
 TideOrHeight = Annotated[
-    Annotated[TideHeight[V], Tag("<tide>")] | Annotated[q.Length[V], Tag("<height>")],
-    Discriminator(_tide_tag),
+    Annotated[TideHeight[V], Tag("<tide>")] | Annotated[q.Length[V], Tag("<height>")], Discriminator(_tide_tag)
 ]
 
 

@@ -159,16 +159,7 @@ class QuantityParser:
                 problems.append(LocalProblem((key,), str(error)))
         if problems:
             raise QuantityError(problems)
-        return self._within_range(_build(form, numbers))
-
-    def _choices(self, values: object) -> Choices:
-        if not isinstance(values, list) or not values:
-            raise QuantityError(f"given {shown(values)}, expected a list of values", ("choices",))
-        if len(values) > _MAX_CHOICES:
-            raise QuantityError(f"given {len(values)} values, expected at most {_MAX_CHOICES}", ("choices",))
-        return Choices(tuple(each_read(values, lambda _, given: self._constant(given), ("choices",))))
-
-    def _within_range(self, distribution: Distribution) -> Distribution:
+        distribution = _build(form, numbers)
         name, middle = "mean", distribution.mean
         if isinstance(distribution, LogNormal):  # its tail carries the mean far out of a range that holds most of it
             name, middle = "median", distribution.median
@@ -178,6 +169,13 @@ class QuantityParser:
         if self.low == -math.inf and self.high == math.inf:
             return distribution
         return cast("Distribution", distribution.truncated(self.low, self.high))
+
+    def _choices(self, values: object) -> Choices:
+        if not isinstance(values, list) or not values:
+            raise QuantityError(f"given {shown(values)}, expected a list of values", ("choices",))
+        if len(values) > _MAX_CHOICES:
+            raise QuantityError(f"given {len(values)} values, expected at most {_MAX_CHOICES}", ("choices",))
+        return Choices(tuple(each_read(values, lambda _, given: self._constant(given), ("choices",))))
 
 
 @dataclass(frozen=True)
