@@ -157,7 +157,7 @@ def geotiff(chart: Chart) -> Grid:
         values = np.where(np.isclose(values, float(missing), rtol=1e-6, atol=0.0), np.nan, values)
     rows, columns = values.shape
     x, y = across[0] + across[1] * (np.arange(columns) + 0.5), up[0] + up[1] * (np.arange(rows) + 0.5)
-    return Grid(np.asarray(x, dtype=float), np.asarray(y, dtype=float), values, _asked_up(chart), system)
+    return Grid(np.asarray(x, dtype=float), np.asarray(y, dtype=float), values, chart.asked_up, system)
 
 
 def placed_pixels(chart: Chart, tags: Any) -> tuple[tuple[float, float], tuple[float, float], str | None]:
@@ -169,26 +169,18 @@ def placed_pixels(chart: Chart, tags: Any) -> tuple[tuple[float, float], tuple[f
     entries = {keys[place]: keys[place + 3] for place in range(4, len(keys), 4)}
     code = entries.get(_PROJECTED) or entries.get(_GEOGRAPHIC)
     system = None if code in (None, _USER_DEFINED) else f"EPSG:{code}"
-    (x, wide), (y, high) = _first_and_step(chart, tags)
-    back = 0.5 if entries.get(_RASTER_TYPE) == 2 else 0.0
-    return (x - back * wide, wide), (y - back * high, high), system
-
-
-def _first_and_step(chart: Chart, tags: Any) -> tuple[tuple[float, float], tuple[float, float]]:
-    """Where the tags place the first pixel: its corner, or its centre where pixels are points."""
     if _MATRIX in tags:
         matrix = tags[_MATRIX]
         if matrix[1] or matrix[4]:
             raise chart.problem("is turned; expected rows along one axis of its reference system")
-        return (matrix[3], matrix[0]), (matrix[7], matrix[5])
-    if _SCALE not in tags or _TIE_POINT not in tags:
+        (x, wide), (y, high) = (matrix[3], matrix[0]), (matrix[7], matrix[5])
+    elif _SCALE not in tags or _TIE_POINT not in tags:
         raise chart.problem("says not where it lies: expected a GeoTIFF with a scale and a tie point")
-    scale, tie = tags[_SCALE], tags[_TIE_POINT]
-    return (tie[3] - tie[0] * scale[0], scale[0]), (tie[4] + tie[1] * scale[1], -scale[1])
-
-
-def _asked_up(chart: Chart) -> bool:
-    return chart.written.positive != "down"
+    else:
+        scale, tie = tags[_SCALE], tags[_TIE_POINT]
+        (x, wide), (y, high) = (tie[3] - tie[0] * scale[0], scale[0]), (tie[4] + tie[1] * scale[1], -scale[1])
+    back = 0.5 if entries.get(_RASTER_TYPE) == 2 else 0.0  # the tags place the middle of a pixel that is a point
+    return (x - back * wide, wide), (y - back * high, high), system
 
 
 def esri(chart: Chart) -> Grid:
@@ -213,7 +205,7 @@ def esri(chart: Chart) -> Grid:
     system = beside.read_text(encoding="utf-8").strip() if beside.is_file() else None
     x = np.asarray(west + step * np.arange(columns), dtype=float)
     y = np.asarray(south + up * np.arange(rows)[::-1], dtype=float)
-    return Grid(x, y, values, _asked_up(chart), system)
+    return Grid(x, y, values, chart.asked_up, system)
 
 
 def xyz(chart: Chart) -> Grid:

@@ -199,8 +199,7 @@ def _tied(scenario: Scenario, weight: Scalars, anchor_mass: Scalars) -> TiedBodi
     carried = lamb_lateral_coefficient(np.maximum(length / diameter, 1.0)) * displaced
     return TiedBodies(
         anchor=CrossFlowBody(
-            drag=0.5 * density * lateral_coefficient(length / diameter) * length * diameter,
-            mass=anchor_mass + carried,
+            drag=0.5 * density * lateral_coefficient(length / diameter) * length * diameter, mass=anchor_mass + carried
         ),
         vehicle=CrossFlowBody(
             drag=0.5 * density * crossflow_coefficient(vehicle) * hull.length * hull.diameter,
@@ -239,46 +238,36 @@ def transition_vehicle(scenario: Scenario, phase: TransitionPhase[Scalars]) -> T
 
     Raises InputError when the mission lacks what a transition needs.
     """
-    needed = TransitionMission.of(scenario.drawn)
+    needed, means = TransitionMission.of(scenario.drawn), TransitionMission.of(scenario.means.drawn)
     written = needed.manoeuvring
     return TransitionVehicle(
-        body=_body(scenario, needed),
+        body=Body(  # length and mass at their means, as the derivatives are made dimensionless by them
+            length=float(means.vehicle.hull.length),
+            mass=float(means.mass),
+            inertia=written.inertia,
+            excess_buoyancy=needed.vehicle.net_buoyancy,
+            x_g=written.centre_of_gravity.ahead,
+            z_g=written.centre_of_gravity.below,
+            density=float(scenario.means.water.density),
+            derivatives=Derivatives(**written.derivatives.model_dump()),
+        ),
         propeller=written.propeller,
         speed_gain=written.speed_gain,
         thrusters=tuple(
-            _tunnel_thruster(thruster)
+            TunnelThruster(
+                diameter=thruster.diameter,
+                thrust_constant=thruster.thrust_constant,
+                decay=thruster.decay,
+                position=thruster.position,
+                suction_gradient=thruster.suction_gradient,
+                suction_offset=thruster.suction_offset,
+            )
             for thruster in needed.vehicle.thrusters
             if isinstance(thruster, TunnelThrusterSection)
         ),
         suction_moment=phase.suction_moment,
         sternplanes=SternplaneControl(**written.sternplanes.model_dump()),
         thruster_control=ThrusterControl(**written.thruster_control.model_dump()),
-    )
-
-
-def _tunnel_thruster(written: TunnelThrusterSection[Scalars]) -> TunnelThruster:
-    return TunnelThruster(
-        diameter=written.diameter,
-        thrust_constant=written.thrust_constant,
-        decay=written.decay,
-        position=written.position,
-        suction_gradient=written.suction_gradient,
-        suction_offset=written.suction_offset,
-    )
-
-
-def _body(scenario: Scenario, needed: TransitionMission[Scalars]) -> Body:
-    """Return the rigid body; length and mass at their means, as the derivatives are made dimensionless by them."""
-    means, written = TransitionMission.of(scenario.means.drawn), needed.manoeuvring
-    return Body(
-        length=float(means.vehicle.hull.length),
-        mass=float(means.mass),
-        inertia=written.inertia,
-        excess_buoyancy=needed.vehicle.net_buoyancy,
-        x_g=written.centre_of_gravity.ahead,
-        z_g=written.centre_of_gravity.below,
-        density=float(scenario.means.water.density),
-        derivatives=Derivatives(**written.derivatives.model_dump()),
     )
 
 

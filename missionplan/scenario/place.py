@@ -10,7 +10,7 @@ import numpy as np
 from missionplan.arrays import Array, Scalars
 from missionplan.errors import InputError, Problem, shown
 from missionplan.mission import Mission
-from missionplan.mission.schema.place import BathymetryFile, Geographic, Position, TideHeight, to_plane
+from missionplan.mission.schema.place import BathymetryFile, Geographic, TideHeight, to_plane
 from missionplan.mission.schema.site import Site
 from missionplan.mission.views import required_origin
 from missionplan.montecarlo.distributions import mean_of
@@ -73,7 +73,17 @@ def ground_of(chart: Chart, grid: Grid) -> Ground:
     values = grid.values[rows, columns]
     depth = np.asarray(-values if grid.is_up else values, dtype=np.float32)
     depth[np.abs(depth) == grid_files.NO_DEPTH] = np.nan
-    _check_depths(chart, depth)
+    known = depth[np.isfinite(depth)]
+    if not known.size:
+        raise chart.problem("holds no depth about the mission: all values there are missing")
+    if known.max() > _DEEPEST or known.min() < -_HIGHEST:
+        worst = float(known[np.argmax(np.abs(known))])
+        message = f"holds a depth of {worst:.6g} m, which is none of this planet"
+        raise chart.problem(message, "is it a fill value that the file does not declare, or another unit?")
+    if known.max() <= 0.0:
+        other = "down" if chart.written.positive != "down" else "up"
+        message = "holds no water about the mission: all of it lies above the datum"
+        raise chart.problem(message, f"do its values count {other}wards? {chart.key}.positive says so")
     frame = Frame.fitted(chart.low, chart.high, places, np.stack((_index(x, there[0]), _index(y, there[1]))))
     if frame is None:
         raise chart.problem("its rows or columns are not evenly spaced")
@@ -118,20 +128,6 @@ def _index(axis: Array, at: Array) -> Array:
     return np.asarray(np.where(at > axis[-1], beyond, index))
 
 
-def _check_depths(chart: Chart, depth: np.ndarray) -> None:
-    known = depth[np.isfinite(depth)]
-    if not known.size:
-        raise chart.problem("holds no depth about the mission: all values there are missing")
-    if known.max() > _DEEPEST or known.min() < -_HIGHEST:
-        worst = float(known[np.argmax(np.abs(known))])
-        message = f"holds a depth of {worst:.6g} m, which is none of this planet"
-        raise chart.problem(message, "is it a fill value that the file does not declare, or another unit?")
-    if known.max() <= 0.0:
-        other = "down" if chart.written.positive != "down" else "up"
-        message = "holds no water about the mission: all of it lies above the datum"
-        raise chart.problem(message, f"do its values count {other}wards? {chart.key}.positive says so")
-
-
 MARGIN = 5_000.0
 """Of a chart, what is this far beyond the mission's places is read, or farther where these are farther apart [m]."""
 _HIGHEST_TIDE = 30.0
@@ -141,17 +137,16 @@ def mission_places(mission: Mission) -> Array:
     """Where the transits of a mission begin and end and what lies between, at the means, shape (2, k) [m]."""
     origin = mission.site.origin if mission.site else None
     written = [each for phase in mission.transits for each in (phase.start, *phase.ways, phase.to) if each is not None]
-    places = [_plane(each, origin) for each in written]
+    places = []
+    for position in written:
+        if not isinstance(position, Geographic):
+            places.append((float(mean_of(position[0])), float(mean_of(position[1]))))
+        elif origin is None:
+            raise InputError([Problem("missing; positions by latitude and longitude need it", key="site.origin")])
+        else:
+            east, north = to_plane(np.array([position.latitude]), np.array([position.longitude]), origin)
+            places.append((float(east[0]), float(north[0])))
     return np.array(places or [(0.0, 0.0)]).T
-
-
-def _plane(position: Position, origin: Geographic | None) -> tuple[float, float]:
-    if not isinstance(position, Geographic):
-        return float(mean_of(position[0])), float(mean_of(position[1]))
-    if origin is None:
-        raise InputError([Problem("missing; positions by latitude and longitude need it", key="site.origin")])
-    east, north = to_plane(np.array([position.latitude]), np.array([position.longitude]), origin)
-    return float(east[0]), float(north[0])
 
 
 def read_place(mission: Mission) -> Place | None:

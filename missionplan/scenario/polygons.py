@@ -4,6 +4,7 @@ import json
 import math
 import re
 from collections.abc import Callable, Iterator, Mapping
+from contextlib import suppress
 from dataclasses import dataclass
 from datetime import datetime
 from pathlib import Path
@@ -42,6 +43,11 @@ class Chart:
     def path(self) -> Path:
         """Path of the file."""
         return Path(self.written.file)
+
+    @property
+    def asked_up(self) -> bool:
+        """Whether values count up, as far as the mission says."""
+        return self.written.positive != "down"
 
     def problem(self, message: str, hint: str = "") -> InputError:
         """Return the error of the file."""
@@ -245,19 +251,15 @@ def _placed(
         return chart.to_plane(points[:, 0], points[:, 1], system).T
 
     if system == DEGREES:
-        _check_degrees(chart, polygon)
+        west, south, east, north = polygon.bounds
+        if not (-361.0 <= west <= east <= 361.0 and -90.001 <= south <= north <= 90.001):
+            hint = f"{chart.key}.projection: EPSG:… names their system; `local` is for metres from the origin"
+            raise chart.problem("its coordinates are not degrees", hint)
         cut = [shapely.clip_by_rect(polygon, *window) for window in windows]
         parts = [shapely.segmentize(each, _LONGEST_EDGE) for piece in cut for each in _polygons(piece)]
     else:
         parts = [polygon]
     return [each for part in parts for each in _polygons(shapely.transform(shapely.force_2d(part), moved))]
-
-
-def _check_degrees(chart: Chart, polygon: "Geometry") -> None:
-    west, south, east, north = polygon.bounds
-    if not (-361.0 <= west <= east <= 361.0 and -90.001 <= south <= north <= 90.001):
-        hint = f"{chart.key}.projection: EPSG:… names their system; `local` is for metres from the origin"
-        raise chart.problem("its coordinates are not degrees", hint)
 
 
 def _limits(
@@ -267,8 +269,9 @@ def _limits(
     given = {str(key).lower(): value for key, value in properties.items() if value is not None and value != ""}
     times: dict[str, float] = {}
     for key, field in (("from", "since"), ("to", "until")):
-        if key in given and not _is_nan(given[key]):
-            times[field] = _since_start(chart, given[key], f"{name}: {key}", start)
+        value = given.get(key)
+        if value is not None and not (isinstance(value, float) and math.isnan(value)):
+            times[field] = _since_start(chart, value, f"{name}: {key}", start)
     keys = [key for key in ("above", "below") if key in given]
     depths: dict[str, float] = {key: _depth(chart, given[key], f"{name}: {key}") for key in keys}
     depths = {key: depth for key, depth in depths.items() if not math.isnan(depth)}
@@ -277,10 +280,6 @@ def _limits(
     if len(depths) == 2 and depths["above"] <= depths["below"]:
         return [{**times, "above": depths["above"]}, {**times, "below": depths["below"]}]
     return [{**times, **depths}]
-
-
-def _is_nan(value: object) -> bool:
-    return isinstance(value, float) and math.isnan(value)
 
 
 def _since_start(chart: Chart, value: object, what: str, start: datetime | None) -> float:
@@ -299,15 +298,10 @@ def _depth(chart: Chart, value: object, what: str) -> float:
     """Read a depth: a bare number is in metres."""
     if isinstance(value, int | float | np.number) and not isinstance(value, bool):
         return float(value)
+    if isinstance(value, str):
+        with suppress(ValueError):
+            return float(value)
     try:
-        return float(value) if _is_number(value) else parse_number_with_unit(value, "m")  # type: ignore[arg-type]
+        return parse_number_with_unit(value, "m")
     except QuantityError as error:
         raise chart.problem(f"{what}: {error}") from None
-
-
-def _is_number(value: object) -> bool:
-    try:
-        float(str(value))
-    except ValueError:
-        return False
-    return isinstance(value, str)

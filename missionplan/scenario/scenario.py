@@ -190,23 +190,20 @@ class Scenario(DrawnMission):
         for phase in self.drawn.transits:
             start = here if phase.start is None else self.position(phase.start)
             here = self.position(phase.to)
-            if phase.via == "auto":
-                found[phase.name] = self._way_round(phase, start, here)
-        return found
+            if phase.via != "auto":
+                continue
+            if self.place is None:
+                message = "given auto, which needs site.land, site.keep_out or site.bathymetry to go round"
+                raise InputError([Problem(message, self.mission.file, key=f"{phase.name}.via")])
+            from missionplan.scenario.ways import way_round  # shapely: of few missions
 
-    def _way_round(self, phase: TransitPhase[Scalars], start: Array, goal: Array) -> tuple[Array, ...]:
-        """Shortest way clear of what blocks it, by the drift of one leg."""
-        if self.place is None:
-            message = "given auto, which needs site.land, site.keep_out or site.bathymetry to go round"
-            raise InputError([Problem(message, self.mission.file, key=f"{phase.name}.via")])
-        from missionplan.scenario.ways import way_round  # shapely: of few missions
-
-        margin = leg_spread(self, phase)
-        found = way_round(self.place, start.reshape(2), goal.reshape(2), float(phase.depth), margin)
-        if found is None:
-            message = f"no way from start to goal keeps {margin:.3g} m, the drift of a leg, from what blocks it"
-            hint = "a shorter d_max drifts less far; points given as via may pass nearer"
-            raise InputError([Problem(message, self.mission.file, key=f"{phase.name}.via", hint=hint)])
+            margin = leg_spread(self, phase)
+            way = way_round(self.place, start.reshape(2), here.reshape(2), float(phase.depth), margin)
+            if way is None:
+                message = f"no way from start to goal keeps {margin:.3g} m, the drift of a leg, from what blocks it"
+                hint = "a shorter d_max drifts less far; points given as via may pass nearer"
+                raise InputError([Problem(message, self.mission.file, key=f"{phase.name}.via", hint=hint)])
+            found[phase.name] = way
         return found
 
     def environment(self, phase: TransitPhase[Scalars]) -> Environment:
@@ -264,9 +261,7 @@ class Scenario(DrawnMission):
         way, covariance = navigation.drift_compensation, navigation.velocity_error.covariance
         if way == "filter":
             drawn = self.sampled(seed=0, block=PRIOR)
-            in_doubt = any(
-                len(doubt.probabilities) > 1 for doubt in self.mission.doubts
-            )  # at the means one explanation holds
+            in_doubt = any(len(doubt.probabilities) > 1 for doubt in self.mission.doubts)  # at the means one holds
             fix_error = float(np.sqrt(np.mean(np.square(drawn.fix_sd))) if in_doubt else np.mean(self.fix_sd))
             model = drift_model(
                 drawn._drift_sample(drawn.transit(phase.name)),

@@ -20,12 +20,12 @@ from missionplan.arrays import Array, Scalars
 from missionplan.errors import InputError, Problem
 from missionplan.mission import Mission
 from missionplan.mission.includes import REMOTE
-from missionplan.mission.schema.site import CurrentFile, LeewaySection, TidalConstituent, TidalCurrent, WindFile
+from missionplan.mission.schema.site import CurrentFile, LeewaySection, TidalCurrent, WindFile
 from missionplan.mission.views import forecast_error, required_origin
 from missionplan.montecarlo.streams import BLOCK, CommonStreams, NormalSource, block_count, block_size
 from missionplan.phases.currents import Current, Leeway, layers
 from missionplan.phases.ensemble import NORMALS, WAVES, Ensemble, ErringCurrent, ErrorWaves, Statistics
-from missionplan.phases.recorded_currents import EVER, RecordedCurrent, SeriesCurrent, TidalStream
+from missionplan.phases.recorded_currents import EVER, RecordedCurrent, TidalStream
 from missionplan.physics.water import angular_frequencies, nodal_state
 from missionplan.store.folder import matching
 
@@ -46,7 +46,11 @@ def tidal_stream(mission: Mission, written: TidalCurrent) -> TidalStream:
     waves = np.zeros((2, len(names), len(depths)), dtype=complex)
     for column, depth in enumerate(depths):
         for wave in depth.constituents:
-            waves[:, names.index(wave.name), column] += _coefficients(wave)
+            along, across = wave.major * np.exp(-1j * wave.phase), -1j * wave.minor * np.exp(-1j * wave.phase)
+            sine, cosine = math.sin(wave.toward), math.cos(wave.toward)
+            waves[:, names.index(wave.name), column] += np.array(
+                [along * sine - across * cosine, along * cosine + across * sine]
+            )
     if state is not None:  # f·A·cos(V + u + ωt − g): turned to the mission's start
         waves *= (state.factor * np.exp(1j * (state.argument + state.angle)))[:, None]
     return TidalStream(
@@ -58,13 +62,6 @@ def tidal_stream(mission: Mission, written: TidalCurrent) -> TidalStream:
         sine=-waves.imag,
         outside=written.outside,
     )
-
-
-def _coefficients(wave: TidalConstituent) -> "np.ndarray[tuple[int], np.dtype[np.complex128]]":
-    """East and north of an ellipse, of which the velocity is the real part times exp(i·argument) [m/s]."""
-    along, across = wave.major * np.exp(-1j * wave.phase), -1j * wave.minor * np.exp(-1j * wave.phase)
-    sine, cosine = math.sin(wave.toward), math.cos(wave.toward)
-    return np.array([along * sine - across * cosine, along * cosine + across * sine])
 
 
 NETCDF = (".nc", ".nc4", ".cdf", ".netcdf")
@@ -117,16 +114,19 @@ def _members(mission: Mission, written: CurrentFile, also: Array | None) -> Reco
 
 
 def _read(
-    mission: Mission,
-    written: CurrentFile | WindFile,
-    name: str,
-    also: Array | None = None,
-    member: int | None = None,
+    mission: Mission, written: CurrentFile | WindFile, name: str, also: Array | None = None, member: int | None = None
 ) -> RecordedCurrent:
     """Read one file of a current or of a wind."""
     key = "current" if isinstance(written, CurrentFile) else "wind"
     if not is_netcdf(name):
-        return _series(mission, written, name)
+        from missionplan.scenario.currents.reading import CURRENT_LIMITS, WIND_LIMITS, read_series_csv  # pandas: slow
+
+        is_current = isinstance(written, CurrentFile)
+        if is_current and "*" in name:
+            message = f"given {name}; a pattern is for NetCDF files, a CSV record is one file"
+            raise InputError([Problem(message, mission.file, key="site.current.file")])
+        limits = CURRENT_LIMITS if is_current else WIND_LIMITS
+        return read_series_csv(Path(name), limits, mission.start, written.start)
     if written.start is not None:
         message = f"a NetCDF {key} has dates of its own; `start` is for a CSV record that counts seconds"
         raise InputError([Problem(message, mission.file, key=f"site.{key}.start")])
@@ -142,17 +142,6 @@ def _read(
     places = np.hstack((np.zeros((2, 1)), mission_places(mission), *(() if also is None else (also,))))
     projection, carries = (written.projection, SEA) if isinstance(written, CurrentFile) else (None, WIND)
     return read_field(matching(name), Area(origin, start, places, projection), name, member, carries)
-
-
-def _series(mission: Mission, written: CurrentFile | WindFile, name: str) -> SeriesCurrent:
-    from missionplan.scenario.currents.reading import CURRENT_LIMITS, WIND_LIMITS, read_series_csv  # pandas: slow
-
-    is_current = isinstance(written, CurrentFile)
-    if is_current and "*" in name:
-        message = f"given {name}; a pattern is for NetCDF files, a CSV record is one file"
-        raise InputError([Problem(message, mission.file, key="site.current.file")])
-    limits = CURRENT_LIMITS if is_current else WIND_LIMITS
-    return read_series_csv(Path(name), limits, mission.start, written.start)
 
 
 STREAM = "vehicle.leeway"

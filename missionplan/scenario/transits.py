@@ -202,10 +202,13 @@ def drift_model(
     turns = any(part.inertial is not None for part in parts)
     persistent = [part.persistent for part in parts if part.persistent is not None]
     states = _states(sample, parts, forecast, periods, turns=turns)
+    prior = np.atleast_2d(np.cov(states)) if states.shape[1] > 1 else np.zeros((len(states), len(states)))
+    for place in (PERSISTENT, PERSISTENT + 1):  # in one draw it is zero but for these
+        prior[place, place] = sum(float(np.mean(np.square(sigma))) for sigma, _ in persistent)
     changing, growth = _modulation(parts, periods, len(states))
     return DriftModel(
         mean=states.mean(axis=1),
-        prior=_prior(states, [sigma for sigma, _ in persistent]) + np.diag(changing),
+        prior=prior + np.diag(changing),
         tides=tuple(2.0 * np.pi / period for period in periods),
         turning=inertial_frequency(latitude) if turns else 0.0,
         persistence=_correlation_time(persistent) if persistent else 1.0,
@@ -227,9 +230,25 @@ def _correlation_time(persistent: Sequence[tuple[Scalars, Scalars]]) -> float:
 def _states(
     sample: DriftSample, parts: Sequence[DriftParts], forecast: Forecast, periods: Sequence[float], *, turns: bool
 ) -> Array:
-    """State of the model (see `DriftModel`) in each draw, without the persistent velocity, shape (k, n)."""
+    """State of the model (see `DriftModel`) in each draw, without the persistent velocity, shape (k, n).
+
+    Velocity under way and displacement at the surface are those beyond the forecast, at the mission's start.
+    """
     states = np.zeros((WAVES + 4 * len(periods) + 2 * turns, sample.trials))
-    states[STEADY : STEADY + 2], states[SURFACE : SURFACE + 2] = _steady(sample, parts, forecast)
+    time, still, moment = sample.surfacing_time, np.zeros((2, 1)), np.zeros(1)
+    velocity, surface = sample.velocity_error, np.zeros((2, 1))
+    if sample.current is not None and not sample.is_recorded:
+        velocity = velocity + sample.current.velocity(0.0, sample.depth, still)
+        surface = sample.current.velocity(0.0, 0.0, still) * time
+    for part in parts:
+        velocity = velocity + _columns(part.velocity)
+        surface = surface + _columns(part.surface) * time
+    if sample.is_recorded:
+        velocity = velocity - forecast.mean_error[:, None]
+    else:
+        velocity = velocity - forecast.under_way(moment, moment, still, still)
+        surface = surface - forecast.at_surface(moment, still)
+    states[STEADY : STEADY + 2], states[SURFACE : SURFACE + 2] = velocity, surface
     for part in parts:
         for period, coefficients in part.waves.items():
             first = WAVES + 4 * periods.index(period)
@@ -263,30 +282,6 @@ def _modulation(parts: Sequence[DriftParts], periods: Sequence[float], size: int
 def _squared(pair: Array) -> float:
     """Mean over the draws of the squared length of a vector, shape (2,) or (2, n)."""
     return float(np.mean(np.sum(np.square(pair), axis=0)))
-
-
-def _prior(states: Array, persistent: Sequence[Scalars]) -> Array:
-    """Covariance of the states before the first leg, shape (k, k); zero but for the persistent velocity in one draw."""
-    prior = np.atleast_2d(np.cov(states)) if states.shape[1] > 1 else np.zeros((len(states), len(states)))
-    for place in (PERSISTENT, PERSISTENT + 1):
-        prior[place, place] = sum(float(np.mean(np.square(sigma))) for sigma in persistent)
-    return prior
-
-
-def _steady(sample: DriftSample, parts: Sequence[DriftParts], forecast: Forecast) -> tuple[Array, Array]:
-    """Velocity under way and displacement at the surface beyond the forecast, at the mission's start, (2, n) each."""
-    time, still = sample.surfacing_time, np.zeros((2, 1))
-    velocity, surface = sample.velocity_error, np.zeros((2, 1))
-    if sample.current is not None and not sample.is_recorded:
-        velocity = velocity + sample.current.velocity(0.0, sample.depth, still)
-        surface = sample.current.velocity(0.0, 0.0, still) * time
-    for part in parts:
-        velocity = velocity + _columns(part.velocity)
-        surface = surface + _columns(part.surface) * time
-    if sample.is_recorded:
-        return velocity - forecast.mean_error[:, None], surface
-    moment = np.zeros(1)
-    return velocity - forecast.under_way(moment, moment, still, still), surface - forecast.at_surface(moment, still)
 
 
 def _columns(vectors: Array | float) -> Array:

@@ -86,9 +86,6 @@ class Area:
         x, y = (axis * files.height_factor(name, otherwise="m") for name, axis in zip(names, (x, y), strict=True))
         if self.projection == LOCAL:
             return np.stack((x, y)), np.ones(x.shape, dtype=complex)
-        return self._projected(files, x, y)
-
-    def _projected(self, files: FieldFiles, x: Array, y: Array) -> tuple[Array, Turning]:
         from pyproj import Transformer
         from pyproj.exceptions import ProjError
 

@@ -161,16 +161,17 @@ class FieldFiles:
         dataset = dataset if dataset is not None else next(d for d in self.datasets if variable.name in d.variables)
         dim = variable.dims[0]
         if "Times" in dataset.variables and dataset["Times"].dims[:1] == (dim,):  # exact where `time` is of 32 bits
-            return _from_text(dataset["Times"].to_numpy())
+            # times by ISO 8601, as models write them: bytes, one string a row or one character a column
+            texts = dataset["Times"].to_numpy()
+            rows = texts if texts.ndim == 1 else np.array([b"".join(row) for row in texts])
+            words = [row.decode() if isinstance(row, bytes) else str(row) for row in rows]
+            try:
+                found = [moment_of(each.strip(" \0")).replace(tzinfo=None) for each in words]
+            except (ValueError, OverflowError) as error:
+                raise FieldAttributeError(f"Times: {error}") from None
+            return np.array(found, dtype="datetime64[ns]")
         name = time_along(dataset, str(dim))
         return None if name is None else moments(dataset[name])
-
-    def speed_factor(self, name: str) -> float:
-        """Return what turns a velocity's unit into m/s.
-
-        Raises FieldAttributeError when it has no attribute `units`, or none of a speed.
-        """
-        return speed_factor(self.variable(name), "m/s" if name in _MODELS_SPEEDS else "")
 
     def height_factor(self, name: str, otherwise: str = "") -> float:
         """Return what turns a height's unit into m; `otherwise` is that of a model whose files lack `units`.
@@ -230,10 +231,12 @@ def velocities(
     Raises InputError when a unit is none of a speed, or a value is impossible: a fill value that the file does not
     declare.
     """
-    scaled = [part * np.float32(files.speed_factor(name)) for name, part in zip(names, parts, strict=True)]
-    for name, part in zip(names, scaled, strict=True):
+    scaled, fastest = [], files.carries.fastest
+    for name, values in zip(names, parts, strict=True):
+        factor = speed_factor(files.variable(name), "m/s" if name in _MODELS_SPEEDS else "")
+        part = values * np.float32(factor)
+        scaled.append(part)
         known = part[np.isfinite(part)]
-        fastest = files.carries.fastest
         if known.size and float(np.abs(known).max()) > fastest:
             worst = float(known[np.argmax(np.abs(known))])
             hint = "is its attribute `units` right, and `_FillValue` declared?"
@@ -244,14 +247,3 @@ def velocities(
     joined.real, joined.imag = scaled
     joined[~np.isfinite(joined)] = np.nan
     return joined
-
-
-def _from_text(texts: NDArray[np.generic]) -> Moments:
-    """Times by ISO 8601, as models write them: bytes, one string a row or one character a column."""
-    rows = texts if texts.ndim == 1 else np.array([b"".join(row) for row in texts])
-    words = [row.decode() if isinstance(row, bytes) else str(row) for row in rows]
-    try:
-        found = [moment_of(each.strip(" \0")).replace(tzinfo=None) for each in words]
-    except (ValueError, OverflowError) as error:
-        raise FieldAttributeError(f"Times: {error}") from None
-    return np.array(found, dtype="datetime64[ns]")

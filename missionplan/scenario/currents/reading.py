@@ -72,21 +72,17 @@ def read_series_csv(
         raise InputError([Problem("this row has the time and depth of an earlier one", shown, row + 2)])
     if table.isna().to_numpy().any():
         raise InputError([Problem("every depth must be given at every time", shown)])
+    lead = 0.0  # by which the record's epoch is after the mission's start
+    if epoch is not None:
+        if start is None:
+            raise InputError([Problem("the record has a start: the mission needs its `start` (UTC) too", shown)])
+        lead = (utc(epoch) - utc(start)).total_seconds()
     return SeriesCurrent(
-        table.index.to_numpy(dtype=float) + _lead(start, epoch, shown),
+        table.index.to_numpy(dtype=float) + lead,
         table["east_m_s"].columns.to_numpy(dtype=float),
         table["east_m_s"].to_numpy(dtype=float),
         table["north_m_s"].to_numpy(dtype=float),
     )
-
-
-def _lead(start: datetime | None, epoch: datetime | None, shown: str) -> float:
-    """Seconds by which a record's epoch is after the mission's start; 0 where the record has none."""
-    if epoch is None:
-        return 0.0
-    if start is None:
-        raise InputError([Problem("the record has a start: the mission needs its `start` (UTC) too", shown)])
-    return (utc(epoch) - utc(start)).total_seconds()
 
 
 def _impossible(values: pd.DataFrame, limits: Mapping[str, float], shown: str) -> list[Problem]:

@@ -110,9 +110,6 @@ class _Part:
     """Of the nodes."""
     points: Array
     """Points, shape (2, j, i) [m]."""
-    longitude: Array
-    latitude: Array
-    """Shape (j, i). [deg]."""
 
     @property
     def window(self) -> Window:
@@ -139,7 +136,9 @@ def read_curved(files: FieldFiles, area: Area) -> GriddedCurrent:
     across = [str(dim) for dim in files.variable(u).dims[1:-2]]
     if staggered:
         velocity = _unstaggered(files, (u, v), moments, part) * _turning(files, part)
-        part = _interior(part)
+        # nodes that have faces on all sides
+        rows, columns = slice(rows.start + 1, rows.stop - 1), slice(columns.start + 1, columns.stop - 1)
+        part = _Part(rows, columns, part.dims, part.points[:, 1:-1, 1:-1])
     else:
         order = [*across, *part.dims]
         parts = [files.series(name, moments, part.window, order) for name in (u, v)]
@@ -180,7 +179,7 @@ def _part(files: FieldFiles, area: Area, u: str, *, staggered: bool) -> _Part:
     rows, columns = slice(rows.start, min(rows.stop, x.shape[0])), slice(columns.start, min(columns.stop, x.shape[1]))
     if min(rows.stop - rows.start, columns.stop - columns.start) < 2 + 2 * staggered:
         raise files.problem("has too few rows or columns near the mission to interpolate")
-    return _Part(rows, columns, (dims[0], dims[1]), points[:, rows, columns], x[rows, columns], y[rows, columns])
+    return _Part(rows, columns, (dims[0], dims[1]), points[:, rows, columns])
 
 
 def _coordinates(files: FieldFiles, u: str, *, staggered: bool) -> tuple[str, str]:
@@ -194,15 +193,6 @@ def _coordinates(files: FieldFiles, u: str, *, staggered: bool) -> tuple[str, st
     return longitude, files.required(
         "the latitude", "lat", "latitude", "nav_lat", "Latitude", "y", standard=("latitude",)
     )
-
-
-def _interior(part: _Part) -> _Part:
-    """Nodes that have faces on all sides."""
-    rows = slice(part.rows.start + 1, part.rows.stop - 1)
-    columns = slice(part.columns.start + 1, part.columns.stop - 1)
-    inner = slice(1, -1), slice(1, -1)
-    points = part.points[:, inner[0], inner[1]]
-    return _Part(rows, columns, part.dims, points, part.longitude[inner], part.latitude[inner])
 
 
 def _unstaggered(files: FieldFiles, names: tuple[str, str], moments: Moments, part: _Part) -> NDArray[np.complex64]:

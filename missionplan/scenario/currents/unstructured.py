@@ -276,7 +276,13 @@ def _ugrid_levels(
         dims = [str(dim) for dim in files.variable(name).dims[1:]]
         moving = files.has_times(name)
         values = files.series(name, moments, {}, dims).astype(float) if moving else files.fixed(name)
-        return _at_columns(files, name, values, mesh, at_nodes=at_nodes)
+        # values at nodes or faces of the file as values at the columns of the field
+        if values.shape[-1] == mesh.whole:
+            part = values[..., mesh.nodes]
+            return part if at_nodes else mesh.mean_over_faces(part)
+        if at_nodes:
+            raise files.problem(f"{name} is at the faces of its mesh, the velocity at the nodes")
+        return values[..., mesh.numbers]
 
     return layer_depths(files, along, at, moments.size, columns.size)
 
@@ -291,13 +297,3 @@ def _gapless(depth: Array) -> Array:
     first = np.minimum.accumulate(steps[:, :, ::-1], axis=2)[:, :, ::-1]
     filled = np.take_along_axis(depth, np.minimum(first, count - 1), axis=2)
     return np.nan_to_num(filled)
-
-
-def _at_columns(files: FieldFiles, name: str, values: Array, mesh: Mesh, *, at_nodes: bool) -> Array:
-    """Values at nodes or faces of the file as values at the columns of the field."""
-    if values.shape[-1] == mesh.whole:
-        part = values[..., mesh.nodes]
-        return part if at_nodes else mesh.mean_over_faces(part)
-    if at_nodes:
-        raise files.problem(f"{name} is at the faces of its mesh, the velocity at the nodes")
-    return values[..., mesh.numbers]

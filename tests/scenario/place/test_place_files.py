@@ -14,7 +14,7 @@ from missionplan.errors import InputError
 from missionplan.mission import load
 from missionplan.mission.schema.place import BathymetryFile, Geographic, TideHeight
 from missionplan.phases.place import Place, SeaLevel
-from missionplan.scenario.grid_files import _SCALE, _TIE_POINT, _first_and_step, esri
+from missionplan.scenario.grid_files import _SCALE, _TIE_POINT, esri, placed_pixels
 from missionplan.scenario.place import _evened, _index, _near, drawn_place, read_place
 from missionplan.scenario.polygons import Chart, _windows
 from missionplan.scenario.scenario import Scenario
@@ -163,7 +163,7 @@ def test_cells_that_are_higher_than_wide_and_a_tie_point_inside_are_where_they_s
     assert (grid.x.tolist(), grid.y.tolist()) == ([105.0, 115.0, 125.0], [80.0, 60.0])
     assert grid.values.tolist() == [[1.0, 2.0, 3.0], [4.0, 5.0, 6.0]]
     tags = {_SCALE: (10.0, 20.0, 0.0), _TIE_POINT: (3.0, 2.0, 0.0, 130.0, 50.0, 0.0)}
-    assert _first_and_step(None, tags) == ((100.0, 10.0), (90.0, -20.0))
+    assert placed_pixels(None, tags) == ((100.0, 10.0), (90.0, -20.0), None)
 
 
 @pytest.mark.parametrize(
