@@ -128,20 +128,9 @@ class Provenance(Record):
 
 OF_THE_RUN = frozenset(
     {
-        "schema",
-        "version",
-        "probability_holds",
-        "checked_ranges",
-        "rests_on",
-        "options",
-        "elapsed_s",
-        "file",
-        "created_utc",
-        "python",
-        "libraries",
-        "notices",
+        *("schema", "version", "probability_holds", "checked_ranges", "rests_on", "options", "elapsed_s", "file"),
+        *("created_utc", "python", "libraries", "notices", "identity", "identity_parts"),
     }
-    | {"identity", "identity_parts"}
 )
 """Keys of a summary that tell of the run and not of its answer."""
 
@@ -160,10 +149,7 @@ class Result(Record, ABC):
 
     def summary(self) -> dict[str, object]:
         """Return the contents of `summary.json`: SI values, keys that end with the unit."""
-        return self.with_decision({**self.provenance.summary(), **summary_of(self)})
-
-    def with_decision(self, entries: Mapping[str, object]) -> dict[str, object]:
-        """Return the entries of a summary with the decision among them."""
+        entries = {**self.provenance.summary(), **summary_of(self)}
         other = entries.get("decision")
         decision = {**self.decision_for_crew().summary(), **(other if isinstance(other, Mapping) else {})}
         return {**entries, "decision": decision}

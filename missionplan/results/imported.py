@@ -187,9 +187,7 @@ class ImportedData(Result):
         return self.kind != "transit"
 
     @property
-    def groups(
-        self,
-    ) -> Annotated[int, Entry(key="legs", when="is_of_legs"), Entry(key="runs", when="is_of_runs")]:
+    def groups(self) -> Annotated[int, Entry(key="legs", when="is_of_legs"), Entry(key="runs", when="is_of_runs")]:
         """Number of legs or runs in the table."""
         return len(self.table.groupby(self.table.columns[0]))
 

@@ -6,16 +6,7 @@ from datetime import datetime
 from typing import Annotated, Literal
 
 from missionplan.results.entries import Entry, Record
-from missionplan.results.plan_places import (
-    East,
-    Fence,
-    Latitude,
-    Longitude,
-    North,
-    PlaceInDegrees,
-    Waypoint,
-    time_out,
-)
+from missionplan.results.plan_places import East, Fence, Latitude, Longitude, North, PlaceInDegrees, Waypoint, time_out
 
 CLIMB = math.radians(5.0)
 """Angle at which a vehicle is taken to climb to the surface, or steeper; those with a propeller climb at 10 to 30°, and
@@ -70,8 +61,7 @@ class PlannedTransit(Record):
     surfacing: Annotated[SurfacingRule, Entry("when it surfaces")]
     waypoints: Annotated[tuple[Waypoint, ...], Entry("the start, where each planned leg ends, and the goal last")]
     duration_p99: Annotated[
-        float,
-        Entry("99 % of the trials that arrive take at most this, from first dive to last fix", "s", digits=1),
+        float, Entry("99 % of the trials that arrive take at most this, from first dive to last fix", "s", digits=1)
     ]
     aim: Waypoint | None = None
     """Point that a vehicle without a correction for drift steers for, so that the mean drift at the surface takes it to
@@ -97,19 +87,14 @@ class PlannedTransit(Record):
             return (self,)
         found, begin = [], 0
         for end in (*ends, len(self.waypoints) - 1):
-            found.append(replace(self, waypoints=self.waypoints[begin : end + 1], aim=self._aimed(self.waypoints[end])))
+            last, aim = self.waypoints[end], self.aim
+            if aim is not None:
+                axes = ("east", "north", "latitude", "longitude")
+                off = {axis: getattr(last, axis) + getattr(aim, axis) - getattr(self.goal, axis) for axis in axes}
+                aim = replace(last, **off)
+            found.append(replace(self, waypoints=self.waypoints[begin : end + 1], aim=aim))
             begin = end
         return tuple(found)
-
-    def _aimed(self, end: Waypoint) -> Waypoint | None:
-        """Point to steer for in place of one on the way: as far off as that in place of the goal."""
-        if self.aim is None:
-            return None
-        shifted = {
-            axis: getattr(end, axis) + getattr(self.aim, axis) - getattr(self.goal, axis)
-            for axis in ("east", "north", "latitude", "longitude")
-        }
-        return replace(end, **shifted)
 
     @property
     def aim_off(self) -> float:

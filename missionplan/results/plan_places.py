@@ -35,8 +35,7 @@ class Waypoint(Record):
     length: Annotated[float, Entry("of the leg", "m", key="leg", digits=3)]
     duration: Annotated[float, Entry("length over speed, with the acceleration from rest", "s", digits=1)]
     duration_p99: Annotated[
-        float,
-        Entry("99 % of the trials take at most this for the leg of this number, with corrections", "s", digits=1),
+        float, Entry("99 % of the trials take at most this for the leg of this number, with corrections", "s", digits=1)
     ]
     elapsed: Annotated[
         float,

@@ -177,7 +177,5 @@ def _mooring(mooring: PlannedMooring, number: str, after: str) -> Iterator[State
         Transition("abort", (Guard("in-state", mooring.longest_release),)),
     )
     yield state(
-        "fix",
-        Transition(after, (Guard("fix-received"),)),
-        Transition("abort", (Guard("in-state", mooring.fix_wait),)),
+        "fix", Transition(after, (Guard("fix-received"),)), Transition("abort", (Guard("in-state", mooring.fix_wait),))
     )

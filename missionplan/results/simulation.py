@@ -137,8 +137,7 @@ class MooringAnchor(Record):
     wet_weight: Annotated[float, Entry("of the anchor", "N")]
     is_sized: Annotated[bool, Entry("whether it is the worst case's (Briggs et al., Eqs. 1 and 15)", key="sized")]
     failures: Annotated[
-        tuple[str, ...],
-        Entry("why its parts cannot make it; empty where they can, or are not given", key="problems"),
+        tuple[str, ...], Entry("why its parts cannot make it; empty where they can, or are not given", key="problems")
     ] = ()
 
     @property
@@ -215,8 +214,7 @@ class Outcome(Result):
     plan: Plan | None = None
     """As vehicles take it; None where the mission has no transit, or more legs than it allows."""
     overdue: Annotated[
-        Overdue | None,
-        Entry("what to know if the vehicle does not come back; null where too few trials come back"),
+        Overdue | None, Entry("what to know if the vehicle does not come back; null where too few trials come back")
     ] = None
     explanations: Annotated[
         tuple[ExplainedOutcome, ...],

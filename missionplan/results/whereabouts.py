@@ -168,10 +168,7 @@ class SearchArea(Record):
     toward: Annotated[float, Entry("direction of the long axis, clockwise from north", "rad")]
     missed: Annotated[float, Entry("probability that the searches so far miss it", key="missed_by_searches")]
     trials: Annotated[int, Entry("from which it is taken")]
-    is_assumed: Annotated[
-        bool,
-        Entry("whether trials are assumed to be lost so, as too few are", key="assumed"),
-    ]
+    is_assumed: Annotated[bool, Entry("whether trials are assumed to be lost so, as too few are", key="assumed")]
 
     @property
     def area(self) -> Annotated[float, Entry(unit="m2", after="toward")]:
