@@ -2,7 +2,6 @@
 
 import math
 import textwrap
-from collections.abc import Iterator
 
 from missionplan.effects import CATALOGUE, FAILED_PLUGINS, ORIGINS, EffectInfo, Parameter, exclusive_groups
 
@@ -42,11 +41,6 @@ def _size(info: EffectInfo) -> str:
     return ""
 
 
-def effect_text(info: EffectInfo) -> str:
-    """Describe one effect, with a fragment to paste into a mission file."""
-    return f"{_entry(info)}\n\n{_INDENT}In a mission file:\n\n{textwrap.indent(fragment(info), 2 * _INDENT)}"
-
-
 def fragment(info: EffectInfo) -> str:
     """Write an entry of ``effects:`` with the usual size of each parameter."""
     lines = [f"- {info.id}:"]
@@ -55,26 +49,23 @@ def fragment(info: EffectInfo) -> str:
     return "effects:\n" + "\n".join(f"  {line}" for line in lines)
 
 
-def _entry(info: EffectInfo) -> str:
+def effect_text(info: EffectInfo) -> str:
+    """Describe one effect, with a fragment to paste into a mission file."""
     tier = {"statistical": " (a statistical description)", "neutral": " (a response, no cause)"}.get(info.tier, "")
     lines = [f"{info.id}{tier}", _wrapped(info.what)]
     lines += [_wrapped(f"{name}: {_described(parameter)}") for name, parameter in info.parameters.items()]
     lines.append(_wrapped(f"Usual sizes: {info.sizes}"))
-    lines += [_wrapped(text) for text in _relations(info)]
-    return "\n".join(lines)
-
-
-def _relations(info: EffectInfo) -> Iterator[str]:
     if info.confused_with:
-        yield f"Confused with: {', '.join(info.confused_with)}."
+        lines.append(_wrapped(f"Confused with: {', '.join(info.confused_with)}."))
     if info.distinguished_by:
-        yield f"Distinguished by: {info.distinguished_by}"
+        lines.append(_wrapped(f"Distinguished by: {info.distinguished_by}"))
     for group in exclusive_groups("transit"):
         if info.id in group:
-            yield f"Never claimed together with: {', '.join(sorted(group - {info.id}))}."
+            lines.append(_wrapped(f"Never claimed together with: {', '.join(sorted(group - {info.id}))}."))
     if not info.changes_plan:
-        yield "Acts on readings alone: it changes no plan."
-    yield f"From: {ORIGINS[info.id]}."
+        lines.append(_wrapped("Acts on readings alone: it changes no plan."))
+    lines += [_wrapped(f"From: {ORIGINS[info.id]}."), "", f"{_INDENT}In a mission file:", ""]
+    return "\n".join([*lines, textwrap.indent(fragment(info), 2 * _INDENT)])
 
 
 def _described(parameter: Parameter) -> str:

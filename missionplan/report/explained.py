@@ -113,15 +113,14 @@ def _by_place(outcome: Outcome, explained: Sequence[ExplainedOutcome]) -> list[l
 
 def _worth(found: list[Sensitivity], what: str) -> str:
     """Say for which share of the variance it matters which explanation holds, and whether to find out."""
-    shares = [f"{_percent(each.first_order)} of the variance of the {in_words(each.output)}" for each in found]
+    shares = []
+    for each in found:
+        portion = "less than 1 %" if each.first_order < 0.01 else f"{100.0 * each.first_order:.0f} %"
+        shares.append(f"{portion} of the variance of the {in_words(each.output)}")
     words = f"Which {what} it is accounts for {listed(shares)}"
     if all(each.first_order < SMALL for each in found):
         return f"{words}: no need to find out."
     return f"{words}: find out what you can before you rely on the plan."
-
-
-def _percent(part: float) -> str:
-    return "less than 1 %" if part < 0.01 else f"{100.0 * part:.0f} %"
 
 
 def may_order(judged: Outcome | None, phase: str) -> bool:
@@ -133,12 +132,11 @@ def may_order(judged: Outcome | None, phase: str) -> bool:
         return True
     groups = [tuple(item.quantity for item in judged.requirements if not item.met)]
     groups += [each.missed or (f"{each.spoils or 'total'}.success",) for each in judged.assumed if each.turns]
-    return not any(_concern(missed, phase) for missed in groups if missed)
-
-
-def _concern(missed: Sequence[str], phase: str) -> bool:
-    """Whether requirements that are missed are a phase's own, or of the whole alone."""
-    return any(each.startswith(f"{phase}.") for each in missed) or all(each.startswith("total.") for each in missed)
+    return not any(
+        any(each.startswith(f"{phase}.") for each in missed) or all(each.startswith("total.") for each in missed)
+        for missed in groups
+        if missed
+    )
 
 
 def judged_in_words(judged: Outcome | None) -> str:
@@ -172,7 +170,7 @@ def with_assumptions(page: Page, assumed: Sequence[Assumption]) -> Page:
     def written() -> list[PageSection]:
         sections = list(write())
         place = next((at for at, each in enumerate(sections) if not each.is_summary), len(sections))
-        return [*sections[:place], *_section(assumed), *sections[place:]]
+        return [*sections[:place], _section(assumed), *sections[place:]]
 
     return replace(
         page,
@@ -201,35 +199,21 @@ def _turning_in_words(assumed: Sequence[Assumption]) -> str:
     return f"{words}; {others} more such {'assumption' if others == 1 else 'assumptions'} below."
 
 
-def _section(assumed: Sequence[Assumption]) -> Iterator[PageSection]:
-    """Tabulate them, what matters most first."""
-    rows = [
-        (
-            each.what,
-            each.otherwise,
-            "" if math.isnan(each.success) else f"{100.0 * each.success:.3g}\u00a0%",
-            _change(each.worth),
-            "could turn the answer" if each.turns else "",
-        )
-        for each in assumed
-    ]
+def _section(assumed: Sequence[Assumption]) -> PageSection:
+    """Tabulate them, what matters most first; the heading names what they could do: turn the answer, or change it."""
+    rows = []
+    for each in assumed:
+        then = "" if math.isnan(each.success) else f"{100.0 * each.success:.3g}\u00a0%"
+        change = f"{100.0 * each.worth:+.2g}\u00a0%" if each.worth else "none"
+        change = "could not be run" if math.isnan(each.worth) else change
+        rows.append((each.what, each.otherwise, then, change, "could turn the answer" if each.turns else ""))
+    turning = sum(each.turns for each in assumed)
+    most = max(assumed, key=lambda each: 0.0 if math.isnan(each.worth) else abs(each.worth))
+    heading = f"Of its assumptions, that {most.what} matters most: {100.0 * most.worth:+.2g}\u00a0% otherwise"
+    if turning:
+        heading = f"{turning} of its assumptions could turn this"
+    elif math.isnan(most.worth) or abs(most.worth) < _LEAST_CHANGE:
+        heading = "None of these assumptions alone could turn this"
     columns = ("taken for granted", "instead", "success then", "change", "")
     caption = "Each alone, on 400 trials of the same random numbers. What is not in the mission cannot be put off."
-    yield PageSection(_heading(assumed), [Table(columns, rows, caption, text_columns=2)], is_summary=True)
-
-
-def _change(change: float) -> str:
-    if math.isnan(change):
-        return "could not be run"
-    return f"{100.0 * change:+.2g}\u00a0%" if change else "none"
-
-
-def _heading(assumed: Sequence[Assumption]) -> str:
-    """Name what the assumptions could do: turn the answer, or change P(success) most."""
-    turning = sum(each.turns for each in assumed)
-    if turning:
-        return f"{turning} of its assumptions could turn this"
-    most = max(assumed, key=lambda each: 0.0 if math.isnan(each.worth) else abs(each.worth))
-    if math.isnan(most.worth) or abs(most.worth) < _LEAST_CHANGE:
-        return "None of these assumptions alone could turn this"
-    return f"Of its assumptions, that {most.what} matters most: {100.0 * most.worth:+.2g}\u00a0% otherwise"
+    return PageSection(heading, [Table(columns, rows, caption, text_columns=2)], is_summary=True)

@@ -2,14 +2,14 @@
 
 import math
 import shlex
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure as MatplotlibFigure
 
 from missionplan.report.explained import members_in_words, members_section
-from missionplan.report.page import BLUE, GREY, ORANGE, Cells, Figure, Listing, Page, PageSection, Table, to_figure
+from missionplan.report.page import BLUE, GREY, ORANGE, Figure, Listing, Page, PageSection, Table, to_figure
 from missionplan.report.quantities import Unit, range_on, unit_for, value_on, with_error
 from missionplan.report.simulation.quantities import requirement_in_words
 from missionplan.report.wording import in_words, keys_in_words, listed, number, percent, rounded_down, rounded_up, share
@@ -65,6 +65,9 @@ _SAILED = "Each trial sails in one member of the ensemble; a row has the trials 
 
 def page(found: Optimised) -> Page:
     """Build the page."""
+    made, choose = found.provenance, found.provenance.options.get("choose")
+    words = [f"--choose {shlex.quote(str(each))}" for each in (choose if isinstance(choose, list) else [])]
+    trials = f"--aim {found.aim} --trials {made.trials} --seed {made.seed}"
     return Page(
         title=f"What to choose? {found.provenance.mission}",
         answer=answer(found),
@@ -80,16 +83,13 @@ def page(found: Optimised) -> Page:
             _effort(found),
         ],
         verdict="good" if found.feasible else "bad",
-        rerun=_rerun(found),
-        table=lambda: _cells(found),
+        rerun=" ".join(["missionplan optimise mission.yaml", *words, trials]),
+        table=lambda: (
+            ("", "chosen" if found.feasible else "nearest"),
+            [(_name(name), _shown(found, name, value)) for name, value in found.chosen.items()],
+        ),
         plots={"front": draw_front},
     )
-
-
-def _cells(found: Optimised) -> Cells:
-    """Tabulate what is chosen, for a terminal."""
-    rows = [(_name(name), _shown(found, name, value)) for name, value in found.chosen.items()]
-    return ("", "chosen" if found.feasible else "nearest"), rows
 
 
 def answer(found: Optimised) -> str:
@@ -117,7 +117,7 @@ def _obstacle_words(found: Optimised) -> str:
         met = (
             f"the {in_words(each.quantity)}, which is met with {percent(each.reached)}{' where all others are' * alone}"
         )
-        would = f" ({_looser(found, each)} instead of {_limit(found, each)} would do)"
+        would = f" ({_looser(found, each)} instead of {_bound(found, each, each.limit)} would do)"
         would = would if math.isfinite(each.would_do) else ""
         parts.append(f"{met}, {100.0 * each.required:g}\u00a0% required{would}")
     if alone:
@@ -127,20 +127,14 @@ def _obstacle_words(found: Optimised) -> str:
 
 def _looser(found: Optimised, each: Obstacle) -> str:
     """Write the bound that would do, rounded away from the one that does not: one rounded towards it may not do."""
+    return _bound(found, each, each.would_do, rounded_up if each.would_do > each.limit else rounded_down)
+
+
+def _bound(found: Optimised, each: Obstacle, value: float, rounded: Callable[[float], float] = float) -> str:
     phase, _, key = each.column.rpartition(".")
-    unit = unit_for(phase, key, found.provenance.data, typical=each.would_do)
-    loosened = rounded_up if each.would_do > each.limit else rounded_down
-    return _with_unit(loosened(unit(each.would_do)), unit)
-
-
-def _limit(found: Optimised, each: Obstacle) -> str:
-    phase, _, key = each.column.rpartition(".")
-    unit = unit_for(phase, key, found.provenance.data, typical=each.limit)
-    return _with_unit(unit(each.limit), unit)
-
-
-def _with_unit(value: float, unit: Unit) -> str:
-    return f"{number(value)}{unit.suffix}" if math.isfinite(value) else "–"
+    unit = unit_for(phase, key, found.provenance.data, typical=value)
+    shown = rounded(unit(value))
+    return f"{number(shown)}{unit.suffix}" if math.isfinite(shown) else "–"
 
 
 def _binding_words(found: Optimised) -> str:
@@ -241,7 +235,7 @@ def _obstacles(found: Optimised) -> Iterator[PageSection]:
         rows = [
             (
                 *(in_words(each.quantity), _required(each.required), percent(each.reached)),
-                *(_limit(found, each), _looser(found, each)),
+                *(_bound(found, each, each.limit), _looser(found, each)),
             )
             for each in found.obstacles
         ]
@@ -280,10 +274,3 @@ def _effort(found: Optimised) -> PageSection:
         "guaranteed to be found."
     )
     return PageSection("How it was found", [text, Listing("missionplan simulate mission-optimised.yaml")])
-
-
-def _rerun(found: Optimised) -> str:
-    choose = found.provenance.options.get("choose")
-    words = [f"--choose {shlex.quote(str(each))}" for each in (choose if isinstance(choose, list) else [])]
-    trials = f"--trials {found.provenance.trials} --seed {found.provenance.seed}"
-    return " ".join(["missionplan optimise mission.yaml", *words, f"--aim {found.aim}", trials])

@@ -185,7 +185,7 @@ def frame(tracks: Sequence[Array], always: Sequence[Array] = ()) -> Frame:
     size = np.maximum(size, np.array([0.8, 0.3]) * size[::-1])
     size[1] = max(size[1], 0.3 * size[0])
     lower, upper = centre - size / 2.0, centre + size / 2.0
-    beyond = [_beyond(track, lower, upper) for track in astray]
+    beyond = [float(np.maximum(lower[:, None] - track, track - upper[:, None]).max()) for track in astray]
     outside = [distance for distance in beyond if distance > 0.0]
     return Frame(
         (float(lower[0]), float(upper[0])),
@@ -207,11 +207,6 @@ def _usual(tracks: Sequence[Array]) -> tuple[Array, Array, list[Array]]:
     usual = ~strays if not strays.all() else np.ones_like(strays)
     astray = [track for track, stray in zip(tracks, ~usual, strict=True) if stray]
     return lows[:, usual].min(axis=1), highs[:, usual].max(axis=1), astray
-
-
-def _beyond(track: Array, lower: Array, upper: Array) -> float:
-    outside = np.maximum(lower[:, None] - track, track - upper[:, None])
-    return float(outside.max())
 
 
 def emptiest_corner(lines: Sequence[Array], limits: Array) -> tuple[bool, bool]:

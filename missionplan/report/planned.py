@@ -13,7 +13,7 @@ from missionplan.report.site_map import site_map
 from missionplan.report.wording import capitalised, in_words, set_number
 from missionplan.results import Provenance
 from missionplan.results.decision import changes_of
-from missionplan.results.entries import mapping
+from missionplan.results.entries import mapping, mappings
 
 _SIGN = re.compile(r"(?<=\d)\s*deg\b")
 """What the sign of a degree stands for."""
@@ -125,15 +125,7 @@ def planned_sections(provenance: Provenance, *, mapped: bool = False) -> list[Pa
     data = provenance.data
     if not isinstance(data.get("phases"), list | tuple):
         return where_checked(provenance)
-    rows = [
-        *_site(data),
-        *_navigation(data),
-        *_vehicle(data),
-        *_shared(data),
-        *_phases(data),
-        *_effects(data),
-        *_learned(data),
-    ]
+    rows = [*_site(data), *_vehicle(data), *_phases(data), *_effects(data)]
     table = Table(
         ("", ""),
         [(capitalised(name), value) for name, value in rows],
@@ -213,6 +205,7 @@ def _named(key: str) -> str:
 
 
 def _site(data: Mapping[str, object]) -> Iterator[Row]:
+    """Write the site, then the navigation."""
     for key, value in mapping(data.get("site")).items():
         if key == "current":
             yield from _current(value)
@@ -222,6 +215,13 @@ def _site(data: Mapping[str, object]) -> Iterator[Row]:
             yield "depth of the water", value_in_words(value)
         elif isinstance(value, Mapping) and isinstance(value.get("file"), str):
             yield _named(key), value_in_words({**value, "file": Path(value["file"]).name})
+        else:
+            yield _named(key), value_in_words(value)
+    for key, value in mapping(data.get("navigation")).items():
+        if key == "velocity_error":
+            for inner, spread in mapping(value).items():
+                name = "mean velocity error, east and north" if inner == "mean" else _named(inner)
+                yield name, value_in_words(spread)
         else:
             yield _named(key), value_in_words(value)
 
@@ -252,16 +252,6 @@ def _recorded(current: object) -> str:
     return "; ".join(filter(None, (words, value_in_words(rest))))
 
 
-def _navigation(data: Mapping[str, object]) -> Iterator[Row]:
-    for key, value in mapping(data.get("navigation")).items():
-        if key == "velocity_error":
-            for inner, spread in mapping(value).items():
-                name = "mean velocity error, east and north" if inner == "mean" else _named(inner)
-                yield name, value_in_words(spread)
-        else:
-            yield _named(key), value_in_words(value)
-
-
 def _vehicle(data: Mapping[str, object]) -> Iterator[Row]:
     vehicle = mapping(data.get("vehicle"))
     for key in (key for key in _VEHICLE if key in vehicle):
@@ -275,71 +265,57 @@ def _vehicle(data: Mapping[str, object]) -> Iterator[Row]:
         elif key in ("mass", "net_buoyancy") and "anchor" in vehicle:
             yield f"{_named(key)} without the anchor", value_in_words(value)
         elif key == "hull":
-            yield "hull", _hull(mapping(value))
+            hull = mapping(value)
+            author = hull.get("form_factor")
+            named = {**hull, "form_factor": f"after {author.capitalize()}"} if isinstance(author, str) else hull
+            yield "hull", value_in_words(named)
         else:
             yield _named(key), value_in_words(value)
-
-
-def _shared(data: Mapping[str, object]) -> Iterator[Row]:
-    """Write what is in force of the keys that mission and vehicle may both give, and where it is from."""
+    # what is in force of the keys that mission and vehicle may both give, and where it is from
     for each in values_in_force(data):
-        value = "none" if each.value is None else value_in_words(each.value)
+        given = "none" if each.value is None else value_in_words(each.value)
         instead = "" if each.overridden is None else f", not the vehicle's {value_in_words(each.overridden)}"
-        yield in_words(".".join(map(str, each.path))), f"{value} ({each.source}{instead})"
-
-
-def _hull(hull: Mapping[str, object]) -> str:
-    """Write the hull; a form factor that is a formula by its author."""
-    author = hull.get("form_factor")
-    named = {**hull, "form_factor": f"after {author.capitalize()}"} if isinstance(author, str) else hull
-    return value_in_words(named)
+        yield in_words(".".join(map(str, each.path))), f"{given} ({each.source}{instead})"
 
 
 def _phases(data: Mapping[str, object]) -> Iterator[Row]:
-    phases = data["phases"]
-    entries = phases if isinstance(phases, list | tuple) else ()
-    for kind, section in chain.from_iterable(mapping(entry).items() for entry in entries):
-        keys = {key: value for key, value in mapping(section).items() if key not in ("name", "sweep")}
+    for kind, section in _items(data["phases"]):
+        words = []
+        for key, value in mapping(section).items():
+            if isinstance(value, bool):
+                words.append(f"{'with' if value else 'without'} {_named(key)}")
+            elif key == "d_max" and isinstance(value, Mapping) and "table" in value:
+                words.append("legs from a table")
+            elif key not in ("name", "sweep"):
+                words.append(f"{_named(key)} {value_in_words(value)}")
         name = str(mapping(section).get("name", kind))
-        label = name if name == kind else f"{name} ({kind})"
-        yield label, ", ".join(_phase_value(key, value) for key, value in keys.items())
-
-
-def _phase_value(key: str, value: object) -> str:
-    if isinstance(value, bool):
-        return f"{'with' if value else 'without'} {_named(key)}"
-    if key == "d_max" and isinstance(value, Mapping) and "table" in value:
-        return "legs from a table"
-    return f"{_named(key)} {value_in_words(value)}"
+        yield name if name == kind else f"{name} ({kind})", ", ".join(words)
 
 
 def _effects(data: Mapping[str, object]) -> Iterator[Row]:
-    entries = data.get("effects")
-    for entry in entries if isinstance(entries, list | tuple) else ():
-        for name, parameters in mapping(entry).items():
-            if name == "one-of" and isinstance(parameters, list | tuple):
-                yield from (_explanation(mapping(each)) for each in parameters)
-                continue
+    """Write the effects that the mission states, and what its draws say of each, as their summary has it."""
+    for name, parameters in _items(data.get("effects")):
+        if name != "one-of" or not isinstance(parameters, list | tuple):
             yield f"effect: {name.replace('-', ' ')}", value_in_words(parameters) if parameters else "as usual"
-
-
-def _learned(data: Mapping[str, object]) -> Iterator[Row]:
-    """Write what the mission's draws say of each effect, as their summary has it."""
+            continue
+        for held in map(mapping, parameters):
+            parts = [
+                f"{effect.replace('-', ' ')} ({value_in_words(own)})" if own else effect.replace("-", " ")
+                for effect, own in _items(held.get("effects"))
+            ]
+            share = held.get("probability")
+            yield f"possible, {_share(share) if isinstance(share, int | float) else 'an explanation'}", ", ".join(parts)
     for name, known in mapping(mapping(data.get("posterior")).get("summary")).items():
-        held = {key: value for key, value in mapping(known).items() if key != "probability"}
+        own = {key: value for key, value in mapping(known).items() if key != "probability"}
         share = mapping(known).get("probability")
         if isinstance(share, int | float):
-            yield f"learned: {name.replace('-', ' ')}, {100.0 * share:.3g} %", value_in_words(held)
+            yield f"learned: {name.replace('-', ' ')}, {_share(share)}", value_in_words(own)
 
 
-def _explanation(held: Mapping[str, object]) -> Row:
-    """Write one of the explanations of which a trial draws one."""
-    entries = held.get("effects")
-    parts = [
-        f"{name.replace('-', ' ')} ({value_in_words(parameters)})" if parameters else name.replace("-", " ")
-        for entry in (entries if isinstance(entries, list | tuple) else ())
-        for name, parameters in mapping(entry).items()
-    ]
-    probability = held.get("probability")
-    share = f"{100.0 * probability:.3g} %" if isinstance(probability, int | float) else "an explanation"
-    return f"possible, {share}", ", ".join(parts)
+def _share(probability: float) -> str:
+    return f"{100.0 * probability:.3g} %"
+
+
+def _items(entries: object) -> Iterator[tuple[str, object]]:
+    """Names and contents of a list of mappings, as phases and effects are."""
+    return chain.from_iterable(entry.items() for entry in mappings(entries))

@@ -175,10 +175,11 @@ def laid_out(columns: Sequence[str], rows: Sequence[Sequence[str]], width: int =
 def _parts(cells: list[list[str]], width: int) -> Iterator[list[str]]:
     """Lines of each group of columns that fits."""
     first = [row[0] for row in cells]
+    comfortable = max(_least(first), min(_LEAST_FIRST, max(map(len, first))))
     others = [[row[index] for row in cells] for index in range(1, len(cells[0]))]
     while True:
         count = len(others)
-        while count > 1 and _comfortable(first) + sum(GAP + _narrow(column) for column in others[:count]) > width:
+        while count > 1 and comfortable + sum(GAP + _narrow(column) for column in others[:count]) > width:
             count -= 1
         yield _lines(first, others[:count], width)
         others = others[count:]
@@ -195,7 +196,8 @@ def _lines(first: list[str], others: list[list[str]], width: int) -> list[str]:
     own = min(max(map(len, first)), room)
     lines: list[str] = []
     for number, head in enumerate(first):
-        broken = [_broken(head, own), *_parts_of_cells(others, number, wide)]
+        cells = (_broken(column[number], size, _SPACES) for column, size in zip(others, wide, strict=True))
+        broken = [_broken(head, own), *cells]
         height = max(map(len, broken))
         if number == 0:  # headings stand on the line above the rows
             broken = [[""] * (height - len(cell)) + cell for cell in broken]
@@ -204,12 +206,6 @@ def _lines(first: list[str], others: list[list[str]], width: int) -> list[str]:
             numbers = (f"{text:>{size + GAP}}" for text, size in zip(texts[1:], wide, strict=True))
             lines.append(f"{texts[0]:<{own}}{''.join(numbers)}".rstrip())
     return lines
-
-
-def _parts_of_cells(others: list[list[str]], number: int, sizes: list[int]) -> Iterator[list[str]]:
-    """Lines of each cell of a row but the first."""
-    for column, size in zip(others, sizes, strict=True):
-        yield _broken(column[number], size, _SPACES)
 
 
 def _narrow(column: list[str]) -> int:
@@ -223,10 +219,6 @@ def _narrow(column: list[str]) -> int:
 def _least(first: list[str]) -> int:
     """Least width of the first column: of its longest piece."""
     return max((len(piece.rstrip()) for cell in first for piece in _BREAKS.split(cell)), default=0)
-
-
-def _comfortable(first: list[str]) -> int:
-    return max(_least(first), min(_LEAST_FIRST, max(map(len, first))))
 
 
 def _broken(text: str, width: int, breaks: re.Pattern[str] = _BREAKS) -> list[str]:
@@ -275,13 +267,25 @@ _MOST_ROWS = 20
 
 
 def notebook(result: Result, /) -> str:
-    """Write the part of the page; it holds no style sheet and no script."""
-    shown = terminal_view(result)
-    parts = [
+    """Write the part of the page; it holds no style sheet and no script.
+
+    The first of its plots is an image of its own, so that no other figure of the page shares its names.
+    """
+    shown, drawings = terminal_view(result), drawings_of(result)
+    parts: list[str] = [
         Markup("<p><small>{}</small><br><b>{}</b></p>").format(heading(result).strip("<>"), shown.sentence),
         _table(shown.columns, shown.rows) if shown.rows else "",
-        _picture(result),
     ]
+    for name, draw in list(drawings.items())[:1]:
+        with shown_as_asked(result):
+            figure = MatplotlibFigure(figsize=(6.4, 4.0), layout="constrained")
+            draw(figure.add_subplot(), result)
+            draw_in_units(figure.axes)
+            buffer = io.BytesIO()
+            figure.savefig(buffer, format="svg", metadata={"Date": None})
+        image = base64.b64encode(buffer.getvalue()).decode()
+        look = "max-width: 100%; background: white"
+        parts.append(f'<img alt="{name}" style="{look}" src="data:image/svg+xml;base64,{image}">')
     return f"<div>{''.join(parts)}</div>"
 
 
@@ -299,19 +303,3 @@ def _row(row: Sequence[str], tag: str) -> str:
         for side, cell in zip(sides, row, strict=True)
     )
     return f"<tr>{''.join(cells)}</tr>"
-
-
-def _picture(result: Result) -> str:
-    """The first of its plots as an image of its own, so that no other figure of the page shares its names."""
-    drawings = drawings_of(result)
-    if not drawings:
-        return ""
-    name, draw = next(iter(drawings.items()))
-    with shown_as_asked(result):
-        figure = MatplotlibFigure(figsize=(6.4, 4.0), layout="constrained")
-        draw(figure.add_subplot(), result)
-        draw_in_units(figure.axes)
-        buffer = io.BytesIO()
-        figure.savefig(buffer, format="svg", metadata={"Date": None})
-    image = base64.b64encode(buffer.getvalue()).decode()
-    return f'<img alt="{name}" style="max-width: 100%; background: white" src="data:image/svg+xml;base64,{image}">'

@@ -26,6 +26,7 @@ from missionplan.results.entries import mapping, mappings
 from missionplan.scenario.grid_files import placed_pixels
 from missionplan.scenario.polygons import LOCAL, Chart, features
 
+_PICTURES = (".tif", ".tiff")
 _PIXELS = 300
 """Of the picture along each side of the map."""
 
@@ -33,7 +34,7 @@ _PIXELS = 300
 def _draw_file(axes: Axes, chart: Chart, kind: str) -> str:
     """Draw a file behind what is on the axes, in metres about the origin; returns why it cannot be read."""
     try:
-        if chart.path.suffix.lower() in (".tif", ".tiff"):
+        if chart.path.suffix.lower() in _PICTURES:
             _draw_picture(axes, chart)
         else:
             _draw_features(axes, chart, kind)
@@ -112,10 +113,9 @@ def site_map(data: Mapping[str, object]) -> Figure | None:
     goals = list(_goals(data))
     if len(goals) < 2:
         return None
-    way = np.array([goal.place for goal in goals]).T
+    way, named = _named(goals)
     circles = [circle(goal.place, goal.radius) for goal in goals if goal.radius]
-    named = list(_names(goals))
-    shown = frame([], [way, *circles, *_room_for_names(named, way)])
+    shown = frame([], [way, *circles, *room_for_names(data)])
     figure = MatplotlibFigure(figsize=(_WIDTH, 0.6 + (_WIDTH - 0.9) * shown.shape))
     axes = figure.add_subplot()
     axes.set(xlim=shown.west_east, ylim=shown.south_north, aspect="equal")
@@ -126,9 +126,10 @@ def site_map(data: Mapping[str, object]) -> Figure | None:
         axes.plot(*zip(start.place, end.place, strict=True), color=BLUE, linewidth=1.4)
     for line in circles:
         axes.plot(*line, color=ORANGE, linewidth=1.2)
-    _write_names(axes, named, way)
+    name_goals(axes, data)
     north_and_scale(axes, shown.width, emptiest_corner([way, *circles], shown.limits))
-    if _has_picture(data):
+    file = mapping(data.get("site")).get("chart")
+    if isinstance(file, str) and Path(file).suffix.lower() in _PICTURES:  # which may be dark
         _on_white(axes)
     words = "; ".join(
         f"{name} at {quantity(place[0], 'm', '.0f')} east, {quantity(place[1], 'm', '.0f')} north"
@@ -144,7 +145,7 @@ def site_map(data: Mapping[str, object]) -> Figure | None:
     )
 
 
-_DRAWN = (".json", ".geojson", ".gpkg", ".shp", ".tif", ".tiff")
+_DRAWN = (".json", ".geojson", ".gpkg", ".shp", *_PICTURES)
 """Endings of files that are drawn."""
 
 
@@ -166,23 +167,23 @@ def _draw_chart(axes: Axes, data: Mapping[str, object]) -> str:
     return words
 
 
-def _names(goals: list[Goal]) -> Iterator[tuple[str, Point]]:
-    """Join the names of the goals that are one place."""
+def _named(goals: list[Goal]) -> tuple[np.ndarray, list[tuple[str, Point]]]:
+    """Straight way through the goals, shape (2, k) [m], and the places with the names of the goals that are there."""
     places: dict[Point, list[str]] = {}
     for goal in goals:
         rounded = (round(goal.place[0], 1), round(goal.place[1], 1))
         names = places.setdefault(rounded, [])
         if goal.name not in names:
             names.append(goal.name)
-    for place, names in places.items():
-        yield ", ".join(names), place
+    way = np.array([goal.place for goal in goals]).reshape(-1, 2).T
+    return way, [(", ".join(names), place) for place, names in places.items()]
 
 
-def _write_names(axes: Axes, named: list[tuple[str, Point]], way: np.ndarray) -> None:
-    """Write each name beside its place: towards the map's middle, and on the side that the way does not take."""
-    middle = way.mean(axis=1)
+def name_goals(axes: Axes, data: Mapping[str, object]) -> None:
+    """Write the names of a mission's start and goals on a map of it: towards its middle, off the way."""
+    way, named = _named(list(_goals(data)))
     for name, (east, north) in named:
-        right = east > middle[0]
+        right = east > way[0].mean()
         axes.plot(east, north, "o", color=INK, markersize=4)
         axes.annotate(
             name,
@@ -195,25 +196,12 @@ def _write_names(axes: Axes, named: list[tuple[str, Point]], way: np.ndarray) ->
         )
 
 
-def name_goals(axes: Axes, data: Mapping[str, object]) -> None:
-    """Write the names of a mission's start and goals on a map of it."""
-    goals = list(_goals(data))
-    if goals:
-        _write_names(axes, list(_names(goals)), np.array([goal.place for goal in goals]).T)
-
-
 def room_for_names(data: Mapping[str, object]) -> Iterator[np.ndarray]:
     """Points that must lie on a map of a mission, so that no name below a place runs into its axis."""
-    goals = list(_goals(data))
-    if goals:
-        yield from _room_for_names(list(_names(goals)), np.array([goal.place for goal in goals]).T)
-
-
-def _room_for_names(named: list[tuple[str, Point]], way: np.ndarray) -> Iterator[np.ndarray]:
-    room = _NAME_BELOW * float(np.ptp(way, axis=1).max())
+    way, named = _named(list(_goals(data)))
     for _, (east, north) in named:
         if not _runs_below(way, (east, north)):
-            yield np.array([[east], [north - room]])
+            yield np.array([[east], [north - _NAME_BELOW * float(np.ptp(way, axis=1).max())]])
 
 
 def _runs_below(way: np.ndarray, place: Point) -> bool:
@@ -221,12 +209,6 @@ def _runs_below(way: np.ndarray, place: Point) -> bool:
     near = np.flatnonzero(np.hypot(*(way - np.array(place)[:, None])) < 1.0)
     beside = [index for index in (*(near - 1), *(near + 1)) if 0 <= index < way.shape[1] and index not in near]
     return bool(np.mean(way[1, beside] - place[1]) <= 0.0) if beside else True
-
-
-def _has_picture(data: Mapping[str, object]) -> bool:
-    """Whether the mission's chart is a picture, which may be dark."""
-    file = mapping(data.get("site")).get("chart")
-    return isinstance(file, str) and Path(file).suffix.lower() in (".tif", ".tiff")
 
 
 def _on_white(axes: Axes) -> None:
@@ -260,9 +242,9 @@ def _goals(data: Mapping[str, object]) -> Iterator[Goal]:
                 yield Goal("start", begin, 0.0)
             if end is not None:
                 here = end
-                yield Goal(name, end, _length(section.get("arrival_radius")))
+                yield Goal(name, end, _number(section.get("arrival_radius"), "m"))
         elif kind == "moor" and here is not None:
-            yield Goal(name, here, _length(section.get("radius")))
+            yield Goal(name, here, _number(section.get("radius"), "m"))
 
 
 def _origin(data: Mapping[str, object]) -> Geographic | None:
@@ -282,14 +264,10 @@ def _place(value: object, origin: Geographic | None) -> Point | None:
         east, north = to_plane(latitude, longitude, origin)
         found = float(east[0]), float(north[0])
     elif isinstance(value, list | tuple) and len(value) == 2:
-        found = _length(value[0]), _length(value[1])
+        found = _number(value[0], "m"), _number(value[1], "m")
     else:
         return None
     return found if all(map(math.isfinite, found)) else None
-
-
-def _length(value: object) -> float:
-    return _number(value, "m")
 
 
 def _number(value: object, unit: str) -> float:

@@ -216,7 +216,7 @@ def xyz(chart: Chart) -> Grid:
     table, header = _numbers(chart)
     y_first = header[:1] and header[0].startswith(("lat", "north", "y")) and header[1].startswith(("lon", "east", "x"))
     x, y, z = table.T[[1, 0, 2]] if y_first else table.T
-    is_up = _asked_up(chart)
+    is_up = chart.asked_up
     if chart.written.positive is None and header[2:] and header[2].startswith("depth"):
         is_up = False
     columns, column = np.unique(x, return_inverse=True)

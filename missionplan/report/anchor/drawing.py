@@ -12,19 +12,7 @@ from matplotlib.patches import Polygon, Rectangle, Wedge
 from missionplan.arrays import Array
 from missionplan.physics.anchor import AnchorDesign, cap_height
 from missionplan.report.axes import column_of_panels, name_axis
-from missionplan.report.page import (
-    BLUE,
-    GREEN,
-    GREY,
-    INK,
-    ORANGE,
-    SKY,
-    YELLOW,
-    Figure,
-    PageSection,
-    Table,
-    to_figure,
-)
+from missionplan.report.page import BLUE, GREEN, GREY, INK, ORANGE, SKY, YELLOW, Figure, PageSection, Table, to_figure
 from missionplan.report.quantities import quantity
 from missionplan.report.wording import capitalised, phase_in_words
 from missionplan.results.whereabouts import HeldState, HeldVehicle
@@ -43,7 +31,14 @@ def drawing(design: AnchorDesign) -> Figure:
     _draw_parts(axes, design)
     _mark_centre(axes, design, design.centre_of_buoyancy, "centre of buoyancy", "o", side=1.0)
     _mark_centre(axes, design, design.centre_of_gravity, "centre of gravity", "+", side=-1.0)
-    _draw_dimensions(axes, design)
+    r, end = design.problem.radius * _MM, design.length * _MM
+    below = -r - 12.0  # lengths with arrows, and the limits about them
+    _dimension(axes, 0.0, end, below - 16.0, f"{end:.0f} mm")
+    _dimension(axes, r, end, below, f"C = {design.cylinder_length * _MM:.1f} mm")
+    if _has_ring(design):
+        place = design.trim_position * _MM
+        _dimension(axes, 0.0, place, r + 24.0, f"ring at {place:.1f} mm")
+    axes.set(xlim=(-14.0, end + 62.0), ylim=(below - 26.0, r + 36.0), xlabel="From the tip (mm)", aspect="equal")
     axes.grid(visible=False)
     axes.set_yticks([])
     axes.spines["left"].set_visible(False)
@@ -152,18 +147,6 @@ def _mark_centre(axes: Axes, design: AnchorDesign, place: float, label: str, mar
     )
 
 
-def _draw_dimensions(axes: Axes, design: AnchorDesign) -> None:
-    """Draw lengths with arrows, and set the limits about them."""
-    r, end = design.problem.radius * _MM, design.length * _MM
-    below = -r - 12.0
-    _dimension(axes, 0.0, end, below - 16.0, f"{end:.0f} mm")
-    _dimension(axes, r, end, below, f"C = {design.cylinder_length * _MM:.1f} mm")
-    if _has_ring(design):
-        ring = design.trim_position * _MM
-        _dimension(axes, 0.0, ring, r + 24.0, f"ring at {ring:.1f} mm")
-    axes.set(xlim=(-14.0, end + 62.0), ylim=(below - 26.0, r + 36.0), xlabel="From the tip (mm)", aspect="equal")
-
-
 def _dimension(axes: Axes, start: float, end: float, height: float, label: str) -> None:
     axes.annotate("", (start, height), (end, height), arrowprops={"arrowstyle": "<->", "color": INK, "linewidth": 0.8})
     axes.text(0.5 * (start + end), height + 1.5, label, ha="center", va="bottom", fontsize=8.5)
@@ -258,7 +241,13 @@ def hold_figure(held: HeldVehicle) -> Figure:
     label: dict[str, Any] = {"textcoords": "offset points", "color": ORANGE, "ha": "right", "fontsize": 9}
     axes.annotate("anchor", (-0.5 * length, 2.0 * radius), (-4, 8), **label)
     for state, colour in reversed(list(zip(reversed(_apart(held)), (BLUE, SKY), strict=False))):
-        _draw_state(axes, held, state, colour)
+        nose = np.array([float(state.line[-1, 0]), float(state.line[-1, 1])])
+        axes.plot(state.line[:, 0], state.line[:, 1], color=INK, linewidth=0.9)
+        axis = (np.array(state.tail) - nose) / held.length
+        turn = np.array([axis, [-axis[1], axis[0]]])
+        outline = nose + _capsule(held.length, 0.5 * held.diameter) @ turn
+        named = f"{state.current}, {quantity(state.speed, 'm/s', '.2f')}"
+        axes.add_patch(Polygon(outline, closed=True, facecolor=colour, linewidth=0.0, zorder=4, label=named))
     tail, tip, words = (left + part * (right - left) for part in (0.02, 0.25, 0.27))
     arrow = {"arrowstyle": "->", "color": INK, "linewidth": 1.2}
     axes.annotate("", (tip, 1.16 * top), (tail, 1.16 * top), arrowprops=arrow)
@@ -276,19 +265,9 @@ def hold_figure(held: HeldVehicle) -> Figure:
     return to_figure(
         figure,
         f"hold-{held.phase}" if held.phase != "moor" else "hold",
-        alt=f"Vehicle, line and anchor to scale. {listed[:1].upper()}{listed[1:]}",
+        alt=f"Vehicle, line and anchor to scale. {capitalised(listed)}",
         caption="Vehicle, line and anchor to scale, every distribution at its mean, each current in its own direction.",
     )
-
-
-def _draw_state(axes: Axes, held: HeldVehicle, state: HeldState, colour: str) -> None:
-    nose = np.array([float(state.line[-1, 0]), float(state.line[-1, 1])])
-    axes.plot(state.line[:, 0], state.line[:, 1], color=INK, linewidth=0.9)
-    axis = (np.array(state.tail) - nose) / held.length
-    turn = np.array([axis, [-axis[1], axis[0]]])
-    outline = nose + _capsule(held.length, 0.5 * held.diameter) @ turn
-    label = f"{state.current}, {quantity(state.speed, 'm/s', '.2f')}"
-    axes.add_patch(Polygon(outline, closed=True, facecolor=colour, linewidth=0.0, zorder=4, label=label))
 
 
 def _capsule(length: float, radius: float, *, blunt: bool = False) -> Array:

@@ -108,7 +108,13 @@ def page(sizing: AnchorSizing) -> Page:
 def answer(sizing: AnchorSizing) -> str:
     """Write which anchor to build and what it achieves, what that of the worst case would, and whether it drags."""
     sailed = members_in_words(sizing.members, "succeeds")
-    which = f"{_which(sizing)}{sections.margin_in_words(sizing)}{judged_in_words(sizing.judged)}"
+    heavier = sizing.probable.margins[-1] if sizing.probable is not None and sizing.probable.margins else None
+    missed = ""
+    if heavier is not None and heavier.misses:  # by an anchor that turns out a tenth heavier
+        missed = (
+            f" Built heavier, with {quantity(heavier.weight, 'N', '.2f')}, it would miss {', '.join(heavier.misses)}."
+        )
+    which = f"{_which(sizing)}{missed}{judged_in_words(sizing.judged)}"
     doubts, others = f"{explanation_in_words(sizing)}{sailed and f' {sailed}'}", ""
     if sizing.others:  # the mission moors elsewhere too
         names = [phase_in_words(name) for name in (sizing.phase, *sizing.others)]

@@ -66,16 +66,6 @@ def asked_in_words(probable: ProbableAnchor) -> str:
     return share or "all that the mission requires of its dives"
 
 
-def margin_in_words(sizing: AnchorSizing) -> str:
-    """Write what is missed by an anchor that turns out a tenth heavier; nothing where nothing is."""
-    if sizing.probable is None or not sizing.probable.margins:
-        return ""
-    heavier = sizing.probable.margins[-1]
-    if not heavier.misses:
-        return ""
-    return f" Built heavier, with {quantity(heavier.weight, 'N', '.2f')}, it would miss {', '.join(heavier.misses)}."
-
-
 def weight_in_words(anchor: SizedAnchor) -> str:
     """Write the wet weight: ``11.8 N``."""
     return quantity(anchor.wet_weight, "N", ".1f" if anchor.wet_weight >= 1.0 else ".2f")

@@ -20,6 +20,14 @@ from missionplan.results.learned import Campaign
 LEFT = 0.05
 """Probability of none of the explanations from which it is told."""
 COLUMNS = ("Data set", "Kind", "Verdict", "Causes", "Confirmed")
+_PASSED_ON = (
+    "An effect passes from one data set to the next through the mission: what one leaves of its parameters is what "
+    "the next begins with. Dives, summaries of dives and the drag of the tank share the vehicle's effects; legs "
+    "share theirs with other legs. Legs and dives have no effect of the catalogue in common, so that neither "
+    "changes what the other shows. σ_v is that of the last record of legs. The order is that of the kinds (tank, "
+    "dives, legs), then of the names, however they are given. Another order could change what is claimed where an "
+    "effect is weak in each record: one record alone must show it clearly (55 to 1) for it to be claimed."
+)
 
 
 def page(campaign: Campaign) -> Page:
@@ -39,9 +47,11 @@ def page(campaign: Campaign) -> Page:
 
 
 def _sections(campaign: Campaign) -> list[PageSection]:
+    rows = [[effect.replace("-", " "), ", ".join(names)] for effect, names in campaign.informed_by.items()]
+    heads = ["Effect", "Learned from"]
     sections = [
         PageSection("What each data set showed", [Table(COLUMNS, _rows(campaign), text_columns=5)]),
-        PageSection("What they share", _shared(campaign)),
+        PageSection("What they share", [_PASSED_ON, *([Table(heads, rows, text_columns=2)] if rows else [])]),
     ]
     for index, (each, name) in enumerate(zip(campaign.diagnoses, campaign.names, strict=True), start=1):
         figure = page_of(each).figure
@@ -83,22 +93,6 @@ def _rows(campaign: Campaign) -> list[list[str]]:
         confirmed = [effect.replace("-", " ") for effect in each.borne_out]
         rows.append([name, each.kind, each.verdict, ", ".join(causes) or "–", ", ".join(confirmed) or "–"])
     return rows
-
-
-def _shared(campaign: Campaign) -> list[Block]:
-    """Say what passes from one data set to the next, and what does not."""
-    rows = [[effect.replace("-", " "), ", ".join(names)] for effect, names in campaign.informed_by.items()]
-    words = (
-        "An effect passes from one data set to the next through the mission: what one leaves of its parameters is what "
-        "the next begins with. Dives, summaries of dives and the drag of the tank share the vehicle's effects; legs "
-        "share theirs with other legs. Legs and dives have no effect of the catalogue in common, so that neither "
-        "changes what the other shows. σ_v is that of the last record of legs. The order is that of the kinds (tank, "
-        "dives, legs), then of the names, however they are given. Another order could change what is claimed where an "
-        "effect is weak in each record: one record alone must show it clearly (55 to 1) for it to be claimed."
-    )
-    if not rows:
-        return [words]
-    return [words, Table(["Effect", "Learned from"], rows, text_columns=2)]
 
 
 def ranking(axes: Axes, campaign: Campaign, dataset: int = 0) -> None:

@@ -13,13 +13,7 @@ from missionplan.report.page import BLUE, GREY, ORANGE, Block, Figure, PageSecti
 from missionplan.report.quantities import Unit, length_in_words, reader_unit
 from missionplan.report.wording import number, parameter_in_words
 from missionplan.results.learned import Diagnosis
-from missionplan.results.learned.evidence import (
-    SURE,
-    Discrepancy,
-    DiscrepancyShape,
-    ParameterEstimate,
-    RankedSet,
-)
+from missionplan.results.learned.evidence import SURE, Discrepancy, DiscrepancyShape, ParameterEstimate, RankedSet
 
 _LISTED = 8
 _LABEL = 36
@@ -74,17 +68,12 @@ def discrepancy_figure(found: Discrepancy, shape: DiscrepancyShape) -> Figure:
 
 def held_out_figure(diagnosis: Diagnosis) -> Figure:
     """Draw the held-out gain of each part."""
-    gains = _gains(diagnosis)
-    figure = MatplotlibFigure(figsize=(6.0, 0.32 * len(gains) + 0.9))
+    figure = MatplotlibFigure(figsize=(6.0, 0.32 * len(diagnosis.scores) + 0.9))
     draw_held_out(figure.subplots(), diagnosis)
-    better = sum(gain > 0.0 for gain in gains)
-    alt = f"Held-out gain of {len(gains)} parts; {better} of them better with the extended model"
-    return to_figure(
-        figure,
-        "held-out",
-        alt=alt,
-        caption="Gain of the set that scores best, on each part of the data held out in turn.",
-    )
+    better = sum(gain > 0.0 for gain in _gains(diagnosis))
+    alt = f"Held-out gain of {len(diagnosis.scores)} parts; {better} of them better with the extended model"
+    caption = "Gain of the set that scores best, on each part of the data held out in turn."
+    return to_figure(figure, "held-out", alt=alt, caption=caption)
 
 
 def draw_held_out(axes: Axes, diagnosis: Diagnosis) -> None:

@@ -35,7 +35,9 @@ def finding_in_words(diagnosis: Diagnosis) -> str:
     there is no order: what the crew is to do is then to find out.
     """
     found, disputed = claimed_parameters(diagnosis), disputed_causes(diagnosis)
-    certain = _certain_causes(diagnosis, disputed)
+    causes = frozenset(diagnosis.causes) - disputed
+    # beside one that is disputed, what errors follow by statistics alone is disputed too
+    certain = frozenset(cause for cause in causes if CATALOGUE[cause].tier == "physical") if disputed else causes
     told = {
         cause: _clause(cause, found, is_order=cause in certain, is_known=cause in diagnosis.changed)
         for cause in diagnosis.causes
@@ -55,12 +57,6 @@ def finding_in_words(diagnosis: Diagnosis) -> str:
     if diagnosis.verdict in _DOUBTFUL and diagnosis.none_of_these > UNLIKELY:
         words += f" Beside that, something that {_NO_NAME} may be there ({part(diagnosis.none_of_these)})."
     return words
-
-
-def _certain_causes(diagnosis: Diagnosis, disputed: frozenset[str]) -> frozenset[str]:
-    """Causes to act on; beside one that is disputed what errors follow by statistics alone is disputed too."""
-    causes = frozenset(diagnosis.causes) - disputed
-    return frozenset(cause for cause in causes if CATALOGUE[cause].tier == "physical") if disputed else causes
 
 
 def disputed_causes(diagnosis: Diagnosis) -> frozenset[str]:
@@ -139,7 +135,14 @@ def sized_clause(finding: Finding, mine: Mapping[str, ParameterEstimate]) -> str
     searched = [each for each in mine.values() if CATALOGUE[each.effect].parameters[each.name].searched]
     at = " until ".join(map(_place, searched))
     if finding.toward is not None:
-        return _vector_clause(finding, mine, at)
+        east, north = (mine.get(name) for name in finding.toward)
+        if east is None or north is None:
+            return ""
+        length = math.hypot(east.value, north.value)
+        sd = math.hypot(east.value * east.sd, north.value * north.sd) / max(length, 1e-12)
+        size = _size(replace(east, value=length, sd=sd), finding)
+        direction = f"{math.degrees(math.atan2(east.value, north.value)) % 360.0:.0f}°"
+        return finding.positive.format(size=size, direction=direction, at=at)
     clause = finding.negative if estimate.value < 0.0 and finding.negative else finding.positive
     return clause.format(size=_size(estimate, finding), at=at)
 
@@ -153,19 +156,6 @@ def _place(parameter: ParameterEstimate) -> str:
     hours = f"{parameter.value / _HOUR:.1f} h"
     is_moment = CATALOGUE[parameter.effect].parameters[parameter.name].searched == "time"
     return f"{hours} after the start" if is_moment else hours
-
-
-def _vector_clause(finding: Finding, mine: Mapping[str, ParameterEstimate], at: str) -> str:
-    """Write size and direction of a vector by its components; its error is that along it."""
-    parts = [mine.get(name) for name in finding.toward or ()]
-    east, north = parts
-    if east is None or north is None:
-        return ""
-    length = math.hypot(east.value, north.value)
-    sd = math.hypot(east.value * east.sd, north.value * north.sd) / max(length, 1e-12)
-    size = _size(replace(east, value=length, sd=sd), finding)
-    direction = f"{math.degrees(math.atan2(east.value, north.value)) % 360.0:.0f}°"
-    return finding.positive.format(size=size, direction=direction, at=at)
 
 
 def _size(estimate: ParameterEstimate, finding: Finding) -> str:
@@ -197,7 +187,15 @@ def how_sure(diagnosis: Diagnosis) -> list[str]:
             f"Each part of the data was left out in turn and predicted from the others: {gain.groups_improved} of "
             f"{gain.groups} parts are predicted better with what was found than without."
         )
-    return [*words, *filter(None, [_coverage_words(diagnosis.coverage)])]
+    coverage = diagnosis.coverage
+    if coverage is not None and coverage.is_off:
+        share, scaled = (part(inside / coverage.count) for inside in (coverage.inside, coverage.inside_scaled))
+        words.append(
+            f"90 % intervals hold {share} of what was held out. With random errors {coverage.scale:.2f} times as "
+            f"large, as in the extended mission, they hold {scaled}: the factor is assessed on other legs than it is "
+            "fitted to."
+        )
+    return words
 
 
 def _among_the_tried(diagnosis: Diagnosis) -> str:
@@ -228,18 +226,6 @@ def intervals_that_miss(coverage: Coverage | None) -> str:
     wide = "narrow" if coverage.scale > 1.0 else "wide"
     return (
         f"Its 90 % intervals are too {wide}: they hold {part(coverage.inside / coverage.count)} of what was held out."
-    )
-
-
-def _coverage_words(coverage: Coverage | None) -> str:
-    """Say by how much the extended mission's random errors are scaled for its intervals to hold."""
-    if coverage is None or not coverage.is_off:
-        return ""
-    share, scaled = (part(inside / coverage.count) for inside in (coverage.inside, coverage.inside_scaled))
-    return (
-        f"90 % intervals hold {share} of what was held out. With random errors {coverage.scale:.2f} times as "
-        f"large, as in the extended mission, they hold {scaled}: the factor is assessed on other legs than it is "
-        "fitted to."
     )
 
 

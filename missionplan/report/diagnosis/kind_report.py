@@ -130,7 +130,7 @@ ALMOST_ALL = 0.995
 
 def names(causes: Causes) -> str:
     """Write a set of causes in words."""
-    return enumerated([_name(cause) for cause in causes])
+    return listed([_name(cause) for cause in causes]) or "no cause"
 
 
 def _name(cause: str) -> str:
@@ -147,11 +147,6 @@ def found_causes(causes: Causes, found: Iterable[ParameterEstimate]) -> str:
         like = CATALOGUE[cause].likeness
         is_like = like is not None and sizes.get((cause, like.parameter), 0.0) > like.size
         words.append(like.words if like is not None and is_like else _name(cause))
-    return enumerated(words)
-
-
-def enumerated(words: Sequence[str]) -> str:
-    """Join words with commas and an "and"."""
     return listed(words) or "no cause"
 
 
@@ -185,12 +180,11 @@ def causes_section(diagnosis: Diagnosis) -> list[PageSection]:
     claimed = [cause for causes in (diagnosis.causes, *diagnosis.rivals) for cause in causes]
     described = list(dict.fromkeys(claimed))[:_DESCRIBED]
     heading = "What such a cause is" if len(described) == 1 else "What such causes are"
-    return [PageSection(heading, [_described(cause) for cause in described])] if diagnosis.causes else []
-
-
-def _described(cause: str) -> str:
-    info = CATALOGUE[cause]
-    words = f"{names((cause,)).capitalize()}. {info.what} Sizes that occur: {info.sizes}"
-    if info.confused_with:
-        words += f" Easily taken for {', '.join(names((other,)) for other in info.confused_with)}."
-    return f"{words} What tells it from others: {info.distinguished_by[0].lower()}{info.distinguished_by[1:]}"
+    told = []
+    for cause in described:
+        info = CATALOGUE[cause]
+        words = f"{names((cause,)).capitalize()}. {info.what} Sizes that occur: {info.sizes}"
+        if info.confused_with:
+            words += f" Easily taken for {', '.join(names((other,)) for other in info.confused_with)}."
+        told.append(f"{words} What tells it from others: {info.distinguished_by[0].lower()}{info.distinguished_by[1:]}")
+    return [PageSection(heading, told)] if diagnosis.causes else []

@@ -5,7 +5,6 @@ from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
-from matplotlib.axes import Axes
 from matplotlib.figure import Figure as MatplotlibFigure
 
 from missionplan.report.axes import name_axis
@@ -193,7 +192,11 @@ def _chart(diagnosis: Diagnosis, left: ResidualSeries) -> Figure:
     for tip in tips:  # arrows are no part of the limits by themselves
         axes.plot(*tip, " ")
     axes.autoscale_view()
-    _not_too_narrow(axes)
+    # widen limits so that neither side is shorter than half of the other: legs may all lie on one line
+    (west, east), (south, north) = axes.get_xlim(), axes.get_ylim()
+    wide, high = max(east - west, 0.5 * (north - south)), max(north - south, 0.5 * (east - west))
+    across, up = 0.5 * (west + east), 0.5 * (south + north)
+    axes.set(xlim=(across - 0.5 * wide, across + 0.5 * wide), ylim=(up - 0.5 * high, up + 0.5 * high))
     key = f"{0.5 * longest:.1f}\u00a0{left.unit}"
     axes.quiverkey(arrows, 0.6, 1.06, 0.5 * longest, key, labelpos="E", fontproperties={"size": 8})
     name_axis(panels[0].yaxis, "North", "km")
@@ -203,14 +206,6 @@ def _chart(diagnosis: Diagnosis, left: ResidualSeries) -> Figure:
         alt="Velocity errors of the legs as arrows at the places where the legs began, before and after",
         caption="Velocity error of each leg where the leg began: what depends on the place shows as a pattern.",
     )
-
-
-def _not_too_narrow(axes: Axes) -> None:
-    """Widen limits so that neither side is shorter than half of the other: legs may all lie on one line."""
-    (west, east), (south, north) = axes.get_xlim(), axes.get_ylim()
-    wide, high = max(east - west, 0.5 * (north - south)), max(north - south, 0.5 * (east - west))
-    across, up = 0.5 * (west + east), 0.5 * (south + north)
-    axes.set(xlim=(across - 0.5 * wide, across + 0.5 * wide), ylim=(up - 0.5 * high, up + 0.5 * high))
 
 
 def _gained_of_legs(diagnosis: Diagnosis, before: float, after: float) -> str:

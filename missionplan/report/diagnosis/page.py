@@ -38,20 +38,9 @@ from missionplan.report.diagnosis.plan import (
 )
 from missionplan.report.diagnosis.scoring import dataset_sections, told
 from missionplan.report.page import Block, Page, PageSection, Table
-from missionplan.report.wording import listed
+from missionplan.report.wording import capitalised, listed
 from missionplan.results.learned import Diagnosis
 from missionplan.results.learned.evidence import SURE, NextMeasurement, ParameterEstimate
-
-
-def last_part_words(diagnosis: Diagnosis) -> str:
-    """Say how well the extended mission predicts what was held out; empty without such a part."""
-    last = diagnosis.last_part
-    if last is None:
-        return ""
-    chance = "" if last.is_within_chance else " Chance does not allow such coverages."
-    many = "legs" if last.kind == "transit" else "dives"
-    return f" Kept away from all this, the last {last.groups} {many}: the extended mission {told(last)}{chance}"
-
 
 _INDISTINGUISHABLE = 1.0
 """Expected nats below which a measurement separates nothing."""
@@ -85,6 +74,15 @@ def page(diagnosis: Diagnosis) -> Page:
 
 def _sections(diagnosis: Diagnosis) -> list[PageSection]:
     last, residuals = diagnosis.last_part, REPORTS[diagnosis.kind].residual_figures(diagnosis)
+    blocks: list[Block] = []
+    if diagnosis.source:
+        blocks.append(f"Source: {diagnosis.source}")
+    words = REPORTS[diagnosis.kind].calibration
+    rows = [[words.get(name, name), f"{value:.4g}"] for name, value in diagnosis.calibration.items()]
+    blocks.append(Table(["Calibration of the base model", "Value (SI)"], rows, "Fitted beside the causes; no cause."))
+    if diagnosis.failures:
+        failures = [list(item) for item in diagnosis.failures.items()]
+        blocks.append(Table(["Set that could not be fitted", "Why"], failures, text_columns=2))
     return [
         PageSection("What to do next", _next_words(diagnosis), is_summary=True),
         *plan_section(diagnosis),
@@ -98,7 +96,7 @@ def _sections(diagnosis: Diagnosis) -> list[PageSection]:
         *([] if last is None else dataset_sections(last, "The last part, held out")),
         discrepancy_section(diagnosis),
         distinction_section(diagnosis),
-        PageSection("How the data were treated", _treatment(diagnosis)),
+        PageSection("How the data were treated", blocks),
     ]
 
 
@@ -120,7 +118,12 @@ def answer(diagnosis: Diagnosis) -> str:
         filter(None, (_verdict_words(diagnosis), intervals_that_miss(diagnosis.coverage), diagnosis.misfit))
     )
     aged = "".join(f" {words}" for words in trends_in_words(diagnosis.levels))
-    return f"{found} {verdict}{aged}{last_part_words(diagnosis)}".strip()
+    last, kept = diagnosis.last_part, ""
+    if last is not None:
+        many = "legs" if last.kind == "transit" else "dives"
+        kept = f" Kept away from all this, the last {last.groups} {many}: the extended mission {told(last)}"
+        kept += "" if last.is_within_chance else " Chance does not allow such coverages."
+    return f"{found} {verdict}{aged}{kept}".strip()
 
 
 def _verdict_words(diagnosis: Diagnosis) -> str:
@@ -133,7 +136,7 @@ def _verdict_words(diagnosis: Diagnosis) -> str:
     words += _changed(diagnosis)
     if diagnosis.not_constant:
         verb = "is" if len(diagnosis.not_constant) == 1 else "are"
-        words += f" {_sentence(names(diagnosis.not_constant))} {verb} {REPORTS[diagnosis.kind].not_constant}."
+        words += f" {capitalised(names(diagnosis.not_constant))} {verb} {REPORTS[diagnosis.kind].not_constant}."
     if any(CATALOGUE[cause].tier != "physical" for cause in diagnosis.causes):
         words += " Part of this describes the errors statistically; its physical cause is not identified."
     return words.strip()
@@ -175,7 +178,7 @@ def _claim(diagnosis: Diagnosis) -> str:
         is_left = diagnosis.discrepancy.axis is not None
         left = f"what is left {resemblance(diagnosis.discrepancy)}." if is_left else ""
         if is_told and disputed_causes(diagnosis):
-            return _sentence(left)
+            return capitalised(left)
         return f"The largest share of the misfit resembles {named}, but not all of it{f': {left}' if left else '.'}"
     if diagnosis.verdict == "ambiguous":
         if is_told:
@@ -184,15 +187,11 @@ def _claim(diagnosis: Diagnosis) -> str:
         rest = f"; {' or '.join(others)} would do nearly as well" if others else ", which is not sure"
         return f"The data fit {named}{rest}."
     change = "a change of " if {*diagnosis.causes} <= {*diagnosis.changed} else ""
-    return f"The misfit is explained by {change}{named}.{_told_as_one(diagnosis)}"
-
-
-def _told_as_one(diagnosis: Diagnosis) -> str:
-    """Say that a current may be steady or turn, where the record does not show which."""
     shares = {entry.causes: entry.posterior for entry in diagnosis.ranking if entry.posterior is not None}
     members = next((family for family in diagnosis.readings.families if diagnosis.causes in family), ())
-    told = [f"{names(causes)} {percent(shares[causes])}" for causes in members if causes in shares]
-    return f" Whether this current turns, the record cannot show: {', '.join(told)}." if len(told) > 1 else ""
+    either = [f"{names(causes)} {percent(shares[causes])}" for causes in members if causes in shares]
+    turns = f" Whether this current turns, the record cannot show: {', '.join(either)}." if len(either) > 1 else ""
+    return f"The misfit is explained by {change}{named}.{turns}"
 
 
 def _confirmed(diagnosis: Diagnosis) -> str:
@@ -220,7 +219,7 @@ def _changed(diagnosis: Diagnosis) -> str:
         for p in diagnosis.known
         if p.effect in diagnosis.changed and (p.effect, p.name) in after
     ]
-    return f" {_sentence('; '.join(told))}." if told else ""
+    return f" {capitalised('; '.join(told))}." if told else ""
 
 
 def _parameter_words(parameter: ParameterEstimate) -> str:
@@ -228,10 +227,6 @@ def _parameter_words(parameter: ParameterEstimate) -> str:
     effect = names((parameter.effect,))
     alone = len(CATALOGUE[parameter.effect].parameters) == 1
     return effect if alone else f"{parameter.name.replace('_', ' ')} of {effect}"
-
-
-def _sentence(words: str) -> str:
-    return words[:1].upper() + words[1:]
 
 
 def _numbers(diagnosis: Diagnosis) -> list[tuple[str, str]]:
@@ -262,14 +257,14 @@ def _plan_on(diagnosis: Diagnosis) -> list[str]:
 
 
 def _next_words(diagnosis: Diagnosis) -> list[str]:
+    if not diagnosis.learned_from:
+        return ["Plan on with the mission as it is: mission.yaml in this folder is the same. Diagnose new data."]
     words = [*_plan_on(diagnosis), *next_trial_pointer(diagnosis.next_trial)]
     if diagnosis.next_trial is None or diagnosis.next_trial.best is None:
         words += [_measurement_words(entry) for entry in diagnosis.next_measurements]
     if diagnosis.outlying_groups:
         listed = ", ".join(f"{group} (p = {p_value:.1g})" for group, p_value in diagnosis.outlying_groups)
         words.append(f"Check these parts of the record, which the rest does not predict: {listed}. A wrong label?")
-    if not diagnosis.learned_from:
-        return ["Plan on with the mission as it is: mission.yaml in this folder is the same. Diagnose new data."]
     if diagnosis.verdict == "adequate":
         words.append(_KEEP_KNOWN if diagnosis.confirmed or diagnosis.explanations else _KEEP)
     if diagnosis.verdict == "unexplained":
@@ -287,16 +282,3 @@ def _measurement_words(entry: NextMeasurement) -> str:
         factor = f"{math.exp(nats):.2g}" if nats < math.log(100.0) else f"{float(f'{math.exp(nats):.1e}'):.0f}"
         favour = f"expected to make the true one {factor} times as probable against the other"
     return f"To tell {first} from {second}: {entry.measurement} ({favour})."
-
-
-def _treatment(diagnosis: Diagnosis) -> list[Block]:
-    blocks: list[Block] = []
-    if diagnosis.source:
-        blocks.append(f"Source: {diagnosis.source}")
-    words = REPORTS[diagnosis.kind].calibration
-    rows = [[words.get(name, name), f"{value:.4g}"] for name, value in diagnosis.calibration.items()]
-    blocks.append(Table(["Calibration of the base model", "Value (SI)"], rows, "Fitted beside the causes; no cause."))
-    if diagnosis.failures:
-        failures = [list(item) for item in diagnosis.failures.items()]
-        blocks.append(Table(["Set that could not be fitted", "Why"], failures, text_columns=2))
-    return blocks

@@ -9,7 +9,7 @@ from missionplan.report.page import Block, PageSection, Table
 from missionplan.report.quantities import Unit, length_in_words, quantity, reader_unit
 from missionplan.report.wording import capitalised, number
 from missionplan.results.learned import Diagnosis, Plan
-from missionplan.results.learned.next_trial import NextTrial, OutcomeRule, ValuedDesign
+from missionplan.results.learned.next_trial import NextTrial, ValuedDesign
 
 _COLUMNS = {
     "d_max_m": "d_max",
@@ -199,10 +199,14 @@ def next_trial_words(found: NextTrial) -> str:
     best = found.best
     perfect = f"{_loss(found.perfect, found)} that knowing everything would save"
     share = f"of {perfect}" if best.saving < found.perfect else f"as far as chance lets it be told all of the {perfect}"
+    spent = best.energy_wh if found.unit == "W h" else best.minutes
+    after = "with the first mission"
+    if spent is not None and spent > best.saving:
+        after = f"after {math.ceil(spent / best.saving)} missions"
     return (
         f"{capitalised(best.name)}{_file(found)}: {_takes(best)}, and saves {_loss(best.saving, found)} a mission on "
         f"average (± {_loss(best.saving_error, found)}), {share}. "
-        f"{_choice_now(found)} The trial pays for itself {_payback(found)}. {_about_vehicle(found)}"
+        f"{_choice_now(found)} The trial pays for itself {after}. {_about_vehicle(found)}"
     ).rstrip()
 
 
@@ -226,28 +230,15 @@ def _about_vehicle(found: NextTrial) -> str:
 
 
 def _choice_now(found: NextTrial) -> str:
+    shortest, longest = ("lightest", "heaviest") if found.decides == "anchor_wet_weight_n" else ("shortest", "longest")
+    least, most = found.tried  # one beyond the last of those tried might be better still
+    edge = f"the {shortest} tried; " if found.choice <= least else ""
+    edge = edge or (f"the {longest} tried; " if found.choice >= most else "")
     brings = f"success {percent(found.success)}, {_loss(found.loss, found)} a mission with its failures"
     return (
         f"With what is known now, {_CHOSEN_NOW[found.decides]} is best at {_value(found, found.choice)} "
-        f"({_edge(found)}{brings})."
+        f"({edge}{brings})."
     )
-
-
-def _edge(found: NextTrial) -> str:
-    """Say that a choice is the last of those tried: one beyond it might be better still."""
-    least, most = found.tried
-    words = ("the shortest tried; ", "the longest tried; ")
-    if found.decides == "anchor_wet_weight_n":
-        words = ("the lightest tried; ", "the heaviest tried; ")
-    return words[0] if found.choice <= least else words[1] if found.choice >= most else ""
-
-
-def _payback(found: NextTrial) -> str:
-    best = found.best
-    spent = None if best is None else best.energy_wh if found.unit == "W h" else best.minutes
-    if best is None or spent is None or spent <= best.saving:
-        return "with the first mission"
-    return f"after {math.ceil(spent / best.saving)} missions"
 
 
 def _takes(design: ValuedDesign) -> str:
@@ -292,24 +283,17 @@ def _rule_words(found: NextTrial) -> list[str]:
         return [
             "No single parameter decides: give the trial's data to diagnose, and choose with the mission it writes."
         ]
-    side = "above" if rule.above else "below"
+    side, effect, name = "above" if rule.above else "below", names((rule.effect,)), rule.name.replace("_", " ")
+    alone = len(CATALOGUE[rule.effect].parameters) == 1
+    parameter = f"{effect} ({name})" if alone else f"{name} of {effect}"
+    limit = quantity(rule.threshold, rule.unit, ".2g")
+    if rule.unit == "rad":
+        limit = f"{math.degrees(rule.threshold):.2g}°"
     return [
-        f"If the {_parameter(rule)} comes out {side} {_threshold(rule)}, take it for {names(rule.causes)} and choose "
+        f"If the {parameter} comes out {side} {limit}, take it for {names(rule.causes)} and choose "
         f"{_value(found, rule.choice)}; else keep {_value(found, found.choice)}. That rule agrees with the full "
         f"calculation in {part(rule.agreement)} of the simulated outcomes."
     ]
-
-
-def _parameter(rule: OutcomeRule) -> str:
-    alone = len(CATALOGUE[rule.effect].parameters) == 1
-    effect = names((rule.effect,))
-    return f"{rule.name.replace('_', ' ')} of {effect}" if not alone else f"{effect} ({rule.name.replace('_', ' ')})"
-
-
-def _threshold(rule: OutcomeRule) -> str:
-    if rule.unit == "rad":
-        return f"{math.degrees(rule.threshold):.2g}°"
-    return quantity(rule.threshold, rule.unit, ".2g")
 
 
 def _designs(found: NextTrial) -> Table:
@@ -321,7 +305,7 @@ def _designs(found: NextTrial) -> Table:
             f"{each.minutes:.0f}",
             "" if each.energy_wh is None else f"{each.energy_wh:.3g}",
             f"{each.information:.2g}",
-            _saving(each, found),
+            "nothing" if each.saving <= 3.0 * each.saving_error else f"{each.saving:.2g} ± {each.saving_error:.1g}",
             percent(each.right),
         ]
         for each in listed
@@ -332,9 +316,3 @@ def _designs(found: NextTrial) -> Table:
     more = f" {rest} more in next-trials.csv." if rest > 0 else ""
     order = "The recommended one, then those that save or tell most." if first else "Those that tell most first."
     return Table(columns, rows, f"{order} {_NOTHING} {_NO_SHORE}{more}")
-
-
-def _saving(design: ValuedDesign, found: NextTrial) -> str:
-    if design.saving <= 3.0 * design.saving_error:
-        return "nothing"
-    return f"{design.saving:.2g} ± {design.saving_error:.1g}"

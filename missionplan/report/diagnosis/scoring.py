@@ -10,7 +10,7 @@ from matplotlib.ticker import MaxNLocator
 from missionplan.errors import InputError, Problem, counted, shown
 from missionplan.montecarlo.statistics import wilson
 from missionplan.report.axes import name_axis
-from missionplan.report.page import BLUE, GREY, ORANGE, Cells, Figure, Page, PageSection, Table, to_figure
+from missionplan.report.page import BLUE, GREY, ORANGE, Figure, Page, PageSection, Table, to_figure
 from missionplan.report.quantities import quantity
 from missionplan.results.score import PIT_BINS, STATED, DatasetScore, Prediction, Score, pit_counts
 
@@ -133,6 +133,8 @@ def page(score: Score) -> Page:
     made = score.provenance
     folders = made.options["datasets"]
     named = [shlex.quote(str(path)) for path in (folders if isinstance(folders, list) else [])]
+    table = _overview(score) if len(score.datasets) > 1 else _table(score.datasets[0])
+    as_good = all(each.one_step.skill("last_leg") > -SAME for each in score.datasets)
     return Page(
         title=f"How well {made.mission} predicts what was measured",
         answer=answer(score),
@@ -142,33 +144,26 @@ def page(score: Score) -> Page:
             *([PageSection("All data sets", [_overview(score)])] if len(score.datasets) > 1 else []),
             *(section for each in score.datasets for section in dataset_sections(each)),
         ],
-        verdict=_verdict(score),
+        verdict="bad" if not score.is_within_chance else "good" if as_good else "undecided",
         rerun=f"missionplan score {shlex.quote(made.file)} {' '.join(named)} --seed {made.seed}",
-        table=lambda: _cells(score),
+        table=lambda: (table.columns, table.rows),
         plots={"predictions": draw_predictions},
     )
 
 
-def _cells(score: Score) -> Cells:
-    """Tabulate for a terminal: one row a data set and prediction, or the yardsticks of a single data set."""
-    table = _overview(score) if len(score.datasets) > 1 else _table(score.datasets[0])
-    return table.columns, table.rows
-
-
-def _verdict(score: Score) -> str:
-    """Bad where chance does not allow the predictions; good where, besides, the last leg or dive predicts no better."""
-    if not score.is_within_chance:
-        return "bad"
-    return "good" if all(each.one_step.skill("last_leg") > -SAME for each in score.datasets) else "undecided"
-
-
 def answer(score: Score) -> str:
     """Say how well the next leg or dive is predicted, against the last one, and what the intervals hold."""
-    said = [f"{told(each)}{_not_held_out(each)}" for each in score.datasets[:3]]
+    said = []
+    for each in score.datasets[:3]:
+        one, many = GROUPS[each.kind]
+        which = f"all {each.groups} {many}"
+        which = which if each.learned == each.groups else f"{counted(each.learned, one)} of {each.groups}"
+        learned = f" It has learned from {which}: that is no prediction of data held out." if each.learned else ""
+        said.append(f"{told(each)}{learned}")
     if len(score.datasets) == 1:
         words = f"This mission {said[0]}"
     else:
-        words = " ".join(f"{each.name}: this mission {one}" for each, one in zip(score.datasets, said, strict=False))
+        words = " ".join(f"{each.name}: this mission {how}" for each, how in zip(score.datasets, said, strict=False))
     if score.is_within_chance:
         return f"{words} Nothing was fitted; chance allows where in their distributions the values fell."
     off = [
@@ -176,17 +171,6 @@ def answer(score: Score) -> str:
     ]
     told_off = ", ".join(dict.fromkeys(off))
     return f"{words} Chance does not allow where in their distributions the values fell ({told_off}): they are wrong."
-
-
-def _not_held_out(each: DatasetScore) -> str:
-    """Say from how many legs or dives the mission has learned, if any."""
-    if not each.learned:
-        return ""
-    one, many = GROUPS[each.kind]
-    which = (
-        f"all {each.groups} {many}" if each.learned == each.groups else f"{counted(each.learned, one)} of {each.groups}"
-    )
-    return f" It has learned from {which}: that is no prediction of data held out."
 
 
 def told(each: DatasetScore) -> str:

@@ -48,7 +48,9 @@ _KM = 5000.0
 def track_figure(result: ImportedData) -> Figure:
     """Draw fixes, the dead-reckoned way of each dive, and an arrow from its end to the fix that shows its error."""
     counted, word = result.dives["ok"].to_numpy() == 1, _map_unit(result)[1]
-    figure = MatplotlibFigure(figsize=(_WIDTH, _height(_drawn(result))))
+    points = _drawn(result)
+    size = np.maximum(np.ptp(points, axis=1), 1.0) if points.size else np.ones(2)
+    figure = MatplotlibFigure(figsize=(_WIDTH, float(np.clip(0.9 + (_WIDTH - 0.9) * size[1] / size[0], 3.0, 8.0))))
     draw_track(figure.add_subplot(), result)
     return to_figure(
         figure,
@@ -92,26 +94,16 @@ def draw_track(axes: Axes, result: ImportedData) -> None:
     name_axis(axes.xaxis, "east", word)
     name_axis(axes.yaxis, "north", word)
     axes.margins(0.06)
-    _widen(axes, _drawn(result) / unit)
+    points = _drawn(result) / unit
+    if points.size:  # at least a quarter of the extent along each axis: a track due north has no width of its own
+        low, high = points.min(axis=1), points.max(axis=1)
+        least = 0.25 * max(float((high - low).max()), 1.0)
+        west, south = np.where(high - low < least, 0.5 * (low + high - least), np.nan)
+        if np.isfinite(west):
+            axes.set_xlim(west, west + least)
+        if np.isfinite(south):
+            axes.set_ylim(south, south + least)
     axes.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=3)
-
-
-def _height(points: Array) -> float:
-    size = np.maximum(np.ptp(points, axis=1), 1.0) if points.size else np.ones(2)
-    return float(np.clip(0.9 + (_WIDTH - 0.9) * size[1] / size[0], 3.0, 8.0))
-
-
-def _widen(axes: Axes, points: Array) -> None:
-    """Show at least a quarter of the map's extent along each axis: a track due north has no width of its own."""
-    if not points.size:
-        return
-    low, high = points.min(axis=1), points.max(axis=1)
-    least = 0.25 * max(float((high - low).max()), 1.0)
-    west, south = np.where(high - low < least, 0.5 * (low + high - least), np.nan)
-    if np.isfinite(west):
-        axes.set_xlim(west, west + least)
-    if np.isfinite(south):
-        axes.set_ylim(south, south + least)
 
 
 def _span(values: Array) -> tuple[float, float] | None:
@@ -193,12 +185,22 @@ def _sections(result: ImportedData) -> list[PageSection]:
     starter = "In this folder; mission.yaml is a starter mission with what the log says, for you to correct:"
     lacking = any(verdict.startswith("no") for _, verdict in result.can_show)
     shows = "What these data can show, and what they cannot" if lacking else "What these data can show"
+    blocks: list[Block] = [
+        f"{len(result.sources)} files of the format {result.format}; their checksums are in import.json."
+    ]
+    if len(result.rejected_fixes):
+        counts = "; ".join(f"{count}: {reason}" for reason, count in result.rejected_reasons.items())
+        blocks.append(f"{len(result.rejected_fixes)} fixes do not count. {counts}. They are in rejected-fixes.csv.")
+    if result.passed_over:
+        passed = len(result.passed_over)
+        blocks.append("1 file was passed over:" if passed == 1 else f"{passed} files were passed over:")
+        blocks.append(Listing("\n".join(result.passed_over[:_LISTED])))
     sections = [
         PageSection(shows, [Table(("what", "can it be seen?"), result.can_show, text_columns=2)]),
         PageSection("What to type next", [starter, Listing("\n".join(result.next_commands)), mission]),
         PageSection(_dives_heading(result), [*([depth] if depth else []), _dives_table(result)]),
         *(explained_section(result, each) for each in result.pictures),
-        _sources(result),
+        PageSection("What was read", blocks),
     ]
     if result.kind == "transit" and result.counted:
         sections.insert(1, PageSection("How long the legs are, and where they go", [histograms(result)]))
@@ -268,17 +270,3 @@ def _dives_table(result: ImportedData) -> Table:
     ]
     caption = f"{more}Times are UTC. All of it is in all-dives.csv."
     return Table(("dive", "begins", "counts?", "minutes", f"greatest depth{unit.axis}"), rows, caption, text_columns=3)
-
-
-def _sources(result: ImportedData) -> PageSection:
-    blocks: list[Block] = [
-        f"{len(result.sources)} files of the format {result.format}; their checksums are in import.json."
-    ]
-    if len(result.rejected_fixes):
-        counts = "; ".join(f"{count}: {reason}" for reason, count in result.rejected_reasons.items())
-        blocks.append(f"{len(result.rejected_fixes)} fixes do not count. {counts}. They are in rejected-fixes.csv.")
-    if result.passed_over:
-        passed = len(result.passed_over)
-        blocks.append("1 file was passed over:" if passed == 1 else f"{passed} files were passed over:")
-        blocks.append(Listing("\n".join(result.passed_over[:_LISTED])))
-    return PageSection("What was read", blocks)

@@ -10,7 +10,7 @@ from matplotlib.figure import Figure as MatplotlibFigure
 
 from missionplan.arrays import Array
 from missionplan.report.axes import name_axis
-from missionplan.report.page import BLUE, GREY, ORANGE, PINK, SKY, Figure, PageSection, Table, to_figure
+from missionplan.report.page import BLUE, GREY, ORANGE, PINK, SKY, PageSection, Table, to_figure
 from missionplan.report.quantities import quantity
 from missionplan.results.imported import Basis, ImportedData, LegPicture
 
@@ -99,11 +99,6 @@ def explained_section(result: ImportedData, picture: LegPicture) -> PageSection:
     """Section of one leg: its picture and its table."""
     leg = result.dives["leg"].iloc[picture.row]
     table = Table(("", f"leg {leg}"), list(explained_rows(result, picture)), text_columns=2)
-    return PageSection(f"Leg {leg}: what it rests on", [_figure(result, picture), table])
-
-
-def _figure(result: ImportedData, picture: LegPicture) -> Figure:
-    leg = result.dives["leg"].iloc[picture.row]
     figure = MatplotlibFigure(figsize=(6.0, 6.4))
     places, times = figure.subplots(2, 1, gridspec_kw={"height_ratios": (3, 2)})
     draw_places(places, result, picture)
@@ -112,13 +107,12 @@ def _figure(result: ImportedData, picture: LegPicture) -> Figure:
         f"Leg {leg}: above, a map of the fixes about it, its dead-reckoned way and the error; below, the depth against "
         "time, with the moments of the fixes."
     )
-    return to_figure(
-        figure,
-        f"leg-{leg}",
-        alt,
+    caption = (
         "Fixes from a quarter of an hour before the leg to one after it. Dotted: surfacing (grey) and the last "
-        "dead-reckoned position (blue); the level line is the surface.",
+        "dead-reckoned position (blue); the level line is the surface."
     )
+    drawn = to_figure(figure, f"leg-{leg}", alt, caption)
+    return PageSection(f"Leg {leg}: what it rests on", [drawn, table])
 
 
 def draw_places(axes: Axes, result: ImportedData, picture: LegPicture) -> None:

@@ -9,7 +9,6 @@ from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure as MatplotlibFigure
 from matplotlib.ticker import MaxNLocator
-from numpy.typing import NDArray
 
 from missionplan.arrays import Array
 from missionplan.exporters.geojson import COLOURS
@@ -28,12 +27,12 @@ from missionplan.report.plan_view import (
     rings,
     track,
 )
-from missionplan.report.quantities import Unit, quantity, si_per_unit, span, unit_for
+from missionplan.report.quantities import quantity, si_per_unit, span, unit_for
 from missionplan.report.simulation.quantities import requirement_on, unit_of
 from missionplan.report.site_map import name_goals, room_for_names
 from missionplan.report.wording import in_words, number, percent
 from missionplan.results.decision import SeaChart
-from missionplan.results.simulation import Attrition, Histogram, Outcome, PhaseOutcome
+from missionplan.results.simulation import Attrition, Outcome, PhaseOutcome
 
 
 def waterfall(outcome: Outcome) -> Figure:
@@ -60,29 +59,25 @@ def draw_waterfall(axes: Axes, outcome: Outcome) -> None:
     steps = _losing(outcome)
     labels = [*(step.step for step in steps), "mission succeeds"]
     for row, step in enumerate(steps):
-        _draw_loss(axes, row, step)
+        surviving, lost = 100.0 * step.surviving.value, 100.0 * step.lost.value
+        axes.barh(row, lost, left=surviving, color=ORANGE, height=0.62)
+        axes.plot([surviving, surviving], [row - 0.31, row + 1.31], color=INK, linewidth=0.7)
+        half_interval = 50.0 * (step.lost.high - step.lost.low)
+        place, shift, align = (surviving, -4, "right") if surviving > 25.0 else (surviving + lost, 4, "left")
+        axes.annotate(
+            f"−{number(lost, half_interval)} %",
+            (place, row),
+            (shift, 0),
+            textcoords="offset points",
+            va="center",
+            fontsize=9,
+            ha=align,
+        )
     _draw_success(axes, len(labels) - 1, outcome.total.events["success"])
     axes.set(yticks=range(len(labels)), xlim=(0.0, 100.0), xlabel="trials still good (%)")
     axes.set_yticklabels([textwrap.fill(label, 20) for label in labels])
     axes.invert_yaxis()
     axes.grid(visible=False, axis="y")
-
-
-def _draw_loss(axes: Axes, row: int, step: Attrition) -> None:
-    surviving, lost = 100.0 * step.surviving.value, 100.0 * step.lost.value
-    axes.barh(row, lost, left=surviving, color=ORANGE, height=0.62)
-    axes.plot([surviving, surviving], [row - 0.31, row + 1.31], color=INK, linewidth=0.7)
-    half_interval = 50.0 * (step.lost.high - step.lost.low)
-    place, shift, align = (surviving, -4, "right") if surviving > 25.0 else (surviving + lost, 4, "left")
-    axes.annotate(
-        f"−{number(lost, half_interval)} %",
-        (place, row),
-        (shift, 0),
-        textcoords="offset points",
-        va="center",
-        fontsize=9,
-        ha=align,
-    )
 
 
 def _draw_success(axes: Axes, row: int, success: Probability) -> None:
@@ -110,7 +105,9 @@ _PROFILED = 60
 
 def draw_profile(axes: Axes, outcome: Outcome) -> None:
     """Draw the depth of some trials against time, those that fail in another colour, and that of the median trial."""
-    tracks, unit = outcome.tracks, _time_unit(outcome)
+    tracks, phases = outcome.tracks, outcome.phases
+    ends = [time for phase in phases for time in (phase.end.p95, phase.start.p95) if math.isfinite(time)]
+    unit = unit_for("total", "duration_s", outcome.provenance.data, typical=max([*ends, 1.0]))
     when, depth = tracks.profile
     shown = slice(min(_PROFILED, when.shape[1]))
     for success, colour in ((True, SKY), (False, ORANGE)):
@@ -119,7 +116,10 @@ def draw_profile(axes: Axes, outcome: Outcome) -> None:
         axes.add_collection(LineCollection(lines, colors=colour, linewidths=0.5, alpha=0.5, zorder=2 + (not success)))
     middle = median_trial(tracks)
     axes.plot(when[:, middle] / unit.size, depth[:, middle], color=INK, linewidth=1.2)
-    _mark_failures(axes, when[:, shown] / unit.size, depth[:, shown], ~tracks.success[shown])
+    for trial in np.flatnonzero(~tracks.success[shown]):  # cross where it fails: the last corner that it has
+        had = np.flatnonzero(np.isfinite(when[:, trial]))
+        if len(had):
+            axes.plot(when[had[-1], trial] / unit.size, depth[had[-1], trial], "x", color=ORANGE, markersize=4)
     axes.margins(x=0.01)
     axes.set(
         xlabel=f"time since the start{unit.axis}",
@@ -127,20 +127,6 @@ def draw_profile(axes: Axes, outcome: Outcome) -> None:
         ylim=(1.08 * float(np.nanmax(depth, initial=1.0)), 0.0),
     )
     name_axis(axes.yaxis, "depth", "m")
-
-
-def _mark_failures(axes: Axes, when: Array, depth: Array, failed: NDArray[np.bool_]) -> None:
-    """Cross where trials fail: the last corner that each has."""
-    for trial in np.flatnonzero(failed):
-        had = np.flatnonzero(np.isfinite(when[:, trial]))
-        if len(had):
-            axes.plot(when[had[-1], trial], depth[had[-1], trial], "x", color=ORANGE, markersize=4)
-
-
-def _time_unit(outcome: Outcome) -> Unit:
-    ended = [phase.end.p95 for phase in outcome.phases if math.isfinite(phase.end.p95)]
-    begun = [phase.start.p95 for phase in outcome.phases if math.isfinite(phase.start.p95)]
-    return unit_for("total", "duration_s", outcome.provenance.data, typical=max([*ended, *begun, 1.0]))
 
 
 def histograms(outcome: Outcome, shown: Sequence[tuple[PhaseOutcome, str]]) -> Figure:
@@ -164,7 +150,9 @@ def histograms(outcome: Outcome, shown: Sequence[tuple[PhaseOutcome, str]]) -> F
 def draw_histogram(axes: Axes, outcome: Outcome, phase: PhaseOutcome, key: str) -> None:
     """Draw bars, the median, the band that holds 90 %, and the limit of a requirement."""
     statistic, title, unit = phase.quantities[key], in_words(f"{phase.name}.{key}"), unit_of(outcome, phase, key)
-    edges, counts = _in_use(phase.histograms[key])
+    edges, counts = phase.histograms[key].edges, phase.histograms[key].counts
+    if (used := np.flatnonzero(counts)).size:  # bins from the first to the last that holds a trial
+        edges, counts = edges[used[0] : used[-1] + 2], counts[used[0] : used[-1] + 1]
     axes.stairs(100.0 * counts / max(counts.sum(), 1.0), edges / unit.size, fill=True, color=SKY)
     axes.axvspan(unit(statistic.p05), unit(statistic.p95), ymax=0.03, color=BLUE)
     axes.axvline(unit(statistic.p50), ymax=0.1, color=BLUE)
@@ -174,31 +162,19 @@ def draw_histogram(axes: Axes, outcome: Outcome, phase: PhaseOutcome, key: str) 
     requirement = requirement_on(outcome, phase, key)
     if requirement is not None and requirement.limit is not None:
         bound = "at most" if requirement.bound == "at_most" else "at least"
-        _mark_limit(axes, unit(requirement.limit / si_per_unit(key)), bound, unit)
-
-
-def _in_use(found: Histogram) -> tuple[Array, Array]:
-    """Bins from the first to the last that holds a trial."""
-    used = np.flatnonzero(found.counts)
-    if not len(used):
-        return found.edges, found.counts
-    return found.edges[used[0] : used[-1] + 2], found.counts[used[0] : used[-1] + 1]
-
-
-def _mark_limit(axes: Axes, limit: float, bound: str, unit: Unit) -> None:
-    """Draw a line at a limit; where it lies far outside the axes, an arrow at the edge that points to it."""
-    low, high = axes.get_xlim()
-    words = f"{bound} {number(limit)}{unit.suffix}"
-    if low - (high - low) <= limit <= high + (high - low):
-        axes.axvline(limit, color=ORANGE, linestyle=(0, (4, 2)))
-        low, high = min(low, limit - 0.02 * (high - low)), max(high, limit + 0.02 * (high - low))
-        axes.set_xlim(low, high)
-        left = limit > 0.5 * (low + high)
-        _at_top(axes, words, limit, shift=-5 if left else 5, align="right" if left else "left")
-    elif limit > high:
-        _at_top(axes, f"{words} →", high, shift=0, align="right")
-    else:
-        _at_top(axes, f"← {words}", low, shift=0, align="left")
+        limit = unit(requirement.limit / si_per_unit(key))
+        low, high = axes.get_xlim()
+        words = f"{bound} {number(limit)}{unit.suffix}"
+        if low - (high - low) <= limit <= high + (high - low):
+            axes.axvline(limit, color=ORANGE, linestyle=(0, (4, 2)))
+            low, high = min(low, limit - 0.02 * (high - low)), max(high, limit + 0.02 * (high - low))
+            axes.set_xlim(low, high)
+            left = limit > 0.5 * (low + high)
+            _at_top(axes, words, limit, shift=-5 if left else 5, align="right" if left else "left")
+        elif limit > high:
+            _at_top(axes, f"{words} →", high, shift=0, align="right")
+        else:
+            _at_top(axes, f"← {words}", low, shift=0, align="left")
 
 
 def _at_top(axes: Axes, words: str, place: float, *, shift: int, align: str) -> None:
@@ -229,9 +205,11 @@ def mission_figure(outcome: Outcome) -> Figure:
     failed = int(np.count_nonzero(~outcome.tracks.success[:_MAPPED]))
     count = min(outcome.tracks.success.size, _MAPPED)
     crosses = f" {failed} of them fail (orange, a cross where they end)." if failed else " None of them fails."
-    lines = (
-        f" Circles, ellipses: as required, and of 50 and 95 % of the trials.{_place_in_words(outcome)}" if moves else ""
-    )
+    lines = " Circles, ellipses: as required, and of 50 and 95 % of the trials." if moves else ""
+    if moves and outcome.chart is not None:
+        kinds = {kind for kind, _ in outcome.chart.shapes}
+        lines += " Grey lines: depth of the water at the start." if outcome.chart.depth is not None else ""
+        lines += f"{' Brown: land.' if 'land' in kinds else ''}{' Hatched: keep out.' if 'keep-out' in kinds else ''}"
     astray = _frame(outcome).outliers_in_words() if moves else ""
     return to_figure(
         figure,
@@ -245,14 +223,6 @@ def mission_figure(outcome: Outcome) -> Figure:
 def moves_over_ground(outcome: Outcome) -> bool:
     """Whether any phase has somewhere to go."""
     return any(radius > 0.0 for _, radius in outcome.tracks.targets.values())
-
-
-def _place_in_words(outcome: Outcome) -> str:
-    if outcome.chart is None:
-        return ""
-    depths = " Grey lines: depth of the water at the start." if outcome.chart.depth is not None else ""
-    kinds = {kind for kind, _ in outcome.chart.shapes}
-    return f"{depths}{' Brown: land.' if 'land' in kinds else ''}{' Hatched: keep out.' if 'keep-out' in kinds else ''}"
 
 
 def _draw_place(axes: Axes, chart: SeaChart, shown: Frame) -> None:

@@ -17,14 +17,9 @@ from missionplan.report.quantities import quantity, reader_system, reader_unit
 from missionplan.report.simulation.quantities import failure_in_words
 from missionplan.report.wording import number
 from missionplan.results.simulation import Outcome
-from missionplan.results.whereabouts import SHARES, ExpectedTime, Overdue, SearchArea
+from missionplan.results.whereabouts import SHARES, Overdue, SearchArea
 
-_COLOURS = {
-    "not released": GREEN,
-    "adrift at the surface": ORANGE,
-    "on the seafloor": PINK,
-    "still under way": BLUE,
-}
+_COLOURS = {"not released": GREEN, "adrift at the surface": ORANGE, "on the seafloor": PINK, "still under way": BLUE}
 _LABEL_OFF = 0.04
 """Distance of a label from its area, as a share of the map's width."""
 _SIDES = np.array([(np.sin(angle), np.cos(angle)) for angle in np.radians(np.arange(0.0, 360.0, 30.0))])
@@ -38,9 +33,15 @@ def overdue_section(outcome: Outcome) -> Iterator[PageSection]:
         return
     start = _start(outcome)
     blocks: list[Block] = [_why(found, start), _times(found, start), _map(outcome, found), _areas(outcome, found)]
+    words = (
+        "Not released: within the circle about the mooring, line and all. Adrift: from a surfacing after the mooring "
+        "on (from any where there is none), or from where the trials that failed were last at a fix. On the "
+        "seafloor, and still under way: on the legs. “Assumed”: too few trials failed so, and all are assumed "
+        "to, at a moment as likely as any other. The shares are those of the model, which assumes: "
+    )
     yield PageSection(
         f"If it does not come back: worry after {_clock(found.worry_after, start)}",
-        [*blocks, _notes(found), *_battery(found)],
+        [*blocks, words + " ".join(assumption.value for assumption in found.assumptions), *_battery(found)],
         is_sheet=True,
     )
 
@@ -95,7 +96,12 @@ def _why(found: Overdue, start: datetime | None) -> str:
 
 def _times(found: Overdue, start: datetime | None) -> Table:
     has_energy = any(math.isfinite(time.energy_left) for time in found.times)
-    rows = [_time_row(time, start, has_energy=has_energy) for time in found.times]
+    rows = []
+    for time in found.times:
+        clocks = [_hours_minutes(value) for value in (time.p50, time.p95, time.p99)]
+        last = _clock(time.p999, start) if start else _hours_minutes(time.p999)
+        energy = [number(time.energy_left, 0.05 * abs(time.energy_left) + 0.1)] if has_energy else []
+        rows.append((time.name, f"{100.0 * time.share:.0f}\u00a0%", *clocks, last, *energy))
     columns = ["at the surface", "trials", "50 %", "95 %", "99 %", "99.9 %"]
     caption = "Hours and minutes since the start by which that share of the trials is there."
     if any(math.isnan(time.p95 + time.p99 + time.p999) for time in found.times):
@@ -104,13 +110,6 @@ def _times(found: Overdue, start: datetime | None) -> Table:
         columns.append("battery left (W h)")
         caption += " Battery: all but 5 % have more; use taken as even within each phase."
     return Table(columns, rows, caption)
-
-
-def _time_row(time: ExpectedTime, start: datetime | None, *, has_energy: bool) -> Sequence[str]:
-    clocks = [_hours_minutes(value) for value in (time.p50, time.p95, time.p99)]
-    energy = [number(time.energy_left, 0.05 * abs(time.energy_left) + 0.1)] if has_energy else []
-    last = _clock(time.p999, start) if start else _hours_minutes(time.p999)
-    return (time.name, f"{100.0 * time.share:.0f}\u00a0%", *clocks, last, *energy)
 
 
 def _map(outcome: Outcome, found: Overdue) -> Figure:
@@ -236,16 +235,6 @@ def in_minutes(angle: float, signs: str) -> str:
     hundredths = round(abs(angle) * 6000.0)
     degrees, minutes = divmod(hundredths, 6000)
     return f"{degrees}°\u00a0{minutes / 100.0:05.2f}′\u00a0{signs[angle < 0.0]}"
-
-
-def _notes(found: Overdue) -> str:
-    words = (
-        "Not released: within the circle about the mooring, line and all. Adrift: from a surfacing after the mooring "
-        "on (from any where there is none), or from where the trials that failed were last at a fix. On the "
-        "seafloor, and still under way: on the legs. “Assumed”: too few trials failed so, and all are assumed "
-        "to, at a moment as likely as any other. The shares are those of the model, which assumes: "
-    )
-    return words + " ".join(assumption.value for assumption in found.assumptions)
 
 
 def _battery(found: Overdue) -> Iterator[str]:

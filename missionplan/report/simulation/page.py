@@ -78,33 +78,22 @@ def distributions_section(outcome: Outcome) -> PageSection:
         (phase, key)
         for phase in (outcome.total, *outcome.phases)
         for key in phase.quantities
-        if _is_drawn(outcome, phase, key)
+        if requirement_on(outcome, phase, key) is not None or f"{phase.name}.{key}" in _ALWAYS_DRAWN
+        if math.isfinite(phase.quantities[key].p50)
     ]
     varying = [(phase, key) for phase, key in shown if relative_spread(phase.quantities[key]) > LEAST_SPREAD]
-    fixed = [_fixed(outcome, phase, key) for phase, key in shown if (phase, key) not in varying]
-    which = of_those_that_end(outcome, "duration_s", "") or "the missions"
-    heading = f"Half of {which} need no more than {_medians(outcome)}"
-    return PageSection(heading, [*([histograms(outcome, varying)] if varying else []), *fixed])
-
-
-def _is_drawn(outcome: Outcome, phase: PhaseOutcome, key: str) -> bool:
-    matters = requirement_on(outcome, phase, key) is not None or f"{phase.name}.{key}" in _ALWAYS_DRAWN
-    return matters and math.isfinite(phase.quantities[key].p50)
-
-
-def _fixed(outcome: Outcome, phase: PhaseOutcome, key: str) -> str:
-    value = with_error(phase.quantities[key].mean, 0.0, unit_of(outcome, phase, key))
-    return f"The {in_words(f'{phase.name}.{key}')} is {value} in every trial that reached it."
-
-
-def _medians(outcome: Outcome) -> str:
-    parts = []
+    fixed, medians = [], []
+    for phase, key in (each for each in shown if each not in varying):
+        value = with_error(phase.quantities[key].mean, 0.0, unit_of(outcome, phase, key))
+        fixed.append(f"The {in_words(f'{phase.name}.{key}')} is {value} in every trial that reached it.")
     for key in ("duration_s", "energy_wh"):
         statistic = outcome.total.quantities.get(key)
         if statistic is not None and math.isfinite(statistic.p50):
             unit = unit_of(outcome, outcome.total, key)
-            parts.append(f"{span(statistic, unit)[1]}{unit.suffix}")
-    return " and ".join(parts)
+            medians.append(f"{span(statistic, unit)[1]}{unit.suffix}")
+    which = of_those_that_end(outcome, "duration_s", "") or "the missions"
+    heading = f"Half of {which} need no more than {' and '.join(medians)}"
+    return PageSection(heading, [*([histograms(outcome, varying)] if varying else []), *fixed])
 
 
 def attrition_section(outcome: Outcome) -> Iterator[PageSection]:

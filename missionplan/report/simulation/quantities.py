@@ -122,13 +122,9 @@ def _remedy(undecided: Sequence[RequirementOutcome]) -> str:
     known = [trials for trials in needed if trials is not None]
     if len(known) < len(needed):
         return "what is reached is what is required, so that no number of trials decides"
-    return f"about {_rounded_up(max(known))} trials would decide, if the share stays as it is"
-
-
-def _rounded_up(trials: int) -> str:
-    """Write a number of trials to two digits."""
-    step = 10 ** max(len(str(trials)) - 2, 0)
-    return number(float(math.ceil(trials / step) * step))
+    step = 10 ** max(len(str(max(known))) - 2, 0)  # two digits
+    trials = number(float(math.ceil(max(known) / step) * step))
+    return f"about {trials} trials would decide, if the share stays as it is"
 
 
 def verdict(outcome: Outcome) -> str:
@@ -210,61 +206,56 @@ InputsOf = tuple[str, Sequence[Sensitivity]]
 
 def sensitivity_sections(outcome: Outcome) -> Iterator[PageSection]:
     """Tabulate the inputs with a detectable influence, where there are any."""
-    influential = [group for group in _influential(_told_once(outcome)) if _spread(outcome, group[0]) > LEAST_SPREAD]
+    influential = list(_influential(outcome))
     if not influential:
         return
-    drawn = _most_relevant(outcome, influential)
-    yield PageSection(
-        _matters_most(outcome, drawn),
-        [
-            "What to measure better: the share of a key figure's variance that would go if an input were known. "
-            "summary.json has those of every quantity.",
-            _sensitivity_table(drawn),
-        ],
-    )
-
-
-def _told_once(outcome: Outcome) -> list[Sensitivity]:
-    """Leave out what a mission of one phase has as its total too."""
-    totals = {each.output.partition(".")[2] for each in outcome.sensitivities if each.output.startswith("total.")}
-    alone = outcome.phases[0].name if len(outcome.phases) == 1 else None
-    return [
-        each
-        for each in outcome.sensitivities
-        if each.output.partition(".")[0] != alone or each.output.partition(".")[2] not in totals
-    ]
-
-
-def _influential(sensitivities: Sequence[Sensitivity]) -> list[InputsOf]:
-    """Keep, for each key figure, the inputs whose index exceeds two standard errors."""
-    groups: list[InputsOf] = []
-    for output, found in groupby(sensitivities, key=lambda influence: influence.output):
-        clear = [influence for influence in found if influence.first_order > 2.0 * influence.standard_error]
-        if clear:
-            groups.append((output, clear[:_MOST_INPUTS]))
-    return groups
-
-
-def _most_relevant(outcome: Outcome, groups: Sequence[InputsOf]) -> list[InputsOf]:
-    """Choose the key figures to tell of: first what the mission is judged by, then what it costs as a whole."""
     required = tuple(item.quantity for item in outcome.requirements)
 
     def rank(group: InputsOf) -> tuple[bool, bool]:
         return not group[0].startswith(required), not group[0].startswith("total")
 
-    return [
+    drawn = [
         (output, [influence for influence in found if influence.first_order > _LEAST_SHOWN] or found[:1])
-        for output, found in sorted(groups, key=rank)[:_MOST_FIGURES]
+        for output, found in sorted(influential, key=rank)[:_MOST_FIGURES]
     ]
-
-
-def _matters_most(outcome: Outcome, groups: Sequence[InputsOf]) -> str:
-    """Name the input that accounts for most of a figure, of those that vary enough to be worth a thought."""
-    varying = [group for group in groups if _spread(outcome, group[0]) > _STEADY] or groups
+    rows = [
+        (
+            in_words(output),
+            in_words(each.source),
+            with_error(each.first_order, each.standard_error, PERCENT),
+            _direction(each),
+        )
+        for output, found in drawn
+        for each in found
+    ]
+    columns = ("of the", "input", "share of the variance", "a larger input makes it")
+    # name the input that accounts for most of a figure, of those that vary enough to be worth a thought
+    varying = [group for group in drawn if _spread(outcome, group[0]) > _STEADY] or drawn
     output, (first, *_) = max(varying, key=lambda group: group[1][0].first_order)
     share = f"{100.0 * first.first_order:.0f}\u00a0%"
     source = capitalised(in_words(first.source))
-    return f"{source} matters most: it accounts for {share} of the variance of the {in_words(output)}"
+    yield PageSection(
+        f"{source} matters most: it accounts for {share} of the variance of the {in_words(output)}",
+        [
+            "What to measure better: the share of a key figure's variance that would go if an input were known. "
+            "summary.json has those of every quantity.",
+            Table(columns, rows, "First-order Sobol indices and their standard errors.", text_columns=2),
+        ],
+    )
+
+
+def _influential(outcome: Outcome) -> Iterator[InputsOf]:
+    """Yield, for each key figure that varies, the inputs whose index exceeds two standard errors.
+
+    What a mission of one phase has as its total too is told once.
+    """
+    totals = {each.output.partition(".")[2] for each in outcome.sensitivities if each.output.startswith("total.")}
+    alone = outcome.phases[0].name if len(outcome.phases) == 1 else None
+    for output, found in groupby(outcome.sensitivities, key=lambda influence: influence.output):
+        phase, _, key = output.partition(".")
+        clear = [each for each in found if each.first_order > 2.0 * each.standard_error]
+        if clear and (phase != alone or key not in totals) and _spread(outcome, output) > LEAST_SPREAD:
+            yield output, clear[:_MOST_INPUTS]
 
 
 def _spread(outcome: Outcome, output: str) -> float:
@@ -273,22 +264,6 @@ def _spread(outcome: Outcome, output: str) -> float:
     name, _, key = output.partition(".")
     statistic = parts[name].quantities.get(key) if name in parts else None
     return relative_spread(statistic) if statistic is not None else math.inf
-
-
-def _sensitivity_table(groups: Sequence[InputsOf]) -> Table:
-    """Tabulate the share of each key figure's variance that each input explains."""
-    rows = [
-        (
-            in_words(output),
-            in_words(each.source),
-            with_error(each.first_order, each.standard_error, PERCENT),
-            _direction(each),
-        )
-        for output, found in groups
-        for each in found
-    ]
-    columns = ("of the", "input", "share of the variance", "a larger input makes it")
-    return Table(columns, rows, "First-order Sobol indices and their standard errors.", text_columns=2)
 
 
 def _direction(influence: Sensitivity) -> str:

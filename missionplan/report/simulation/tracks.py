@@ -142,8 +142,22 @@ def _folders(outcome: Outcome) -> dict[str, list[Feature]] | None:
     median, _ = sample_trials(outcome)
     folders = plan_folders(outcome.plan, circles=False) if outcome.plan else {}
     folders["Tracks"] = list(_track_features(outcome, origin))
-    folders[f"Fixes, trial {median}"] = list(_fix_features(outcome, origin))
-    for each in (*_ring_features(outcome, origin), *_goal_features(outcome, origin)):
+    fixes = folders[f"Fixes, trial {median}"] = []  # where it is at each fix, and its anchor
+    for point in track_points(outcome, median):
+        (place,) = longitudes_latitudes(np.array(point.position)[:, None], origin)
+        data = {key: value for key, value in point.data().items() if value is not None}
+        fixes.append(feature("Point", place, point.kind, name=point.name, trial=median, **data))
+    about = []
+    for ring in rings(outcome):
+        share = None if math.isnan(ring.share) else ring.share
+        told = {"name": describe(ring), "phase": _label(outcome, ring.phase), "share": share}
+        boundary = longitudes_latitudes(ring.line, origin)
+        about.append(area_feature(boundary, ring.kind, **told, radius_m=round(ring.radius, 3)))
+    for name, (goal, _) in outcome.tracks.targets.items():
+        (place,) = longitudes_latitudes(np.array(goal)[:, None], origin)
+        label = _label(outcome, name)
+        about.append(feature("Point", place, "goal", name=f"{label}: goal", phase=label))
+    for each in about:
         folders.setdefault(str(properties_of(each)["phase"]), []).append(each)
     return folders
 
@@ -154,37 +168,9 @@ def _track_features(outcome: Outcome, origin: Origin) -> Iterator[Feature]:
         points = track_points(outcome, trial)
         if len(points) > 1:
             line = longitudes_latitudes(np.array([point.position for point in points]).T, origin)
-            times = _times(points) if len(parts(line)) == 1 else {}  # a cut line has points of no known time
+            utc = [point.utc for point in points]
+            times: dict[str, object] = {}
+            if len(parts(line)) == 1:  # a cut line has points of no known time
+                times = {"elapsed_s": [round(point.time, 1) for point in points]}
+                times |= {"coordTimes": utc} if all(utc) else {}  # what viewers of GeoJSON read
             yield line_feature(line, kind, name=f"{kind}, trial {trial}", trial=trial, **times)
-
-
-def _times(points: list[TrackPoint]) -> dict[str, object]:
-    """Times of the points of a line; `coordTimes` is what viewers of GeoJSON read."""
-    utc = [point.utc for point in points]
-    known = {"coordTimes": utc} if all(utc) else {}
-    return {"elapsed_s": [round(point.time, 1) for point in points], **known}
-
-
-def _fix_features(outcome: Outcome, origin: Origin) -> Iterator[Feature]:
-    """Where the median trial is at each fix, and its anchor."""
-    median, _ = sample_trials(outcome)
-    for each in track_points(outcome, median):
-        (place,) = longitudes_latitudes(np.array(each.position)[:, None], origin)
-        data = {key: value for key, value in each.data().items() if value is not None}
-        yield feature("Point", place, each.kind, name=each.name, trial=median, **data)
-
-
-def _ring_features(outcome: Outcome, origin: Origin) -> Iterator[Feature]:
-    for ring in rings(outcome):
-        share = None if math.isnan(ring.share) else ring.share
-        boundary = longitudes_latitudes(ring.line, origin)
-        radius = round(ring.radius, 3)
-        of = _label(outcome, ring.phase)
-        yield area_feature(boundary, ring.kind, name=describe(ring), phase=of, share=share, radius_m=radius)
-
-
-def _goal_features(outcome: Outcome, origin: Origin) -> Iterator[Feature]:
-    for name, (goal, _) in outcome.tracks.targets.items():
-        (point,) = longitudes_latitudes(np.array(goal)[:, None], origin)
-        label = _label(outcome, name)
-        yield feature("Point", point, "goal", name=f"{label}: goal", phase=label)
