@@ -58,11 +58,7 @@ PANELS: Mapping[str, Mapping[str, Callable[..., None]]] = {
         "sweep-transition": planning.sweep_transition,
         "effects": files.effects,
     },
-    "Reports and files: begin with reports": {
-        "reports": files.reports,
-        "verify": files.verify,
-        "schema": files.schema,
-    },
+    "Reports and files: begin with reports": {"reports": files.reports, "verify": files.verify, "schema": files.schema},
 }
 """All commands in the order of use, in the groups of `--help`, each with the one to begin with."""
 for panel, commands in PANELS.items():
@@ -81,7 +77,10 @@ def main() -> None:
     """Run the command line; every expected error becomes a message and an exit status."""
     gc.set_threshold(GARBAGE)  # imports make many objects, all of which stay
     atexit.register(gc.freeze)  # saves half a second of garbage collection when the process ends
-    _interrupt_on_termination()
+    for name in ("SIGINT", "SIGTERM", "SIGHUP"):  # but for those that whoever started it ignores (nohup)
+        number = getattr(signal, name, None)  # Windows has no SIGHUP
+        if number is not None and signal.getsignal(number) in (signal.SIG_DFL, signal.default_int_handler):
+            signal.signal(number, _interrupt)
     prepare_streams()
     status: object = 0
     try:
@@ -97,8 +96,9 @@ def main() -> None:
         status = INTERRUPTED
     except Exception as error:
         status = INTERRUPTED if _interrupts else _usage_error(error)
-    if status == INTERRUPTED:  # typer returns it too
-        _end_workers()
+    if status == INTERRUPTED:  # typer returns it too; workers would finish their work first
+        if pool := sys.modules.get("missionplan.montecarlo.pool"):
+            pool.shut_down_pool()
         note("Interrupted.")
     sys.exit(status if isinstance(status, int) else 0)
 
@@ -139,14 +139,6 @@ def _print_errors(problems: Sequence[Problem]) -> None:
     typer.echo(json.dumps({"errors": errors}, ensure_ascii=True, indent=1))
 
 
-def _interrupt_on_termination() -> None:
-    """Let SIGTERM and SIGHUP act like Ctrl-C, but for signals that whoever started the command ignores (nohup)."""
-    for name in ("SIGINT", "SIGTERM", "SIGHUP"):
-        number = getattr(signal, name, None)  # Windows has no SIGHUP
-        if number is not None and signal.getsignal(number) in (signal.SIG_DFL, signal.default_int_handler):
-            signal.signal(number, _interrupt)
-
-
 _interrupts: list[int] = []
 """Signals received: what other packages raise after one, in whose middle it came, is no error of its own."""
 
@@ -172,9 +164,3 @@ def _usage_error(error: Exception) -> int:
         error.show()
         return int(error.exit_code)
     raise error
-
-
-def _end_workers() -> None:
-    """End worker processes, if any: the interpreter would wait for their unfinished work."""
-    if pool := sys.modules.get("missionplan.montecarlo.pool"):
-        pool.shut_down_pool()

@@ -16,7 +16,6 @@ from missionplan.cli.running import deliver, progress_bar, report_folder
 from missionplan.errors import InputError, Problem, did_you_mean, shown
 
 if TYPE_CHECKING:
-    from missionplan.store import ReportEntry
     from missionplan.studies.validate import Validated
 
 
@@ -24,8 +23,7 @@ def init(
     folder: Annotated[Path, typer.Argument(metavar="[DIR]", help="Folder to write to.")] = Path(),
     data: Annotated[str | None, typer.Option(metavar="KIND", help="Write a data set of this kind instead.")] = None,
     loop: Annotated[
-        bool,
-        typer.Option("--loop", help="Write the files of the second round of docs/loop.md instead."),
+        bool, typer.Option("--loop", help="Write the files of the second round of docs/loop.md instead.")
     ] = False,
     quiet: o.Quiet = False,
 ) -> None:
@@ -98,8 +96,12 @@ def validate(
     if as_json and not any(each.problems for each in found):
         typer.echo(json.dumps({"errors": [], "files": [_valid(each) for each in found]}, indent=1))
     elif not quiet and not as_json:
-        for each in found:
-            _print_valid(each)
+        for each in (each for each in found if not each.problems):
+            typer.echo(f"{each.path}: {each.summary}")
+            for line in (*each.values, *each.table):
+                typer.echo(f"  {line}")
+            for notice in each.notices:
+                note(f"{each.path}: {notice}")
     problems: list[Problem] = [problem for each in found for problem in each.problems]
     if problems:
         raise InputError(problems)
@@ -116,18 +118,6 @@ def _valid(found: "Validated") -> dict[str, object]:
         ],
         "notices": list(found.notices),
     }
-
-
-def _print_valid(found: "Validated") -> None:
-    if found.problems:
-        return
-    typer.echo(f"{found.path}: {found.summary}")
-    for value in found.values:
-        typer.echo(f"  {value}")
-    for row in found.table:
-        typer.echo(f"  {row}")
-    for notice in found.notices:
-        note(f"{found.path}: {notice}")
 
 
 OTHER_BITS = 3
@@ -148,7 +138,15 @@ def reports(number: _Number = None, root: _Root = Path("reports")) -> None:
     found = missionplan.reports(root)
     if number is None:
         for place, entry in enumerate(found, start=1):
-            typer.echo("\n".join(_lines(place, entry)))
+            when = f"{entry.created:%Y-%m-%d %H:%M}" if entry.created else "(no date)"
+            head = f"{place:>3}  {when}  {entry.command}"
+            mission = textwrap.shorten(entry.mission, max(_WIDTH - len(head) - 3, 20), placeholder=" ...")
+            typer.echo(f"{head}: {mission}" if mission else head)
+            answer = textwrap.wrap(
+                entry.answer, _WIDTH - 5, max_lines=_LINES, placeholder=" ...", break_on_hyphens=False
+            )
+            for line in (*answer, entry.folder):
+                typer.echo(f"     {line}")
         if not found:
             note(f"There are no reports in {root} yet.")
         return
@@ -208,11 +206,3 @@ def schema(kind: _Kind) -> None:
         hint = did_you_mean(kind, KINDS)
         raise InputError([Problem(f"given {shown(kind)}, expected {', '.join(KINDS)}", file="KIND", hint=hint)])
     typer.echo(json.dumps(schema(kind), indent=2, ensure_ascii=False))
-
-
-def _lines(place: int, entry: "ReportEntry") -> list[str]:
-    when = f"{entry.created:%Y-%m-%d %H:%M}" if entry.created else "(no date)"
-    head = f"{place:>3}  {when}  {entry.command}"
-    mission = textwrap.shorten(entry.mission, max(_WIDTH - len(head) - 3, 20), placeholder=" ...")
-    answer = textwrap.wrap(entry.answer, _WIDTH - 5, max_lines=_LINES, placeholder=" ...", break_on_hyphens=False)
-    return [f"{head}: {mission}" if mission else head, *(f"     {line}" for line in answer), f"     {entry.folder}"]

@@ -136,13 +136,11 @@ def score(
 
 def history(
     folder: Annotated[
-        Path,
-        typer.Argument(metavar="FOLDER", help="Holds reports of diagnose, and reliability.csv, at any depth."),
+        Path, typer.Argument(metavar="FOLDER", help="Holds reports of diagnose, and reliability.csv, at any depth.")
     ],
     *,
     mission: Annotated[
-        Path | None,
-        typer.Option(metavar="MISSION", help="Whose failure rates the counts of a fleet update."),
+        Path | None, typer.Option(metavar="MISSION", help="Whose failure rates the counts of a fleet update.")
     ] = None,
     output: o.OutputOptions,
 ) -> None:

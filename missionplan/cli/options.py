@@ -123,24 +123,17 @@ def with_option_groups(command: Callable[..., None]) -> Callable[..., None]:
             given[name] = group(**{field.name: given.pop(field.name) for field in fields(group)})
         command(**given)
 
-    parameters = [
-        part
-        for parameter in inspect.signature(command).parameters.values()
-        for part in (_option_parameters(groups[parameter.name]) if parameter.name in groups else [parameter])
-    ]
+    parameters: list[inspect.Parameter] = []
+    for parameter in inspect.signature(command).parameters.values():
+        group = groups.get(parameter.name)
+        own = get_type_hints(group, include_extras=True) if group else {}
+        parameters += [
+            inspect.Parameter(field.name, parameter.KEYWORD_ONLY, default=field.default, annotation=own[field.name])
+            for field in (fields(group) if group else ())
+        ] or [parameter]
     flat.__dict__["__signature__"] = inspect.Signature(parameters)
     flat.__annotations__ = {parameter.name: parameter.annotation for parameter in parameters}
     return flat
-
-
-def _option_parameters(group: type) -> list[inspect.Parameter]:
-    hints = get_type_hints(group, include_extras=True)
-    return [
-        inspect.Parameter(
-            field.name, inspect.Parameter.KEYWORD_ONLY, default=field.default, annotation=hints[field.name]
-        )
-        for field in fields(group)
-    ]
 
 
 _PLAIN = {"\u202f": " ", "\u00a0": " ", "\u2009": " ", "–": "-", "—": "-", "−": "-", "×": "x", "…": "...", "√": "sqrt "}

@@ -1,6 +1,6 @@
 """Commands that plan, from simulate to sweep-transition, and that choose: explore, optimise."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from functools import partial
 from pathlib import Path
@@ -11,6 +11,7 @@ import typer
 import missionplan
 from missionplan.cli import options as o
 from missionplan.cli.running import run_resumable, run_study
+from missionplan.errors import InputError, Problem
 
 if TYPE_CHECKING:
     from missionplan.studies.leg_length.plan_result import LegPlan
@@ -189,8 +190,10 @@ def simulate(
     """Simulate the whole mission: will it work, how long will it take, how much energy, and what makes it fail."""
     if rare is not None:
         given = {"resume": resume, "keep_trials": keep_trials, "searched": searched is not None}
-        _refuse_with_rare({**given, "as_exported": as_exported is not None})
-
+        refused = [name for name, is_given in {**given, "as_exported": as_exported is not None}.items() if is_given]
+        if refused:
+            message = "does not go with --rare, which writes failures.csv and starts anew"
+            raise InputError([Problem(message, key=name) for name in refused])
         search = partial(missionplan.find_rare_failure, event=rare, precision=precision, **run.arguments())
         run_study(mission, "simulate", search, output, allow_outside=allow_outside)
         return
@@ -212,28 +215,11 @@ def simulate(
         raise typer.Exit(REQUIREMENT_NOT_MET)
 
 
-def _refuse_with_rare(given: Mapping[str, bool]) -> None:
-    """Refuse options of the plain simulation that a search for a rare failure does not have."""
-    from missionplan.errors import InputError, Problem
-
-    problems = [
-        Problem("does not go with --rare, which writes failures.csv and starts anew", key=name)
-        for name, is_given in given.items()
-        if is_given
-    ]
-    if problems:
-        raise InputError(problems)
-
-
 _Transition = Annotated[str | None, typer.Option(metavar="NAME", help="Name of the transition; default: the first.")]
 
 
 def sweep_transition(
-    mission: o.MissionFile,
-    phase: _Transition = None,
-    *,
-    output: o.OutputOptions,
-    allow_outside: o.AllowOutside = False,
+    mission: o.MissionFile, phase: _Transition = None, *, output: o.OutputOptions, allow_outside: o.AllowOutside = False
 ) -> None:
     """Compute depth, pitch and energy of slowing down to hover, over the grid of a transition phase."""
     study = partial(missionplan.sweep_transition, phase=phase)
@@ -285,12 +271,7 @@ def explore(
     """
     with _workers_importing(_CELLS_NEED, run.other_processes):
         study = partial(
-            missionplan.explore,
-            vary=vary,
-            aim=aim,
-            only_best=only_best,
-            quantities=quantity or (),
-            **run.arguments(),
+            missionplan.explore, vary=vary, aim=aim, only_best=only_best, quantities=quantity or (), **run.arguments()
         )
         found = run_resumable(mission, "explore", study, output, allow_outside=allow_outside, resume=resume)
     if not found.any_meets_all:
@@ -327,14 +308,7 @@ def optimise(
     """
     processes = o.worker_count(jobs)
     with _workers_importing(_CELLS_NEED, processes - 1):
-        study = partial(
-            missionplan.optimise,
-            choose=choose or (),
-            aim=aim,
-            trials=trials,
-            seed=seed,
-            jobs=processes,
-        )
+        study = partial(missionplan.optimise, choose=choose or (), aim=aim, trials=trials, seed=seed, jobs=processes)
         found = run_resumable(mission, "optimise", study, output, allow_outside=allow_outside, resume=resume)
     if not found.feasible:
         raise typer.Exit(REQUIREMENT_NOT_MET)

@@ -7,7 +7,7 @@ import os
 import sys
 import traceback
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import AbstractContextManager, contextmanager, redirect_stdout
+from contextlib import contextmanager, redirect_stdout
 from dataclasses import replace
 from functools import partial
 from importlib import import_module
@@ -90,15 +90,25 @@ def report_folder(output: OutputOptions, stem: str, command: str, inputs: Sequen
 
 def deliver(result: "Result", folder: Path, output: OutputOptions) -> None:
     """Save a result, then print it: as JSON for scripts, else as a sentence and a compact table."""
-    drawing = _drawing_in_parallel(result.provenance.options.get("jobs"))
+    if pool := sys.modules.get("missionplan.montecarlo.pool"):
+        pool.shut_down_pool()  # copies of this process draw once those that took part in the study have ended
+    from missionplan.report.page import drawing_in_parallel
     from missionplan.report.quantities import using_units
 
+    jobs = result.provenance.options.get("jobs")
     with using_units(output.units):
-        with drawing:
+        with drawing_in_parallel(jobs if isinstance(jobs, int) else None):
             result.save(folder, force=output.force)
         with answering(f"; the report is saved in {folder}"):
             if output.as_json:
-                _print_summary(result)
+                from missionplan.results import to_json
+
+                text = to_json(result.summary())
+                try:
+                    text.encode(sys.stdout.encoding or "utf-8")
+                except UnicodeEncodeError:
+                    text = to_json(result.summary(), ascii_only=True)
+                sys.stdout.write(text)
             elif not output.quiet:
                 _print_result(result)
     if output.as_json:
@@ -109,28 +119,6 @@ def deliver(result: "Result", folder: Path, output: OutputOptions) -> None:
         for notice in result.provenance.notices:
             remark(f"Note: {typeset(notice)}")
     note(f"Report: {folder / 'report.html'}")
-
-
-def _drawing_in_parallel(jobs: object) -> AbstractContextManager[None]:
-    """Let this process draw the report with copies of itself, once those that took part in the study have ended."""
-    if "missionplan.montecarlo.pool" in sys.modules:
-        from missionplan.montecarlo.pool import shut_down_pool
-
-        shut_down_pool()
-    from missionplan.report.page import drawing_in_parallel
-
-    return drawing_in_parallel(jobs if isinstance(jobs, int) else None)
-
-
-def _print_summary(result: "Result") -> None:
-    from missionplan.results import to_json
-
-    text = to_json(result.summary())
-    try:
-        text.encode(sys.stdout.encoding or "utf-8")
-    except UnicodeEncodeError:
-        text = to_json(result.summary(), ascii_only=True)
-    sys.stdout.write(text)
 
 
 def _print_result(result: "Result") -> None:
@@ -300,14 +288,10 @@ def run_resumable(
     The blocks stay there if they are to be kept, so that the run can be extended, else until it is done. `page`: module
     that is imported while a copy of this process runs the study; none: this process runs it.
     """
-    from missionplan.mission import load
-    from missionplan.store.folder import check_holds_no_input
-
     found = last_unfinished(path.stem, command) if resume and output.out is None else output.out
     chosen = replace(output, out=found, force=output.force or resume)
     with report_folder(chosen, path.stem, command) as folder:
-        mission = load(path, allow_outside=allow_outside)
-        check_holds_no_input(folder, mission.sources)
+        mission = loaded(path, (), folder, allow_outside=allow_outside)
         if output.force and not resume:
             discard_blocks(folder)
         with resume_hint(folder, resumed=resume):
