@@ -36,11 +36,8 @@ def phase_keys(names: Sequence[str]) -> tuple[str, ...]:
     A name is a label that people choose. It serves in key paths where it is made of words and is no section's; else the
     phase has its place in the file: ``phases[1]``.
     """
-    return tuple(name if _serves(name) else f"phases[{number}]" for number, name in enumerate(names))
-
-
-def _serves(name: str) -> bool:
-    return len(name) <= _LONGEST and _PLAIN.fullmatch(name) is not None and name not in SECTIONS
+    plain = [len(name) <= _LONGEST and _PLAIN.fullmatch(name) and name not in SECTIONS for name in names]
+    return tuple(name if plain[number] else f"phases[{number}]" for number, name in enumerate(names))
 
 
 def named_phase(path: str, names: Iterable[str], *, with_sections: bool = True) -> tuple[str, str] | None:
@@ -167,7 +164,8 @@ def joined(mission: _Shared | None, vehicle: _Shared | None) -> _Shared | None:
     """Return the section in force: the mission's keys, then the vehicle's, then the defaults."""
     if mission is None or vehicle is None:
         return mission or vehicle
-    return vehicle.model_copy(update={key: getattr(mission, key) for key in _given(mission)})
+    own = {key: getattr(mission, key) for key in mission.model_fields_set}
+    return vehicle.model_copy(update={key: value for key, value in own.items() if value is not None})
 
 
 def values_in_force(data: Mapping[str, object]) -> Iterator[ValueInForce]:
@@ -219,10 +217,6 @@ def _in_words(value: object) -> str:
     if isinstance(value, Mapping):
         return f"{{{', '.join(f'{key}: {_in_words(inner)}' for key, inner in value.items())}}}"
     return f"[{', '.join(map(_in_words, value))}]" if isinstance(value, list) else str(value)
-
-
-def _given(section: BaseModel) -> Iterator[str]:
-    return (key for key in section.model_fields_set if getattr(section, key) is not None)
 
 
 def _written(data: object, name: str) -> Mapping[str, object] | None:

@@ -11,7 +11,7 @@ from missionplan.mission.schema import V
 from missionplan.mission.schema.manoeuvring import Manoeuvring, TransitionPhase
 from missionplan.mission.schema.phases import MoorPhase, Navigation, Phase, TransitPhase
 from missionplan.mission.schema.place import Geographic
-from missionplan.mission.schema.site import CurrentFile, ForecastError, Site, TidalCurrent, WaterSection
+from missionplan.mission.schema.site import CurrentFile, ForecastError, Site, TidalCurrent
 from missionplan.mission.schema.vehicle import Anchor, Vehicle
 
 _Phase = TypeVar("_Phase", bound="Phase[object]")
@@ -59,15 +59,12 @@ class MooringMission(Generic[V]):
     """A mission with at least one mooring and what its descent needs."""
 
     mission: Mission[V]
-    moors: tuple[MoorPhase[V], ...]
-    """One or more."""
     vehicle: Vehicle[V]
     mass: V
     """The vehicle's."""
     anchor: Anchor[V]
     """With a flooded mass or a construction."""
     site: Site[V]
-    water: WaterSection[V]
     depth: V | float
     """The site's; nan where it has none and `of` was called with `depth=False`."""
 
@@ -85,12 +82,11 @@ class MooringMission(Generic[V]):
         if site is None or site.water is None:
             raise InputError(problems)
         known = math.nan if site.depth is None else site.depth
-        anchor, moors = vehicle.anchor, mission.moors
-        return MooringMission(mission, moors, vehicle, vehicle.mass, anchor, site, site.water, known)
+        return MooringMission(mission, vehicle, vehicle.mass, vehicle.anchor, site, known)
 
     def mooring(self, name: str | None = None) -> MoorPhase[V]:
         """Return the mooring of that name, by default the first; InputError where there is none."""
-        return _named(self.moors, name, "a mooring")
+        return _named(self.mission.moors, name, "a mooring")
 
 
 @dataclass(frozen=True)
@@ -98,8 +94,6 @@ class TransitionMission(Generic[V]):
     """A mission with at least one transition from survey speed to hover, and what transitions need."""
 
     mission: Mission[V]
-    transitions: tuple[TransitionPhase[V], ...]
-    """One or more."""
     vehicle: Vehicle[V]
     mass: V
     """The vehicle's."""
@@ -114,11 +108,11 @@ class TransitionMission(Generic[V]):
         problems, vehicle = missing_for_transitions(mission), mission.vehicle
         if problems or vehicle is None or vehicle.mass is None or vehicle.manoeuvring is None:
             raise InputError(problems)
-        return TransitionMission(mission, mission.transitions, vehicle, vehicle.mass, vehicle.manoeuvring)
+        return TransitionMission(mission, vehicle, vehicle.mass, vehicle.manoeuvring)
 
     def transition(self, name: str | None = None) -> TransitionPhase[V]:
         """Return the transition of that name, by default the first; InputError where there is none."""
-        return _named(self.transitions, name, "a transition")
+        return _named(self.mission.transitions, name, "a transition")
 
 
 @dataclass(frozen=True)

@@ -109,7 +109,7 @@ def validated_mission(path: Path, mission: Mission) -> Validated:
         notices.extend((*vehicle_notices(mission, means), *input_notices(mission, means), *tracks_lost(means)))
 
     def sizable() -> None:
-        for phase in means.mooring.moors:
+        for phase in means.mooring.mission.moors:
             design_current(means, phase)
 
     simulation = needs(simulable)

@@ -164,7 +164,7 @@ def _anchor_sizing(
     sizing = AnchorSizing(
         provenance=provenance,
         phase=sizer.moor.name,
-        others=tuple(each.name for each in sizer.means.mooring.moors if each.name != sizer.moor.name),
+        others=tuple(each.name for each in sizer.means.drawn.moors if each.name != sizer.moor.name),
         radius=sizer.radius,
         depth=float(sizer.means.mooring.depth),
         line_length=sizer.line_length,
