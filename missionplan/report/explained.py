@@ -170,7 +170,7 @@ def with_assumptions(page: Page, assumed: Sequence[Assumption]) -> Page:
     def written() -> list[PageSection]:
         sections = list(write())
         place = next((at for at, each in enumerate(sections) if not each.is_summary), len(sections))
-        return [*sections[:place], _section(assumed), *sections[place:]]
+        return [*sections[:place], *_section(assumed), *sections[place:]]
 
     return replace(
         page,
@@ -199,7 +199,7 @@ def _turning_in_words(assumed: Sequence[Assumption]) -> str:
     return f"{words}; {others} more such {'assumption' if others == 1 else 'assumptions'} below."
 
 
-def _section(assumed: Sequence[Assumption]) -> PageSection:
+def _section(assumed: Sequence[Assumption]) -> Iterator[PageSection]:
     """Tabulate them, what matters most first; the heading names what they could do: turn the answer, or change it."""
     rows = []
     for each in assumed:
@@ -216,4 +216,4 @@ def _section(assumed: Sequence[Assumption]) -> PageSection:
         heading = "None of these assumptions alone could turn this"
     columns = ("taken for granted", "instead", "success then", "change", "")
     caption = "Each alone, on 400 trials of the same random numbers. What is not in the mission cannot be put off."
-    return PageSection(heading, [Table(columns, rows, caption, text_columns=2)], is_summary=True)
+    yield PageSection(heading, [Table(columns, rows, caption, text_columns=2)], is_summary=True)
