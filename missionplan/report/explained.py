@@ -200,20 +200,24 @@ def _turning_in_words(assumed: Sequence[Assumption]) -> str:
 
 
 def _section(assumed: Sequence[Assumption]) -> Iterator[PageSection]:
-    """Tabulate them, what matters most first; the heading names what they could do: turn the answer, or change it."""
+    """Tabulate them, what matters most first."""
     rows = []
     for each in assumed:
         then = "" if math.isnan(each.success) else f"{100.0 * each.success:.3g}\u00a0%"
         change = f"{100.0 * each.worth:+.2g}\u00a0%" if each.worth else "none"
         change = "could not be run" if math.isnan(each.worth) else change
         rows.append((each.what, each.otherwise, then, change, "could turn the answer" if each.turns else ""))
-    turning = sum(each.turns for each in assumed)
-    most = max(assumed, key=lambda each: 0.0 if math.isnan(each.worth) else abs(each.worth))
-    heading = f"Of its assumptions, that {most.what} matters most: {100.0 * most.worth:+.2g}\u00a0% otherwise"
-    if turning:
-        heading = f"{turning} of its assumptions could turn this"
-    elif math.isnan(most.worth) or abs(most.worth) < _LEAST_CHANGE:
-        heading = "None of these assumptions alone could turn this"
     columns = ("taken for granted", "instead", "success then", "change", "")
     caption = "Each alone, on 400 trials of the same random numbers. What is not in the mission cannot be put off."
-    yield PageSection(heading, [Table(columns, rows, caption, text_columns=2)], is_summary=True)
+    yield PageSection(_heading(assumed), [Table(columns, rows, caption, text_columns=2)], is_summary=True)
+
+
+def _heading(assumed: Sequence[Assumption]) -> str:
+    """Name what the assumptions could do: turn the answer, or change P(success) most."""
+    turning = sum(each.turns for each in assumed)
+    if turning:
+        return f"{turning} of its assumptions could turn this"
+    most = max(assumed, key=lambda each: 0.0 if math.isnan(each.worth) else abs(each.worth))
+    if math.isnan(most.worth) or abs(most.worth) < _LEAST_CHANGE:
+        return "None of these assumptions alone could turn this"
+    return f"Of its assumptions, that {most.what} matters most: {100.0 * most.worth:+.2g}\u00a0% otherwise"

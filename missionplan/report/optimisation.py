@@ -65,9 +65,6 @@ _SAILED = "Each trial sails in one member of the ensemble; a row has the trials 
 
 def page(found: Optimised) -> Page:
     """Build the page."""
-    made, choose = found.provenance, found.provenance.options.get("choose")
-    words = [f"--choose {shlex.quote(str(each))}" for each in (choose if isinstance(choose, list) else [])]
-    trials = f"--aim {found.aim} --trials {made.trials} --seed {made.seed}"
     return Page(
         title=f"What to choose? {found.provenance.mission}",
         answer=answer(found),
@@ -83,7 +80,7 @@ def page(found: Optimised) -> Page:
             _effort(found),
         ],
         verdict="good" if found.feasible else "bad",
-        rerun=" ".join(["missionplan optimise mission.yaml", *words, trials]),
+        rerun=_rerun(found),
         table=lambda: (
             ("", "chosen" if found.feasible else "nearest"),
             [(_name(name), _shown(found, name, value)) for name, value in found.chosen.items()],
@@ -274,3 +271,10 @@ def _effort(found: Optimised) -> PageSection:
         "guaranteed to be found."
     )
     return PageSection("How it was found", [text, Listing("missionplan simulate mission-optimised.yaml")])
+
+
+def _rerun(found: Optimised) -> str:
+    choose = found.provenance.options.get("choose")
+    words = [f"--choose {shlex.quote(str(each))}" for each in (choose if isinstance(choose, list) else [])]
+    trials = f"--trials {found.provenance.trials} --seed {found.provenance.seed}"
+    return " ".join(["missionplan optimise mission.yaml", *words, f"--aim {found.aim}", trials])
