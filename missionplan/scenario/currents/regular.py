@@ -137,7 +137,8 @@ def read_curved(files: FieldFiles, area: Area) -> GriddedCurrent:
     if staggered:
         velocity = _unstaggered(files, (u, v), moments, part) * _turning(files, part)
         # nodes that have faces on all sides
-        rows, columns = slice(rows.start + 1, rows.stop - 1), slice(columns.start + 1, columns.stop - 1)
+        rows = slice(part.rows.start + 1, part.rows.stop - 1)
+        columns = slice(part.columns.start + 1, part.columns.stop - 1)
         part = _Part(rows, columns, part.dims, part.points[:, 1:-1, 1:-1])
     else:
         order = [*across, *part.dims]
