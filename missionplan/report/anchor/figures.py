@@ -23,7 +23,7 @@ def drift_figure(sizing: AnchorSizing) -> Figure:
     anchor, radius = sizing.to_build, sizing.radius
     profile, offset = anchor.profile, anchor.nominal.offset
     until = int(np.count_nonzero(profile.time <= profile.stages["touchdown"]))
-    figure = MatplotlibFigure(figsize=(4.2, 4.0))
+    figure = MatplotlibFigure(figsize=(6.0, 3.0))
     axes = figure.subplots()
     axes.add_patch(Circle((0.0, 0.0), radius, fill=False, color=PINK, linewidth=1.2, linestyle=_DASHED))
     axes.text(0.0, 1.04 * radius, f"radius {quantity(radius, 'm', '.1f')}", ha="center", va="bottom", fontsize=8.5)
