@@ -116,7 +116,7 @@ class History:
     """Time histories, shape (samples, n); `time` (samples,) counts from the start of the deceleration [s].
 
     `speed` [m/s], `pitch` [rad], `depth` below the target [m], `sternplane` [rad], `revolutions` of the first
-    thruster and of the second (zero without one) [rev/s], `energy` of the thrusters since the deceleration [J].
+    thruster [rev/s], `energy` of the thrusters since the deceleration [J].
     """
 
     time: Array
@@ -125,7 +125,6 @@ class History:
     depth: Array
     sternplane: Array
     revolutions: Array
-    second_revolutions: Array
     energy: Array
 
 

@@ -198,9 +198,9 @@ class _Run:
         self.pitch_sums = np.zeros((3, *shape))
 
     def sample(self) -> Array:
-        """Row of the time histories, shape (7, n)."""
+        """Row of the time histories, shape (6, n)."""
         u, _, _, pitch, depth = self.state
-        return np.array([u, pitch, depth, self.plane, *self.revolutions, self.energy])
+        return np.array([u, pitch, depth, self.plane, self.revolutions[0], self.energy])
 
     def advance(self, *, steady: bool) -> None:
         """One step: controls, forces held, Runge-Kutta, energy; `steady` when it counts for the pitch in hover."""

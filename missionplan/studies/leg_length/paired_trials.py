@@ -9,6 +9,7 @@ import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -129,24 +130,20 @@ class PlanTrials:
 
 
 Score = tuple[float, float]
-"""By how much too few trials arrive, or that they do, then what is to be least: the first decides, then the second."""
+"""Whether too few trials arrive, 0 or 1, then what is to be least: the first decides, then the second."""
 Objective = Callable[[PlanTrials], Score]
 """Function of a plan's trials whose least value is sought."""
 
 
-def arrival_shortfall(trials: PlanTrials, required: float) -> float:
-    """By how much the share of trials that arrive is less than required."""
-    return max(required - float(np.mean(trials.arrived)), 0.0)
-
-
-def expected_cost(trials: PlanTrials, required: float, values: Array) -> Score:
+def expected_cost(trials: PlanTrials, required: float, values: Array, of: Callable[[Array], Any] = np.mean) -> Score:
     """Score by the mean of what is spent, where too few trials arrive with failures, each as dear as several missions.
 
-    `values`: spent in each trial, positive. So a plan that arrives as often as required is better than any that does
-    not, and of those that do not none is dearer for a trial or two that arrive by chance.
+    `values`: spent in each trial, positive. `of`: what is taken in place of the mean. So a plan that arrives as often
+    as required is better than any that does not, and of those that do not none is dearer for a trial or two that arrive
+    by chance.
     """
-    least = float(values[trials.arrived].mean()) if trials.arrived.any() else math.inf
-    if not arrival_shortfall(trials, required):
+    least = float(of(values[trials.arrived])) if trials.arrived.any() else math.inf
+    if trials.arrived.mean() >= required:
         return 0.0, least
     return 1.0, least * (1.0 + FAILURE_LOSS * float(np.mean(~trials.arrived)))
 

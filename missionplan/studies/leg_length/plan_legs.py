@@ -12,7 +12,7 @@ from missionplan.mission import MissionOrPath
 from missionplan.montecarlo.blocks import Backend, Progress
 from missionplan.montecarlo.statistics import Count, Moments, RunningStatistic, wilson
 from missionplan.montecarlo.streams import block_count, block_size
-from missionplan.results.decision import label
+from missionplan.results.decision import FAILURE_LOSS, label
 from missionplan.studies.judgement import judged
 from missionplan.studies.leg_length import SweepScenario
 from missionplan.studies.leg_length.analytic_transit import LegSpread, analytic_obstacle
@@ -162,10 +162,21 @@ def _judge(
             value = on_time.value
             error = float(np.sqrt(value * (1.0 - value) / max(count.trials, 1)))
         else:
-            value, error = _quantile(times, DEADLINE_QUANTILE, count.trials)
+            value, error = _late(times, count.trials)
         speed = legs.speed_factor * scenario.speed
         judged_plans.append(CandidatePlan(name, speed, duration, energy, on_time, value, error))
     return tuple(judged_plans)
+
+
+def _late(running: RunningStatistic, trials: int) -> tuple[float, float]:
+    """Time that 95 % of all trials keep; where fewer arrive, of those that do, failures as in `expected_cost`."""
+    value, error = _quantile(running, DEADLINE_QUANTILE, trials)
+    arrived = int(running.moments.count)
+    if np.isfinite(value) or not arrived:
+        return value, error
+    failed, (value, error) = 1.0 - arrived / trials, _quantile(running, DEADLINE_QUANTILE, arrived)
+    factor, chance = 1.0 + FAILURE_LOSS * failed, FAILURE_LOSS * float(np.sqrt(failed * (1.0 - failed) / trials))
+    return value * factor, float(np.hypot(error * factor, value * chance))
 
 
 def _quantile(running: RunningStatistic, share: float, trials: int) -> tuple[float, float]:
@@ -239,7 +250,7 @@ def plan_legs(
         distance=scenario.distance,
         mission_speed=scenario.speed,
         arrival_radius=scenario.arrival_radius,
-        required_arrival=scenario.required_arrival,
+        required_arrival=wanted.required(scenario),
         surfacing_time=scenario.surfacing_time,
         sigma=scenario.sigma(0),
         goal=(float(goal[0]), float(goal[1])),

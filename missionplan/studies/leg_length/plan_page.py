@@ -104,10 +104,11 @@ def _choice(plan: LegPlan) -> str:
     if not plan.reaches:
         arriving = share(plan.chosen.arrived)
         what = "the table of legs" if plan.recommended else f"a fixed d_max of {length_in_words(plan.fixed_d_max)}"
-        return (
-            f"No legs arrive as often as {100.0 * plan.required_arrival:g}\u00a0%; with a failure counted as "
-            f"{FAILURE_LOSS:g} missions, {what} is best, and arrives in {arriving} of the trials.{speed}"
-        )
+        rule = f"with a failure counted as {FAILURE_LOSS:g} missions, {what} is best"
+        if np.isfinite(plan.deadline):
+            rule = f"{what} keeps the deadline of {time_in_words(plan.deadline)} most often"
+        few = f"No legs arrive as often as {100.0 * plan.required_arrival:g}\u00a0%"
+        return f"{few}; {rule}, and arrives in {arriving} of the trials.{speed}"
     if not plan.recommended:
         what = f"a fixed d_max of {length_in_words(plan.fixed_d_max)}"
         lead = f"Take {what}" if _is_firm(plan) else f"Nothing to choose yet: as the mission stands, {what} is best"
@@ -249,7 +250,8 @@ def candidates_table(plan: LegPlan) -> Table:
         duration, energy = candidate.duration, candidate.energy
         row = [candidate.name, speed.cell(candidate.speed, ".3g")]
         row.append(with_error(duration.mean, duration.standard_error, MINUTES.bare))
-        row.append(number(duration.p95 / 60.0, 2.1 * duration.standard_error / 60.0))
+        late = candidate.value if plan.aim == "p95" and plan.reaches and not has_deadline else duration.p95
+        row.append(number(late / 60.0, 2.1 * duration.standard_error / 60.0))
         row += [with_error(energy.mean, energy.standard_error, WATT_HOURS.bare)] if has_energy else []
         rows.append(row + ([percent(candidate.on_time)] if has_deadline else []))
     caption = "The same trials for all plans, other ones than those on which the plans were chosen."
@@ -266,7 +268,10 @@ def cases_table(plan: LegPlan) -> Table:
         costs = [case.fixed, case.adaptive] if plan.adapts else [case.fixed]
         row = [case.title + likely, *(with_error(it.cost, it.standard_error, PERCENT.bare) for it in costs)]
         rows.append([*row, *([with_error(*case.saving_for(plan.aim), unit.bare)] if plan.adapts else [])])
-    return Table(heads, rows, caption=f"Every row has the same {'two plans' if plan.adapts else 'plan'}.")
+    caption = f"Every row has the same {'two plans' if plan.adapts else 'plan'}."
+    if plan.aim == "p95" and not np.isfinite(plan.deadline):
+        caption += f" Where fewer than 95\u00a0% arrive, each failure counts as {FAILURE_LOSS:g} missions."
+    return Table(heads, rows, caption=caption)
 
 
 def saving_in_words(plan: LegPlan) -> str:

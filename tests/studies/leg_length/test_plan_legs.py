@@ -21,8 +21,9 @@ from missionplan.studies.leg_length.analytic_transit import (
     _RecordingCompensation,
     fit_leg_spread,
 )
+from missionplan.studies.leg_length.optimise_legs import LegAim, _family_of
 from missionplan.studies.leg_length.paired_trials import LegsAtSpeed, best_plan, expected_cost, run_plans
-from missionplan.studies.leg_length.plan_legs import _deadline, _quantile, plan_legs
+from missionplan.studies.leg_length.plan_legs import _deadline, _late, _quantile, plan_legs
 from missionplan.studies.leg_length.plan_result import MeanAndError
 from missionplan.studies.leg_length.sweep_dmax import sweep_dmax
 
@@ -119,6 +120,21 @@ def test_a_trial_that_arrives_by_chance_is_worth_no_dearer_plan():
     assert cost(976, 1.10) == (1.0, pytest.approx(1.10 * 1.24))
     assert cost(990, 9.0) == (0.0, 9.0) < cost(976, 1.10)
     assert cost(0, 1.0) == (1.0, np.inf)
+
+
+def test_the_time_that_95_percent_keep_counts_failures_alike():
+    """97 % in 1.3 h is better than 97.1 % in 2 h where 99 % must arrive; in time for a deadline, arriving goes first."""
+    times = np.linspace(0.9, 1.1, 1000)
+
+    def score(arriving, scale, **deadline):
+        _, lateness, _ = _family_of(LegAim("p95", **deadline), 0.99)
+        return lateness(SimpleNamespace(arrived=np.arange(1000) < arriving, duration=scale * times))
+
+    assert score(970, 1.3) < score(971, 2.0)
+    assert score(900, 1.3) < score(901, 2.0)
+    assert score(1000, 1.0) == (0.0, pytest.approx(1.09, abs=1e-3))
+    assert score(995, 9.0) < score(970, 1.0)
+    assert score(995, 1.0, deadline=0.95) < score(970, 0.5, deadline=0.95)
 
 
 @pytest.mark.usefixtures("unsought")
@@ -435,3 +451,4 @@ def test_a_quantile_counts_who_never_arrives_and_is_as_sure_as_its_neighbours():
     assert value == pytest.approx(9500.0, rel=1e-3)
     assert error == pytest.approx(np.hypot(21.8, 5e-4 * 9500.0), rel=0.15)
     assert _quantile(RunningStatistic.of(np.arange(1.0, 9401.0)), 0.95, 10_000) == (np.inf, np.inf)
+    assert _late(RunningStatistic.of(np.arange(1.0, 9401.0)), 10_000)[0] == pytest.approx(0.95 * 9400.0 * 1.6, rel=1e-3)
