@@ -670,6 +670,8 @@ def test_qgc(plan):
         data = json.loads(text)
         jsonschema.validate(data, QGC)
         assert data["mission"]["firmwareType"] == firmware
+        *home, height = data["mission"]["plannedHomePosition"]
+        assert (off(plan, transit.start, *home) < 0.01, height) == (True, 0)
         speed, *items, jump = data["mission"]["items"]
         assert [each["doJumpId"] for each in data["mission"]["items"]] == list(range(1, len(items) + 3))
         assert (speed["command"], speed["frame"]) == (178, 2)

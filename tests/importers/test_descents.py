@@ -14,13 +14,16 @@ MARKS = [BEGAN + each for each in (100.0, 400.0, 700.0, 1000.0)]
 
 
 def imported(folder, *, marks=True, **changes):
-    """Four dives at 0.5 m/s to 20, 30, 20 and 0.6 m from the marks; the third has a gap of 15 s in its readings."""
+    """Four dives at 0.5 m/s to 20, 30, 20 and 0.6 m from the marks; the third has a gap of 15 s in its readings.
+
+    The pitch is read at every other of them.
+    """
     t = np.arange(0.0, 1300.0, 0.5)
     depth = np.zeros_like(t)
     for start, bottom in zip((100.0, 400.0, 700.0, 1000.0), (20.0, 30.0, 20.0, 0.6), strict=True):
         since = t - start
         depth = np.where((since >= 0.0) & (since < 200.0), np.clip(0.5 * since, 0.0, bottom), depth)
-    rows = pd.DataFrame({"t": BEGAN + t, "depth": depth, "pitch": -0.1 * t})
+    rows = pd.DataFrame({"t": BEGAN + t, "depth": depth, "pitch": np.where(t % 1.0 == 0.0, -0.1 * t, np.nan)})
     rows = rows[~((t > 710.0) & (t < 725.0))]
     rows.to_csv(folder / "dives.csv", index=False)
     given = [f"{each:.0f}" for each in MARKS] if marks else []

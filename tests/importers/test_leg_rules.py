@@ -11,7 +11,15 @@ from made_tracks import LATITUDE, LONGITUDE, START, made
 from missionplan.importers.cutting import cut
 from missionplan.importers.dives import LegRules
 from missionplan.importers.geodesy import displacement, moved
-from missionplan.importers.judging import _ALLOWED, _DRIFT, _confirmed, _gap_at_surface, _jump, judge_fixes
+from missionplan.importers.judging import (
+    _ALLOWED,
+    _DRIFT,
+    REPEATED,
+    _confirmed,
+    _gap_at_surface,
+    _jump,
+    judge_fixes,
+)
 from missionplan.importers.track import Break, Series, Track, fixes, positions, series
 
 RULES = LegRules()
@@ -310,3 +318,18 @@ def test_a_fix_is_confirmed_by_the_good_one_nearest_in_time_where_drift_brings_i
     given = eastward(t, metres)
     found = _confirmed(fixes(given.t, given.latitude, given.longitude), np.array([True, False, False, False, True]))
     assert found.tolist() == [True, True, False, True, True]
+
+
+@pytest.mark.parametrize(("after", "is_old"), [(59.0, False), (60.0, True)])
+def test_the_same_place_a_minute_later_is_no_new_fix_where_the_next_one_jumps(after, is_old):
+    metres = [0.0, 0.0, 1000.0, 1000.5, 1001.0, 1001.5]
+    given = eastward([0.0, after, *(after + np.arange(10.0, 50.0, 10.0))], metres)
+    found = judge_fixes(fixes(given.t, given.latitude, given.longitude))
+    assert (REPEATED in found.reasons) == is_old
+
+
+def test_a_leg_has_the_declination_of_its_start():
+    log = made(legs=3)
+    growing = Series(START + np.array([0.0, 1e5]), np.array([0.0, 10.0]))
+    found = cut(replace(log.track, declination=growing, heading_from="magnetic"), RULES)
+    np.testing.assert_allclose(found.dives["declination_deg"], 1e-4 * (log.starts - START))

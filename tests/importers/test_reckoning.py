@@ -135,3 +135,13 @@ def test_the_share_of_the_vehicle_s_current_in_its_reckoning_is_found_and_taken_
     off = np.array(displacement(line.latitude, line.longitude, taken.latitude, taken.longitude))
     assert off == pytest.approx(-share * estimates[:, 3:4] * (line.t - voyage.starts[3]), abs=0.5)
     assert current_in_reckoning(voyage.track, known, candidates, parts) is None
+
+
+def test_an_estimate_of_the_current_is_in_use_for_a_day():
+    voyage = made(legs=2)
+    logged = Series(voyage.starts[:1] - 86_399.0, np.array([0.2]))
+    t = np.sort(np.concatenate((voyage.starts, voyage.ends)))
+    known = fixes(t, np.full(4, LATITUDE), np.full(4, LONGITUDE))
+    dives = [Candidate(2 * k, 2 * k + 1, 100.0, 0.0, voyage.ends[k], voyage.ends[k]) for k in range(2)]
+    of = replace(voyage.track, current_east=logged, current_north=logged)
+    assert current_in_reckoning(of, known, dives, [Positions(), Positions()]).east.tolist() == [0.2, 0.0]

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from scipy.stats import kurtosis
 
-from missionplan.phases.currents import layers
+from missionplan.phases.currents import Span, layers
 from missionplan.phases.ensemble import NORMALS, WAVES, Ensemble, ErringCurrent, ErrorWaves, Statistics
 
 TRIALS = 40_000
@@ -116,6 +116,7 @@ def test_members_are_good_where_all_are_and_weigh_what_they_are_given():
         SimpleNamespace(
             **{"time": np.array([begin, end]), "depths_covered": depths, "steady_for": steady},
             velocity=lambda *_, speed=speed: np.array([[speed], [0.0]]),
+            covers=lambda span, begin=begin, end=end: np.array([begin <= span.start and span.end <= end]),
         )
         for begin, end, depths, steady, speed in (
             (0.0, 90.0, (0.0, 30.0), 600.0, 1.0),
@@ -125,4 +126,8 @@ def test_members_are_good_where_all_are_and_weigh_what_they_are_given():
     both = Ensemble.of(members, ("a", "b"), (1.0, 3.0))
     assert (both.time.tolist(), both.depths_covered, both.steady_for) == ([10.0, 90.0], (2.0, 30.0), 300.0)
     assert both.velocity(0.0, 0.0, np.zeros((2, 1))).tolist() == [[4.0], [0.0]]
+    covered = [
+        both.covers(Span(start, end, 5.0, ())).tolist() for start, end in ((5.0, 80.0), (20.0, 80.0), (20.0, 95.0))
+    ]
+    assert covered == [[False], [True], [False]]
     assert both.drawn(np.array([-0.7, -0.6, 0.0])).chosen.tolist() == [0, 1, 1]  # a quarter lies below -0.674

@@ -116,6 +116,13 @@ def test_a_ring_outside_the_tube_is_remedied_by_a_change_of_the_front():
     assert not solve_anchor(replace(nose_heavy, construction=least), 11.6974).feasible
 
 
+@pytest.mark.parametrize(("mass", "is_remedy"), [(1.0, True), (1.1, False)])
+def test_the_front_s_centre_is_moved_no_farther_than_its_half_sphere_reaches(mass, is_remedy):
+    nose_heavy = replace(PROBLEM, construction=replace(MADE, front=Part(mass, 7850.0, 1.2 * INCH)))
+    found = find_remedies(solve_anchor(nose_heavy, 11.6974))
+    assert any(each.quantity == "its centre at" for each in found) == is_remedy
+
+
 def test_no_room_for_a_tube():
     heavy = replace(
         PROBLEM, construction=replace(MADE, front=Part(0.05, 7850.0, 0.03), back=Part(0.05, 2700.0, 0.0152))

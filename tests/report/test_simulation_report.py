@@ -13,7 +13,7 @@ from matplotlib.figure import Figure as MatplotlibFigure
 from outcome_example import MAPPED, example
 
 from missionplan.mission import load
-from missionplan.montecarlo.statistics import wilson
+from missionplan.montecarlo.statistics import Probability, wilson
 from missionplan.report.page import Figure, draw, drawing_by, style
 from missionplan.report.render import render_report, terminal_view
 from missionplan.report.simulation import figures
@@ -295,6 +295,10 @@ def test_bars_of_the_waterfall_stand_on_one_another_from_all_trials_down(outcome
     tops = [bar.get_x() + bar.get_width() for bar in axes.patches]
     assert tops == pytest.approx([100.0, *(bar.get_x() for bar in axes.patches[:-1])])
     assert (axes.patches[-1].get_x(), tops[-1]) == (0.0, pytest.approx(100.0 * outcome.total.events["success"].value))
+    lost, left = Probability(0.1234, 0.1134, 0.1334), Probability(0.8766, 0.8666, 0.8866)
+    axes = MatplotlibFigure().add_subplot()
+    figures.draw_waterfall(axes, replace(outcome, attrition=(Attrition("ingress: not arrived", lost, left),)))
+    assert axes.texts[0].get_text() == "−12.3 %"  # give or take 1.0
 
 
 def test_a_histogram_has_the_trials_the_band_the_median_and_the_limit_in_the_mission_s_unit(outcome):

@@ -197,6 +197,13 @@ def test_the_median_track_has_times_and_its_fixes_are_points(outcome, collection
     assert len(features(collection, "anchor")) == 1
 
 
+def test_surfacings_are_counted_and_each_has_its_fix(outcome):
+    trial = next(each for each in np.flatnonzero(outcome.tracks.success) if each % 3)
+    names = [point.name.removeprefix("ingress: ") for point in track_points(outcome, int(trial))]
+    assert names[:5] == ["start", "surfacing 1", "fix 1", "surfacing 2", "fix 2"]
+    assert names[8:11] == ["moor: anchor", "moor: surfacing", "egress: start"]
+
+
 def test_planned_tracks_and_waypoints_are_there(collection):
     tracks = features(collection, "planned track")
     assert [track["properties"]["name"] for track in tracks] == ["ingress: planned track", "egress: planned track"]
