@@ -171,7 +171,8 @@ def test_a_score_draws_and_tells_the_numbers_of_its_own_axis_and_prediction() ->
     axes = Figure().add_subplot()
     scoring._dive_panel(axes, each, ahead, "")
     assert lines(axes)["measured"][1].tolist() == [10.0, 19.0, 9.0, 18.0]
-    own, bare, *_ = plain(scoring._table(each).rows)
+    own, bare, *_, last = plain(scoring._table(each).rows)
+    assert last[:4] == ["the last leg", "30 m", "60 %", "-5.00"]  # one step ahead
     assert (own[1], own[3], own[4]) == ("12 m", "-4.00", "9 m")
     assert [words.partition(" % ")[0] for words in own[5:]] == ["50", "75"]
     assert bare[:5] == ["the mission without its effects, one step ahead", "30 m", "60 %", "-5.00", "17 m"]

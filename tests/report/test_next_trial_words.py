@@ -188,3 +188,6 @@ def test_a_trial_pays_for_itself_in_what_is_saved_and_its_rule_says_the_side() -
     assert "comes out above 2.9°, take it for compass bias and choose 3.00" in next_trial_section(above)[0].blocks[4]
     (row,) = section.blocks[-1].rows
     assert row[:5] == ["Two opposite legs of 400 m", "28", "3.1", "1.4", "1.2 ± 0.1"]
+    slight = [replace(LEGS, saving=saving) for saving in (0.29, 0.31)]  # three standard errors are 0.3
+    (*_, table) = next_trial_section(replace(FOUND, designs=(LEGS, *slight)))[0].blocks
+    assert [row[4] for row in table.rows] == ["1.2 ± 0.1", "nothing", "0.31 ± 0.1"]

@@ -184,6 +184,8 @@ def test_under_an_explanation_the_choice_loses_or_keeps():
         assert each.keeps_choice == keeps
     seldom = ExplainedSweep((), 0.3, curve, replace(curve.points[0], arrived=wilson(400, 500)))
     assert not seldom.keeps_choice
+    never = replace(curve, points=tuple(replace(each, arrived=wilson(400, 500)) for each in curve.points))
+    assert ExplainedSweep((), 0.3, never, never.points[0]).keeps_choice  # none arrives as often as required
     found = replace(three_curves(), explanations=(ExplainedSweep(("compass-bias",), 0.3, curve, curve.points[2]),))
     (section,) = sweep_page._explanation_section(found)
     assert [plain(cell) for cell in section.blocks[0].rows[0]] == ["compass bias", "30.0 %", "400 m", "100 %", "18.2 %"]

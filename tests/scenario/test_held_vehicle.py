@@ -152,13 +152,16 @@ OFF_THE_AXIS = {
 
 def test_each_centre_has_its_own_force_and_arm():
     """The weight at the centre of gravity, the buoyancy at its own: none for the other, along the axis and off it."""
-    scenario = Scenario.at_means(changed(vehicle=OFF_THE_AXIS))
+    scenario = Scenario.at_means(changed(vehicle=OFF_THE_AXIS, moor={"line_stiffness": "12 kN/m"}))
     weight = 10.2 * 9.80665
     buoyancy = weight + 0.2 * 4.4482216
     body = held_body(scenario)
     assert body.raising_moment == pytest.approx(buoyancy * 0.552 - weight * 0.57)
     assert abs(body.righting_moment) == pytest.approx(weight * 0.011 + buoyancy * 0.004)
-    pitching = moor_plan(scenario, scenario.moor()).dive.pitching
+    dive = moor_plan(scenario, scenario.moor()).dive
+    pitching = dive.pitching
+    at_nose = 1.0 / pitching.lateral_mass + 0.57**2 / pitching.inertia
+    assert dive.spring.nose_mass == pytest.approx(1.0 / at_nose)
     assert (pitching.centre, pitching.ahead, pitching.below) == pytest.approx((0.57, 0.57 - 0.552, -0.004 - 0.011))
     assert pitching.buoyancy == pytest.approx(buoyancy)
     assert pitching.inertia == pytest.approx(pitching.lateral_mass * pitching.length**2 / 12.0)

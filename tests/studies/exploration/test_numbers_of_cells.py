@@ -20,8 +20,8 @@ from missionplan.results.decision import (
 )
 from missionplan.results.optimisation import Optimised, RuledOut, Tried
 from missionplan.results.simulation import RequirementOutcome
-from missionplan.studies.exploration import _times, explore, first_start, steps
-from missionplan.studies.exploration.cells import CellTrials, _joined, _numbered
+from missionplan.studies.exploration import _times, cells, explore, first_start, steps
+from missionplan.studies.exploration.cells import CellTrials, MissionTask, _joined, _numbered
 from missionplan.studies.exploration.explore import _misses, _to_run_after_all
 from missionplan.studies.exploration.result import (
     NOT_RUN,
@@ -218,6 +218,29 @@ def test_each_member_counts_the_trials_that_sail_in_it(monkeypatch):
         ("calm", 0.7, 1.0),
         ("rough", 0.2, 0.5),
     ]
+
+
+@pytest.mark.parametrize("is_binding", [True, False])
+def test_trials_that_leave_the_record_count_where_it_binds(monkeypatch, is_binding):
+    left, none = np.array([True, False, False]), np.zeros(3, dtype=bool)
+    columns = {"out.arrived": ~left, "total.duration_s": np.array([600.0, 1199.0, 1201.0])}
+    limits = [{"left_record": each} for each in (none, left)]
+    run = SimpleNamespace(
+        columns=lambda: columns, success=~left, phases=[SimpleNamespace(limits=each) for each in (*limits, {})]
+    )
+    monkeypatch.setattr(cells, "run_trials", lambda *_, **__: run)
+    current = SimpleNamespace(is_binding=is_binding)
+    means = SimpleNamespace(mission=MISSION, current=current, sampled_from=lambda *_: None)
+    monkeypatch.setattr(MissionTask, "scenario", lambda *_: means)
+    found = MissionTask([MISSION], [None], 1, ("total.duration_s",))((0, 0, 3)).columns
+    assert found["total.success"].tolist() == [False, True, True]
+    assert [flags.tolist() for name, flags in found.items() if name.startswith("requirement")] == [
+        [False, True, True],
+        [True, True, False],
+    ]
+    assert [found[name].tolist() for name in ("left_record",) if name in found] == (
+        [left.tolist()] if is_binding else []
+    )
 
 
 def test_blocks_are_joined_in_their_order_and_numbered_apart():

@@ -148,6 +148,16 @@ def test_tunnel_thruster_forward(tmp_path):
     assert result.fits[0].name == "centre of suction moves aft with speed"
     for name, truth in (("decay", 7.0), ("thrust_constant", 0.02), ("suction_gradient", 9.0)):
         assert abs(result[name].value - truth) < 3.0 * result[name].sd, name
+    assert_on_their_curves(result.panels)
+
+
+def assert_on_their_curves(panels):
+    """Force and moment over those at rest, 8 N or more at 0.8 m, of which 0.1 N is noise."""
+    assert [panel.name for panel in panels] == ["force-factor", "moment-factor"]
+    for panel in panels:
+        curve = np.interp(panel.x, panel.curves[0].x, panel.curves[0].y)
+        np.testing.assert_allclose(panel.y, curve, atol=0.05)
+        np.testing.assert_allclose(panel.fitted, curve, atol=0.01)
 
 
 def test_tunnel_thruster_aft(tmp_path):
@@ -157,6 +167,7 @@ def test_tunnel_thruster_aft(tmp_path):
     assert result.fits[0].name == "centre of suction stays"
     assert abs(result["suction_offset"].value - 0.72) < 3.0 * result["suction_offset"].sd
     assert abs(result["decay"].value - 3.0) < 3.0 * result["decay"].sd
+    assert_on_their_curves(result.panels)
 
 
 def transient(rng, measured):

@@ -105,6 +105,8 @@ def test_a_table_is_not_recommended_that_loses_under_a_doubt_or_arrives_less_oft
     assert not replace(adaptive, cases=(own, *others[:-1], losing)).recommended
     rarely = replace(own, adaptive=replace(own.adaptive, arrived=wilson(3900, 4000)))
     assert not replace(adaptive, cases=(rarely, *others)).recommended
+    both = replace(rarely, fixed=replace(own.fixed, arrived=wilson(3900, 4000)))
+    assert replace(adaptive, cases=(both, *others)).recommended  # neither arrives as often as required
     unsure = replace(own, saved=MeanAndError(own.saved.mean, own.saved.mean / 2.9))
     assert not replace(adaptive, cases=(unsure, *others)).recommended
 

@@ -8,6 +8,7 @@ import pytest
 from missionplan.results.decision import Axis
 from missionplan.studies.optimisation import Lattice
 from missionplan.studies.optimisation.evaluations import Demand, Evaluation, Evaluations, demands_of, is_feasible
+from missionplan.studies.optimisation.optimise import _Problem
 from missionplan.studies.optimisation.search import COARSE, FINE, Search
 
 MARGIN = Demand("ok", "ok", None, float("nan"), 0.95)
@@ -111,3 +112,37 @@ def test_costs_of_few_trials_are_moved_by_what_more_trials_changed_of_others():
     known = search.evaluations.best_known()
     assert [each.trials for each in known] == [FINE, FINE, FINE, COARSE]
     np.testing.assert_allclose(search._with_common_noise(known), [12.0, 24.0, 30.0, 40.0 + 3.0])
+
+
+def known(number, energies, met):
+    """Trials of a choice, that succeed where they meet what is demanded."""
+    met, energies = np.array(met), np.array(energies, dtype=float)
+    columns = {"ok": met, "total.success": met, "total.energy_wh": energies, "total.duration_s": energies}
+    return Evaluation((number,), columns)
+
+
+def problem(*evaluations):
+    surface = Surface(_bowl, 1, 5)
+    surface.kept.update({(each.point, each.trials): each for each in evaluations})
+    return _Problem(surface, (MARGIN,), "energy", None)
+
+
+def test_a_choice_that_does_what_is_demanded_is_no_obstacle():
+    """As where it failed on fresh draws alone."""
+    assert problem(known(0, [9.0] * 4, [True] * 4))._obstacles() == ()
+    (found,) = problem(known(0, [9.0] * 4, [True, True, True, False]))._obstacles()
+    assert (found.quantity, found.reached.value, found.alone) == ("ok", 0.75, True)
+
+
+def test_choices_with_few_trials_are_not_on_the_front():
+    tried = problem(known(0, [1.0] * 2, [True] * 2), known(1, [9.0] * 4, [True] * 4))._tried()
+    assert [(each.energy, each.on_front) for each in tried] == [(1.0, False), (9.0, True)]
+
+
+@pytest.mark.parametrize(("relaxed", "saved"), [([2.0, np.nan], 0.0), ([0.5, 5.0], 2.25)])
+def test_a_relaxed_requirement_saves_what_pairs_of_trials_do_and_never_less_than_nothing(relaxed, saved):
+    """Of energies of 1 and 9 W h: the trial that never ends is in no pair."""
+    choice, other = known(0, [1.0, 9.0], [True, True]), known(1, relaxed, [True, True])
+    search = SimpleNamespace(closely=lambda demands=None: [choice] if demands is None else [choice, other])
+    (found,) = problem(choice, other)._relaxations(search, choice)
+    assert (found.saved, list(found.values.values())) == (saved, ["1"])

@@ -24,7 +24,7 @@ from missionplan.montecarlo.streams import BLOCK, LegNormals, stream
 from missionplan.report.quantities import reading_in
 from missionplan.report.wording import phase_in_words
 from missionplan.scenario.scenario import Scenario
-from missionplan.studies.rare_failure import Cause, find_rare_failure
+from missionplan.studies.rare_failure import Cause, failure_modes, find_rare_failure
 from missionplan.studies.rare_failure.driven_trials import (
     DrivenMission,
     RareEvent,
@@ -296,3 +296,18 @@ def test_what_is_unlike_usual_is_said_in_its_declared_unit_and_the_readers():
     turned, swift = Cause("", 0.3, 0.0, 0.05, "rad"), Cause("", 0.25, 0.1, 0.02, "m/s")
     with reading_in("nautical"):
         assert [_value(turned, 0.3), _value(swift, 0.25)] == ["17.19°", "0.4860\xa0kn"]
+
+
+def test_what_is_unlike_usual_is_weighed_and_drawn_in_half_of_the_failures_or_more() -> None:
+    """Of failures with weights 1 and 3, and a third in a hundred of them: usual is 0 with a standard deviation of 1."""
+    nan, usual = np.nan, {name: np.array([-1.0, 1.0]) for name in "abcd"} | {"e": np.array([2.0, 2.0])}
+    drawn = {"a": [0.0, 4.0, 0.0], "b": [nan, 9.0, 0.0], "c": [9.0, nan, 0.0], "d": [0.4] * 3, "e": [9.0] * 3}
+    inputs = {name: np.array(values) for name, values in drawn.items()}
+    (found,) = failure_modes(
+        np.array([1.0, 3.0, 0.04]), np.array(["out", "out", "moor"]), inputs, usual, dict.fromkeys("abcde", "m")
+    )
+    assert (found.step, found.share) == ("out", pytest.approx(4.0 / 4.04))
+    assert [(each.source, each.mean, each.shift, each.unit) for each in found.causes] == [
+        ("b", 9.0, 9.0, "m"),
+        ("a", 3.0, 3.0, "m"),
+    ]

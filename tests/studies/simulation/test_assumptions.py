@@ -11,11 +11,13 @@ import pytest
 import scipy
 
 import missionplan
+from missionplan.montecarlo.statistics import Probability
 from missionplan.rendering import render
 from missionplan.report.explained import may_order
 from missionplan.report.render import terminal_view
 from missionplan.results.decision import Assumption
-from missionplan.studies.judgement import Doubt, doubts_of, ledger
+from missionplan.results.failures import SUCCESS, Counted, CountedKind
+from missionplan.studies.judgement import Doubt, _spoilt, doubts_of, ledger
 
 pytestmark = pytest.mark.usefixtures("unplanned", "unranked", "unheld")
 
@@ -112,6 +114,18 @@ def test_water_of_which_a_mission_says_nothing_is_doubted_too(one_leg):
 def test_failures_that_cost_as_much_as_the_mission_turn_what_no_requirement_decides(success, is_required, turns):
     """One in ten, of ten missions each, is a mission for each mission."""
     assert Assumption("it is calm", "a swell", success - 1.0, success, is_required=is_required).turns is turns
+
+
+def test_the_phase_that_is_spoilt_is_the_one_that_loses_more_than_before():
+    def lost(**shares):
+        of = {
+            Counted(CountedKind.FAILURE, phase, "not arrived"): Probability(s, 0.0, 1.0) for phase, s in shares.items()
+        }
+        return {**of, SUCCESS: Probability(0.5, 0.0, 1.0)}
+
+    assert _spoilt(lost(out=0.4, moor=0.0), lost(out=0.4, moor=0.3)) == "moor"
+    assert _spoilt(lost(out=0.4), lost(out=0.45, back=0.1)) == "back"
+    assert _spoilt(lost(out=0.4), lost(out=0.3)) == ""
 
 
 def test_an_anchor_that_would_slide_on_clay_is_named():
