@@ -1,5 +1,6 @@
 """Navigation logs: units, order, outliers, and every problem of a file at once."""
 
+from contextlib import nullcontext
 from dataclasses import replace
 
 import numpy as np
@@ -66,6 +67,15 @@ def test_legs_that_end_before_they_begin_overlap_or_repeat(folder, transit_missi
     assert "two legs start at the same time" in problems(excinfo)
 
 
+@pytest.mark.parametrize(("early", "is_refused"), [(0.9, False), (1.1, True)])
+def test_a_leg_may_begin_a_second_before_the_last_one_ends(folder, transit_mission, legs, early, is_refused):
+    table = legs()
+    table.loc[9, "t_start_s"] = table.loc[8, "t_end_s"] - early
+    refused = pytest.raises(InputError, match=r"rows\.csv:11: t_start_s: the leg starts before")
+    with refused if is_refused else nullcontext():
+        assert read_transit(folder(KIND, table), transit_mission).n == len(table)
+
+
 def test_legs_of_one_name_are_each_checked_and_the_same_numbers_of_two_names_once(folder, transit_mission, legs):
     table = legs().assign(leg="again")
     twice = pd.concat([table, table.assign(leg="copied")], ignore_index=True)
@@ -119,6 +129,8 @@ def test_a_wrong_fix_is_one_that_is_far_from_what_carries_all(folder, transit_mi
     """A current of 2 m/s is no wrong fix; a single leg that it seems to carry the other way is one."""
     table = legs(error=lambda t, heading: np.stack([np.full(len(t), 2.0), np.zeros(len(t))]))
     assert read_transit(folder(KIND, table), transit_mission).n == len(table)
+    turning = legs(error=lambda t, heading: 4.0 * np.stack([np.cos(np.arange(len(t))), np.sin(np.arange(len(t)))]))
+    assert read_transit(folder(KIND, turning), transit_mission).n == len(turning), "no leg is far from all others"
     calm = legs()
     calm.loc[20, "x_end_m"] += 2.5 * (calm.loc[20, "t_end_s"] - calm.loc[20, "t_start_s"])
     assert read_transit(folder(KIND, calm), transit_mission).n == len(calm), "water can be as fast"

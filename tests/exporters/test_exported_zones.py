@@ -3,6 +3,7 @@
 import json
 import math
 from dataclasses import replace
+from types import SimpleNamespace
 from xml.etree import ElementTree
 
 import jsonschema
@@ -13,7 +14,9 @@ from made_plans import PLANS, on_earth
 import missionplan
 from missionplan.exporters import FORMATS, format_named
 from missionplan.exporters.geojson import areas
+from missionplan.phases.zones import Zone
 from missionplan.results.plan_places import Fence
+from missionplan.studies.export import _fences
 
 shapely = pytest.importorskip("shapely")
 
@@ -184,3 +187,19 @@ def test_a_format_holds_them_or_says_that_it_does_not(plan, name):
     bare = " ".join(format_named(name).lost(replace(plan, fences=())))
     assert "zones" not in bare
     assert "FENCE" not in bare
+
+
+def test_a_zone_of_the_mission_is_the_fence_of_its_plan_corner_by_corner_with_all_its_limits():
+    """In two parts, the first with a hole; the mission's plane is that of the exporters' tests."""
+    origin = PLANS["west"].origin
+    parts = shapely.MultiPolygon([shapely.Polygon(SHORE, [LAKE]), shapely.Polygon(LANE)])
+    limits = {"since": 60.0, "until": 3600.0, "above": 8.0, "below": 2.0}
+    site = SimpleNamespace(origin=SimpleNamespace(latitude=origin[0], longitude=origin[1]))
+    for is_land, kind in ((False, "keep-out"), (True, "land")):
+        place = SimpleNamespace(zones=[Zone(parts, "bay", is_land, **limits)])
+        shore, lane = _fences(SimpleNamespace(mission=SimpleNamespace(site=site), place=place))
+        assert {(each.name, each.kind) for each in (shore, lane)} == {("bay", kind)}
+        assert [{name: getattr(each, name) for name in limits} for each in (shore, lane)] == [limits, limits]
+        for ring, corners in zip((shore.outline, *shore.holes, lane.outline), (SHORE, LAKE, LANE), strict=True):
+            wanted = [on_earth(origin, *corner) for corner in corners]
+            np.testing.assert_allclose(ring, wanted, atol=1e-9)

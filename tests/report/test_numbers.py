@@ -149,6 +149,11 @@ def test_a_probability_that_is_certain_has_no_interval() -> None:
     assert percent(Probability(0.0, 0.0, 0.0)) == "0\u00a0%"
 
 
+def test_within_three_half_intervals_of_0_or_100_a_probability_has_its_interval_itself() -> None:
+    told = {0.07: "7\u00a0±\u00a02\u00a0%", 0.05: "5\u00a0% (3 to 7\u00a0%)", 0.95: "95\u00a0% (93 to 97\u00a0%)"}
+    assert [percent(Probability(value, value - 0.02, value + 0.02)) for value in told] == list(told.values())
+
+
 @pytest.mark.parametrize(
     ("value", "down", "up"),
     [

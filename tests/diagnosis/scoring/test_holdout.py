@@ -5,6 +5,7 @@ from collections.abc import Callable
 from contextlib import AbstractContextManager
 from dataclasses import fields
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -13,6 +14,7 @@ import missionplan
 from missionplan.datasets.legs import read_transit
 from missionplan.diagnosis import diagnose as diagnosing
 from missionplan.diagnosis.scoring import scored_record
+from missionplan.diagnosis.scoring.holdout import _kept
 from missionplan.diagnosis.scoring.predictive import Ensemble, Noise, Part
 from missionplan.results.learned import Diagnosis
 from tests.diagnosis.scoring.test_score_legs import Truth, made_legs, mission
@@ -99,6 +101,11 @@ def test_what_is_held_out_changes_nothing_before(found: Diagnosis, trial: Path, 
 def test_a_part_too_short_is_refused(trial: Path, share: float, said: str) -> None:
     with pytest.raises(missionplan.InputError, match=said):
         missionplan.diagnose(trial / "mission.yaml", trial / "sea-trial", plan=False, holdout=share)
+
+
+@pytest.mark.parametrize(("dives", "share", "kept"), [(7, 0.3, 5), (8, 0.3, 6), (10, 0.8, 2)])
+def test_the_share_that_is_kept_is_rounded(dives: int, share: float, kept: int) -> None:
+    assert _kept(SimpleNamespace(dives=range(dives)), share) == kept  # type: ignore[arg-type]
 
 
 def test_an_error_that_halves_from_group_to_group_by_hand() -> None:
