@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from missionplan.phases.place import Cause, Place, Way
+from missionplan.phases.place import Cause, Contact, Place, Way
 from missionplan.phases.zones import Fence, Zone
 
 shapely = pytest.importorskip("shapely")
@@ -109,3 +109,20 @@ def test_of_two_zones_the_first_on_the_way_is_met_whichever_is_named_first():
     )
     for zones in ((near, far), (far, near)):
         assert meets(zones, 0.0).cause.tolist() == [Cause.ON_LAND]
+
+
+def test_what_a_trial_met_first_stays_with_its_leg_its_place_and_how_near_it_came_by_then():
+    def met(*causes, east):
+        count = len(causes)
+        where = np.where(np.array(causes) == Cause.NONE, np.nan, np.full((2, count), east))
+        return Contact(
+            np.array(causes, dtype=np.int8), np.zeros(count, dtype=int), where, np.full((4, count), 10.0 * east)
+        )
+
+    found = Contact.none(3, measured=True)
+    found.note(np.array([0, 2]), met(Cause.KEEP_OUT, Cause.NONE, east=5.0), 1)
+    found.note(np.arange(3), met(Cause.ON_LAND, Cause.ON_LAND, Cause.NONE, east=3.0), 2)
+    assert found.cause.tolist() == [Cause.KEEP_OUT, Cause.ON_LAND, Cause.NONE]
+    assert found.leg.tolist() == [1, 2, 0]
+    np.testing.assert_array_equal(found.where[0], [5.0, 3.0, np.nan])
+    assert found.nearest[0].tolist() == [50.0, 30.0, 30.0]
