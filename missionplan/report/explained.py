@@ -123,20 +123,17 @@ def _worth(found: list[Sensitivity], what: str) -> str:
     return f"{words}: find out what you can before you rely on the plan."
 
 
-def may_order(judged: Outcome | None, phase: str) -> bool:
-    """Whether a choice for a phase may be an order: what is required of it is met, come what may.
+def first_do(judged: Outcome | None, phase: str) -> str | None:
+    """Say what is to be done before a choice for a phase is an order: None where it may be one, empty where unknown.
 
-    What fails of the whole because another phase fails is told, and hangs on no choice for this one.
+    It may be one where what is required of the phase is met, come what may. What fails of the whole because another
+    phase fails is told, and hangs on no choice for this one.
     """
     if judged is None:
-        return True
-    groups = [tuple(item.quantity for item in judged.requirements if not item.met)]
-    groups += [each.missed or (f"{each.spoils or 'total'}.success",) for each in judged.assumed if each.turns]
-    return not any(
-        any(each.startswith(f"{phase}.") for each in missed) or all(each.startswith("total.") for each in missed)
-        for missed in groups
-        if missed
-    )
+        return None
+    groups = [({item.phase for item in judged.requirements if not item.met}, "")]
+    groups += [(each.turned, each.first and f" first {each.first};") for each in judged.assumed]
+    return next((first for phases, first in groups if phase in phases or phases == {"total"}), None)
 
 
 def judged_in_words(judged: Outcome | None) -> str:

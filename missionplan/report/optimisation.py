@@ -99,6 +99,8 @@ def answer(found: Optimised) -> str:
         statistic = found.checked.total.quantities[found.key]
         cost = with_error(statistic.mean, statistic.standard_error, _unit(found))
     sentences = [f"The least {least}, {cost}, is had with {values}."]
+    if first := next((each.first for each in found.assumed if each.turns), ""):
+        sentences.insert(0, f"Nothing to choose yet: first {first}. As the mission stands:")
     if found.checked is not None and found.fresh is not None:
         trials, fresh = number(found.fresh.provenance.trials), percent(found.fresh.total.events["success"])
         sentences.append(f"All requirements are met, on {trials} fresh trials too, of which {fresh} succeed.")

@@ -28,6 +28,9 @@ class Assumption(Record):
     missed: Annotated[tuple[str, ...], Entry("requirements that are met as it stands, and then no longer")] = ()
     is_required: Annotated[bool, Entry("whether the mission requires P(success)", key="success_required")] = False
     spoils: Annotated[str, Entry("phase in which most of the trials are lost that then fail; empty where none")] = ""
+    first: Annotated[str, Entry("what settles it, as an order")] = ""
+    missed_of: tuple[str, ...] = ()
+    """Phases of those requirements, ``total`` of the whole mission."""
 
     @property
     def turns(self) -> Annotated[bool, Entry()]:
@@ -37,6 +40,12 @@ class Assumption(Record):
         """
         costs = not self.is_required and -self.worth * FAILURE_LOSS >= 1.0
         return bool(self.missed) or costs or self.success < 0.5 <= self.success - self.worth
+
+    @property
+    def turned(self) -> set[str]:
+        """Phases whose choice it could turn; that of which the mission then fails for the mission as a whole."""
+        whole = self.spoils or "total"
+        return {whole if phase == "total" else phase for phase in self.missed_of or ("total",)} if self.turns else set()
 
 
 _STEP = re.compile(r"([^.\[\]]+)|\[(\d+)\]")

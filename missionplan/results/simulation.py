@@ -90,6 +90,11 @@ class RequirementOutcome(Record):
     ] = None
 
     @property
+    def phase(self) -> str:
+        """Phase of the quantity, ``total`` of the whole mission."""
+        return self.quantity.rpartition(".")[0]
+
+    @property
     def label(self) -> Annotated[str, Entry(key="quantity")]:
         """The quantity or event, such as ``moor.offset``, as the mission's file has it."""
         return self.written or self.quantity

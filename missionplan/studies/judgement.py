@@ -40,6 +40,8 @@ class Doubt:
     """What is taken for granted, and what is put in its place."""
     changes: Mapping[str, object]
     """Of the mission's keys (`Mission.with_`)."""
+    first: str = ""
+    """What settles it, as an order."""
 
 
 def ledger(mission: Mission, seed: int, run: MissionTrials | None = None) -> tuple[Assumption, ...]:
@@ -60,16 +62,27 @@ def ledger(mission: Mission, seed: int, run: MissionTrials | None = None) -> tup
         try:
             other = event_probabilities(mission.with_(dict(doubt.changes)), trials=TRIALS, seed=seed)
         except (MissionplanError, ArithmeticError):  # a plug-in's phase, a key that another forbids
-            found.append(Assumption(doubt.what, doubt.otherwise, math.nan, math.nan))
+            found.append(Assumption(doubt.what, doubt.otherwise, math.nan, math.nan, first=doubt.first))
             continue
-        missed = tuple(
-            requirement.written or requirement.quantity
+        missed = [
+            requirement
             for index, requirement in enumerate(mission.requirements)
             if other[met := Counted.requirement(index)].value < requirement.probability <= base[met].value
-        )
+        ]
         before, after = base[SUCCESS].value, other[SUCCESS].value
-        spoilt = _spoilt(base, other)
-        found.append(Assumption(doubt.what, doubt.otherwise, after - before, after, missed, is_required, spoilt))
+        found.append(
+            Assumption(
+                what=doubt.what,
+                otherwise=doubt.otherwise,
+                worth=after - before,
+                success=after,
+                missed=tuple(each.written for each in missed),
+                is_required=is_required,
+                spoils=_spoilt(base, other),
+                first=doubt.first,
+                missed_of=tuple(each.phase for each in missed),
+            )
+        )
     return tuple(sorted(found, key=lambda each: (not each.turns, math.isnan(each.worth), each.worth)))
 
 
@@ -86,36 +99,40 @@ def doubts_of(mission: Mission) -> Iterator[Doubt]:
     yield from _current(mission)
     if (mission.transits or mission.moors) and (mission.site is None or mission.site.wind is None):
         blows = {"speed": {"low": "0 m/s", "high": "12 m/s"}, "from": _ANYWHERE}
-        yield Doubt("there is no wind", "winds of 0 to 12 m/s from anywhere", {"site.wind": blows})
+        first = "take the wind from a forecast (site.wind)"
+        yield Doubt("there is no wind", "winds of 0 to 12 m/s from anywhere", {"site.wind": blows}, first)
     if mission.transits and mission.navigation is not None and mission.navigation.fix_error == 0.0:
-        yield Doubt("fixes are exact", "an error of 5 m on each axis", {"navigation.fix_error": "5 m"})
+        first = "find the error of fixes, from those of a night ashore (navigation.fix_error)"
+        yield Doubt("fixes are exact", "an error of 5 m on each axis", {"navigation.fix_error": "5 m"}, first)
     if mission.moors:
         yield from _anchor(mission.vehicle.anchor if mission.vehicle else None)
         for phase in mission.moors:
             if phase.line_material is None and phase.line_wet_weight is None:
                 changes = {f"{phase.name}.line_material": "polyester"}
+                first = "say what the line is made of, and how thick it is (line_material, line_diameter)"
                 if phase.line_diameter:
-                    yield Doubt(f"the line has no weight ({phase.label})", "polyester", changes)
+                    yield Doubt(f"the line has no weight ({phase.label})", "polyester", changes, first)
                 else:
                     changes[f"{phase.name}.line_diameter"] = "2 mm"
-                    yield Doubt(f"the line has neither weight nor drag ({phase.label})", "2 mm of polyester", changes)
+                    words = f"the line has neither weight nor drag ({phase.label})"
+                    yield Doubt(words, "2 mm of polyester", changes, first)
 
 
 def _anchor(anchor: Anchor | None) -> Iterator[Doubt]:
     if anchor is None:
         return
     holding = "vehicle.anchor.holding_factor"
+    pull = f"pull such an anchor over the site's bottom ({holding})"
     if anchor.holding_factor is None:  # DNV-RP-F109: clay to sand
         changes = {holding: {"low": 0.2, "high": 0.6}}
-        yield Doubt("the anchor stays where it lies", "a holding factor of 0.2 to 0.6", changes)
+        yield Doubt("the anchor stays where it lies", "a holding factor of 0.2 to 0.6", changes, pull)
     elif isinstance(anchor.holding_factor, float):
         factor = {"median": anchor.holding_factor, "factor": 1.4}
-        yield Doubt(
-            "the anchor holds just as its holding factor says", "a factor of 1.4 more or less", {holding: factor}
-        )
+        words = "the anchor holds just as its holding factor says"
+        yield Doubt(words, "a factor of 1.4 more or less", {holding: factor}, pull)
     if anchor.flooding_time is None:
-        words = "the anchor is full of water at once"
-        yield Doubt(words, "10 s of flooding", {"vehicle.anchor.flooding_time": "10 s"})
+        words, floods = "the anchor is full of water at once", "vehicle.anchor.flooding_time"
+        yield Doubt(words, "10 s of flooding", {floods: "10 s"}, f"time how the anchor floods ({floods})")
 
 
 def _current(mission: Mission) -> Iterator[Doubt]:
@@ -123,12 +140,14 @@ def _current(mission: Mission) -> Iterator[Doubt]:
     current = mission.site.current if mission.site else ()
     if (mission.transits or mission.moors) and not _has_current(mission):
         flows = {"down_to": "11 km", "speed": {"low": "0 m/s", "high": "0.5 m/s"}, "toward": _ANYWHERE}
-        yield Doubt("there is no current", "currents of 0 to 0.5 m/s to anywhere", {"site.current": [flows]})
+        first = "measure the site's current, or take it from a forecast (site.current)"
+        yield Doubt("there is no current", "currents of 0 to 0.5 m/s to anywhere", {"site.current": [flows]}, first)
     if isinstance(current, CurrentFile | TidalCurrent):
         single = not isinstance(current, CurrentFile) or len(current.members) == 1
         if current.error is None and single:
             error = {"sigma": "0.1 m/s", "time": "12 h"}
-            yield Doubt("the current is as recorded", "0.1 m/s off on each axis", {"site.current.error": error})
+            first = "find how far the current was from such records (site.current.error)"
+            yield Doubt("the current is as recorded", "0.1 m/s off on each axis", {"site.current.error": error}, first)
         return
     exact = {
         f"site.current[{number}].speed": {"mean": f"{mean_of(layer.speed)!r} m/s", **_SD}
@@ -136,7 +155,8 @@ def _current(mission: Mission) -> Iterator[Doubt]:
         if not sd_of(layer.speed)
     }
     if exact:
-        yield Doubt("the layers flow just as fast as stated", "0.1 m/s faster or slower", exact)
+        first = "find how the layers' speeds vary from day to day (sd of site.current's speeds)"
+        yield Doubt("the layers flow just as fast as stated", "0.1 m/s faster or slower", exact, first)
 
 
 def _has_current(mission: Mission) -> bool:

@@ -40,9 +40,12 @@ def altered(tmp_path, mission=(), vehicle=()):
 
 def test_the_sentence_that_a_field_engineer_wants(sizing):
     words, probable = answer(sizing).replace("\u00a0", " "), sizing.probable.anchor
-    assert words.startswith(f"An anchor of {probable.wet_weight:.1f} N wet, {probable.design.dry_mass:.2f} kg dry, ")
+    first = "Nothing to build yet: first pull such an anchor over the site's bottom (vehicle.anchor.holding_factor); "
+    assert words.startswith(
+        f"{first}as the mission stands, an anchor of {probable.wet_weight:.1f} N wet, {probable.design.dry_mass:.2f} kg dry, "
+    )
     assert "of dives stay within 22.9 m and clear of the bottom. The worst-case anchor of Eq. 1, 11.7 N" in words
-    worst = answer(replace(sizing, probable=None)).replace("\u00a0", " ")
+    worst = answer(replace(sizing, probable=None, judged=None)).replace("\u00a0", " ")
     assert worst.startswith(
         "An anchor of 11.7 N wet, 1.60 kg dry, 183 mm long, ring of 0.39 kg at 107 mm: at the seafloor 19 s after "
         "separation, 20 m from the last fix; the vehicle stops 1.7 m above the bottom. "

@@ -48,7 +48,12 @@ def checked(successes, trials=4000):
         events={"success": wilson(successes, trials)},
     )
     return SimpleNamespace(
-        total=total, requirements=(item,), provenance=SimpleNamespace(trials=trials, data=DATA), sailed=(), phases=()
+        total=total,
+        requirements=(item,),
+        provenance=SimpleNamespace(trials=trials, data=DATA),
+        sailed=(),
+        phases=(),
+        assumed=(),
     )
 
 

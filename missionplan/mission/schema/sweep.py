@@ -145,6 +145,11 @@ class Requirement(FileSection):
         """The quantity as the file has it."""
         return self._written or self.quantity
 
+    @property
+    def phase(self) -> str:
+        """Phase of the quantity, ``total`` of the whole mission."""
+        return self.quantity.rpartition(".")[0]
+
     def resolved(self, names: Sequence[str]) -> Self:
         """Return the requirement with what stands for its phase in key paths, given the names of all phases."""
         resolved = self.model_copy(update={"quantity": resolved_path(self.quantity, names, with_sections=False)})

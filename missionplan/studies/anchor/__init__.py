@@ -126,7 +126,7 @@ def _confirmed(
 
 
 def _misses(outcome: Outcome, phase: str) -> bool:
-    return any(not item.met and item.quantity.rpartition(".")[0] == phase for item in outcome.requirements)
+    return any(not item.met and item.phase == phase for item in outcome.requirements)
 
 
 def _explained(

@@ -72,7 +72,7 @@ class AnchorTrials:
     @property
     def requirements(self) -> tuple[Requirement, ...]:
         """What the mission requires of this mooring."""
-        return tuple(item for item in self.mission.requirements if item.quantity.rpartition(".")[0] == self.phase)
+        return tuple(item for item in self.mission.requirements if item.phase == self.phase)
 
     def probabilities(self, weight: float, line_length: float | None = None) -> DiveProbabilities:
         """Estimate the probabilities of an anchor of a wet weight [N], with another line [m] if one is given."""

@@ -4,7 +4,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from missionplan.report.explained import judged_in_words, may_order, members_in_words, members_section
+from missionplan.report.explained import first_do, judged_in_words, members_in_words, members_section
 from missionplan.report.page import Cells, Listing, Page, PageSection, Table
 from missionplan.report.quantities import (
     MINUTES,
@@ -83,7 +83,7 @@ def _is_firm(plan: LegPlan) -> bool:
     """Whether the answer may be an order: a table serves under each explanation; a fixed d_max was tried over all."""
     explained = [case for case in plan.cases if case.probability is not None]
     gains = [case.saving_for(plan.aim)[0] > 0.0 for case in explained]
-    return may_order(plan.judged, plan.phase) and (all(gains) if plan.recommended else not explained)
+    return first_do(plan.judged, plan.phase) is None and (all(gains) if plan.recommended else not explained)
 
 
 def _doubt_in_words(plan: LegPlan) -> str:
@@ -109,15 +109,12 @@ def _choice(plan: LegPlan) -> str:
             rule = f"{what} keeps the deadline of {time_in_words(plan.deadline)} most often"
         few = f"No legs arrive as often as {100.0 * plan.required_arrival:g}\u00a0%"
         return f"{few}; {rule}, and arrives in {arriving} of the trials.{speed}"
+    not_yet = f"Nothing to choose yet:{first_do(plan.judged, plan.phase) or ''} as the mission stands,"
     if not plan.recommended:
         what = f"a fixed d_max of {length_in_words(plan.fixed_d_max)}"
-        lead = f"Take {what}" if _is_firm(plan) else f"Nothing to choose yet: as the mission stands, {what} is best"
+        lead = f"Take {what}" if _is_firm(plan) else f"{not_yet} {what} is best"
         return f"{lead}: {_why_fixed(plan)}.{speed}"
-    lead = (
-        "Let the legs adapt"
-        if _is_firm(plan)
-        else "Nothing to choose yet: as the mission stands, legs that adapt are best"
-    )
+    lead = "Let the legs adapt" if _is_firm(plan) else f"{not_yet} legs that adapt are best"
     if plan.aim == "p95":
         return f"{lead}: {_slow_transits_in_words(plan, fixed)}"
     own = plan.cases[0]

@@ -274,9 +274,11 @@ def test_a_transit_that_the_battery_cannot_pay_is_refused(study):
         study(Mission.from_data({**data, "vehicle": vehicle, "requirements": []}), trials=10)
 
 
-@pytest.mark.parametrize(("spoils", "lead"), [("out", "Nothing to choose yet"), ("moor", "Choose d_max")])
+@pytest.mark.parametrize(
+    ("spoils", "lead"), [("out", "Nothing to choose yet: first wait; as"), ("moor", "Choose d_max")]
+)
 def test_a_choice_that_an_assumption_could_turn_is_no_order_where_nothing_is_required(small, monkeypatch, spoils, lead):
-    swell = Assumption("it is calm", "a swell", -0.4, 0.6, spoils=spoils)
+    swell = Assumption("it is calm", "a swell", -0.4, 0.6, spoils=spoils, first="wait")
     monkeypatch.setattr(judgement, "ledger", lambda *_: (swell,))
     found = terminal_view(sweep_dmax(small(), trials=64)).sentence
     assert found.startswith(lead)

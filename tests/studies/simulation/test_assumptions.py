@@ -13,7 +13,7 @@ import scipy
 import missionplan
 from missionplan.montecarlo.statistics import Probability
 from missionplan.rendering import render
-from missionplan.report.explained import may_order
+from missionplan.report.explained import first_do
 from missionplan.report.render import terminal_view
 from missionplan.results.decision import Assumption
 from missionplan.results.failures import SUCCESS, Counted, CountedKind
@@ -138,11 +138,12 @@ def test_an_anchor_that_would_slide_on_clay_is_named():
     (held,) = (each for each in ledger(mission, seed=1) if each.what == "the anchor stays where it lies")
     assert held.success == pytest.approx(0.45, abs=0.15)
     assert (held.turns, held.spoils) == (True, "moor")
-    held = replace(held, missed=())  # as where nothing requires it
-    assert [may_order(SimpleNamespace(requirements=(), assumed=(held,)), name) for name in ("ingress", "moor")] == [
-        True,
-        False,
-    ]
+    for each in (held, replace(held, missed=(), missed_of=())):  # whether it is required or not
+        judged = SimpleNamespace(requirements=(), assumed=(each,))
+        assert [first_do(judged, name) for name in ("ingress", "moor")] == [
+            None,
+            " first pull such an anchor over the site's bottom (vehicle.anchor.holding_factor);",
+        ]
 
 
 def test_an_assumption_that_cannot_be_run_is_not_passed_over(one_leg, monkeypatch):
@@ -192,3 +193,9 @@ def test_a_requirement_that_is_missed_anyway_turns_on_no_assumption(one_leg, mon
     monkeypatch.setattr("missionplan.studies.judgement.event_probabilities", probabilities)
     (found,) = ledger(one_leg("0 m/s"), seed=3)
     assert (found.missed, found.worth) == (missed, pytest.approx(0.5 - before))
+
+
+def test_every_assumption_says_what_settles_it():
+    missions = (missionplan.load(path) for path in ("missions/chesapeake.yaml", "missions/anchor-design.yaml"))
+    bare = missionplan.load("missions/fig8.yaml")
+    assert all(doubt.first for mission in (*missions, bare) for doubt in doubts_of(mission))
