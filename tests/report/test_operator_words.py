@@ -171,7 +171,8 @@ def test_what_is_too_large_to_be_its_cause_is_left_to_the_verdict():
 @pytest.mark.parametrize("kind", ["transit", "descent"])
 @pytest.mark.parametrize(("after", "is_told"), [(0.05, True), (0.0999, False)])
 def test_a_gain_that_rounds_to_nothing_is_not_told(kind, after, is_told):
-    legs = SimpleNamespace(residuals=pd.DataFrame({"duration_s": [840.0]}))
+    sides = {f"residual_base_{side}_m_s": [0.0] for side in ("east", "north")}
+    legs = SimpleNamespace(residuals=pd.DataFrame({"duration_s": [840.0], **sides}))
     assert bool(REPORTS[kind].gained(legs, 0.1, after)) == is_told
 
 

@@ -169,7 +169,7 @@ def _size(estimate: ParameterEstimate, finding: Finding) -> str:
 def _gained(diagnosis: Diagnosis) -> str:
     """Write how much better what was held out is predicted."""
     best = diagnosis.best
-    if best is None or best.held_out is None or best.held_out.rmse_extended >= best.held_out.rmse_base:
+    if best is None or best.held_out is None:
         return ""
     return REPORTS[diagnosis.kind].gained(diagnosis, best.held_out.rmse_base, best.held_out.rmse_extended)
 

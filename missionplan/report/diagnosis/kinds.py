@@ -68,7 +68,7 @@ def _dive_residuals(diagnosis: Diagnosis) -> list[Figure]:
 def _gained_of_dives(diagnosis: Diagnosis, before: float, after: float) -> str:
     unit = reader_unit("m", before)
     was, now = (f"{number(unit(each), unit(0.2 * each))}{unit.suffix}" for each in (before, after))
-    return "" if was == now else f"; the depth is then predicted to {now}, not {was}"
+    return "" if was == now or after > before else f"; the depth is then predicted to {now}, not {was}"
 
 
 _DIVE_REPORT = KindReport(
@@ -209,12 +209,18 @@ def _chart(diagnosis: Diagnosis, left: ResidualSeries) -> Figure:
 
 
 def _gained_of_legs(diagnosis: Diagnosis, before: float, after: float) -> str:
-    """Write how far a usual leg ends from where it is expected, before and after; both errors are of one axis [m/s]."""
-    duration = float(diagnosis.residuals["duration_s"].median())
+    """Write how far a usual leg ends from where it is expected, before and after; both errors are of one axis [m/s].
+
+    Before is as the mission stands, also where it would learn from leg to leg what it knows already.
+    """
+    legs = diagnosis.residuals
+    duration = float(legs["duration_s"].median())
+    axes = legs[["residual_base_east_m_s", "residual_base_north_m_s"]].to_numpy()
+    before = max(before, math.sqrt(float(np.mean(axes**2))))
     off = [math.sqrt(2.0) * error * duration for error in (before, after)]
     unit = reader_unit("m", max(off))
     was, now = (f"{number(unit(each), unit(0.2 * each))}{unit.suffix}" for each in off)
-    if was == now:
+    if was == now or after > before:
         return ""
     return f"; a leg of {time_in_words(duration)} then ends {now} from where it is expected, not {was}"
 
