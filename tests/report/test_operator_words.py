@@ -1,6 +1,7 @@
 """What a diagnosis tells the operator: size, sign and remedy, as the effects declare them."""
 
 from collections.abc import Mapping
+from dataclasses import replace
 from functools import partial
 from types import SimpleNamespace
 
@@ -235,6 +236,9 @@ def test_what_the_mission_has_in_doubt_is_not_said_to_be_confirmed():
     words = _confirmed(diagnosis)
     assert "angle of compass jump is 0.9° ± 0.2°" in words
     assert "moment" not in words
+    diagnosis.known = (replace(slow, value=-0.04), angle, moment)
+    moved = "Moved, within what the mission allows for: speed scale is −0.060 ± 0.005, was −0.040 ± 0.005."
+    assert _confirmed(diagnosis) == f" Confirmed: angle of compass jump is 0.9° ± 0.2°, was 0.9° ± 0.2°. {moved}"
 
 
 @pytest.mark.parametrize(("angle", "is_gone"), [(0.004, True), (-0.004, True), (0.03, False)])

@@ -51,6 +51,8 @@ _KEEP_KNOWN = (
 )
 _CONFIRMED = 3
 """Parameters of the mission's own effects that the headline names."""
+_MOVED = 2.0
+"""Standard deviations by which a parameter is another than it was, and not confirmed."""
 _BEYOND_DOUBT = math.log(1e4)
 """Expected ln Bayes factor above which its size says no more."""
 
@@ -202,9 +204,16 @@ def _confirmed(diagnosis: Diagnosis) -> str:
         for p in diagnosis.confirmed
         if p.effect in diagnosis.borne_out and CATALOGUE[p.effect].parameters[p.name].searched != "time"
     ]
-    told = [f"{_parameter_words(p)} is {sized(p)}, was {sized(before[p.effect, p.name])}" for p in sure[:_CONFIRMED]]
-    more = len(sure) - len(told)
-    words = f" Confirmed: {'; '.join(told)}{f'; and {more} more below' if more else ''}." if told else ""
+    words, more = "", len(sure) - _CONFIRMED
+    told = [(p, before[p.effect, p.name]) for p in sure[:_CONFIRMED]]
+    for lead, is_moved in ("Confirmed", False), ("Moved, within what the mission allows for", True):
+        sizes = [
+            f"{_parameter_words(now)} is {sized(now)}, was {sized(was)}"
+            for now, was in told
+            if is_moved == (abs(now.value - was.value) > _MOVED * math.hypot(now.sd, was.sd))
+        ]
+        words += f" {lead}: {'; '.join(sizes)}." if sizes else ""
+    words += f" {more} more below." if more > 0 else ""
     effects = dict.fromkeys(effect for each in diagnosis.explanations if each.prior for effect in each.causes)
     chances = {effect: diagnosis.probability_of(effect) for effect in effects}
     doubted = [f"{names((effect,))} ({percent(p)})" for effect, p in chances.items() if 1.0 - SURE <= p < SURE]
