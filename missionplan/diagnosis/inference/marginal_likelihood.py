@@ -8,9 +8,11 @@ Assoc.* 84).
 Shapes: two independent components of each of n errors, k coefficients.
 """
 
+import itertools
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -148,6 +150,8 @@ SCALES = (0.75, 1.13, 1.9, 4.5)
 that a strong effect is not shrunk (Gelman et al. 2013, section 17.2). Medians of its parts of probability
 `SCALE_PRIOR`."""
 SCALE_PRIOR = (0.3, 0.35, 0.25, 0.1)
+FEW = 4
+"""Columns of a block up to which many blocks are worked on entry by entry."""
 AT_ONCE = 500_000
 """Numbers in the largest array of sets, noises and columns."""
 
@@ -192,6 +196,84 @@ def blocks_by_size(sizes: NDArray[np.int_]) -> NDArray[np.int_]:
     return np.stack([firsts, sizes], axis=1)
 
 
+NO_BLOCKS = blocks_by_size(np.empty(0, dtype=int))
+
+
+@dataclass(frozen=True)
+class _Integrated:
+    """Inner products with coefficients integrated out that all sets share, at each of j noises."""
+
+    products: Array
+    """Of the columns and, last, the data, shape (j, k + 1, k + 1)."""
+    log_normalisers: Array
+    """Shape (j,)."""
+    further: Array
+    """Of these with the columns of the blocks, shape (j, k + 1, m)."""
+    inner: Sequence[Array]
+    """Of the blocks of each size q, those of their own columns, lower triangles alone, shape (j, 1, b, q, q)."""
+
+    @classmethod
+    def of(cls, grams: Sequence[GramMatrix], base: Array, sizes: Sequence[int]) -> "_Integrated":
+        """Integrate out coefficients of covariance B Bᵀ, of B, shape (k, c). `sizes`: of the blocks, none for none."""
+        products = np.stack([gram.products for gram in grams])
+        factor = np.linalg.cholesky(base.T @ products[:, :-1, :-1] @ base + np.eye(base.shape[1]))
+        turned = np.linalg.inv(factor) @ base.T
+        half = turned @ products[:, :-1]
+        logs = np.array([gram.log_normaliser for gram in grams])
+        logs = logs - np.log(np.diagonal(factor, axis1=-2, axis2=-1)).sum(axis=-1)
+        products = products - np.swapaxes(half, 1, 2) @ half
+        if not sizes:
+            return cls(products, logs, np.empty((*products.shape[:2], 0)), ())
+        further = np.stack([gram.further for gram in grams if gram.further is not None])
+        halves = turned @ further[:, :-1]
+        further = further - np.swapaxes(half, 1, 2) @ halves
+        inner, first = [], 0
+        for place, size in enumerate(sizes):
+            own = np.stack([gram.inner[place] for gram in grams])
+            last = first + size * own.shape[1]
+            inner.append(_less(own, halves[..., first:last])[:, None])
+            first = last
+        return cls(products, logs, further, tuple(inner))
+
+    def log_densities(self, mean: Array, factor: Array, scales: Array) -> Array:
+        """Log densities of s sets whose further covariance has a factor of r columns, shape (j, s, 1 + blocks).
+
+        `mean`, shape (s, k). `factor`, shape (s, k, r). `scales`, shape (s,): of the coefficients of the blocks.
+        """
+        turned = np.swapaxes(factor, 1, 2)
+        columns = self.products[:, :-1, :-1]
+        moved, data = mean @ columns, self.products[:, None, :-1, -1]
+        lower = np.linalg.cholesky(turned @ columns[:, None] @ factor + np.eye(factor.shape[2]))
+        turned = np.linalg.inv(lower) @ turned
+        white = (turned @ (data - moved)[..., None])[..., 0]
+        squared = self.products[:, None, -1, -1] + np.sum((moved - 2.0 * data) * mean, axis=-1)
+        logs = self.log_normalisers[:, None] - 0.5 * (squared - np.sum(white**2, axis=-1))
+        logs -= np.log(np.diagonal(lower, axis1=-2, axis2=-1)).sum(axis=-1)
+        halves = turned @ self.further[:, None, :-1]
+        right = self.further[:, None, -1] - mean @ self.further[:, :-1] - (white[..., None, :] @ halves)[..., 0, :]
+        found, first = [logs[..., None]], 0
+        for inner in self.inner:
+            size, scale = inner.shape[-1], scales[:, None, None]
+            last = first + size * inner.shape[2]
+            left = scale[..., None] ** 2 * _less(inner, halves[..., first:last])
+            found.append(logs[..., None] + log_factor(left, scale * right[..., first:last].reshape(*left.shape[:-1])))
+            first = last
+        return np.concatenate(found, axis=-1)
+
+
+def _less(inner: Array, halves: Array) -> Array:
+    """Inner products of blocks, (…, b, q, q), less those of their whitened columns, (…, r, b·q); lower triangles."""
+    size = inner.shape[-1]
+    if size > FEW:
+        blocks = halves.reshape(*halves.shape[:-1], inner.shape[-3], size).swapaxes(-3, -2)
+        return np.asarray(inner - blocks.swapaxes(-1, -2) @ blocks)
+    parts = [np.ascontiguousarray(halves[..., i::size]) for i in range(size)]
+    found = np.zeros((size, size, *halves.shape[:-2], inner.shape[-3]))
+    for i, j in itertools.combinations_with_replacement(range(size), 2):
+        found[j, i] = inner[..., j, i] - (parts[i] * parts[j]).sum(axis=-2)
+    return np.moveaxis(found, (0, 1), (-2, -1))
+
+
 @dataclass(frozen=True)
 class SetPriors:
     """Normal priors of k coefficients under s sets: means (s, k), and factors L of the covariances L Lᵀ, (s, k, k)."""
@@ -199,81 +281,86 @@ class SetPriors:
     mean: Array
     factor: Array
 
-    def of(self, chosen: NDArray[np.int_]) -> "SetPriors":
-        """Return those of some of the sets."""
-        return SetPriors(self.mean[chosen], self.factor[chosen])
+    @cached_property
+    def _parts(self) -> tuple[Array, Array, NDArray[np.int_]]:
+        """What the covariances have in common, and what each has beyond it.
 
-    def log_densities(self, grams: Sequence[GramMatrix]) -> Array:
-        """Log density of the data under each set with each of j noises, shape (j, s)."""
-        products, normalisers = _stacked(grams)
-        return self._solved(products, normalisers)[0]
-
-    def _solved(self, products: Array, normalisers: Array) -> tuple[Array, Array, Array]:
-        """Log densities (j, s), Cholesky factors of the precisions (j, s, k, k), whitened right sides (j, s, k)."""
-        columns, with_data = products[:, None, :-1, :-1], products[:, :-1, -1]
-        turned = np.swapaxes(self.factor, 1, 2)
-        precision = turned @ columns @ self.factor
-        precision += np.eye(precision.shape[-1])
-        moved = self.mean @ products[:, :-1, :-1]
-        right = ((with_data[:, None] - moved)[:, :, None, :] @ self.factor)[:, :, 0]
-        factor = np.linalg.cholesky(precision)
-        white = np.linalg.solve(factor, right[..., None])[..., 0]
-        squared = products[:, -1, -1, None] - 2.0 * (with_data @ self.mean.T) + np.sum(moved * self.mean, axis=-1)
-        logs = normalisers[:, None] - 0.5 * (squared - np.sum(white**2, axis=-1))
-        logs -= np.log(np.diagonal(factor, axis1=-2, axis2=-1)).sum(axis=-1)
-        return np.asarray(logs), np.asarray(factor, dtype=float), np.asarray(white)
-
-    def gains(self, grams: Sequence[GramMatrix], blocks: NDArray[np.int_], scale: float) -> Array:
-        """What blocks of further columns, one at a time, add to the log densities, shape (j, s, b).
-
-        `blocks`: of `blocks_by_size`. `scale`: standard deviation of the normal prior of each of their coefficients.
+        A factor, (k, k), and factors, (s, k, k), whose columns that are not nil stand first, and their numbers, (s,).
         """
-        sets, k, _ = self.factor.shape
-        together = max(AT_ONCE // (k * max(int(blocks[:, 1].sum()), 1)), 1)
-        of_sets = [self.of(some) for some in np.array_split(np.arange(sets), math.ceil(sets / together))]
-        noises = max(together // sets, 1)
-        parts = [grams[first : first + noises] for first in range(0, len(grams), noises)]
-        return np.concatenate(
-            [np.concatenate([own._gains(part, blocks, scale) for own in of_sets], axis=1) for part in parts]
-        )
+        same = np.all(self.factor == self.factor[0], axis=(0, 1))
+        alone = ~np.any(self.factor * (1.0 - np.eye(len(same))), axis=(0, 1))
+        sd = np.abs(np.diagonal(self.factor, axis1=1, axis2=2))
+        least = np.where(alone & ~same, sd.min(axis=0), 0.0)
+        rest = np.where(same, 0.0, self.factor)
+        rest = np.where(alone & ~same, np.eye(len(same)) * np.sqrt(np.maximum(sd**2 - least**2, 0.0))[:, None], rest)
+        empty = ~np.any(rest, axis=1)
+        order = np.argsort(empty, axis=1, kind="stable")
+        first = np.take_along_axis(rest, order[:, None], axis=2)
+        return np.where(same, self.factor[0], np.diag(least)), first, np.count_nonzero(~empty, axis=1)
 
-    def _gains(self, grams: Sequence[GramMatrix], blocks: NDArray[np.int_], scale: float) -> Array:
-        _, factor, white = self._solved(*_stacked(grams))
-        further = np.stack([gram.further for gram in grams if gram.further is not None])
-        half = (np.linalg.inv(factor) @ np.swapaxes(self.factor, 1, 2)) @ further[:, None, :-1]
-        right = further[:, None, -1] - self.mean @ further[:, :-1] - (white[..., None, :] @ half)[..., 0, :]
-        found = np.empty((*white.shape[:2], len(blocks)))
-        for place, size in enumerate(np.unique(blocks[:, 1]).tolist()):
-            alike = np.flatnonzero(blocks[:, 1] == size)
-            first = int(blocks[alike[0], 0])
-            own = slice(first, first + size * len(alike))
-            inner = np.stack([gram.inner[place] for gram in grams])
-            halves = half[..., own].reshape(*half.shape[:3], len(alike), size).swapaxes(2, 3)
-            left = inner[:, None] - np.swapaxes(halves, -1, -2) @ halves
-            rights = right[..., own].reshape(*left.shape[:-1])
-            found[..., alike] = log_factor(scale**2 * left, scale * rights)
+    def log_densities(
+        self, grams: Sequence[GramMatrix], blocks: NDArray[np.int_] = NO_BLOCKS, scales: Array | None = None
+    ) -> Array:
+        """Log density of the data under each set with each of j noises, without and with blocks, (j, s, 1 + b).
+
+        Sets differ in the priors of a few coefficients: what they have in common is integrated out once.
+
+        `blocks`: further columns, one block of `blocks_by_size` at a time. `scales`: standard deviations of the normal
+        prior of their coefficients under each set, shape (s,); default 1.
+        """
+        base, rest, ranks = self._parts
+        sizes = np.unique(blocks[:, 1]).tolist()
+        scales = np.ones(len(ranks)) if scales is None else scales
+        order = np.argsort(blocks[:, 0])  # as the blocks stand in their columns
+        together = max(AT_ONCE // max(int(blocks[:, 1].sum()), len(base)), 1)
+        noises = max(together // len(base), 1)
+        found = np.empty((len(grams), len(ranks), 1 + len(blocks)))
+        for start in range(0, len(grams), noises):
+            some = _Integrated.of(grams[start : start + noises], base, sizes)
+            for rank in np.unique(ranks).tolist():
+                alike = np.flatnonzero(ranks == rank)
+                count = math.ceil(len(alike) * len(some.products) * max(rank, 1) / together)
+                for own in np.array_split(alike, min(count, len(alike))):
+                    logs = some.log_densities(self.mean[own], rest[own, :, :rank], scales[own])
+                    found[start : start + noises, own[:, None], 1 + order] = logs[..., 1:]
+                    found[start : start + noises, own, 0] = logs[..., 0]
         return found
 
     def posterior(self, grams: Sequence[GramMatrix]) -> tuple[Array, Array]:
         """Posterior means (j, s, k) and factors R, (j, s, k, k), of the covariances R Rᵀ."""
-        _, factor, white = self._solved(*_stacked(grams))
+        products = np.stack([gram.products for gram in grams])[:, None]
+        turned = np.swapaxes(self.factor, 1, 2)
+        factor = np.linalg.cholesky(turned @ products[..., :-1, :-1] @ self.factor + np.eye(self.factor.shape[2]))
         root = self.factor @ np.swapaxes(np.linalg.inv(factor), -1, -2)
-        return self.mean + (root @ white[..., None])[..., 0], root
+        right = products[..., :-1, -1] - (products[..., :-1, :-1] @ self.mean[..., None])[..., 0]
+        return self.mean + (root @ (np.swapaxes(root, -1, -2) @ right[..., None]))[..., 0], root
 
 
 def log_factor(inner: Array, right: Array) -> Array:
-    """Ln of the factor by which q coefficients N(0, 1) change a density, of inner products (…, q, q) and (…, q)."""
+    """Ln of the factor by which q coefficients N(0, 1) change a density, of inner products (…, q, q) and (…, q).
+
+    By Cholesky's method, of few coefficients entry by entry for all matrices at once; lower triangles are read alone.
+    """
     size = right.shape[-1]
-    if size == 1:
-        precision = np.maximum(inner[..., 0, 0], 0.0) + 1.0
-        return np.asarray(0.5 * (right[..., 0] ** 2 / precision - np.log(precision)))
-    bordered = np.empty((*inner.shape[:-2], size + 1, size + 1))
-    bordered[..., :size, :size] = inner + np.eye(size)
-    bordered[..., size, :size] = bordered[..., :size, size] = right
-    bordered[..., size, size] = 1.0 + np.sum(right**2, axis=-1)  # more than rightᵀ (inner + 1)⁻¹ right
-    factor = np.linalg.cholesky(bordered)
-    logs = np.log(np.diagonal(factor, axis1=-2, axis2=-1)[..., :size]).sum(axis=-1)
-    return np.asarray(0.5 * np.sum(factor[..., size, :size] ** 2, axis=-1) - logs)
+    if size > FEW:
+        bordered = np.empty((*inner.shape[:-2], size + 1, size + 1))
+        bordered[..., :size, :size] = inner + np.eye(size)
+        bordered[..., size, :size] = right
+        bordered[..., size, size] = 1.0 + np.sum(right**2, axis=-1)  # more than rightᵀ (inner + 1)⁻¹ right
+        factor = np.linalg.cholesky(bordered)
+        logs = np.log(np.diagonal(factor, axis1=-2, axis2=-1)[..., :size]).sum(axis=-1)
+        return np.asarray(0.5 * np.sum(factor[..., size, :size] ** 2, axis=-1) - logs)
+    rows = [[inner[..., i, j] for j in range(i + 1)] for i in range(size)]
+    last: list[Array] = [right[..., i] for i in range(size)]
+    logs: Array | float = 0.0
+    for i, row in enumerate(rows):
+        pivot = np.maximum(row[i], 0.0) + 1.0
+        logs = logs + 0.5 * (last[i] ** 2 / pivot - np.log(pivot))
+        for own in (*rows[i + 1 :], last):
+            share = own[i] / pivot
+            for j in range(i + 1, min(len(own), size)):
+                own[j] = own[j] - share * rows[j][i]
+    return np.asarray(logs)
 
 
 def log_slab_factor(inner: Array, right: Array) -> Array:
@@ -283,6 +370,3 @@ def log_slab_factor(inner: Array, right: Array) -> Array:
     shares = np.log(SCALE_PRIOR).reshape(-1, *(1,) * (logs.ndim - 1))
     return np.asarray(np.logaddexp.reduce(logs + shares, axis=0))
 
-
-def _stacked(grams: Sequence[GramMatrix]) -> tuple[Array, Array]:
-    return np.stack([gram.products for gram in grams]), np.array([gram.log_normaliser for gram in grams])

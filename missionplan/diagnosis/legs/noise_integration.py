@@ -182,10 +182,8 @@ class NoiseSearch:
         inference = self.inference
         logs = np.empty((len(sets), len(base), len(SCALES), 1 + len(terms)))
         for group, members in grouped(sets, inference.group).items():
-            chosen = [sets[i] for i in members]
-            for scale in range(len(SCALES)):
-                found = inference.with_terms(grams[group], chosen, terms, scale)
-                logs[members, :, scale] = found.swapaxes(0, 1) + base[:, None] + math.log(SCALE_PRIOR[scale])
+            found = inference.with_terms(grams[group], [sets[i] for i in members], terms, range(len(SCALES)))
+            logs[members] = found.swapaxes(0, 1) + base[:, None, None] + np.log(SCALE_PRIOR)[:, None]
         return logs
 
 

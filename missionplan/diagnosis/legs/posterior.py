@@ -185,7 +185,7 @@ class LegPosterior:
         for scale in range(len(SCALES)):
             if shares[:, scale].sum() < LEAST_SHARE:
                 continue
-            means, roots = inference.priors([one], scale).posterior(grams)
+            means, roots = inference.priors([one], [scale]).posterior(grams)
             means, roots, weights = means[:, 0, kept], roots[:, 0, kept], shares[:, scale]
             mean += weights @ means
             squares += (weights[:, None] * means).T @ means

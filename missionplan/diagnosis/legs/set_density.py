@@ -167,9 +167,9 @@ class LegInference:
             self._known[one, scale] = mean, factor
         return self._known[one, scale]
 
-    def priors(self, sets: Iterable[MeanSet], scale: int) -> SetPriors:
-        """Priors of sets of one term."""
-        means, factors = zip(*(self.prior(one, scale) for one in sets), strict=True)
+    def priors(self, sets: Iterable[MeanSet], scales: Sequence[int] = (1,)) -> SetPriors:
+        """Priors of sets of one term, of each at some scales of the slabs."""
+        means, factors = zip(*(self.prior(one, scale) for one in sets for scale in scales), strict=True)
         return SetPriors(np.stack(means), np.stack(factors))
 
     # likelihood
@@ -237,7 +237,7 @@ class LegInference:
 
     def log_density(self, law: RandomErrors, logs: Array, one: MeanSet) -> float:
         """Log density of the data under a set at one noise."""
-        return float(self.priors([one], 1).log_densities([self.gram_of(law, logs, one)])[0, 0])
+        return float(self.priors([one]).log_densities([self.gram_of(law, logs, one)])[0, 0, 0])
 
     def log_densities(self, law: RandomErrors, logs: Array, sets: Sequence[MeanSet], terms: Sequence[int]) -> Array:
         """Log density at one noise under each of some sets without a term, and with each of some, shape (s, 1 + t)."""
@@ -245,29 +245,29 @@ class LegInference:
         by_group = grouped(sets, self.group)
         grams = self.grams(law, logs, by_group, terms)
         for group, members in by_group.items():
-            found[members] = self.with_terms([grams[group]], [sets[i] for i in members], terms, 1)[0]
+            found[members] = self.with_terms([grams[group]], [sets[i] for i in members], terms, (1,))[0, :, 0]
         return found
 
     def with_terms(
-        self, grams: Sequence[GramMatrix], sets: Sequence[MeanSet], terms: Sequence[int], scale: int
+        self, grams: Sequence[GramMatrix], sets: Sequence[MeanSet], terms: Sequence[int], scales: Sequence[int]
     ) -> Array:
-        """Log densities of sets of one group at each noise, without a term and with each, shape (j, s, 1 + t).
+        """Log densities of sets of one group at each noise and scale, without a term and with each, (j, s, c, 1 + t).
 
         A set that is full has no term.
         """
-        priors = self.priors(sets, scale)
-        plain = priors.log_densities(grams)[:, :, None]
-        if not terms:
-            return plain
-        gains = np.full((*plain.shape[:2], len(terms)), -np.inf)
-        free = np.flatnonzero([len(one.causes) < MOST_IN_MEAN for one in sets])
-        if len(free):
-            gains[:, free] = priors.of(free).gains(grams, self.blocks(terms), SCALES[scale])
-        return np.concatenate([plain, plain + gains], axis=2)
+        found = np.full((len(grams), len(sets), len(scales), 1 + len(terms)), -np.inf)
+        full = np.array([len(one.causes) == MOST_IN_MEAN for one in sets])
+        for members, beside in ((np.flatnonzero(full), ()), (np.flatnonzero(~full), terms)):
+            if len(members):
+                priors = self.priors([sets[i] for i in members], scales)
+                sds = np.tile([SCALES[scale] for scale in scales], len(members))
+                logs = priors.log_densities(grams, self.blocks(beside), sds)
+                found[:, members, :, : 1 + len(beside)] = logs.reshape(len(grams), len(members), len(scales), -1)
+        return found
 
     def blocks(self, terms: Sequence[int]) -> NDArray[np.int_]:
         """Places of the columns of some terms among theirs, and their numbers, shape (t, 2)."""
-        return blocks_by_size(np.array([self.terms[term - 1].columns.shape[2] for term in terms]))
+        return blocks_by_size(np.array([self.terms[term - 1].columns.shape[2] for term in terms], dtype=int))
 
     # search
 
@@ -291,7 +291,7 @@ class LegInference:
 
     def _posterior_mean(self, law: RandomErrors, logs: Array, one: MeanSet) -> Array:
         """Posterior mean of a set's coefficients at one noise, raw coordinates first, those of its term last."""
-        return np.asarray(self.priors([one], 1).posterior([self.gram_of(law, logs, one)])[0][0, 0])
+        return np.asarray(self.priors([one]).posterior([self.gram_of(law, logs, one)])[0][0, 0])
 
     def _settle_current(self, law: RandomErrors, logs: Array) -> None:
         """Take for the current to which the vehicle answers that of the likeliest set with an answer of any size.

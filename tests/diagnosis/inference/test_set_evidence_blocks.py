@@ -19,17 +19,18 @@ def test_gains_are_those_of_the_normal_density(scale):
     factors = np.stack([np.tril(rng.normal(size=(k, k))) for _ in range(3)])
     blocks = blocks_by_size(np.array([3, 1, 2]))
     priors = SetPriors(means, factors)
-    plain = priors.log_densities([gram])[0]
-    found = priors.gains([gram, gram], blocks, scale)
-    assert found.shape == (2, 3, 3)
+    found = priors.log_densities([gram, gram], blocks, np.full(3, scale))
+    assert found.shape == (2, 3, 4)
     for s in range(3):
         spread = np.eye(n) + core @ factors[s] @ factors[s].T @ core.T
+        without = multivariate_normal(core @ means[s], spread).logpdf(y)
+        assert found[:, s, 0] == pytest.approx(without, abs=1e-9)
         for b, (first, size) in enumerate(blocks.tolist()):
             own = further[:, first : first + size]
             exact = multivariate_normal(core @ means[s], spread + scale**2 * own @ own.T).logpdf(y)
-            assert plain[s] + found[1, s, b] == pytest.approx(exact, abs=1e-9)
+            assert found[1, s, 1 + b] == pytest.approx(exact, abs=1e-9)
             beside = SetPriors(np.append(means[s], np.zeros(size))[None], _with_block(factors[s], size, scale))
-            assert beside.log_densities([gram.joined(first, size)])[0, 0] == pytest.approx(exact, abs=1e-9)
+            assert beside.log_densities([gram.joined(first, size)])[0, 0, 0] == pytest.approx(exact, abs=1e-9)
 
 
 def _with_block(factor, size, scale):
