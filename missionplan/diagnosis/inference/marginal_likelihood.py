@@ -184,6 +184,14 @@ class GramMatrix:
         ]
         return GramMatrix(np.block(rows), self.log_normaliser)
 
+    def log_density(self, mean: Array, factor: Array) -> float:
+        """Log density of the data under one set: priors of the columns' coefficients as in `SetPriors`."""
+        left = self.products[:, -1] - self.products[:, :-1] @ mean
+        products = self.products.copy()
+        products[:-1, -1] = products[-1, :-1] = left[:-1]
+        products[-1, -1] = left[-1] - mean @ left[:-1]
+        return gaussian_log_density(products, factor, -2.0 * self.log_normaliser, 0)
+
 
 def blocks_by_size(sizes: NDArray[np.int_]) -> NDArray[np.int_]:
     """Return first column and size of blocks as they stand in `GramMatrix.further`: smaller ones first, (b,) → (b, 2).

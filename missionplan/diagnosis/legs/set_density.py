@@ -237,7 +237,7 @@ class LegInference:
 
     def log_density(self, law: RandomErrors, logs: Array, one: MeanSet) -> float:
         """Log density of the data under a set at one noise."""
-        return float(self.priors([one]).log_densities([self.gram_of(law, logs, one)])[0, 0, 0])
+        return self.gram_of(law, logs, one).log_density(*self.prior(one, 1))
 
     def log_densities(self, law: RandomErrors, logs: Array, sets: Sequence[MeanSet], terms: Sequence[int]) -> Array:
         """Log density at one noise under each of some sets without a term, and with each of some, shape (s, 1 + t)."""
