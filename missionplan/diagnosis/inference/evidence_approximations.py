@@ -12,11 +12,11 @@ from dataclasses import dataclass
 
 import numpy as np
 import scipy
-from scipy.linalg import solve_triangular
+from scipy.linalg import lapack, solve_triangular
 from scipy.special import gammaln
 
 from missionplan.arrays import Array
-from missionplan.diagnosis.inference.marginal_likelihood import LOG_2PI
+from missionplan.diagnosis.inference.marginal_likelihood import LOG_2PI, Marginal
 from missionplan.montecarlo.streams import stream
 
 SEARCH_STEP = 1e-4
@@ -226,3 +226,55 @@ def log_student_density(at: Array, mean: Array, factor: Array, dof: int) -> Arra
     constant = gammaln(0.5 * (dof + dimension)) - gammaln(0.5 * dof) - 0.5 * dimension * np.log(dof * np.pi)
     density: Array = constant - np.log(np.diag(factor)).sum() - 0.5 * (dof + dimension) * np.log1p(squared / dof)
     return density
+
+
+NEAR, TOLERANCE = 0.1, 1e-6
+"""Last step below which Newton's is tried, and below which the mode is found [prior standard deviations]."""
+
+
+def student_marginal(y: Array, design: Array, prior_sd: Array, variance: Array, dof: float) -> Marginal:
+    """Integrate out the coefficients under bivariate Student-t errors, by Laplace's approximation.
+
+    Errors of covariance diag(variance): ln p is −½(ν+2)·ln(1 + q/(ν−2)) + constant with q = Σ r²/variance. The mode is
+    found by iteratively reweighted least squares with weights (ν+2)/(ν−2+q) (Lange, Little & Taylor 1989, *J. Am.
+    Stat. Assoc.* 84), near it by Newton's steps where they are shorter than the last step and lead uphill.
+
+    `y`, shape (2, n): data. `design`, shape (2, n, k), and `prior_sd`, shape (k,): columns of the coefficients, and
+    their prior standard deviations. `variance`, shape (2, n): for each axis. `dof`: degrees of freedom ν, above 2.
+    """
+    k, n = len(prior_sd), y.shape[1]
+    sd = np.sqrt(variance)
+    scaled_y = (y / sd).ravel()
+    columns = (design * prior_sd / sd[:, :, None]).reshape(2 * n, k)
+    transposed = np.ascontiguousarray(columns.T)
+    coefficients, moved = np.zeros(k), math.inf
+    for _ in range(60):
+        residual = scaled_y - columns @ coefficients
+        squared = np.square(residual).reshape(2, n).sum(axis=0)
+        weight = (dof + 2.0) / (dof - 2.0 + squared)
+        weighted = (transposed.reshape(k, 2, n) * weight).reshape(k, 2 * n)
+        gradient = weighted @ residual - coefficients
+        hessian = weighted @ columns
+        hessian.flat[:: k + 1] += 1.0
+        if moved < TOLERANCE:
+            break
+        _, step, _ = lapack.dposv(hessian, gradient)
+        if moved < NEAR:
+            newton = np.linalg.solve(_student_curvature(hessian, columns, residual, weight, dof), gradient)
+            step = newton if newton @ gradient > 0.0 and np.abs(newton).max(initial=0.0) < moved else step
+        coefficients, moved = coefficients + step, float(np.abs(step).max(initial=0.0))
+    curvature = _student_curvature(hessian, columns, residual, weight, dof)
+    if np.linalg.eigvalsh(curvature)[0] <= 0.0:
+        curvature = hessian
+    constant = gammaln(0.5 * dof + 1.0) - gammaln(0.5 * dof) - math.log(math.pi * (dof - 2.0))
+    log_density = len(squared) * constant - 0.5 * (dof + 2.0) * float(np.log1p(squared / (dof - 2.0)).sum())
+    log_density -= 0.5 * float(np.log(variance).sum()) + 0.5 * float(coefficients @ coefficients)
+    log_density -= 0.5 * float(np.linalg.slogdet(curvature)[1])
+    covariance = prior_sd[:, None] * np.linalg.inv(curvature) * prior_sd[None, :]
+    return Marginal(log_density, prior_sd * coefficients, covariance)
+
+
+def _student_curvature(hessian: Array, columns: Array, residual: Array, weight: Array, dof: float) -> Array:
+    """Negative second derivatives of the log density, whose first part, `hessian`, takes the weights as given."""
+    along = (residual[:, None] * columns).reshape(2, len(weight), -1).sum(axis=0)
+    return np.asarray(hessian - along.T @ (along * (2.0 * weight**2 / (dof + 2.0))[:, None]))

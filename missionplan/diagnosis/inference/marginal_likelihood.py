@@ -1,9 +1,8 @@
-"""Evidence of linear models, coefficients integrated out: normal errors exactly, Student-t by Laplace, many sets.
+"""Evidence of linear models with normal errors, coefficients integrated out: one set of causes, or many at once.
 
 Given the noise, a set of causes differs from another by the prior of the coefficients alone, so that all sets share the
 inner products of the whitened columns (Rasmussen & Williams 2006, *Gaussian Processes for Machine Learning*, Eqs. 2.8
-and 2.30; Bishop 2006, *Pattern Recognition and Machine Learning*, Eq. 3.86; Lange, Little & Taylor 1989, *J. Am. Stat.
-Assoc.* 84).
+and 2.30; Bishop 2006, *Pattern Recognition and Machine Learning*, Eq. 3.86).
 
 Shapes: two independent components of each of n errors, k coefficients.
 """
@@ -17,7 +16,6 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import lapack
-from scipy.special import gammaln
 
 from missionplan.arrays import Array
 
@@ -26,8 +24,6 @@ QUANTILE_95 = 1.6448536269514722
 """95 % quantile of the standard normal distribution: half the width of a 90 % interval, in standard deviations."""
 Normal = tuple[Array, Array]
 """A normal distribution: mean, shape (N,), and covariance, shape (N, N)."""
-NEAR, TOLERANCE = 0.1, 1e-6
-"""Last step below which Newton's is tried, and below which the mode is found [prior standard deviations]."""
 
 
 def normal_log_pdf(x: Array, mean: Array | float, sd: Array | float) -> Array:
@@ -95,54 +91,6 @@ def _log_density(gram: Array, factor: Array, white: Array, log_determinant: floa
     quadratic = float(gram[-1, -1] - white @ white)
     determinant = log_determinant + 2.0 * float(np.log(factor.diagonal()).sum())
     return -0.5 * (quadratic + determinant + count * LOG_2PI)
-
-
-def student_marginal(y: Array, design: Array, prior_sd: Array, variance: Array, dof: float) -> Marginal:
-    """Integrate out the coefficients under bivariate Student-t errors, by Laplace's approximation.
-
-    Errors of covariance diag(variance): ln p is −½(ν+2)·ln(1 + q/(ν−2)) + constant with q = Σ r²/variance. The mode is
-    found by iteratively reweighted least squares with weights (ν+2)/(ν−2+q) (Lange, Little & Taylor 1989), near it
-    by Newton's steps where they are shorter than the last step and lead uphill.
-
-    `y`, shape (2, n): data. `design`, shape (2, n, k), and `prior_sd`, shape (k,): columns of the coefficients, and
-    their prior standard deviations. `variance`, shape (2, n): for each axis. `dof`: degrees of freedom ν, above 2.
-    """
-    k, n = len(prior_sd), y.shape[1]
-    sd = np.sqrt(variance)
-    scaled_y = (y / sd).ravel()
-    columns = (design * prior_sd / sd[:, :, None]).reshape(2 * n, k)
-    transposed = np.ascontiguousarray(columns.T)
-    coefficients, moved = np.zeros(k), math.inf
-    for _ in range(60):
-        residual = scaled_y - columns @ coefficients
-        squared = np.square(residual).reshape(2, n).sum(axis=0)
-        weight = (dof + 2.0) / (dof - 2.0 + squared)
-        weighted = (transposed.reshape(k, 2, n) * weight).reshape(k, 2 * n)
-        gradient = weighted @ residual - coefficients
-        hessian = weighted @ columns
-        hessian.flat[:: k + 1] += 1.0
-        if moved < TOLERANCE:
-            break
-        _, step, _ = lapack.dposv(hessian, gradient)
-        if moved < NEAR:
-            newton = np.linalg.solve(_curvature(hessian, columns, residual, weight, dof), gradient)
-            step = newton if newton @ gradient > 0.0 and np.abs(newton).max(initial=0.0) < moved else step
-        coefficients, moved = coefficients + step, float(np.abs(step).max(initial=0.0))
-    curvature = _curvature(hessian, columns, residual, weight, dof)
-    if np.linalg.eigvalsh(curvature)[0] <= 0.0:
-        curvature = hessian
-    constant = gammaln(0.5 * dof + 1.0) - gammaln(0.5 * dof) - math.log(math.pi * (dof - 2.0))
-    log_density = len(squared) * constant - 0.5 * (dof + 2.0) * float(np.log1p(squared / (dof - 2.0)).sum())
-    log_density -= 0.5 * float(np.log(variance).sum()) + 0.5 * float(coefficients @ coefficients)
-    log_density -= 0.5 * float(np.linalg.slogdet(curvature)[1])
-    covariance = prior_sd[:, None] * np.linalg.inv(curvature) * prior_sd[None, :]
-    return Marginal(log_density, prior_sd * coefficients, covariance)
-
-
-def _curvature(hessian: Array, columns: Array, residual: Array, weight: Array, dof: float) -> Array:
-    """Negative second derivatives of the log density, whose first part, `hessian`, takes the weights as given."""
-    along = (residual[:, None] * columns).reshape(2, len(weight), -1).sum(axis=0)
-    return np.asarray(hessian - along.T @ (along * (2.0 * weight**2 / (dof + 2.0))[:, None]))
 
 
 SCALES = (0.75, 1.13, 1.9, 4.5)
@@ -356,8 +304,8 @@ def log_factor(inner: Array, right: Array) -> Array:
         bordered[..., size, :size] = right
         bordered[..., size, size] = 1.0 + np.sum(right**2, axis=-1)  # more than rightᵀ (inner + 1)⁻¹ right
         factor = np.linalg.cholesky(bordered)
-        logs = np.log(np.diagonal(factor, axis1=-2, axis2=-1)[..., :size]).sum(axis=-1)
-        return np.asarray(0.5 * np.sum(factor[..., size, :size] ** 2, axis=-1) - logs)
+        half_determinant = np.log(np.diagonal(factor, axis1=-2, axis2=-1)[..., :size]).sum(axis=-1)
+        return np.asarray(0.5 * np.sum(factor[..., size, :size] ** 2, axis=-1) - half_determinant)
     rows = [[inner[..., i, j] for j in range(i + 1)] for i in range(size)]
     last: list[Array] = [right[..., i] for i in range(size)]
     logs: Array | float = 0.0
@@ -377,4 +325,3 @@ def log_slab_factor(inner: Array, right: Array) -> Array:
     logs = log_factor(np.multiply.outer(scales**2, inner), np.multiply.outer(scales, right))
     shares = np.log(SCALE_PRIOR).reshape(-1, *(1,) * (logs.ndim - 1))
     return np.asarray(np.logaddexp.reduce(logs + shares, axis=0))
-

@@ -256,9 +256,10 @@ class LegInference:
         A set that is full has no term.
         """
         found = np.full((len(grams), len(sets), len(scales), 1 + len(terms)), -np.inf)
-        full = np.array([len(one.causes) == MOST_IN_MEAN for one in sets])
-        for members, beside in ((np.flatnonzero(full), ()), (np.flatnonzero(~full), terms)):
-            if len(members):
+        full = [i for i, one in enumerate(sets) if len(one.causes) == MOST_IN_MEAN]
+        free = [i for i, one in enumerate(sets) if len(one.causes) < MOST_IN_MEAN]
+        for members, beside in ((full, ()), (free, terms)):
+            if members:
                 priors = self.priors([sets[i] for i in members], scales)
                 sds = np.tile([SCALES[scale] for scale in scales], len(members))
                 logs = priors.log_densities(grams, self.blocks(beside), sds)

@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from missionplan.diagnosis.inference.marginal_likelihood import gaussian_marginal, student_marginal
+from missionplan.diagnosis.inference.evidence_approximations import student_marginal
+from missionplan.diagnosis.inference.marginal_likelihood import gaussian_marginal
 
 RNG = np.random.default_rng(5)
 

@@ -15,7 +15,8 @@ from numpy.typing import NDArray
 from scipy.special import gammaln
 
 from missionplan.arrays import Array, Scalars
-from missionplan.diagnosis.inference.marginal_likelihood import LOG_2PI, GramMatrix, Marginal, student_marginal
+from missionplan.diagnosis.inference.evidence_approximations import student_marginal
+from missionplan.diagnosis.inference.marginal_likelihood import LOG_2PI, GramMatrix, Marginal
 from missionplan.diagnosis.legs.likelihood.hyperparameters import SLAB_SCALE, HyperparameterValues
 from missionplan.diagnosis.legs.likelihood.markov_covariance import MarkovCovariance, WhitenedColumns
 from missionplan.diagnosis.legs.likelihood.modulation import Modulation
