@@ -93,6 +93,10 @@ def _picked(pixels: Array, row: Array, column: Array) -> Array:
 _WIDTH = 5.0
 _NAME_BELOW = 0.08
 """Room that a name below its place takes, of the map's longer side."""
+_NAME_HEIGHT = 16
+"""Of a row of names [points]."""
+_LETTER = 0.025
+"""Width of a letter of a name, of the way's longer side."""
 Point = tuple[float, float]
 """East and north of the origin [m]."""
 
@@ -182,13 +186,13 @@ def _named(goals: list[Goal]) -> tuple[np.ndarray, list[tuple[str, Point]]]:
 def name_goals(axes: Axes, data: Mapping[str, object]) -> None:
     """Write the names of a mission's start and goals on a map of it: towards its middle, off the way."""
     way, named = _named(list(_goals(data)))
-    for name, (east, north) in named:
+    for (name, (east, north)), row in zip(named, _rows_of_names(way, named), strict=True):
         right = east > way[0].mean()
         axes.plot(east, north, "o", color=INK, markersize=4)
         axes.annotate(
             name,
             (east, north),
-            (-8 if right else 8, 13 if _runs_below(way, (east, north)) else -19),
+            (-8 if right else 8, _NAME_HEIGHT * row - 3),
             textcoords="offset points",
             ha="right" if right else "left",
             color=GREEN,
@@ -196,12 +200,28 @@ def name_goals(axes: Axes, data: Mapping[str, object]) -> None:
         )
 
 
+def _rows_of_names(way: np.ndarray, named: list[tuple[str, Point]]) -> list[int]:
+    """Row in which each name stands, counted up from its place: another where it would run into one at its height."""
+    size, rows = max(float(np.ptp(way, axis=1).max()), 1.0), list[int]()
+    for number, (name, (east, north)) in enumerate(named):
+        row = step = 1 if _runs_below(way, (east, north)) else -1
+        beside = [
+            (other, rows[at])
+            for at, (other, place) in enumerate(named[:number])
+            if abs(place[0] - east) / size < _LETTER * len(f"{name}{other}") and abs(place[1] - north) < 0.1 * size
+        ]
+        while row in {taken for _, taken in beside}:
+            row += step
+        rows.append(row)
+    return rows
+
+
 def room_for_names(data: Mapping[str, object]) -> Iterator[np.ndarray]:
     """Points that must lie on a map of a mission, so that no name below a place runs into its axis."""
     way, named = _named(list(_goals(data)))
-    for _, (east, north) in named:
-        if not _runs_below(way, (east, north)):
-            yield np.array([[east], [north - _NAME_BELOW * float(np.ptp(way, axis=1).max())]])
+    for (_, (east, north)), row in zip(named, _rows_of_names(way, named), strict=True):
+        if row < 0:
+            yield np.array([[east], [north + _NAME_BELOW * row * float(np.ptp(way, axis=1).max())]])
 
 
 def _runs_below(way: np.ndarray, place: Point) -> bool:

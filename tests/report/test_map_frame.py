@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from missionplan.report.plan_view import frame
+from missionplan.report.site_map import _rows_of_names
 from missionplan.studies.leg_length.sweep_page import has_teeth
 
 
@@ -26,6 +27,15 @@ def test_what_always_counts_lies_inside():
     far = np.array([[5000.0], [0.0]])
     assert frame(tracks(50), [far]).west_east[1] > 5000.0
     assert frame([], [far, np.zeros((2, 1))]).west_east[0] < 0.0
+
+
+def test_names_that_would_run_into_one_another_stand_in_rows():
+    """A kilometre apart, 12 letters together have room; 50 letters have not, nor has a third place of that height."""
+    way = np.array([[0.0, 1000.0, 1000.0], [0.0, 0.0, 1200.0]])
+    assert _rows_of_names(way, [("start", (0.0, 0.0)), ("ingress", (1000.0, 0.0))]) == [1, -1]
+    way = np.array([[0.0, 1000.0, 1000.0, 0.0], [0.0, 0.0, 1200.0, 0.0]])
+    names = [("start, home", (0.0, 0.0)), (40 * "x", (1000.0, 0.0)), ("on", (1000.0, 1200.0))]
+    assert _rows_of_names(way, names) == [-1, -2, 1]
 
 
 def curve(cost) -> SimpleNamespace:

@@ -297,7 +297,8 @@ def test_bars_of_the_waterfall_stand_on_one_another_from_all_trials_down(outcome
     assert (axes.patches[-1].get_x(), tops[-1]) == (0.0, pytest.approx(100.0 * outcome.total.events["success"].value))
     lost, left = Probability(0.1234, 0.1134, 0.1334), Probability(0.8766, 0.8666, 0.8866)
     axes = MatplotlibFigure().add_subplot()
-    figures.draw_waterfall(axes, replace(outcome, attrition=(Attrition("ingress: not arrived", lost, left),)))
+    figures.draw_waterfall(axes, replace(outcome, attrition=(Attrition("phases[0]: not arrived", lost, left),)))
+    assert axes.get_yticklabels()[0].get_text().split() == ["missed", "arrivals", "(phase", "1)"]
     assert axes.texts[0].get_text() == "−12.3 %"  # give or take 1.0
 
 

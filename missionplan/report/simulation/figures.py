@@ -28,7 +28,7 @@ from missionplan.report.plan_view import (
     track,
 )
 from missionplan.report.quantities import quantity, si_per_unit, span, unit_for
-from missionplan.report.simulation.quantities import requirement_on, unit_of
+from missionplan.report.simulation.quantities import failure_in_words, requirement_on, unit_of
 from missionplan.report.site_map import name_goals, room_for_names
 from missionplan.report.wording import in_words, number, percent
 from missionplan.results.decision import SeaChart
@@ -40,7 +40,10 @@ def waterfall(outcome: Outcome) -> Figure:
     steps = _losing(outcome)
     figure = MatplotlibFigure(figsize=(WIDTH, 0.55 + 0.42 * (len(steps) + 1)))
     draw_waterfall(figure.add_subplot(), outcome)
-    losses = "; ".join(f"{step.step}, {100.0 * step.lost.value:.1f} %" for step in steps) or "nothing is lost"
+    losses = (
+        "; ".join(f"{failure_in_words(step.step)}, {100.0 * step.lost.value:.1f} %" for step in steps)
+        or "nothing is lost"
+    )
     return to_figure(
         figure,
         "waterfall",
@@ -57,7 +60,7 @@ def _losing(outcome: Outcome) -> list[Attrition]:
 def draw_waterfall(axes: Axes, outcome: Outcome) -> None:
     """Draw the trials that are left after each step at which some are lost."""
     steps = _losing(outcome)
-    labels = [*(step.step for step in steps), "mission succeeds"]
+    labels = [*(failure_in_words(step.step) for step in steps), "mission succeeds"]
     for row, step in enumerate(steps):
         surviving, lost = 100.0 * step.surviving.value, 100.0 * step.lost.value
         axes.barh(row, lost, left=surviving, color=ORANGE, height=0.62)

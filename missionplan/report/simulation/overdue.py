@@ -199,11 +199,9 @@ def _hours(area: SearchArea) -> str:
 def _size(area: SearchArea) -> str:
     if area.half_length == area.half_width:
         return f"{quantity(area.half_length, 'm', '.0f')} (circle)"
-    halves = (area.half_length, area.half_width)
-    units = [reader_unit("m", half) for half in halves]
-    length, width = (number(unit(half), 0.02 * unit(half)) for unit, half in zip(units, halves, strict=True))
-    own = "" if units[0] == units[1] else units[0].suffix
-    return f"{length}{own} × {width}{units[1].suffix}, {math.degrees(area.toward):.0f}°"
+    unit = reader_unit("m", area.half_length)
+    length, width = (number(unit(half), 0.02 * unit(half)) for half in (area.half_length, area.half_width))
+    return f"{length} × {width}{unit.suffix}, {math.degrees(area.toward):.0f}°"
 
 
 _AREAS = {

@@ -104,7 +104,7 @@ def attrition_section(outcome: Outcome) -> Iterator[PageSection]:
     losing = [step for step in outcome.attrition if step.lost.value > 0.0]
     spared = [failure_in_words(step.step) for step in outcome.attrition if step.lost.value == 0.0]
     none = [f"No trial fails by {listed(spared, 'or')}."] if spared else []
-    rows = [(step.step, percent(step.lost), percent(step.surviving)) for step in losing]
+    rows = [(failure_in_words(step.step), percent(step.lost), percent(step.surviving)) for step in losing]
     table = [Table(("step", "lost here", "still good"), rows, "Shares of all trials.")] if len(rows) > 1 else []
     heading = f"{capitalised(failure_in_words(worst.step))} cost {percent(worst.lost)} of the trials"
     yield PageSection(heading, [waterfall(outcome), *table, *none], is_summary=True)
