@@ -3,6 +3,7 @@
 import dataclasses
 import json
 import shutil
+from types import SimpleNamespace
 
 import pytest
 from typer.testing import CliRunner
@@ -11,8 +12,13 @@ import missionplan
 from missionplan import InputError, Mission, verify
 from missionplan import verification as module
 from missionplan.cli import app
+from missionplan.exporters import format_named
 from missionplan.identity import running_program
+from missionplan.montecarlo.statistics import Probability
+from missionplan.results.failures import Counted
 from missionplan.store.checkpoints import Checkpoints, read_block
+from missionplan.studies.export import mission_plan
+from missionplan.studies.simulation import simulate as simulation
 from tests.fixtures import TRANSIT
 
 TRIALS = 3 * 4096 + 10
@@ -64,6 +70,28 @@ def test_a_mission_as_exported_comes_out_the_same(tmp_path):
     missionplan.simulate(mission, **run).save(folder, force=True)
     assert verify(folder).same
     assert verify(folder, all_blocks=True).same
+
+
+def test_what_files_lose_is_told_beside_what_the_mission_means(monkeypatch):
+    def counted(**shares):
+        counts = {Counted.event(key.replace("_", ".")): share for key, share in shares.items()}
+        return {each: Probability(share, share, share) for each, share in counts.items()}
+
+    def meant(mission, *, trials, seed):
+        assert (trials, seed) == (300, 7)
+        return counted(total_success=0.912, out_arrived=0.95, out_limited=0.1)
+
+    monkeypatch.setattr(simulation, "event_probabilities", meant)
+    carried = counted(total_success=0.634, out_arrived=0.7, out_limited=0.2)
+    counts = {each: SimpleNamespace(probability=lambda share=share: share) for each, share in carried.items()}
+    merged, mission = SimpleNamespace(totals=SimpleNamespace(trials=300, counts=counts)), Mission.from_data(TRANSIT)
+    plan = mission_plan(mission, to="moos")
+    words, *lost = simulation._loss(mission, ("moos", plan), merged, 7)
+    assert words == (
+        "As the vehicle carries out its moos files: total success 63.4% of trials, as the mission means it 91.2%; "
+        "out arrived 70.0% of trials, as the mission means it 95.0%."
+    )
+    assert lost == [f"Not in its files: {each}." for each in format_named("moos").lost(plan)]
 
 
 @pytest.mark.parametrize("option", [{"sheet": False}, {"assumptions": True}, {"precision": "success=0.2"}], ids=str)

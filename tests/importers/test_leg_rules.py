@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from made_tracks import LATITUDE, LONGITUDE, START, made
 
 from missionplan.importers.cutting import cut
-from missionplan.importers.dives import LegRules
+from missionplan.importers.dives import Depths, LegRules, find_candidates
 from missionplan.importers.geodesy import displacement, moved
 from missionplan.importers.judging import (
     _ALLOWED,
@@ -245,6 +245,24 @@ def test_a_fix_logged_late_ends_no_leg_and_is_told():
     assert len(found.dives) == 5
     assert found.dives["t_start_s"][2] == late
     assert any("logged late on 1 of 5 dives" in notice for notice in found.notices)
+
+
+@pytest.mark.parametrize(
+    ("depths", "surfaced"),
+    [
+        ([0.0, 50.0, 0.0, 40.0, 80.0], 194.0),  # it came up at the third reading, and went down again
+        ([0.0, 50.0, 60.0, None, 80.0], 400.0),  # in a hole, it is not known when
+        ([0.0, 50.0, 0.0, 40.0, 60.0, None, 80.0], 600.0),  # the last of both
+        ([0.0, 50.0, 60.0, None, 0.0, 80.0], 390.0),
+        ([0.0, 0.0, 60.0, 70.0, 80.0], None),
+    ],
+)
+def test_a_fix_logged_under_water_ends_the_dive_before_the_last_time_at_the_surface(depths, surfaced):
+    rows = [(100.0 * k, each) for k, each in enumerate(depths) if each is not None]
+    t, values = np.array(rows).T
+    at = fixes(np.array([0.0, t[-1]]), np.full(2, LATITUDE), np.full(2, LONGITUDE))
+    found = find_candidates(at, series(t, values), Depths(5.0, 3.0), 150.0)
+    assert [(each.surfaced, each.reckoned_to) for each in found] == [(pytest.approx(surfaced),) * 2] * bool(surfaced)
 
 
 def test_a_shallow_vehicles_dives_are_found():

@@ -78,7 +78,9 @@ def test_a_trajectory_is_read_by_its_standard_names_in_each_form(tmp_path):
     np.testing.assert_allclose(plain.table["t_end_s"], VOYAGE.ends, rtol=0.0, atol=0.01)
     np.testing.assert_allclose(plain.table["t_start_s"], VOYAGE.starts, rtol=0.0, atol=20.1)  # the first row of a dive
     for k, change in enumerate(({"pressure": True}, {"names": ("a", "b")}, {"up": True}, {"upper": True})):
-        agree(plain, import_logs([cf(tmp_path / f"{k}.nc", **change)]))
+        changed = import_logs([cf(tmp_path / f"{k}.nc", **change)])
+        agree(plain, changed)
+        assert not any("heights" in notice for notice in changed.provenance.notices)
     headings = [
         import_logs([cf(tmp_path / "h.nc", heading_name=each)]).table["heading_deg"] for each in ("", "Magnetic")
     ]

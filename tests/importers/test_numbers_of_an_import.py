@@ -196,6 +196,18 @@ def test_figures_are_those_of_the_legs(imported):
     assert found.dataset["noise"] == {"fix": "3.54 m"}
 
 
+def test_made_reckoning_is_as_sure_as_on_the_leg_in_the_middle_and_left_out_dives_are_counted_by_reason():
+    log = made(legs=5, reckoned=False)
+    t = log.track.depth.t
+    speed = Series(t, np.where(t < log.ends[0], 0.9, np.where(t < log.ends[1], 0.35, 0.3)))
+    track = replace(log.track, speed=speed, breaks=(Break(float(log.starts[3]) + 900.0, "a restart"),))
+    found = transit_data(Reading(track, "made", (), (), {}, 0.0), LegRules())
+    assert found.reasons == {"a restart": 1}
+    sds = found.table.groupby("leg")["dr_sd_m"].first()
+    assert sds.mean() > np.median(sds) + 10.0
+    assert found.figures.made_reckoning_sd == pytest.approx(np.median(sds), abs=0.06)
+
+
 def test_what_is_drawn_lies_about_the_first_fix_of_the_first_leg(imported):
     log, found = imported
     begin = np.flatnonzero(log.track.fixes.t == log.starts[0])[0]

@@ -116,10 +116,10 @@ def test_a_ring_outside_the_tube_is_remedied_by_a_change_of_the_front():
     assert not solve_anchor(replace(nose_heavy, construction=least), 11.6974).feasible
 
 
-@pytest.mark.parametrize(("mass", "is_remedy"), [(1.0, True), (1.1, False)])
-def test_the_front_s_centre_is_moved_no_farther_than_its_half_sphere_reaches(mass, is_remedy):
-    nose_heavy = replace(PROBLEM, construction=replace(MADE, front=Part(mass, 7850.0, 1.2 * INCH)))
-    found = find_remedies(solve_anchor(nose_heavy, 11.6974))
+@pytest.mark.parametrize(("mass", "at", "back", "is_remedy"), [(1.0, 0.03, 0.4, True), (1.3, 0.026, 0.05, False)])
+def test_the_front_s_centre_is_moved_no_farther_than_its_half_sphere_reaches(mass, at, back, is_remedy):
+    made = replace(MADE, front=Part(mass, 7850.0, at), back=replace(MADE.back, mass=back))
+    found = find_remedies(solve_anchor(replace(PROBLEM, construction=made), 11.7))
     assert any(each.quantity == "its centre at" for each in found) == is_remedy
 
 

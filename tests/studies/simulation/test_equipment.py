@@ -10,10 +10,14 @@ from test_over_ground import MISSION, failing
 
 from missionplan.errors import InputError
 from missionplan.mission import load
-from missionplan.montecarlo.reliability import age_at_chance, age_weibull, rate_of_counts
+from missionplan.montecarlo.reliability import Exposure, age_at_chance, age_weibull, rate_of_counts
+from missionplan.phases.hooks import TrialState
 from missionplan.results.failures import Failure
 from missionplan.studies.simulation.overdue import _first_failures
+from missionplan.studies.simulation.phase_trials import PhaseTrials
 from missionplan.studies.simulation.simulate import simulate_block
+from missionplan.studies.simulation.trial_block import Part
+from missionplan.studies.simulation.trial_block import failing as with_failures
 
 Z = np.random.default_rng(1).standard_normal(200_000)
 OTHER = np.random.default_rng(2).standard_normal(200_000)
@@ -101,6 +105,33 @@ def test_what_a_failure_leaves_is_kept_apart_for_the_search(with_hazards):
     missing = np.isnan(block.total["duration_s"])
     reasons = {(phase, reason) for (phase, reason), _ in _first_failures(block, missing)}
     assert {("moor", "equipment, moored"), ("out", "equipment, sunk")} <= reasons
+
+
+def test_of_two_hazards_in_a_phase_that_leaves_what_it_leaves_which_strikes_first():
+    def part(per, leaves, *ages):
+        return Part(per, leaves, np.array(ages))
+
+    parts = (
+        part(
+            "dive", "sunk", 2.1, 2.1, 3.5, 9.0, 2.0
+        ),  # of four in the phase, after two: the 3rd at 1/4, the 4th at 2/4
+        part("hour", "adrift", 150.0, 120.0, 160.0, 201.0, 100.0),  # of 100 s in the phase, after 100 s
+    )
+    begun, none = TrialState.at(np.zeros(2), 5), np.full(5, np.nan)
+    met = Exposure(time=100.0, dives=4.0)
+    found = PhaseTrials(
+        "out", "transit", {"legs": np.arange(5.0)}, {"arrived": np.ones(5, dtype=bool)}, {}, none, np.ones(5), {},
+        np.zeros((2, 5)), none, none, none, none, 0.0, {}, exposure=met,
+    )  # fmt: skip
+    after, found, exposure = with_failures(parts, Exposure(time=100.0, dives=2.0), begun, begun, found)
+    assert np.flatnonzero(found.left["sunk"]).tolist() == [0, 2]
+    assert np.flatnonzero(found.left["adrift"]).tolist() == [1]
+    assert after.alive.tolist() == found.events["arrived"].tolist() == [False, False, False, True, True]
+    assert (
+        np.isnan(found.quantities["legs"]).tolist() == np.isnan(found.end).tolist() == [True, True, True, False, False]
+    )
+    assert (exposure.time, exposure.dives) == (200.0, 6.0)
+    assert np.exp(found.margins[Failure.EQUIPMENT]) == pytest.approx([2.1 / 6, 2.1 / 6, 3.5 / 6, 201 / 200, 2 / 6])
 
 
 @pytest.mark.parametrize(

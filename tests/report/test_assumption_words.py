@@ -1,0 +1,60 @@
+"""What a page says of the assumptions that it rests on, of a ledger made by hand."""
+
+import math
+
+import pytest
+
+from missionplan.report.explained import _section, _turning_in_words
+from missionplan.results.decision import Assumption
+
+CALM = Assumption("it is calm", "a swell", 0.03, 0.93, is_required=True)
+STILL = Assumption("the water is still", "0.1 m/s", -0.104, 0.796, is_required=True)
+EXACT = Assumption("the log is exact", "2 % more", 0.0, 0.9, is_required=True)
+CHARTED = Assumption("the chart holds", "1 m less", math.nan, math.nan)
+SLOW = Assumption("it is fast", "half as fast", -0.5, 0.4, is_required=True)
+LATE = Assumption("it is in time", "an hour late", -0.2, 0.7, ("out.arrived", "total.duration_s"), is_required=True)
+
+
+@pytest.mark.parametrize(
+    ("assumed", "heading"),
+    [
+        ([CALM, STILL, EXACT, CHARTED], "Of its assumptions, that the water is still matters most: -10 % otherwise"),
+        ([CHARTED, CALM], "Of its assumptions, that it is calm matters most: +3 % otherwise"),
+        ([EXACT, CHARTED], "None of these assumptions alone could turn this"),
+        ([CHARTED], "None of these assumptions alone could turn this"),
+        ([SLOW, STILL, LATE], "2 of its assumptions could turn this"),
+    ],
+)
+def test_the_heading_names_what_matters_most_for_better_or_worse(assumed, heading):
+    (section,) = _section(assumed)
+    assert section.heading.replace("\u00a0", " ") == heading
+
+
+def test_each_assumption_has_a_row_with_success_then_and_its_change():
+    (section,) = _section([STILL, EXACT, CHARTED, SLOW])
+    assert [[cell.replace("\u00a0", " ") for cell in row] for row in section.blocks[0].rows] == [
+        ["the water is still", "0.1 m/s", "79.6 %", "-10 %", ""],
+        ["the log is exact", "2 % more", "90 %", "none", ""],
+        ["the chart holds", "1 m less", "", "could not be run", ""],
+        ["it is fast", "half as fast", "40 %", "-50 %", "could turn the answer"],
+    ]
+
+
+@pytest.mark.parametrize(
+    ("assumed", "words"),
+    [
+        ([STILL], ""),
+        (
+            [STILL, SLOW],
+            " But this assumes that it is fast: with half as fast it fails more often than not: it succeeds 40 % of the "
+            "time.",
+        ),
+        (
+            [LATE, SLOW],
+            " But this assumes that it is in time: with an hour late it succeeds 70 % of the time, short of what is "
+            "required of arrival (out) and total duration; 1 more such assumption below.",
+        ),
+    ],
+)
+def test_the_first_that_could_turn_the_answer_is_told_and_how_many_more(assumed, words):
+    assert _turning_in_words(assumed).replace("\u00a0", " ") == words
