@@ -7,7 +7,6 @@ from functools import partial
 from pathlib import Path
 
 import numpy as np
-import pandas as pd
 from threadpoolctl import threadpool_limits
 
 from missionplan.datasets import files_outside
@@ -170,6 +169,8 @@ def _result(
     extended: dict[str, object],
 ) -> Diagnosis:
     residuals = bound.residual_table(found.selection.base, found.best)
+    listed = found.selection.ranking[:LISTED]
+    shares = bound.shares_explained(found.selection.base, [candidate.fit for candidate in listed], residuals)
     return Diagnosis(
         **vars(judgement),
         provenance=provenance,
@@ -180,7 +181,7 @@ def _result(
         known=bound.known,
         confirmed=found.best.given,
         misfit=bound.misfit(residuals),
-        ranking=ranked_sets(bound, found, residuals),
+        ranking=tuple(_ranked(found, candidate, share) for candidate, share in zip(listed, shares, strict=True)),
         discrepancy=found.discrepancy,
         base_discrepancy=found.base_discrepancy,
         scores=group_scores(found),
@@ -253,16 +254,6 @@ def as_reported(bound: DataKind, found: PipelineResult, jobs: int = 1) -> Pipeli
 
 def _reported_fits(bound: DataKind, fits: Sequence[CauseFit]) -> list[CauseFit]:
     return [bound.as_reported(fit) for fit in fits]
-
-
-def ranked_sets(bound: DataKind, found: PipelineResult, residuals: pd.DataFrame) -> tuple[RankedSet, ...]:
-    """Return the best sets, best first.
-
-    `residuals` are those under the best fit.
-    """
-    listed = found.selection.ranking[:LISTED]
-    shares = bound.shares_explained(found.selection.base, [candidate.fit for candidate in listed], residuals)
-    return tuple(_ranked(found, candidate, share) for candidate, share in zip(listed, shares, strict=True))
 
 
 def _ranked(found: PipelineResult, candidate: Candidate, share: float) -> RankedSet:

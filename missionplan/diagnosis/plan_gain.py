@@ -51,19 +51,14 @@ def plan_gain(choice: Choice, base: Mission, extended: Mapping[str, object], *, 
 
 def leg_length_choice(base: Mission, extended: Mission, seed: int, jobs: int) -> PlanGain:
     """Choose the maximum leg length that `sweep_dmax` recommends."""
-    written = _written_d_max(base)
+    swept = next((phase for phase in base.transits if base.sweep.phase in (None, phase.name)), None)
+    written = None if swept is None or hasattr(swept.d_max, "table") else mean_of(swept.d_max)
     asked = [(base, None), (extended, None), *([(extended, written)] if written is not None else [])]
     before, after, *others = parallel_map(partial(_sweeps, seed), asked, jobs=jobs, separately=True)
     kept = after.points[before.recommended_index]
     own = next((_leg_plan(curve.recommended) for curve in others), None)
     best, anew = _leg_plan(before.recommended), _leg_plan(after.recommended)
     return PlanGain(best, anew, _leg_plan(kept), as_written_under_extended=own)
-
-
-def _written_d_max(mission: Mission) -> float | None:
-    """Longest leg that the mission has on the transit that is swept, at its mean [m]; None for a table of legs."""
-    swept = next((phase for phase in mission.transits if mission.sweep.phase in (None, phase.name)), None)
-    return None if swept is None or hasattr(swept.d_max, "table") else mean_of(swept.d_max)
 
 
 def _sweeps(seed: int, asked: Sequence[tuple[Mission, float | None]]) -> list[SweepCurve]:

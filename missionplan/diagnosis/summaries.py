@@ -40,24 +40,8 @@ OFF = 3.0
 """Usual size of what no effect explains [standard deviations]."""
 FINE_DOWN_TO = 30.0
 """Depth [m] down to which the steps are those of dive logs; beyond it they are up to twice as long."""
-
-
-def as_log(test: TestSummary) -> DiveLog:
-    """Return a test as a dive log: its numbers are readings at time zero, before any turbulence has added up."""
-    zeros = np.zeros(len(test.values))
-    places = np.arange(len(zeros))
-    return DiveLog(
-        test.name,
-        zeros,
-        test.values,
-        test.sd,
-        zeros,
-        places,
-        np.ones(len(zeros)),
-        test.wet_weight,
-        test.line_length,
-        test.site_depth,
-    )
+WORDS = {"terminal_velocity_m_s": ("terminal velocity", "m/s"), "descent_time_s": ("descent time", "s")}
+"""Quantities in words, and their units."""
 
 
 @dataclass(frozen=True)
@@ -182,8 +166,13 @@ def summary_model(data: SummaryData, mission: Mission) -> SummaryModel:
 
     Raises InputError when the mission lacks what a descent needs.
     """
-    logs = tuple(as_log(test) for test in data.tests)
-    return SummaryModel(SummaryForward(descent_builder(mission), logs, tests=data.tests), given_on_descent(mission))
+    logs = []
+    for test in data.tests:  # numbers are readings at time zero, before any turbulence has added up
+        zeros, conditions = np.zeros(len(test.values)), (test.wet_weight, test.line_length, test.site_depth)
+        bins = zeros, np.arange(len(zeros)), np.ones(len(zeros))
+        logs.append(DiveLog(test.name, zeros, test.values, test.sd, *bins, *conditions))
+    forward = SummaryForward(descent_builder(mission), tuple(logs), tests=data.tests)
+    return SummaryModel(forward, given_on_descent(mission))
 
 
 @dataclass(frozen=True)
@@ -205,12 +194,37 @@ class SummaryKind(DataKind):
         return cls(kind, then, data, summary_model(data, then))
 
     def residual_table(self, base: CauseFit, best: CauseFit) -> pd.DataFrame:
-        """Return one row a number."""
-        return summary_residuals(self.model, base, best)
+        """Return one row a number: measured, both models', and residuals in standard deviations.
+
+        Where a test has a simulated number too, ``measured`` is less that, and a model's is less the base model's.
+        """
+        model, tests = self.model, self.model.forward.tests
+        places = np.stack([base.state.linear.at, best.state.linear.at], axis=1)
+        found = model.forward.readings(model.coordinates, places)
+        return pd.DataFrame(
+            {
+                "run": np.repeat([test.name for test in tests], [len(test.quantities) for test in tests]),
+                "quantity": [quantity for test in tests for quantity in test.quantities],
+                "less_simulated": [relative for test in tests for relative in test.relative],
+                "measured": model.y,
+                "sd": model.units,
+                "base": found[:, 0],
+                "extended": found[:, 1],
+                "residual_base_sd": (model.y - found[:, 0]) / model.units,
+                "residual_extended_sd": (model.y - found[:, 1]) / model.units,
+            }
+        )
 
     def misfit(self, residuals: pd.DataFrame) -> str:
-        """Describe the number that is farthest off."""
-        return summary_misfit(residuals)
+        """Describe the number that is farthest from the base model's, in standard deviations."""
+        worst = residuals.iloc[int(np.argmax(np.abs(residuals["residual_base_sd"].to_numpy())))]
+        words, unit = WORDS[worst["quantity"]]
+        off = worst["measured"] - worst["base"]
+        return (
+            f"Of {len(residuals)} numbers of {residuals['run'].nunique()} tests the farthest from the simulation is "
+            f"the {words} of {worst['run']}, {abs(off):.2f} {unit} {'above' if off > 0.0 else 'below'} it, "
+            f"{abs(worst['residual_base_sd']):.1f} standard deviations."
+        )
 
     def shares_explained(self, base: CauseFit, fits: Sequence[CauseFit], residuals: pd.DataFrame) -> list[float]:
         """Return the share of the squared residuals, in standard deviations, that goes with each fit."""
@@ -219,42 +233,3 @@ class SummaryKind(DataKind):
     def limited_verdict(self, verdict: Verdict) -> Verdict:
         """Return at most ``ambiguous``: a few numbers, their times shifted by hand, prove no cause."""
         return "ambiguous" if verdict == "explained" else verdict
-
-
-WORDS = {"terminal_velocity_m_s": ("terminal velocity", "m/s"), "descent_time_s": ("descent time", "s")}
-"""Quantities in words, and their units."""
-
-
-def summary_residuals(model: SummaryModel, base: CauseFit, best: CauseFit) -> pd.DataFrame:
-    """Return one row a number: measured, both models', and residuals in standard deviations.
-
-    Where a test has a simulated number too, ``measured`` is less that, and a model's is less the base model's.
-    """
-    places = np.stack([base.state.linear.at, best.state.linear.at], axis=1)
-    found = model.forward.readings(model.coordinates, places)
-    tests = model.forward.tests
-    return pd.DataFrame(
-        {
-            "run": np.repeat([test.name for test in tests], [len(test.quantities) for test in tests]),
-            "quantity": [quantity for test in tests for quantity in test.quantities],
-            "less_simulated": [relative for test in tests for relative in test.relative],
-            "measured": model.y,
-            "sd": model.units,
-            "base": found[:, 0],
-            "extended": found[:, 1],
-            "residual_base_sd": (model.y - found[:, 0]) / model.units,
-            "residual_extended_sd": (model.y - found[:, 1]) / model.units,
-        }
-    )
-
-
-def summary_misfit(table: pd.DataFrame) -> str:
-    """Describe the number that is farthest from the base model's, in standard deviations."""
-    worst = table.iloc[int(np.argmax(np.abs(table["residual_base_sd"].to_numpy())))]
-    words, unit = WORDS[worst["quantity"]]
-    off = worst["measured"] - worst["base"]
-    return (
-        f"Of {len(table)} numbers of {table['run'].nunique()} tests the farthest from the simulation is the {words} of "
-        f"{worst['run']}, {abs(off):.2f} {unit} {'above' if off > 0.0 else 'below'} it, "
-        f"{abs(worst['residual_base_sd']):.1f} standard deviations."
-    )

@@ -171,21 +171,6 @@ def export(
     stem = Path(mission.file).stem or "mission"
     written = form.files(plan, stem)
     places = _places(written, to, stem, as_path(out, "out") if out is not None else None)
-    _check(places, mission, force=force)
-    for path, content in zip(places, written.values(), strict=True):
-        write_atomically(path, content)
-    return ExportedPlan(tuple(places), plan.notes, form.lost(plan))
-
-
-def _places(written: dict[str, str | bytes], to: str, stem: str, out: Path | None) -> list[Path]:
-    if len(written) == 1 and out is not None and not is_folder(out):
-        return [out]
-    folder = out or Path(f"{stem}-{to}" if len(written) > 1 else "")
-    return [folder / name for name in written]
-
-
-def _check(places: list[Path], mission: Mission, *, force: bool) -> None:
-    """Refuse places that hold what is not to be lost."""
     sources = {path.resolve() for path in mission.sources}
     problems = []
     for path in places:
@@ -201,3 +186,13 @@ def _check(places: list[Path], mission: Mission, *, force: bool) -> None:
             problems.append(Problem("is a file; a folder was expected", str(folder)))
     if problems:
         raise InputError(problems)
+    for path, content in zip(places, written.values(), strict=True):
+        write_atomically(path, content)
+    return ExportedPlan(tuple(places), plan.notes, form.lost(plan))
+
+
+def _places(written: dict[str, str | bytes], to: str, stem: str, out: Path | None) -> list[Path]:
+    if len(written) == 1 and out is not None and not is_folder(out):
+        return [out]
+    folder = out or Path(f"{stem}-{to}" if len(written) > 1 else "")
+    return [folder / name for name in written]

@@ -222,7 +222,13 @@ def sweep_transition(
         return GridRuns(grid if name == FORCE else at_shown, variants[name], planned, time_step)
 
     runs = dict(zip(variants, run.workers.run(run_variant, list(variants)), strict=True))
-    unassisted = _unassisted(vehicle, planned, grid, time_step)
+    record = simulate_transition(
+        replace(vehicle, thrusters=()),
+        replace(planned, deceleration=grid.shown_deceleration, after=20.0),
+        time_step=time_step,
+        sample=SAMPLE,
+    )
+    unassisted = time_history(record, 0, "no thrusters")
     options = {"phase": transition.name, "time_step": time_step}
     provenance = run.provenance(options, mission.notices(), trials=0)
     deceleration, steepness, mid_speed = shown = (grid.shown_deceleration, grid.shown_steepness, grid.shown_mid_speed)
@@ -244,17 +250,6 @@ def sweep_transition(
             "pair_power_w": hover_power(force, thruster.area, density, thrusters=2),
         },
     )
-
-
-def _unassisted(vehicle: TransitionVehicle, planned: Manoeuvre, grid: TransitionGrid, time_step: float) -> TimeHistory:
-    """The shown deceleration without thrusters."""
-    record = simulate_transition(
-        replace(vehicle, thrusters=()),
-        replace(planned, deceleration=grid.shown_deceleration, after=20.0),
-        time_step=time_step,
-        sample=SAMPLE,
-    )
-    return time_history(record, 0, "no thrusters")
 
 
 def _variants(vehicle: TransitionVehicle, spacing: float | None) -> dict[str, TransitionVehicle]:

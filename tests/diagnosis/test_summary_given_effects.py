@@ -9,7 +9,7 @@ import pytest
 
 from missionplan import diagnose
 from missionplan.datasets.summaries import read_summary
-from missionplan.diagnosis.summaries import summary_misfit, summary_model, summary_residuals
+from missionplan.diagnosis.summaries import SummaryKind, summary_model
 from missionplan.mission import Mission
 from missionplan.phases.hooks import DescentEffect
 
@@ -69,7 +69,7 @@ def test_the_missions_own_effects_are_expected(descent_mission, mission, measure
 def test_the_farthest_number_is_told_with_its_side_and_its_deviations():
     rows = {"run": ["a", "a", "b"], "quantity": ["terminal_velocity_m_s", "descent_time_s", "descent_time_s"],
             "measured": [1.0, 9.0, 8.5], "base": [1.02, 8.8, 9.0], "residual_base_sd": [-1.0, 2.0, -5.0]}  # fmt: skip
-    assert summary_misfit(pd.DataFrame(rows)) == (
+    assert SummaryKind.misfit(None, pd.DataFrame(rows)) == (
         "Of 3 numbers of 2 tests the farthest from the simulation is the descent time of b, 0.50 s below it, 5.0 standard "
         "deviations."
     )
@@ -84,7 +84,7 @@ def test_numbers_lie_in_their_table_beside_both_models_in_deviations():
         forward=forward, coordinates=(), y=np.array([1.2, 9.3, 8.2]), units=np.array([0.1, 0.5, 0.2])
     )
     base, best = (SimpleNamespace(state=SimpleNamespace(linear=SimpleNamespace(at=np.array([at])))) for at in values)
-    found = summary_residuals(model, base, best)
+    found = SummaryKind.residual_table(SimpleNamespace(model=model), base, best)
     assert found["run"].tolist() == ["a", "a", "b"]
     assert found["less_simulated"].tolist() == [False, True, False]
     assert found["residual_base_sd"].tolist() == pytest.approx([2.0, 0.6, 1.0])

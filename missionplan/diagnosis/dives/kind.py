@@ -48,11 +48,38 @@ class DescentKind(DataKind):
 
     def residual_table(self, base: CauseFit, best: CauseFit) -> pd.DataFrame:
         """Return one row a reading."""
-        return descent_residuals(self.model, base, best)
+        places = np.stack([base.state.linear.at, best.state.linear.at], axis=1)
+        depths = self.model.forward.readings(self.model.coordinates, places)
+        logs = self.model.forward.logs
+        return pd.DataFrame(
+            {
+                "run": np.concatenate([np.full(len(log.t), log.name) for log in logs]),
+                "t_s": np.concatenate([log.t for log in logs]),
+                "depth_m": self.model.y,
+                "base_m": depths[:, 0],
+                "extended_m": depths[:, 1],
+                "residual_base_m": self.model.y - depths[:, 0],
+                "residual_extended_m": self.model.y - depths[:, 1],
+                "innovation_base": self.model.innovations(base),
+                "innovation_extended": self.model.innovations(best),
+            }
+        )
 
     def misfit(self, residuals: pd.DataFrame) -> str:
-        """Describe how late or early the vehicle is."""
-        return descent_misfit(residuals)
+        """Describe how late or early the vehicle is where the logs end, on the mean and at worst."""
+        late = {}
+        for name, run in residuals.groupby("run", sort=False):
+            last, half = run.tail(max(3, len(run) // 10)), run.tail(len(run) // 2)
+            speed = max(float(np.polyfit(half["t_s"], half["base_m"], 1)[0]), LEAST_SPEED)
+            late[str(name)] = float((-last["residual_base_m"]).mean()) / speed, float(last["depth_m"].mean())
+        mean_delay, mean_depth = (float(np.mean([entry[k] for entry in late.values()])) for k in (0, 1))
+        worst = max(late, key=lambda name: abs(late[name][0]))
+        delay, depth = late[worst]
+        return (
+            f"The vehicle arrives {abs(mean_delay):.1f} s {_late_or_early(mean_delay)} at {mean_depth:.0f} m on the "
+            f"mean of the dives; the farthest off is {worst}, {abs(delay):.1f} s {_late_or_early(delay)} at "
+            f"{depth:.0f} m."
+        )
 
     def shares_explained(self, base: CauseFit, fits: Sequence[CauseFit], residuals: pd.DataFrame) -> list[float]:
         """Return the share of the squared depth residuals that goes with each fit."""
@@ -72,54 +99,12 @@ LEAST_SPEED = 0.05
 """Speed below which a depth error is not converted to a delay with the speed itself [m/s]."""
 
 
-def descent_residuals(model: DescentModel, base: CauseFit, best: CauseFit) -> pd.DataFrame:
-    """Return one row a reading: depth, both models' depths, and what is left of each.
-
-    An innovation is the error of predicting a reading from those before it, over its standard deviation.
-    """
-    places = np.stack([base.state.linear.at, best.state.linear.at], axis=1)
-    depths = model.forward.readings(model.coordinates, places)
-    logs = model.forward.logs
-    return pd.DataFrame(
-        {
-            "run": np.concatenate([np.full(len(log.t), log.name) for log in logs]),
-            "t_s": np.concatenate([log.t for log in logs]),
-            "depth_m": model.y,
-            "base_m": depths[:, 0],
-            "extended_m": depths[:, 1],
-            "residual_base_m": model.y - depths[:, 0],
-            "residual_extended_m": model.y - depths[:, 1],
-            "innovation_base": model.innovations(base),
-            "innovation_extended": model.innovations(best),
-        }
-    )
-
-
 def descent_shares(model: DescentModel, base: CauseFit, fits: Sequence[CauseFit]) -> list[float]:
     """Return the share of the base model's squared residuals that goes with each set, by one call of the phase."""
     places = np.stack([fit.state.linear.at for fit in (base, *fits)], axis=1)
     left = (model.y[:, None] - model.forward.readings(model.coordinates, places)) / model.units[:, None]
     before, *after = (float(value) for value in np.sum(left**2, axis=0))
     return [float(np.clip(1.0 - value / max(before, 1e-30), 0.0, 1.0)) for value in after]
-
-
-def descent_misfit(table: pd.DataFrame) -> str:
-    """Describe how late or early the vehicle is at the depth where the logs end, on the mean and at worst."""
-    late = {str(name): _delay_at_end(run) for name, run in table.groupby("run", sort=False)}
-    mean_delay, mean_depth = (float(np.mean([entry[k] for entry in late.values()])) for k in (0, 1))
-    worst = max(late, key=lambda name: abs(late[name][0]))
-    delay, depth = late[worst]
-    return (
-        f"The vehicle arrives {abs(mean_delay):.1f} s {_late_or_early(mean_delay)} at {mean_depth:.0f} m on the mean "
-        f"of the dives; the farthest off is {worst}, {abs(delay):.1f} s {_late_or_early(delay)} at {depth:.0f} m."
-    )
-
-
-def _delay_at_end(run: pd.DataFrame) -> tuple[float, float]:
-    """Delay of the vehicle against the base model over the last readings of a dive [s], and their mean depth [m]."""
-    last, half = run.tail(max(3, len(run) // 10)), run.tail(len(run) // 2)
-    speed = float(np.polyfit(half["t_s"], half["base_m"], 1)[0])
-    return float((-last["residual_base_m"]).mean()) / max(speed, LEAST_SPEED), float(last["depth_m"].mean())
 
 
 def _late_or_early(delay: float) -> str:

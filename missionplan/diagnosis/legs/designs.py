@@ -1,6 +1,6 @@
 """Designs: further legs that might discriminate between two sets of causes."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import replace
 
 import numpy as np
@@ -19,13 +19,35 @@ SLOWER = 0.7
 """Part of the usual speed at which legs of another speed are made."""
 LATER = 6.0 * 3600.0
 """Half a tide [s]."""
-GOLDEN_SHARE = 0.38
-"""Share of a circle between consecutive headings that spread evenly: 1 less the golden ratio's 0.62."""
+ALL_ROUND = 2.0 * np.pi * 0.38 * np.arange(FURTHER_LEGS)
+"""Headings that spread evenly [rad]: 1 less the golden ratio's 0.62 is the share of a circle between two of them."""
+
+
+DESIGNS = (
+    f"{FURTHER_LEGS} legs back over the last ones, on the reverse headings",
+    f"{FURTHER_LEGS} legs all round the compass",
+    f"{FURTHER_LEGS} legs there and back, a quarter as long",
+    f"{FURTHER_LEGS} legs there and back, every second fix 15 minutes after surfacing",
+    "a record twice as long",
+)
+"""In words, cheapest first."""
+LATE_FIXES = 3
+"""The design that is of no use to a log without times at the surface."""
 
 
 def with_further_legs(data: TransitData, design: int) -> TransitData:
     """Append the legs of a design to a log; their fixes lie where dead reckoning puts them."""
-    return DESIGNS[design][1](data)
+    path, numbers = data.dead_reckoned - data.start, np.arange(FURTHER_LEGS)
+    sailed, there_and_back = np.asarray(np.arctan2(path[0], path[1])), np.pi * numbers
+    duration, surface = _median_times(data, FURTHER_LEGS)
+    legs = (  # headings, times under way and at the surface
+        (sailed[::-1][:FURTHER_LEGS] + np.pi, *_median_times(data, min(FURTHER_LEGS, data.n))),
+        (ALL_ROUND, duration, surface),
+        (there_and_back, *_median_times(data, FURTHER_LEGS, 0.25)),
+        (there_and_back, duration, surface + np.where(numbers % 2, LATE_FIX, 0.0)),
+        (sailed, data.under_way, data.surface),
+    )
+    return _append(data, *legs[design])
 
 
 def _append(
@@ -68,45 +90,14 @@ def _with_typical(values: Array | None, new: int, factor: float = 1.0) -> Array 
     return None if values is None else np.append(values, np.full(new, factor * np.nanmedian(values)))
 
 
-def _headings(data: TransitData) -> Array:
-    path = data.dead_reckoned - data.start
-    return np.asarray(np.arctan2(path[0], path[1]))
-
-
 def _median_times(data: TransitData, count: int, factor: float = 1.0) -> tuple[Array, Array]:
     """Median time under way, by a factor, and median time at the surface, for each of the new legs [s]."""
     return np.full(count, factor * float(np.median(data.under_way))), np.full(count, float(np.median(data.surface)))
 
 
-def _leg_numbers() -> Array:
-    return np.arange(FURTHER_LEGS, dtype=np.float64)
-
-
-def _reverse_course(data: TransitData) -> TransitData:
-    return _append(data, _headings(data)[::-1][:FURTHER_LEGS] + np.pi, *_median_times(data, min(FURTHER_LEGS, data.n)))
-
-
-def _all_headings(data: TransitData) -> TransitData:
-    return _append(data, 2.0 * np.pi * GOLDEN_SHARE * _leg_numbers(), *_median_times(data, FURTHER_LEGS))
-
-
-def _short_legs(data: TransitData) -> TransitData:
-    return _append(data, np.pi * _leg_numbers(), *_median_times(data, FURTHER_LEGS, 0.25))
-
-
-def _late_fixes(data: TransitData) -> TransitData:
-    duration, surface = _median_times(data, FURTHER_LEGS)
-    late = np.where(np.arange(FURTHER_LEGS) % 2, LATE_FIX, 0.0)
-    return _append(data, np.pi * _leg_numbers(), duration, surface + late)
-
-
-def _twice_as_long(data: TransitData) -> TransitData:
-    return _append(data, _headings(data), data.under_way, data.surface)
-
-
 def short_trials(data: TransitData) -> Iterator[tuple[str, TransitData]]:
     """Return what a few further legs may differ in, in words, and the log with `TRIAL_LEGS` of them."""
-    heading = 2.0 * np.pi * GOLDEN_SHARE * _leg_numbers()[:TRIAL_LEGS]
+    heading = ALL_ROUND[:TRIAL_LEGS]
     usual, quarter = (_median_times(data, TRIAL_LEGS, factor) for factor in (1.0, 0.25))
     yield "a quarter as long", _append(data, heading, *quarter)
     yield "as usual", _append(data, heading, *usual)
@@ -116,19 +107,6 @@ def short_trials(data: TransitData) -> Iterator[tuple[str, TransitData]]:
     yield "six hours later", _append(data, heading, *usual, pause=LATER)
 
 
-NEEDS_SURFACE_TIME = (_late_fixes,)
-DESIGNS: tuple[tuple[str, Callable[[TransitData], TransitData]], ...] = (
-    (f"{FURTHER_LEGS} legs back over the last ones, on the reverse headings", _reverse_course),
-    (f"{FURTHER_LEGS} legs all round the compass", _all_headings),
-    (f"{FURTHER_LEGS} legs there and back, a quarter as long", _short_legs),
-    (f"{FURTHER_LEGS} legs there and back, every second fix 15 minutes after surfacing", _late_fixes),
-    ("a record twice as long", _twice_as_long),
-)
-"""In words; the log with those legs. Cheapest first."""
-
-
 def designs_for(data: TransitData) -> tuple[int, ...]:
     """Indices of the designs that can be compared with a log."""
-    return tuple(
-        index for index, (_, extend) in enumerate(DESIGNS) if data.has_surface_time or extend not in NEEDS_SURFACE_TIME
-    )
+    return tuple(index for index in range(len(DESIGNS)) if data.has_surface_time or index != LATE_FIXES)

@@ -260,7 +260,7 @@ class TransitModel(TransitFitting):
     @property
     def designs(self) -> Sequence[str]:
         """Further legs, in words, cheapest first."""
-        return [DESIGNS[index][0] for index in designs_for(self.data)]
+        return [DESIGNS[index] for index in designs_for(self.data)]
 
     def discrimination(self, first: CauseFit, second: CauseFit, entry: int | None) -> float:
         """Expected log Bayes factor of the first fit over the second, were the first true.

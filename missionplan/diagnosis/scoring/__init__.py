@@ -204,27 +204,23 @@ def scored_record(
     has learned from the first `past` legs or dives: the past of the others, which are scored.
     """
     if isinstance(record, TransitData):
-        return _score_legs(record, mission, seed, level, past)
+        ensemble, bare = leg_ensemble(record, mission, seed), leg_ensemble(record, bare_mission(mission), seed)
+        error = (record.end - record.dead_reckoned).T
+        scales = [np.full(2, seconds) for seconds in record.under_way]
+        first = float(np.sqrt(np.mean((without_past(ensemble).sd / np.repeat(record.under_way, 2)) ** 2)))
+        others = yardsticks(
+            list(error), lambda later, earlier: error[earlier] / scales[earlier] * scales[later], scales, first
+        )
+        expected = expected_by_vehicle(record, mission)
+        if expected is not None:
+            others["vehicle"] = with_spread(list(error), expected, scales, first)
+        places = np.tile(["east", "north"], record.n - past)
+        count, values = record.n - past, ensemble.later(past).values
+        found = _scored(ensemble, bare, others, 2, seed, level, past)
+        return DatasetScore(
+            record.name, "transit", count, np.repeat(record.labels[past:], 2), places, values, *found, record.notices
+        )
     return _score_dives(record, mission, seed, level, past)
-
-
-def _score_legs(data: TransitData, mission: Mission, seed: int, level: float, past: int) -> DatasetScore:
-    ensemble, bare = leg_ensemble(data, mission, seed), leg_ensemble(data, bare_mission(mission), seed)
-    error = (data.end - data.dead_reckoned).T
-    scales = [np.full(2, seconds) for seconds in data.under_way]
-    first = float(np.sqrt(np.mean((without_past(ensemble).sd / np.repeat(data.under_way, 2)) ** 2)))
-    others = yardsticks(
-        list(error), lambda later, earlier: error[earlier] / scales[earlier] * scales[later], scales, first
-    )
-    expected = expected_by_vehicle(data, mission)
-    if expected is not None:
-        others["vehicle"] = with_spread(list(error), expected, scales, first)
-    places = np.tile(["east", "north"], data.n - past)
-    count, values = data.n - past, ensemble.later(past).values
-    found = _scored(ensemble, bare, others, 2, seed, level, past)
-    return DatasetScore(
-        data.name, "transit", count, np.repeat(data.labels[past:], 2), places, values, *found, data.notices
-    )
 
 
 def _score_dives(data: PreparedDives, mission: Mission, seed: int, level: float, past: int) -> DatasetScore:

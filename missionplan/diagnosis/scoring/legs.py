@@ -97,7 +97,13 @@ def leg_ensemble(data: TransitData, mission: Mission, seed: int) -> Ensemble:
         still = SingleLegs(data.n, trials, None)  # no random error
         normals = TransitNormals(still, effects=(still,) * len(effects))
         expected = leg_errors(data, drawn, effects, normals, trials).reshape(-1, trials).T
-        parts.append(Part(share, expected, tuple(_noises(data, drawn, trials))))
+        count = min(trials, int(np.clip(LEGS_TIMES_NOISES // data.n, *NOISES)))
+        found = _noises_of(data, drawn, range(min(count, 2)))
+        if len(found) == 2 and np.allclose(found[0].covariance, found[1].covariance, rtol=1e-9):
+            found = found[:1]
+        else:
+            found += _noises_of(data, drawn, range(2, count))
+        parts.append(Part(share, expected, tuple(replace(noise, weight=1.0 / len(found)) for noise in found)))
     error = data.end - data.dead_reckoned
     return Ensemble(error.T.ravel(), np.repeat(np.arange(data.n), 2), tuple(parts))
 
@@ -105,17 +111,6 @@ def leg_ensemble(data: TransitData, mission: Mission, seed: int) -> Ensemble:
 def _scales_tails(effect: TransitEffect) -> bool:
     """Whether an effect has heavy tails: one of an explanation that does not hold has none."""
     return bool(np.any(np.asarray(effect.error_scale(np.full((2, 1), 2.0))) != 1.0))
-
-
-def _noises(data: TransitData, drawn: Scenario, trials: int) -> list[Noise]:
-    """Covariances with the sizes of the random errors as in a few draws; a single one where they are all the same."""
-    count = min(trials, int(np.clip(LEGS_TIMES_NOISES // data.n, *NOISES)))
-    found = _noises_of(data, drawn, range(min(count, 2)))
-    if len(found) == 2 and np.allclose(found[0].covariance, found[1].covariance, rtol=1e-9):
-        found = found[:1]
-    else:
-        found += _noises_of(data, drawn, range(2, count))
-    return [replace(noise, weight=1.0 / len(found)) for noise in found]
 
 
 def _noises_of(data: TransitData, drawn: Scenario, draws: Sequence[int]) -> list[Noise]:

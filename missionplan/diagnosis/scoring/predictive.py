@@ -200,10 +200,6 @@ class Mixture:
                 np.zeros_like(first),
             )
             return np.asarray(first - 0.5 * pairs)
-        return np.asarray(first - 0.5 * self._sampled_difference())
-
-    def _sampled_difference(self) -> Array:
-        """E|X − X′| from a sample of one draw a component, in random strata; weighted and sorted."""
         count = len(self.weights)
         order = np.random.default_rng(0).permutation(count)
         x = self.means + ndtri((order[:, None] + 0.5) / count) * self.sds
@@ -211,7 +207,7 @@ class Mixture:
         x, w = np.take_along_axis(x, places, axis=0), np.take_along_axis(self.weights, places, axis=0)
         before, sums = np.cumsum(w, axis=0) - w, np.cumsum(w * x, axis=0) - w * x
         unequal = np.maximum(1.0 - (w**2).sum(axis=0), 1e-12)
-        return np.asarray(2.0 * (w * (x * before - sums)).sum(axis=0) / unequal)
+        return np.asarray(first - 0.5 * (2.0 * (w * (x * before - sums)).sum(axis=0) / unequal))
 
 
 def _mean_absolute(shift: Array, sd: Array) -> Array:

@@ -141,6 +141,14 @@ def oscillation_forward(
     begin = {parameter.name: parameter.start for parameter in starting_values(time, record)}
     heavier = stiffness / (2.0 * math.pi * begin["frequency"]) ** 2 / mass - 1.0
     (sd, stated), spread = noise_sd(record, settings.noise.displacement), float(np.std(record))
+    # for each strength that adds to the oscillating mass, where it alone gives the measured frequency
+    found: dict[tuple[str, str], tuple[float, ...]] = {}
+    for info in effects_seen_in("free-oscillation"):
+        for name in info.parameters:
+            for effect in descent_effects([info.make({name: 1.0})]):
+                added = float(np.asarray(effect.mass_factor())) - 1.0
+                if added:
+                    found[info.id, name] = (heavier / added,)
     return TankForward(
         kind="free-oscillation",
         record=TankRecord(),
@@ -157,23 +165,8 @@ def oscillation_forward(
         predict=OscillationModel(time, stiffness, mass, release_factor),
         axes={"time": time},
         groups=row_blocks(len(time)),
-        starts=_starts_of_mass(heavier),
+        starts=found,
     )
-
-
-def _starts_of_mass(heavier: float) -> dict[tuple[str, str], tuple[float, ...]]:
-    """For each strength that adds to the oscillating mass, where it alone gives the measured frequency.
-
-    `heavier`: by which the oscillating mass is then larger, relative to the base model's.
-    """
-    found: dict[tuple[str, str], tuple[float, ...]] = {}
-    for info in effects_seen_in("free-oscillation"):
-        for name in info.parameters:
-            for effect in descent_effects([info.make({name: 1.0})]):
-                added = float(np.asarray(effect.mass_factor())) - 1.0
-                if added:
-                    found[info.id, name] = (heavier / added,)
-    return found
 
 
 def base_mass(settings: OscillationSettings, vehicle: Vehicle | None) -> float:

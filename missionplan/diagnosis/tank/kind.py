@@ -15,7 +15,6 @@ from missionplan.datasets.tank import (
     TANK_FORMATS,
     DragSettings,
     OscillationSettings,
-    PropellerSettings,
     TankData,
     ThrusterSettings,
 )
@@ -100,26 +99,7 @@ def _thrust(run: TransientRun, water_mass: float, values: Array, effects: Sequen
     return np.stack([run.axial_flow(each) for each in constants], axis=1)
 
 
-def propeller_forward(data: TankData, settings: PropellerSettings) -> TankForward:
-    """Bind the model of a propeller's thrust."""
-    run = TransientRun(data, settings.geometry)
-    thrust = data.columns["thrust_n"]
-    diameter = settings.geometry.diameter
-    unit = data.density * diameter**4 / TURN**2
-    level, slope = 0.4 * unit, -0.8 * unit * TURN / diameter
-    sd, stated = noise_sd(thrust, settings.noise.thrust)
-    return TankForward(
-        kind="propeller-transient",
-        record=TankRecord(),
-        quantity="thrust_n",
-        y=thrust,
-        sd=sd,
-        stated=stated,
-        nuisances=(Nuisance("thrust_nn_n_s2", level, 2.0 * level), Nuisance("thrust_nu_kg", slope, 3.0 * abs(slope))),
-        predict=partial(_thrust, run, data.density * float(disc_area(diameter)) * diameter),
-        axes={"time": run.time, "speed": run.speed},
-        groups=row_blocks(len(thrust)),
-    )
+UNITS = {"force_n": ("the drag", "N"), "displacement_m": ("the displacement", "m"), "thrust_n": ("the thrust", "N")}
 
 
 @dataclass(frozen=True)
@@ -160,11 +140,17 @@ class TankKind(DataKind):
 
     def misfit(self, residuals: pd.DataFrame) -> str:
         """Describe the root mean square of the residuals beside the sensor's noise."""
-        return tank_misfit(self.model, residuals)
+        forward = self.model.forward
+        rms, size = (float(np.sqrt(np.mean(np.square(each)))) for each in (residuals["residual_base"], forward.y))
+        stated = f", {rms / float(np.median(forward.sd)):.1f} times the stated noise" if forward.stated else ""
+        name, unit = UNITS[forward.quantity]
+        return f"The base model misses {name} by {rms:.3g} {unit} rms, {100.0 * rms / size:.1f} % of it{stated}."
 
     def shares_explained(self, base: CauseFit, fits: Sequence[CauseFit], residuals: pd.DataFrame) -> list[float]:
         """Return the share of the squared residuals that goes with each fit."""
-        return [tank_share(residuals, fit) for fit in fits]
+        before = float(np.sum(residuals["residual_base"] ** 2))
+        after = (float(np.sum(fit.state.residuals**2)) for fit in fits)
+        return [float(np.clip(1.0 - each / max(before, 1e-30), 0.0, 1.0)) for each in after]
 
     def extended_mission(self, best: CauseFit) -> dict[str, object]:
         """Write what keys of the vehicle file state of the causes into the mission's data, at full size.
@@ -215,7 +201,27 @@ def tank_forward(data: TankData, mission: Mission) -> TankForward:
     elif isinstance(settings, ThrusterSettings):
         forward = thruster_forward(data, settings)
     else:
-        forward = propeller_forward(data, settings)
+        run = TransientRun(data, settings.geometry)
+        thrust = data.columns["thrust_n"]
+        diameter = settings.geometry.diameter
+        unit = data.density * diameter**4 / TURN**2
+        level, slope = 0.4 * unit, -0.8 * unit * TURN / diameter
+        sd, stated = noise_sd(thrust, settings.noise.thrust)
+        forward = TankForward(
+            kind="propeller-transient",
+            record=TankRecord(),
+            quantity="thrust_n",
+            y=thrust,
+            sd=sd,
+            stated=stated,
+            nuisances=(
+                Nuisance("thrust_nn_n_s2", level, 2.0 * level),
+                Nuisance("thrust_nu_kg", slope, 3.0 * abs(slope)),
+            ),
+            predict=partial(_thrust, run, data.density * float(disc_area(diameter)) * diameter),
+            axes={"time": run.time, "speed": run.speed},
+            groups=row_blocks(len(thrust)),
+        )
     if not np.any(forward.y):
         words = f"{forward.quantity} is 0 in every row: there is nothing to explain"
         raise InputError([Problem(words, settings.file)])
@@ -256,21 +262,3 @@ def _uncertainty(key: VehicleKey, data: TankData, vehicle: Vehicle) -> float:
         surge = vehicle.added_mass.surge
         return sd_of(surge) / full_size_added_mass(settings, vehicle, 0.0, 1.0)[1] if surge is not None else 0.0
     return 0.0
-
-
-def tank_misfit(model: TankModel, table: pd.DataFrame) -> str:
-    """Describe the base model's errors beside the sensor's noise."""
-    rms = float(np.sqrt(np.mean(table["residual_base"] ** 2)))
-    size = float(np.sqrt(np.mean(model.forward.y**2)))
-    stated = f", {rms / float(np.median(model.forward.sd)):.1f} times the stated noise" if model.forward.stated else ""
-    name, unit = UNITS[model.forward.quantity]
-    return f"The base model misses {name} by {rms:.3g} {unit} rms, {100.0 * rms / size:.1f} % of it{stated}."
-
-
-UNITS = {"force_n": ("the drag", "N"), "displacement_m": ("the displacement", "m"), "thrust_n": ("the thrust", "N")}
-
-
-def tank_share(table: pd.DataFrame, fit: CauseFit) -> float:
-    """Return the share of the base model's squared residuals that goes with a set."""
-    before, after = float(np.sum(table["residual_base"] ** 2)), float(np.sum(fit.state.residuals**2))
-    return float(np.clip(1.0 - after / max(before, 1e-30), 0.0, 1.0))

@@ -120,17 +120,6 @@ def compare_plans(
     return _judge(scenario, plans, aim, trials, seed)
 
 
-def late_gain(task: PairedPlansTask, case: ErrorScenario, aim: LegAim) -> MeanAndError:
-    """What the table gains on the best fixed d_max by the aim ``p95`` in a case, and its standard error.
-
-    Seconds that 95 % of the trials need less; with a deadline, by how much its probability is greater.
-    """
-    plans = {"fixed": task.fixed, "table": task.adaptive}
-    fixed, table = _judge(task.scenario, plans, aim, task.trials, task.seed, case)
-    gain = table.value - fixed.value if np.isfinite(aim.deadline) else fixed.value - table.value
-    return MeanAndError(gain, float(np.hypot(fixed.standard_error, table.standard_error)))
-
-
 def _judge(
     scenario: SweepScenario,
     plans: Mapping[str, LegsAtSpeed],
@@ -295,5 +284,10 @@ def _cases(task: PairedPlansTask, share: float | None, run: Run, aim: LegAim | N
     for number, case in enumerate(task.cases):
         found.append(_case(task, case, reduce(Moments.merge, blocks[number::count]), share))
         if aim is not None and aim.name == "p95":
-            found[-1] = replace(found[-1], late=late_gain(task, case, aim))
+            plans = {"fixed": task.fixed, "table": task.adaptive}
+            fixed, table = _judge(task.scenario, plans, aim, task.trials, task.seed, case)
+            gain = table.value - fixed.value if np.isfinite(aim.deadline) else fixed.value - table.value
+            found[-1] = replace(
+                found[-1], late=MeanAndError(gain, float(np.hypot(fixed.standard_error, table.standard_error)))
+            )
     return tuple(found)

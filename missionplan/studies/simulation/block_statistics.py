@@ -154,7 +154,11 @@ def happened(mission: Mission, trials: MissionTrials) -> dict[Counted, Flags]:
         for name, trial in phase.events.items()
     }
     met = requirement_flags(mission, trials.columns())
-    return {SUCCESS: trials.success, **events, **_limits(trials), **failures_by_step(trials), **met}
+    limits = {}
+    for limit in sorted({limit for phase in trials.phases for limit in phase.limits}):
+        own = [phase.limits[limit] for phase in trials.phases if limit in phase.limits]
+        limits[Counted(CountedKind.LIMIT, "", limit)] = np.any(own, axis=0)
+    return {SUCCESS: trials.success, **events, **limits, **failures_by_step(trials), **met}
 
 
 def _contacts(trials: MissionTrials) -> Array:
@@ -219,15 +223,6 @@ def bound_of(requirement: Requirement) -> tuple[Side, float] | None:
     if requirement.at_most is not None:
         return "at_most", requirement.at_most
     return None if requirement.at_least is None else ("at_least", requirement.at_least)
-
-
-def _limits(trials: MissionTrials) -> dict[Counted, Flags]:
-    """Trials that met each limit of the world in any phase."""
-    found = {}
-    for limit in sorted({limit for phase in trials.phases for limit in phase.limits}):
-        met = [phase.limits[limit] for phase in trials.phases if limit in phase.limits]
-        found[Counted(CountedKind.LIMIT, "", limit)] = np.any(met, axis=0)
-    return found
 
 
 def failures_by_step(trials: MissionTrials) -> dict[Counted, Flags]:

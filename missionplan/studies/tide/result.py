@@ -209,7 +209,15 @@ def read_current_record(path: Path, start: datetime | None = None) -> CurrentRec
     seconds of a CSV record count. Raises InputError with every problem of the file.
     """
     if path.suffix.lower() in NETCDF:
-        return _read_netcdf(path)
+        with opened([str(path)], str(path)) as files:
+            try:
+                return _of_files(files)
+            except InputError:
+                raise
+            except FieldAttributeError as error:
+                raise files.problem(str(error)) from None
+            except Exception as error:  # the libraries below raise many kinds for what is damaged
+                raise files.problem(f"cannot be read as NetCDF: {str(error).partition(chr(10))[0]}") from None
     cells = plain_table(path, COLUMNS, MAX_BYTES)
     numbers = {name: pd.to_numeric(cells[name], errors="coerce") for name in COLUMNS}
     if start is None and (numbers["t_s"] <= EPOCH_SCALE).any():
@@ -244,18 +252,6 @@ def _check_cells(
                 for what, where, more in wrong for row in cells.index[where][:_LISTED]]  # fmt: skip
     if problems:
         raise InputError(problems)
-
-
-def _read_netcdf(path: Path) -> CurrentRecord:
-    with opened([str(path)], str(path)) as files:
-        try:
-            return _of_files(files)
-        except InputError:
-            raise
-        except FieldAttributeError as error:
-            raise files.problem(str(error)) from None
-        except Exception as error:  # the libraries below raise many kinds for what is damaged
-            raise files.problem(f"cannot be read as NetCDF: {str(error).partition(chr(10))[0]}") from None
 
 
 def _of_files(files: FieldFiles) -> CurrentRecord:

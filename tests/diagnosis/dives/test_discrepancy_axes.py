@@ -8,7 +8,7 @@ import pandas as pd
 import pytest
 
 from missionplan.diagnosis.dives.discrepancy_axes import FORCE_STEP, UnknownForce, _trend, _wrong_anchor, force_axes
-from missionplan.diagnosis.dives.kind import descent_misfit, descent_shares
+from missionplan.diagnosis.dives.kind import DescentKind, descent_shares
 from missionplan.diagnosis.dives.likelihood import DescentLikelihood
 from missionplan.diagnosis.dives.noise import noise_grid
 from missionplan.diagnosis.inference.axes import AxisScale
@@ -142,7 +142,7 @@ def test_how_late_dives_end_is_told_in_seconds_of_their_own_speed():
     rows = [("a", t, slow, -0.5), ("b", t, quick, 2.2)]
     table = pd.concat([pd.DataFrame({"run": run, "t_s": when, "base_m": base, "residual_base_m": off, "depth_m": base + off})
                        for run, when, base, off in rows])  # fmt: skip
-    assert descent_misfit(table) == (
+    assert DescentKind.misfit(None, table) == (
         "The vehicle arrives 0.3 s early at 9 m on the mean of the dives; the farthest off is b, 1.1 s early at 11 m."
     )
 

@@ -10,7 +10,7 @@ from scipy.stats import multivariate_normal
 
 from missionplan import diagnose
 from missionplan.datasets.records import TransitData
-from missionplan.diagnosis.legs.designs import DESIGNS, designs_for, short_trials
+from missionplan.diagnosis.legs.designs import designs_for, short_trials, with_further_legs
 from missionplan.diagnosis.legs.fit_checks import (
     OFF,
     _displacement,
@@ -170,8 +170,7 @@ def test_further_legs_begin_where_and_when_the_last_one_ended():
 
 def test_further_records_go_back_all_round_there_and_back_and_on():
     data = a_log()
-    made = {words: extend(data) for words, extend in DESIGNS}
-    back, every, short, late, twice = made.values()
+    back, every, short, late, twice = (with_further_legs(data, design) for design in range(5))
 
     def courses(found):
         return np.degrees(np.arctan2(*(found.dead_reckoned - found.start)[:, 3:])) % 360.0

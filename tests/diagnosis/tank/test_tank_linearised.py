@@ -13,7 +13,7 @@ from missionplan.diagnosis.diagnose import diagnose
 from missionplan.diagnosis.tank.experiments import drag_forward
 from missionplan.diagnosis.tank.fitting import LinearData, fitted_root, marginal
 from missionplan.diagnosis.tank.forward import noise_sd, row_blocks
-from missionplan.diagnosis.tank.kind import TankKind, _uncertainty, tank_misfit, tank_share
+from missionplan.diagnosis.tank.kind import TankKind, _uncertainty
 from missionplan.mission import load
 from missionplan.montecarlo.distributions import Normal
 from missionplan.physics.tank import displacement, natural_frequency
@@ -128,13 +128,10 @@ def test_rows_blocks_and_misfits_of_tank_data_by_hand():
         assert (found.tolist(), is_stated) == ([pytest.approx(sd)] * 2, stated is not None)
     table = pd.DataFrame({"residual_base": [3.0, 4.0]})
     forward = SimpleNamespace(y=np.array([30.0, 40.0]), sd=np.array([0.5, 0.5]), stated=True, quantity="force_n")
-    words = tank_misfit(SimpleNamespace(forward=forward), table)
+    words = TankKind.misfit(SimpleNamespace(model=SimpleNamespace(forward=forward)), table)
     assert words.endswith("misses the drag by 3.54 N rms, 10.0 % of it, 7.1 times the stated noise.")
-    shares = [
-        tank_share(table, SimpleNamespace(state=SimpleNamespace(residuals=np.array(left))))
-        for left in ([0.0, 3.0], [6.0, 0.0])
-    ]
-    assert shares == [pytest.approx(1.0 - 9.0 / 25.0), 0.0]
+    fits = [SimpleNamespace(state=SimpleNamespace(residuals=np.array(left))) for left in ([0.0, 3.0], [6.0, 0.0])]
+    assert TankKind.shares_explained(None, None, fits, table) == [pytest.approx(1.0 - 9.0 / 25.0), 0.0]
 
 
 def test_what_a_vehicle_file_is_unsure_of_is_unsure_in_the_tank_by_as_much_of_it():
