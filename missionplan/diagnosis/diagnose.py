@@ -1,9 +1,10 @@
 """`diagnose`: a mission and a data set in; verdict, causes, extended mission and gain out."""
 
 import time
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import asdict, dataclass, replace
 from functools import partial
+from itertools import count
 from pathlib import Path
 
 import numpy as np
@@ -11,7 +12,7 @@ from threadpoolctl import threadpool_limits
 
 from missionplan.datasets import files_outside
 from missionplan.diagnosis.data_kind import DataKind
-from missionplan.diagnosis.explanations import Weighed, hypotheses, odds, weighed, weighed_with_causes, with_found
+from missionplan.diagnosis.explanations import hypotheses, odds, weighed, weighed_with_causes, with_found
 from missionplan.diagnosis.extended_mission import extended_mission
 from missionplan.diagnosis.given import forecast_notice
 from missionplan.diagnosis.inference.experiment_design import Discrimination, discriminations
@@ -25,8 +26,6 @@ from missionplan.results import Provenance
 from missionplan.results.learned import Diagnosis, PlanGain
 from missionplan.results.learned.evidence import GroupScore, Judgement, RankedSet
 from missionplan.results.learned.levels import ParameterLevels
-from missionplan.results.learned.next_trial import NextTrial
-from missionplan.results.score import DatasetScore
 from missionplan.store.folder import as_path
 from missionplan.studies.history import parameter_levels
 from missionplan.studies.run import Run, check_arguments
@@ -88,23 +87,30 @@ def diagnose(
         threadpool_limits(limits=1),
         files_outside(allowed=allow_outside),
     ):  # matrices of some hundred rows: more threads only wait for each other
-        wanted = _Wanted(plan, next_trial, holdout)
-        return _diagnose(mission, as_path(dataset, "dataset"), seed, jobs, wanted, _Stages(progress))
+        asked = _Asked(plan, next_trial, holdout)
+        return _diagnose(mission, as_path(dataset, "dataset"), seed, jobs, asked, partial(_staged, progress, count(1)))
 
 
 @dataclass(frozen=True)
-class _Wanted:
+class _Asked:
     """What is computed beside the diagnosis: plans, the value of further trials, the score on a part held out."""
 
     plan: bool
     next_trial: bool
-    holdout: float | None = None
+    holdout: float | None
 
 
-def _diagnose(mission: Mission, dataset: Path, seed: int, jobs: int, wanted: _Wanted, stage: "_Stages") -> Diagnosis:
+def _staged(progress: Progress | None, numbers: Iterator[int]) -> None:
+    """Count a stage for a progress bar."""
+    if progress is not None:
+        progress(min(next(numbers), STAGES), STAGES)
+
+
+def _diagnose(
+    mission: Mission, dataset: Path, seed: int, jobs: int, asked: _Asked, stage: Callable[[], None]
+) -> Diagnosis:
     started = time.perf_counter()
-    share = wanted.holdout
-    part = None if share is None else partial(_first_part, share=share, seed=seed)
+    part = None if asked.holdout is None else partial(_first_part, share=asked.holdout, seed=seed)
     explanations, selection = weighed_with_causes(weighed(mission, dataset, seed, jobs, part), jobs)
     bound = explanations[0].bound
     stage()
@@ -120,18 +126,28 @@ def _diagnose(mission: Mission, dataset: Path, seed: int, jobs: int, wanted: _Wa
     stage()
     separated = _separated(bound, found, judgement, jobs)
     stage()
-    decision = bound.plan_gain(mission, extended, seed=seed, jobs=jobs) if wanted.plan and is_new else PlanGain()
-    trial = _next_trial(explanations, found, scale, seed) if wanted.next_trial and is_new else None
-    trial = _beside_the_draws(trial, extended)
-    untold = () if is_new or not wanted.next_trial else (NO_TRIAL,)
+    decision = bound.plan_gain(mission, extended, seed=seed, jobs=jobs) if asked.plan and is_new else PlanGain()
+    trial = None
+    if asked.next_trial and is_new:
+        from missionplan.diagnosis.next_trial import next_trial  # models of legs and dives, for it alone
+
+        trial = next_trial(explanations, found, scale, seed)
+        if trial.trial is not None:  # its mission names the draws that the extended one does: both lie beside them
+            known: dict[str, object] = {key: extended[key] for key in ("posterior", "learned_from") if key in extended}
+            trial = replace(trial, trial={**trial.trial, **known})
+    untold = () if is_new or not asked.next_trial else (NO_TRIAL,)
     provenance = Run("diagnose", mission, 0, seed, started=started).provenance(
-        {"dataset": str(dataset), "jobs": jobs, **asdict(wanted)},
+        {"dataset": str(dataset), "jobs": jobs, **asdict(asked)},
         datasets=[dataset],
         notices=(*mission.notices(), *bound.data.notices, *forecast_notice(mission, found.best.causes), *untold),
     )
     result = _result(provenance, bound, found, judgement, separated, decision, extended)
-    last = None if share is None else _score_of_rest(dataset, share, mission, extended, seed)
-    levels = _levels(Mission.from_data(extended, file=mission.file), seed, urgency=wanted.plan and is_new)
+    last = None
+    if asked.holdout is not None:
+        from missionplan.diagnosis.scoring.holdout import score_last_part  # models of legs and dives, for it alone
+
+        last = score_last_part(dataset, asked.holdout, mission, extended, seed)
+    levels = _levels(Mission.from_data(extended, file=mission.file), seed, urgency=asked.plan and is_new)
     in_doubt = odds(explanations, believed)
     return replace(result, next_trial=trial, explanations=in_doubt, last_part=last, levels=levels)
 
@@ -142,14 +158,6 @@ def _levels(learned: Mission, seed: int, *, urgency: bool) -> tuple[ParameterLev
         return ()
     levels = parameter_levels(learned.posterior.seen)
     return with_urgency(levels, learned, seed) if urgency else levels
-
-
-def _beside_the_draws(found: NextTrial | None, extended: Mapping[str, object]) -> NextTrial | None:
-    """Let the trial's mission name the draws that the extended mission does: both lie beside them."""
-    if found is None or found.trial is None:
-        return found
-    known = {key: extended[key] for key in ("posterior", "learned_from") if key in extended}
-    return replace(found, trial={**found.trial, **known})
 
 
 def _separated(bound: DataKind, found: PipelineResult, judgement: Judgement, jobs: int) -> tuple[Discrimination, ...]:
@@ -199,38 +207,11 @@ def _result(
     )
 
 
-class _Stages:
-    """Counts stages for a progress bar."""
-
-    def __init__(self, progress: Progress | None) -> None:
-        self._progress, self._done = progress, 0
-
-    def __call__(self) -> None:
-        self._done = min(self._done + 1, STAGES)
-        if self._progress is not None:
-            self._progress(self._done, STAGES)
-
-
-def _next_trial(explanations: Sequence[Weighed], found: PipelineResult, scale: float, seed: int) -> NextTrial | None:
-    """Value further trials; their models of dives and legs are imported for it alone."""
-    from missionplan.diagnosis.next_trial import next_trial
-
-    return next_trial(explanations, found, scale, seed)
-
-
 def _first_part(bound: DataKind, *, share: float, seed: int) -> DataKind:
     """Return a record without its last share; the models of legs and dives are imported for it alone."""
     from missionplan.diagnosis.scoring.holdout import first_part
 
     return first_part(bound, share, seed)
-
-
-def _score_of_rest(
-    dataset: Path, share: float, mission: Mission, extended: Mapping[str, object], seed: int
-) -> DatasetScore:
-    from missionplan.diagnosis.scoring.holdout import score_last_part
-
-    return score_last_part(dataset, share, mission, extended, seed)
 
 
 LISTED = 12

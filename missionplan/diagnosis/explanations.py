@@ -74,7 +74,10 @@ def explained_missions(mission: Mission) -> tuple[Explained, ...]:
     if not mission.doubts:
         return (Explained(1.0, (), mission),)
     combinations = product(*(_likely(doubt.probabilities) for doubt in mission.doubts))
-    found = sorted((_prior(mission, numbers), numbers) for numbers in combinations)[-MOST:][::-1]
+    found = sorted(
+        (math.prod(doubt.probabilities[n] for doubt, n in zip(mission.doubts, numbers, strict=True)), numbers)
+        for numbers in combinations
+    )[-MOST:][::-1]
     total = sum(prior for prior, _ in found)
     return tuple(Explained(prior / total, *_known(mission, numbers)) for prior, numbers in found)
 
@@ -84,10 +87,6 @@ def _likely(probabilities: Sequence[float]) -> list[int]:
     ordered = sorted(range(len(probabilities)), key=lambda number: -probabilities[number])
     before = np.cumsum([0.0, *(probabilities[number] for number in ordered)])
     return ordered[: max(FEW, int(np.count_nonzero(before[:-1] < CREDIBLE)))]
-
-
-def _prior(mission: Mission, numbers: Sequence[int]) -> float:
-    return math.prod(doubt.probabilities[number] for doubt, number in zip(mission.doubts, numbers, strict=True))
 
 
 def _known(mission: Mission, numbers: Sequence[int]) -> tuple[Causes, Mission]:
@@ -118,19 +117,14 @@ def weighed(
     if len(each) == 1 or bound[0].is_known:
         return tuple(Weighed(one, data, None, math.log(one.prior)) for one, data in zip(each, bound, strict=True))
     fits = [fitted(one.model, [((), ())], jobs)[0] for one in bound]
-    logs = np.array([_log_weight(explained, fit) for explained, fit in zip(each, fits, strict=True)])
-    if not np.any(np.isfinite(logs)):
-        raise RunError("the base model cannot be fitted with any of the mission's explanations")
     found = [
-        Weighed(explained, one, fit, float(log))
-        for explained, one, fit, log in zip(each, bound, fits, logs, strict=True)
+        Weighed(explained, one, fit, math.log(explained.prior) + fit.log_evidence)
+        for explained, one, fit in zip(each, bound, fits, strict=True)
         if isinstance(fit, CauseFit)
     ]
+    if not any(math.isfinite(one.log_weight) for one in found):
+        raise RunError("the base model cannot be fitted with any of the mission's explanations")
     return tuple(sorted(found, key=lambda one: -one.log_weight))
-
-
-def _log_weight(explained: Explained, fit: CauseFit | FailedFit) -> float:
-    return -math.inf if isinstance(fit, FailedFit) else math.log(explained.prior) + fit.log_evidence
 
 
 def weighed_with_causes(explanations: Sequence[Weighed], jobs: int) -> tuple[tuple[Weighed, ...], Selection | None]:
@@ -153,19 +147,15 @@ def weighed_with_causes(explanations: Sequence[Weighed], jobs: int) -> tuple[tup
         return tuple(explanations), None
     selections = {id(one): one.bound.model.all_sets(jobs=jobs) for one in (first, *unlike)}
     gain = log_gain(selections[id(first)])
-    each = [
-        _with_own(one, selections[id(one)]) if one is not first and id(one) in selections else replace(one, gain=gain)
-        for one in explanations
-    ]
+    each = [replace(one, gain=gain) for one in explanations]
+    for place, one in enumerate(explanations):
+        selection = selections.get(id(one))
+        if selection is not None and one is not first:  # it has the likeliest causes that were found beside it
+            likeliest = max(selection.posterior, key=selection.posterior.__getitem__)
+            fit = next((candidate.fit for candidate in selection.ranking if candidate.causes == likeliest), None)
+            each[place] = replace(one, extended=fit, gain=log_gain(selection))
     best = max(range(len(each)), key=lambda place: each[place].log_weight + each[place].gain)
     return (each[best], *each[:best], *each[best + 1 :]), selections.get(id(explanations[best]))
-
-
-def _with_own(one: Weighed, selection: Selection) -> Weighed:
-    """Let an explanation have the likeliest causes that were found beside it."""
-    likeliest = max(selection.posterior, key=lambda causes: selection.posterior[causes])
-    fit = next((candidate.fit for candidate in selection.ranking if candidate.causes == likeliest), None)
-    return replace(one, extended=fit, gain=log_gain(selection))
 
 
 def with_found(explanations: Sequence[Weighed], found: PipelineResult, jobs: int) -> tuple[Weighed, ...]:
@@ -268,14 +258,11 @@ def _stationary(shares: Mapping[Causes, float], fits: Collection[Causes]) -> dic
     walks = {name for name in laws if not np.any(_process(name))}
     found: dict[Causes, float] = {}
     for causes, share in shares.items():
-        others = [fit for fit in fits if _differs_in(fit, causes, laws - walks, walks)]
+        plain = set(causes) - walks
+        others = [fit for fit in fits if set(fit) - (laws - walks) == plain and set(fit) & (laws - walks)]
         own = others[0] if set(causes) & walks and others else causes
         found[own] = found.get(own, 0.0) + share
     return found
-
-
-def _differs_in(other: Causes, causes: Causes, laws: set[str], walks: set[str]) -> bool:
-    return set(other) - laws == set(causes) - walks and bool(set(other) & laws)
 
 
 def _process(name: str) -> float | None:

@@ -30,9 +30,8 @@ def unlearned(data: Data, mission: Mission) -> Data:
         return data
     noun, names = _groups(data)
     if known.all():
-        words = (
-            f"the mission has learned from {_all(len(known), noun)} already (learned_from): nothing is learned again"
-        )
+        every = f"this {noun}" if len(known) == 1 else f"all {len(known)} {noun}s"
+        words = f"the mission has learned from {every} already (learned_from): nothing is learned again"
         return replace(data, notices=(*data.notices, words))
     left_out = listed([name for name, is_known in zip(names, known, strict=True) if is_known])
     words = (
@@ -40,7 +39,10 @@ def unlearned(data: Data, mission: Mission) -> Data:
         f"count once, and are left out: {left_out}"
     )
     part = data.subset(~known)
-    _check_enough(part)
+    if isinstance(part, TransitData):
+        enough(part, NEW, WHOLE)
+    if isinstance(part, PreparedDives) and len(part.dives) < MIN_DIVES:
+        raise InputError(f"{part.name}: {counted(len(part.dives), 'dive')} {NEW}, too few: {WHOLE}")
     return replace(part, notices=(*data.notices, words))
 
 
@@ -54,10 +56,6 @@ def as_then(
     return mission.at_place(NOWHERE, None if is_learned(data, mission.learned_from).all() else date)
 
 
-def _all(count: int, noun: str) -> str:
-    return f"this {noun}" if count == 1 else f"all {count} {noun}s"
-
-
 def _groups(data: TransitData | PreparedDives | SummaryData | TankData) -> tuple[str, Sequence[str]]:
     """What the parts of a data set are, and their names."""
     if isinstance(data, TransitData):
@@ -68,16 +66,3 @@ def _groups(data: TransitData | PreparedDives | SummaryData | TankData) -> tuple
         return "test", [test.name for test in data.tests]
     whole = len(data.identities) == 1
     return "record" if whole else "row", [str(k + 1) for k in range(len(data.identities))]
-
-
-def _check_enough(data: TransitData | PreparedDives | SummaryData | TankData) -> None:
-    """Refuse legs and dives of which too few are new.
-
-    Raises
-    ------
-    InputError
-    """
-    if isinstance(data, TransitData):
-        enough(data, NEW, WHOLE)
-    if isinstance(data, PreparedDives) and len(data.dives) < MIN_DIVES:
-        raise InputError(f"{data.name}: {counted(len(data.dives), 'dive')} {NEW}, too few: {WHOLE}")

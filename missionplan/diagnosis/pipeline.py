@@ -7,7 +7,7 @@ from functools import partial
 import numpy as np
 
 from missionplan.diagnosis.data_kind import DataKind
-from missionplan.diagnosis.inference.discrepancy import Residuals, discrepancy, outlying_groups
+from missionplan.diagnosis.inference.discrepancy import discrepancy, outlying_groups
 from missionplan.diagnosis.inference.model import (
     CauseFit,
     FailedFit,
@@ -213,11 +213,7 @@ def _contends(candidate: Candidate, selection: Selection) -> bool:
 
 def _tested_residuals(model: Model, fits: Sequence[CauseFit]) -> list[tuple[Discrepancy, OutlyingGroups]]:
     """For each fit, the discrepancy of what it leaves and its outlying groups."""
-    return [_tested(model.residuals(fit)) for fit in fits]
-
-
-def _tested(residuals: Residuals) -> tuple[Discrepancy, OutlyingGroups]:
-    return discrepancy(residuals), outlying_groups(residuals)
+    return [(discrepancy(left), outlying_groups(left)) for left in map(model.residuals, fits)]
 
 
 def judge(bound: DataKind, found: PipelineResult) -> Judgement:

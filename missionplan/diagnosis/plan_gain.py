@@ -79,7 +79,9 @@ def anchor_choice(base: Mission, extended: Mission, seed: int, jobs: int) -> Pla
     """Choose the anchor for the worst current of the design."""
     from missionplan.studies.anchor import worst_case_anchor
 
-    missions = [_carrying_net_buoyancy(mission) for mission in (base, extended)]
+    # with an anchor that carries the vehicle's net buoyancy too: Eq. 15's alone may not even sink it
+    carrying = {"carry_net_buoyancy": True}
+    missions = [with_first_mooring(each, lambda moor: moor.model_copy(update=carrying)) for each in (base, extended)]
     chosen = [worst_case_anchor(mission) for mission in missions]
     cases = [(missions[0], chosen[0]), (missions[1], chosen[1])]
     if chosen[0] != chosen[1]:
@@ -89,11 +91,6 @@ def anchor_choice(base: Mission, extended: Mission, seed: int, jobs: int) -> Pla
     results = parallel_map(partial(_anchor_plans, seed), [*cases, *own], jobs=jobs, separately=True)
     as_written = results[-1] if own else None
     return PlanGain(results[0], results[1], results[len(cases) - 1], as_written_under_extended=as_written)
-
-
-def _carrying_net_buoyancy(mission: Mission) -> Mission:
-    """The mission with an anchor that carries the vehicle's net buoyancy too: Eq. 15's alone may not even sink it."""
-    return with_first_mooring(mission, lambda moor: moor.model_copy(update={"carry_net_buoyancy": True}))
 
 
 def with_first_mooring(mission: Mission, change: Callable[[MoorPhase], MoorPhase]) -> Mission:
@@ -106,22 +103,23 @@ def with_first_mooring(mission: Mission, change: Callable[[MoorPhase], MoorPhase
     return mission.model_copy(update={"entries": entries})
 
 
+def with_anchor(mission: Mission, weight: float) -> Mission:
+    """The mission with an anchor of this wet weight [N] in its first mooring."""
+    return with_first_mooring(mission, lambda moor: moor.model_copy(update={"anchor_wet_weight": weight}))
+
+
 def _anchor_plans(seed: int, cases: Sequence[tuple[Mission, float]]) -> list[Plan]:
     """Probabilities of each mission's first mooring with a given anchor."""
-    return [_anchor_plan(mission, weight, seed) for mission, weight in cases]
-
-
-def _anchor_plan(mission: Mission, weight: float, seed: int) -> Plan:
     from missionplan.studies.simulation.simulate import event_probabilities
 
-    anchored = with_first_mooring(mission, lambda moor: moor.model_copy(update={"anchor_wet_weight": weight}))
-    found, phase = event_probabilities(anchored, trials=TRIALS, seed=seed), mission.moors[0].name
-    return {
-        "anchor_wet_weight_n": weight,
-        "within_radius": found[Counted.event(f"{phase}.within_radius")].value,
-        "struck_seafloor": found[Counted.event(f"{phase}.struck_seafloor")].value,
-        "success": found[SUCCESS].value,
-    }
+    plans: list[Plan] = []
+    for mission, weight in cases:
+        anchored = with_anchor(mission, weight)
+        found, phase = event_probabilities(anchored, trials=TRIALS, seed=seed), mission.moors[0].name
+        events = ("within_radius", "struck_seafloor")
+        shares = {name: found[Counted.event(f"{phase}.{name}")].value for name in events}
+        plans.append({"anchor_wet_weight_n": weight, **shares, "success": found[SUCCESS].value})
+    return plans
 
 
 def with_urgency(levels: Sequence[ParameterLevels], mission: Mission, seed: int) -> tuple[ParameterLevels, ...]:

@@ -128,26 +128,35 @@ def _of_draws(
     draws: Sequence[Mapping[str, Array]],
     weights: Array,
 ) -> tuple[GivenEffect, ...]:
-    """Effects by draws of their parameters, those of all entries together."""
-    listed: list[tuple[EffectInfo, tuple[Coordinate, ...], list[Array | None]]] = []
+    """Effects by draws of their parameters, those of all entries together, with their covariances."""
+    listed: list[tuple[EffectInfo, tuple[Coordinate, ...]]] = []
+    values: list[Array | None] = []
     for entry, parameters in zip(entries, draws, strict=True):
         info = known[entry.effect]
-        coordinates = _coordinates(info, entry.parameters)
-        if coordinates is not None:
-            quantities = _stated(info, entry.parameters)
+        stated = _stated(info, entry.parameters)
+        if stated is not None:
+            coordinates, quantities = stated
             own = {name: parameters.get(name, np.full(1, mean_of(value))) for name, value in quantities.items()}
-            for name in [] if info.part == "covariance" else _nil_shapes(info, quantities):
-                del own[name]
-            listed.append((info, coordinates, [_values(c, own, dict(info.polar)) for c in coordinates]))
+            listed.append((info, coordinates))
+            values += [_values(c, own, dict(info.polar)) for c in coordinates]
     if not listed:
         return ()
-    mean, together = _moments([c for _, cs, _ in listed for c in cs], [v for *_, vs in listed for v in vs], weights)
-    ends = np.cumsum([0, *(len(cs) for _, cs, _ in listed)]).tolist()
-    made = [
-        _made(info, cs, mean[a:b], together[a:b, a:b].copy())
-        for (info, cs, _), (a, b) in zip(listed, pairwise(ends), strict=True)
-    ]
-    return _with_shared(made, together)
+    all_coordinates = [c for _, coordinates in listed for c in coordinates]
+    mean, together = _moments(all_coordinates, values, weights)
+    ends = np.cumsum([0, *(len(coordinates) for _, coordinates in listed)]).tolist()
+    sd = np.sqrt(np.maximum(np.diag(together), 1e-300))
+    rho = together / np.outer(sd, sd)
+    shared = {
+        (all_coordinates[i].key, all_coordinates[j].key): float(together[i, j])
+        for own, other in permutations([range(a, b) for a, b in pairwise(ends)], 2)
+        if np.abs(rho[np.ix_(own, other)]).max(initial=0.0) > LEAST_CORRELATION
+        for i in own
+        for j in other
+    }
+    return tuple(
+        replace(_made(*each, mean[a:b], together[a:b, a:b].copy()), shared=shared)
+        for each, (a, b) in zip(listed, pairwise(ends), strict=True)
+    )
 
 
 def check_together(
@@ -167,32 +176,26 @@ def check_together(
         raise InputError([Problem(problem, mission.file, key="effects") for problem in problems])
 
 
-def _coordinates(info: EffectInfo, parameters: Mapping[str, Quantity]) -> tuple[Coordinate, ...] | None:
-    """Coordinates of an effect of the mission; None for one that does nothing."""
-    quantities = _stated(info, parameters)
-    unknown = [] if info.part == "covariance" else _nil_shapes(info, quantities)
-    quantities = {name: quantity for name, quantity in quantities.items() if name not in unknown}
-    if any(info.parameters[name].is_shape and not 0.0 < mean_of(q) < math.inf for name, q in quantities.items()):
-        return None
-    phases = dict(info.polar)
-    known = {*quantities, *unknown}
-    return coordinates_of(info, [name for name in info.parameters if name in known or phases.get(name) in known])
+def _stated(
+    info: EffectInfo, parameters: Mapping[str, Quantity]
+) -> tuple[tuple[Coordinate, ...], dict[str, Quantity]] | None:
+    """Coordinates of an effect and the parameters that the mission gives; None for one that does nothing.
 
-
-def _nil_shapes(info: EffectInfo, quantities: Mapping[str, Quantity]) -> list[str]:
-    """Shapes at nil of an effect on the mean, which does not vanish with them: as unknown as in the catalogue."""
-    return [
-        name for name, quantity in quantities.items() if info.parameters[name].is_shape and mean_of(quantity) == 0.0
-    ]
-
-
-def _stated(info: EffectInfo, parameters: Mapping[str, Quantity]) -> dict[str, Quantity]:
-    """Parameters that the mission gives, with the defaults of shapes; without a modulation that is nil."""
+    Shapes have their defaults; a modulation that is nil is left out. A shape at nil of an effect on the mean, which
+    does not vanish with it, is as unknown as in the catalogue.
+    """
     defaults = {name: parameter.default for name, parameter in info.parameters.items() if parameter.is_shape}
     quantities: dict[str, Quantity] = defaults | dict(parameters)
     if info.is_modulated and mean_of(quantities[MODULATION]) == 0.0:
-        return {name: value for name, value in quantities.items() if name not in MODULATION_PARAMETERS}
-    return quantities
+        quantities = {name: value for name, value in quantities.items() if name not in MODULATION_PARAMETERS}
+    shapes = {name: mean_of(value) for name, value in quantities.items() if info.parameters[name].is_shape}
+    unknown = [name for name, mean in shapes.items() if mean == 0.0 and info.part != "covariance"]
+    if any(not 0.0 < mean < math.inf for name, mean in shapes.items() if name not in unknown):
+        return None
+    phases = dict(info.polar)
+    names = [name for name in info.parameters if name in quantities or phases.get(name) in quantities]
+    given = {name: quantity for name, quantity in quantities.items() if name not in unknown}
+    return coordinates_of(info, names), given
 
 
 def _values(coordinate: Coordinate, parameters: Mapping[str, Array], phases: Mapping[str, str]) -> Array | None:
@@ -240,20 +243,3 @@ def _made(info: EffectInfo, coordinates: tuple[Coordinate, ...], mean: Array, co
         else:
             covariance[pair, pair] = coordinate.spike**2 * np.eye(len(mean[pair]))
     return GivenEffect(info.id, coordinates, mean, covariance, scatter)
-
-
-def _with_shared(given: Sequence[GivenEffect], together: Array) -> tuple[GivenEffect, ...]:
-    """Give effects the covariances with each other, by the covariance of all their coordinates."""
-    keys = [c.key for each in given for c in each.coordinates]
-    ends = np.cumsum([0, *(len(each.coordinates) for each in given)])
-    places = [range(a, b) for a, b in pairwise(ends.tolist())]
-    sd = np.sqrt(np.maximum(np.diag(together), 1e-300))
-    rho = together / np.outer(sd, sd)
-    shared = {
-        (keys[i], keys[j]): float(together[i, j])
-        for own, other in permutations(places, 2)
-        if np.abs(rho[np.ix_(own, other)]).max(initial=0.0) > LEAST_CORRELATION
-        for i in own
-        for j in other
-    }
-    return tuple(replace(each, shared=shared) for each in given)

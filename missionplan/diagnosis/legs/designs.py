@@ -19,7 +19,7 @@ SLOWER = 0.7
 """Part of the usual speed at which legs of another speed are made."""
 LATER = 6.0 * 3600.0
 """Half a tide [s]."""
-ALL_ROUND = 2.0 * np.pi * 0.38 * np.arange(FURTHER_LEGS)
+ALL_ROUND = 2.0 * np.pi * 0.38 * np.arange(FURTHER_LEGS, dtype=np.float64)
 """Headings that spread evenly [rad]: 1 less the golden ratio's 0.62 is the share of a circle between two of them."""
 
 
@@ -37,7 +37,7 @@ LATE_FIXES = 3
 
 def with_further_legs(data: TransitData, design: int) -> TransitData:
     """Append the legs of a design to a log; their fixes lie where dead reckoning puts them."""
-    path, numbers = data.dead_reckoned - data.start, np.arange(FURTHER_LEGS)
+    path, numbers = data.dead_reckoned - data.start, np.arange(FURTHER_LEGS, dtype=np.float64)
     sailed, there_and_back = np.asarray(np.arctan2(path[0], path[1])), np.pi * numbers
     duration, surface = _median_times(data, FURTHER_LEGS)
     legs = (  # headings, times under way and at the surface

@@ -199,10 +199,18 @@ class Valuation:
             right=self.right(),
         )
         worth = [entry for entry in found if entry[1].changes and entry[0].saving > WORTH * result.loss]
-        if worth:
-            return self._with_best(result, worth)
-        settling = result.settling
-        return replace(result, trial=next((one.trial for valued, _, one in found if valued is settling), None))
+        if not worth:
+            settling = result.settling
+            return replace(result, trial=next((one.trial for valued, _, one in found if valued is settling), None))
+        # the cheapest of the designs that save nearly the most, and its outcomes
+        enough = [entry for entry in worth if entry[0].saving >= NEARLY * worth[0][0].saving]
+        best, saving, made = min(enough, key=lambda entry: entry[0].minutes)
+        experiment = self.experiment(made)
+        data = experiment.data(self.draws, np.random.default_rng(self.seed + 1))
+        simulated = SimulatedTrial(experiment.probabilities(data), experiment.means(data), saving.chosen)
+        told = outcomes(self.believed, problem, simulated)
+        rule = outcome_rule(self.believed, problem, simulated)
+        return replace(result, best=best, outcomes=told, rule=rule, trial=made.trial)
 
     def valued(self, candidate: Candidate) -> tuple[ValuedDesign, Saving]:
         """Value a trial."""
@@ -231,24 +239,6 @@ class Valuation:
             shares[own] = shares.get(own, 0.0) + each.explanation.probability
         done = max(shares, key=lambda own: shares[own])
         return (1.0 - sum(self.left.values())) * among + self.left.get(done, 0.0)
-
-    def _with_best(self, result: NextTrial, worth: Sequence[tuple[ValuedDesign, Saving, Candidate]]) -> NextTrial:
-        """Name the cheapest of the designs that save nearly the most, and tell its outcomes."""
-        enough = NEARLY * worth[0][0].saving
-        best, saving, candidate = min(
-            (entry for entry in worth if entry[0].saving >= enough), key=lambda entry: entry[0].minutes
-        )
-        experiment = self.experiment(candidate)
-        data = experiment.data(self.draws, np.random.default_rng(self.seed + 1))
-        made = SimulatedTrial(experiment.probabilities(data), experiment.means(data), saving.chosen)
-        problem = self.losses.problem
-        return replace(
-            result,
-            best=best,
-            outcomes=outcomes(self.believed, problem, made),
-            rule=outcome_rule(self.believed, problem, made),
-            trial=candidate.trial,
-        )
 
     def experiment(self, candidate: Candidate) -> Experiment:
         """Return a trial as the sets of causes predict it."""

@@ -15,16 +15,13 @@ from missionplan.diagnosis.data_kind import DataKind
 from missionplan.diagnosis.dives.designs import stretched_dives, with_depths
 from missionplan.diagnosis.dives.fitting import DescentState
 from missionplan.diagnosis.dives.kind import DescentKind
-from missionplan.diagnosis.dives.linearised import DiveLinearisation
-from missionplan.diagnosis.dives.model import DescentModel
 from missionplan.diagnosis.dives.noise import SCATTER_FACTORS, Noise, noise_grid, shape_error_covariance
 from missionplan.diagnosis.dives.preparation import DiveLog
 from missionplan.diagnosis.inference.model import CauseFit
 from missionplan.diagnosis.next_trial.belief import Believed, Posterior
 from missionplan.diagnosis.next_trial.designs import Alternatives, Cost, TrialKind, cost_of
 from missionplan.diagnosis.next_trial.prediction import Prediction
-from missionplan.diagnosis.plan_gain import with_first_mooring
-from missionplan.mission import Mission
+from missionplan.diagnosis.plan_gain import with_anchor
 from missionplan.mission.schema.phases import MoorPhase
 from missionplan.mission.units import QuantityError, parse_number_with_unit
 from missionplan.montecarlo.distributions import mean_of
@@ -54,33 +51,22 @@ def made(logs: tuple[DiveLog, ...], believed: Sequence[Believed]) -> list[Predic
     model = cast("DescentKind", believed[0].bound).model
     model = replace(model, forward=replace(model.forward, logs=logs))
     linears = model.linearise([(each.fit.causes, each.posterior.mean) for each in believed])
-    bare = model.forward.readings(
-        model.coordinates,
-        np.stack([_without_causes(model, each) for each in believed], axis=1),
-        np.stack([linear.release_delays for linear in linears]),
-    )
-    return [
-        _prediction(model, each, linear, linear.readings - own)
-        for each, linear, own in zip(believed, linears, bare.T, strict=True)
-    ]
-
-
-def _without_causes(model: DescentModel, each: Believed) -> Array:
-    """Coordinates without the set's causes and the mission's own effects, shape (K,)."""
-    found = each.posterior.mean.copy()
-    found[[place for place in each.posterior.places if model.coordinates[place].kind != "shape"]] = 0.0
-    return found
-
-
-def _prediction(model: DescentModel, each: Believed, linear: DiveLinearisation, added: Array) -> Prediction:
-    """The dives under one set, of which its causes add a part, shape (N,) [m]."""
-    shared = shape_error_covariance(np.concatenate([log.t for log in model.forward.logs]), added)
-    own = replace(linear, shaped=np.zeros_like(added))
+    without = np.stack([each.posterior.mean for each in believed], axis=1)  # causes and the mission's own effects
+    for number, each in enumerate(believed):
+        places = [place for place in each.posterior.places if model.coordinates[place].kind != "shape"]
+        without[places, number] = 0.0
+    delays = np.stack([linear.release_delays for linear in linears])
+    bare = model.forward.readings(model.coordinates, without, delays)
     spikes = np.array([coordinate.spike for coordinate in model.coordinates])
-    noises, shares = _noises(each.fit.state)
-    covariances = [model.covariance(own, noise, spikes).dense() + shared for noise in noises]
-    centre = linear.readings - model.release_delay_shift(linear)
-    return Prediction(centre, linear.columns[:, each.posterior.places], np.stack(covariances), shares)
+    times, found = np.concatenate([log.t for log in model.forward.logs]), []
+    for each, linear, own in zip(believed, linears, bare.T, strict=True):
+        added = linear.readings - own
+        shared, plain = shape_error_covariance(times, added), replace(linear, shaped=np.zeros_like(added))
+        noises, shares = _noises(each.fit.state)
+        covariances = [model.covariance(plain, noise, spikes).dense() + shared for noise in noises]
+        centre = linear.readings - model.release_delay_shift(linear)
+        found.append(Prediction(centre, linear.columns[:, each.posterior.places], np.stack(covariances), shares))
+    return found
 
 
 def _noises(state: DescentState) -> tuple[list[Noise], Array]:
@@ -248,14 +234,10 @@ class DiveTrials(TrialKind):
         """Return the anchors in stock, or else wet weights about that of the mission."""
         stock = self._in_stock("anchor_wet_weight", "N")
         if len(stock) > 1:
-            return Alternatives("anchor_wet_weight_n", np.unique(stock), _with_anchor)
+            return Alternatives("anchor_wet_weight_n", np.unique(stock), with_anchor)
         given = self._moor.anchor_wet_weight
         usual = worst_case_anchor(self.bound.mission) if given == "sized" else mean_of(given)
-        return Alternatives("anchor_wet_weight_n", usual * FACTORS, _with_anchor)
-
-
-def _with_anchor(mission: Mission, weight: float) -> Mission:
-    return with_first_mooring(mission, lambda moor: moor.model_copy(update={"anchor_wet_weight": weight}))
+        return Alternatives("anchor_wet_weight_n", usual * FACTORS, with_anchor)
 
 
 def _deepened(site: object, depth: float) -> dict[str, object]:

@@ -117,7 +117,7 @@ class LegTrials(TrialKind):
                         course + np.radians(headings * times),
                         length,
                     )
-                    for times in _repeats(len(headings))
+                    for times in (1, max(2, math.ceil(MIN_LEGS / len(headings))))  # these are a data set of their own
                 ]
         mixed = [legs.halved(*other) for legs in found if legs.name.startswith(MIXED) for other in self._others]
         length = LONG_LEG * self._usual_length
@@ -161,9 +161,20 @@ class LegTrials(TrialKind):
     def predicted(self, data: TransitData, believed: Sequence[Believed]) -> list[Prediction]:
         """Return the velocity errors of legs, beyond the site's current, as each set of causes predicts them [m/s].
 
-        They are legs of another day; where they ended is not used.
+        They are legs of another day; where they ended is not used. What is known from record to record moves the mean;
+        every effect differs from it in a new record by its spike, and so does the mission's current by its own
+        uncertainty.
         """
-        return [_prediction(data, each) for each in believed]
+        found = []
+        for each in believed:
+            about, places = each.posterior.mean, each.posterior.places
+            model, size = cast("TransitKind", each.bound).model, 2 * data.n
+            model = replace(model, data=data, base=np.zeros((2, data.n)), only=model.coordinates)
+            columns = model.columns(about).reshape(size, -1)
+            fresh = columns * _from_record_to_record(model)
+            noise = block_diag(*model.noise(each.fit.state.values)) + fresh @ fresh.T
+            found.append(Prediction(model.mean_error(about).ravel(), columns[:, places], noise))
+        return found
 
     def _planned(self, legs: _Legs) -> TransitData:
         """A record of these legs alone, sailed without error a day after the one so far."""
@@ -200,24 +211,14 @@ class LegTrials(TrialKind):
         for index, (east, north) in enumerate(corners.T.tolist()):
             begin = {} if index else {"from": [f"{place:.1f} m" for place in self._ends[0].tolist()]}
             to = {"to": [f"{east:.1f} m", f"{north:.1f} m"]}
-            leg = self._changed(legs, index) | {
-                "d_max": f"{1.2 * legs.length:.1f} m",
-                "arrival_radius": f"{GENEROUS * legs.length:.1f} m",
-            }
+            leg = {"d_max": f"{1.2 * legs.length:.1f} m", "arrival_radius": f"{GENEROUS * legs.length:.1f} m"}
+            for key, shares, unit in (("depth", legs.depths, "m"), ("speed", legs.speeds, "m/s")):
+                share = float(np.broadcast_to(shares, len(legs.courses))[index])
+                if share != 1.0:
+                    leg = {key: f"{share * float(getattr(self._phase, key)):.4g} {unit}"} | leg
             phases.append({"transit": {**own, "name": f"leg-{index + 1}", **begin, **to, **leg}})
         kept = {key: value for key, value in raw.items() if key not in ("requirements", "sweep", "correlations")}
         return kept | {"name": f"Trial: {legs.name}", "phases": phases}
-
-    def _changed(self, legs: _Legs, index: int) -> dict[str, str]:
-        """Speed and depth of a leg, where they are not the mission's."""
-        shares = {"speed": legs.speeds, "depth": legs.depths}
-        own = {key: float(np.broadcast_to(share, len(legs.courses))[index]) for key, share in shares.items()}
-        units = {"speed": "m/s", "depth": "m"}
-        return {
-            key: f"{share * float(getattr(self._phase, key)):.4g} {units[key]}"
-            for key, share in own.items()
-            if share != 1.0
-        }
 
     @property
     def _as_written(self) -> dict[str, object]:
@@ -232,11 +233,6 @@ class LegTrials(TrialKind):
         return Alternatives("d_max_m", SHARES * self._distance, _with_d_max)
 
 
-def _repeats(legs: int) -> tuple[int, int]:
-    """How often a shape is sailed: once, and so often that its legs are a data set of their own, at least twice."""
-    return 1, max(2, math.ceil(MIN_LEGS / legs))
-
-
 def _with_d_max(mission: Mission, d_max: float) -> Mission:
     entries = tuple(
         entry.model_copy(update={"transit": entry.transit.model_copy(update={"d_max": d_max})})
@@ -245,21 +241,6 @@ def _with_d_max(mission: Mission, d_max: float) -> Mission:
         for entry in mission.entries
     )
     return mission.model_copy(update={"entries": entries})
-
-
-def _prediction(data: TransitData, each: Believed) -> Prediction:
-    """Mean, sensitivities and everything else of the legs under a set of causes.
-
-    What is known from record to record moves the mean; every effect differs from it in a new record by its spike, and
-    so does the mission's current by its own uncertainty.
-    """
-    about, places = each.posterior.mean, each.posterior.places
-    model, count = cast("TransitKind", each.bound).model, 2 * data.n
-    model = replace(model, data=data, base=np.zeros((2, data.n)), only=model.coordinates)
-    columns = model.columns(about).reshape(count, -1)
-    fresh = columns * _from_record_to_record(model)
-    noise = block_diag(*model.noise(each.fit.state.values)) + fresh @ fresh.T
-    return Prediction(model.mean_error(about).ravel(), columns[:, places], noise)
 
 
 def _from_record_to_record(model: TransitModel) -> Array:

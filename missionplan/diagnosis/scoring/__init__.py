@@ -96,23 +96,20 @@ def dive_ensemble(data: PreparedDives, mission: Mission, seed: int) -> Ensemble:
     Raises InputError when the mission lacks what a descent needs.
     """
     MooringMission.of(mission, depth=False)
-    parts = tuple(_part(data, known, share, seed) for share, known in explained(mission))
+    parts = []
+    for share, known in explained(mission):
+        drawn = Scenario.at_means(known).at_depth(0.0).sampled(seed=seed, block=0, size=DRAWS)
+        trials = DRAWS if drawn.draws else 1
+        expected = np.concatenate([_readings(log, drawn, trials) for log in data.dives]).T
+        model = descent_model(data, known)
+        spread = model.nuisance_sd(())  # nil for the mission's own effects: those are drawn
+        noises = []
+        for noise in noise_grid():
+            covariance = model.covariance(model.base, noise, spread).dense()
+            noises.append(Noise(float(np.exp(noise.log_prior)), covariance, np.ones(1), np.zeros(len(covariance))))
+        parts.append(Part(share, expected, tuple(noises)))
     groups = np.repeat(np.arange(len(data.dives)), [len(log.t) for log in data.dives])
-    return Ensemble(np.concatenate([log.depth for log in data.dives]), groups, parts)
-
-
-def _part(data: PreparedDives, mission: Mission, share: float, seed: int) -> Part:
-    means = Scenario.at_means(mission).at_depth(0.0)
-    drawn = means.sampled(seed=seed, block=0, size=DRAWS)
-    trials = DRAWS if drawn.draws else 1
-    expected = np.concatenate([_readings(log, drawn, trials) for log in data.dives]).T
-    model = descent_model(data, mission)
-    spread = model.nuisance_sd(())  # nil for the mission's own effects: those are drawn
-    noises = []
-    for noise in noise_grid():
-        covariance = model.covariance(model.base, noise, spread).dense()
-        noises.append(Noise(float(np.exp(noise.log_prior)), covariance, np.ones(1), np.zeros(len(covariance))))
-    return Part(share, expected, tuple(noises))
+    return Ensemble(np.concatenate([log.depth for log in data.dives]), groups, tuple(parts))
 
 
 def _readings(log: DiveLog, scenario: Scenario, trials: int) -> Array:

@@ -12,6 +12,7 @@ that of records drawn from the mission itself, and no table's.
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 from scipy.special import ndtri
@@ -52,10 +53,14 @@ def yardsticks(values: Sequence[Array], past: Past, scales: Sequence[Array], fir
         Spread of an error over its scale before any is seen; it counts as one.
     """
     carried = [[past(later, earlier) for earlier in range(later)] for later in range(len(values))]
-    nothing, pairs = np.zeros_like(values[0]), list(zip(carried, values, strict=True))
-    by_gain, by_memory = (
-        [_with_spread(values, means, scales, first_sd) for means in each] for each in (_smooth(pairs), _persist(pairs))
-    )
+    nothing = np.zeros_like(values[0])
+
+    def by(weights: Callable[[int], Array]) -> list[Point]:
+        means = [_weighted(each, weights, own) for each, own in zip(carried, values, strict=True)]
+        return _with_spread(values, means, scales, first_sd)
+
+    by_gain = [by(partial(random_walk, gain)) for gain in GAINS.tolist()]
+    by_memory = [by(partial(persistent, gain, kept)) for gain in GAINS[1::2].tolist() for kept in MEMORIES]
     averages = [np.asarray(np.mean(each, axis=0)) if each else nothing for each in carried]
     found = {
         "mean_of_past": _with_spread(values, averages, scales, first_sd),
@@ -72,36 +77,27 @@ def with_spread(values: Sequence[Array], means: Sequence[Array], scales: Sequenc
     return _joined(_with_spread(values, means, scales, first_sd))
 
 
-def _smooth(pairs: Sequence[tuple[Sequence[Array], Array]]) -> list[list[Array]]:
-    """Predictions of every group by its past, for each gain of a random walk."""
-    return [[_smoothed(past, gain, own) for past, own in pairs] for gain in GAINS.tolist()]
-
-
-def _persist(pairs: Sequence[tuple[Sequence[Array], Array]]) -> list[list[Array]]:
-    """Predictions of every group by its past, for each gain and memory of a persistent error."""
-    kinds = [(gain, kept) for gain in GAINS[1::2].tolist() for kept in MEMORIES]
-    return [[_remembered(past, gain, kept, own) for past, own in pairs] for gain, kept in kinds]
-
-
 def _joined(points: Sequence[Point]) -> Point:
     return Point(np.concatenate([p.mean for p in points]), np.concatenate([p.sd for p in points]))
 
 
-def _smoothed(past: Sequence[Array], gain: float, like: Array) -> Array:
-    """Exponentially weighted mean of the past: the prediction of a random walk seen through noise (Muth 1960)."""
+def _weighted(past: Sequence[Array], weights: Callable[[int], Array], like: Array) -> Array:
+    """Sum of the past with weights by their number, the last the latest; nil where there is none."""
     if not past:
         return np.zeros_like(like)
-    weights = gain * (1.0 - gain) ** np.arange(len(past) - 1, -1, -1.0)
+    return np.asarray(np.tensordot(weights(len(past)), np.array(past), axes=1))
+
+
+def random_walk(gain: float, count: int) -> Array:
+    """Weights of the past in the prediction of a random walk seen through noise, its exponential mean (Muth 1960)."""
+    weights = gain * (1.0 - gain) ** np.arange(count - 1, -1, -1.0)
     weights[0] += max(1.0 - weights.sum(), 0.0)
-    return np.asarray(np.tensordot(weights / weights.sum(), np.array(past), axes=1))
+    return np.asarray(weights / weights.sum())
 
 
-def _remembered(past: Sequence[Array], gain: float, kept: float, like: Array) -> Array:
-    """Prediction of a stationary persistent error seen through noise, which forgets: the steady Kalman filter's."""
-    if not past:
-        return np.zeros_like(like)
-    weights = kept * gain * (kept * (1.0 - gain)) ** np.arange(len(past) - 1, -1, -1.0)
-    return np.asarray(np.tensordot(weights, np.array(past), axes=1))
+def persistent(gain: float, kept: float, count: int) -> Array:
+    """Weights for a stationary persistent error seen through noise, which forgets: the steady Kalman filter's."""
+    return np.asarray(kept * gain * (kept * (1.0 - gain)) ** np.arange(count - 1, -1, -1.0))
 
 
 def _with_spread(

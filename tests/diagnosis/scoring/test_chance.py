@@ -14,7 +14,7 @@ from missionplan.diagnosis.scoring import expected_by_vehicle, legs
 from missionplan.diagnosis.scoring.holdout import _kept
 from missionplan.diagnosis.scoring.legs import _fix_covariance, leg_errors
 from missionplan.diagnosis.scoring.predictive import Ensemble, Mixture, Noise, Part, one_step_ahead
-from missionplan.diagnosis.scoring.yardsticks import _remembered, _smoothed, anderson_darling, with_spread, yardsticks
+from missionplan.diagnosis.scoring.yardsticks import anderson_darling, persistent, random_walk, with_spread, yardsticks
 from missionplan.errors import InputError
 from tests.diagnosis.scoring.test_score_legs import Truth, made_legs, mission
 
@@ -73,9 +73,8 @@ def test_yardsticks_are_the_recursions_that_they_are_named_after():
         for number, value in enumerate(past):
             mean = mean + gain * (value - mean) if number else value
             seen = kept * (seen + gain * (value - seen))
-        assert _smoothed(past, gain, past[0]) == pytest.approx(mean)
-        assert _remembered(past, gain, kept, past[0]) == pytest.approx(seen)
-    assert not np.any([_smoothed([], 0.2, past[0]), _remembered([], 0.2, 0.9, past[0])])
+        assert np.tensordot(random_walk(gain, len(past)), past, 1) == pytest.approx(mean)
+        assert np.tensordot(persistent(gain, kept, len(past)), past, 1) == pytest.approx(seen)
 
 
 def test_the_spread_before_a_group_is_that_of_the_errors_before_it_but_the_first():
