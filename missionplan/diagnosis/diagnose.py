@@ -127,7 +127,7 @@ def _diagnose(
     separated = _separated(bound, found, judgement, jobs)
     stage()
     decision = bound.plan_gain(mission, extended, seed=seed, jobs=jobs) if asked.plan and is_new else PlanGain()
-    trial = None
+    trial, untold = None, tuple[str, ...]()
     if asked.next_trial and is_new:
         from missionplan.diagnosis.next_trial import next_trial  # models of legs and dives, for it alone
 
@@ -135,7 +135,8 @@ def _diagnose(
         if trial.trial is not None:  # its mission names the draws that the extended one does: both lie beside them
             known: dict[str, object] = {key: extended[key] for key in ("posterior", "learned_from") if key in extended}
             trial = replace(trial, trial={**trial.trial, **known})
-    untold = () if is_new or not asked.next_trial else (NO_TRIAL,)
+    elif asked.next_trial:
+        untold = (NO_TRIAL,)
     provenance = Run("diagnose", mission, 0, seed, started=started).provenance(
         {"dataset": str(dataset), "jobs": jobs, **asdict(asked)},
         datasets=[dataset],

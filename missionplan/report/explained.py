@@ -11,13 +11,7 @@ from missionplan.report.page import Page, PageSection, Table
 from missionplan.report.quantities import span, unit_for
 from missionplan.report.simulation.quantities import requirement_in_words
 from missionplan.report.wording import in_words, listed, percent, share
-from missionplan.results.decision import (
-    Assumption,
-    ExplainedOutcome,
-    MemberOutcome,
-    differ,
-    label,
-)
+from missionplan.results.decision import Assumption, ExplainedOutcome, MemberOutcome, differ, label
 from missionplan.results.simulation import Outcome, Sensitivity
 
 DIFFER = "Which member of the current's ensemble spoils the {}"

@@ -170,7 +170,19 @@ def export(
     plan = mission_plan(mission, seed=seed, means=means, to=to)
     stem = Path(mission.file).stem or "mission"
     written = form.files(plan, stem)
-    places = _places(written, to, stem, as_path(out, "out") if out is not None else None)
+    place = as_path(out, "out") if out is not None else None
+    folder = place or Path(f"{stem}-{to}" if len(written) > 1 else "")
+    places = [folder / name for name in written]
+    if len(written) == 1 and place is not None and not is_folder(place):
+        places = [place]
+    _check(places, mission, force=force)
+    for path, content in zip(places, written.values(), strict=True):
+        write_atomically(path, content)
+    return ExportedPlan(tuple(places), plan.notes, form.lost(plan))
+
+
+def _check(places: list[Path], mission: Mission, *, force: bool) -> None:
+    """Refuse places that hold what is not to be lost."""
     sources = {path.resolve() for path in mission.sources}
     problems = []
     for path in places:
@@ -186,13 +198,3 @@ def export(
             problems.append(Problem("is a file; a folder was expected", str(folder)))
     if problems:
         raise InputError(problems)
-    for path, content in zip(places, written.values(), strict=True):
-        write_atomically(path, content)
-    return ExportedPlan(tuple(places), plan.notes, form.lost(plan))
-
-
-def _places(written: dict[str, str | bytes], to: str, stem: str, out: Path | None) -> list[Path]:
-    if len(written) == 1 and out is not None and not is_folder(out):
-        return [out]
-    folder = out or Path(f"{stem}-{to}" if len(written) > 1 else "")
-    return [folder / name for name in written]

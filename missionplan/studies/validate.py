@@ -25,13 +25,7 @@ from missionplan.scenario.ways import blocked
 from missionplan.store.folder import as_path, is_folder
 from missionplan.studies.leg_length import SweepScenario
 from missionplan.studies.optimisation import read_lattice
-from missionplan.studies.simulation import (
-    check_complete,
-    cover_in_words,
-    covered_means,
-    input_notices,
-    vehicle_notices,
-)
+from missionplan.studies.simulation import check_complete, cover_in_words, covered_means, input_notices, vehicle_notices
 
 
 @dataclass(frozen=True)

@@ -123,7 +123,7 @@ def test_the_rows_of_each_velocity_error_and_what_it_saves():
     assert answer.startswith(
         "Choose d_max = 700 m for σ_v = 0.05 m/s: the transit then takes 19.2 min on average, 6 s less than in one leg."
     )
-    told = {name: plain(value) for name, value in sweep_page._numbers(three_curves())}
+    told = {name: plain(value) for name, value in sweep_page.page(three_curves()).numbers}
     assert told["Recommended d_max"] == "700 m (0.7 of the distance)"
     assert told["Mean cost of those that arrive"] == "15.00 ± 0.10 %"
     assert plain(sweep_page._as_good_in_words(three_curves())).endswith(

@@ -15,13 +15,7 @@ from scipy.linalg import lapack
 from scipy.special import logsumexp
 
 from missionplan.arrays import Array
-from missionplan.diagnosis.coordinates import (
-    Coordinate,
-    coordinates_of,
-    estimates,
-    is_possible,
-    parameters_from,
-)
+from missionplan.diagnosis.coordinates import Coordinate, coordinates_of, estimates, is_possible, parameters_from
 from missionplan.diagnosis.given import GivenEffect, RecordPosterior, coordinate_prior, held
 from missionplan.diagnosis.inference.block_covariance import BlockCovariance
 from missionplan.diagnosis.inference.gauss_newton import (
@@ -32,11 +26,7 @@ from missionplan.diagnosis.inference.gauss_newton import (
     gauss_newton,
 )
 from missionplan.diagnosis.inference.marginal_likelihood import LOG_2PI, QUANTILE_95, Marginal
-from missionplan.diagnosis.inference.model import (
-    CauseFit,
-    FailedFit,
-    FitRequest,
-)
+from missionplan.diagnosis.inference.model import CauseFit, FailedFit, FitRequest
 from missionplan.diagnosis.inference.prior import Prior, integrated
 from missionplan.diagnosis.tank.forward import TankForward, build_effects
 from missionplan.effects import CATALOGUE

@@ -11,13 +11,7 @@ import numpy as np
 import pandas as pd
 
 from missionplan.arrays import Array
-from missionplan.datasets.tank import (
-    TANK_FORMATS,
-    DragSettings,
-    OscillationSettings,
-    TankData,
-    ThrusterSettings,
-)
+from missionplan.datasets.tank import TANK_FORMATS, DragSettings, OscillationSettings, TankData, ThrusterSettings
 from missionplan.diagnosis.coordinates import coordinates_of
 from missionplan.diagnosis.data_kind import DataKind
 from missionplan.diagnosis.given import GivenEffect

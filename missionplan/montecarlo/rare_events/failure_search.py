@@ -7,15 +7,7 @@ from typing import Generic, Protocol, TypeVar
 import numpy as np
 
 from missionplan.arrays import Array
-from missionplan.montecarlo.rare_events import (
-    CHAINS,
-    MOST_LEVELS,
-    PILOT_CHAINS,
-    SHARE,
-    STEPS,
-    run_levels,
-    run_pilots,
-)
+from missionplan.montecarlo.rare_events import CHAINS, MOST_LEVELS, PILOT_CHAINS, SHARE, STEPS, run_levels, run_pilots
 from missionplan.montecarlo.rare_events.strata import (
     Estimate,
     Model,

@@ -14,14 +14,7 @@ from missionplan.phases.hooks import TrialState
 from missionplan.phases.place import Contact, Lookout, Way
 from missionplan.phases.transit.compensation import Compensation, CompletedLeg, Memory, PlannedLeg
 from missionplan.phases.transit.ground_velocity import GroundVelocity, leg_normals
-from missionplan.phases.transit.plan import (
-    Environment,
-    LegTable,
-    LegTables,
-    TransitNormals,
-    TransitPlan,
-    column,
-)
+from missionplan.phases.transit.plan import Environment, LegTable, LegTables, TransitNormals, TransitPlan, column
 
 FARTHEST = 2e7
 """Half the Earth's circumference: a vehicle that a model carries farther from its goal is left there [m]."""

@@ -25,13 +25,7 @@ from scipy.sparse import csr_array
 from missionplan.arrays import Array
 from missionplan.phases.transit.expectation import TransitExpectation, expected_transit
 from missionplan.phases.transit.plan import LegTable
-from missionplan.phases.transit.rice_panels import (
-    TAIL,
-    Panels,
-    expectation_matrix,
-    graded_panels,
-    solve_ascending,
-)
+from missionplan.phases.transit.rice_panels import TAIL, Panels, expectation_matrix, graded_panels, solve_ascending
 
 CANDIDATES = 40
 """Leg lengths scanned at each distance left."""

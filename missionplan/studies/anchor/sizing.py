@@ -18,11 +18,7 @@ from missionplan.phases.currents import Current
 from missionplan.phases.hooks import TrialState
 from missionplan.phases.mooring.forces import DescentHooks, SteadyDescent
 from missionplan.phases.mooring.profile import simulate_profile
-from missionplan.physics.anchor import (
-    required_terminal_velocity,
-    required_terminal_velocity_vector,
-    solve_anchor,
-)
+from missionplan.physics.anchor import required_terminal_velocity, required_terminal_velocity_vector, solve_anchor
 from missionplan.physics.anchor_remedies import buildable_weights, find_remedies
 from missionplan.physics.drag import DragBuildUp, QuadraticDrag, anchor_drag, range_notes, terminal_velocity
 from missionplan.results.anchor_sizing import DesignLayer, Deviation, ProbableAnchor

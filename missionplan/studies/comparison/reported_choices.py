@@ -125,8 +125,13 @@ def check_kinds(sources: Sequence[tuple[Path, Summary]]) -> str:
         chosen = [path for (path, _), command in zip(sources, made, strict=True) if command == "optimise"]
         hint = f"what optimise chose is a mission too: {chosen[0] / 'mission-optimised.yaml'}" if chosen else ""
         raise InputError([Problem(message, hint=hint)])
-    if kinds == {"explore"}:
-        _check_keys(sources)
+    varied = []  # explorations of unlike keys have no cells in common
+    for _, summary in sources if kinds == {"explore"} else ():
+        keys = [axis.get("keys") for axis in mappings(summary.get("vary"))]
+        varied.append("+".join("+".join(map(str, each)) if isinstance(each, list) else "" for each in keys))
+    if len(set(varied)) > 1:
+        told = ", ".join(f"{path} varies {keys}" for (path, _), keys in zip(sources, varied, strict=True))
+        raise InputError([Problem(f"explorations of the same keys were expected, in the same order, but {told}")])
     return made[0]
 
 
@@ -135,17 +140,6 @@ def aim_of(summaries: Sequence[Summary]) -> Aim:
     found = {each.get("aim") for each in summaries}
     (aim,) = found if len(found) == 1 else ("success",)
     return next((each for each in get_args(Aim) if each == aim), "success")
-
-
-def _check_keys(sources: Sequence[tuple[Path, Summary]]) -> None:
-    """Refuse explorations of unlike keys: their cells have nothing in common."""
-    varied = []
-    for _, summary in sources:
-        keys = [axis.get("keys") for axis in mappings(summary.get("vary"))]
-        varied.append("+".join("+".join(map(str, each)) if isinstance(each, list) else "" for each in keys))
-    if len(set(varied)) > 1:
-        listed = ", ".join(f"{path} varies {keys}" for (path, _), keys in zip(sources, varied, strict=True))
-        raise InputError([Problem(f"explorations of the same keys were expected, in the same order, but {listed}")])
 
 
 def _texts(value: object) -> dict[str, str]:

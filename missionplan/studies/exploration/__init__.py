@@ -140,22 +140,14 @@ def read_axis(mission: Mission, text: str) -> Axis:
         raise _wrong(f"given {shown(values)}, expected FROM:TO:STEP, numbers with units", _EXAMPLE)
     if len(matches) < len(parts):  # whatever YAML takes them for
         return Axis(keys, tuple(yaml.safe_load(part) for part in parts), tuple(parts))
-    numbers, unit = _in_one_unit(matches)
-    return _axis(keys, steps(*numbers) if ranged else numbers, unit)
+    return _axis(keys, matches, ranged=ranged)
 
 
-def _axis(keys: tuple[str, ...], numbers: Sequence[float], unit: str) -> Axis:
-    """Return an axis of numbers with a unit as the mission file takes them; bare whole numbers stay whole."""
-    texts = [f"{number:.10g}" for number in numbers]
-    if unit:
-        values: tuple[object, ...] = tuple(f"{text} {unit}" for text in texts)
-    else:
-        values = tuple(int(number) if float(number).is_integer() else float(number) for number in numbers)
-    return Axis(keys, values, tuple(texts), tuple(float(text) for text in texts), unit)
+def _axis(keys: tuple[str, ...], matches: Sequence["re.Match[str]"], *, ranged: bool) -> Axis:
+    """Return an axis of numbers, or of a range, in the unit of the last; a bare one takes the unit of the next.
 
-
-def _in_one_unit(matches: Sequence["re.Match[str]"]) -> tuple[list[float], str]:
-    """Return numbers in the unit of the last; a bare one takes the unit of the next."""
+    Values are as the mission file takes them: bare whole numbers stay whole.
+    """
     unit = last = (matches[-1][2] or "").strip()
     numbers: list[float] = []
     for match in reversed(matches):
@@ -164,7 +156,12 @@ def _in_one_unit(matches: Sequence["re.Match[str]"]) -> tuple[list[float], str]:
             numbers.append(float(match[1]) if last == unit else parse_number_with_unit(f"{match[1]} {last}", unit))
         except QuantityError as error:
             raise _wrong(str(error)) from None
-    return numbers[::-1], unit
+    numbers = steps(*numbers[::-1]) if ranged else numbers[::-1]
+    texts = [f"{number:.10g}" for number in numbers]
+    values: tuple[object, ...] = tuple(f"{text} {unit}" for text in texts)
+    if not unit:
+        values = tuple(int(number) if float(number).is_integer() else float(number) for number in numbers)
+    return Axis(keys, values, tuple(texts), tuple(float(text) for text in texts), unit)
 
 
 def steps(first: float, last: float, step: float) -> list[float]:

@@ -179,7 +179,9 @@ def explore(
     axes = read_axes(mission, [vary] if isinstance(vary, str) else list(vary))
     columns = _columns(mission, quantities)
     places = list(itertools.product(*(range(len(axis.values)) for axis in axes)))
-    _check_size(len(places), trials)
+    if (whole := len(places) * trials) > MAX_TRIALS:
+        message = f"{len(places)} cells of {trials} trials are {whole:.3g}, expected at most {MAX_TRIALS:.3g}"
+        raise InputError([Problem(message, key="trials", hint="fewer trials, or fewer cells")])
     task = CellTask.of(mission, axes, seed, columns)
     folder = as_path(checkpoint, "checkpoint") if checkpoint is not None else None
     store = Checkpoints(folder, task.identity(mission, axes), resume=resume) if folder else None
@@ -244,12 +246,6 @@ def _columns(mission: Mission, quantities: Sequence[str]) -> tuple[str, ...]:
     if problems:
         raise InputError(problems)
     return tuple(dict.fromkeys(found))
-
-
-def _check_size(cells: int, trials: int) -> None:
-    if cells * trials > MAX_TRIALS:
-        message = f"{cells} cells of {trials} trials are {cells * trials:.3g}, expected at most {MAX_TRIALS:.3g}"
-        raise InputError([Problem(message, key="trials", hint="fewer trials, or fewer cells")])
 
 
 def _check_any_runs(cells: Sequence[Cell]) -> None:

@@ -154,19 +154,20 @@ def page(found: Exploration) -> Page:
     """Build the page."""
     what, is_line = " and ".join(name_of(axis) for axis in found.axes), len(found.axes) == 1
     mapped = [] if is_line else quantities_shown(found)
-    all_shown = is_line and len(found.cells) <= 5 * _MOST_ROWS and not all(cell.as_good for cell in found.cells)
+    numbers = [(f"{capitalised(tried(found))} tried", str(len(found.cells)))]
+    numbers.append(("Trials of each", str(found.provenance.trials)))
+    if found.best_cell is not None:
+        numbers.insert(0, ("P(success) of the best", percent(found.best_cell.success)))
     return Page(
         title=f"Which {what}? {found.provenance.mission}",
         answer=answer(found),
         draw=lambda: curves_figure(found) if is_line else maps_figure(found, "success"),
-        numbers=_numbers(found),
+        numbers=numbers,
         write=lambda: [
             *([PageSection("What it costs", [maps_figure(found, key) for key in mapped])] if mapped else []),
             *_good(found),
             *members_section(found.members, "mission", "success (95 % interval)", _SAILED),
-            *_front(found),
-            *([PageSection("All that was tried", [_table(found, found.cells)])] if all_shown else []),
-            *_invalid(found),
+            *_others(found),
         ],
         verdict=_verdict(found),
         rerun=_rerun(found),
@@ -194,16 +195,6 @@ def _verdict(found: Exploration) -> str:
     if not found.any_meets_all:
         return "bad"
     return "good" if any(cell.status == "met" for cell in found.cells) else "undecided"
-
-
-def _numbers(found: Exploration) -> list[tuple[str, str]]:
-    numbers = [
-        (f"{capitalised(tried(found))} tried", str(len(found.cells))),
-        ("Trials of each", str(found.provenance.trials)),
-    ]
-    if found.best_cell is not None:
-        numbers.insert(0, ("P(success) of the best", percent(found.best_cell.success)))
-    return numbers
 
 
 def _shown(found: Exploration, cell: Cell, key: str, *, alone: bool = False) -> str:
@@ -246,7 +237,8 @@ def _good(found: Exploration) -> Iterator[PageSection]:
         yield PageSection(capitalised(f"{best} is the best{more}"), [text, _table(found, good)])
 
 
-def _front(found: Exploration) -> Iterator[PageSection]:
+def _others(found: Exploration) -> Iterator[PageSection]:
+    """Yield the front of what can be had, all cells of a few along one key, and what cannot be run."""
     front = [cell for cell in found.cells if cell.on_front]
     figure = front_figure(found)
     if figure is not None and len(front) > 1:
@@ -254,9 +246,9 @@ def _front(found: Exploration) -> Iterator[PageSection]:
         shown_above = all(cell.as_good for cell in front)
         table = [] if shown_above else [_table(found, sorted(front, key=lambda cell: -cell.success.value))]
         yield PageSection(heading, [figure, *table])
-
-
-def _invalid(found: Exploration) -> Iterator[PageSection]:
+    few = len(found.axes) == 1 and len(found.cells) <= 5 * _MOST_ROWS
+    if few and not all(cell.as_good for cell in found.cells):
+        yield PageSection("All that was tried", [_table(found, found.cells)])
     unrun = [cell for cell in found.cells if cell.reason]
     if unrun:
         first = {cell.reason: cell for cell in reversed(unrun)}

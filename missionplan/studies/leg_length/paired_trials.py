@@ -54,18 +54,6 @@ class ErrorScenario:
     surface: tuple[float, float] = (0.0, 0.0)
     """At the surface, beyond the mission's current, east and north [m/s]."""
 
-    def applied_to(self, plan: TransitPlan) -> TransitPlan:
-        """Replace the velocity error of a plan."""
-        error = plan.velocity_error
-        shifted = VelocityError(error.mean + np.array(self.mean)[:, None], error.root * self.sigma_factor)
-        return replace(plan, velocity_error=shifted)
-
-    def applied_to_surface(self, environment: Environment) -> Environment:
-        """Add the drift at the surface."""
-        if not any(self.surface):
-            return environment
-        return replace(environment, effects=(*environment.effects, _AddedDrift(*self.surface)))
-
 
 @dataclass(frozen=True)
 class _AddedDrift(TransitEffect):
@@ -166,13 +154,17 @@ def run_plans(
     """
     drawn = scenario.means.sampled(seed=seed, block=block, size=size)
     state = scenario.state(drawn, seed, block, size)
-    normals, environment = scenario.normals(seed, block), case.applied_to_surface(scenario.environment(drawn))
-    is_shared = not (tracked or wrap_compensation)
+    normals, environment = scenario.normals(seed, block), scenario.environment(drawn)
+    if any(case.surface):
+        environment = replace(environment, effects=(*environment.effects, _AddedDrift(*case.surface)))
+    together = 1 if tracked or wrap_compensation else max(TRIALS_TOGETHER // size, 1)
     if wrap_compensation is not None:
         environment = replace(environment, compensation=wrap_compensation(environment.compensation))
     for factor, alike in itertools.groupby(plans, key=lambda legs: legs.speed_factor):
-        plan, lengths = case.applied_to(scenario.plan(0, drawn, factor)), [legs.d_max for legs in alike]
-        together = max(TRIALS_TOGETHER // size, 1) if is_shared else 1
+        plan, lengths = scenario.plan(0, drawn, factor), [legs.d_max for legs in alike]
+        error = plan.velocity_error
+        error = VelocityError(error.mean + np.array(case.mean)[:, None], error.root * case.sigma_factor)
+        plan = replace(plan, velocity_error=error)
         for first in range(0, len(lengths), together):
             chosen = lengths[first : first + together]
             if len(chosen) == 1:

@@ -35,17 +35,23 @@ _FEWEST_FOR_TEETH = 12
 def page(sweep: Sweep) -> Page:
     """Build the page of a sweep."""
     curve = sweep.middle
+    chosen = curve.recommended
+    what = "Recommended d_max" if curve.reaches(chosen) else "Best d_max, failures counted"
     meets = sweep.judged is None or sweep.judged.requirements_met
     toothed = has_teeth(curve, sweep.critical_points)
     surfacings = (
         f"With the d_max chosen for σ_v = {quantity(curve.sigma, 'm/s', 'g')} the vehicle surfaces "
-        f"{curve.recommended.surfacings:.1f} times on average"
+        f"{chosen.surfacings:.1f} times on average"
     )
     return Page(
         title=f"Maximum leg length for {phase_in_words(sweep.phase)}: {sweep.provenance.mission}",
         answer=answer(sweep),
         draw=lambda: cost_figure(sweep),
-        numbers=_numbers(sweep),
+        numbers=[
+            (what, f"{length_in_words(chosen.d_max)} ({number(chosen.d_max_over_distance)} of the distance)"),
+            ("Trials that arrive with it", percent(chosen.arrived)),
+            ("Mean cost of those that arrive", with_error(chosen.cost, chosen.standard_error, PERCENT)),
+        ],
         write=lambda: [
             PageSection(_choice_heading(sweep), [choice_table(sweep), _as_good_in_words(sweep)]),
             *_explanation_section(sweep),
@@ -56,7 +62,7 @@ def page(sweep: Sweep) -> Page:
             PageSection(surfacings, [surfacings_figure(sweep), "The surfacing on arrival is counted."]),
             PageSection("The numbers behind the curves", [cost_table(sweep)]),
         ],
-        verdict="" if meets and curve.reaches(curve.recommended) else "bad",
+        verdict="" if meets and curve.reaches(chosen) else "bad",
         table=lambda: _chosen_rows(sweep),
         plots={"cost": draw_costs, "surfacings": draw_surfacings},
     )
@@ -128,17 +134,6 @@ def _against_one_leg(sweep: Sweep) -> str:
     if curve.recommended_saves > 2.0 * _saving_error(sweep, curve):
         return f", {time_in_words(curve.recommended_saves)} less than in one leg"
     return "; one leg does as well"
-
-
-def _numbers(sweep: Sweep) -> list[tuple[str, str]]:
-    curve = sweep.middle
-    chosen = curve.recommended
-    what = "Recommended d_max" if curve.reaches(chosen) else "Best d_max, failures counted"
-    return [
-        (what, f"{length_in_words(chosen.d_max)} ({number(chosen.d_max_over_distance)} of the distance)"),
-        ("Trials that arrive with it", percent(chosen.arrived)),
-        ("Mean cost of those that arrive", with_error(chosen.cost, chosen.standard_error, PERCENT)),
-    ]
 
 
 def _saving_error(sweep: Sweep, curve: SweepCurve) -> float:

@@ -11,11 +11,7 @@ from numpy.typing import NDArray
 
 from missionplan.arrays import Array, Scalars
 from missionplan.diagnosis.given import GivenEffect, held
-from missionplan.diagnosis.inference.marginal_likelihood import (
-    Marginal,
-    gaussian_log_density,
-    gaussian_marginal,
-)
+from missionplan.diagnosis.inference.marginal_likelihood import Marginal, gaussian_log_density, gaussian_marginal
 from missionplan.diagnosis.legs.likelihood.hyperparameters import (
     Hyperparameter,
     HyperparameterValues,
