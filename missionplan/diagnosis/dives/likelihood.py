@@ -70,9 +70,12 @@ class NoiseGridLikelihood:
         return Marginal(found.log_density, found.mean[:-1], found.covariance[:-1, :-1])
 
     def _at(self, index: int, prior_sd: Array, dives: NDArray[np.int_] | slice) -> tuple[Array, Array, float, int]:
-        """Inner products of some dives at one noise, prior, ln |covariance|, and number of readings."""
+        """Inner products of some dives at one noise, prior with the curvature's, ln |covariance|, number of readings."""
         gram, log_determinant = self.grams[index, dives].sum(axis=0), float(self.log_determinants[index, dives].sum())
-        return gram, _with_shared(prior_sd, noise_grid()[index]), log_determinant, int(self.counts[dives].sum())
+        # the scatter of the release delay smooths the jerk of every dive to the same side: one coefficient for all
+        scatter, is_diagonal = noise_grid()[index].scatter, prior_sd.ndim == 1
+        prior = np.append(prior_sd, scatter) if is_diagonal else np.asarray(block_diag(prior_sd, [scatter]))
+        return gram, prior, log_determinant, int(self.counts[dives].sum())
 
 
 @dataclass(frozen=True)
@@ -84,19 +87,15 @@ class DescentLikelihood(LinearisedDescent):
 
         The part of the readings due to causes with shape parameters is uncertain by a smooth factor, `SHAPE_SD`.
         """
+        known = self._known_fixed_covariances  # of the readings, which no fit changes
+        if noises not in known:
+            known[noises] = [sensor_and_turbulence_covariance(log.t, log.sd, noises) for log in self.forward.logs]
         return [
             fixed
             + dive_to_dive_covariance(linear.sensitivities[rows], linear.curvature[rows], noises)
             + shape_error_covariance(log.t, linear.shaped[rows])
-            for fixed, log, rows in zip(self._fixed_covariances(noises), self.forward.logs, self.parts, strict=True)
+            for fixed, log, rows in zip(known[noises], self.forward.logs, self.parts, strict=True)
         ]
-
-    def _fixed_covariances(self, noises: tuple[Noise, ...]) -> list[Array]:
-        """Covariance of each dive's readings that no fit changes, at each of g noises, shape (g, m, m) [m²]."""
-        known = self._known_fixed_covariances
-        if noises not in known:
-            known[noises] = [sensor_and_turbulence_covariance(log.t, log.sd, noises) for log in self.forward.logs]
-        return known[noises]
 
     @cached_property
     def _known_fixed_covariances(self) -> dict[tuple[Noise, ...], list[Array]]:
@@ -137,15 +136,6 @@ class DescentLikelihood(LinearisedDescent):
         known = np.where(finite, residuals, 0.0)
         logs = np.stack([self.covariance(linear, noise, prior_sd).log_densities(known) for noise in noises])
         return np.where(finite, logs, -np.inf)
-
-
-def _with_shared(prior_sd: Array, noise: Noise) -> Array:
-    """Prior standard deviations of the coordinates, or their factor, then of the curvature.
-
-    The scatter of the release delay smooths the jerk of every dive to the same side, hence one coefficient for all.
-    """
-    scatter = noise.scatter
-    return np.append(prior_sd, scatter) if prior_sd.ndim == 1 else np.asarray(block_diag(prior_sd, [scatter]))
 
 
 def inner_products(covariance: Array, columns: Array) -> tuple[Array, Array]:

@@ -247,20 +247,21 @@ class LinearisedDescent(DescentPriors):
         """Most likely release delay of each dive under b settings, given what else differs between dives, (b, d) [s].
 
         Where the vehicle starts with a jerk its readings are linear in the delay over a few hundredths of a second
-        only, less than the scatter of delays: hence a linearisation about each dive's own.
+        only, less than the scatter of delays: hence a linearisation about each dive's own, by Gauss–Newton steps.
         """
         delays: Array = np.zeros((histories.settings, len(self.parts)))
         for _ in range(DELAY_ITERATIONS):
             readings, later = histories.readings(delays), histories.readings(delays + DELAY_STEP)
             residuals, columns = self.y[:, None] - readings, (later - readings) / DELAY_STEP
-            delays = np.array(
-                [
-                    _gauss_newton_delays(covariance, residuals[rows], columns[rows], own)
-                    for covariance, rows, own in zip(
-                        self._covariances_at_known_delay, self.parts, delays.T, strict=True
-                    )
-                ]
-            ).T
+            steps = []
+            for covariance, rows, own in zip(self._covariances_at_known_delay, self.parts, delays.T, strict=True):
+                precision, found = np.linalg.inv(covariance), []
+                pairs = (np.ascontiguousarray(values[rows].T) for values in (columns, residuals))
+                for column, residual, delay in zip(*pairs, own, strict=True):  # one by one: the same bits always
+                    weights = precision @ column
+                    found.append(weights @ (residual + delay * column) / (weights @ column + DIVE_SD["release"] ** -2))
+                steps.append(np.clip(found, -LARGEST_RELEASE_DELAY, LARGEST_RELEASE_DELAY))
+            delays = np.array(steps).T
         return delays
 
     @cached_property
@@ -279,18 +280,3 @@ class LinearisedDescent(DescentPriors):
             )[0]
             for log, rows in zip(self.forward.logs, self.parts, strict=True)
         ]
-
-
-def _gauss_newton_delays(covariance: Array, residuals: Array, columns: Array, delays: Array) -> Array:
-    """Release delays of a dive under b settings after one Gauss–Newton step each, shape (b,) [s].
-
-    `covariance`, (m, m): of the dive's readings, its delay known [m²]. `residuals`, `columns`, (m, b): of its readings
-    [m], and their derivative along the delay [m/s]. `delays`, (b,): before the step [s].
-    """
-    precision = np.linalg.inv(covariance)
-    found = []
-    pairs = (np.ascontiguousarray(values.T) for values in (columns, residuals))
-    for column, residual, delay in zip(*pairs, delays, strict=True):  # one by one: the same bits whatever the others
-        weights = precision @ column
-        found.append(weights @ (residual + delay * column) / (weights @ column + DIVE_SD["release"] ** -2))
-    return np.asarray(np.clip(found, -LARGEST_RELEASE_DELAY, LARGEST_RELEASE_DELAY))

@@ -242,7 +242,8 @@ def binned(
 def _doubts_of_metres(measured: Sequence[MeasuredDive], dives: Sequence[DiveLog]) -> list[str]:
     """Warn, without converting, when depths look like feet: deeper than the site, or faster than such a vehicle."""
     ratio = float(np.median([dive.depth.max() / dive.site_depth for dive in measured]))
-    rate = float(np.median([_final_rate(dive) for dive in dives]))
+    halves = [(dive.t[len(dive.t) // 2 :], dive.depth[len(dive.t) // 2 :]) for dive in dives]
+    rate = float(np.median([float(np.polyfit(t, depth, 1)[0]) for t, depth in halves]))
     if ratio > TOO_DEEP:
         seen = f"depths reach {ratio:.1f} times the depth of the site"
     elif rate > TOO_FAST:
@@ -250,9 +251,3 @@ def _doubts_of_metres(measured: Sequence[MeasuredDive], dives: Sequence[DiveLog]
     else:
         return []
     return [f"{seen}: are they in feet (0.3048 m)? Nothing was converted"]
-
-
-def _final_rate(dive: DiveLog) -> float:
-    """Rate of descent in the second half of a log [m/s]."""
-    half = len(dive.t) // 2
-    return float(np.polyfit(dive.t[half:], dive.depth[half:], 1)[0])

@@ -8,6 +8,7 @@ Table 25.10).
 import itertools
 import math
 from collections.abc import Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -33,8 +34,13 @@ def log_gains(model: DescentLikelihood, fits: Sequence[CauseFit], supersets: Seq
     """Return what further causes add to the log evidence of fits, shape (s,) for the supersets of each."""
     if not fits:
         return []
-    columns = _columns(model, fits)
-    return [_gains_where_known(model, fit, sets, own) for fit, sets, own in zip(fits, supersets, columns, strict=True)]
+    found = []
+    for fit, sets, own in zip(fits, supersets, _columns(model, fits), strict=True):
+        gains = np.full(len(sets), np.nan)
+        with suppress(np.linalg.LinAlgError):  # the linearisation has no numbers for them
+            gains = _gains(model, fit, sets, own)
+        found.append(np.where(np.isnan(gains), -np.inf, gains))
+    return found
 
 
 @dataclass(frozen=True)
@@ -89,17 +95,6 @@ def _other_shapes(model: DescentLikelihood, fit: CauseFit) -> tuple[list[int], A
             strengths.append(strength)
             settings.append(moved[:, None])
     return strengths, np.concatenate(settings, axis=1)
-
-
-def _gains_where_known(
-    model: DescentLikelihood, fit: CauseFit, sets: Sequence[Causes], columns: _FurtherColumns
-) -> Array:
-    """Gains of the supersets of one fit; none where the linearisation has no numbers for them."""
-    try:
-        gains = _gains(model, fit, sets, columns)
-    except np.linalg.LinAlgError:
-        return np.full(len(sets), -np.inf)
-    return np.where(np.isnan(gains), -np.inf, gains)
 
 
 def _gains(model: DescentLikelihood, fit: CauseFit, sets: Sequence[Causes], columns: _FurtherColumns) -> Array:

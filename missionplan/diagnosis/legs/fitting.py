@@ -1,6 +1,5 @@
 """Fits of sets of causes to a navigation log: hyperparameters by Laplace's method, coefficients exactly."""
 
-import itertools
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
@@ -189,7 +188,10 @@ class TransitFitting(TransitCovariance):
         starts, covariance = _starts(hyperparameters, near)
         slabs = np.array([coordinate.slab for coordinate in self.coordinates])
         nonlinear = bool(forms.modulated) or any(not CATALOGUE[name].linear for name in causes)
-        about = self._starting_mean(causes, near) if nonlinear else self.expected
+        about = self.expected.copy()
+        for other in reversed(near) if nonlinear else ():  # where fits have the causes under slabs
+            own = [i for name in causes for i in other.linear.slabs.get(name, ())]
+            about[own] = other.mean[own]
         for iteration in range(MAX_LINEARISATIONS):
             linear = self.linearised(causes, about, forms)
             posterior = self._posterior(hyperparameters, starts, covariance, linear, rows, integrate=integrate)
@@ -200,14 +202,6 @@ class TransitFitting(TransitCovariance):
             if not nonlinear or (iteration and np.max(moved / slabs) < CONVERGED):
                 break
         return state
-
-    def _starting_mean(self, causes: Causes, near: Sequence[TransitState]) -> Array:
-        """Coordinates of a set's causes from fits that have them under slabs; else as the mission expects."""
-        mean = self.expected.copy()
-        for state in reversed(near):
-            own = [i for name in causes for i in state.linear.slabs.get(name, ())]
-            mean[own] = state.mean[own]
-        return mean
 
     def _posterior(
         self,
@@ -247,7 +241,10 @@ class TransitFitting(TransitCovariance):
         )
         random = (*causes, *(each.effect for each in held(self.given_in_covariance, causes)))
         together = together.joined(state.noise(random)).joined(wandering)
-        given = self._given_estimates(causes, state, covariance)
+        # what is known of the mission's own effects after this record, those that changed left out
+        given = RecordPosterior(self.coordinates, state.mean, covariance).known(tied(held(self.given_in_mean, causes)))
+        for each in held(self.given_in_covariance, causes):
+            given += state.estimates((each.effect,))
         return CauseFit(causes, evidence, found, calibration, is_possible(found), state, given, together)
 
     def _spread(self, causes: Causes, state: TransitState) -> Array:
@@ -280,12 +277,6 @@ class TransitFitting(TransitCovariance):
             logs.append(math.log(ratio))
             variances.append(min(sd, 1.0) ** 2)
         return JointPosterior(tuple(shapes), np.array(logs), np.diag(variances).reshape(len(logs), len(logs)))
-
-    def _given_estimates(self, causes: Causes, state: TransitState, spread: Array) -> tuple[ParameterEstimate, ...]:
-        """What is known of the mission's own effects after this record, those that changed left out."""
-        found = RecordPosterior(self.coordinates, state.mean, spread).known(tied(held(self.given_in_mean, causes)))
-        random = (state.estimates((each.effect,)) for each in held(self.given_in_covariance, causes))
-        return found + tuple(itertools.chain.from_iterable(random))
 
 
 def by_quantiles(estimate: ParameterEstimate, quantiles: Array | None) -> ParameterEstimate:

@@ -28,9 +28,6 @@ from missionplan.diagnosis.legs.fit_checks import (
     aliases,
     not_constant,
     one_step,
-    transit_misfit,
-    transit_residuals,
-    transit_share,
     wrong_fixes,
 )
 from missionplan.diagnosis.legs.likelihood.covariance import FIX_UNSTATED
@@ -51,6 +48,8 @@ from missionplan.results.learned.evidence import Alias, Causes, WrongFix
 from missionplan.scenario.scenario import Scenario
 from missionplan.scenario.site_current import recorded_current
 
+LEGS_TOGETHER = 32
+"""Legs over which position errors are added up for the misfit in words."""
 DRAWS = 512
 """Draws of the mission from which its own uncertainty of the current is taken."""
 
@@ -224,16 +223,56 @@ class TransitKind(DataKind):
         return self.model.coordinates
 
     def residual_table(self, base: CauseFit, best: CauseFit) -> pd.DataFrame:
-        """Return one row a leg."""
-        return transit_residuals(self.model, best)
+        """Return one row a leg: velocity errors, what the mission expects, and the errors left with both models.
+
+        `residual_base` is data less the mission's expectation, `residual_extended` the error of predicting the leg
+        from those before it.
+        """
+        model, data = self.model, self.model.data
+        plain = model.axes @ model.y
+        ahead = model.axes @ (model.one_step_errors(best) if best.causes else model.y)
+        velocities = {"error": data.velocity_error, "expected": model.base}
+        velocities |= {"residual_base": plain, "residual_extended": ahead}
+        return pd.DataFrame(
+            {
+                "leg": data.labels,
+                "t_start_s": data.t_start,
+                "duration_s": data.under_way,
+                "surface_s": data.surface,
+                "x_start_m": data.start[0],
+                "y_start_m": data.start[1],
+                "heading_deg": np.degrees(np.arctan2(*model.leg.along)) % 360.0,
+                **{
+                    f"{n}_{way}_m_s": each[k]
+                    for n, each in velocities.items()
+                    for k, way in enumerate(("east", "north"))
+                },
+            }
+        )
 
     def misfit(self, residuals: pd.DataFrame) -> str:
-        """Describe how errors add up over many legs."""
-        return transit_misfit(self.model)
+        """Describe how errors add up over many legs, beside independent errors of the mission's size."""
+        model, data = self.model, self.model.data
+        count = min(LEGS_TOGETHER, data.n)
+        moved = (model.axes @ model.y) * data.under_way
+        sums = np.stack([moved[:, k : k + count].sum(axis=1) for k in range(data.n - count + 1)])
+        measured = math.sqrt(float(np.mean(np.sum(sums**2, axis=1))))
+        variance = np.trace(model.covariance) * data.under_way**2 + 4.0 * max(model.fix_error, 0.0) ** 2
+        expected = math.sqrt(count * float(np.mean(variance)))
+        ratio = measured / expected
+        words = f"{ratio:.1f} times" if not 0.95 < ratio < 1.05 else "about"
+        row = " in a row" if count < data.n else ""
+        rms = math.sqrt(float(np.mean(np.sum(model.y**2, axis=0))))
+        return (
+            f"Over {count} legs{row} the errors add up to {words} what the mission expects ({measured / 1000.0:.2f} km "
+            f"against {expected / 1000.0:.2f} km); a leg errs by {100.0 * rms:.1f} cm/s rms."
+        )
 
     def shares_explained(self, base: CauseFit, fits: Sequence[CauseFit], residuals: pd.DataFrame) -> list[float]:
         """Return the share of the squared velocity errors that each fit predicts one leg ahead."""
-        return [transit_share(self.model, fit) for fit in fits]
+        before = max(float(np.sum(self.model.y**2)), 1e-30)
+        left = (np.sum(self.model.one_step_errors(fit) ** 2) for fit in fits)
+        return [float(np.clip(1.0 - each / before, 0.0, 1.0)) for each in left]
 
     def extended_mission(self, best: CauseFit) -> dict[str, object]:
         """Return the mission's data with the noise as fitted, and the place and time to which phases refer."""

@@ -138,17 +138,13 @@ def _from_record(data: TankData, settings: OscillationSettings) -> TankAnalysis:
     record_sd = settings.noise.displacement
     parameters = starting_values(time, record)
 
-    def linear(values: Array) -> Array:
-        f, start, velocity, offset, delta = values
-        return np.asarray(offset + osc.displacement(time, start, velocity, f, delta, 0.0))
-
-    def both(values: Array) -> Array:
-        f, start, velocity, offset, delta, beta = values
-        return np.asarray(offset + osc.displacement(time, start, velocity, f, delta, beta))
+    def swing(values: Array) -> Array:
+        f, start, velocity, offset, delta, *beta = values
+        return np.asarray(offset + osc.displacement(time, start, velocity, f, delta, beta[0] if beta else 0.0))
 
     quadratic = FitParameter("quadratic_rate", "β", "1/m", 0.1 / (float(np.ptp(record)) / 2.0), low=0.0)
-    simple = fit("linear damping", linear, parameters, record, record_sd, in_sequence=True)
-    richer = fit("linear and quadratic damping", both, [*parameters, quadratic], record, record_sd, in_sequence=True)
+    simple = fit("linear damping", swing, parameters, record, record_sd, in_sequence=True)
+    richer = fit("linear and quadratic damping", swing, [*parameters, quadratic], record, record_sd, in_sequence=True)
     fits = preferred_first(simple, richer)
     best, widened = fits[0], fits[0].widened
     physical = _physical(best, settings.stiffness, settings.mass)

@@ -242,19 +242,14 @@ def _static_fits(command: Array, thrust: Array, thrust_sd: float | None, unit: s
     largest = float(np.abs(command).max())
     deadband = FitParameter("deadband", "V₀", unit, 0.02 * largest, 0.0, largest)
 
-    def constants(values: Array) -> tuple[float, float]:
-        by_side = dict(zip([p.name for p in parameters], values, strict=False))
-        return by_side.get("ahead", 0.0), by_side.get("astern", 0.0)
+    every = [*parameters, deadband]
 
-    def without(values: Array) -> Array:
-        return np.asarray(bollard_pull(command, *constants(values)))
+    def pull(values: Array) -> Array:
+        known = dict(zip([each.name for each in every], values, strict=False))
+        return np.asarray(bollard_pull(command, *(known.get(name, 0.0) for name in ("ahead", "astern", "deadband"))))
 
-    def with_deadband(values: Array) -> Array:
-        return np.asarray(bollard_pull(command, *constants(values[:-1]), values[-1]))
-
-    simple = fit("quadratic thrust", without, parameters, thrust, thrust_sd)
-    richer = fit("quadratic thrust with a deadband", with_deadband, [*parameters, deadband], thrust, thrust_sd)
-    return simple, richer
+    simple = fit("quadratic thrust", pull, parameters, thrust, thrust_sd)
+    return simple, fit("quadratic thrust with a deadband", pull, every, thrust, thrust_sd)
 
 
 def _asymmetry(best: FittedModel) -> tuple[str, ...]:

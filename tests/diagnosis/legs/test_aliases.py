@@ -18,9 +18,8 @@ from missionplan.diagnosis.legs.fit_checks import (
     _log_evidence,
     _matters_from,
     one_step,
-    transit_misfit,
 )
-from missionplan.diagnosis.legs.kind import DRAWS, _expected_velocity
+from missionplan.diagnosis.legs.kind import DRAWS, TransitKind, _expected_velocity
 from missionplan.mission import load
 from missionplan.report.render import render_report
 from tests.fixtures import TRANSIT
@@ -101,7 +100,7 @@ def test_errors_that_all_point_east_add_up_to_more_than_the_mission_expects():
     model = SimpleNamespace(
         data=data, axes=np.eye(2), y=np.tile([[0.3], [0.0]], 40), covariance=4e-4 * np.eye(2), fix_error=3.0
     )
-    assert transit_misfit(model) == (
+    assert TransitKind.misfit(SimpleNamespace(model=model), None) == (
         f"Over 32 legs in a row the errors add up to {960.0 / np.sqrt(32.0 * 44.0):.1f} times what the mission expects "
         "(0.96 km against 0.04 km); a leg errs by 30.0 cm/s rms."
     )
