@@ -38,7 +38,11 @@ class SensorLag(DescentEffect):
         averaging = np.asarray(self.averaging, dtype=float)
         constant = lag / (1.0 + averaging)
         step, rate = float(t[1] - t[0]), np.diff(depth, axis=0) / (t[1] - t[0])
-        behind = _behind(step, rate, constant)
+        # how far filters of first order are behind a depth of given rates in each step, shape (m, ...) [m]
+        decay = np.exp(-step / np.maximum(constant, SHORTEST))
+        behind = np.zeros((len(rate) + 1, *rate.shape[1:]))
+        for k in range(len(rate)):
+            behind[k + 1] = decay * behind[k] + (1.0 - decay) * constant * rate[k]
         reading = depth - behind
         window = 2.0 * lag * averaging / (1.0 + averaging)
         own = window > 0.0
@@ -46,15 +50,6 @@ class SensorLag(DescentEffect):
             trials = (values[..., own] for values in (depth, rate, behind, constant, window))
             reading[..., own] = _averaged(step, *trials)
         return reading
-
-
-def _behind(step: float, rate: Array, constant: Array) -> Array:
-    """How far filters of first order are behind a depth of given rates in each step, shape (m, ...) [m]."""
-    decay = np.exp(-step / np.maximum(constant, SHORTEST))
-    result = np.zeros((len(rate) + 1, *rate.shape[1:]))
-    for k in range(len(rate)):
-        result[k + 1] = decay * result[k] + (1.0 - decay) * constant * rate[k]
-    return result
 
 
 def _averaged(step: float, depth: Array, rate: Array, behind: Array, constant: Array, window: Array) -> Array:

@@ -62,25 +62,18 @@ def _item(item: object, path: KeyPath) -> EffectEntry | OneOf:
         if len(item) > 1:
             others = ", ".join(str(key) for key in item if key != ONE_OF)
             raise QuantityError(f"given {others} beside it, expected an item of its own", (ONE_OF,))
-        return _one_of(item[ONE_OF], path)
+        value = item[ONE_OF]
+        if not isinstance(value, list) or not value:
+            raise QuantityError("expected a list of explanations, each {probability, effects}", (ONE_OF,))
+        place = f"{key_path(path)}.{ONE_OF}"
+        found = each_read(
+            value, lambda number, item: _explanation(item, (*path, ONE_OF, number), (place, (number,))), (ONE_OF,)
+        )
+        total = sum(each.probability for each in found)
+        if total > 1.0 + ROUNDING:
+            raise QuantityError(f"the probabilities sum to {total:.6g}, expected at most 1", (ONE_OF,))
+        return OneOf(place, tuple(found))
     return replace(_entry(item), path=path)
-
-
-def _one_of(value: object, path: KeyPath) -> OneOf:
-    """Read explanations.
-
-    Raises QuantityError with every key that is wrong.
-    """
-    if not isinstance(value, list) or not value:
-        raise QuantityError("expected a list of explanations, each {probability, effects}", (ONE_OF,))
-    place = f"{key_path(path)}.{ONE_OF}"
-    found = each_read(
-        value, lambda number, item: _explanation(item, (*path, ONE_OF, number), (place, (number,))), (ONE_OF,)
-    )
-    total = sum(each.probability for each in found)
-    if total > 1.0 + ROUNDING:
-        raise QuantityError(f"the probabilities sum to {total:.6g}, expected at most 1", (ONE_OF,))
-    return OneOf(place, tuple(found))
 
 
 def _explanation(item: object, path: KeyPath, explanation: tuple[str, tuple[int, ...]]) -> Explanation:

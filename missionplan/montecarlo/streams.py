@@ -220,7 +220,14 @@ class JointDistribution:
         Raises InputError with everything that is wrong with the correlations (see `correlation_problems`).
         """
         marginals = {name: quantity for name, quantity in quantities.items() if isinstance(quantity, Distribution)}
-        return cls(marginals, *correlation_factor(quantities, correlations), streams or {})
+        # names in alphabetical order, so that the order in the file does not matter
+        problems = correlation_problems(quantities, correlations)
+        if problems:
+            raise InputError(
+                [Problem(each.message, key=key_path(("correlations", *each.path)), hint=each.hint) for each in problems]
+            )
+        correlated, matrix = _matrix(correlations)
+        return cls(marginals, correlated, np.asarray(np.linalg.cholesky(matrix), dtype=np.float64), streams or {})
 
     def draw(self, seed: int, block: int, size: int = BLOCK) -> dict[str, Array]:
         """Draw each quantity once per trial.
@@ -246,27 +253,6 @@ class JointDistribution:
             normals = mixed[name] if name in mixed else source.once(self.streams.get(name, name))
             drawn[name] = marginal.from_normal(normals[:size])
         return drawn
-
-
-def correlation_factor(
-    quantities: Mapping[str, Quantity], correlations: Sequence[Correlation]
-) -> tuple[list[str], Array]:
-    """Find the correlated quantities, and the Cholesky factor of their correlations.
-
-    Raises InputError with everything that is wrong with the correlations (see `correlation_problems`).
-
-    Returns
-    -------
-    names, factor : list of str, array of shape (k, k)
-        Names in alphabetical order, so that the order in the file does not matter, and the lower factor.
-    """
-    problems = correlation_problems(quantities, correlations)
-    if problems:
-        raise InputError(
-            [Problem(each.message, key=key_path(("correlations", *each.path)), hint=each.hint) for each in problems]
-        )
-    correlated, matrix = _matrix(correlations)
-    return correlated, np.asarray(np.linalg.cholesky(matrix), dtype=np.float64)
 
 
 def correlation_problems(quantities: Mapping[str, Quantity], correlations: Sequence[Correlation]) -> list[LocalProblem]:

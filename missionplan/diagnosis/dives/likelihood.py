@@ -70,7 +70,7 @@ class NoiseGridLikelihood:
         return Marginal(found.log_density, found.mean[:-1], found.covariance[:-1, :-1])
 
     def _at(self, index: int, prior_sd: Array, dives: NDArray[np.int_] | slice) -> tuple[Array, Array, float, int]:
-        """Inner products of some dives at one noise, prior with the curvature's, ln |covariance|, number of readings."""
+        """Inner products of some dives at a noise, prior with the curvature's, ln |covariance|, number of readings."""
         gram, log_determinant = self.grams[index, dives].sum(axis=0), float(self.log_determinants[index, dives].sum())
         # the scatter of the release delay smooths the jerk of every dive to the same side: one coefficient for all
         scatter, is_diagonal = noise_grid()[index].scatter, prior_sd.ndim == 1

@@ -118,7 +118,14 @@ def pitch_over(
     for k in range(max(1, math.ceil(min(how.time_limit, LONGEST) / step))):
         if not under_way.any():
             break
-        new = _rk4(motion, k * step, state, step)
+        # one step of the classical Runge–Kutta method
+        t = k * step
+        half = 0.5 * step
+        k1 = motion.rate(t, state)
+        k2 = motion.rate(t + half, state + half * k1)
+        k3 = motion.rate(t + half, state + half * k2)
+        k4 = motion.rate(t + step, state + step * k3)
+        new: Array = state + step / 6.0 * (k1 + 2.0 * (k2 + k3) + k4)
         np.maximum(new[0], 0.0, out=new[0])
         part = np.minimum(_share(state[1], new[1], NOSE_DOWN), _share(state[0], new[0], deepest))
         over = under_way & (part <= 1.0)
@@ -143,17 +150,6 @@ def _share(before: Array, after: Array, bound: Scalars) -> Array:
     """Share of a step at which a value reaches a bound from below; above 1 where it does not."""
     rise = after - before
     return np.where(after >= bound, (bound - before) / np.where(rise > 0.0, rise, 1.0), 2.0)
-
-
-def _rk4(motion: _Motion, t: float, state: Array, step: float) -> Array:
-    """One step of the classical Runge–Kutta method."""
-    half = 0.5 * step
-    k1 = motion.rate(t, state)
-    k2 = motion.rate(t + half, state + half * k1)
-    k3 = motion.rate(t + half, state + half * k2)
-    k4 = motion.rate(t + step, state + step * k3)
-    result: Array = state + step / 6.0 * (k1 + 2.0 * (k2 + k3) + k4)
-    return result
 
 
 def snatch_tension(dive: Dive, hooks: DescentHooks, lone: Stage) -> Array:

@@ -278,7 +278,19 @@ def integrate_tied(
         before = place, rate
         rate = rate.copy()
         forces.drag_across(place, rate, water.at(t + 0.25 * step, place + 0.25 * step * rate), 0.5 * step)
-        place, rate = _rk4(forces, t, place, rate, step)
+        # one step of the classical Runge–Kutta method for p'' = a(t, p, p')
+        half = 0.5 * step
+        k1 = forces.acceleration(t, place, rate)
+        rate2 = rate + half * k1
+        k2 = forces.acceleration(t + half, place + half * rate, rate2)
+        rate3 = rate + half * k2
+        k3 = forces.acceleration(t + half, place + half * rate2, rate3)
+        k4 = forces.acceleration(t + step, place + step * rate3, rate + step * k3)
+        k2 += k3
+        k1 += k2
+        k2 += k1
+        k2 += k4
+        place, rate = place + step * (rate + (step / 6.0) * k1), rate + (step / 6.0) * k2
         forces.hold(place, rate)
         forces.drag_across(place, rate, water.at(t + 0.75 * step, place - 0.25 * step * rate), 0.5 * step)
         ends.record(ends.landed(place), t, before, (place, rate))
@@ -290,22 +302,6 @@ def integrate_tied(
     places, rates = (np.stack(part) if how.keep else np.empty((0, *place.shape)) for part in zip(*kept, strict=True))
     stage = Stage(step, time, end.place[2], end.rate[2] - forces.water_velocity, ended, places[:, 2], rates[:, 2])
     return TiedPullDown(stage, end, places, np.zeros_like(time))
-
-
-def _rk4(forces: TiedForces, t: float, place: Array, rate: Array, step: float) -> tuple[Array, Array]:
-    """One step of the classical Runge–Kutta method for p'' = a(t, p, p')."""
-    half = 0.5 * step
-    k1 = forces.acceleration(t, place, rate)
-    rate2 = rate + half * k1
-    k2 = forces.acceleration(t + half, place + half * rate, rate2)
-    rate3 = rate + half * k2
-    k3 = forces.acceleration(t + half, place + half * rate2, rate3)
-    k4 = forces.acceleration(t + step, place + step * rate3, rate + step * k3)
-    k2 += k3
-    k1 += k2
-    k2 += k1
-    k2 += k4
-    return place + step * (rate + (step / 6.0) * k1), rate + (step / 6.0) * k2
 
 
 class _Touchdowns:

@@ -84,7 +84,15 @@ class Bellman:
         to_go = self._evaluate(left)
         _, to_go = self._iterate(left, to_go, sections=0)
         leg, to_go = self._iterate(left, to_go, sections=SECTIONS)
-        return self._resolve_jumps(left, leg, to_go)
+        # a knot at `distance`, and steep intervals halved until jumps are `JUMP` wide
+        extra = np.array([self.distance])
+        while extra.size:
+            added = self._improve(extra, *_scan(self.panels, extra, self.k, self.base), to_go, SECTIONS)
+            order = np.argsort(np.append(left, extra))
+            left, leg = np.append(left, extra)[order], np.append(leg, added)[order]
+            wide = np.flatnonzero(is_steep(left, leg) & (np.diff(left) > JUMP))
+            extra = 0.5 * (left[wide] + left[wide + 1])
+        return left, leg
 
     def _scale(self, leg: Array) -> Array:
         """Standard deviation of a leg's end on each axis [m]."""
@@ -126,17 +134,6 @@ class Bellman:
             low, high = np.where(shorter, low, inner), np.where(shorter, outer, high)
         middle: Array = 0.5 * (low + high)
         return middle
-
-    def _resolve_jumps(self, left: Array, leg: Array, to_go: Array) -> tuple[Array, Array]:
-        """Add a knot at `distance`, and halve steep intervals until jumps are `JUMP` wide."""
-        extra = np.array([self.distance])
-        while extra.size:
-            added = self._improve(extra, *_scan(self.panels, extra, self.k, self.base), to_go, SECTIONS)
-            order = np.argsort(np.append(left, extra))
-            left, leg = np.append(left, extra)[order], np.append(leg, added)[order]
-            wide = np.flatnonzero(is_steep(left, leg) & (np.diff(left) > JUMP))
-            extra = 0.5 * (left[wide] + left[wide + 1])
-        return left, leg
 
 
 def is_steep(left: Array, leg: Array) -> NDArray[np.bool_]:

@@ -60,6 +60,11 @@ _BEYOND_DOUBT = math.log(1e4)
 def page(diagnosis: Diagnosis) -> Page:
     """Build the page of a diagnosis."""
     kind = REPORTS[diagnosis.kind]
+    made = diagnosis.provenance
+    files = " ".join(shlex.quote(str(path)) for path in (made.file, made.options["dataset"]))
+    valued = " --next-trial" if diagnosis.next_trial is not None else ""
+    share = made.options.get("holdout")
+    held_out = "" if share is None else f" --holdout {share:g}"
     return Page(
         title=f"Diagnosis of {diagnosis.provenance.mission} with {diagnosis.data}",
         answer=answer(diagnosis),
@@ -67,7 +72,7 @@ def page(diagnosis: Diagnosis) -> Page:
         numbers=_numbers(diagnosis),
         write=lambda: _sections(diagnosis),
         verdict={"adequate": "good", "explained": "good", "unexplained": "bad"}.get(diagnosis.verdict, ""),
-        rerun=_rerun(diagnosis),
+        rerun=f"missionplan diagnose {files} --seed {made.seed}{valued}{held_out}",
         table=lambda: ranking_rows(diagnosis.ranking[:6]),
         sentence=f"{answer(diagnosis)}{next_trial_told(diagnosis.next_trial)}",
         plots={"ranking": draw_ranking, "held_out": draw_held_out},
@@ -100,16 +105,6 @@ def _sections(diagnosis: Diagnosis) -> list[PageSection]:
         distinction_section(diagnosis),
         PageSection("How the data were treated", blocks),
     ]
-
-
-def _rerun(diagnosis: Diagnosis) -> str:
-    """Write the command on the files it was given: the mission in the report's folder is the extended one."""
-    made = diagnosis.provenance
-    files = " ".join(shlex.quote(str(path)) for path in (made.file, made.options["dataset"]))
-    valued = " --next-trial" if diagnosis.next_trial is not None else ""
-    share = made.options.get("holdout")
-    held_out = "" if share is None else f" --holdout {share:g}"
-    return f"missionplan diagnose {files} --seed {made.seed}{valued}{held_out}"
 
 
 def answer(diagnosis: Diagnosis) -> str:

@@ -176,7 +176,9 @@ def size_class(figure: Figure) -> str:
 
 def rerun_command(provenance: Provenance) -> str:
     """Write the command that reproduces the result from the folder's own `mission.yaml`."""
-    given = {"trials": _trials(provenance), **provenance.options}
+    own = mapping(provenance.data.get("monte_carlo")).get("trials")
+    chosen = provenance.trials > 0 and not provenance.options.get("precision")
+    given = {"trials": provenance.trials if chosen and provenance.trials != own else None, **provenance.options}
     options = [
         f"--{name.replace('_', '-')} {shlex.quote(str(value))}"
         for name, value in given.items()
@@ -185,10 +187,3 @@ def rerun_command(provenance: Provenance) -> str:
     options += ["--no-assumptions"] if provenance.options.get("assumptions") is False else []
     units = [f"--units {given_units()}"] if given_units() else []
     return " ".join(["missionplan", provenance.command, "mission.yaml", f"--seed {provenance.seed}", *options, *units])
-
-
-def _trials(provenance: Provenance) -> int | None:
-    """Number of trials, where it was not the mission's, and was chosen and not reached on the way to a precision."""
-    own = mapping(provenance.data.get("monte_carlo")).get("trials")
-    chosen = provenance.trials > 0 and not provenance.options.get("precision")
-    return provenance.trials if chosen and provenance.trials != own else None
