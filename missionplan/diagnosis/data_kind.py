@@ -4,7 +4,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
 from importlib import import_module
 from pathlib import Path
-from typing import ClassVar, Protocol, Self, cast
+from typing import Protocol, Self, cast
 
 import pandas as pd
 
@@ -59,11 +59,8 @@ class BoundModel(WeighsAllSets, Protocol):
 class DataKind(ABC):
     """A kind of measured data; an instance is one data set of the kind, bound to a mission."""
 
-    ids: ClassVar[tuple[str, ...]]
-    """``kind`` in ``dataset.yaml``."""
-
     kind: str
-    """One of `ids`."""
+    """``kind`` in ``dataset.yaml``, one of `KINDS`."""
     mission: Mission
     """The base model."""
     data: Dataset
@@ -114,7 +111,7 @@ class DataKind(ABC):
     def bind(cls, kind: str, folder: Path, mission: Mission, seed: int) -> Self:
         """Read a data set and bind a mission to it.
 
-        `kind` is one of `ids`; `seed` of draws from the mission's own uncertainty, where the model needs them.
+        `kind` is one of `KINDS`; `seed` of draws from the mission's own uncertainty, where the model needs them.
 
         Raises InputError: all problems of the data set, or all that the mission lacks.
         """

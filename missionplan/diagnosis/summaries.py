@@ -179,8 +179,6 @@ def summary_model(data: SummaryData, mission: Mission) -> SummaryModel:
 class SummaryKind(DataKind):
     """A few numbers of each dive, as papers print them."""
 
-    ids = ("summary",)
-
     kind: str
     mission: Mission
     data: SummaryData

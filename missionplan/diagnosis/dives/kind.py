@@ -25,8 +25,6 @@ from missionplan.results.learned.evidence import Causes
 class DescentKind(DataKind):
     """Depth against time, dive by dive."""
 
-    ids = ("descent",)
-
     kind: str
     mission: Mission
     data: PreparedDives

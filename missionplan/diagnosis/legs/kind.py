@@ -190,8 +190,6 @@ def date_of(data: TransitData, mission: Mission) -> float:
 class TransitKind(DataKind):
     """Legs between fixes."""
 
-    ids = ("transit",)
-
     kind: str
     mission: Mission
     data: TransitData

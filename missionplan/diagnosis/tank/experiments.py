@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 
@@ -30,23 +30,18 @@ from missionplan.physics.tank import reynolds_drag_coefficient
 from missionplan.studies.identification.oscillation import starting_values
 
 
-@dataclass(frozen=True)
-class DragModel:
-    """Force ½ρA C_D U² with C_D constant, or with the vehicle file's dependence on the Reynolds number."""
+def _drag(
+    unit: Array, reynolds_ratio: Array, coefficient: float | None, values: Array, effects: Sequence[Effect]
+) -> Array:
+    """Predict the force ½ρA C_D U², shape (N, m) [N].
 
-    unit: Array
-    """Force for a coefficient of 1, shape (N,) [N]."""
-    coefficient: float | None
-    """Of the vehicle file; None where it is fitted."""
-    reynolds_ratio: Array
-    """Reynolds numbers over the one at which the coefficient is stated, shape (N,)."""
-
-    def __call__(self, values: Array, effects: Sequence[Effect]) -> Array:
-        """Predict the force, shape (N, m) [N]."""
-        coefficient: Scalars = values[0] if self.coefficient is None else self.coefficient
-        factors = [effect.drag_factor(self.reynolds_ratio[:, None]) for effect in tank_effects(effects)]
-        bias = [np.asarray(effect.lone_drag_factor()) for effect in descent_effects(effects)]
-        return np.asarray(self.unit[:, None] * coefficient * product([*factors, *bias]))
+    `unit`, (N,): force for a coefficient of 1. `reynolds_ratio`, (N,): Reynolds numbers over the one at which the
+    coefficient is stated. `coefficient`: C_D of the vehicle file; None where it is fitted.
+    """
+    level: Scalars = values[0] if coefficient is None else coefficient
+    factors = [effect.drag_factor(reynolds_ratio[:, None]) for effect in tank_effects(effects)]
+    bias = [np.asarray(effect.lone_drag_factor()) for effect in descent_effects(effects)]
+    return np.asarray(unit[:, None] * level * product([*factors, *bias]))
 
 
 def drag_forward(
@@ -82,7 +77,7 @@ def drag_forward(
         sd=sd,
         stated=stated,
         nuisances=(constant,) if coefficient is None else (),
-        predict=DragModel(unit, coefficient, reynolds / stated_at),
+        predict=partial(_drag, unit, reynolds / stated_at, coefficient),
         axes={"speed": speed},
         groups=row_blocks(len(force)),
     )
@@ -100,28 +95,21 @@ MIN_MASS_FACTOR = 0.05
 """Least factor of effects on the oscillating mass at which the model is evaluated."""
 
 
-@dataclass(frozen=True)
-class OscillationModel:
-    """Mass in air and added mass of a vehicle file on its springs, with linear damping (Avila et al., section 4.2)."""
+def oscillation(
+    time: Array, stiffness: float, mass: float, larger: float, values: Array, effects: Sequence[Effect]
+) -> Array:
+    """Predict the displacement of a mass on springs with linear damping, shape (N, m) [m] (Avila et al., sect. 4.2).
 
-    time: Array
-    """[s], shape (N,)."""
-    stiffness: float
-    mass: float
-    """Of the springs [N/m], and oscillating [kg]."""
-    release_factor: float
-    """Factor on displacement and velocity at the release, for a further measurement."""
-
-    def __call__(self, values: Array, effects: Sequence[Effect]) -> Array:
-        """Predict the displacement, shape (N, m) [m]."""
-        start, velocity, offset, log_rate = values
-        masses = [np.asarray(effect.mass_factor()) for effect in descent_effects(effects)]
-        mass = self.mass * np.maximum(product(masses), MIN_MASS_FACTOR)
-        frequency = np.broadcast_to(osc.natural_frequency(self.stiffness, mass), np.shape(start))
-        damping = sum((effect.damping() for effect in tank_effects(effects)), 0.0)
-        larger = self.release_factor
-        swing = osc.displacement(self.time, larger * start, larger * velocity, frequency, np.exp(log_rate), damping)
-        return np.asarray(offset + swing)
+    `time`, (N,) [s]. `stiffness`, `mass`: of the springs [N/m], and oscillating [kg]. `larger`: factor on displacement
+    and velocity at the release, for a further measurement.
+    """
+    start, velocity, offset, log_rate = values
+    masses = [np.asarray(effect.mass_factor()) for effect in descent_effects(effects)]
+    moved = mass * np.maximum(product(masses), MIN_MASS_FACTOR)
+    frequency = np.broadcast_to(osc.natural_frequency(stiffness, moved), np.shape(start))
+    damping = sum((effect.damping() for effect in tank_effects(effects)), 0.0)
+    swing = osc.displacement(time, larger * start, larger * velocity, frequency, np.exp(log_rate), damping)
+    return np.asarray(offset + swing)
 
 
 def oscillation_forward(
@@ -162,7 +150,7 @@ def oscillation_forward(
             Nuisance("offset_m", begin["offset"], spread),
             Nuisance("log_linear_rate", math.log(begin["linear_rate"]), 1.5),
         ),
-        predict=OscillationModel(time, stiffness, mass, release_factor),
+        predict=partial(oscillation, time, stiffness, mass, release_factor),
         axes={"time": time},
         groups=row_blocks(len(time)),
         starts=found,
@@ -191,31 +179,20 @@ AT_REST = 0.01
 """Speeds below this count as bollard pull [m/s]."""
 
 
-@dataclass(frozen=True)
-class ThrusterModel:
-    """Thrust cV|V| with one constant c for both directions, whatever the vehicle's speed."""
+def _thrust(
+    command: Array, speed: Array, area: float, density: float, values: Array, effects: Sequence[Effect]
+) -> Array:
+    """Predict the thrust cV|V|, one constant c for both directions whatever the speed, shape (N, m) [N].
 
-    command: Array
-    speed: Array
-    """Shaft rate [1/s] or voltage [V], and the vehicle's speed [m/s], shape (N,)."""
-    area: float
-    """Cross-section of the tunnel [m²]; nan where it is not known."""
-    density: float
-    """Of the water [kg/m³]."""
-
-    @property
-    def squared_command(self) -> Array:
-        """V|V|, shape (N,)."""
-        return self.command * np.abs(self.command)
-
-    def __call__(self, values: Array, effects: Sequence[Effect]) -> Array:
-        """Predict the thrust, shape (N, m) [N]."""
-        static = values[0] * self.squared_command[:, None]
-        with np.errstate(invalid="ignore", divide="ignore"):
-            jet = np.asarray(tt.jet_speed(static, self.area, self.density))
-            ratio = np.where(jet > 0.0, np.abs(self.speed)[:, None] / np.where(jet > 0.0, jet, 1.0), 0.0)
-        factors = [effect.thrust_factor(self.command[:, None], ratio) for effect in tank_effects(effects)]
-        return np.asarray(static * product(factors))
+    `command`, `speed`, (N,): shaft rate [1/s] or voltage [V], and the vehicle's speed [m/s]. `area`: cross-section of
+    the tunnel [m²]; nan where it is not known. `density`: of the water [kg/m³].
+    """
+    static = values[0] * (command * np.abs(command))[:, None]
+    with np.errstate(invalid="ignore", divide="ignore"):
+        jet = np.asarray(tt.jet_speed(static, area, density))
+        ratio = np.where(jet > 0.0, np.abs(speed)[:, None] / np.where(jet > 0.0, jet, 1.0), 0.0)
+    factors = [effect.thrust_factor(command[:, None], ratio) for effect in tank_effects(effects)]
+    return np.asarray(static * product(factors))
 
 
 def thruster_forward(data: TankData, settings: ThrusterSettings) -> TankForward:
@@ -224,8 +201,7 @@ def thruster_forward(data: TankData, settings: ThrusterSettings) -> TankForward:
     command = data.columns["voltage_v"] if "voltage_v" in data.columns else data.columns["rpm"] / 60.0
     speed = data.columns.get("speed_m_s", np.zeros_like(thrust))
     area = float(disc_area(settings.geometry.diameter)) if settings.geometry is not None else math.nan
-    model = ThrusterModel(command, speed, area, data.density)
-    squared = model.squared_command
+    squared = command * np.abs(command)
     constant = float(squared @ thrust / max(float(squared @ squared), 1e-30))
     (sd, stated), runs = noise_sd(thrust, settings.noise.thrust), data.labels.get("run", [])
     return TankForward(
@@ -240,7 +216,7 @@ def thruster_forward(data: TankData, settings: ThrusterSettings) -> TankForward:
         sd=sd,
         stated=stated,
         nuisances=(Nuisance("thrust_constant", constant, abs(constant)),),
-        predict=model,
+        predict=partial(_thrust, command, speed, area, data.density),
         axes={"command": command} | ({"speed": speed} if np.ptp(speed) > 0.0 else {}),
         # runs where the rows name more than two, else blocks of rows
         groups=np.array(runs) if len(set(runs)) > 2 else row_blocks(len(thrust)),

@@ -11,7 +11,7 @@ import numpy as np
 import pandas as pd
 
 from missionplan.arrays import Array
-from missionplan.datasets.tank import TANK_FORMATS, DragSettings, OscillationSettings, TankData, ThrusterSettings
+from missionplan.datasets.tank import DragSettings, OscillationSettings, TankData, ThrusterSettings
 from missionplan.diagnosis.coordinates import coordinates_of
 from missionplan.diagnosis.data_kind import DataKind
 from missionplan.diagnosis.given import GivenEffect
@@ -99,8 +99,6 @@ UNITS = {"force_n": ("the drag", "N"), "displacement_m": ("the displacement", "m
 @dataclass(frozen=True)
 class TankKind(DataKind):
     """Drag, free oscillations, thrusters and propeller transients."""
-
-    ids = tuple(TANK_FORMATS)
 
     kind: str
     mission: Mission

@@ -1,11 +1,12 @@
 """Effects of tank data far beyond their usual size: estimated as they are, not shrunk towards it."""
 
 import math
+from functools import partial
 
 import numpy as np
 import pytest
 
-from missionplan.diagnosis.tank.experiments import OscillationModel
+from missionplan.diagnosis.tank.experiments import oscillation
 from missionplan.diagnosis.tank.fitting import TankFitting
 from missionplan.diagnosis.tank.forward import Nuisance, TankForward
 from missionplan.effects import CATALOGUE
@@ -32,7 +33,7 @@ def swings(rate, seed=3):
             sd=np.full_like(time, NOISE),
             stated=True,
             nuisances=tuple(nuisances),
-            predict=OscillationModel(time, STIFFNESS, MASS, 1.0),
+            predict=partial(oscillation, time, STIFFNESS, MASS, 1.0),
             axes={"time": time},
             groups=np.repeat(["first", "second"], 40),
         )
