@@ -137,14 +137,14 @@ def test_tables_have_each_cell_s_numbers():
     (window, good) = pages._good(exploration())
     assert [plain(each) for each in window.blocks[0].rows[0]] == ["3 to 5 m", "3", "94.0 ± 1.5 %"]  # the least of them
     assert good.heading == "4 m is the best; 1 more are as good"
-    ((invalid),) = pages._invalid(exploration())
+    *_, invalid = pages._others(exploration())
     assert invalid.blocks[0].rows == [("7 m", "1", "the line is too long")]
     _, narrow = pages._cells(exploration())
     assert [plain(each) for each in narrow[2]] == ["4 m", "best", "97.0 %", "26.0 W h", "2.5000 h", "98.0 %"]
     assert [row[1] for row in narrow] == ["not met", "as good", "best", "met", "not met", "cannot be run"]
     assert pages._verdict(exploration()) == "good"
     assert pages._verdict(exploration([CELLS[0], CELLS[4]])) == "bad"
-    assert pages._numbers(exploration())[1:] == [("Choices tried", "6"), ("Trials of each", "1000")]
+    assert pages.page(exploration()).numbers[1:] == [("Choices tried", "6"), ("Trials of each", "1000")]
     assert (
         pages._rerun(exploration())
         == "missionplan explore mission.yaml --vary 'a=1:2:1 m' --quantity moor.offset --aim success --trials 1000 --seed 4"
@@ -221,6 +221,6 @@ def test_the_front_is_drawn_at_energy_and_success_in_the_colour_of_its_time(monk
     assert np.array(front.get_array()).tolist() == [2.0, 2.25, 2.5]
     assert np.array(others.get_offsets()).tolist() == [[27.0, 94.0], [40.0, 70.0]]
     assert figures.front_figure(exploration(CELLS[:1])) is None
-    (section,) = pages._front(exploration())
+    section, *_ = pages._others(exploration())
     assert section.heading == "3 choices trade success, energy and duration against each other"
     assert [plain(row[0]) for row in section.blocks[1].rows] == ["4 m", "3 m", "2 m"]
