@@ -158,7 +158,8 @@ class JointPosterior:
 
     def scaled(self, scale: float) -> "JointPosterior":
         """Return it with the sizes of random errors scaled."""
-        return replace(self, mean=self.mean + math.log(scale) * np.array([_is_size(c) for c in self.coordinates]))
+        sizes = [not c.effect or CATALOGUE[c.effect].parameters[c.name].is_random_size for c in self.coordinates]
+        return replace(self, mean=self.mean + math.log(scale) * np.array(sizes))
 
     def drawn(self, count: int, generator: np.random.Generator) -> dict[tuple[str, str], Array]:
         """Draw parameters by effect and name, shape (count,) each, with just this mean and covariance.
@@ -175,8 +176,8 @@ class JointPosterior:
         }
         kept = np.ones(count, dtype=bool)
         for column in found:
-            low, high = _range(column)
-            if not _is_shape(column):
+            (effect, name), (low, high) = column, _range(column)
+            if effect and not CATALOGUE[effect].parameters[name].is_shape:
                 kept &= (found[column] >= low) & (found[column] <= high)
         places = np.arange(count)
         if kept.any():
@@ -198,17 +199,6 @@ EXACT = 4
 """Draws a coordinate from which their moments are made exact."""
 SIGMA_V = Coordinate("", "sigma_v", "shape", 0.0, 0.0, 0.0)
 """The standard deviation of the velocity error, which belongs to no effect."""
-
-
-def _is_size(coordinate: Coordinate) -> bool:
-    if not coordinate.effect:
-        return True
-    return CATALOGUE[coordinate.effect].parameters[coordinate.name].is_random_size
-
-
-def _is_shape(column: tuple[str, str]) -> bool:
-    effect, name = column
-    return not effect or CATALOGUE[effect].parameters[name].is_shape
 
 
 def _range(column: tuple[str, str]) -> tuple[float, float]:

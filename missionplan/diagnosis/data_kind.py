@@ -16,7 +16,7 @@ from missionplan.diagnosis.inference.experiment_design import DirectMeasurement
 from missionplan.diagnosis.inference.model import CauseFit
 from missionplan.diagnosis.inference.selection import Selection, WeighsAllSets
 from missionplan.diagnosis.plan_gain import anchor_choice, plan_gain
-from missionplan.effects import instruments
+from missionplan.effects import CATALOGUE
 from missionplan.mission import Mission
 from missionplan.montecarlo.posterior import NOWHERE, Place
 from missionplan.results.learned import PlanGain
@@ -77,8 +77,9 @@ class DataKind(ABC):
     def direct_measurements(self) -> Mapping[str, DirectMeasurement]:
         """Instruments that measure one effect by itself, by effect, as the catalogue declares them."""
         return {
-            effect: DirectMeasurement(instrument.description, instrument.parameter, instrument.sd)
-            for effect, instrument in instruments().items()
+            info.id: DirectMeasurement(info.instrument.description, info.instrument.parameter, info.instrument.sd)
+            for info in CATALOGUE.values()
+            if info.instrument is not None
         }
 
     @property

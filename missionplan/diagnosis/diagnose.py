@@ -117,7 +117,9 @@ def _diagnose(
     is_new = not bound.is_known
     found = run_pipeline(bound.model, lambda *_: stage(), jobs, search=is_new, selection=selection)
     found = as_reported(bound, found, jobs)
-    found = found if is_new else found.without_learning(bound.known)
+    if not is_new:  # the mission's own effects are as they were known before
+        base = replace(found.selection.base, given=bound.known)
+        found = replace(found, selection=replace(found.selection, base=base), best=base)
     judgement = judge(bound, found)
     scale = judgement.coverage.scale if judgement.coverage is not None else 1.0
     explanations = with_found(explanations, found, jobs)

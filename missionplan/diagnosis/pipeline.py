@@ -1,7 +1,7 @@
 """What a diagnosis does to a model and its data, in the order of its steps, and what may be said of what it found."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import partial
 
 import numpy as np
@@ -37,7 +37,6 @@ from missionplan.results.learned.evidence import (
     Discrepancy,
     Judgement,
     OutlyingGroup,
-    ParameterEstimate,
     Readings,
     Verdict,
 )
@@ -136,11 +135,6 @@ class PipelineResult:
     def verdict(self) -> Verdict:
         """What the posterior says, whether causes hold still not asked."""
         return self.reading.verdict()
-
-    def without_learning(self, known: tuple[ParameterEstimate, ...]) -> "PipelineResult":
-        """Return what was found with the mission's own effects as they were known before."""
-        base = replace(self.selection.base, given=known)
-        return replace(self, selection=replace(self.selection, base=base), best=base)
 
 
 def run_pipeline(

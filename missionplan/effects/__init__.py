@@ -23,7 +23,7 @@ from missionplan.effects import (
     tidal_current,
 )
 from missionplan.effects.dive_responses import RESPONSES
-from missionplan.effects.info import BASES, Instrument, Phase, Scatter
+from missionplan.effects.info import BASES, Phase, Scatter
 from missionplan.effects.info import Effect as Effect
 from missionplan.effects.info import EffectInfo as EffectInfo
 from missionplan.effects.info import Parameter as Parameter
@@ -320,8 +320,3 @@ def named_effects(phase: Phase) -> tuple[EffectInfo, ...]:
 def scattering_effect(scatter: Scatter) -> str:
     """Return the effect on a descent in which dives scatter from one to the next."""
     return next(info.id for info in effects_of("descent") if info.scatter == scatter)
-
-
-def instruments() -> dict[str, Instrument]:
-    """Return, by effect, the instruments that measure one effect by itself."""
-    return {info.id: info.instrument for info in CATALOGUE.values() if info.instrument is not None}

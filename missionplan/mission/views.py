@@ -126,15 +126,6 @@ class ExplainedMission:
     mission: Mission
 
 
-def under_each_explanation(mission: Mission) -> tuple[ExplainedMission, ...]:
-    """Return the mission under each explanation of each doubt, the other doubts as they are; none without doubts."""
-    return tuple(
-        ExplainedMission(doubt.causes[number], doubt.probabilities[number], mission.knowing(doubt.place, number))
-        for doubt in mission.doubts
-        for number in doubt.told_apart
-    )
-
-
 def missing_for_transits(mission: Mission[object]) -> list[Problem]:
     """List what a mission lacks to run transits."""
     return _no_phase(mission, mission.transits, "transit") + _missing(

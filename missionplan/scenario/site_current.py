@@ -22,7 +22,7 @@ from missionplan.mission import Mission
 from missionplan.mission.includes import REMOTE
 from missionplan.mission.schema.site import CurrentFile, LeewaySection, TidalCurrent, WindFile
 from missionplan.mission.views import forecast_error, required_origin
-from missionplan.montecarlo.streams import BLOCK, CommonStreams, NormalSource, block_count, block_size
+from missionplan.montecarlo.streams import CommonStreams, NormalSource, block_count, block_size
 from missionplan.phases.currents import Current, Leeway, layers
 from missionplan.phases.ensemble import NORMALS, WAVES, Ensemble, ErringCurrent, ErrorWaves, Statistics
 from missionplan.phases.recorded_currents import EVER, RecordedCurrent, TidalStream
@@ -230,11 +230,6 @@ def under_each_member(recorded: Current | None) -> Iterator[tuple[str, float, En
     if isinstance(recorded, Ensemble):
         for number, (name, weight) in enumerate(members_of(recorded)):
             yield name, weight, replace(recorded, given=number)
-
-
-def trials_of_each(trials: int, members: int) -> int:
-    """Trials of each member that together take about as long as the trials of the mission; at least one block."""
-    return min(trials, max(trials // members, BLOCK))
 
 
 def members_drawn(recorded: Current | None, seed: int, trials: int) -> NDArray[np.intp] | None:

@@ -9,11 +9,12 @@ from typing import TypedDict, Unpack
 from missionplan.errors import InputError, Problem, shown
 from missionplan.identity import digest_of_files, running_program
 from missionplan.mission import Mission, as_mission
-from missionplan.mission.views import ExplainedMission, under_each_explanation
+from missionplan.mission.views import ExplainedMission
 from missionplan.montecarlo.blocks import IN_THIS_PROCESS, Backend, Progress, Workers
+from missionplan.montecarlo.streams import BLOCK
 from missionplan.phases.currents import Current
 from missionplan.results import Provenance
-from missionplan.scenario.site_current import members_of, trials_of_each, under_each_member
+from missionplan.scenario.site_current import members_of, under_each_member
 from missionplan.studies.coverage import checked_ranges, probability_holds
 
 MAX_JOBS = 10_000
@@ -137,18 +138,21 @@ class Run:
         )
 
     def under_explanations(self) -> Iterator[tuple[ExplainedMission, "Run"]]:
-        """Yield the mission under each of its explanations, and the run of it."""
-        for each in under_each_explanation(self.mission):
-            yield each, replace(self, mission=each.mission)
+        """Yield the mission under each explanation of each doubt, the others as they are, and the run of it."""
+        for doubt in self.mission.doubts:
+            for number in doubt.told_apart:
+                known = self.mission.knowing(doubt.place, number)
+                each = ExplainedMission(doubt.causes[number], doubt.probabilities[number], known)
+                yield each, replace(self, mission=known)
 
     def in_members(self, recorded: Current | None) -> Iterator[tuple[str, float, Current, "Run"]]:
         """Yield name and probability of each member of a current's ensemble, the current then, and the run in it.
 
         All members together take about as many trials as the run.
         """
-        count = len(members_of(recorded))
+        trials = min(self.trials, max(self.trials // max(len(members_of(recorded)), 1), BLOCK))
         for name, probability, sailed in under_each_member(recorded):
-            yield name, probability, sailed, replace(self, trials=trials_of_each(self.trials, count))
+            yield name, probability, sailed, replace(self, trials=trials)
 
     def provenance(
         self,

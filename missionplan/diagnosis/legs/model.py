@@ -267,7 +267,7 @@ class TransitModel(TransitFitting):
 
         `first`, `second`: fits to compare. `entry`: of `designs`, added to the log; None for the log alone.
         """
-        model = self if entry is None else self._with_design(entry)
+        model = self if entry is None else self.of_longer(with_further_legs(self.data, designs_for(self.data)[entry]))
         acting = model.with_term(first.state.term)
         own = np.array([coordinate.effect in first.causes for coordinate in acting.coordinates])
         signal = acting.columns_at(first) @ np.where(own, first.state.mean - acting.expected, 0.0)
@@ -284,10 +284,6 @@ class TransitModel(TransitFitting):
     def columns_at(self, fit: CauseFit) -> Array:
         """Columns of the coordinates, where a term has to be linearised about a fit as this has it, shape (2, n, k)."""
         return self.columns_as_expected if self.acting is None else self.columns(fit.state.linear.about)
-
-    def _with_design(self, entry: int) -> "TransitModel":
-        """The model of the log with the legs of a design after it."""
-        return self.of_longer(with_further_legs(self.data, designs_for(self.data)[entry]))
 
     def of_longer(self, data: TransitData) -> "TransitModel":
         """Return the model of the log with further legs after it."""

@@ -62,11 +62,6 @@ class AtNoise:
         return np.asarray(np.linalg.cholesky(total))
 
     @cached_property
-    def noise_factor(self) -> Array:
-        """Lower Cholesky factor of the noise, shape (N, N)."""
-        return np.asarray(np.linalg.cholesky(self.noise))
-
-    @cached_property
     def gain(self) -> Array:
         """Posterior mean's change a unit of data, shape (k, N)."""
         cross = self.prediction.columns @ self.explanation.covariance
@@ -75,11 +70,6 @@ class AtNoise:
     def log_density(self, data: Array) -> Array:
         """Ln p(y) of data, shape (n, N) → (n,)."""
         return _log_normal(data - self.prediction.centre, self.factor)
-
-    def log_likelihood(self, parameters: Array, data: Array) -> Array:
-        """Ln p(y | θ) of data, shape (n, N), at parameters, shape (n, k) → (n,)."""
-        expected = self.prediction.centre + (parameters - self.explanation.mean) @ self.prediction.columns.T
-        return _log_normal(data - expected, self.noise_factor)
 
     @cached_property
     def spread(self) -> Array:
@@ -122,7 +112,9 @@ class Updated:
 
     def log_likelihoods(self, parameters: Array, data: Array) -> Array:
         """Ln p(y, noise | θ) of data, shape (n, N), at parameters, shape (n, k) → (n, g)."""
-        return self._with_noise([each.log_likelihood(parameters, data) for each in self.at_noise])
+        prediction = self.prediction
+        errors = data - (prediction.centre + (parameters - self.explanation.mean) @ prediction.columns.T)
+        return self._with_noise([_log_normal(errors, np.linalg.cholesky(noise)) for noise in prediction.noises])
 
     def means(self, data: Array) -> Array:
         """Posterior means, shape (n, k), over the noises as the data leave them."""

@@ -28,7 +28,7 @@ from missionplan.diagnosis.inference.gauss_newton import (
 from missionplan.diagnosis.inference.marginal_likelihood import LOG_2PI, QUANTILE_95, Marginal
 from missionplan.diagnosis.inference.model import CauseFit, FailedFit, FitRequest
 from missionplan.diagnosis.inference.prior import Prior, integrated
-from missionplan.diagnosis.tank.forward import TankForward, build_effects
+from missionplan.diagnosis.tank.forward import TankForward
 from missionplan.effects import CATALOGUE
 from missionplan.results.learned.evidence import Causes
 
@@ -224,7 +224,8 @@ class TankFitting:
             for name, values in parameters.items()
             if name in shown or any(c.kind != "shape" for c in self.coordinates if c.effect == name)
         }
-        return self.forward.predict(settings[: self.fixed], build_effects(present))
+        effects = [CATALOGUE[name].make(values) for name, values in present.items()]
+        return self.forward.predict(settings[: self.fixed], effects)
 
     def fit_all(self, wanted: Sequence[FitRequest]) -> list[CauseFit | FailedFit]:
         """Fit several sets, one after the other."""

@@ -4,13 +4,12 @@ import itertools
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
-from missionplan.arrays import Array, Scalars
-from missionplan.datasets.tank import TankData, read_tank_data
+from missionplan.arrays import Array
+from missionplan.datasets.tank import TankData
 from missionplan.effects import CATALOGUE, Effect, EffectInfo, TankEffect
 from missionplan.effects.info import TankKind, TankRecord
 from missionplan.phases.hooks import DescentEffect
@@ -80,11 +79,6 @@ def effects_seen_in(kind: TankKind) -> tuple[EffectInfo, ...]:
     return tuple(info for info in CATALOGUE.values() if kind in info.tank)
 
 
-def build_effects(effects: Mapping[str, Mapping[str, Scalars]]) -> list[Effect]:
-    """Effects from their parameters."""
-    return [CATALOGUE[name].make(parameters) for name, parameters in effects.items()]
-
-
 def tank_effects(effects: Sequence[Effect]) -> list[TankEffect]:
     """Those that act in a tank only."""
     return [effect for effect in effects if isinstance(effect, TankEffect)]
@@ -117,14 +111,6 @@ BLOCKS = 8
 """Blocks into which a record is divided."""
 MAX_SINGLE_ROWS = 12
 """Up to so many rows each is a block by itself."""
-
-
-def read_tank(folder: Path) -> TankData:
-    """Read a data set of one of the tank's kinds, with the rows that are fitted.
-
-    Raises InputError with every problem of `dataset.yaml` and of the tables.
-    """
-    return decimated(read_tank_data(folder))
 
 
 def decimated(data: TankData) -> TankData:

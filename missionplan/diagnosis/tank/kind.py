@@ -11,7 +11,7 @@ import numpy as np
 import pandas as pd
 
 from missionplan.arrays import Array
-from missionplan.datasets.tank import DragSettings, OscillationSettings, TankData, ThrusterSettings
+from missionplan.datasets.tank import DragSettings, OscillationSettings, TankData, ThrusterSettings, read_tank_data
 from missionplan.diagnosis.coordinates import coordinates_of
 from missionplan.diagnosis.data_kind import DataKind
 from missionplan.diagnosis.given import GivenEffect
@@ -25,7 +25,7 @@ from missionplan.diagnosis.tank.experiments import (
     oscillation_forward,
     thruster_forward,
 )
-from missionplan.diagnosis.tank.forward import Nuisance, TankForward, noise_sd, read_tank, row_blocks, tank_effects
+from missionplan.diagnosis.tank.forward import Nuisance, TankForward, decimated, noise_sd, row_blocks, tank_effects
 from missionplan.diagnosis.tank.model import TankModel
 from missionplan.effects import CATALOGUE, Effect, exclusive_groups
 from missionplan.effects.info import TankRecord, VehicleKey
@@ -108,7 +108,7 @@ class TankKind(DataKind):
     @classmethod
     def bind(cls, kind: str, folder: Path, mission: Mission, seed: int) -> Self:
         """Read the data and bind the base model of their kind to them."""
-        data = unlearned(read_tank(folder), mission)
+        data = unlearned(decimated(read_tank_data(folder)), mission)
         then = as_then(data, mission, data.date)
         forward = tank_forward(data, then)
         given = given_in_tank(data, then, forward.candidates)

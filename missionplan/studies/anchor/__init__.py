@@ -17,11 +17,11 @@ from missionplan.physics.anchor import AnchorDesign, wet_centre
 from missionplan.physics.anchor_remedies import TrimState, Weight, trim
 from missionplan.physics.water import STANDARD_GRAVITY
 from missionplan.results import Provenance
-from missionplan.results.anchor_sizing import AnchorSizing, ExplainedAnchor, ProbableAnchor
+from missionplan.results.anchor_sizing import AnchorSizing, DesignLayer, ExplainedAnchor, ProbableAnchor
 from missionplan.results.decision import MemberOutcome
 from missionplan.results.simulation import Outcome
 from missionplan.results.sized_anchor import SizedAnchor
-from missionplan.scenario.anchors import anchor_length, laden, overlap_height, worst_case_weight
+from missionplan.scenario.anchors import anchor_length, design_current, laden, overlap_height, worst_case_weight
 from missionplan.scenario.scenario import Scenario
 from missionplan.scenario.site_current import recorded_current
 from missionplan.studies.anchor.lightest_anchor import Demand, lightest_anchor
@@ -161,6 +161,7 @@ def _anchor_sizing(
     anchor: SizedAnchor,
     probable: ProbableAnchor | None,
 ) -> AnchorSizing:
+    speeds, thicknesses = design_current(sizer.means, sizer.moor)
     sizing = AnchorSizing(
         provenance=provenance,
         phase=sizer.moor.name,
@@ -168,7 +169,7 @@ def _anchor_sizing(
         radius=sizer.radius,
         depth=float(sizer.means.mooring.depth),
         line_length=sizer.line_length,
-        layers=sizer.design_layers,
+        layers=tuple(DesignLayer(float(h), float(v)) for h, v in zip(thicknesses, speeds, strict=True)),
         required_velocity=sizer.required_velocity,
         vector_velocity=sizer.vector_velocity,
         anchor=anchor,

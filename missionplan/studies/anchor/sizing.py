@@ -21,7 +21,7 @@ from missionplan.phases.mooring.profile import simulate_profile
 from missionplan.physics.anchor import required_terminal_velocity, required_terminal_velocity_vector, solve_anchor
 from missionplan.physics.anchor_remedies import buildable_weights, find_remedies
 from missionplan.physics.drag import DragBuildUp, QuadraticDrag, anchor_drag, range_notes, terminal_velocity
-from missionplan.results.anchor_sizing import DesignLayer, Deviation, ProbableAnchor
+from missionplan.results.anchor_sizing import Deviation, ProbableAnchor
 from missionplan.results.failures import SUCCESS, Counted, CountedKind
 from missionplan.results.sized_anchor import DiveProbabilities, SizedAnchor
 from missionplan.scenario.anchors import anchor_problem, design_current
@@ -146,12 +146,6 @@ class AnchorSizer:
     def line_length(self) -> float:
         """Length of the line at its mean [m]."""
         return float(self.moor.line_length)
-
-    @property
-    def design_layers(self) -> tuple[DesignLayer, ...]:
-        """Thickness and worst current of each layer."""
-        speeds, thicknesses = design_current(self.means, self.moor)
-        return tuple(DesignLayer(float(h), float(v)) for h, v in zip(thicknesses, speeds, strict=True))
 
     @property
     def required_velocity(self) -> float:
