@@ -7,6 +7,7 @@ import math
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
+from missionplan.montecarlo.statistics import Probability
 from missionplan.report.page import Page, PageSection, Table
 from missionplan.report.quantities import span, unit_for
 from missionplan.report.simulation.quantities import requirement_in_words
@@ -41,6 +42,8 @@ def members_section(members: Sequence[MemberOutcome], plan: str, good: str, note
     yield PageSection(heading, [Table(("member", "probability", good), rows, note)])
 
 
+UNLIKELY = 0.05
+"""Probability of an explanation or a member below which it turns no answer."""
 SMALL = 0.05
 """Share of a variance below which it is not worth finding out which explanation holds."""
 _COLUMNS = ("explanation", "probability", "success (95 % interval)", "duration (5–95 %)", "energy (5–95 %)")
@@ -115,6 +118,35 @@ def _worth(found: list[Sensitivity], what: str) -> str:
     if all(each.first_order < SMALL for each in found):
         return f"{words}: no need to find out."
     return f"{words}: find out what you can before you rely on the plan."
+
+
+def hangs_on_doubt(
+    whole: Probability, doubts: Sequence[tuple[float, Probability]], required: float | None = None
+) -> bool:
+    """Whether an explanation or a member of an ensemble could turn the answer, as an assumption could.
+
+    `whole`: how often it does well over all of them. `doubts`: how likely each is, and how often it does well then.
+    `required`: of that; None where nothing is.
+    """
+    return any(
+        Assumption(
+            what="",
+            otherwise="",
+            worth=each.value - whole.value,
+            success=each.value,
+            missed=("",) if required is not None and each.value < required <= whole.value else (),
+            is_required=required is not None,
+        ).turns
+        for likely, each in doubts
+        if likely >= UNLIKELY and differ([each, whole])
+    )
+
+
+def outcome_hangs_on_doubt(outcome: Outcome) -> bool:
+    """Whether a simulated mission's success does."""
+    required = [item.required for item in outcome.requirements if item.quantity == "total.success"]
+    doubts = [(each.probability, each.success) for each in (*outcome.explanations, *outcome.members) if each.trials]
+    return hangs_on_doubt(outcome.total.events["success"], doubts, max(required, default=None))
 
 
 def first_do(judged: Outcome | None, phase: str) -> str | None:

@@ -8,7 +8,12 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure as MatplotlibFigure
 
-from missionplan.report.explained import members_in_words, members_section
+from missionplan.report.explained import (
+    explanation_in_words,
+    members_in_words,
+    members_section,
+    outcome_hangs_on_doubt,
+)
 from missionplan.report.page import BLUE, GREY, ORANGE, Figure, Listing, Page, PageSection, Table, to_figure
 from missionplan.report.quantities import Unit, range_on, unit_for, value_on, with_error
 from missionplan.report.simulation.quantities import requirement_in_words
@@ -79,7 +84,7 @@ def page(found: Optimised) -> Page:
             *_front(found),
             _effort(found),
         ],
-        verdict="good" if found.feasible else "bad",
+        verdict="bad" if not found.feasible else "undecided" if _hangs(found) else "good",
         rerun=_rerun(found),
         table=lambda: (
             ("", "chosen" if found.feasible else "nearest"),
@@ -87,6 +92,10 @@ def page(found: Optimised) -> Page:
         ),
         plots={"front": draw_front},
     )
+
+
+def _hangs(found: Optimised) -> bool:
+    return found.fresh is not None and outcome_hangs_on_doubt(found.fresh)
 
 
 def answer(found: Optimised) -> str:
@@ -99,13 +108,16 @@ def answer(found: Optimised) -> str:
         statistic = found.checked.total.quantities[found.key]
         cost = with_error(statistic.mean, statistic.standard_error, _unit(found))
     sentences = [f"The least {least}, {cost}, is had with {values}."]
-    if first := next((each.first for each in found.assumed if each.turns), ""):
+    first = next((each.first for each in found.assumed if each.turns), "")
+    first = first or "find out which explanation holds" * _hangs(found)
+    if first:
         sentences.insert(0, f"Nothing to choose yet: first {first}. As the mission stands:")
     if found.checked is not None and found.fresh is not None:
         trials, fresh = number(found.fresh.provenance.trials), percent(found.fresh.total.events["success"])
         sentences.append(f"All requirements are met, on {trials} fresh trials too, of which {fresh} succeed.")
     sailed = members_in_words(found.members, "succeeds")
-    return " ".join(filter(None, [*sentences, sailed, _binding_words(found)]))
+    explained = explanation_in_words(found.fresh) if found.fresh is not None else ""
+    return " ".join(filter(None, [*sentences, explained, sailed, _binding_words(found)]))
 
 
 def _obstacle_words(found: Optimised) -> str:

@@ -52,6 +52,8 @@ def checked(successes, trials=4000):
         requirements=(item,),
         provenance=SimpleNamespace(trials=trials, data=DATA),
         sailed=(),
+        members=(),
+        explanations=(),
         phases=(),
         assumed=(),
     )

@@ -89,6 +89,26 @@ def test_members_and_assumptions_are_told_by_the_worst_and_the_one_that_turns_th
     assert explained._heading(assumed[:1]) == "None of these assumptions alone could turn this"
 
 
+@pytest.mark.parametrize(
+    ("good", "likely", "required", "hangs"),
+    [
+        (300, 0.2, 0.8, True),  # short of what is required
+        (300, 0.04, 0.8, False),  # too unlikely
+        (830, 0.2, 0.8, False),  # enough
+        (830, 0.2, None, True),  # one in ten more fails: a mission for each
+        (940, 0.2, None, False),  # no more than chance
+    ],
+)
+def test_an_explanation_or_a_member_turns_an_answer_as_an_assumption_does(good, likely, required, hangs):
+    doubts = [(1.0 - likely, wilson(970, 1000)), (likely, wilson(good, 1000))]
+    assert explained.hangs_on_doubt(wilson(950, 1000), doubts, required) is hangs
+    tried = [SimpleNamespace(probability=share, success=each, trials=1000) for share, each in doubts]
+    asked = [SimpleNamespace(quantity="total.success", required=required)] if required else []
+    total = SimpleNamespace(events={"success": wilson(950, 1000)})
+    outcome = SimpleNamespace(requirements=asked, explanations=tried[1:], members=tried[:1], total=total)
+    assert explained.outcome_hangs_on_doubt(outcome) is hangs
+
+
 def test_what_a_diagnosis_is_sure_of():
     """Effects confirmed without doubt; the probability of causes alone that are claimed; data sets that told anything new."""
     estimates = tuple(SimpleNamespace(effect=effect) for effect in ("compass-bias", "fix-error", "compass-bias"))

@@ -10,7 +10,7 @@ from missionplan.report.anchor.drawing import drawing, hold_section
 from missionplan.report.anchor.figures import descent_profile, draw_depths, draw_drag, mark_lowest_point
 from missionplan.report.anchor.sections import numbers_table
 from missionplan.report.axes import name_axis
-from missionplan.report.explained import first_do, judged_in_words, members_in_words, members_section
+from missionplan.report.explained import first_do, hangs_on_doubt, judged_in_words, members_in_words, members_section
 from missionplan.report.page import Page, PageSection, Table
 from missionplan.report.quantities import quantity, reader_unit
 from missionplan.report.wording import listed, percent, phase_in_words, share
@@ -42,6 +42,17 @@ def explanation_in_words(sizing: AnchorSizing) -> str:
         ends = f"{share(worst.good)} with {label(worst.causes)}, {share(best.good)} with {label(best.causes)}"
         return f" It depends on which explanation holds: {ends}."
     return " Whichever explanation holds, it does as well, as far as the trials can tell."
+
+
+def _hangs(sizing: AnchorSizing) -> bool:
+    """Whether an explanation or a member of the ensemble would have another anchor, or spoils its dives."""
+    doubts = [(each.probability, each.good) for each in sizing.explanations]
+    doubts += [(each.probability, each.good) for each in sizing.members]
+    required = sizing.probable.required if sizing.probable is not None else None
+    needed = [each.needed for each in sizing.explanations if each.needed is not None]
+    return hangs_on_doubt(sizing.to_build.probabilities.good, doubts, required) or (
+        bool(needed) and max(needed) > (1.0 + SAME_WEIGHT) * min(needed)
+    )
 
 
 def explanation_section(sizing: AnchorSizing) -> list[PageSection]:
@@ -99,7 +110,7 @@ def page(sizing: AnchorSizing) -> Page:
             sections.drag(sizing),
             PageSection("All numbers", [Table(*numbers_table(sizing))]),
         ],
-        verdict="bad" if not works else "undecided" if _drags_in_words(sizing) else "good",
+        verdict="bad" if not works else "undecided" if _drags_in_words(sizing) or _hangs(sizing) else "good",
         table=lambda: numbers_table(sizing),
         plots={"descent": descent, "drag": drag},
     )
@@ -119,8 +130,8 @@ def answer(sizing: AnchorSizing) -> str:
     if sizing.others:  # the mission moors elsewhere too
         names = [phase_in_words(name) for name in (sizing.phase, *sizing.others)]
         others = f" It is sized for {names[0]} alone, not for {listed(names[1:])}."
-    first = first_do(sizing.judged, sizing.phase) if sizing.succeeds else None
-    if first is not None:
+    first = first_do(sizing.judged, sizing.phase) or (" first find out which holds;" if _hangs(sizing) else None)
+    if first is not None and sizing.succeeds:
         which = f"Nothing to build yet:{first} as the mission stands, {which[0].lower()}{which[1:]}"
     return f"{which}{doubts}{_drags_in_words(sizing)}{others}"
 

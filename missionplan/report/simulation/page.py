@@ -10,7 +10,13 @@ from missionplan.exporters.plan_json import plan_json
 from missionplan.exporters.table import waypoints_csv
 from missionplan.montecarlo.statistics import wilson
 from missionplan.report.anchor.drawing import hold_section
-from missionplan.report.explained import explanation_in_words, explanation_sections, member_sections, members_in_words
+from missionplan.report.explained import (
+    explanation_in_words,
+    explanation_sections,
+    member_sections,
+    members_in_words,
+    outcome_hangs_on_doubt,
+)
 from missionplan.report.page import Cells, Page, PageSection, Table
 from missionplan.report.plan_view import rings
 from missionplan.report.quantities import quantity, reader_unit, span, with_error
@@ -144,7 +150,7 @@ def page(outcome: Outcome) -> Page:
             *sensitivity_sections(outcome),
             quantities_section(outcome),
         ],
-        verdict=verdict(outcome),
+        verdict="undecided" if verdict(outcome) != "bad" and outcome_hangs_on_doubt(outcome) else verdict(outcome),
         export=lambda: _files(outcome),
         table=lambda: _cells(outcome),
         plots={"profile": draw_profile, "tracks": draw_tracks, "waterfall": draw_waterfall, "histogram": histogram},

@@ -4,7 +4,13 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from missionplan.report.explained import first_do, judged_in_words, members_in_words, members_section
+from missionplan.report.explained import (
+    first_do,
+    hangs_on_doubt,
+    judged_in_words,
+    members_in_words,
+    members_section,
+)
 from missionplan.report.page import Cells, Listing, Page, PageSection, Table
 from missionplan.report.quantities import (
     MINUTES,
@@ -53,7 +59,7 @@ def page(plan: LegPlan) -> Page:
         draw=lambda: policy_figure(plan),
         numbers=numbers,
         write=lambda: list(_sections(plan)),
-        verdict="good" if good and plan.recommended else "" if good else "bad",
+        verdict="bad" if not good else "" if not plan.recommended else "good" if _is_firm(plan) else "undecided",
         table=lambda: _cells(plan),
         plots={"legs": draw_lengths, "aims": draw_aims, "savings": draw_savings},
     )
@@ -83,6 +89,10 @@ def _is_firm(plan: LegPlan) -> bool:
     """Whether the answer may be an order: a table serves under each explanation; a fixed d_max was tried over all."""
     explained = [case for case in plan.cases if case.probability is not None]
     gains = [case.saving_for(plan.aim)[0] > 0.0 for case in explained]
+    if hangs_on_doubt(
+        plan.chosen.arrived, [(each.probability, each.good) for each in plan.arrivals], plan.required_arrival
+    ):
+        return False
     return first_do(plan.judged, plan.phase) is None and (all(gains) if plan.recommended else not explained)
 
 

@@ -4,7 +4,13 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from missionplan.report.explained import first_do, judged_in_words, members_in_words, members_section
+from missionplan.report.explained import (
+    first_do,
+    hangs_on_doubt,
+    judged_in_words,
+    members_in_words,
+    members_section,
+)
 from missionplan.report.page import Page, PageSection, Table
 from missionplan.report.quantities import (
     MINUTES,
@@ -88,7 +94,10 @@ def answer(sweep: Sweep) -> str:
     if chosen.arrived.value < 1.0:
         took = f"{arriving} of the trials arrive, and the mean time of the {arriving} that arrive is {time}"
     first = first_do(sweep.judged, sweep.phase)
-    firm = first is None and all(each.keeps_choice for each in sweep.explanations)
+    hangs = hangs_on_doubt(
+        chosen.arrived, [(each.probability, each.good) for each in sweep.members], curve.required_arrival
+    )
+    firm = first is None and not hangs and all(each.keeps_choice for each in sweep.explanations)
     lead = "Choose" if firm else f"Nothing to choose yet:{first or ''} as the mission stands,"
     lead = f"{lead} d_max = {d_max}{'' if firm else ' is best'}"
     return f"{lead} for {sigma}: {took}{_against_one_leg(sweep)}.{_doubt_in_words(sweep)}{members}{judged}"
