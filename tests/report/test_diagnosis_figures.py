@@ -6,10 +6,12 @@ from typing import Any
 import numpy as np
 import pandas as pd
 import pytest
+from matplotlib.colors import to_rgba
 from matplotlib.figure import Figure
 
 from missionplan.report.diagnosis import campaign, evidence, kinds, scoring
 from missionplan.report.diagnosis.kinds import REPORTS
+from missionplan.report.page import BLUE, GREY
 from missionplan.results.learned.evidence import DiscrepancyShape, GroupScore, ParameterEstimate, RankedSet
 from missionplan.results.score import DatasetScore, Prediction, Yardstick
 
@@ -77,7 +79,7 @@ def test_bars_stand_beside_the_name_they_belong_to() -> None:
         {"speed scale": 75.0, "compass bias": 20.0}
     )
     assert bars["speed scale"].get_y() > bars["compass bias"].get_y()  # the best above
-    assert bars["speed scale"].get_facecolor() != bars["compass bias"].get_facecolor()
+    assert [bars[name].get_facecolor() for name in ("speed scale", "compass bias")] == [to_rgba(BLUE), to_rgba(GREY)]
     axes = Figure().add_subplot()
     evidence.draw_held_out(axes, diagnosed())
     assert [bar.get_width() for bar in axes.patches] == [3.0, -1.5, 2.0]

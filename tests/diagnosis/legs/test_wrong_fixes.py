@@ -1,5 +1,6 @@
 """A wrong GPS fix makes one leg err as much one way as the next the other: it is found, and placed."""
 
+import re
 from dataclasses import replace
 from pathlib import Path
 
@@ -56,3 +57,5 @@ def test_they_are_told_in_the_readers_units():
         several = wrong_fixes_in_words([one, *[replace(one, leg=str(k)) for k in range(8, 14)]])
     assert several.startswith("7 GPS fixes look wrong, by 1640\u00a0ft toward 37° after leg 7, ")
     assert "3 more" in several
+    surest = [replace(one, leg=str(k), probability=0.9 + 0.01 * k) for k in range(6)]
+    assert re.findall(r"after leg (\d)", wrong_fixes_in_words(surest)) == ["5", "4", "3", "2"]

@@ -1,0 +1,237 @@
+"""What a diagnosis's page says of evidence, of trends and of several data sets, number by number, of ones made by hand."""
+
+from dataclasses import replace
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+from matplotlib.figure import Figure
+
+from missionplan.report.diagnosis import campaign, evidence, findings, kind_report
+from missionplan.results.learned.evidence import (
+    Alias,
+    Coverage,
+    ExplanationOdds,
+    HeldOutGain,
+    ParameterEstimate,
+    RankedSet,
+)
+from missionplan.results.learned.levels import Level, ParameterLevels
+
+GAIN = HeldOutGain(5.0, 1.5, 3, 4, 0.2, 0.1, 0.71, 0.88)
+
+
+def plain(words: str) -> str:
+    return words.replace("\u00a0", " ").replace("\u202f", " ")
+
+
+def ranked(*causes: str, score: float = 4.0, posterior: float | None = 0.75) -> RankedSet:
+    return RankedSet(causes, score + 1.0, score, posterior, (), GAIN, 0.25)
+
+
+def diagnosed(best: RankedSet | None, **given: Any) -> Any:
+    usual = {"kind": "transit", "best": best, "causes": best.causes if best else (), "ranking": (best,) if best else (), "none_of_these": 0.123,
+             "verdict": "explained", "coverage": None, "scores": (), "indistinguishable": (), "untestable": {}}  # fmt: skip
+    return SimpleNamespace(**{**usual, **given})
+
+
+@pytest.mark.parametrize(
+    ("diagnosis", "words"),
+    [
+        (diagnosed(None), "Nothing of the catalogue could be fitted to these data."),
+        (
+            diagnosed(ranked("drag-bias")),
+            "Among the explanations tried, drag bias has a probability of 75.0 %; that none of these is behind it has a "
+            "probability of 12.3 %.",
+        ),
+        (
+            diagnosed(ranked("drag-bias", posterior=None)),
+            "Among the explanations tried, drag bias fits best; that none of these is behind it has a probability of "
+            "12.3 %.",
+        ),
+        (
+            diagnosed(ranked("drag-bias", score=1.1), causes=()),
+            "Of the explanations tried none is claimed: the likeliest, drag bias, has a probability of 75.0 %, and that "
+            "there is some cause needs 95 %. In doubt, that none of these is behind it has a probability of 12.3 %.",
+        ),
+        (
+            diagnosed(ranked("drag-bias", score=0.9), causes=()),
+            "Of the explanations tried none is needed: the data look as the mission expects. In doubt, that none of "
+            "these is behind it has a probability of 12.3 %.",
+        ),
+        (
+            diagnosed(ranked("drag-bias"), causes=(), verdict="unexplained"),
+            "Of the explanations tried none fits what the data show; that none of these is behind it has a probability "
+            "of 12.3 %.",
+        ),
+    ],
+)
+def test_what_was_tried_is_told_with_how_probable_it_is(diagnosis, words):
+    first, *more = findings.how_sure(diagnosis)
+    assert plain(first) == words
+    held_out = "predicted from the others: 3 of 4 parts are predicted better with what was found than without."
+    assert [each.endswith(held_out) for each in more] == [True] * bool(diagnosis.causes)
+
+
+@pytest.mark.parametrize(("scale", "off"), [(1.25, "narrow"), (0.8, "wide"), (1.0, None)])
+def test_intervals_that_do_not_hold_what_they_should_are_too_narrow_or_too_wide(scale, off):
+    coverage = Coverage(62, 80, scale, 73)
+    words = f"Its 90 % intervals are too {off}: they hold 78 % of what was held out." if off else ""
+    assert plain(findings.intervals_that_miss(coverage)) == words
+    _, *told = findings.how_sure(diagnosed(None, coverage=coverage))
+    assert [plain(each).partition(", as in")[0] for each in told] == [
+        f"90 % intervals hold 78 % of what was held out. With random errors {scale:.2f} times as large"
+    ] * bool(off)
+    assert all("they hold 91 %: " in plain(each) for each in told)
+    assert findings.intervals_that_miss(None) == ""
+
+
+def test_a_jump_and_a_trend_are_told_with_their_own_values() -> None:
+    missions = tuple(
+        Level(name, None, value, 0.002, jumped)
+        for name, value, jumped in (("a", 0.01, 0.0), ("b", 0.02, 0.49), ("c", 0.065, 0.51))
+    )
+    found = ParameterLevels("speed-scale", "fraction", "", missions, -0.02, 0.002, 0.95, 0.09, 0.004, 16)
+    (jump,) = findings.jumps_in_words([found])
+    assert plain(jump) == "Fraction of speed scale jumped before c, to 6.5 ± 0.2 %."
+    (trend,) = map(plain, findings.trends_in_words([found]))
+    assert "2.0 ± 0.2 %" in trend
+    assert trend.endswith("The next mission is planned with 9.0 ± 0.4 %. In 16 missions it costs success.")
+    assert not list(findings.trends_in_words([replace(found, trend_sd=0.007)]))
+
+
+def test_what_is_left_is_told_with_its_least_p_values_and_both_bayes_factors(monkeypatch) -> None:
+    monkeypatch.setattr(evidence, "discrepancy_figure", lambda found, shape: shape)
+    tests = tuple(SimpleNamespace(name=f"test {k}", p_value=0.5 / (k + 1)) for k in range(10))
+    left: Any = SimpleNamespace(
+        by_axis=(("time", 4.25), ("heading", -1.0)), shape="a figure", log_bayes_factor=4.5, tests=tests, axis="time", resembles=None
+    )  # fmt: skip
+    section = evidence.discrepancy_section(
+        diagnosed(None, discrepancy=left, base_discrepancy=SimpleNamespace(log_bayes_factor=17.0))
+    )
+    assert section.heading == "What is left is structured along time"
+    figure, words, axes, least = section.blocks
+    assert figure == "a figure"
+    assert "ln BF = 4.5 " in words
+    assert words.endswith("alone: 17.0.")
+    assert [list(row) for row in axes.rows] == [["time", "4.2"], ["heading", "-1.0"]]
+    assert [list(row) for row in least.rows] == [[f"test {k}", f"{0.5 / (k + 1):.2g}"] for k in (9, 8, 7, 6, 5)]
+    assert least.caption.endswith("of 10 tests; by chance alone the least would be about 0.1.")
+    left.resembles = "a drift"
+    assert evidence.resemblance(left) == "looks like a drift"
+
+
+def test_shares_inside_intervals_are_those_of_the_model_that_is_named(monkeypatch) -> None:
+    monkeypatch.setattr(evidence, "held_out_figure", lambda found: "")
+    score = SimpleNamespace(group="a", log_score_base=0.0, log_score_extended=1.0, rmse_base=0.2, rmse_extended=0.1)
+    (section,) = evidence.held_out_section(diagnosed(ranked("drag-bias"), scores=(score,)))
+    assert plain(section.blocks[-1]) == (
+        "90 % prediction intervals hold 71 % of the values with the mission's model and 88 % with the extended one."
+    )
+
+
+@pytest.mark.parametrize(
+    ("causes", "others", "pairs", "heading"),
+    [
+        ((), (), (), "No cause comes near"),
+        (("drag-bias",), (), (), "Nothing else comes near"),
+        (("drag-bias",), (ranked("lift-bias", posterior=0.04),), (), "Nothing else comes near"),
+        (
+            ("drag-bias",),
+            (ranked("lift-bias", posterior=0.06),),
+            (),
+            "What these data cannot distinguish, and what would",
+        ),
+        (("drag-bias",), (ranked("drag-bias", "lift-bias", posterior=0.2),), (), "Nothing else comes near"),
+        (("drag-bias",), (), ((("drag-bias",), ("lift-bias",)),), "What these data cannot distinguish, and what would"),
+    ],
+)
+def test_what_cannot_be_distinguished_is_likely_and_lacks_a_cause(causes, others, pairs, heading):
+    first = (ranked(*causes),) if causes else ()
+    readings = SimpleNamespace(aliases=(Alias("drag-bias", "lift-bias", 2500.0, "a dive"),))
+    found = diagnosed(
+        None, causes=causes, ranking=(*first, *others), indistinguishable=pairs, readings=readings,
+        credible_set=[("drag-bias",)] * 10, untestable={"lift-bias": "no wing"},
+    )  # fmt: skip
+    section = evidence.distinction_section(found)
+    assert section.heading == heading
+    assert section.blocks[0].endswith(", drag bias and 2 more in diagnosis.json.")
+    *_, aliases, untestable = section.blocks
+    assert [tuple(map(plain, row)) for row in aliases.rows] == [("drag bias", "lift bias", "2.50 km", "a dive")]
+    assert [tuple(row) for row in untestable.rows] == [("lift bias", "no wing")]
+
+
+def test_residuals_are_told_with_their_root_mean_squares_before_and_after(monkeypatch) -> None:
+    monkeypatch.setattr(kind_report, "to_figure", lambda figure, name, *, alt, caption: caption)
+    left = kind_report.ResidualSeries(
+        [np.array([3.0, -3.0]), np.array([4.0, 4.0])], [np.array([1.0, 1.0]), np.array([0.0, 0.0])], "m"
+    )
+    words: Any = kind_report.against_axes([("Time (h)", np.arange(2.0))], left)
+    assert plain(words).endswith("3.54 m rms before and 0.707 m after.")
+
+
+def test_the_autocorrelation_of_a_series_that_alternates_and_the_band_of_independent_errors(monkeypatch) -> None:
+    seen: list[Figure] = []
+    monkeypatch.setattr(kind_report, "to_figure", lambda figure, *words, **more: seen.append(figure))
+    up_and_down = 5.0 + np.tile([1.0, -1.0], 20)
+    assert kind_report._correlation([up_and_down], 1) == pytest.approx(-39.0 / 40.0)
+    assert kind_report._correlation([up_and_down, up_and_down - 7.0], 2) == pytest.approx(38.0 / 40.0)
+    still = np.tile([1.0, 1.0, -1.0, -1.0], 10)
+    kind_report.autocorrelation(kind_report.ResidualSeries([up_and_down] * 2, [still] * 2, ""), "Legs")
+    before, after = seen[0].axes[0].collections
+    assert [part[1, 1] for part in before.get_segments()[:2]] == pytest.approx([-39.0 / 40.0, 38.0 / 40.0])
+    assert after.get_segments()[1][1, 1] == pytest.approx(-38.0 / 40.0)
+    assert len(before.get_segments()) == 12  # a third of a series' length, less one
+    (band,) = seen[0].axes[0].patches
+    assert [band.get_y(), band.get_height()] == pytest.approx([-1.96 / 80.0**0.5, 2.0 * 1.96 / 80.0**0.5])
+
+
+def test_probabilities_of_explanations_are_told_beside_what_they_were() -> None:
+    odds = (
+        ExplanationOdds(("drag-bias",), 0.5, 0.8), ExplanationOdds(("lift-bias",), None, 0.15), ExplanationOdds((), 0.5, 0.05),
+    )  # fmt: skip
+    (words,) = kind_report.explanations_in_words(diagnosed(None, explanations=odds))
+    assert plain(words).endswith(
+        " are now: drag bias 80.0 % (was 50.0 %), lift bias 15.0 %, none of them 5.0 % (was 50.0 %)."
+    )
+    assert not list(kind_report.explanations_in_words(diagnosed(None, explanations=odds[1:2])))
+    assert [plain(kind_report.percent(each)) for each in (0.9995, 0.998, 0.002, 0.0005)] == [
+        "> 99.9 %",
+        "99.8 %",
+        "0.2 %",
+        "< 0.1 %",
+    ]
+
+
+def test_several_data_sets_are_told_with_what_they_share_and_what_stays_in_doubt(monkeypatch) -> None:
+    monkeypatch.setattr(campaign, "finding_in_words", lambda each: each.words)
+    one, two = (
+        diagnosed(None, words=words, causes=causes, changed=("drag-bias",), borne_out=confirmed)
+        for words, causes, confirmed in (("Same.", ("drag-bias", "lift-bias"), ()), ("Same.", (), ("fix-error",)))
+    )
+    chances = {"drag-bias": 0.94, "lift-bias": 0.96, "fix-error": 0.04, "leeway": 0.06}
+    found: Any = SimpleNamespace(
+        diagnoses=(one, two), names=("a", "b"), informed_by={"drag-bias": ("a", "b"), "leeway": ("b",)}, shared=("drag-bias",),
+        extended={"posterior": {"summary": {name: {"probability": chance} for name, chance in chances.items()}}},
+    )  # fmt: skip
+    assert plain(campaign.answer(found)) == (
+        "Same. Together 2 data sets tell of drag bias, leeway; one extended mission carries it all. More than one of them "
+        "bore on drag bias. Still in doubt: drag bias 94.0 %, leeway 6.0 %."
+    )
+    assert campaign._rows(found) == [
+        ["a", "transit", "explained", "drag bias (changed), lift bias", "–"], ["b", "transit", "explained", "–", "fix error"],
+    ]  # fmt: skip
+    found.shared = ()
+    assert " No two of them bore on the same effect." in campaign.answer(found)
+    found.informed_by = {}
+    assert campaign.answer(found).endswith("adequate for all 2 data sets: none asks for a cause.")
+
+
+def test_a_current_s_deviation_is_that_of_its_length() -> None:
+    east, north = (
+        ParameterEstimate("mean-current", name, value, sd, 0.0, 0.0, "m/s")
+        for name, value, sd in (("east", 0.3, 0.01), ("north", 0.0, 0.1))
+    )
+    finding = findings.CATALOGUE["mean-current"].finding
+    assert "0.300 ± 0.010 m/s toward 90°" in plain(findings.sized_clause(finding, {"east": east, "north": north}))
