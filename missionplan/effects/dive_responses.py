@@ -4,6 +4,7 @@ Each says what acts (lift, drag, weight, a reading, a halt) and what it follows 
 names no cause.
 """
 
+import re
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Literal
@@ -74,6 +75,24 @@ class DragBySpeed(DescentEffect):
 
 
 @dataclass(frozen=True)
+class DragInSwings(DescentEffect):
+    """Extra share of the drag of a hull that swings, ``fraction·sin²(πt/period)·exp(−t/fade)`` from the taut line on.
+
+    Drag goes with the square of the angle to the flow, and so twice in a swing.
+    """
+
+    fraction: Scalars = 0.0
+    period: Scalars = 2.5
+    fade: Scalars = 10.0
+
+    def drag_factor(self, since_taut: Scalars, speed: Scalars) -> Scalars:
+        """Return the factor on both bodies' drag."""
+        since = np.maximum(since_taut, 0.0)
+        turned = np.square(np.sin(np.pi * since / self.period)) * np.exp(-since / self.fade)
+        return np.maximum(1.0 + self.fraction * turned, LEAST_DRAG)
+
+
+@dataclass(frozen=True)
 class DragByLine(DescentEffect):
     """Extra share `rate` of both bodies' drag for each metre of line."""
 
@@ -135,13 +154,14 @@ def _response(
     follows: Literal["depth", "speed", "time", "line"],
     effect: type[DescentEffect],
     parameters: Mapping[str, Parameter],
-    words: tuple[str, str, str],
+    what: str,
+    clause: str,
     *,
-    in_percent: bool = False,
     changes_plan: bool = True,
 ) -> EffectInfo:
-    """Entry of a response: what it does, and the clauses for either sign of its first parameter."""
-    what, positive, negative = words
+    """Entry of a response: what it does, and the clause for either sign of its first parameter, ``[more|less]``."""
+    first = next(iter(parameters))
+    positive, negative = (re.sub(r"\[(.*?)\|(.*?)\]", sign, clause) for sign in (r"\1", r"\2"))
     return EffectInfo(
         id=name,
         tier="neutral",
@@ -151,7 +171,7 @@ def _response(
         sizes="As large as the effects with a name; either sign.",
         confused_with=(),
         distinguished_by="Dives in which what it follows differs and nothing else does.",
-        finding=Finding(next(iter(parameters)), positive, negative, in_percent=in_percent),
+        finding=Finding(first, positive, negative, in_percent=parameters[first].unit in ("", "1/m")),
         follows=follows,
         changes_plan=changes_plan,
     )
@@ -172,28 +192,17 @@ RESPONSES = (
         "lift-by-depth",
         "depth",
         LiftByDepth,
-        {
-            "lift": _lift("extra upward force far down", "lift_below"),
-            "start": _DEPTH,
-            "over": _OVER,
-        },
-        (
-            "a lift that changes with depth",
-            "far down the vehicle is {size} lighter than near the surface",
-            "far down the vehicle is {size} heavier than near the surface",
-        ),
+        {"lift": _lift("extra upward force far down", "lift_below"), "start": _DEPTH, "over": _OVER},
+        "a lift that changes with depth",
+        "far down the vehicle is {size} [lighter|heavier] than near the surface",
     ),
     _response(
         "drag-by-depth",
         "depth",
         DragByDepth,
         {"fraction": _share(0.3, "extra share of the drag far down"), "start": _DEPTH, "over": _OVER},
-        (
-            "drag that changes with depth",
-            "far down vehicle and anchor have {size} more drag than near the surface",
-            "far down vehicle and anchor have {size} less drag than near the surface",
-        ),
-        in_percent=True,
+        "drag that changes with depth",
+        "far down vehicle and anchor have {size} [more|less] drag than near the surface",
     ),
     _response(
         "lift-in-layer",
@@ -204,11 +213,8 @@ RESPONSES = (
             "depth": _start("m", "middle of the layer", 10.0, 2.0, 10.0),
             "thickness": _start("m", "standard deviation of its profile", 2.5, 2.0, 3.0),
         },
-        (
-            "a lift in a layer",
-            "in a layer the vehicle is held back by {size}",
-            "in a layer the vehicle is drawn down by {size}",
-        ),
+        "a lift in a layer",
+        "in a layer the vehicle is [held back|drawn down] by {size}",
     ),
     _response(
         "drag-by-speed",
@@ -218,35 +224,36 @@ RESPONSES = (
             "fraction": _share(0.5, "extra share of the drag at twice the speed"),
             "start": _start("m/s", "speed from which it comes", 0.9, 1.5, 1.0),
         },
-        (
-            "drag that changes with speed",
-            "at twice some speed vehicle and anchor have {size} more drag than the law of drag has it",
-            "at twice some speed vehicle and anchor have {size} less drag than the law of drag has it",
-        ),
-        in_percent=True,
+        "drag that changes with speed",
+        "at twice some speed vehicle and anchor have {size} [more|less] drag than the law of drag has it",
+    ),
+    _response(
+        "drag-in-swings",
+        "time",
+        DragInSwings,
+        {
+            "fraction": _share(0.5, "extra share of the drag at the end of the first swings"),
+            "period": _start("s", "time from one swing to the next", 2.5, 1.6, 2.5),
+            "fade": _start("s", "time over which the swings fade", 8.0, 2.0, 10.0),
+        },
+        "drag that comes and goes with time",
+        "as if it swung, vehicle and anchor have up to {size} [more|less] drag at first",
     ),
     _response(
         "drag-by-line",
         "line",
         DragByLine,
         {"rate": _share(0.02, "extra share of the drag for each metre of line", "1/m")},
-        (
-            "drag that changes with the line's length",
-            "each metre of line adds {size} of the drag",
-            "each metre of line takes {size} off the drag",
-        ),
-        in_percent=True,
+        "drag that changes with the line's length",
+        "each metre of line [adds {size} of|takes {size} off] the drag",
     ),
     _response(
         "delay-by-line",
         "time",
         LinePayout,
         {"delay_per_length": Parameter("s/m", "delay for each metre of line", -5.0, 0.0, scale=0.1, spike=1e-4)},
-        (
-            "a dive that begins early for its line",
-            "the dive begins {size} late for its line",
-            "the dive begins {size} early for its line, as where a part of it stays on the spool",
-        ),
+        "a dive that begins early for its line",
+        "the dive begins {size} [late|early] for its line[|, as where a part of it stays on the spool]",
         changes_plan=False,
     ),
     _response(
@@ -257,12 +264,8 @@ RESPONSES = (
             "fraction": _share(0.2, "extra share of the anchor's wet weight"),
             "moment": _start("s", "time since the separation from which it acts", 12.0, 1.8, 10.0),
         },
-        (
-            "a pull that changes at a moment",
-            "from some moment of the dive on the anchor pulls {size} more than its wet weight",
-            "from some moment of the dive on the anchor pulls {size} less than its wet weight",
-        ),
-        in_percent=True,
+        "a pull that changes at a moment",
+        "from some moment of the dive on the anchor pulls {size} [more|less] than its wet weight",
     ),
     _response(
         "weight-until-moment",
@@ -272,12 +275,8 @@ RESPONSES = (
             "fraction": _share(0.2, "extra share of the anchor's wet weight"),
             "moment": _start("s", "time since the separation until which it acts", 6.0, 1.8, 6.0),
         },
-        (
-            "a pull that differs at first",
-            "at first the dive is pulled by {size} more than the anchor's wet weight",
-            "at first the dive is pulled by {size} less than the anchor's wet weight",
-        ),
-        in_percent=True,
+        "a pull that differs at first",
+        "at first the dive is pulled by {size} [more|less] than the anchor's wet weight",
     ),
     _response(
         "reading-by-time",
@@ -287,11 +286,8 @@ RESPONSES = (
             "offset": Parameter("m", "error of the depth read in the end", -20.0, 20.0, scale=0.5, spike=5e-4),
             "time": _start("s", "time over which it comes", 6.0, 2.0, 5.0),
         },
-        (
-            "an error of the depth read that changes with time",
-            "in the course of a dive the depth sensor comes to read {size} too deep",
-            "in the course of a dive the depth sensor comes to read {size} too shallow",
-        ),
+        "an error of the depth read that changes with time",
+        "in the course of a dive the depth sensor comes to read {size} too [deep|shallow]",
         changes_plan=False,
     ),
 )

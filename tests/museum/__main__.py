@@ -2,7 +2,8 @@
 
 Prints the table of pairs, then the figures of logs with an effect outside the catalogue (half at 20 to 60 nats beyond
 what named effects can be, half at 6 to 20), of logs without any, of logs with a named one, and of sets of dives with
-an effect outside. ``--outside 200 --free 400 --named 100 --dives 100 --lines FILE`` for figures to publish.
+an effect outside (half as drawn for hidden effects, half at 6 to 20 nats). ``--outside 200 --free 400 --named 100
+--dives 100 --lines FILE`` for figures to publish.
 """
 
 import argparse
@@ -19,6 +20,8 @@ from missionplan.effects import CATALOGUE
 from missionplan.mission import Mission
 from missionplan.results.learned import Diagnosis
 from tests.hidden_effects.cases import draw_case
+from tests.hidden_effects.dives import draw_worth
+from tests.hidden_effects.dives.outside import OUTSIDE
 
 from .faults import PAIRS, Pair, log_of_pair, still_speed
 from .outside import SEEN, UNSEEN, sized
@@ -31,6 +34,8 @@ NAMED: dict[str, Callable[[np.random.Generator], Recipe]] = {
     "mean-current": lambda rng: _carried(rng),
 }
 STATISTICAL = {"persistent-error", "heavy-tails", "random-walk", "fix-error", "position-random-walk"}
+SMALL = (6.0, 20.0)
+"""Nats of what is hardly seen."""
 Line = dict[str, Any]
 """What is in a case, and what is said of it."""
 
@@ -102,7 +107,7 @@ def outside_line(k: int, seed: int) -> Line:
     errors = None
     while errors is None:
         log = drawn(rng, int(rng.integers(30, 90)))
-        nats = rng.uniform(20.0, 60.0) if is_strong else rng.uniform(6.0, 20.0)
+        nats = rng.uniform(20.0, 60.0) if is_strong else rng.uniform(*SMALL)
         errors = sized(build, log, nats, seed + k)
     return {"name": name, "looked_at": looked_at, "nats": nats} | _said(diagnosed(log, errors, seed + k))
 
@@ -123,8 +128,10 @@ def named_line(k: int, seed: int) -> Line:
 
 
 def dives_line(k: int, seed: int) -> Line:
-    """Diagnose a set of dives with an effect that has no name."""
-    case = draw_case(seed + k, "descent", "outside")
+    """Diagnose a set of dives with an effect that has no name: every other one worth 6 to 20 nats, kind by kind."""
+    kinds = [name for name in OUTSIDE if name != "obstacle"]  # which stops the vehicle, however short it is
+    kind = kinds[(seed + k // 2) % len(kinds)]
+    case = draw_worth(seed + k, kind, SMALL) if k % 2 else draw_case(seed + k, "descent", "outside")
     with tempfile.TemporaryDirectory() as name:
         found = missionplan.diagnose(*case.write(Path(name) / "case", Path(name) / "truth"), plan=False)
     return {"name": case.outside, "nats": case.notes["nats_beyond_the_named"]} | _said(found)

@@ -186,12 +186,12 @@ SEEN: dict[str, Build] = {
     "speed by the square of time under way": _pace(lambda m, phase, when: 4.0 * (m.since / 900.0) ** 2),
     "stream that winds": _meander,
     "current that turns round": _rotating,
+    "compass turned by the motor's current": _turn(lambda m, phase, when: 2.0 * float(m.speed > 1.4)),
+    "tide of the upper layer": _two_layers,
 }
 UNSEEN: dict[str, Build] = {
     "compass that warms up": _turn(lambda m, phase, when: 2.0 * float(np.exp(-m.t / 7200.0))),
-    "compass turned by the motor's current": _turn(lambda m, phase, when: 2.0 * float(m.speed > 1.4)),
     "jet": _jet,
-    "tide of the upper layer": _two_layers,
     "deviation that decays": _turn(
         lambda m, phase, when: 2.0 * np.exp(-m.t / (0.5 * when)) * np.sin(m.heading + phase)
     ),
@@ -222,6 +222,10 @@ UNSEEN: dict[str, Build] = {
     "course by time and depth": _turn(lambda m, phase, when: m.t / 20000.0 * m.depth / 100.0),
     "speed by time and course": _pace(lambda m, phase, when: 2.0 * m.t / 20000.0 * float(np.sin(m.heading + phase))),
     "current that fades to both sides": _water(lambda m, when: 1.0 / (1.0 + np.square(m.place[0] / 1500.0))),
+    "deviation by the motor's current": _turn(
+        lambda m, phase, when: 2.0 * float(m.speed > 1.4) * float(np.cos(m.heading + phase))
+    ),
+    "wind that rises and drives the surface": _water(lambda m, when: m.t / 20000.0 * np.array(np.exp(-m.depth / 15.0))),
     "load every third hour": _pace(lambda m, phase, when: 2.0 * float((m.t / 10800.0 + phase) % 1.0 < 1.0 / 3.0)),
 }
 

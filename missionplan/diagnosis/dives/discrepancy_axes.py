@@ -39,7 +39,8 @@ MIN_SPEED_SHARE = 0.4
 def descent_axes(model: LinearisedDescent, linear: DiveLinearisation) -> list[Axis]:
     """Errors of the depth, forces on all dives, and differences from dive to dive."""
     logs, readings = model.forward.logs, linear.readings
-    speed = np.concatenate([_speed(log, readings[rows]) for log, rows in zip(logs, model.parts, strict=True)])
+    depths = [readings[rows] for rows in model.parts]
+    speed = np.concatenate([np.gradient(depth, log.t) for log, depth in zip(logs, depths, strict=True)])
     since_taut = np.concatenate([log.t - log.t[0] for log in logs])  # which is when the vehicle begins to move
     extents = {"time": since_taut, "depth": readings, "speed": speed}
     shared = [_reading_error(name, values) for name, values in extents.items()]
@@ -48,10 +49,10 @@ def descent_axes(model: LinearisedDescent, linear: DiveLinearisation) -> list[Ax
     dive, weight = np.repeat(np.arange(len(logs)), [len(log.t) for log in logs]), linear.sensitivity("weight")
     axes = []
     if len(logs) > 1:
-        own = _of_each(logs)
+        own = np.eye(len(logs))[dive]  # 1 where a reading is of a dive
         axes.append(_otherwise_in_each(shared[0], own))
         delays = own * linear.sensitivity("release")[:, None]
-        axes.append(replace(differing("a delay that differs from dive to dive", delays), size=DELAY))
+        axes.append(replace(differing("a delay that differs from dive to dive", delays), size=DELAY, in_some_runs=True))
     if len(logs) > 2:
         axes.append(_wrong_anchor(logs, own, weight))
         lift = -weight / np.array([log.wet_weight for log in logs])[dive]
@@ -74,17 +75,13 @@ def _reading_error(name: str, values: Array) -> Axis:
 def drag_of_each_dive(logs: Sequence[DiveLog], axes: Sequence[Axis]) -> list[Axis]:
     """Drag that changes with depth in each of several dives otherwise, from that in all of them among some axes."""
     common = next(axis for axis in axes if axis.description == DRAG_BY_DEPTH)
-    return [_otherwise_in_each(common, _of_each(logs))] if len(logs) > 1 else []
+    own = np.repeat(np.eye(len(logs)), [len(log.t) for log in logs], axis=0)
+    return [_otherwise_in_each(common, own)] if len(logs) > 1 else []
 
 
 def _otherwise_in_each(common: Axis, own: Array) -> Axis:
     words = f"{common.description}, dive by dive"
     return Axis("run", words, common.places, directed(common.response, own), size=common.size)
-
-
-def _of_each(logs: Sequence[DiveLog]) -> Array:
-    """1 where a reading is of a dive, shape (N, d)."""
-    return np.repeat(np.eye(len(logs)), [len(log.t) for log in logs], axis=0)
 
 
 def _wrong_anchor(logs: Sequence[DiveLog], own: Array, weight: Array) -> Axis:
@@ -110,10 +107,6 @@ def _trend(what: str, response: Array, dive: NDArray[np.int_], size: float, show
     columns = response[:, None] * np.column_stack([1.0 - dive / last, dive / last])
     scale = AxisScale(1.0, last + 1.0, "Dive", *shown)
     return Axis("run", f"{what} that grows or falls from dive to dive", ends, columns, scale, size)
-
-
-def _speed(log: DiveLog, depth: Array) -> Array:
-    return np.asarray(np.gradient(depth, log.t) if np.all(np.diff(log.t) > 0.0) else np.zeros_like(depth))
 
 
 @dataclass(frozen=True)

@@ -12,7 +12,7 @@ from missionplan.arrays import Array
 from missionplan.diagnosis.coordinates import Coordinate, estimates, is_approximate, is_possible
 from missionplan.diagnosis.dives.likelihood import DescentLikelihood, NoiseGridLikelihood
 from missionplan.diagnosis.dives.linearised import DIFFERENCE, DiveLinearisation
-from missionplan.diagnosis.dives.noise import FORM_SD, NOMINAL_NOISE, Noise, noise_grid
+from missionplan.diagnosis.dives.noise import EDDY_TIMES, FORM_SD, NOMINAL_NOISE, Noise, noise_grid
 from missionplan.diagnosis.given import RecordPosterior, held, tied
 from missionplan.diagnosis.inference.block_covariance import BlockCovariance
 from missionplan.diagnosis.inference.gauss_newton import GaussNewtonOptions, LeastSquares, Start, gauss_newton
@@ -296,11 +296,9 @@ def _calibration(best: int) -> dict[str, float]:
 
 
 def likely_noises(state: DescentState) -> tuple[Noise, ...]:
-    """Return noises that are likely under a fit, and those with the usual scatter: they may be beside a response."""
+    """Return noises that are likely under a fit, of any scatter: what differs between dives may be a response's."""
     logs = state.likelihood.log_joint(state.prior_sd)
     likely = logs - logsumexp(logs) > np.log(LEAST_LIKELY)
-    return tuple(
-        noise
-        for noise, kept in zip(noise_grid(), likely, strict=True)
-        if kept or (noise.scatter == NOMINAL_NOISE.scatter and noise.diffusion == NOMINAL_NOISE.diffusion)
-    )
+    turbulent = {(n.diffusion, n.eddy_time) for n, kept in zip(noise_grid(), likely, strict=True) if kept}
+    turbulent |= {(NOMINAL_NOISE.diffusion, time) for time in EDDY_TIMES}
+    return tuple(noise for noise in noise_grid() if (noise.diffusion, noise.eddy_time) in turbulent)

@@ -208,8 +208,10 @@ class Responses:
         plain = np.array([each.log_density for each in products])
         plain -= logsumexp(plain)
 
-        def gain(part: NDArray[np.intp]) -> float:
+        def gain(part: NDArray[np.intp], *, is_one: bool = False) -> float:
             inner, right = grams[:, part[:, None], part], grams[:, part, -1]
+            if is_one:
+                inner, right = inner.sum(axis=(1, 2))[:, None, None], right.sum(axis=1)[:, None]
             return float(logsumexp(plain + log_slab_factor(inner, right)))
 
         return np.array(
@@ -224,17 +226,17 @@ def _mean(logs: Sequence[float]) -> float:
     return float(logsumexp(logs)) - math.log(len(logs))
 
 
-def _in_some_runs(gain: Callable[[NDArray[np.intp]], float], runs: Sequence[NDArray[np.intp]]) -> float:
-    """Gain of a response in one run or several: in each alone, and in the likeliest together.
+def _in_some_runs(gain: Callable[..., float], runs: Sequence[NDArray[np.intp]]) -> float:
+    """Gain of a response in one run or several: in each alone, and in the likeliest together, in each its own or one.
 
     All numbers of runs are as likely, and all choices of so many.
     """
     alone = [gain(part) for part in runs]
     order, total = np.argsort(alone)[::-1], len(runs)
-    sizes = range(2, min(total, MOST_TOGETHER) + 1)
-    together = [
-        gain(np.concatenate([runs[i] for i in order[:size]])) - math.log(math.comb(total, size)) for size in sizes
-    ]
+    together = []
+    for size in range(2, min(total, MOST_TOGETHER) + 1):
+        part = np.concatenate([runs[i] for i in order[:size]])
+        together.append(_mean([gain(part), gain(part, is_one=True)]) - math.log(math.comb(total, size)))
     return float(logsumexp([_mean(alone), *together])) - math.log(total)
 
 

@@ -124,15 +124,18 @@ WHILE = 0.04
 WINDOWS, FASTER = 2.0, 0.12
 """Steps from one such time to the next, in `WHILE`, and of the turns in a record, in its reciprocal: two thirds of
 what lies between them are seen with the nearer (Gabor 1946, *J. IEE* 93)."""
+MOST_TIDES = 3.0
+"""Turns in a record of what is tried above a depth, at most."""
 WAVES, WAVE_STEP = 4.0, 0.5
 """Most waves of a flow over the extent of a record, and steps from one number of them to the next."""
 
 
-def waves_of_water(data: TransitData, principal: Array) -> Iterator[Tried]:
+def waves_of_water(data: TransitData, leg: Leg, principal: Array) -> Iterator[Tried]:
     """Velocities of the water that come and go, by their turns in the record, and that wind over a place.
 
     All the time they turn either way (Gonella 1972, *Deep-Sea Res.* 19) or go round an ellipse, for a while about a
-    moment round one; over a place they go across plane waves, by their number east and north in its extent.
+    moment round one, or as slowly as tides above a depth; over a place they go across plane waves, by their number east
+    and north in its extent.
     """
     span, origin = max(float(np.ptp(data.middle)), 1.0), data.middle.min()
     legs = tuple((t - origin) / span for t in (data.t_start, data.t_start + data.under_way))
@@ -146,6 +149,11 @@ def waves_of_water(data: TransitData, principal: Array) -> Iterator[Tried]:
         for turns in np.arange(0.2 / WHILE, min(data.n, MOST_TURNS), FASTER / WHILE).tolist():
             columns = _wave(legs, turns, ways, principal, about)
             yield Tried("time", "a velocity that comes and goes for a while", (middle, turns), columns)
+    depths = np.broadcast_to(leg.depth, data.n)
+    layers = np.unique(np.quantile(depths, LINES)) if np.ptp(depths) > VARIES * np.median(depths) else np.array([])
+    for depth, turns in itertools.product(layers.tolist(), np.arange(0.5, MOST_TIDES + 0.5, 0.5).tolist()):
+        columns = _wave(legs, turns, ways, principal, depths < depth)
+        yield Tried("depth and time", "a velocity above a depth that comes and goes", (depth, turns), columns)
     numbers = np.arange(-WAVES, WAVES + WAVE_STEP, WAVE_STEP).tolist()
     for east, north in itertools.product(numbers, numbers):
         if (north, east) > (0.0, 0.0) and np.hypot(east, north) <= WAVES:  # the opposite waves are the same

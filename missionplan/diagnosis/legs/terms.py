@@ -277,7 +277,7 @@ def _smooth(model: TransitFitting) -> list[LegTerm]:
     flow = SMOOTH_SIZE * principal_components(flow_columns(model.data, model.axes), MOST_COLUMNS, LEAST_SHARE)
     eddies = "a velocity that changes with place as in eddies"
     found.append(LegTerm("", "place", eddies, _by_leg(flow), 0.0, shape=(FLOW_LENGTH,)))
-    tried = [*across_lines(model.data, model.leg, model.axes), *waves_of_water(model.data, model.axes)]
+    tried = [*across_lines(model.data, model.leg, model.axes), *waves_of_water(model.data, model.leg, model.axes)]
     counts = Counter(each.words for each in tried)
     for name, words, shape, columns in tried:
         found.append(LegTerm("", name, words, _by_leg(SIZE * columns), -math.log(counts[words]), shape=shape))

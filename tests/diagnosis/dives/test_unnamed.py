@@ -22,6 +22,7 @@ def diagnosed(case, folder):
         (6003, "spooling-line", "drag-by-depth"),
         (6006, "line-drag", "drag-by-line"),
         (6007, "shear-layer", "lift-in-layer"),
+        (42_910_009, "pitch-oscillation", "drag-in-swings"),
     ],
 )
 def test_what_has_no_name_is_described(seed, effect, found_as, tmp_path):
@@ -53,6 +54,16 @@ def test_an_early_clock_is_in_doubt_where_a_part_of_the_only_line_may_stay_on_th
     assert found.causes == ("clock-offset",)
     assert found.verdict == "ambiguous"
     assert any(each.causes == ("delay-by-line",) for each in found.ranking[:2])
+
+
+@pytest.mark.slow
+def test_a_line_of_which_some_dives_run_out_less_is_no_clock(tmp_path):
+    """They begin as early as each other, the rest on time: no scatter of releases does that."""
+    found = diagnosed(draw_case(42_910_005, "descent", "outside", "jammed-spool"), tmp_path)
+    assert found.verdict == "unexplained"
+    assert found.causes == ()
+    likeliest = max(found.readings.responses, key=lambda response: response[2])
+    assert likeliest[1] == "a delay that differs from dive to dive"
 
 
 @pytest.mark.slow

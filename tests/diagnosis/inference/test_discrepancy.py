@@ -1,12 +1,14 @@
 """A discrepancy is significant when something smooth is left, and seldom otherwise."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from scipy.signal import lfilter
 from scipy.special import logsumexp
 from scipy.stats import multivariate_normal
 
-from missionplan.diagnosis.inference.axes import Axis, AxisScale, around, pointwise
+from missionplan.diagnosis.inference.axes import Axis, AxisScale, around, differing, pointwise
 from missionplan.diagnosis.inference.block_covariance import BlockCovariance, InnerProducts
 from missionplan.diagnosis.inference.discrepancy import (
     LENGTHS,
@@ -25,6 +27,17 @@ def residuals(values, axis=None, **others):
     axis = axis or pointwise("time", "values against time", np.linspace(0.0, 1.0, N)[:, None])
     groups = np.repeat([f"dive-{k + 1}" for k in range(4)], N // 4)
     return Residuals(values, BlockCovariance.of(np.eye(N)), np.zeros(N, dtype=int), [axis], groups, **others)
+
+
+def test_runs_that_differ_all_alike_say_more_than_each_otherwise():
+    own = np.repeat(np.eye(4), N // 4, axis=0)
+    axis = replace(differing("a shift in some runs", own), in_some_runs=True)
+    alike, otherwise, none = (
+        discrepancy(residuals(own @ shifts, axis)).log_bayes_factor
+        for shifts in ([1.0, 0.0, 1.0, 0.0], [1.0, 0.0, -1.0, 0.0], [0.0, 0.0, 0.0, 0.0])
+    )
+    assert alike > otherwise + 0.3
+    assert otherwise > 0.0 > none
 
 
 def test_white_residuals_leave_nothing():

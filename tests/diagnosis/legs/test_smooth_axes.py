@@ -58,7 +58,9 @@ def left_of(columns, flow):
 
 def test_a_current_that_turns_is_a_sum_of_two_columns_and_the_opposite_turn_is_not(bound):
     data = bound.data
-    turning = {each.shape: each.columns for each in waves_of_water(data, np.eye(2)) if each.words.endswith("period")}
+    turning = {
+        each.shape: each.columns for each in waves_of_water(data, bound.leg, np.eye(2)) if each.words.endswith("period")
+    }
     turns = 3.0
     t = data.t_start[:, None] + data.under_way[:, None] * STEPS
     angle = 2.0 * np.pi * turns * t / np.ptp(data.middle) + 0.7
@@ -72,7 +74,7 @@ def test_a_current_that_turns_is_a_sum_of_two_columns_and_the_opposite_turn_is_n
 
 def test_what_comes_and_goes_for_a_while_does_so_about_a_moment(bound):
     data, span = bound.data, np.ptp(bound.data.middle)
-    found = [each for each in waves_of_water(data, np.eye(2)) if each.words.endswith("while")]
+    found = [each for each in waves_of_water(data, bound.leg, np.eye(2)) if each.words.endswith("while")]
     for _, _, (middle, _), columns in found:
         power = (columns**2).sum(axis=1).reshape(-1, 2).sum(axis=1)
         assert power[np.abs(data.middle - middle) > 0.2 * span].sum() < 1e-3 * power.sum()
@@ -82,7 +84,7 @@ def test_what_comes_and_goes_for_a_while_does_so_about_a_moment(bound):
 def test_a_stream_that_winds_goes_across_its_waves(bound):
     data = bound.data
     extent = np.ptp(0.5 * (data.start + data.dead_reckoned), axis=1).max()
-    columns = {each.shape: each.columns for each in waves_of_water(data, np.eye(2))}[
+    columns = {each.shape: each.columns for each in waves_of_water(data, bound.leg, np.eye(2))}[
         -1.5, 0.5
     ]  # the waves of (1.5, −0.5)
     place = data.start[:, :, None] + (data.dead_reckoned - data.start)[:, :, None] * STEPS

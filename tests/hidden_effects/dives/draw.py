@@ -6,7 +6,7 @@ from ..case import Case
 from .catalogue import CATALOGUE
 from .files import measure, mission_files
 from .outside import OUTSIDE, STUDIED
-from .strength import LARGEST, HiddenEffects, draw_hidden, draw_strong, nats_beyond_the_named
+from .strength import LARGEST, HiddenEffects, draw_as_worth, draw_hidden, draw_strong, nats_beyond_the_named
 from .trials import Nuisances, Plan, conditions_of, draw_nuisances, draw_plan
 
 BLIND_SHARE = 0.75
@@ -50,6 +50,19 @@ def draw_sized(seed: int, effect: str, size: float) -> Case:
     parameters = {f"{effect}.{key}": float(value) for key, value in found.items()}
     hidden = HiddenEffects((built,), parameters, {effect: size}, np.nan)
     return _case(seed, "single", (effect,), plan, noise, hidden, (shape, noise_rng), 0)
+
+
+def draw_worth(seed: int, effect: str, nats: tuple[float, float]) -> Case:
+    """Draw a case with an effect outside the catalogue that is worth nats in a range beyond what named effects can be."""
+    base = [seed, 1, 79]
+    for attempt in range(20):
+        shape, hiding, noise_rng = np.random.default_rng([*base, attempt]).spawn(3)
+        plan = draw_plan(shape, "outside", (effect,))
+        noise = draw_nuisances(shape, "outside")
+        hidden = draw_as_worth(plan, noise, effect, hiding, nats)
+        if hidden is not None:
+            return _case(seed, "outside", (effect,), plan, noise, hidden, (shape, noise_rng), attempt)
+    raise RuntimeError(f"no plan shows {effect} (seed {seed})")
 
 
 def _case(

@@ -193,6 +193,30 @@ def nats_beyond_the_named(plan: Plan, noise: Nuisances, effects: Sequence[DiveEf
     return 0.5 * float(left @ left)
 
 
+TRIED = 5
+"""Sizes of which one must be worth what is wanted."""
+
+
+def draw_as_worth(
+    plan: Plan, noise: Nuisances, name: str, rng: np.random.Generator, nats: tuple[float, float]
+) -> HiddenEffects | None:
+    """Draw an effect outside the catalogue whose size makes it worth nats in this range; None where none is found.
+
+    Nats grow with the square of the size where there is no threshold.
+    """
+    kind, shape, wanted = OUTSIDE[name], int(rng.integers(2**32)), float(np.exp(rng.uniform(*np.log(nats))))
+    size = float(np.sqrt(kind.low * kind.high))
+    for _ in range(TRIED):
+        effect, _ = kind.build(size, np.random.default_rng(shape), conditions_of(plan))
+        held = nats_beyond_the_named(plan, noise, (effect,))
+        if nats[0] <= held < nats[1]:
+            return HiddenEffects((effect,), {}, {name: size}, strength(plan, noise, (effect,))[0])
+        size *= float(np.clip(np.sqrt(wanted / max(held, 1e-9)), 0.1, 4.0))
+        if size > 2.0 * kind.high:
+            return None
+    return None
+
+
 LARGEST = {
     "drag-bias": 1.0,
     "line-payout": 0.8,
