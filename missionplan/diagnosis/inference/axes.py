@@ -151,12 +151,7 @@ def _between_nodes(inputs: Array) -> tuple[Array, Array]:
     nodes = np.unique(inputs)
     if len(nodes) > NODES:
         nodes = np.linspace(nodes[0], nodes[-1], NODES)
-    return nodes[:, None], hat_basis(inputs, nodes)
-
-
-def hat_basis(inputs: Array, nodes: Array) -> Array:
-    """Return the values at inputs, shape (N,), of the hat functions of increasing nodes, shape (m,): (N, m)."""
-    return np.stack([np.interp(inputs, nodes, one) for one in np.eye(len(nodes))], axis=1)
+    return nodes[:, None], np.stack([np.interp(inputs, nodes, one) for one in np.eye(len(nodes))], axis=1)
 
 
 def scaled(values: Array) -> Array:

@@ -158,7 +158,9 @@ class _Evaluator:
         problem, free = self._problem, start.free
         prediction, columns = predictions[:, 0], self._differences(predictions, len(free))
         white = self._whitened(start, np.concatenate([(problem.y - prediction)[:, None], columns], axis=1))
-        factor = _likeliest_factor(white[:, 0], problem.noise_factors)
+        # factor on the noise that makes whitened residuals of unit size, within its range
+        low, high = problem.noise_factors
+        factor = low if low == high else float(np.clip(np.sqrt(np.mean(white[:, 0] ** 2)), low, high))
         white = white / factor
         misfit = self._prior(start).misfit(at[free])
         objective = 0.5 * float(white[:, 0] @ white[:, 0]) + misfit + len(white) * np.log(factor)
@@ -239,9 +241,3 @@ def _abandon(searches: Sequence[_Search]) -> None:
     for search in searches:
         if search.point.objective >= best[search.start.group] + ABANDONED_BEYOND:
             search.running = False
-
-
-def _likeliest_factor(white: Array, factors: tuple[float, float]) -> float:
-    """Factor on the noise that makes whitened residuals of unit size, within its range."""
-    low, high = factors
-    return low if low == high else float(np.clip(np.sqrt(np.mean(white**2)), low, high))

@@ -160,7 +160,12 @@ def likeliest_scales(marginal_of: Callable[[Array], Marginal], prior: Prior) -> 
         scale = (DOF + squared) / (DOF + 1.0)
         if np.max(np.abs(np.log(scale / before))) < SCALE_CONVERGED:
             break
-    curvature = _curvature(found.mean[own] / sd[own], found.covariance[np.ix_(own, own)] / np.outer(sd[own], sd[own]))
+    # negative curvature of the log posterior along the ln λ at its mode, shape (h, h)
+    mean = found.mean[own] / sd[own]
+    covariance = found.covariance[np.ix_(own, own)] / np.outer(sd[own], sd[own])
+    curvature = np.asarray(
+        0.5 * (DOF + 1.0) * np.eye(len(mean)) - 0.5 * (2.0 * np.outer(mean, mean) * covariance + np.square(covariance))
+    )
     log_determinant = float(np.log(np.maximum(np.linalg.eigvalsh(curvature), LEAST_CURVATURE)).sum())
     log_prior = 0.5 * DOF * (math.log(0.5 * DOF) - np.log(before) - 1.0 / before) - gammaln(0.5 * DOF)
     each = 0.5 * LOG_2PI + LAPLACE_ERROR
@@ -202,16 +207,6 @@ def integrated(
     inside = inside_range(prior.centre + own.mean, own.covariance, *prior.bounds)
     evidence = float(logsumexp(logs)) + scales.log_factor + inside.log_mass - prior.log_mass
     return Integrated(evidence, noise, root, own, inside)
-
-
-def _curvature(mean: Array, covariance: Array) -> Array:
-    """Negative curvature of the log posterior along the ln λ at its mode, shape (h, h).
-
-    `mean`, `covariance`, shape (h,) and (h, h): posterior of the coordinates over their standard deviations sd·√λ.
-    """
-    return np.asarray(
-        0.5 * (DOF + 1.0) * np.eye(len(mean)) - 0.5 * (2.0 * np.outer(mean, mean) * covariance + np.square(covariance))
-    )
 
 
 @dataclass(frozen=True)

@@ -142,7 +142,10 @@ class _Sets:
 
     def _corrected(self, causes: Causes) -> float:
         """Log evidence."""
-        return self._evidence[causes] - self._error(causes)
+        # the linearised evidence of a set is too great by as much as that of its likeliest largest part
+        parts = [part for part in self._errors if set(part) <= set(causes)]
+        nearest = max(parts, key=lambda part: (len(part), self._evidence[part]), default=None)
+        return self._evidence[causes] - (0.0 if nearest is None else self._errors[nearest])
 
     def _log_prior(self, causes: Causes) -> float:
         prior = log_prior(len(causes), self._named)
@@ -156,7 +159,8 @@ class _Sets:
         """
         by_part: dict[Causes, list[Causes]] = {}
         for causes in sets:
-            for part in self._fitted_parts(causes):
+            has_a_name = self._has_a_name(causes)
+            for part in [p for p in self.fits if set(p) < set(causes) and self._has_a_name(p) == has_a_name]:
                 by_part.setdefault(part, []).append(causes)
         asked = [(self.fits[part], wanted) for part, wanted in by_part.items()]
         found = parallel_map(partial(_log_gains, self._model), asked, jobs=self._jobs)
@@ -168,10 +172,6 @@ class _Sets:
             self._nearest[causes] = max(from_parts, key=lambda part: from_parts[part])
             self._evidence[causes] = from_parts[self._nearest[causes]]
             self._gained[causes] = self._evidence[causes] - max(self._evidence[part] for part in from_parts)
-
-    def _fitted_parts(self, causes: Causes) -> list[Causes]:
-        has_a_name = self._has_a_name(causes)
-        return [p for p in self.fits if set(p) < set(causes) and self._has_a_name(p) == has_a_name]
 
     def fit(self, wanted: Sequence[Causes]) -> None:
         """Fit sets."""
@@ -205,16 +205,6 @@ class _Sets:
         ):
             if found.effective >= EFFECTIVE:
                 self._errors[fit.causes] = fit.log_evidence - found.log_evidence
-        self._add_responses()
-
-    def _error(self, causes: Causes) -> float:
-        """By how much the linearised evidence of a set is too great."""
-        parts = [part for part in self._errors if set(part) <= set(causes)]
-        nearest = max(parts, key=lambda part: (len(part), self._evidence[part]), default=None)
-        return 0.0 if nearest is None else self._errors[nearest]
-
-    def _add_responses(self) -> None:
-        """Compute what neutral responses add to nothing, to single causes and to the likeliest sets."""
         ranked = sorted(self.fits, key=lambda causes: -self._score(causes))
         self._beside = [c for i, c in enumerate(ranked) if i < BESIDE_RESPONSES or len(c) < 2]
         self._responses = self._model.responses_beside([self.fits[causes] for causes in self._beside])

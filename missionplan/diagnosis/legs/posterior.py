@@ -68,18 +68,15 @@ class LegPosterior:
     def _order(self) -> dict[str, int]:
         return {info.id: index for index, info in enumerate(effects_of("transit"))}
 
-    def _causes(self, key: tuple[Causes, int]) -> Causes:
-        """A set with the effect of its term, if that is one of an effect."""
-        causes, term = key
-        effect = self.inference.terms[term - 1].effect if term else ""
-        return self.in_order((*causes, effect)) if effect else causes
-
     @cached_property
     def _by_causes(self) -> dict[Causes, list[tuple[Causes, int]]]:
         """Of each set of causes, what of `log_masses` belongs to it, greatest first."""
         found: dict[Causes, list[tuple[Causes, int]]] = {}
         for key in sorted(self.log_masses, key=lambda key: -self.log_masses[key]):
-            found.setdefault(self._causes(key), []).append(key)
+            # a set with the effect of its term, if that is one of an effect
+            causes, term = key
+            effect = self.inference.terms[term - 1].effect if term else ""
+            found.setdefault(self.in_order((*causes, effect)) if effect else causes, []).append(key)
         return found
 
     @cached_property

@@ -18,14 +18,19 @@ from missionplan.diagnosis.given import GivenEffect
 from missionplan.diagnosis.given.priors import check_together, given_priors
 from missionplan.diagnosis.inference.model import CauseFit
 from missionplan.diagnosis.learned_data import as_then, unlearned
-from missionplan.diagnosis.tank.experiments import (
+from missionplan.diagnosis.tank.forward import (
+    Nuisance,
+    TankForward,
+    decimated,
     drag_forward,
     drag_reynolds,
     full_size_added_mass,
+    noise_sd,
     oscillation_forward,
+    row_blocks,
+    tank_effects,
     thruster_forward,
 )
-from missionplan.diagnosis.tank.forward import Nuisance, TankForward, decimated, noise_sd, row_blocks, tank_effects
 from missionplan.diagnosis.tank.model import TankModel
 from missionplan.effects import CATALOGUE, Effect, exclusive_groups
 from missionplan.effects.info import TankRecord, VehicleKey

@@ -6,9 +6,8 @@ from functools import partial
 import numpy as np
 import pytest
 
-from missionplan.diagnosis.tank.experiments import oscillation
 from missionplan.diagnosis.tank.fitting import TankFitting
-from missionplan.diagnosis.tank.forward import Nuisance, TankForward
+from missionplan.diagnosis.tank.forward import Nuisance, TankForward, oscillation
 from missionplan.effects import CATALOGUE
 from missionplan.effects.info import TankRecord
 from missionplan.physics.tank import displacement, natural_frequency

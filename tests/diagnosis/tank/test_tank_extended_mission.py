@@ -6,7 +6,7 @@ import yaml
 
 from missionplan.datasets.tank import OscillationSettings
 from missionplan.diagnosis.diagnose import diagnose
-from missionplan.diagnosis.tank.experiments import full_size_added_mass
+from missionplan.diagnosis.tank.forward import full_size_added_mass
 from missionplan.errors import InputError
 from missionplan.mission import Mission, load
 from missionplan.montecarlo.distributions import mean_of, sd_of

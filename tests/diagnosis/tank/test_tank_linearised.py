@@ -10,9 +10,8 @@ from scipy.stats import multivariate_normal, norm
 
 from missionplan.datasets.tank import DragSettings, OscillationSettings
 from missionplan.diagnosis.diagnose import diagnose
-from missionplan.diagnosis.tank.experiments import drag_forward
 from missionplan.diagnosis.tank.fitting import LinearData, fitted_root, marginal
-from missionplan.diagnosis.tank.forward import noise_sd, row_blocks
+from missionplan.diagnosis.tank.forward import drag_forward, noise_sd, row_blocks
 from missionplan.diagnosis.tank.kind import TankKind, _uncertainty
 from missionplan.mission import load
 from missionplan.montecarlo.distributions import Normal

@@ -276,7 +276,8 @@ class TransitMean:
         for each in tied(held(self.given_in_mean, causes)):
             own = places_in(self.coordinates, each)
             mean[own] = each.mean
-            factor[np.ix_(own, own)] = _square_root(each.here)
+            values, vectors = np.linalg.eigh(each.here)
+            factor[np.ix_(own, own)] = vectors * np.sqrt(np.maximum(values, 0.0))
         return CoordinatePrior(mean, factor)
 
     def linearised(self, causes: Causes, about: Array | None = None, forms: Forms = STEADY) -> LinearisedLegs:
@@ -315,9 +316,3 @@ class TransitMean:
         modulation, functions = smooth_functions(name, self.data.middle)
         columns = modulated_columns(functions, in_phase, in_quadrature)
         return modulation, np.asarray(np.einsum("ij,jnm->inm", self.axes.T, columns))
-
-
-def _square_root(covariance: Array) -> Array:
-    """Return a factor L with L Lᵀ the covariance, which may be singular."""
-    values, vectors = np.linalg.eigh(covariance)
-    return np.asarray(vectors * np.sqrt(np.maximum(values, 0.0)))
