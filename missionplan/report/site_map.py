@@ -202,7 +202,7 @@ def name_goals(axes: Axes, data: Mapping[str, object]) -> None:
 
 def _rows_of_names(way: np.ndarray, named: list[tuple[str, Point]]) -> list[int]:
     """Row in which each name stands, counted up from its place: another where it would run into one at its height."""
-    size, rows = max(float(np.ptp(way, axis=1).max()), 1.0), list[int]()
+    size, rows = max(float(np.ptp(way, axis=1).max()) if named else 0.0, 1.0), list[int]()
     for number, (name, (east, north)) in enumerate(named):
         row = step = 1 if _runs_below(way, (east, north)) else -1
         beside = [

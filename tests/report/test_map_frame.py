@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from missionplan.report.plan_view import frame
-from missionplan.report.site_map import _rows_of_names
+from missionplan.report.site_map import _rows_of_names, room_for_names
 from missionplan.studies.leg_length.sweep_page import has_teeth
 
 
@@ -54,3 +54,7 @@ def test_teeth_are_told_only_where_the_cost_jumps_at_a_critical_point():
     elsewhere = curve(lambda r: 0.1 * (r - 0.6) ** 2 + np.where(r > 0.42, 0.01, 0.0))
     found = [has_teeth(each, (1.0, 0.5, 1.0 / 3.0, 0.25)) for each in (smooth, steep, toothed, elsewhere)]
     assert found == [False, False, True, False]
+
+
+def test_a_mission_without_a_way_needs_no_room_for_names():
+    assert list(room_for_names({"phases": [{"moor": {}}]})) == []
