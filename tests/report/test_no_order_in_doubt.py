@@ -77,8 +77,10 @@ COMMANDS = {
 )
 def test_no_headline_orders_while_the_truth_is_not_known(command, way, monkeypatch):
     monkeypatch.setattr(optimise_legs, "MEAN_FAMILY", PolicyFamily((1.0,), ()))
-    words = headline(COMMANDS[command](Mission.from_data({**TRANSIT, **WAYS[way]})))
+    found = COMMANDS[command](Mission.from_data({**TRANSIT, **WAYS[way]}))
+    words = headline(found)
     assert not ORDER.search(words), words
+    assert way != "assumed" or terminal_view(found).verdict != "good"
 
 
 def test_the_same_command_orders_where_nothing_is_in_doubt(monkeypatch):

@@ -16,7 +16,7 @@ from missionplan.montecarlo.alternatives import compare_with_best
 from missionplan.montecarlo.blocks import Backend, Progress
 from missionplan.montecarlo.statistics import Count
 from missionplan.montecarlo.streams import sized_blocks
-from missionplan.results.decision import Aim, Axis, MemberOutcome
+from missionplan.results.decision import Aim, Assumption, Axis, MemberOutcome
 from missionplan.scenario.scenario import Scenario
 from missionplan.scenario.site_current import members_drawn, members_of
 from missionplan.store.checkpoints import Checkpoints
@@ -33,6 +33,7 @@ from missionplan.studies.exploration.result import (
     find_best,
     rank,
 )
+from missionplan.studies.judgement import ledger
 from missionplan.studies.run import Run, RunArguments
 from missionplan.studies.simulation import check_complete, input_notices
 from missionplan.studies.simulation.block_statistics import requirement_key
@@ -215,7 +216,12 @@ def explore(
         best=best.best,
         constrained=best.constrained,
         members=_members(task, axes, raced.trials, best.best, trials),
+        assumptions=_assumed(task, best.best) if best.constrained and mission.requirements else (),
     )
+
+
+def _assumed(task: CellTask, best: int | None) -> tuple[Assumption, ...]:
+    return () if best is None else ledger(task.mission(best), task.seed)
 
 
 def _members(

@@ -6,7 +6,7 @@ from collections import Counter
 from collections.abc import Iterator, Sequence
 from operator import attrgetter
 
-from missionplan.report.explained import members_in_words, members_section
+from missionplan.report.explained import hangs_on_doubt, members_in_words, members_section
 from missionplan.report.page import Cells, Page, PageSection, Table
 from missionplan.report.quantities import range_on, unit_for, value_on, with_error
 from missionplan.report.wording import capitalised, in_words, listed, number, percent, share
@@ -93,7 +93,8 @@ def _as_good(found: Exploration) -> str:
     count = sum(cell.as_good for cell in found.cells)
     noise = f"as far as {found.provenance.trials} trials tell"
     if count < 2:
-        return f"Every other one tried {_WORSE[found.aim]}, {noise}."
+        is_short = found.constrained and not all(cell.meets_all for cell in found.valid)
+        return f"Every other one tried {'misses a requirement or ' * is_short}{_WORSE[found.aim]}, {noise}."
     if len(found.axes) == 1:
         axis = found.axes[0]
         if axis.numbers is None:
@@ -194,7 +195,11 @@ def _verdict(found: Exploration) -> str:
         return ""
     if not found.any_meets_all:
         return "bad"
-    return "good" if any(cell.status == "met" for cell in found.cells) else "undecided"
+    best = found.best_cell
+    doubts = [(each.probability, each.good) for each in found.members]
+    if not any(cell.status == "met" for cell in found.cells) or (best and hangs_on_doubt(best.success, doubts)):
+        return "undecided"
+    return "good"
 
 
 def _shown(found: Exploration, cell: Cell, key: str, *, alone: bool = False) -> str:

@@ -12,7 +12,7 @@ from missionplan.mission import Mission
 from missionplan.montecarlo.alternatives import compare_with_best, pareto_front
 from missionplan.montecarlo.statistics import Count, Probability, Statistic
 from missionplan.results import Provenance, Result, to_csv, to_grid
-from missionplan.results.decision import Aim, Axis, MemberOutcome
+from missionplan.results.decision import Aim, Assumption, Axis, MemberOutcome
 from missionplan.results.entries import Entry, Record
 from missionplan.results.failures import Counted
 from missionplan.results.simulation import RequirementOutcome
@@ -109,6 +109,13 @@ class Exploration(Result):
         tuple[MemberOutcome, ...],
         Entry("how often the best succeeds in each member of the current's ensemble", optional=True),
     ] = ()
+    assumptions: tuple[Assumption, ...] = ()
+    """What the best takes for granted, where it meets all that is required."""
+
+    @property
+    def assumed(self) -> tuple[Assumption, ...]:
+        """What the best takes for granted, each with its worth."""
+        return self.assumptions
 
     @property
     def valid(self) -> tuple[Cell, ...]:
