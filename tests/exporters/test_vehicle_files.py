@@ -698,6 +698,15 @@ def test_qgc(plan):
         assert (jump["command"], jump["params"]) == (177, [len(items), 1 + transit.extra_legs, 0, 0, 0, 0, 0])
 
 
+def test_qgc_sails_no_nearer_the_surface_than_where_it_takes_a_fix(plan):
+    depths = {plan.transits[0].name: 0.0, plan.transits[1].name: 0.4}
+    phases = (replace(each, depth=depths[each.name]) if each.name in depths else each for each in plan.phases)
+    shallow = replace(plan, phases=tuple(phases))
+    for text, altitude in zip(written(shallow, "qgc").values(), (-0.1, -0.1, -0.4, -0.4), strict=True):
+        _, *items, _ = json.loads(text)["mission"]["items"]
+        assert {each["Altitude"] for each in items if each["command"] == 16} == {altitude}
+
+
 def test_qgc_as_mavlink_messages(plan):
     mavlink = pytest.importorskip("pymavlink.dialects.v20.common")
     commands, frames = mavlink.enums["MAV_CMD"], mavlink.enums["MAV_FRAME"]

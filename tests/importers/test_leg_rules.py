@@ -8,8 +8,8 @@ from hypothesis import example, given, settings
 from hypothesis import strategies as st
 from made_tracks import LATITUDE, LONGITUDE, START, made
 
-from missionplan.importers.cutting import cut
-from missionplan.importers.dives import Depths, LegRules, find_candidates
+from missionplan.importers.cutting import cut, of_the_clock
+from missionplan.importers.dives import Depths, LegRules, find_candidates, logged_again
 from missionplan.importers.geodesy import displacement, moved
 from missionplan.importers.judging import (
     _ALLOWED,
@@ -213,6 +213,17 @@ def test_a_spoilt_leg_is_left_out_with_the_reason(change, reason):
     assert reason in found.dives["reason"][2]
 
 
+@pytest.mark.parametrize(("count", "more"), [(1, ""), (2, ", and 1 times more"), (3, ", and 2 times more")])
+def test_clocks_that_jump_are_told_with_how_often_more(count, more):
+    log = made(legs=3)
+    jumps = tuple(Break(float(log.starts[k]) + 900.0, "the clock jumps back (30 s)") for k in range(count))
+    quiet = Break(float(log.starts[0]) + 950.0, "a restart", at_surface_too=False)
+    (told,) = of_the_clock(replace(log.track, breaks=(*jumps, quiet)))
+    assert told == (
+        f"the clock jumps back (30 s) to 2023-11-14T22:37:20.000Z{more}: times before or after are wrong by as much"
+    )
+
+
 def test_a_restart_at_the_surface_spoils_nothing():
     log = made(legs=5)
     at_surface = Break(float(log.ends[1]) + 100.0, "a restart", at_surface_too=False)
@@ -263,6 +274,19 @@ def test_a_fix_logged_under_water_ends_the_dive_before_the_last_time_at_the_surf
     at = fixes(np.array([0.0, t[-1]]), np.full(2, LATITUDE), np.full(2, LONGITUDE))
     found = find_candidates(at, series(t, values), Depths(5.0, 3.0), 150.0)
     assert [(each.surfaced, each.reckoned_to) for each in found] == [(pytest.approx(surfaced),) * 2] * bool(surfaced)
+
+
+def test_an_old_fix_is_one_of_both_its_latitude_and_its_longitude_logged_again_before_a_new_one():
+    depth = series(np.arange(7) * 100.0, np.array([0.0, 50.0, 0.0, 0.0, 0.0, 50.0, 0.0]))
+    moments = np.array([0.0, 200.0, 300.0, 400.0, 600.0])
+    for latitudes, longitudes, again in (
+        ([1.0, 1.0, 2.0, 2.0, 3.0], [5.0, 5.0, 6.0, 6.0, 7.0], [1]),
+        ([1.0, 1.0, 2.0, 2.0, 3.0], [5.0, 5.1, 6.0, 6.0, 7.0], []),  # farther east
+        ([1.0, 1.1, 2.0, 2.0, 3.0], [5.0, 5.0, 6.0, 6.0, 7.0], []),
+        ([1.0, 1.0, 1.0, 1.0, 3.0], [5.0, 5.0, 5.0, 5.0, 7.0], []),  # it may have stayed in its place
+    ):
+        good = fixes(moments, np.array(latitudes), np.array(longitudes))
+        assert np.flatnonzero(logged_again(good, depth, Depths(5.0, 3.0))).tolist() == again
 
 
 def test_a_shallow_vehicles_dives_are_found():

@@ -15,6 +15,7 @@ from missionplan.montecarlo.rare_events import (
     MovedPopulation,
     NormalPopulation,
     Run,
+    _next_threshold,
     gathered,
     run_levels,
     run_pilots,
@@ -138,6 +139,22 @@ def test_a_moved_standard_normal_stays_one() -> None:
     after = MovedPopulation(parent, 0.6, generator).cell("u", 2, 2)
     assert after.std() == pytest.approx(1.0, abs=0.02)
     assert np.corrcoef(before[0], after[0])[0, 1] == pytest.approx(0.8, abs=0.02)
+
+
+@pytest.mark.parametrize(
+    ("margins", "last", "threshold"),
+    [
+        ([8.0, 1.0, 7.0, 2.0, 6.0, 3.0, 5.0, 4.0], 9.0, 2.0),  # a quarter of the eight do not exceed it
+        ([8.0, -1.0, 7.0, -2.0, 6.0, 3.0, 5.0, 4.0], 9.0, 0.0),
+        ([2.0, 1.0, 2.0, 2.0, 2.0, 2.0, 2.0, 2.0], 2.0, 1.0),  # less than the last
+        ([2.0, -1.0, 2.0, 2.0, 2.0, 2.0, 2.0, 2.0], 2.0, 0.0),
+        ([2.0] * 8, 2.0, -1.0),
+    ],
+)
+def test_a_threshold_is_the_margin_that_a_quarter_does_not_exceed_and_less_than_the_last(
+    margins: list[float], last: float, threshold: float
+) -> None:
+    assert _next_threshold(np.array(margins), last) == threshold
 
 
 def test_gathered_trials_keep_their_normals() -> None:

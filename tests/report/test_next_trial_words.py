@@ -7,6 +7,7 @@ from typing import Any
 import pytest
 import yaml
 
+from missionplan.report.diagnosis import plan
 from missionplan.report.diagnosis.findings import how_sure
 from missionplan.report.diagnosis.page import answer
 from missionplan.report.diagnosis.plan import next_trial_pointer, next_trial_section, next_trial_told, next_trial_words
@@ -191,3 +192,8 @@ def test_a_trial_pays_for_itself_in_what_is_saved_and_its_rule_says_the_side() -
     slight = [replace(LEGS, saving=saving) for saving in (0.29, 0.31)]  # three standard errors are 0.3
     (*_, table) = next_trial_section(replace(FOUND, designs=(LEGS, *slight)))[0].blocks
     assert [row[4] for row in table.rows] == ["1.2 ± 0.1", "nothing", "0.31 ± 0.1"]
+    for more in (0, 1, 3):
+        many = tuple(replace(LEGS, minutes=float(k)) for k in range(plan._LISTED + more))
+        table = plan._designs(replace(FOUND, designs=many))
+        assert len(table.rows) == plan._LISTED
+        assert (f" {more} more in next-trials.csv." in table.caption) == (" more in" in table.caption) == (more > 0)

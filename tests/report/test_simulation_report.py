@@ -5,6 +5,7 @@ import re
 from dataclasses import replace
 from html.parser import HTMLParser
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -16,7 +17,7 @@ from missionplan.mission import load
 from missionplan.montecarlo.statistics import Probability, wilson
 from missionplan.report.page import Figure, draw, drawing_by, style
 from missionplan.report.render import render_report, terminal_view
-from missionplan.report.simulation import figures
+from missionplan.report.simulation import figures, quantities
 from missionplan.report.simulation import page as simulation
 from missionplan.report.simulation.quantities import judged
 from missionplan.report.wording import percent
@@ -132,6 +133,20 @@ def requirement(outcome: Outcome, successes: int, trials: int, required: float =
     met, undecided = found.value >= required, found.low <= required <= found.high
     asked = outcome.requirements[0]
     return replace(asked, required=required, probability=found, met=met, undecided=undecided, trials=trials)
+
+
+@pytest.mark.parametrize(
+    ("needed", "words"),
+    [
+        ((3458, 120), "about 3500 trials would decide, if the share stays as it is"),
+        ((120, 31), "about 120 trials would decide, if the share stays as it is"),
+        ((3458, None), "what is reached is what is required, so that no number of trials decides"),
+        ((None,), "what is reached is what is required, so that no number of trials decides"),
+    ],
+)
+def test_the_requirement_that_needs_most_trials_says_how_many_would_decide(needed, words):
+    undecided = [SimpleNamespace(trials_to_decide=each) for each in needed]
+    assert quantities._remedy(undecided).replace("\u202f", "") == words
 
 
 @pytest.mark.parametrize("successes", [455, 445])

@@ -1,6 +1,7 @@
 """The pitch-over after the snatch, against an integration by Lagrange's equations that shares no code with it."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -12,7 +13,7 @@ from missionplan.phases.hooks import DescentEffect
 from missionplan.phases.mooring.descent import descend
 from missionplan.phases.mooring.forces import DescentHooks, Dive, LoneFall
 from missionplan.phases.mooring.motion import CrossFlowBody, Integration, Stop, TiedBodies, integrate_stage
-from missionplan.phases.mooring.pitch_over import NOSE_DOWN, pitch_over
+from missionplan.phases.mooring.pitch_over import NOSE_DOWN, _Motion, pitch_over
 from missionplan.physics.drag import QuadraticDrag
 from missionplan.physics.vehicle_dynamics import PitchingBody
 from tests.depth_readings import simulate_readings
@@ -50,6 +51,21 @@ def lone_fall(dive):
 
 def turned(dive, body=BODY, step=0.1):
     return pitch_over(dive, body, NONE, lone_fall(dive), np.full(1, 25.0), Integration(60.0, step, keep=True))
+
+
+class Heavier(DescentEffect):
+    """All that moves has twice the mass."""
+
+    def mass_factor(self):
+        return 2.0
+
+
+def test_twice_the_mass_comes_to_half_the_acceleration_and_the_same_speed_after_the_snatch():
+    at_rest = np.array([5.0, 0.3, 0.0, 0.0, 0.0])[:, None]
+    one, two = (_Motion(DIVE, BODY, hooks, np.zeros(1)) for hooks in (NONE, DescentHooks((Heavier(),))))
+    np.testing.assert_allclose(two.rate(0.0, at_rest)[2:], 0.5 * one.rate(0.0, at_rest)[2:])
+    lone = SimpleNamespace(speed=np.ones(1))
+    np.testing.assert_allclose(two.snatched(lone), 0.5 * one.snatched(lone))
 
 
 def reference(dive, body, speed):

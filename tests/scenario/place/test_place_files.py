@@ -15,6 +15,7 @@ from missionplan.mission import load
 from missionplan.mission.schema.place import BathymetryFile, Geographic, TideHeight
 from missionplan.phases.place import Place, SeaLevel
 from missionplan.scenario.grid_files import _SCALE, _TIE_POINT, esri, placed_pixels
+from missionplan.scenario.grid_files import netcdf as netcdf_grid
 from missionplan.scenario.place import _evened, _index, _near, drawn_place, read_place
 from missionplan.scenario.polygons import Chart, _windows
 from missionplan.scenario.scenario import Scenario
@@ -120,6 +121,17 @@ def test_a_projected_netcdf_is_placed_by_its_grid_mapping(tmp_path, write):
     )
     data.to_netcdf(tmp_path / "utm.nc")
     check(placed(write("m", bathymetry={"file": "utm.nc"})))
+
+
+def test_a_grid_in_kilometres_that_names_no_system_is_in_metres(tmp_path):
+    units = {"units": "km"}
+    data = xarray.Dataset(
+        {"depth": (("y", "x"), np.full((2, 3), 20.0), {"units": "m"})},
+        coords={"x": ("x", [0.0, 0.5, 1.0], units), "y": ("y", [3.0, 4.5], units)},
+    )
+    data.to_netcdf(tmp_path / "km.nc")
+    grid = netcdf_grid(Chart("k", BathymetryFile(file=str(tmp_path / "km.nc")), None, np.zeros(2), np.ones(2)))
+    assert (grid.x.tolist(), grid.y.tolist()) == ([0.0, 500.0, 1000.0], [3000.0, 4500.0])
 
 
 @pytest.mark.parametrize("kind", ["int16", "float32"])

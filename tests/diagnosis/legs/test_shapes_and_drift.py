@@ -1,0 +1,63 @@
+"""Parts of the legs' inference by hand: the spread of a shape between the values tried, and the drift at the surface."""
+
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from missionplan.diagnosis.legs.likelihood.mean import TransitMean
+from missionplan.diagnosis.legs.posterior import LegPosterior
+from missionplan.phases.hooks import TransitEffect
+
+
+def acting(value: float, *, effect: str = "compass-jump", name: str = "moment", strength: str = "angle") -> Any:
+    coordinate = SimpleNamespace(name=strength)
+    return SimpleNamespace(effect=effect, shapes={name: value}, coordinates=(coordinate,))
+
+
+@pytest.mark.parametrize(
+    ("name", "effect", "variance"),
+    [
+        (
+            "moment",
+            "compass-jump",
+            0.75 * 25.0 + 0.25 * 225.0 + 20.0**2 / 12.0,
+        ),  # between 100 and 120 s any is as likely
+        ("times", "course-response", 0.75 * 25.0 + 0.25 * 225.0),  # a whole number
+    ],
+)
+def test_a_shape_is_as_sure_as_the_values_tried_and_the_distance_between_them(monkeypatch, name, effect, variance):
+    parameter = SimpleNamespace(searched="course" if name == "times" else "time")
+    catalogue = {effect: SimpleNamespace(parameters={name: parameter})}
+    monkeypatch.setattr("missionplan.diagnosis.legs.posterior.CATALOGUE", catalogue)
+    own = [acting(value, effect=effect, name=name) for value in (100.0, 120.0)]
+    other = acting(900.0, effect=effect, name=name, strength="another")
+    terms = [SimpleNamespace(acting=each) for each in (*own, other)]
+    keys = [("set", k) for k in range(4)]
+    masses = dict(zip(keys, [0.0, np.log(0.6), np.log(0.2), 5.0], strict=True))
+    self: Any = SimpleNamespace(
+        _by_causes={("a",): keys}, log_masses=masses, inference=SimpleNamespace(terms=terms),
+    )  # fmt: skip
+    found = LegPosterior._shape(self, ("a",), own[0])
+    assert np.exp(found.mean) == pytest.approx([105.0])
+    assert found.covariance == pytest.approx(np.array([[variance / 105.0**2]]))
+    assert LegPosterior._shape(self, ("a",), None).coordinates == ()
+
+
+class Drifting(TransitEffect):
+    """Drifts by when it surfaces, how long it stays, and where."""
+
+    def surface_velocity(self, t, duration, position):
+        return np.stack([t + 0.1 * duration, position[0]])
+
+
+def test_a_leg_s_velocity_error_has_the_drift_at_the_surface_then_and_there(monkeypatch):
+    monkeypatch.setattr("missionplan.diagnosis.legs.likelihood.mean.velocity_error", lambda *_: np.full((2, 2), 7.0))
+    data = SimpleNamespace(
+        t_start=np.array([0.0, 1000.0]), under_way=np.array([600.0, 300.0]), surface=np.array([60.0, 90.0]),
+        end=np.array([[5.0, 6.0], [0.0, 0.0]]),
+    )  # fmt: skip
+    self: Any = SimpleNamespace(data=data, leg=None, site_current=None)
+    found = TransitMean.velocity_error(self, [Drifting()])
+    assert found == pytest.approx(7.0 + np.array([[606.0 * 0.1, 1309.0 * 0.3], [5.0 * 0.1, 6.0 * 0.3]]))
