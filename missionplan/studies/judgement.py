@@ -6,7 +6,7 @@ by its usual size, and the mission is run again.
 """
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from missionplan.effects import CATALOGUE
@@ -19,13 +19,15 @@ from missionplan.montecarlo.distributions import mean_of, sd_of
 from missionplan.montecarlo.statistics import Count, Probability
 from missionplan.results.decision import Assumption
 from missionplan.results.failures import SUCCESS, Counted, CountedKind
-from missionplan.results.simulation import Outcome
+from missionplan.results.simulation import Outcome, RequirementOutcome
 from missionplan.studies.simulation.block_statistics import happened
 from missionplan.studies.simulation.simulate import event_probabilities, simulate
 from missionplan.studies.simulation.trial_block import MissionTrials
 
 TRIALS = 400
 """Of each run of the ledger; they share their random numbers, so that small differences show."""
+LEAST_WORTH = 0.01
+"""Share of these trials below which no requirement is said to be missed for want of an assumption."""
 _ANYWHERE = {"low": "0 deg", "high": "360 deg"}
 _SD = {"sd": "0.1 m/s"}
 """Of a current: drifters differ by about 0.1 m/s from maps of the current that are measured there and then."""
@@ -44,10 +46,13 @@ class Doubt:
     """What settles it, as an order."""
 
 
-def ledger(mission: Mission, seed: int, run: MissionTrials | None = None) -> tuple[Assumption, ...]:
+def ledger(
+    mission: Mission, seed: int, run: MissionTrials | None = None, asked: Sequence[RequirementOutcome] = ()
+) -> tuple[Assumption, ...]:
     """Run a mission without each of its assumptions; those that matter most come first; nan where it cannot be run.
 
-    `run`: first trials of the mission as it is, where they are known.
+    `run`: first trials of the mission as it is, where they are known. `asked`: how often all its trials do what is
+    required, of which the few of the ledger, less often by chance, would tell nothing missed.
     """
     doubts = tuple(doubts_of(mission))
     if not doubts:
@@ -64,11 +69,12 @@ def ledger(mission: Mission, seed: int, run: MissionTrials | None = None) -> tup
         except (MissionplanError, ArithmeticError):  # a plug-in's phase, a key that another forbids
             found.append(Assumption(doubt.what, doubt.otherwise, math.nan, math.nan, first=doubt.first))
             continue
-        missed = [
-            requirement
-            for index, requirement in enumerate(mission.requirements)
-            if other[met := Counted.requirement(index)].value < requirement.probability <= base[met].value
-        ]
+        missed = []
+        for index, requirement in enumerate(mission.requirements):
+            before, after = (each[Counted.requirement(index)].value for each in (base, other))
+            reached = asked[index].probability.value if asked else before
+            if before - after >= LEAST_WORTH and reached - before + after < requirement.probability <= reached:
+                missed.append(requirement)
         before, after = base[SUCCESS].value, other[SUCCESS].value
         found.append(
             Assumption(
@@ -199,7 +205,8 @@ def judged(
 
 def doubted(mission: Mission, recommended: Mapping[str, object], outcome: Outcome) -> Outcome:
     """Simulate a mission that was judged without each of its assumptions too."""
-    return replace(outcome, assumptions=ledger(_with(mission, recommended), outcome.provenance.seed))
+    whole = _with(mission, recommended)
+    return replace(outcome, assumptions=ledger(whole, outcome.provenance.seed, None, outcome.requirements))
 
 
 def _with(mission: Mission, values: Mapping[str, object]) -> Mission:

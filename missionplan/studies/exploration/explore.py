@@ -21,6 +21,7 @@ from missionplan.scenario.scenario import Scenario
 from missionplan.scenario.site_current import members_drawn, members_of
 from missionplan.store.checkpoints import Checkpoints
 from missionplan.store.folder import as_path
+from missionplan.studies import judgement
 from missionplan.studies.exploration import OPTION, read_axes
 from missionplan.studies.exploration.cells import SUCCESS, CellItem, CellTask, CellTrials, cell_trials
 from missionplan.studies.exploration.result import (
@@ -33,7 +34,6 @@ from missionplan.studies.exploration.result import (
     find_best,
     rank,
 )
-from missionplan.studies.judgement import ledger
 from missionplan.studies.run import Run, RunArguments
 from missionplan.studies.simulation import check_complete, input_notices
 from missionplan.studies.simulation.block_statistics import requirement_key
@@ -216,12 +216,12 @@ def explore(
         best=best.best,
         constrained=best.constrained,
         members=_members(task, axes, raced.trials, best.best, trials),
-        assumptions=_assumed(task, best.best) if best.constrained and mission.requirements else (),
+        assumptions=_assumed(task, best.cells, best.best) if best.constrained and mission.requirements else (),
     )
 
 
-def _assumed(task: CellTask, best: int | None) -> tuple[Assumption, ...]:
-    return () if best is None else ledger(task.mission(best), task.seed)
+def _assumed(task: CellTask, cells: Sequence[Cell], best: int | None) -> tuple[Assumption, ...]:
+    return () if best is None else judgement.ledger(task.mission(best), task.seed, None, cells[best].requirements)
 
 
 def _members(

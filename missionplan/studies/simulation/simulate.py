@@ -126,8 +126,10 @@ def simulate(
     options: dict[str, object] = {"jobs": jobs, "backend": backend, "precision": precision, "keep_trials": keep_trials}
     options |= {**_asked_besides(searched, as_exported), "assumptions": assumptions, "sheet": sheet}
     provenance = run.provenance(options, (*notices, *run_notices(merged, goal)), trials=merged.totals.trials)
+    outcome = OutcomeBuilder(mission, merged.totals, tracks, task.members).outcome(provenance)
+    first = merged.trials if exported is None else None
     return replace(
-        OutcomeBuilder(mission, merged.totals, tracks, task.members).outcome(provenance),
+        outcome,
         anchors=mooring_anchors(mission, means),
         held=held_vehicles(means),
         failed_blocks=merged.failures,
@@ -135,7 +137,7 @@ def simulate(
         plan=plan_if_any(mission, means, seed),
         overdue=_overdue(task, merged, searches) if sheet else None,
         chart=_chart(means, tracks),
-        assumptions=judgement.ledger(mission, seed, merged.trials if exported is None else None) if assumptions else (),
+        assumptions=judgement.ledger(mission, seed, first, outcome.requirements) if assumptions else (),
     )
 
 

@@ -199,3 +199,19 @@ def test_every_assumption_says_what_settles_it():
     missions = (missionplan.load(path) for path in ("missions/chesapeake.yaml", "missions/anchor-design.yaml"))
     bare = missionplan.load("missions/fig8.yaml")
     assert all(doubt.first for mission in (*missions, bare) for doubt in doubts_of(mission))
+
+
+@pytest.mark.parametrize(
+    ("reached", "then", "is_missed"), [(0.905, 0.85, True), (0.905, 0.889, False), (0.96, 0.85, False)]
+)
+def test_what_all_trials_meet_is_missed_though_the_first_of_them_miss_it_by_chance(
+    one_leg, monkeypatch, reached, then, is_missed
+):
+    """Of the ledger's trials 89 % arrive as the mission stands: less than the 90 % required, which all trials reach."""
+    ran = (
+        {each: Probability(share, share, share) for each in (SUCCESS, Counted.requirement(0))} for share in (0.89, then)
+    )
+    monkeypatch.setattr("missionplan.studies.judgement.event_probabilities", lambda *_, **__: next(ran))
+    whole = SimpleNamespace(probability=Probability(reached, reached, reached))
+    (found,) = ledger(one_leg("0 m/s"), 1, None, (whole,))
+    assert found.missed == (("out.arrived",) if is_missed else ())
