@@ -100,7 +100,7 @@ that a strong effect is not shrunk (Gelman et al. 2013, section 17.2). Medians o
 SCALE_PRIOR = (0.3, 0.35, 0.25, 0.1)
 FEW = 4
 """Columns of a block up to which many blocks are worked on entry by entry."""
-AT_ONCE = 500_000
+AT_ONCE = 120_000
 """Numbers in the largest array of sets, noises and columns."""
 
 

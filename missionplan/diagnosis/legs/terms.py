@@ -57,8 +57,8 @@ TURNS = 2.0
 DAY = 86400.0
 MIDDLE = (0.15, 0.85)
 """Part of a log within which something may change: before and after it there must be legs that show it."""
-TOGETHER = 192
-"""Values of shapes whose columns are computed together, and lie side by side."""
+TOGETHER = 65536
+"""Numbers of columns at many values of a shape that are computed together, and lie side by side."""
 STEP = 1e-3
 """Strength at which columns are taken, in its usual sizes: small, so that turns of the course are linear."""
 
@@ -209,8 +209,9 @@ def unit_columns(
     n, leg = model.data.n, model.leg
     fields = {name: getattr(leg, name) for name in ("t_start", "duration", "start", "along")}
     fields |= {name: np.broadcast_to(getattr(leg, name), n) for name in ("speed", "depth")}
-    for first in range(0, len(tried), TOGETHER):
-        some = tried[first : first + TOGETHER]
+    together = max(TOGETHER // n, 1)
+    for first in range(0, len(tried), together):
+        some = tried[first : first + together]
         repeated: dict[str, Any] = {name: np.tile(each, len(some)) for name, each in fields.items()}
         legs, found = replace(leg, **repeated), np.empty((2, n, len(some), len(strengths)))
         shapes = {name: np.repeat([each[name] for each in some], n) for name in some[0]}
@@ -277,11 +278,16 @@ def _smooth(model: TransitFitting) -> list[LegTerm]:
     flow = SMOOTH_SIZE * principal_components(flow_columns(model.data, model.axes), MOST_COLUMNS, LEAST_SHARE)
     eddies = "a velocity that changes with place as in eddies"
     found.append(LegTerm("", "place", eddies, _by_leg(flow), 0.0, shape=(FLOW_LENGTH,)))
-    tried = [*across_lines(model.data, model.leg, model.axes), *waves_of_water(model.data, model.leg, model.axes)]
-    counts = Counter(each.words for each in tried)
-    for name, words, shape, columns in tried:
-        found.append(LegTerm("", name, words, _by_leg(SIZE * columns), -math.log(counts[words]), shape=shape))
-    return found
+    waves_tried = waves_of_water(model.data, model.leg, model.axes)
+    tried = itertools.chain(across_lines(model.data, model.leg, model.axes), waves_tried)
+    waves: list[LegTerm] = []
+    for size, alike in itertools.groupby(tried, lambda each: each.columns.shape[1]):
+        while some := list(itertools.islice(alike, max(TOGETHER // (model.data.n * size), 1))):
+            together = np.ascontiguousarray(_by_leg(SIZE * np.stack([each.columns for each in some], axis=1)))
+            parts = zip(some, np.moveaxis(together, 2, 0), strict=True)
+            waves += [LegTerm("", each.axis, each.words, own, 0.0, shape=each.shape) for each, own in parts]
+    counts = Counter(each.description for each in waves)
+    return found + [replace(each, log_share=-math.log(counts[each.description])) for each in waves]
 
 
 def _is_fixed_to_earth(axis: Axis) -> bool:
@@ -307,5 +313,5 @@ def _along(families: Sequence[Sequence[Axis]], lengths: Sequence[float]) -> list
 
 
 def _by_leg(columns: Array) -> Array:
-    """Columns leg by leg, shape (2n, q), as (2, n, q)."""
-    return np.moveaxis(columns.reshape(len(columns) // 2, 2, -1), 1, 0)
+    """Columns leg by leg, shape (2n, …), as (2, n, …)."""
+    return np.moveaxis(columns.reshape(len(columns) // 2, 2, *columns.shape[1:]), 1, 0)

@@ -182,8 +182,8 @@ class LinearisedGroup:
     shape (2, n, c + 1)."""
 
 
-TOGETHER, SIDE_BY_SIDE = 512, 64
-"""Columns of terms that are whitened together, and terms that lie side by side from which they are not copied."""
+TOGETHER, SIDE_BY_SIDE, LARGE = 512, 64, 32768
+"""Columns of terms that are whitened together, and terms, or numbers, side by side from which they are not copied."""
 
 
 @dataclass(frozen=True)
@@ -278,7 +278,8 @@ class JointColumns:
 def _lies(columns: Array) -> tuple[int, int]:
     """Number of columns, and which array they are part of, where they lie in it side by side with many others."""
     whole = columns.base
-    return columns.shape[2], id(whole) if whole is not None and whole.size >= SIDE_BY_SIDE * columns.size else 0
+    most = min(SIDE_BY_SIDE * columns.size, LARGE)
+    return columns.shape[2], id(whole) if whole is not None and whole.size >= most else 0
 
 
 @dataclass(frozen=True)
