@@ -137,6 +137,8 @@ class Place:
     """Water that is to stay under it, shape (n,) [m]."""
     is_measured: bool = False
     """Whether contacts say how near trials came to what they did not meet, which takes several times as long."""
+    notices: tuple[str, ...] = ()
+    """What is unusual about its files."""
 
     @property
     def zones(self) -> tuple[Zone, ...]:

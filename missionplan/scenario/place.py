@@ -167,9 +167,9 @@ def read_place(mission: Mission) -> Place | None:
     charts = tuple(
         (key, file.model_dump_json(), Path(file.file).stat().st_mtime_ns) for key, file in site.place_files.items()
     )
-    ground, fence = _read(charts, origin, box, start)
+    ground, fence, notices = _read(charts, origin, box, start)
     means = mission.at_means()
-    return drawn_place(Place(ground, fence, _sea_level(mission, site)), means)
+    return drawn_place(Place(ground, fence, _sea_level(mission, site), notices=notices), means)
 
 
 @lru_cache(maxsize=4)
@@ -178,7 +178,7 @@ def _read(
     origin: tuple[float, float] | None,
     box: tuple[float, float, float, float],
     start: str | None,
-) -> tuple[Ground | None, Fence | None]:
+) -> tuple[Ground | None, Fence | None, tuple[str, ...]]:
     """Read each file once, however many studies of a mission ask for it, and tabulate distances once."""
     from missionplan.moments import moment_of  # readers load what reads files, which most missions have none of
     from missionplan.scenario.polygons import Chart, read_zones
@@ -186,14 +186,18 @@ def _read(
     about = None if origin is None else Geographic.model_construct(latitude=origin[0], longitude=origin[1])
     ground: Ground | None = None
     zones: list[Zone] = []
+    notices: list[str] = []
     for key, written, _ in charts:
         file = BathymetryFile.model_validate_json(written)
         chart = Chart(f"site.{key}", file, about, np.array(box[:2]), np.array(box[2:]))
         if key == "bathymetry":
             ground = read_ground(chart)
         else:
-            zones += read_zones(chart, moment_of(start) if start else None, is_land=key == "land")
-    return ground, Fence(tuple(zones)) if zones else None
+            found, away = read_zones(chart, moment_of(start) if start else None, is_land=key == "land")
+            zones += found
+            if not found:
+                notices.append(f"site.{key}: no polygon is near the mission; the nearest is {away / 1e3:.3g} km away.")
+    return ground, Fence(tuple(zones)) if zones else None, tuple(notices)
 
 
 def drawn_place(place: Place, drawn: Mission[Scalars]) -> Place:

@@ -189,8 +189,8 @@ def _vector(chart: Chart) -> tuple[list[Feature], str]:
     return found, chart.system(system)
 
 
-def read_zones(chart: Chart, start: datetime | None, *, is_land: bool) -> list[Zone]:
-    """Read polygons into the plane, those that lie in the wanted part of it.
+def read_zones(chart: Chart, start: datetime | None, *, is_land: bool) -> tuple[list[Zone], float]:
+    """Read polygons into the plane, those that lie in the wanted part of it; and how far the nearest corner is [m].
 
     Raises InputError when the file cannot be read, has no polygon, or a property is wrong.
 
@@ -214,7 +214,8 @@ def read_zones(chart: Chart, start: datetime | None, *, is_land: bool) -> list[Z
             zones += [Zone(shapely.union_all(near), name, is_land=is_land, **limit) for limit in limits]
     if not count:
         raise chart.problem("holds no polygons", "coastlines are lines: land needs polygons")
-    return zones
+    corners = shapely.get_coordinates([geometry for geometry, _ in known]) if not zones else np.empty((0, 2))
+    return zones, float(np.hypot(*chart.to_plane(corners[:, 0], corners[:, 1], system)).min(initial=np.inf))
 
 
 def _polygons(geometry: "Geometry") -> "list[Geometry]":

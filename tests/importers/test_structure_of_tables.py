@@ -1,5 +1,7 @@
 """Tables and NetCDF of one voyage in many writings: order of columns and rows, separators, units, dimensions, vehicles."""
 
+from datetime import UTC, datetime, timedelta
+
 import numpy as np
 import pytest
 from made_tracks import made
@@ -88,6 +90,29 @@ def test_times_of_another_form_are_named(tmp_path):
 
     with pytest.raises(InputError, match=r"b\.log: passed over: .* times in Date\+Time are not as %m/%d/%Y %H:%M:%S"):
         import_logs([rewritten(tmp_path / "b.log", iver(tmp_path / "a.log"), short_years)])
+
+
+@pytest.mark.parametrize(
+    ("name", "hours", "is_told"), [("20230405_UTC.log", -6, True), ("a.log", 0, True), ("a.log", -6, False)]
+)
+def test_an_ivers_days_are_told_from_its_months(tmp_path, name, hours, is_told):
+    later = datetime(2023, 4, 5, tzinfo=UTC) - datetime(2023, 11, 14, tzinfo=UTC) + timedelta(hours=hours)
+
+    def moved(form):
+        lines = [line.split(";") for line in iver(tmp_path / "source.txt").read_text().splitlines()]
+        day, clock = lines[0].index("Date"), lines[0].index("Time")
+        for cells in lines[1:]:
+            then = datetime.strptime(f"{cells[day]} {cells[clock]}", "%m/%d/%Y %H:%M:%S.%f").replace(tzinfo=UTC) + later
+            cells[day], cells[clock] = f"{then:{form}}", f"{then:%H:%M:%S}"
+        (tmp_path / name).write_text("\n".join(";".join(cells) for cells in lines))
+        return import_logs([tmp_path / name])
+
+    months, days = moved("%m/%d/%Y"), moved("%d/%m/%Y")
+    doubts = ["tells the day from the month" in " ".join(each.provenance.notices) for each in (months, days)]
+    assert doubts == [not is_told] * 2
+    if is_told:
+        agree(months, days)
+        assert 0.0 < months.table["t_start_s"].iloc[0] - datetime(2023, 4, 4, tzinfo=UTC).timestamp() < 2 * 86400.0
 
 
 def test_ivers_of_two_names_are_asked_for(tmp_path):

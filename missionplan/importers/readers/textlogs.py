@@ -7,12 +7,13 @@ acquiring GPS and transmitting" (codes as in the package oceglider: 100 descendi
 
 Iver and EcoMapper: logs of the vehicle's computer, separated by semicolons. One position: the receiver's at the
 surface, dead-reckoned under water. Columns as in the log files that the makers' VectorMap writes and public tools for
-EcoMapper and Iver2 logs read: Latitude, Longitude, Time, Date (month first, UTC), Number of Sats, HDOP, C True Heading,
-Pitch Angle, DFS Depth (m), Vehicle Speed (kn).
+EcoMapper and Iver2 logs read: Latitude, Longitude, Time, Date (month first unless the log shows another order, UTC),
+Number of Sats, HDOP, C True Heading, Pitch Angle, DFS Depth (m), Vehicle Speed (kn).
 """
 
 import re
 from collections.abc import Iterator, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
 
@@ -20,7 +21,7 @@ import numpy as np
 import pandas as pd
 
 from missionplan.arrays import Array
-from missionplan.importers.importer import ColumnStore, Identity, Importer, ReadOptions, SourceLog
+from missionplan.importers.importer import DAMAGED, ColumnStore, Identity, Importer, ReadOptions, SourceLog
 from missionplan.importers.mapping import MappedName, angles, mapped, plain_numbers, times
 from missionplan.importers.readers import track
 from missionplan.importers.readers.track import read_header, text_chunks
@@ -43,6 +44,7 @@ _MARKS = {"timestamp", "navstate", "heading", "depth"}
 """Columns by which such a log is recognised."""
 _NAME = re.compile(r"([A-Za-z]+\d+)\.(\d+)\.")
 _TIMES = ("%d/%m/%Y %H:%M:%S", "iso")
+_IVER_DATES = ("%m/%d/%Y", "%d/%m/%Y", "iso")
 _AT_SURFACE = 116.0
 _MOST_FIXES = 0.5
 """Share of rows with a new position up to which each is kept when rows are thinned."""
@@ -174,8 +176,40 @@ def read_iver(files: Sequence[Path], options: ReadOptions, log: SourceLog) -> Tr
         if all(own):
             unit = _BRACKETS.search(own[0])
             names[quantity] = MappedName("+".join(own), unit[1].lower() if unit else usual.unit)
+    date, notices = _date_form(files, names["time"].name.split("+")[0])
+    names["time"] = MappedName(names["time"].name, date if date == "iso" else f"{date} %H:%M:%S")
     found = track.read(files, replace(options, names={**names, **options.names}), log)
-    return replace(found, name="Iver", format="iver", reckoning="the vehicle's own position under water")
+    reckoning = "the vehicle's own position under water"
+    return replace(found, name="Iver", format="iver", reckoning=reckoning, notices=(*found.notices, *notices))
+
+
+def _date_form(files: Sequence[Path], column: str) -> tuple[str, tuple[str, ...]]:
+    """Form of the dates: that which most have, else that of the files' names, else that in which a file's days follow.
+
+    A notice says which was taken where nothing tells the day from the month.
+    """
+    written: list[tuple[Path, pd.Series[str]]] = []
+    for path in files:
+        with suppress(*DAMAGED):  # as the reader says
+            written.append((path, pd.concat([each[column] for each in text_chunks(path, [column])]).drop_duplicates()))
+
+    def fits(form: str) -> tuple[int, int, float]:
+        days = [(path, np.unique(found[np.isfinite(found)])) for path, words in written
+                for found in [np.floor(times(words, form) / 86400.0)]]  # fmt: skip
+        named = sum(any(f"{np.datetime64(int(day), 'D')}".replace("-", "") in path.name for day in found)
+                    for path, found in days)  # fmt: skip
+        return (
+            sum(map(len, (found for _, found in days))),
+            named,
+            -sum(np.ptp(found) for _, found in days if len(found)),
+        )
+
+    best = max(_IVER_DATES, key=fits)
+    months, days = (np.concatenate([[], *(times(words, form) for _, words in written)]) for form in _IVER_DATES[:2])
+    if best == "iso" or fits(_IVER_DATES[0]) != fits(_IVER_DATES[1]) or np.array_equal(months, days, equal_nan=True):
+        return best, ()
+    shown = written[0][1].iloc[0]
+    return best, (f"dates such as {shown} are read month first: nothing in the log tells the day from the month",)
 
 
 IMPORTERS = (

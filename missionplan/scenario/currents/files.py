@@ -63,6 +63,8 @@ WIND = Carried(
 _OF_UNITS = {"degreenorth": "latitude", "degreen": "latitude", "degreeeast": "longitude", "degreee": "longitude"}
 _MODELS_SPEEDS = ("horizontalVelX", "horizontalVelY")
 """Velocities of SCHISM, which writes them in m/s and without `units`."""
+_FILLS = 3
+"""At fewer places no number stands for none."""
 MEMBER_DIMENSIONS = ("member", "ensemble", "ensemble_member", "realization", "number", "ens")
 
 
@@ -223,15 +225,37 @@ def _standard_name(variable: "DataArray") -> str:
     return word(variable, "standard_name").lower() or by_units
 
 
+def undeclared_fill(u: NDArray[np.floating], v: NDArray[np.floating]) -> float | None:
+    """Return a number that stands for none: both components have it at the same places.
+
+    A sea has no two components that agree to the digit, but by chance where they are rounded. The number is one unit or
+    more and beyond all others, or is written in nines and is most of what agrees.
+    """
+    alike, count = np.unique(u[(u == v) & (u != 0.0)], return_counts=True)
+    often = count >= _FILLS
+    if not often.any():
+        return None
+    greatest, common = (float(alike[np.argmax(each)]) for each in (np.abs(alike) * often, count))
+    others = [np.abs(each[np.isfinite(each) & (each != greatest)]) for each in (u, v)]
+    if abs(greatest) >= 1.0 and all(each.size and each.max() < abs(greatest) for each in others):
+        return greatest
+    digits = f"{abs(common):.6g}".lstrip("0.").replace(".", "")
+    is_nines = set(digits) == {"9"} and (len(digits) > 1 or abs(common) >= 1.0)
+    return common if is_nines and count.max() > 0.5 * count.sum() and all(each.size for each in others) else None
+
+
 def velocities(
     files: FieldFiles, names: tuple[str, str], parts: tuple[NDArray[np.float32], NDArray[np.float32]]
 ) -> NDArray[np.complex64]:
     """Join the components of a velocity in m/s, as complex numbers.
 
-    Raises InputError when a unit is none of a speed, or a value is impossible: a fill value that the file does not
-    declare.
+    Raises InputError when a unit is none of a speed, or a value is impossible or stands for none: a fill value that the
+    file does not declare.
     """
-    scaled, fastest = [], files.carries.fastest
+    scaled, fastest, hint = [], files.carries.fastest, "is its attribute `units` right, and `_FillValue` declared?"
+    filled = undeclared_fill(*parts)
+    if filled is not None:
+        raise files.problem(f"{names[0]} and {names[1]} are both {filled:g} at many places, which is no current", hint)
     for name, values in zip(names, parts, strict=True):
         factor = speed_factor(files.variable(name), "m/s" if name in _MODELS_SPEEDS else "")
         part = values * np.float32(factor)
@@ -239,7 +263,6 @@ def velocities(
         known = part[np.isfinite(part)]
         if known.size and float(np.abs(known).max()) > fastest:
             worst = float(known[np.argmax(np.abs(known))])
-            hint = "is its attribute `units` right, and `_FillValue` declared?"
             raise files.problem(
                 f"{name} reaches {worst:.6g} m/s; no {files.carries.name} is faster than {fastest:g} m/s", hint
             )

@@ -19,7 +19,7 @@ from missionplan.phases.gridded_current import GriddedCurrent
 from missionplan.phases.recorded_currents import SeriesCurrent
 from missionplan.scenario.currents.area import Area
 from missionplan.scenario.currents.attributes import FieldAttributeError, tidied
-from missionplan.scenario.currents.files import SEA, WIND, Carried, FieldFiles
+from missionplan.scenario.currents.files import SEA, WIND, Carried, FieldFiles, undeclared_fill
 from missionplan.scenario.currents.regular import LATITUDE, LONGITUDE, read_curved, read_regular
 from missionplan.scenario.currents.unstructured import read_fvcom, read_ugrid, topology
 
@@ -87,7 +87,9 @@ def read_series_csv(
 
 def _impossible(values: pd.DataFrame, limits: Mapping[str, float], shown: str) -> list[Problem]:
     """Rows with a current, a depth or a time that no sea has: a fill value, or another unit."""
+    filled = undeclared_fill(*(values[name].to_numpy(dtype=float) for name in ("east_m_s", "north_m_s")))
     too_much = [values[name].abs() > most for name, most in limits.items()]
+    too_much.append((values["east_m_s"] == filled) & (values["north_m_s"] == filled))
     rows = np.flatnonzero(np.any([*too_much, values["depth_m"] < 0.0] if "depth_m" in limits else too_much, axis=0))
     expected = ", ".join(f"{name} at most {most:g} in size" for name, most in limits.items())
     expected += ", depths positive down" if "depth_m" in limits else ""

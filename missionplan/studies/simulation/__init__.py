@@ -247,6 +247,7 @@ def input_notices(mission: Mission, means: Scenario) -> tuple[str, ...]:
         *mission.notices(),
         *_energy_notices(mission),
         *interpolation_notices(means),
+        *(means.place.notices if means.place is not None else ()),
         *(words for phase in means.drawn.transits if (words := _drift_notice(means, phase))),
         *found,
     )

@@ -302,3 +302,28 @@ def test_a_column_reaches_as_deep_as_its_highest_surface_makes_it(tmp_path):
           zeta=zeta(np.linspace(-3.0, 5.0, HOURS.size)[:, None, None]))  # fmt: skip
     area = Area(ORIGIN, np.datetime64("2026-06-01T00:30", "ns"), np.zeros((2, 1)))
     assert read_field([str(tmp_path / "field.nc")], area, "field.nc").depth == pytest.approx([0.0, 1.2 * 55.0])
+
+
+@pytest.mark.parametrize(
+    ("filled", "unit", "size"),
+    [(-9.0, "m s-1", 1.0), (9.0, "m s-1", 1.0), (99.9, "cm s-1", 0.01)],
+)
+def test_a_number_that_stands_for_none_is_no_current(tmp_path, filled, unit, size):
+    path = tmp_path / "a.nc"
+    write(path, speed=(size, {"units": unit}))
+    with netcdf.Dataset(path, "a") as file:
+        for name in ("u", "v"):
+            file[name][:, 2:, 3, 4] = filled  # a land's column
+    with pytest.raises(
+        InputError, match=rf"u and v are both {filled:g} at many places, which is no current .*_FillValue"
+    ):
+        drift(path)
+
+
+def test_components_that_agree_by_chance_are_a_current(tmp_path, plain):
+    path = tmp_path / "a.nc"
+    write(path, speed=(1.0, {"units": "m s-1"}))
+    with netcdf.Dataset(path, "a") as file:
+        file["u"][:], file["v"][:] = np.round(file["u"][:], 2), np.round(file["v"][:], 2)
+        file["v"][0, 0] = file["u"][0, 0]
+    assert np.isfinite(drift(path)).all()

@@ -67,6 +67,7 @@ def test_a_wind_has_no_depth_and_may_be_faster(tmp_path):
             lambda r: r.assign(depth_m=r["depth_m"] * 1200.0),
             r"series\.csv:3: is impossible; expected .*depth_m at most 11",
         ),
+        (lambda r: pd.concat([r[:3], r[3:].assign(east_m_s=9.99, north_m_s=9.99)]), r"series\.csv:5: is impossible"),
         (lambda r: r.assign(depth_m=-r["depth_m"]), r"series\.csv:2: is impossible; .*depths positive down"),
     ],
 )

@@ -2,6 +2,7 @@
 
 import json
 import math
+import re
 from types import SimpleNamespace
 
 import numpy as np
@@ -418,3 +419,13 @@ def test_rows_of_a_grid_by_hand_and_what_trials_draw_of_a_place():
     drawn = SimpleNamespace(site=site, vehicle=SimpleNamespace(hull=SimpleNamespace(diameter=0.2)))
     found = drawn_place(Place(None, None, SeaLevel()), drawn)
     assert (found.sea_level.level, found.draught, found.clearance) == pytest.approx((0.35, 0.1, 0.7))
+
+
+def test_polygons_far_away_are_told_of(write, tmp_path):
+    ring = [[LATITUDE, LONGITUDE], [LATITUDE, LONGITUDE + 0.1], [LATITUDE + 0.1, LONGITUDE], [LATITUDE, LONGITUDE]]
+    (tmp_path / "turned.geojson").write_text(json.dumps({"type": "Polygon", "coordinates": [ring]}))
+    (notice,) = placed(write("turned", land={"file": "turned.geojson"})).notices
+    found = re.fullmatch(r"site\.land: no polygon is near the mission; the nearest is (\S+) km away\.", notice)
+    there, site = (np.radians(each) for each in ((LONGITUDE, LATITUDE), (LATITUDE, LONGITUDE)))
+    cosine = np.sin(there[0]) * np.sin(site[0]) + np.cos(there[0]) * np.cos(site[0]) * np.cos(there[1] - site[1])
+    assert float(found[1]) == pytest.approx(6371.0 * np.arccos(cosine), rel=0.01)
