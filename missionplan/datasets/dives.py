@@ -132,6 +132,8 @@ HIGHEST = -2.0
 """Readings above it are no depths [m]: waves and the offset of a sensor stay within."""
 BELOW_SEAFLOOR = 4.0
 """Readings deeper than this many depths of the site are not of this dive, even in feet (3.28)."""
+SLOWEST, FASTEST = 0.01, 20.0
+"""Mean speeds of a descent [m/s]: torpedo anchors, of tonnes, fall at 15 to 25."""
 AWASH = -0.5
 """Readings down to it may be those of a vehicle at the surface [m]; such a log is refused when it meets the mission."""
 IGNORED = ("pitch_deg", "density_kg_m3")
@@ -217,7 +219,21 @@ def _check_above_seafloor(dive: MeasuredDive, file: str) -> list[Problem]:
     return [Problem(message, file, dive.line, "depth_m", "is the depth of the site right?")]
 
 
-_CHECKS = (_check_still_diving, _check_above_seafloor)
+def _check_rate(dive: MeasuredDive, file: str) -> list[Problem]:
+    """Refuse a log of a dive that sinks as nothing on an anchor does: its times are not in seconds."""
+    t, depth = dive.t[1:-1], np.median([dive.depth[:-2], dive.depth[1:-1], dive.depth[2:]], axis=0)  # no single spikes
+    if len(t) < 2:
+        return []
+    low, high = depth.min() + 0.2 * np.ptp(depth), depth.min() + 0.8 * np.ptp(depth)
+    first = int(np.argmax(depth >= high))
+    begin = int(np.flatnonzero(depth[: first + 1] <= low)[-1]) if depth[0] <= low else first
+    if begin == first or SLOWEST <= (rate := (depth[first] - depth[begin]) / (t[first] - t[begin])) <= FASTEST:
+        return []
+    message = f"{dive.name}: sinks at {rate:.3g} m/s; expected {SLOWEST:g} to {FASTEST:g} m/s"
+    return [Problem(message, file, dive.line, "t_s", "are its times in seconds?")]
+
+
+_CHECKS = (_check_still_diving, _check_above_seafloor, _check_rate)
 """Of a dive whose site and line are known."""
 
 

@@ -11,7 +11,15 @@ from numpy.typing import NDArray
 
 from missionplan.arrays import Array
 from missionplan.datasets import DatasetFormat, RawDataset, read_dataset
-from missionplan.datasets.dives import DEEPEST, DiveConditions, DivesSettings, conditions_of_runs, date_of_runs
+from missionplan.datasets.dives import (
+    DEEPEST,
+    FASTEST,
+    SLOWEST,
+    DiveConditions,
+    DivesSettings,
+    conditions_of_runs,
+    date_of_runs,
+)
 from missionplan.datasets.records import row_identities, row_texts, written_once
 from missionplan.datasets.table import Columns, problems_at, wrong_cells
 from missionplan.errors import Problem, did_you_mean
@@ -25,8 +33,6 @@ SUMMARY = DatasetFormat(
 MEASURED = ("terminal_velocity_m_s", "descent_time_s")
 SIMULATED = "simulated_"
 KNOWN = tuple(sorted((*MEASURED, *(SIMULATED + quantity for quantity in MEASURED))))
-SLOWEST, FASTEST = 0.01, 20.0
-"""Mean speeds of a descent [m/s]: torpedo anchors, of tonnes, fall at 15 to 25."""
 RELATIVE_SD = 0.05
 """Standard deviation of a number that states none, as a share of it."""
 

@@ -14,7 +14,15 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from missionplan.datasets.csv_cells import BLANKS, check_file, long_rows, open_table, read_cells, read_header
+from missionplan.datasets.csv_cells import (
+    BLANKS,
+    check_file,
+    long_rows,
+    open_table,
+    read_cells,
+    read_header,
+    without_nines,
+)
 from missionplan.errors import UNPRINTABLE, InputError, Problem, counted
 from missionplan.moments import EPOCH_SCALE, epoch_seconds
 
@@ -124,6 +132,8 @@ def read_table(path: Path, columns: Columns) -> CsvTable:
     rows = read_cells(path, header, used, columns.text) if used else pd.DataFrame()
     rows, marked = _without_marked(rows)
     rows, bad_cells = _as_numbers(rows, columns, file)
+    numbers = [str(name) for name in rows.select_dtypes(float) if name not in columns.times]
+    rows = rows.assign(**{name: without_nines(rows[name].to_numpy()) for name in numbers})
     problems = [
         *_check_header(header, needed, used, file),
         *problems_at(long_rows(path, len(header)), lambda line: Problem(LONG_ROW, file, line)),

@@ -302,6 +302,10 @@ def _not_positive(raw: RawDataset[Settings]) -> list[Problem]:
         if kind == raw.document.data.get("kind") and name in raw.table:
             rows = raw.table.index[raw.table[name] <= 0.0]
             found += wrong_cells(rows, "expected more than 0", raw.file, name, hint)
+    force = raw.table["force_n"] if "force_n" in raw.table else pd.Series([1.0])
+    if force.median() <= 0.0:
+        message = "most forces are not above 0; expected the drag, against the motion, as positive"
+        found.append(Problem(message, raw.file, key="force_n"))
     return found
 
 

@@ -13,6 +13,7 @@ import numpy as np
 import pandas as pd
 
 from missionplan.arrays import Array
+from missionplan.datasets.csv_cells import without_nines
 from missionplan.errors import InputError, Problem, did_you_mean, shown
 from missionplan.mission.documents import load_document
 from missionplan.mission.units import QuantityError, parse_number_with_unit
@@ -170,17 +171,6 @@ def angles(words: Words, unit: str) -> Array:
     worded = np.flatnonzero(np.isnan(numbers) & (words.str.strip() != "").to_numpy())
     numbers[worded] = [degrees_of(str(words.iloc[k])) for k in worded]
     return numbers
-
-
-_NINES = [sign * float(f"{'9' * digits}{rest}") for digits in (3, 4, 5, 6) for rest in ("", ".9", ".99")
-          for sign in (-1.0, 1.0) if digits > 3 or sign < 0.0]  # fmt: skip
-_FILLED = 1e19
-"""Size from which on a number stands for none."""
-
-
-def without_nines(values: Array) -> Array:
-    """Put nan for -999, -9999, 9999, 1e20 and the like, by which loggers write that they have no value."""
-    return np.where(np.isin(values, _NINES) | (np.abs(values) >= _FILLED), np.nan, values)
 
 
 def plain_numbers(words: Words) -> Array:

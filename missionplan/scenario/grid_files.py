@@ -8,9 +8,10 @@ from typing import Any
 import numpy as np
 
 from missionplan.arrays import Array
+from missionplan.datasets.csv_cells import without_nines
 from missionplan.errors import did_you_mean
-from missionplan.scenario.currents.attributes import FieldAttributeError, counts_up, word
-from missionplan.scenario.currents.files import FieldFiles
+from missionplan.scenario.currents.attributes import FieldAttributeError, counts_up, factor, word
+from missionplan.scenario.currents.files import FieldFiles, standard_name
 from missionplan.scenario.currents.regular import LATITUDE, LONGITUDE
 from missionplan.scenario.polygons import DEGREES, LOCAL, Chart, features
 
@@ -31,8 +32,8 @@ _SCALE, _TIE_POINT, _MATRIX, _KEYS, _NO_DATA = 33550, 33922, 34264, 34735, 42113
 """Tags of GeoTIFF 1.1, and GDAL's for missing values."""
 _GEOGRAPHIC, _PROJECTED, _RASTER_TYPE, _USER_DEFINED = 2048, 3072, 1025, 32767
 """Keys of GeoTIFF 1.1: EPSG codes of both kinds of reference systems; 2 where a pixel is a point."""
-NO_DEPTH = 9999.0
-"""What stands for a missing height or depth where nothing else is said, of either sign [m]."""
+_ALONE = 0.1
+"""Share of its size within which no other value lies beside one that stands for none."""
 _MOST_CELLS = 1_000_000
 """Of the grid that is made of soundings."""
 
@@ -76,7 +77,7 @@ def _netcdf(chart: Chart, files: FieldFiles) -> Grid:
     for dim in map(str, variable.dims):
         if dim not in files.variable(name).coords and dim not in files.datasets[0].variables:
             raise chart.problem(f"{name} has no coordinates along {dim}", "a curved grid is to be made regular first")
-        standard = word(files.variable(dim), "standard_name").lower()
+        standard = standard_name(files.variable(dim))
         east = dim in _X or standard in ("longitude", "projection_x_coordinate", "grid_longitude")
         axes["x" if east else "y"] = dim
     if len(axes) != 2:
@@ -198,7 +199,7 @@ def esri(chart: Chart) -> Grid:
     if len(numbers) != rows * columns:
         raise chart.problem(f"has {len(numbers)} values; its head says {rows} × {columns} = {rows * columns}")
     values = np.array(numbers, dtype=float).reshape(rows, columns)
-    values[values == header.get("nodata_value", -NO_DEPTH)] = np.nan
+    values[values == header.get("nodata_value")] = np.nan
     west = header["xllcenter"] if "xllcenter" in header else header["xllcorner"] + 0.5 * step
     south = header["yllcenter"] if "yllcenter" in header else header["yllcorner"] + 0.5 * up
     beside = chart.path.with_suffix(".prj")
@@ -208,16 +209,37 @@ def esri(chart: Chart) -> Grid:
     return Grid(x, y, values, chart.asked_up, system)
 
 
+def without_fills(values: Array) -> Array:
+    """Put nan for 9999, -999 and the like, of either sign, where they stand for no height or depth: far from others."""
+    size = np.abs(values)
+    is_nine = np.isnan(without_nines(-size)) & np.isfinite(size)
+    others = size[np.isfinite(size) & ~is_nine]
+    fills = [nine for nine in np.unique(size[is_nine]) if not np.any(np.abs(others - nine) < _ALONE * nine)]
+    return np.where(np.isin(size, fills), np.nan, values)
+
+
+_NAMES = (
+    ("lon", "long", "longitude", "east", "easting", "x"),
+    ("lat", "latitude", "north", "northing", "y"),
+    ("depth", "depths", "sounding", "soundings", "water", "z", "elevation", "elev", "height", "altitude", "alt"),
+)
+"""First words of headers of x, y and height, of which the first five are of depths."""
+_FINEST, _COARSEST = 1e-3, 2e3
+"""Units of depths [m]; fm is a femtometre to some and a fathom to others."""
+
+
 def xyz(chart: Chart) -> Grid:
     """Read columns x, y and height: of a grid in any order, or of soundings, which are joined by triangles.
 
-    A header may name latitudes first, and depths, which count down.
+    A header may name them in another order, depths, which count down, and the unit of heights behind their name.
     """
-    table, header = _numbers(chart)
-    y_first = header[:1] and header[0].startswith(("lat", "north", "y")) and header[1].startswith(("lon", "east", "x"))
-    x, y, z = table.T[[1, 0, 2]] if y_first else table.T
-    is_up = chart.asked_up
-    if chart.written.positive is None and header[2:] and header[2].startswith("depth"):
+    (x, y, z), name = _numbers(chart)
+    words = name.split("_")
+    unit = (factor(words[-1], "m") or 1.0) if len(words) > 1 else 1.0
+    if not _FINEST <= unit <= _COARSEST:
+        raise chart.problem(f"its heights, {name!r}, are in no unit of depths")
+    z, is_up = unit * without_fills(z), chart.asked_up
+    if chart.written.positive is None and words[0] in _NAMES[2][:5]:
         is_up = False
     columns, column = np.unique(x, return_inverse=True)
     rows, row = np.unique(y, return_inverse=True)
@@ -225,36 +247,51 @@ def xyz(chart: Chart) -> Grid:
         values = np.full((rows.size, columns.size), np.nan)
         values[row, column] = z
         return Grid(columns, rows, values, is_up)
-    return _of_soundings(chart.to_plane(x, y, chart.system(None)), -z if is_up else z)
+    known = np.isfinite(z)
+    return _of_soundings(chart.to_plane(x[known], y[known], chart.system(None)), -z[known] if is_up else z[known])
 
 
 _BETWEEN = re.compile(r"\s*;\s*|\s*,\s+|\s+,\s*|\s+")
 """Separators of cells, of which a comma within a number is none."""
 
 
-def _numbers(chart: Chart) -> tuple[Array, list[str]]:
-    """Rows of three numbers, separated by blanks, commas, semicolons or tabs, and the header above, where there is one.
+def _numbers(chart: Chart) -> tuple[Array, str]:
+    """Return x, y and height, shape (3, n), of rows of cells, and the name of the heights, where a header has one.
 
-    Between other separators commas are decimal.
+    Cells are separated by blanks, commas, semicolons or tabs; between other separators commas are decimal.
     """
     lines = chart.path.read_text(encoding="utf-8-sig").splitlines()
     rows = [(number, line) for number, line in enumerate(lines, start=1) if line.strip() and line.lstrip()[0] != "#"]
-    header: list[str] = []
+    chosen, name = [0, 1, 2], ""
     if rows and not re.match(r"\s*[-+.\d]", rows[0][1]):
-        header = re.split(r"[\s,;]+", rows.pop(0)[1].strip().lower())
+        chosen, name = _columns(chart, rows.pop(0)[1].strip().lower())
     first = _BETWEEN.split(rows[0][1].strip()) if rows else []
     comma = "." if len(first) > 2 and any("," in cell for cell in first) else " "
     cells: list[list[float]] = []
     for number, line in rows:
+        row = line.replace(";", " ").replace(",", comma).split()
         try:
-            cells.append([float(cell) for cell in line.replace(";", " ").replace(",", comma).split()[:3]])
-            _ = cells[-1][2]
+            cells.append([float(row[k]) for k in chosen])
         except (ValueError, IndexError):
             raise chart.problem(f"line {number}: expected three numbers: x, y, height; has {line[:40]!r}") from None
     table = np.array(cells).reshape(-1, 3)
     if len(table) < 4:
         raise chart.problem(f"has {len(table)} points; expected four or more")
-    return table[np.isfinite(table).all(axis=1) & (np.abs(table[:, 2]) != NO_DEPTH)], header
+    return table[np.isfinite(table[:, :2]).all(axis=1)].T, name
+
+
+def _columns(chart: Chart, header: str) -> tuple[list[int], str]:
+    """Which columns are x, y and height by a header in small letters, else the first three; and the heights' name."""
+    names = [
+        re.sub(r"\W+", "_", cell).strip("_")
+        for cell in re.split(r"[,;\t]" if re.search(r"[,;\t]", header) else r"\s+", header)
+    ]
+    found = [[k for k, name in enumerate(names) if name.split("_")[0] in known] for known in _NAMES]
+    chosen = [places[0] for places in found if places]
+    if len(chosen) < 3 and len(names) > 3:
+        raise chart.problem(f"cannot tell which of its columns are x, y and height: {header[:80]!r}")
+    chosen = chosen if len(chosen) == 3 else [0, 1, 2]
+    return chosen, names[chosen[2]] if len(names) > chosen[2] else ""
 
 
 def contours(chart: Chart) -> Grid:
@@ -265,7 +302,7 @@ def contours(chart: Chart) -> Grid:
     places: list[Array] = []
     depths: list[Array] = []
     for geometry, properties in known:
-        depth = properties.get("depth")
+        depth = next((value for key, value in properties.items() if str(key).lower() == "depth"), None)
         if depth is None:
             continue
         if isinstance(depth, bool) or not isinstance(depth, int | float | np.number):

@@ -71,8 +71,7 @@ def ground_of(chart: Chart, grid: Grid) -> Ground:
         raise chart.problem(f"holds nothing about the mission; {covered}", hint)
     x, y = grid.x[columns], grid.y[rows]
     values = grid.values[rows, columns]
-    depth = np.asarray(-values if grid.is_up else values, dtype=np.float32)
-    depth[np.abs(depth) == grid_files.NO_DEPTH] = np.nan
+    depth = np.asarray(grid_files.without_fills(-values if grid.is_up else values), dtype=np.float32)
     known = depth[np.isfinite(depth)]
     if not known.size:
         raise chart.problem("holds no depth about the mission: all values there are missing")

@@ -119,6 +119,10 @@ _LONGEST_EDGE = 0.01
 """Of a polygon in degrees, before it is placed: longer edges are cut, since parallels bend [deg]."""
 
 
+_HALF_TURN, _WHOLE_TURN = 180.0, 360.0
+"""Steps of longitude between which an edge crosses the date line [deg]."""
+
+
 def features(chart: Chart) -> tuple[list[Feature], str]:
     """Return geometries with their properties, and the reference system of their coordinates.
 
@@ -204,7 +208,7 @@ def read_zones(chart: Chart, start: datetime | None, *, is_land: bool) -> tuple[
     zones: list[Zone] = []
     count = 0
     for number, (geometry, properties) in enumerate(known, start=1):
-        parts = _polygons(geometry)
+        parts = _polygons(_across_date_line(geometry) if system == DEGREES else geometry)
         count += len(parts)
         placed = [each for part in parts for each in _placed(chart, part, system, windows)]
         near = [part for part in placed if shapely.intersects(part, box)]
@@ -228,6 +232,29 @@ def _polygons(geometry: "Geometry") -> "list[Geometry]":
         return _polygons(shapely.make_valid(geometry))
     parts = shapely.get_parts(geometry) if hasattr(geometry, "geoms") else ()
     return [polygon for part in parts for polygon in _polygons(part)]
+
+
+def _across_date_line(geometry: "Geometry") -> "Geometry":
+    """Let the longitudes of polygons that cross the date line go on beyond it: from 179.9 to -179.9 is no way back.
+
+    An edge of a whole turn, as that of a pole, stays.
+    """
+    import shapely
+
+    if geometry.geom_type != "Polygon":
+        parts = shapely.get_parts(geometry) if hasattr(geometry, "geoms") else ()
+        return shapely.GeometryCollection([_across_date_line(part) for part in parts])
+    rings = [shapely.get_coordinates(ring) for ring in shapely.get_rings(geometry)]
+    steps = np.abs(np.diff(np.concatenate([np.zeros((0, 2)), *rings])[:, 0]))
+    if not np.any((steps > _HALF_TURN) & (steps < _WHOLE_TURN)):
+        return geometry
+    start = rings[0][0, 0]
+    moved = [np.unwrap(np.append(start, ring[:, 0]), period=360.0)[1:] - ring[:, 0] for ring in rings]
+    turned = [ring[:, 0] + 360.0 * np.round(away / 360.0) for ring, away in zip(rings, moved, strict=True)]
+    if any(longitude[0] != longitude[-1] for longitude in turned):  # round a pole
+        return geometry
+    shell, *holes = (np.stack((east, ring[:, 1]), axis=1) for east, ring in zip(turned, rings, strict=True))
+    return shapely.Polygon(shell, holes)
 
 
 def _windows(chart: Chart) -> list[tuple[float, float, float, float]]:
@@ -297,12 +324,13 @@ def _since_start(chart: Chart, value: object, what: str, start: datetime | None)
 
 def _depth(chart: Chart, value: object, what: str) -> float:
     """Read a depth: a bare number is in metres."""
-    if isinstance(value, int | float | np.number) and not isinstance(value, bool):
-        return float(value)
-    if isinstance(value, str):
-        with suppress(ValueError):
-            return float(value)
+    depth: float | None = None
+    with suppress(ValueError):
+        depth = None if isinstance(value, bool) else float(str(value))
     try:
-        return parse_number_with_unit(value, "m")
+        depth = parse_number_with_unit(value, "m") if depth is None else depth
     except QuantityError as error:
         raise chart.problem(f"{what}: {error}") from None
+    if depth < 0.0:
+        raise chart.problem(f"{what}: given {shown(value)}, expected a depth, positive down")
+    return depth

@@ -141,7 +141,7 @@ def test_times_that_do_not_go_on_are_named_once_a_dive(folder, descent_mission, 
     assert [problem.line for problem in refused.value.problems] == [line]
 
 
-@pytest.mark.parametrize(("depth", "words"), [(99.0, "reaches 99 m, below the seafloor at 24 m"), (-2.1, "more than 2 m above"), (11_001.0, "deepest sea"), (97.9, ""), (-1.9, "")])  # fmt: skip
+@pytest.mark.parametrize(("depth", "words"), [(99.0, "reaches 99 m, below the seafloor at 24 m"), (-2.1, "more than 2 m above"), (11_001.0, "deepest sea"), (97.9, ""), (-999.0, ""), (-1.9, "")])  # fmt: skip
 def test_depths_that_no_dive_has_are_refused_and_those_of_waves_and_feet_are_not(folder, descent_mission, depth, words):
     table = dives().reset_index(drop=True)
     table.loc[7, "depth_m"] = depth
@@ -151,3 +151,10 @@ def test_depths_that_no_dive_has_are_refused_and_those_of_waves_and_feet_are_not
         return
     with pytest.raises(InputError, match=words):
         read_descent(place, descent_mission)
+
+
+@pytest.mark.parametrize(("unit", "rate"), [(1e3, "0.00"), (1.0 / 60.0, "")])
+def test_times_in_another_unit_than_seconds_are_told_by_the_rate_of_sinking(folder, descent_mission, unit, rate):
+    table = dives().reset_index(drop=True)
+    with pytest.raises(InputError, match=rf"dive-1: sinks at {rate}\S* m/s; .*are its times in seconds"):
+        read_descent(folder(KIND, table.assign(t_s=unit * table["t_s"])), descent_mission)

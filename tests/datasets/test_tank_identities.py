@@ -5,6 +5,7 @@ import pytest
 import yaml
 
 from missionplan.datasets.tank import read_tank_data
+from missionplan.errors import InputError
 
 SPRINGS = {"kind": "free-oscillation", "stiffness": "4000 N/m", "mass": "20 kg"}
 MODES = pd.DataFrame({"mode": ["surge", "heave", "sway"], "frequency_hz": [1.8, 1.8, 1.5]})
@@ -43,3 +44,13 @@ def test_one_frequency_of_two_modes_is_no_table_written_twice(times, tmp_path):
     found = read(tmp_path, SPRINGS, pd.concat([both] * times))
     assert found.columns["frequency_hz"].tolist() == [1.8, 1.8]
     assert any("times over" in notice for notice in found.notices) == (times > 1)
+
+
+def test_nines_are_no_forces_and_a_drag_along_the_motion_is_refused(tmp_path):
+    drag = {"kind": "drag", "reference_area": "0.1 m^2", "reference_length": "2 m"}
+    table = pd.DataFrame({"speed_m_s": [0.5, 1.0, 1.5], "force_n": [1.0, -999.0, 9.0]})
+    found = read(tmp_path, drag, table)
+    assert found.columns["force_n"].tolist() == [1.0, 9.0]
+    assert "data.csv: 1 row left out without force_n" in found.notices
+    with pytest.raises(InputError, match="most forces are not above 0"):
+        read(tmp_path, drag, table.assign(force_n=[-1.0, -4.0, 9.0]))

@@ -90,7 +90,7 @@ class FieldFiles:
                 return name
         for dataset in self.datasets:
             for other in dataset.variables:
-                if _standard_name(dataset[other]) in standard:
+                if standard_name(dataset[other]) in standard:
                     return str(other)
         return None
 
@@ -219,7 +219,7 @@ class FieldFiles:
         return replace(self, datasets=chosen, shown=f"{self.shown}, {dimension} {number}")
 
 
-def _standard_name(variable: "DataArray") -> str:
+def standard_name(variable: "DataArray") -> str:
     """Standard name of a variable; of one without that of what its units are of alone (CF 1.11, 4.1 and 4.2)."""
     by_units = _OF_UNITS.get(word(variable, "units").lower().replace("_", "").replace("degrees", "degree"), "")
     return word(variable, "standard_name").lower() or by_units

@@ -15,7 +15,7 @@ from missionplan.errors import InputError
 from missionplan.mission import load
 from missionplan.mission.schema.place import BathymetryFile, Geographic, TideHeight
 from missionplan.phases.place import Place, SeaLevel
-from missionplan.scenario.grid_files import _SCALE, _TIE_POINT, esri, placed_pixels
+from missionplan.scenario.grid_files import _SCALE, _TIE_POINT, esri, placed_pixels, without_fills
 from missionplan.scenario.grid_files import netcdf as netcdf_grid
 from missionplan.scenario.place import _evened, _index, _near, drawn_place, read_place
 from missionplan.scenario.polygons import Chart, _windows
@@ -419,6 +419,53 @@ def test_rows_of_a_grid_by_hand_and_what_trials_draw_of_a_place():
     drawn = SimpleNamespace(site=site, vehicle=SimpleNamespace(hull=SimpleNamespace(diameter=0.2)))
     found = drawn_place(Place(None, None, SeaLevel()), drawn)
     assert (found.sea_level.level, found.draught, found.clearance) == pytest.approx((0.35, 0.1, 0.7))
+
+
+@pytest.mark.parametrize("hole", [False, True])
+def test_an_edge_from_179_east_to_179_west_is_the_short_one(write, tmp_path, hole):
+    site = {"origin": {"latitude": "37 deg", "longitude": "180 deg"}}
+    ring = [[179.9, 36.9], [-179.9, 36.9], [-179.9, 37.1], [179.9, 37.1], [179.9, 36.9]]
+    inner = [[[179.995, 36.99], [-179.99, 36.99], [-179.99, 37.01], [179.995, 37.01], [179.995, 36.99]]] * hole
+    (tmp_path / "a.geojson").write_text(json.dumps({"type": "Polygon", "coordinates": [ring, *inner]}))
+    land = {"file": "a.geojson"}
+    (zone,) = placed(write("over", **site, land=land)).zones
+    assert shapely.intersects(zone.geometry, shapely.Point(0.0, 0.0)) is np.bool_(not hole)
+    assert shapely.intersects(zone.geometry, shapely.Point(-1000.0, 0.0))
+    site["origin"]["longitude"] = "0 deg"
+    assert not placed(write("elsewhere", **site, land=land)).zones
+
+
+@pytest.mark.parametrize(
+    ("header", "size"),
+    [
+        ("id,lon,lat,Depth (ft)", 0.3048),
+        ("Depth [fathom];lat;lon", 1.8288),
+        ("water_depth_m\tLongitude\tLatitude", 1.0),
+    ],
+)
+def test_a_header_says_what_columns_are_and_in_which_unit(write, tmp_path, header, size):
+    separator = next(each for each in ",;\t" if each in header)
+    x, y = np.meshgrid(*axes())
+    columns = {"id": x, "lo": x, "la": y, "de": -elevation() / size, "wa": -elevation() / size}
+    cells = np.stack([columns[name[:2].lower()].ravel() for name in header.split(separator)], axis=1)
+    np.savetxt(tmp_path / "a.csv", cells, "%.7f", separator, header=header, comments="")
+    check(placed(write("m", bathymetry={"file": "a.csv"})))
+
+
+@pytest.mark.parametrize("filled", [-999.0, 999.0, -99999.0, 9999.9])
+def test_what_stands_for_no_depth_is_none(filled):
+    depth = np.linspace(0.0, 300.0, 50)
+    assert np.isnan(without_fills(np.where(depth > 200.0, filled, depth))).sum() == (depth > 200.0).sum()
+    assert np.isfinite(without_fills(-np.arange(0.0, 12_000.0))).all()
+
+
+@pytest.mark.parametrize("key", ["above", "below"])
+def test_a_zones_depths_count_down(write, tmp_path, key):
+    ring = [[LONGITUDE + x, LATITUDE + y] for x, y in ((0, 0), (0.01, 0), (0, 0.01), (0, 0))]
+    feature = {"type": "Feature", "geometry": {"type": "Polygon", "coordinates": [ring]}, "properties": {key: -5}}
+    (tmp_path / "a.geojson").write_text(json.dumps(feature))
+    with pytest.raises(InputError, match=f"{key}: given -5, expected a depth, positive down"):
+        placed(write("up", keep_out={"file": "a.geojson"}))
 
 
 def test_polygons_far_away_are_told_of(write, tmp_path):
