@@ -1,5 +1,6 @@
 """NetCDF files that together hold one field: joined in time, variables by the names that models give them."""
 
+import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
@@ -42,6 +43,8 @@ class Carried:
     """CF's names."""
     fastest: float
     """Faster than this is none [m/s]."""
+    other: str
+    """Pattern of CF's names of what else moves, or the other way."""
 
 
 SEA = Carried(
@@ -51,6 +54,7 @@ SEA = Carried(
     ("eastward_sea_water_velocity", "surface_eastward_sea_water_velocity"),
     ("northward_sea_water_velocity", "surface_northward_sea_water_velocity"),
     12.0,  # Saltstraumen reaches 10 m/s
+    r"wind|stokes|_ice|stress|transport|westward|southward",
 )
 WIND = Carried(
     "wind",
@@ -59,6 +63,7 @@ WIND = Carried(
     ("eastward_wind",),
     ("northward_wind",),
     90.0,
+    r"sea_water|stress|transport|westward|southward",
 )
 _OF_UNITS = {"degreenorth": "latitude", "degreen": "latitude", "degreeeast": "longitude", "degreee": "longitude"}
 _MODELS_SPEEDS = ("horizontalVelX", "horizontalVelY")
@@ -257,6 +262,9 @@ def velocities(
     if filled is not None:
         raise files.problem(f"{names[0]} and {names[1]} are both {filled:g} at many places, which is no current", hint)
     for name, values in zip(names, parts, strict=True):
+        standard = word(files.variable(name), "standard_name").lower()
+        if re.search(files.carries.other, standard):
+            raise files.problem(f"{name} is a {standard}; expected the {files.carries.name} toward east and north")
         factor = speed_factor(files.variable(name), "m/s" if name in _MODELS_SPEEDS else "")
         part = values * np.float32(factor)
         scaled.append(part)

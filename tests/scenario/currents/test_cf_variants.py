@@ -327,3 +327,13 @@ def test_components_that_agree_by_chance_are_a_current(tmp_path, plain):
         file["u"][:], file["v"][:] = np.round(file["u"][:], 2), np.round(file["v"][:], 2)
         file["v"][0, 0] = file["u"][0, 0]
     assert np.isfinite(drift(path)).all()
+
+
+@pytest.mark.parametrize(
+    "standard", ["eastward_wind", "sea_surface_wave_stokes_drift_x_velocity", "westward_sea_water_velocity"]
+)
+def test_what_is_no_current_by_its_standard_name_is_refused(tmp_path, standard):
+    units = {"units": "m s-1"}
+    write(tmp_path / "a.nc", speed=(1.0, {"u": {**units, "standard_name": standard}, "v": units}))
+    with pytest.raises(InputError, match=f"u is a {standard}; expected the current toward east and north"):
+        drift(tmp_path / "a.nc")
