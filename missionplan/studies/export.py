@@ -51,7 +51,7 @@ def mission_plan(
         digest=hashlib.sha256(to_yaml(mission.identified()).encode()).hexdigest(),
         version=version("missionplan"),
         start=mission.start,
-        origin=(origin.latitude, origin.longitude) if origin else None,
+        origin=(origin.latitude, math.remainder(origin.longitude, 2.0 * math.pi)) if origin else None,
         phases=phases,
         notes=(*_notes(mission), *builder.notes),
         capacity=float(mean_of(mission.budget.capacity)) / JOULES_PER_WATT_HOUR

@@ -340,3 +340,14 @@ def test_time_that_one_interval_saves_is_less(extra, words):
     rule = SimpleNamespace(interval=300.0, extra_time=extra, extra_time_error=1.8, table=((0.0, 100.0),))
     (lost,) = one_interval(SimpleNamespace(transits=(SimpleNamespace(name="out", surfacing=rule),)))
     assert lost.endswith(f"{words} on average")
+
+
+@pytest.mark.parametrize(("written", "degrees"), [(283.62, -76.38), (-181.0, 179.0), (180.0, 180.0)])
+def test_the_origin_lies_within_180_degrees_whatever_the_mission_counts_from(written, degrees):
+    moved = chesapeake().with_({"site.origin.longitude": f"{written} deg"})
+    assert np.degrees(mission_plan(moved).origin[1]) == pytest.approx(degrees)
+
+
+def test_a_longitude_beyond_a_turn_is_refused():
+    with pytest.raises(InputError, match="given '400 deg', expected at least -6"):
+        chesapeake().with_({"site.origin.longitude": "400 deg"})

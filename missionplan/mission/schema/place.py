@@ -23,7 +23,7 @@ _TIDES = Limit((-30.0, 30.0), (-10.0, 10.0), "the Bay of Fundy has 16 m between 
 
 
 Latitude = Annotated[float, ReadBy(CoordinateParser("rad", low=-1.5707964, high=1.5707964, fixed=True))]
-Longitude = Annotated[float, ReadBy(CoordinateParser("rad", fixed=True, signs="EW"))]
+Longitude = Annotated[float, ReadBy(CoordinateParser("rad", low=-6.2831854, high=6.2831854, fixed=True, signs="EW"))]
 
 
 class Geographic(FileSection):
