@@ -7,6 +7,7 @@ import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from datetime import datetime
+from itertools import chain
 from pathlib import Path
 from typing import Annotated
 
@@ -156,8 +157,8 @@ def read_descent(folder: Path, mission: Mission) -> DescentData:
     problems = [problem for name, run in runs.items() for problem in _check_run(name, run, raw)]
     conditions, incomplete = conditions_of_runs(_described(raw), raw, mission)
     known = [_measured(name, run, conditions[name]) for name, run in runs.items() if name in conditions]
-    over = [problem for dive in known for check in _CHECKS for problem in check(dive, raw.file)]
-    settings = raw.checked([*undated, *problems, *incomplete, *over])
+    over = [next(filter(None, (check(dive, raw.file) for check in _CHECKS)), []) for dive in known]
+    settings = raw.checked([*undated, *problems, *incomplete, *chain(*over)])
     unused = [f"{column} is not used by the diagnosis of depths" for column in IGNORED if column in raw.table]
     kept, again = _counted_once(known)
     notices = (*raw.notices, *unused, *again)

@@ -18,7 +18,6 @@ from missionplan.datasets.csv_cells import (
     BLANKS,
     check_file,
     long_rows,
-    open_table,
     read_cells,
     read_header,
     without_nines,
@@ -73,37 +72,24 @@ class CsvTable:
 
 
 def plain_table(path: Path, columns: Collection[str], max_bytes: int) -> pd.DataFrame:
-    """Read a CSV file that has some columns, once each, and rows, as pandas reads its cells.
+    """Read the cells of some columns, numbers or text, nan where blank; the index is the file's line.
 
     Raises InputError when it is no such file.
     """
     file = str(path)
     check_file(path, max_bytes)
     header = read_header(path)
-    problems = problems_at(long_rows(path, len(header)), lambda line: Problem(LONG_ROW, file, line))
-    missing = [name for name in columns if name not in header]
-    twice = [name for name in columns if header.count(name) > 1]
-    if missing:
-        message = f"lacks the column {', '.join(missing)}; expected {', '.join(columns)}"
-        problems.append(Problem(message, file, 1))
-    if twice:
-        problems.append(Problem(f"the column {twice[0]} stands twice", file, 1))
+    problems = [
+        *_check_header(header, tuple(columns), [name for name in columns if name in header], file),
+        *problems_at(long_rows(path, len(header)), lambda line: Problem(LONG_ROW, file, line)),
+    ]
     if problems:
         raise InputError(problems)
-    try:
-        with open_table(path) as stream:
-            frame = pd.read_csv(
-                stream,
-                encoding="utf-8-sig",
-                skipinitialspace=True,
-                index_col=False,
-                usecols=lambda name: name.strip() in columns,
-            )
-    except (OSError, ValueError) as error:
-        raise InputError([Problem(f"cannot be read as CSV: {str(error).strip()}", file)]) from None
-    if frame.empty:
+    rows = read_cells(path, header, list(columns), ())
+    rows = rows.mask(rows.isin(BLANKS)).dropna(how="all")
+    if rows.empty:
         raise InputError([Problem("has no rows of data", file, 1)])
-    return frame.rename(columns=str.strip)
+    return rows
 
 
 def times_from(cells: "pd.Series[Any]", zero: float | None, file: str) -> "pd.Series[float]":

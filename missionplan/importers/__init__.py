@@ -264,18 +264,10 @@ def _of_current(parts: CutTrack, rules: LegRules) -> tuple[str, ...]:
 
 def _rounded(table: pd.DataFrame) -> pd.DataFrame:
     """Round to what logs hold: centimetres, milliseconds, and 1 cm of latitude."""
-    digits = {name: 7 if name.startswith(("lat_", "lon_")) else 3 for name in table.columns}
+    tenths = ("heading_deg", "dr_sd_m", "surface_s", "lag_dr_end_s", "rpm")
+    digits = {**dict.fromkeys(tenths, 1), "depth_m": 2, "max_depth_m": 2}
     return table.round(
-        {
-            **digits,
-            "heading_deg": 1,
-            "depth_m": 2,
-            "dr_sd_m": 1,
-            "max_depth_m": 2,
-            "surface_s": 1,
-            "lag_dr_end_s": 1,
-            "rpm": 1,
-        }
+        {name: 7 if name.startswith(("lat_", "lon_")) else digits.get(name, 3) for name in table.columns}
     )
 
 

@@ -161,7 +161,8 @@ def _offset_where_fixes_are_ignored(
         east, north = _from_fix(fixes, start, line, 0)
         offsets.append(float(np.hypot(*(np.array([east, north]) - _way_since(line, float(fixes.good.t[start]))))))
         misses.append(float(np.hypot(*_from_fix(fixes, end, line, -1))))
-        moved_lines.append(replace(line, **_moved_by(line, -float(east), -float(north))))
+        latitude, longitude = moved(line.latitude, line.longitude, -float(east), -float(north))
+        moved_lines.append(replace(line, latitude=latitude, longitude=longitude))
     if not offsets or np.median(offsets) < max(0.5 * float(np.median(misses)), 20.0):
         return None
     return moved_lines
@@ -180,16 +181,11 @@ def _from_fix(fixes: JudgedFixes, fix: int, line: Positions, which: int) -> tupl
     return displacement(good.latitude[fix], good.longitude[fix], line.latitude[which], line.longitude[which])
 
 
-def _moved_by(line: Positions, east: float, north: float) -> dict[str, Array]:
-    latitude, longitude = moved(line.latitude, line.longitude, east, north)
-    return {"latitude": latitude, "longitude": longitude}
-
-
 def _row(track: Track, fixes: JudgedFixes, dive: Candidate, line: Positions, by: str) -> tuple[object, ...]:
     good = fixes.good
     start, end = float(good.t[dive.before]), float(good.t[dive.after])
     has_end = len(line) > 0
-    sd = fixes.sd[dive.after]
+    sd, rpm = fixes.sd[dive.after], track.rpm.within(start, dive.surfaced).values
     under_way = max(dive.surfaced - start, 1.0)
     return (
         _iso(start), _iso(end), start, end, good.latitude[dive.before], good.longitude[dive.before],
@@ -199,7 +195,7 @@ def _row(track: Track, fixes: JudgedFixes, dive: Candidate, line: Positions, by:
         sd if np.isfinite(sd) else UNSTATED_SD, made_doubt(track, line, end) if by == "made" else np.nan,
         _mean_depth(track, start, dive.surfaced), dive.max_depth, end - line.t[-1] if has_end else np.nan,
         float(true_from_logged(track, np.array([start]))[0]) if len(track.declination) else np.nan,
-        _mean_rpm(track, start, dive.surfaced),
+        float(rpm.mean()) if len(rpm) else np.nan,
         dive.depth_at_fix, fixes.by[dive.before], fixes.sd[dive.before], fixes.by[dive.after], sd,
         by if has_end else "none", len(line),
         *(len(each.within(start, dive.surfaced)) for each in (track.depth, track.heading, track.speed)),
@@ -236,11 +232,6 @@ def _mean_depth(track: Track, start: float, end: float) -> float:
     if len(logged) < 2:
         return float("nan")
     return max(float(trapezoid(logged.values, logged.t) / (logged.t[-1] - logged.t[0])), 0.0)
-
-
-def _mean_rpm(track: Track, start: float, end: float) -> float:
-    logged = track.rpm.within(start, end)
-    return float(logged.values.mean()) if len(logged) else float("nan")
 
 
 def _mean_heading(track: Track, start: float, end: float) -> float:

@@ -152,34 +152,26 @@ _SURFACE_SHARE = 0.02
 def prospects(legs: pd.DataFrame, found: LegNumbers) -> tuple[tuple[str, str], ...]:
     """Return what may be found, and whether the legs suffice or what is lacking."""
     kept = legs[legs["ok"] == 1]
+    some, too_few = f"{len(kept)} legs", f"and {MIN_LEGS} are needed to diagnose anything"
+    usual, way = f"where some {_PERSISTENCE} usually show it", f"nearly all legs go {found.course:.0f} deg"
+    is_one_way = found.spread > _ONE_COURSE
     return (
-        _constant(len(kept)),
-        _statistical(len(kept)),
-        _heading(found),
+        ("a mean current", f"yes: {some}" if len(kept) >= MIN_LEGS else f"no: {some}, {too_few}"),
+        (
+            "persistence, a random walk, heavy tails",
+            f"yes: {some}" if len(kept) >= _PERSISTENCE else f"hardly: {some}, {usual}",
+        ),
+        (
+            "compass and speed errors, apart from a current",
+            f"no: {way}; legs on opposite courses would separate them"
+            if is_one_way
+            else "yes: the legs go several ways",
+        ),
         _tide(found),
         _inertial(found),
         _surface(kept),
         _fix_error(kept),
     )
-
-
-def _constant(legs: int) -> tuple[str, str]:
-    enough = legs >= MIN_LEGS
-    verdict = f"yes: {legs} legs" if enough else f"no: {legs} legs, and {MIN_LEGS} are needed to diagnose anything"
-    return "a mean current", verdict
-
-
-def _statistical(legs: int) -> tuple[str, str]:
-    enough = legs >= _PERSISTENCE
-    verdict = f"yes: {legs} legs" if enough else f"hardly: {legs} legs, where some {_PERSISTENCE} usually show it"
-    return "persistence, a random walk, heavy tails", verdict
-
-
-def _heading(found: LegNumbers) -> tuple[str, str]:
-    what = "compass and speed errors, apart from a current"
-    if found.spread > _ONE_COURSE:
-        return what, f"no: nearly all legs go {found.course:.0f} deg; legs on opposite courses would separate them"
-    return what, "yes: the legs go several ways"
 
 
 def _tide(found: LegNumbers) -> tuple[str, str]:

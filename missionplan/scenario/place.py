@@ -247,7 +247,8 @@ def _record(path: Path, mission: Mission) -> SeaLevel:
     table = np.stack((time.to_numpy(dtype=float), pd.to_numeric(frame["height_m"], errors="coerce").to_numpy(float)))
     wrong = np.flatnonzero(~np.isfinite(table).all(axis=0) | (np.abs(table[1]) > _HIGHEST_TIDE))
     problems = [
-        Problem("expected a time and a height within 30 m of the datum", str(path), int(row) + 2) for row in wrong[:20]
+        Problem("expected a time and a height within 30 m of the datum", str(path), int(frame.index[row]))
+        for row in wrong[:20]
     ]
     if problems:
         raise InputError(problems)

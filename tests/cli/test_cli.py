@@ -455,7 +455,7 @@ def test_validate_opens_the_file_of_the_current(
     series = mission.with_name("c.csv")
     series.write_text("t_s,depth,east_m_s,north_m_s\n0,0,0,0\n")
     assert run(monkeypatch, "validate", str(mission)) == 2
-    assert "c.csv:1: lacks the column depth_m" in capsys.readouterr().err
+    assert "c.csv:1: depth_m: the column is missing" in capsys.readouterr().err
     series.write_text("t_s,depth_m,east_m_s,north_m_s\n0,0,0,0\n1800,0,0,0\n")
     assert run(monkeypatch, "validate", str(mission)) == 2
     assert "the record lasts from 0 s to 1800 s" in capsys.readouterr().err

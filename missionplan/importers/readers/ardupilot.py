@@ -24,7 +24,7 @@ from missionplan.arrays import Array
 from missionplan.errors import InputError, Problem, shown
 from missionplan.importers.geodesy import plane_positions
 from missionplan.importers.importer import Identity, Importer, ReadOptions, Samples, SourceLog, needed_module
-from missionplan.importers.track import Break, Positions, Series, Track, fixes, positions, series
+from missionplan.importers.track import Break, Positions, Track, fixes, positions, series
 
 _MAGIC = b"\xa3\x95\x80"
 """First bytes of a dataflash log: the format of its formats."""
@@ -110,7 +110,8 @@ def read(files: Sequence[Path], options: ReadOptions, log: SourceLog) -> Track:
         raise InputError([Problem(message, str(log.read[0]), hint="legs go from fix to fix")])
     samples = found.samples
     attitude = samples["attitude"]
-    depth = next((each for each in (_series(samples[name]) for name in ("depth", "barometer")) if len(each)), Series())
+    depth = series(samples["depth"]["t"], samples["depth"]["depth"])
+    depth = depth if len(depth) else series(samples["barometer"]["t"], samples["barometer"]["depth"])
     own, how = _reckoned(samples)
     return Track(
         name="ArduSub",
@@ -304,10 +305,6 @@ _TAKEN: Mapping[str, Callable[[_Found, float, Any], None]] = {
 """What is done with a message of each kind, at its time since 1970 [s]."""
 
 
-def _series(samples: Samples) -> Series:
-    return series(samples["t"], samples["depth"])
-
-
 def _reckoned(samples: dict[str, Samples]) -> tuple[Positions, str]:
     place, plane, origin = samples["place"], samples["plane"], samples["origin"]
     own = positions(place["t"], place["lat"], place["lon"])
@@ -317,9 +314,8 @@ def _reckoned(samples: dict[str, Samples]) -> tuple[Positions, str]:
         return Positions(), "the autopilot logs no position of its own"
     first = float(origin["lat"][0]), float(origin["lon"][0])
     none = fixes(np.empty(0), np.empty(0), np.empty(0))
-    return plane_positions(
-        plane["t"], plane["east"], plane["north"], none, first
-    ), "the autopilot's filter (north, east)"
+    own = plane_positions(plane["t"], plane["east"], plane["north"], none, first)
+    return own, "the autopilot's filter (north, east)"
 
 
 def _restarts(boot: Samples) -> Iterator[Break]:
@@ -331,11 +327,6 @@ def _restarts(boot: Samples) -> Iterator[Break]:
 
 IMPORTERS = (
     Importer(
-        "ardupilot",
-        "ArduSub dataflash and telemetry logs (pymavlink)",
-        recognises,
-        read,
-        identify=identity,
-        is_choosing=True,
+        "ardupilot", "ArduSub dataflash and telemetry logs", recognises, read, identify=identity, is_choosing=True
     ),
 )

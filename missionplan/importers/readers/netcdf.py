@@ -203,15 +203,13 @@ def mapped_parts(file: Variables, columns: Mapping[str, MappedName]) -> list[dic
         part = parts.setdefault(file.dimension(name), {})
         if "t" not in part:
             is_same = file.dimension(names["time"]) == file.dimension(name)
-            part["t"] = _mapped_times(file, names["time"], columns["time"].unit) if is_same else file.clock(name)
+            if is_same and " since " not in file.unit(names["time"]):
+                words, unit = pd.Series(file.numbers(names["time"]).astype(str)), columns["time"].unit
+                part["t"] = times(words, "epoch" if unit == "iso" else unit)
+            else:
+                part["t"] = file.epoch(names["time"]) if is_same else file.clock(name)
         part[quantity] = _mapped(file, name, columns[quantity].unit, QUANTITIES[quantity])
     return list(parts.values())
-
-
-def _mapped_times(file: Variables, name: str, unit: str) -> Array:
-    if " since " in file.unit(name):
-        return file.epoch(name)
-    return times(pd.Series(file.numbers(name).astype(str)), "epoch" if unit == "iso" else unit)
 
 
 def _mapped(file: Variables, name: str, unit: str, usual: str) -> Array:

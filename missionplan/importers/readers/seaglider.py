@@ -58,7 +58,8 @@ def _identity(path: Path) -> Identity:
         file = Variables(data)
         trajectory = file.text("trajectory", "id")
         vehicle = file.text("platform_serial_number", "platform_id", "glider", "wmo_identifier", "wmo_id")
-        title = file.text("sg_cal_mission_title") or _mission_of(file.text("title"))
+        during = re.search(r"during (.+?)(?: deployed on|$)", file.text("title"))
+        title = file.text("sg_cal_mission_title") or (during[1] if during else "")
         in_og1 = file.find("latitude_gps") is not None
     deployment = re.sub(r"_(delayed|R|D|realtime|rt|adjusted)$", "", trajectory) if in_og1 else title
     return Identity(_glider(vehicle) or re.split(r"_", trajectory)[0], deployment)
@@ -68,11 +69,6 @@ def _glider(name: str) -> str:
     """Write 561, SG561 and sg561 alike."""
     digits = re.fullmatch(r"(?:sg)?\s*0*(\d{2,4})", name, re.IGNORECASE)
     return f"SG{int(digits[1]):03d}" if digits else name
-
-
-def _mission_of(title: str) -> str:
-    found = re.search(r"during (.+?)(?: deployed on|$)", title)
-    return found[1] if found else ""
 
 
 def _read(

@@ -141,7 +141,9 @@ def _with_positions(track: Track, store: ColumnStore, names: Mapping[str, Mapped
     origin, given = origin_of(names.get("origin")), len(track.fixes) > 0
     own = _places(store, names, "", track.fixes, origin) or Positions()
     if not given:
-        track = replace(track, fixes=_own_fixes(own, store, names))
+        rows = np.searchsorted(store["t"], own.t)
+        quality = {name: store[quantity][rows] for name, quantity in _QUALITIES.items() if quantity in names}
+        track = replace(track, fixes=fixes(own.t, own.latitude, own.longitude, **quality))
     reckoned = _places(store, names, "dr_", track.fixes, origin)
     if reckoned is not None:
         return replace(track, reckoned=reckoned, reckoning="the track's own dead-reckoned columns")
@@ -158,13 +160,6 @@ def _places(
     if f"{prefix}x" in names and f"{prefix}y" in names:
         return plane_positions(store["t"], store[f"{prefix}x"], store[f"{prefix}y"], known, origin)
     return None
-
-
-def _own_fixes(own: Positions, store: ColumnStore, names: Mapping[str, MappedName]) -> Fixes:
-    """Fixes of the table's own positions, with the qualities of the same rows."""
-    rows = np.searchsorted(store["t"], own.t)
-    quality = {name: store[quantity][rows] for name, quantity in _QUALITIES.items() if quantity in names}
-    return fixes(own.t, own.latitude, own.longitude, **quality)
 
 
 def _marks(t: Array, values: Array) -> tuple[float, ...]:

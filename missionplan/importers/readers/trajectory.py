@@ -108,7 +108,8 @@ def _one(data: "Dataset", path: Path, wanted: str | None) -> tuple["Dataset", st
     Raises InputError with the list, when it holds several and none of them is chosen.
     """
     role = _role(data)
-    names = [] if role is None else [_word(value) for value in np.atleast_1d(data[role].values)]
+    values = np.empty(0) if role is None else np.atleast_1d(data[role].values)
+    names = [(each.decode("utf-8", "replace") if isinstance(each, bytes) else str(each)).strip() for each in values]
     if role is None or len(names) < 2:
         return data, names[0] if names else ""
     if wanted is None or wanted not in names:
@@ -126,10 +127,6 @@ def _one(data: "Dataset", path: Path, wanted: str | None) -> tuple["Dataset", st
             rows = np.flatnonzero(values == which)
             return data.isel({str(data[name].dims[0]): rows, instances: which}), wanted
     return data.isel({instances: which}), wanted
-
-
-def _word(value: object) -> str:
-    return (value.decode("utf-8", "replace") if isinstance(value, bytes) else str(value)).strip()
 
 
 IMPORTERS = (

@@ -54,13 +54,13 @@ def read_series_csv(
     shown = str(path)
     frame = plain_table(path, limits, MAX_BYTES)
     values = frame[list(limits)].apply(pd.to_numeric, errors="coerce")
-    if not pd.api.types.is_numeric_dtype(frame["t_s"]) or values["t_s"].min() > EPOCH_SCALE:
+    if (values["t_s"].isna() & frame["t_s"].notna()).any() or values["t_s"].min() > EPOCH_SCALE:
         if epoch is not None:
             message = "its times are dates, which site.current.start does not shift: leave it out, or give seconds"
             raise InputError([Problem(message, shown)])
         values["t_s"] = times_from(frame["t_s"], None if start is None else utc(start).timestamp(), shown)
     bad = np.flatnonzero(~np.isfinite(values.to_numpy(dtype=float)).all(axis=1))
-    problems = [Problem(f"expected {len(limits)} numbers", shown, int(row) + 2) for row in bad[:20]]
+    problems = [Problem(f"expected {len(limits)} numbers", shown, int(frame.index[row])) for row in bad[:20]]
     problems = problems or _impossible(values, limits, shown)
     if problems:
         raise InputError(problems)
@@ -68,8 +68,8 @@ def read_series_csv(
         values["depth_m"] = 0.0
     table = values.pivot_table(index="t_s", columns="depth_m", values=["east_m_s", "north_m_s"], aggfunc="mean")
     if values.duplicated(["t_s", "depth_m"]).any():
-        row = int(np.flatnonzero(values.duplicated(["t_s", "depth_m"]))[0])
-        raise InputError([Problem("this row has the time and depth of an earlier one", shown, row + 2)])
+        row = int(values.index[values.duplicated(["t_s", "depth_m"])][0])
+        raise InputError([Problem("this row has the time and depth of an earlier one", shown, row)])
     if table.isna().to_numpy().any():
         raise InputError([Problem("every depth must be given at every time", shown)])
     lead = 0.0  # by which the record's epoch is after the mission's start
@@ -93,7 +93,7 @@ def _impossible(values: pd.DataFrame, limits: Mapping[str, float], shown: str) -
     rows = np.flatnonzero(np.any([*too_much, values["depth_m"] < 0.0] if "depth_m" in limits else too_much, axis=0))
     expected = ", ".join(f"{name} at most {most:g} in size" for name, most in limits.items())
     expected += ", depths positive down" if "depth_m" in limits else ""
-    return [Problem(f"is impossible; expected {expected}", shown, int(row) + 2) for row in rows[:20]]
+    return [Problem(f"is impossible; expected {expected}", shown, int(values.index[row])) for row in rows[:20]]
 
 
 def read_field(

@@ -228,7 +228,9 @@ def read_current_record(path: Path, start: datetime | None = None) -> CurrentRec
     _check_cells(path, cells, times, numbers)
     rows = pd.DataFrame({"t": times, **numbers})
     if (again := rows.duplicated(["t", "depth_m"]).to_numpy().nonzero()[0]).size:
-        raise InputError([Problem("this row has the time and depth of an earlier one", str(path), int(again[0]) + 2)])
+        raise InputError(
+            [Problem("this row has the time and depth of an earlier one", str(path), int(cells.index[again[0]]))]
+        )
     table = rows.pivot(index="t", columns="depth_m").astype(float)
     east, north = table["east_m_s"], table["north_m_s"]
     return CurrentRecord(
@@ -248,7 +250,7 @@ def _check_cells(
         (words, (depth < 0.0) | (depth > DEEPEST) | fast, hint),
         *((f"{each}: expected a number", numbers[each].isna() & cells[each].notna(), "") for each in COLUMNS[2:]),
     ]
-    problems = [Problem(what, shown, int(row) + 2, hint=more)
+    problems = [Problem(what, shown, int(row), hint=more)
                 for what, where, more in wrong for row in cells.index[where][:_LISTED]]  # fmt: skip
     if problems:
         raise InputError(problems)
