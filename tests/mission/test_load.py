@@ -1,11 +1,13 @@
 """Mission files: what is read, and every problem at once."""
 
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 
 from missionplan import load
 from missionplan.errors import InputError
+from missionplan.mission.checks import notices
 from missionplan.mission.schema.phases import MoorPhase, TransitPhase
 from missionplan.montecarlo.distributions import Normal, TruncatedNormal
 
@@ -154,6 +156,14 @@ def test_draws_outside_the_physical_range_are_said(tmp_path: Path) -> None:
     assert load(path).notices() == (
         "navigation.surfacing_time: 16 % of the distribution lies outside the physical range and was cut off",
     )
+
+
+@pytest.mark.parametrize(
+    ("share", "words"), [(0.156, "16 %"), (2e-4, "0.02 %"), (1e-5, "0.001 %"), (9e-6, "less than 0.001 %")]
+)
+def test_what_is_cut_off_of_a_distribution_is_told_in_two_digits(share, words):
+    (told,) = notices((), {"a.b": SimpleNamespace(mass_cut=share)})
+    assert told.startswith(f"a.b: {words} of the distribution")
 
 
 def test_a_misspelt_quantity_is_reported_with_a_missing_d_max(tmp_path: Path) -> None:

@@ -137,6 +137,21 @@ def test_the_rows_of_each_velocity_error_and_what_it_saves():
     assert len(table.rows) == 15
 
 
+@pytest.mark.parametrize(
+    ("lengths", "arrived", "heading"),
+    [
+        ((700.0, 400.0, 550.0), 500, "lies between 0.40 and 0.70 of the distance, depending on the velocity error"),
+        ((700.0, 700.0, 700.0), 500, "is 0.70 of the distance"),
+        ((700.0, 400.0, 550.0), 400, None),
+    ],
+)
+def test_the_heading_has_the_shortest_and_the_longest_of_the_choices(lengths, arrived, heading):
+    curves = tuple(sweep(point(each, 0.1, arrived)).curves[0] for each in lengths)
+    words = sweep_page._choice_heading(replace(sweep(point(700.0, 0.1, 500)), curves=curves))
+    failing = "Where no d_max arrives as often as required, the best with failures counted is shown"
+    assert words == (f"The recommended d_max {heading}" if heading else failing)
+
+
 def test_a_single_leg_that_does_as_well_saves_nothing():
     assert "; one leg does as well." in plain(page(sweep(point(400.0, 0.2995, 500), point(1000.0, 0.30, 500))).answer)
     assert "; in one leg 80 % arrive." in plain(page(sweep(point(400.0, 0.10, 500), point(1000.0, 0.05, 400))).answer)

@@ -2,6 +2,7 @@
 
 import copy
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -9,10 +10,11 @@ import pytest
 import missionplan
 from missionplan.errors import InputError
 from missionplan.mission import Mission
+from missionplan.mission.schema.phases import TransitPhase
 from missionplan.physics.held_line import CROSSFLOW_COEFFICIENT
 from missionplan.physics.seafloor import FRICTION, ROUGHNESS, lateral_coefficient
 from missionplan.scenario.anchors import anchor_length
-from missionplan.scenario.phases import held_body, hold_of, moor_plan, room_in_depth
+from missionplan.scenario.phases import held_body, hold_of, moor_plan, room_in_depth, start_of
 from missionplan.scenario.scenario import Scenario
 from missionplan.studies.held_vehicle import _knobs
 from missionplan.studies.simulation.simulate import simulate_block
@@ -227,3 +229,17 @@ def test_bodies_and_line_of_a_dive_are_by_hand_those_of_the_files():
     assert plan.held.line.wet_weight == pytest.approx(0.02)
     assert (plan.moored_time, plan.surfacing_time, plan.hotel_power) == pytest.approx((1200.0 + 600.0, 90.0, 8.0))
     assert room_in_depth(dive, 1.0) == pytest.approx([12.192 - 5.0 - 1.0])
+
+
+def test_a_mooring_s_last_fix_is_after_all_transits_before_it_at_their_speeds():
+    def transit(name, to, speed, start=None):
+        return TransitPhase.model_construct(name=name, start=start, to=to, speed=speed)
+
+    phases = [
+        transit("in", np.array([300.0, 400.0]), 2.0), transit("on", np.array([300.0, 1000.0]), 0.5),
+        transit("jump", np.array([0.0, 100.0]), 1.0, np.zeros(2)), SimpleNamespace(name="moor"),
+        transit("out", np.zeros(2), 1.0),
+    ]  # fmt: skip
+    means = SimpleNamespace(drawn=SimpleNamespace(phases=phases), position=lambda place: place[:, None])
+    place, time = start_of(SimpleNamespace(means=means), phases[3])
+    assert (place.tolist(), time) == ([0.0, 100.0], 250.0 + 1200.0 + 100.0)

@@ -11,6 +11,7 @@ import pytest
 import missionplan
 from missionplan.mission import Mission
 from missionplan.phases.recorded_currents import SeriesCurrent
+from missionplan.report.anchor import drawing
 from missionplan.report.anchor.drawing import hold_section
 from missionplan.report.page import draw, drawing_by, style
 from missionplan.report.simulation.page import answer
@@ -51,6 +52,20 @@ def test_the_independent_estimate_for_both_missions():
     assert (worst.nose_altitude, worst.excursion) == pytest.approx((2.5, 4.4), abs=0.06)
     fast, _ = stands("anchor-design.yaml").states
     assert (fast.nose_altitude, fast.excursion) == pytest.approx((0.6, 5.0), abs=0.06)
+
+
+@pytest.mark.parametrize("file", ["chesapeake.yaml", "anchor-design.yaml"])
+def test_the_whole_of_line_and_vehicle_is_in_the_figure(file, monkeypatch):
+    seen = []
+    monkeypatch.setattr(drawing, "to_figure", lambda figure, *_, **__: seen.append(figure))
+    held = stands(file)
+    drawing.hold_figure(held)
+    (axes,) = seen[0].axes
+    (west, east), (low, high) = axes.get_xlim(), axes.get_ylim()
+    for state in held.states:
+        for x, y in (state.tail, *state.line, (-held.anchor_length, 0.0)):
+            assert west <= x <= east
+            assert low <= y <= high
 
 
 def test_a_line_of_which_only_the_diameter_is_known_is_told_with_what_polyester_would_change():

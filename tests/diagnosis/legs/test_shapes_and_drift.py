@@ -1,4 +1,4 @@
-"""Parts of the legs' inference by hand: the spread of a shape between the values tried, and the drift at the surface."""
+"""Parts of the legs' inference by hand: spreads between values, noises and scales tried, and the drift at the surface."""
 
 from types import SimpleNamespace
 from typing import Any
@@ -6,8 +6,10 @@ from typing import Any
 import numpy as np
 import pytest
 
+from missionplan.diagnosis.inference.marginal_likelihood import SCALES
 from missionplan.diagnosis.legs.likelihood.mean import TransitMean
 from missionplan.diagnosis.legs.posterior import LegPosterior
+from missionplan.diagnosis.legs.set_density import MeanSet
 from missionplan.phases.hooks import TransitEffect
 
 
@@ -43,6 +45,34 @@ def test_a_shape_is_as_sure_as_the_values_tried_and_the_distance_between_them(mo
     assert np.exp(found.mean) == pytest.approx([105.0])
     assert found.covariance == pytest.approx(np.array([[variance / 105.0**2]]))
     assert LegPosterior._shape(self, ("a",), None).coordinates == ()
+
+
+@pytest.mark.parametrize("heavy", [0.7, 0.0])
+def test_the_posterior_over_noises_and_scales_has_the_spread_of_each_and_between_them(heavy):
+    """Of a normal mixture: the mean of variances and the variance of means; scales of no share are not asked."""
+    scales = len(SCALES)
+    shares = np.zeros((2, scales))
+    shares[:, 0], shares[:, -1] = (0.1, 0.2), (heavy, 0.0)
+    means = {0: np.array([[1.0, 5.0], [3.0, 4.0]]), scales - 1: np.array([[10.0, -2.0], [0.0, 0.0]])}
+    roots = {at: np.array([[[0.5, 0.0], [0.2, 1.0 + at]], [[1.0, 0.0], [0.0, 2.0]]]) for at in means}
+
+    def priors(_, found):
+        (at,) = found
+        return SimpleNamespace(posterior=lambda grams: (means[at][:, None], roots[at][:, None]))
+
+    inference = SimpleNamespace(
+        model=SimpleNamespace(coordinates=("a", "b")), core=2, group=lambda one: 0, priors=priors, terms=[]
+    )
+    law: Any = SimpleNamespace(grams=[[SimpleNamespace(products=np.zeros(3))]])
+    self: Any = SimpleNamespace(inference=inference)
+    mean, covariance = LegPosterior._moments(self, law, MeanSet(()), shares / shares.sum())
+    parts = [
+        (shares[j, at] / shares.sum(), means[at][j], roots[at][j] @ roots[at][j].T) for at in means for j in range(2)
+    ]
+    expected = sum(w * m for w, m, _ in parts)
+    assert mean == pytest.approx(expected)
+    spread = sum(w * (own + np.outer(m - expected, m - expected)) for w, m, own in parts)
+    assert covariance == pytest.approx(spread)
 
 
 class Drifting(TransitEffect):

@@ -4,7 +4,7 @@ from types import SimpleNamespace
 
 import pytest
 
-from missionplan.studies.anchor.lightest_anchor import Demand, lightest_anchor
+from missionplan.studies.anchor.lightest_anchor import Demand, _Tried, lightest_anchor
 
 
 @pytest.mark.parametrize("start", [0.8, 3.0, 12.0, 60.0, 104.0, 500.0])
@@ -17,3 +17,14 @@ def test_the_lightest_is_found_where_a_tenth_of_the_worst_case_is_too_heavy(star
     found = lightest_anchor(lambda weight, _line: SimpleNamespace(weight=weight), demands, start, 5.0)
     assert found.weight is not None
     assert 1.0 <= found.weight < 1.01
+
+
+def test_of_weights_that_do_as_well_at_best_the_lightest_is_told():
+    found = {
+        weight: SimpleNamespace(share=share, within=SimpleNamespace(value=within))
+        for weight, share, within in ((9.0, 0.5, 0.9), (11.0, 0.7, 0.95), (12.5, 0.7, 0.85), (14.0, 0.6, 0.8))
+    }
+    for required, more in ((0.9, ""), (0.96, "; 95.0 % come down within the radius: drift before the line is taut")):
+        demand = Demand("dives succeed", required, lambda each: each.share)
+        tried = _Tried(None, [demand], None, 0.1, dict(found))
+        assert tried._at_best(demand) == f"dives succeed in 70.0 % of dives at best, with 11 N{more}"

@@ -177,6 +177,15 @@ def test_a_curve_goes_through_the_cells_and_marks_those_as_good(key, scale, midd
     assert (window.get_x(), window.get_x() + window.get_width()) == (3.0, 5.0)
 
 
+def test_of_what_has_no_number_each_cell_is_drawn_with_its_own_ends():
+    axes = Figure().add_subplot()
+    words = Axis(("vehicle",), ({},) * 6, tuple("abcdef"))
+    figures.draw_exploration(axes, replace(exploration(), axes=(words,)), "success")
+    ends = [part[:, 1].tolist() for part in axes.collections[0].get_segments()[:5]]
+    spans = [wilson(n, 1000) for n in (800, 960, 970, 940, 700)]
+    assert ends == [pytest.approx([100.0 * each.low, 100.0 * each.high]) for each in spans]
+
+
 @pytest.mark.parametrize(
     ("key", "values"),
     [
