@@ -261,9 +261,11 @@ class TransitKind(DataKind):
         words = f"{ratio:.1f} times" if not 0.95 < ratio < 1.05 else "about"
         row = " in a row" if count < data.n else ""
         rms = math.sqrt(float(np.mean(np.sum(model.y**2, axis=0))))
+        usual = math.sqrt(float(np.mean(variance / data.under_way**2)))
         return (
             f"Over {count} legs{row} the errors add up to {words} what the mission expects ({measured / 1000.0:.2f} km "
-            f"against {expected / 1000.0:.2f} km); a leg errs by {100.0 * rms:.1f} cm/s rms."
+            f"against {expected / 1000.0:.2f} km); a leg errs by {100.0 * rms:.1f} cm/s rms, "
+            f"{100.0 * usual:.1f} expected."
         )
 
     def shares_explained(self, base: CauseFit, fits: Sequence[CauseFit], residuals: pd.DataFrame) -> list[float]:

@@ -44,10 +44,9 @@ from missionplan.results.learned.evidence import SURE, NextMeasurement, Paramete
 
 _INDISTINGUISHABLE = 1.0
 """Expected nats below which a measurement separates nothing."""
-_KEEP = "Nothing: keep planning with this mission. The last table gives its noise levels as fitted."
-_KEEP_KNOWN = (
-    "Plan on with mission.yaml in this folder: the same mission with its effects as they are known now. The last table "
-    "gives its noise levels as fitted."
+_KEEP = (
+    "Plan on with mission.yaml in this folder: the same mission with its noise, and what effects it has, as known now. "
+    "The last table gives its noise levels as fitted."
 )
 _CONFIRMED = 3
 """Parameters of the mission's own effects that the headline names."""
@@ -270,7 +269,7 @@ def _next_words(diagnosis: Diagnosis) -> list[str]:
         listed = ", ".join(f"{group} (p = {p_value:.1g})" for group, p_value in diagnosis.outlying_groups)
         words.append(f"Check these parts of the record, which the rest does not predict: {listed}. A wrong label?")
     if diagnosis.verdict == "adequate":
-        words.append(_KEEP_KNOWN if diagnosis.confirmed or diagnosis.explanations else _KEEP)
+        words.append(_KEEP)
     if diagnosis.verdict == "unexplained":
         words.append("Look for what changed along that axis; on this evidence no cause of the catalogue can be named.")
     return words
