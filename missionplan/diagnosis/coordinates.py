@@ -11,7 +11,6 @@ from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.linalg import block_diag, solve_triangular
 from scipy.special import ndtri
 
@@ -129,9 +128,16 @@ def estimates(coordinates: Sequence[Coordinate], mean: Array, covariance: Array)
             unit = CATALOGUE[coordinate.effect].parameters[coordinate.name].unit
             found.append(ParameterEstimate(coordinate.effect, coordinate.name, size, size * sd, low, high, unit))
         elif coordinate.kind == "sine":
-            found += _polar(
-                coordinate, mean[index - 1 : index + 1], covariance[index - 1 : index + 1, index - 1 : index + 1]
+            both = slice(index - 1, index + 1)
+            pair, own = mean[both], covariance[both, both]
+            size, phase = float(np.hypot(*pair)), float(np.arctan2(pair[1], pair[0]))
+            along = pair / max(size, 1e-12)
+            radial, across = (
+                math.sqrt(max(float(way @ own @ way), 0.0)) for way in (along, np.array([-along[1], along[0]]))
             )
+            found.append(_estimate(coordinate, coordinate.name, size, radial))
+            sd_phase = min(across / max(size, 1e-12), math.pi / math.sqrt(3))
+            found.append(_estimate(coordinate, _phase_of(coordinate), phase, sd_phase))
     return tuple(found)
 
 
@@ -207,20 +213,6 @@ def _range(column: tuple[str, str]) -> tuple[float, float]:
         return 1e-9, math.inf
     parameter = CATALOGUE[effect].parameters[name]
     return parameter.low, parameter.high
-
-
-def _polar(coordinate: Coordinate, pair: NDArray[np.float64], covariance: Array) -> list[ParameterEstimate]:
-    amplitude, phase = float(np.hypot(*pair)), float(np.arctan2(pair[1], pair[0]))
-    radial = pair / max(amplitude, 1e-12)
-    across = np.array([-radial[1], radial[0]])
-    sd = math.sqrt(max(float(radial @ covariance @ radial), 0.0))
-    sd_phase = min(
-        math.sqrt(max(float(across @ covariance @ across), 0.0)) / max(amplitude, 1e-12), math.pi / math.sqrt(3)
-    )
-    return [
-        _estimate(coordinate, coordinate.name, amplitude, sd),
-        _estimate(coordinate, _phase_of(coordinate), phase, sd_phase),
-    ]
 
 
 def _estimate(coordinate: Coordinate, name: str, value: float, sd: float) -> ParameterEstimate:

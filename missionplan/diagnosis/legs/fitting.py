@@ -20,7 +20,7 @@ from missionplan.diagnosis.legs.likelihood.hyperparameters import (
     HyperparameterPrior,
     values_of,
 )
-from missionplan.diagnosis.legs.likelihood.linearised import LinearisedLegs
+from missionplan.diagnosis.legs.likelihood.linearised import LinearisedLegs, SelectedLegs
 from missionplan.diagnosis.legs.likelihood.markov_covariance import LegSelection
 from missionplan.diagnosis.legs.likelihood.mean import ActingTerm
 from missionplan.diagnosis.legs.likelihood.modulation import Forms, variance_of_mean
@@ -192,9 +192,15 @@ class TransitFitting(TransitCovariance):
         for other in reversed(near) if nonlinear else ():  # where fits have the causes under slabs
             own = [i for name in causes for i in other.linear.slabs.get(name, ())]
             about[own] = other.mean[own]
+        prior = HyperparameterPrior.of(hyperparameters, self.given_in_covariance)
         for iteration in range(MAX_LINEARISATIONS):
             linear = self.linearised(causes, about, forms)
-            posterior = self._posterior(hyperparameters, starts, covariance, linear, rows, integrate=integrate)
+            selected = self.selected(linear, rows)
+
+            def log_posterior(logarithms: Array, selected: SelectedLegs = selected) -> float:
+                return prior.log_density(logarithms) + self.log_density(hyperparameters, logarithms, selected)
+
+            posterior = laplace(log_posterior, starts, covariance, integrate=integrate)
             mean, spread = linear.prior.posterior(self.marginal(hyperparameters, posterior.mode, linear, rows))
             state = TransitState(forms, hyperparameters, posterior, mean, spread, linear, self.acting)
             moved, about = np.abs(mean - about), mean
@@ -202,24 +208,6 @@ class TransitFitting(TransitCovariance):
             if not nonlinear or (iteration and np.max(moved / slabs) < CONVERGED):
                 break
         return state
-
-    def _posterior(
-        self,
-        hyperparameters: tuple[Hyperparameter, ...],
-        starts: list[Array],
-        covariance: Array,
-        linear: LinearisedLegs,
-        rows: LegSelection,
-        *,
-        integrate: bool,
-    ) -> Laplace:
-        selected = self.selected(linear, rows)
-        prior = HyperparameterPrior.of(hyperparameters, self.given_in_covariance)
-
-        def log_posterior(logarithms: Array) -> float:
-            return prior.log_density(logarithms) + self.log_density(hyperparameters, logarithms, selected)
-
-        return laplace(log_posterior, starts, covariance, integrate=integrate)
 
     def fit_of(self, causes: Causes, state: TransitState, evidence: float) -> CauseFit:
         """Return the fit of a set with a state."""

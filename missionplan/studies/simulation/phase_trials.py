@@ -6,7 +6,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from missionplan.arrays import Array, Normals, Scalars
+from missionplan.arrays import Array, Scalars
 from missionplan.mission.schema.manoeuvring import TransitionPhase
 from missionplan.mission.schema.phases import TransitPhase
 from missionplan.montecarlo.reliability import Exposure
@@ -239,7 +239,10 @@ def _leg_inputs(
         total += normal if number < fewest else np.where(legs > number, normal, 0.0)
     found = {"velocity_error": random_part(plan.velocity_error, np.asarray(total / np.maximum(legs, 1.0)))}
     if normals.fix_on_diving is not None and np.any(plan.fix_error):
-        found["fix_error"] = plan.fix_error * _of_last_leg(normals.fix_on_diving, state, legs)
+        last = np.zeros((2, state.trials))  # normals of each trial's last leg
+        for number in range(max(fewest - 1, 0), most):
+            last = np.where(legs == number + 1, normals.fix_on_diving.leg(number)[:, : state.trials], last)
+        found["fix_error"] = plan.fix_error * last
     course = goal - state.position
     length = np.hypot(course[0], course[1])
     along = course / np.where(length > 0.0, length, 1.0)
@@ -252,15 +255,6 @@ def _leg_inputs(
             strict=True,
         )
     }
-
-
-def _of_last_leg(source: Normals, state: TrialState, legs: Array) -> Array:
-    """Normals of each trial's last leg, shape (2, n)."""
-    fewest, most = int(legs.min()), int(legs.max())
-    last = np.zeros((2, state.trials))
-    for number in range(max(fewest - 1, 0), most):
-        last = np.where(legs == number + 1, source.leg(number)[:, : state.trials], last)
-    return last
 
 
 def transition_trials(
