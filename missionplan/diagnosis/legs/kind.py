@@ -299,7 +299,21 @@ class TransitKind(DataKind):
     def confounded_with_reckoning(self, best: CauseFit) -> Causes:
         """Return causes of the vehicle along its course, no larger than twice the doubt of a made reckoning's speed."""
         doubt = self.data.reckoned_speed_sd
-        return () if doubt is None else _slower_or_faster(self.model.with_term(best.state.term), best, 2.0 * doubt)
+        if doubt is None:
+            return ()
+        model = self.model.with_term(best.state.term)
+        columns, found = model.columns_at(best), []
+        speed = float(np.sqrt(np.mean(np.square(model.leg.speed))))
+        for cause in best.causes:
+            own = model.by_effect.get(cause)
+            if own is None or CATALOGUE[cause].belongs_to != "vehicle":
+                continue
+            error = model.axes @ (columns[:, :, own] @ best.state.mean[own])
+            sizes = np.sum(error * model.leg.along, axis=0), np.hypot(*error)
+            along, whole = (float(np.sqrt(np.mean(np.square(each)))) for each in sizes)
+            if _MOSTLY * whole < along <= 2.0 * doubt * speed:
+                found.append(cause)
+        return tuple(found)
 
     def aliases(self, best: CauseFit) -> tuple[Alias, ...]:
         """Return effects that do to these legs what a claimed cause does, but not on the way back."""
@@ -321,19 +335,3 @@ class TransitKind(DataKind):
             "next_leg_last_leg_rms_m": ahead.last_leg,
             "next_leg_model_rms_m": ahead.model,
         }
-
-
-def _slower_or_faster(model: TransitModel, fit: CauseFit, most: float) -> Causes:
-    """Causes of the vehicle that act along its course, by a share of the speed that is at most so large."""
-    columns, found = model.columns_at(fit), []
-    speed = float(np.sqrt(np.mean(np.square(model.leg.speed))))
-    for cause in fit.causes:
-        own = model.by_effect.get(cause)
-        if own is None or CATALOGUE[cause].belongs_to != "vehicle":
-            continue
-        error = model.axes @ (columns[:, :, own] @ fit.state.mean[own])
-        along, whole = (float(np.sqrt(np.mean(np.square(each)))) for each in (
-            np.sum(error * model.leg.along, axis=0), np.hypot(*error)))  # fmt: skip
-        if _MOSTLY * whole < along <= most * speed:
-            found.append(cause)
-    return tuple(found)

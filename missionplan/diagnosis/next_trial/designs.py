@@ -25,9 +25,6 @@ from missionplan.scenario.scenario import Scenario
 from missionplan.scenario.site_current import recorded_current
 from missionplan.studies.simulation.trial_block import run_block
 
-Change = Callable[[Mission, float], Mission]
-"""A mission with another value of what is chosen."""
-
 
 @dataclass(frozen=True)
 class Alternatives:
@@ -37,7 +34,7 @@ class Alternatives:
     """``d_max_m`` or ``anchor_wet_weight_n``."""
     values: Array
     """[m or N], shape (a,)."""
-    change: Change
+    change: Callable[[Mission, float], Mission]
     """The mission with one of them."""
 
 

@@ -1,7 +1,7 @@
 """Tank data as a kind of data: bound to a mission, with what that knows already, residuals and causes."""
 
 import copy
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
@@ -116,7 +116,18 @@ class TankKind(DataKind):
         data = unlearned(decimated(read_tank_data(folder)), mission)
         then = as_then(data, mission, data.date)
         forward = tank_forward(data, then)
-        given = given_in_tank(data, then, forward.candidates)
+        effects = [CATALOGUE[name] for name in forward.candidates]
+        given = given_priors(then, effects)
+        check_together(given, then, "tank")
+        own = {entry.effect for entry in then.effect_list.known}
+        for info in effects:  # stated by a key of the vehicle file: no change on its mean, with its uncertainty
+            if info.vehicle_key and info.id not in own and then.vehicle is not None:
+                sd = _uncertainty(info.vehicle_key, data, then.vehicle)
+                if sd != 0.0:
+                    (parameter,) = info.parameters.values()
+                    spike = np.array([(parameter.tank_spike or parameter.spike) ** 2])
+                    stated = GivenEffect(info.id, coordinates_of(info), np.zeros(1), np.array([[sd**2]]), spike)
+                    given = (*given, stated)
         return cls(kind, then, data, TankModel(forward, given=given, alternatives=exclusive_groups("tank")))
 
     def residual_table(self, base: CauseFit, best: CauseFit) -> pd.DataFrame:
@@ -223,28 +234,6 @@ def tank_forward(data: TankData, mission: Mission) -> TankForward:
         words = f"{forward.quantity} is 0 in every row: there is nothing to explain"
         raise InputError([Problem(words, settings.file)])
     return forward
-
-
-def given_in_tank(data: TankData, mission: Mission, candidates: Iterable[str]) -> tuple[GivenEffect, ...]:
-    """Return the priors of the candidates of which the mission knows something.
-
-    Its own effects; else, where an effect is stated by a key of the vehicle file and that key has a distribution, no
-    change on the mean, with that uncertainty. Raises InputError when a diagnosis cannot hold the mission's effects
-    together.
-    """
-    effects = [CATALOGUE[name] for name in candidates]
-    given = given_priors(mission, effects)
-    check_together(given, mission, "tank")
-    own, stated = {entry.effect for entry in mission.effect_list.known}, []
-    for info in effects:
-        if not info.vehicle_key or info.id in own or mission.vehicle is None:
-            continue
-        sd = _uncertainty(info.vehicle_key, data, mission.vehicle)
-        if sd != 0.0:
-            (parameter,) = info.parameters.values()
-            spike = np.array([(parameter.tank_spike or parameter.spike) ** 2])
-            stated.append(GivenEffect(info.id, coordinates_of(info), np.zeros(1), np.array([[sd**2]]), spike))
-    return (*given, *stated)
 
 
 def _uncertainty(key: VehicleKey, data: TankData, vehicle: Vehicle) -> float:
