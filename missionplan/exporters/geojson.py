@@ -97,11 +97,6 @@ def circle(centre: tuple[float, float], radius: float, points: int = 72) -> Arra
     return np.array(centre)[:, None] + radius * np.array([np.cos(angle), np.sin(angle)])
 
 
-def course_line(waypoints: tuple[Waypoint, ...]) -> Array:
-    """Return the course through waypoints, shape (2, n) [m]."""
-    return np.array([[waypoint.east, waypoint.north] for waypoint in waypoints]).T
-
-
 COLOURS = {
     "planned track": "#666666",
     "median track": "#d55e00",
@@ -187,7 +182,8 @@ def features(plan: Plan, *, circles: bool = True) -> Iterator[Feature]:
 
 def _transit(transit: PlannedTransit, origin: Origin) -> Iterator[Feature]:
     if len(transit.waypoints) > 1:
-        line = longitudes_latitudes(course_line(transit.waypoints), origin)
+        course = np.array([[waypoint.east, waypoint.north] for waypoint in transit.waypoints]).T
+        line = longitudes_latitudes(course, origin)
         yield line_feature(
             line,
             "planned track",

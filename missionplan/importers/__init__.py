@@ -186,7 +186,10 @@ def transit_data(reading: Reading, rules: LegRules, explain: Sequence[int] = ())
     """
     parts = cut(reading.track, rules)
     _check_found(reading.track, parts)
-    _check_numbers(explain, len(parts.dives))
+    wrong = [number for number in explain if not 1 <= number <= len(parts.dives)]
+    if wrong:
+        expected = f"expected the number of a leg, 1 to {len(parts.dives)}"
+        raise InputError([Problem(f"given {shown(number)}, {expected}", key="explain") for number in wrong])
     found, by_glide = numbers_of(parts.legs), parts.is_made and not len(reading.track.speed)
     text = mission_text(reading.name, found)
     mission_file = "mission.yaml"
@@ -324,13 +327,3 @@ def _lines(parts: CutTrack, found: LegNumbers) -> TrackLines:
         depth_t=parts.depth.t[::step],
         depth=parts.depth.values[::step],
     )
-
-
-def _check_numbers(explain: Sequence[int], dives: int) -> None:
-    problems = [
-        Problem(f"given {shown(number)}, expected the number of a leg, 1 to {dives}", key="explain")
-        for number in explain
-        if not 1 <= number <= dives
-    ]
-    if problems:
-        raise InputError(problems)

@@ -195,7 +195,8 @@ def with_declination(track: Track) -> Track:
     model = model_declination(*place, t)
     if not len(track.declination):
         return _without_own(track, t, model)
-    own = _own(track)
+    told = track.declination.values[track.declination.values != 0.0]  # but for the zeros before it knew one
+    own = float(np.median(told)) if len(told) else 0.0
     if model is None:
         notice = f"the vehicle's declination, {own:.1f} deg, was not checked: {_INSTALL}"
     elif abs(own - model) > WRONG:
@@ -206,12 +207,6 @@ def with_declination(track: Track) -> Track:
     else:
         notice = f"the vehicle's declination, {own:.1f} deg, is that of the World Magnetic Model, {model:.1f} deg"
     return replace(track, notices=(*track.notices, notice))
-
-
-def _own(track: Track) -> float:
-    """Median of the vehicle's declinations, but for the zeros before it knew one."""
-    told = track.declination.values[track.declination.values != 0.0]
-    return float(np.median(told)) if len(told) else 0.0
 
 
 def _without_own(track: Track, t: float, model: float | None) -> Track:

@@ -293,7 +293,9 @@ class ColumnStore:
         """Add the columns of one file, of which `t` has the times since 1970 [s]; rows without a time are left out."""
         t = columns["t"]
         timed = np.isfinite(t)
-        part = {name: _small(name, values[timed]) for name, values in columns.items()}
+        part: dict[str, Array] = {  # half of the memory for all but times and positions, which need their digits
+            name: values[timed].astype("f8" if name in _EXACT else "f4") for name, values in columns.items()
+        }
         self.breaks += tuple(clock_jumps(part["t"]))
         self._parts.append(self._thinned(part))
         while sum(len(each["t"]) for each in self._parts) > MOST and self._interval < _COARSEST:
@@ -317,15 +319,8 @@ class ColumnStore:
             times = np.concatenate([part["t"] for part in self._parts])
             order = np.argsort(times, kind="stable")
             for each in names:
-                self._joined[each] = np.concatenate([_column(part, each) for part in self._parts])[order]
+                none = (np.full(len(part["t"]), np.nan) for part in self._parts)
+                columns = [part.get(each, missing) for part, missing in zip(self._parts, none, strict=True)]
+                self._joined[each] = np.concatenate(columns)[order]
             self._parts = []
         return self._joined.get(name, np.full(len(self._joined.get("t", ())), np.nan))
-
-
-def _small(name: str, values: Array) -> Array:
-    """Halve the memory of all but times and positions, which need their digits."""
-    return values if name in _EXACT else values.astype(np.float32)
-
-
-def _column(part: dict[str, Array], name: str) -> Array:
-    return part[name] if name in part else np.full(len(part["t"]), np.nan)

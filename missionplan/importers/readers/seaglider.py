@@ -62,13 +62,8 @@ def _identity(path: Path) -> Identity:
         title = file.text("sg_cal_mission_title") or (during[1] if during else "")
         in_og1 = file.find("latitude_gps") is not None
     deployment = re.sub(r"_(delayed|R|D|realtime|rt|adjusted)$", "", trajectory) if in_og1 else title
-    return Identity(_glider(vehicle) or re.split(r"_", trajectory)[0], deployment)
-
-
-def _glider(name: str) -> str:
-    """Write 561, SG561 and sg561 alike."""
-    digits = re.fullmatch(r"(?:sg)?\s*0*(\d{2,4})", name, re.IGNORECASE)
-    return f"SG{int(digits[1]):03d}" if digits else name
+    digits = re.fullmatch(r"(?:sg)?\s*0*(\d{2,4})", vehicle, re.IGNORECASE)  # 561, SG561 and sg561 alike
+    return Identity(f"SG{int(digits[1]):03d}" if digits else vehicle or re.split(r"_", trajectory)[0], deployment)
 
 
 def _read(

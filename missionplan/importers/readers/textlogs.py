@@ -194,15 +194,13 @@ def _date_form(files: Sequence[Path], column: str) -> tuple[str, tuple[str, ...]
             written.append((path, pd.concat([each[column] for each in text_chunks(path, [column])]).drop_duplicates()))
 
     def fits(form: str) -> tuple[int, int, float]:
-        days = [(path, np.unique(found[np.isfinite(found)])) for path, words in written
-                for found in [np.floor(times(words, form) / 86400.0)]]  # fmt: skip
-        named = sum(any(f"{np.datetime64(int(day), 'D')}".replace("-", "") in path.name for day in found)
-                    for path, found in days)  # fmt: skip
-        return (
-            sum(map(len, (found for _, found in days))),
-            named,
-            -sum(np.ptp(found) for _, found in days if len(found)),
-        )
+        known, named, span = 0, 0, 0.0
+        for path, words in written:
+            days = np.unique(times(words, form) // 86400.0)
+            days = days[np.isfinite(days)]
+            known, span = known + len(days), span + float(np.ptp(days) if len(days) else 0.0)
+            named += any(f"{np.datetime64(int(day), 'D')}".replace("-", "") in path.name for day in days)
+        return known, named, -span
 
     best = max(_IVER_DATES, key=fits)
     months, days = (np.concatenate([[], *(times(words, form) for _, words in written)]) for form in _IVER_DATES[:2])

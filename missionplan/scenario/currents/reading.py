@@ -87,9 +87,9 @@ def read_series_csv(
 
 def _impossible(values: pd.DataFrame, limits: Mapping[str, float], shown: str) -> list[Problem]:
     """Rows with a current, a depth or a time that no sea has: a fill value, or another unit."""
-    filled = undeclared_fill(*(values[name].to_numpy(dtype=float) for name in ("east_m_s", "north_m_s")))
-    too_much = [values[name].abs() > most for name, most in limits.items()]
-    too_much.append((values["east_m_s"] == filled) & (values["north_m_s"] == filled))
+    velocity = values[["east_m_s", "north_m_s"]]
+    filled = undeclared_fill(*velocity.to_numpy(dtype=float).T)
+    too_much = [(velocity == filled).all(axis=1), *(values[name].abs() > most for name, most in limits.items())]
     rows = np.flatnonzero(np.any([*too_much, values["depth_m"] < 0.0] if "depth_m" in limits else too_much, axis=0))
     expected = ", ".join(f"{name} at most {most:g} in size" for name, most in limits.items())
     expected += ", depths positive down" if "depth_m" in limits else ""
