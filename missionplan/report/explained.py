@@ -128,22 +128,18 @@ def hangs_on_doubt(
     `whole`: how often it does well over all of them. `doubts`: how likely each is, and how often it does well then.
     `required`: of that; None where nothing is.
     """
-    return any(
-        Assumption(
-            what="",
-            otherwise="",
-            worth=each.value - whole.value,
-            success=each.value,
-            missed=("",) if required is not None and each.value < required <= whole.value else (),
-            is_required=required is not None,
-        ).turns
-        for likely, each in doubts
-        if likely >= UNLIKELY and differ([each, whole])
-    )
+    for likely, each in doubts:
+        missed = ("",) if required is not None and each.value < required <= whole.value else ()
+        put_off = Assumption("", "", each.value - whole.value, each.value, missed, is_required=required is not None)
+        if put_off.turns and likely >= UNLIKELY and differ([each, whole]):
+            return True
+    return False
 
 
-def outcome_hangs_on_doubt(outcome: Outcome) -> bool:
+def outcome_hangs_on_doubt(outcome: Outcome | None) -> bool:
     """Whether a simulated mission's success does."""
+    if outcome is None:
+        return False
     required = [item.required for item in outcome.requirements if item.quantity == "total.success"]
     doubts = [(each.probability, each.success) for each in (*outcome.explanations, *outcome.members) if each.trials]
     return hangs_on_doubt(outcome.total.events["success"], doubts, max(required, default=None))

@@ -84,7 +84,7 @@ def page(found: Optimised) -> Page:
             *_front(found),
             _effort(found),
         ],
-        verdict="bad" if not found.feasible else "undecided" if _hangs(found) else "good",
+        verdict="bad" if not found.feasible else "undecided" if outcome_hangs_on_doubt(found.fresh) else "good",
         rerun=_rerun(found),
         table=lambda: (
             ("", "chosen" if found.feasible else "nearest"),
@@ -92,10 +92,6 @@ def page(found: Optimised) -> Page:
         ),
         plots={"front": draw_front},
     )
-
-
-def _hangs(found: Optimised) -> bool:
-    return found.fresh is not None and outcome_hangs_on_doubt(found.fresh)
 
 
 def answer(found: Optimised) -> str:
@@ -109,15 +105,16 @@ def answer(found: Optimised) -> str:
         cost = with_error(statistic.mean, statistic.standard_error, _unit(found))
     sentences = [f"The least {least}, {cost}, is had with {values}."]
     first = next((each.first for each in found.assumed if each.turns), "")
-    first = first or "find out which explanation holds" * _hangs(found)
+    first = first or "find out which explanation holds" * outcome_hangs_on_doubt(found.fresh)
     if first:
         sentences.insert(0, f"Nothing to choose yet: first {first}. As the mission stands:")
     if found.checked is not None and found.fresh is not None:
         trials, fresh = number(found.fresh.provenance.trials), percent(found.fresh.total.events["success"])
         sentences.append(f"All requirements are met, on {trials} fresh trials too, of which {fresh} succeed.")
     sailed = members_in_words(found.members, "succeeds")
-    explained = explanation_in_words(found.fresh) if found.fresh is not None else ""
-    return " ".join(filter(None, [*sentences, explained, sailed, _binding_words(found)]))
+    if found.fresh is not None:
+        sentences.append(explanation_in_words(found.fresh))
+    return " ".join(filter(None, [*sentences, sailed, _binding_words(found)]))
 
 
 def _obstacle_words(found: Optimised) -> str:

@@ -76,19 +76,9 @@ def ledger(
             if before - after >= LEAST_WORTH and reached - before + after < requirement.probability <= reached:
                 missed.append(requirement)
         before, after = base[SUCCESS].value, other[SUCCESS].value
-        found.append(
-            Assumption(
-                what=doubt.what,
-                otherwise=doubt.otherwise,
-                worth=after - before,
-                success=after,
-                missed=tuple(each.written for each in missed),
-                is_required=is_required,
-                spoils=_spoilt(base, other),
-                first=doubt.first,
-                missed_of=tuple(each.phase for each in missed),
-            )
-        )
+        names, phases = tuple(each.written for each in missed), tuple(each.phase for each in missed)
+        told = doubt.what, doubt.otherwise, after - before, after, names, is_required, _spoilt(base, other)
+        found.append(Assumption(*told, doubt.first, phases))
     return tuple(sorted(found, key=lambda each: (not each.turns, math.isnan(each.worth), each.worth)))
 
 
