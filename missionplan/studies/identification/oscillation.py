@@ -28,6 +28,8 @@ from missionplan.studies.identification.fits import (
 
 IMPOSSIBLE = 3.0
 """Standard deviations below nil beyond which an added mass is no error of the frequency."""
+_HEAVIEST = 1000.0
+"""Added mass over the mass above which frequencies or times are in another unit: a plate has some tens."""
 _FEWEST = 4
 """Samples of a record that have a frequency at all."""
 _MOST_GAPS = 10.0
@@ -93,17 +95,13 @@ def _masses_in_words(modes: list[str], estimates: tuple[IdentifiedParameter, ...
 def _added_masses(data: TankData, settings: OscillationSettings) -> FittedModel:
     """Added mass of each mode from its frequency, with the error of the frequency.
 
-    Raises RunError when it is negative beyond its error.
+    Raises RunError as `_check_masses` does.
     """
     frequency = data.columns["frequency_hz"]
     frequency_sd = data.columns.get("frequency_sd_hz", np.full_like(frequency, np.nan))
     added = np.asarray(osc.added_mass(frequency, settings.stiffness, settings.mass))
     added_sd = np.asarray(osc.added_mass_sd(frequency, frequency_sd, settings.stiffness))
-    impossible = added + IMPOSSIBLE * np.nan_to_num(added_sd) < 0.0
-    if impossible.any():
-        words = f"the added mass of {listed(np.array(data.labels['mode'])[impossible].tolist())} would be negative"
-        air = math.sqrt(settings.stiffness / settings.mass) / (2.0 * math.pi)
-        raise RunError(f"{words}: without water the frequency is {air:.3g} Hz; is it right, and stiffness and mass?")
+    _check_masses(data.labels["mode"], added, added_sd, settings)
     quantile = float(ndtri(0.5 + INTERVAL / 2.0))
     estimates = tuple(
         with_interval(f"added_mass_{mode}", f"m_ad {mode}", "kg", float(mass), float(sd), quantile)
@@ -120,6 +118,18 @@ def _added_masses(data: TankData, settings: OscillationSettings) -> FittedModel:
         residual_sd=math.nan,
         covariance=np.diag(added_sd**2),
     )
+
+
+def _check_masses(modes: list[str], added: Array, sd: Array, settings: OscillationSettings) -> None:
+    """Raise RunError when an added mass is negative beyond its error, or many times the mass."""
+    air = math.sqrt(settings.stiffness / settings.mass) / (2.0 * math.pi)
+    negative = added + IMPOSSIBLE * np.nan_to_num(sd) < 0.0
+    for wrong, what in ((negative, "negative"), (added > _HEAVIEST * settings.mass, f"over {_HEAVIEST:g} masses")):
+        if wrong.any():
+            words = f"the added mass of {listed(np.array(modes)[wrong].tolist())} would be {what}"
+            raise RunError(
+                f"{words}: without water the frequency is {air:.3g} Hz; is it right, and stiffness and mass?"
+            )
 
 
 def _fragment(modes: list[str], estimates: tuple[IdentifiedParameter, ...], scale: float) -> Mapping[str, object]:
@@ -148,6 +158,7 @@ def _from_record(data: TankData, settings: OscillationSettings) -> TankAnalysis:
     fits = preferred_first(simple, richer)
     best, widened = fits[0], fits[0].widened
     physical = _physical(best, settings.stiffness, settings.mass)
+    _check_masses(["surge"], np.array([physical[0].value]), np.array([physical[0].sd]), settings)
     remark = (
         f"Errors were widened {widened:.1f} times for scatter beyond the stated noise and for residuals "
         "that follow one another."

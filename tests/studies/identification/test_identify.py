@@ -337,5 +337,14 @@ def test_an_added_mass_without_an_error_or_below_nil_is_said(tmp_path):
         RunError, match=r"the added mass of surge would be negative: without water the frequency is 2\.1"
     ):
         identify(write(tmp_path / "osc", SPRINGS, modes | {"frequency_hz": [1e9]}))
+    with pytest.raises(
+        RunError, match="the added mass of surge would be over 1000 masses: without water the frequency is"
+    ):
+        identify(write(tmp_path / "osc", SPRINGS, modes | {"frequency_hz": [0.00177]}))
+    t = np.arange(0.0, 10.0, 0.05)
+    for unit, what in ((1e3, "over 1000 masses"), (1.0 / 60.0, "negative")):
+        swing = {"t_s": unit * t, "displacement_m": 0.05 * np.exp(-0.1 * t) * np.cos(2.0 * np.pi * 1.77 * t)}
+        with pytest.raises(RunError, match=f"the added mass of surge would be {what}"):
+            identify(write(tmp_path / "osc", SPRINGS, swing))
     with pytest.raises(InputError, match="frequency_hz: expected more than 0"):
         identify(write(tmp_path / "osc", SPRINGS, modes | {"frequency_hz": [-1.0]}))
