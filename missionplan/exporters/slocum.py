@@ -170,7 +170,10 @@ def files(plan: Plan, stem: str) -> dict[str, str | bytes]:
         if several:
             hit = f"{_BAW_WHEN_HIT_WAYPOINT} # BAW_WHEN_HIT_WAYPOINT"
             surfacings[way] = _surface(transit, hit, _RESUME_AFTER_KEY)
-        surfacings[first] = _every(transit)
+        after = f"{_BAW_WHEN_SECS} # BAW_WHEN_SECS, from the end of the last surfacing"
+        length = f"{transit.surfacing.interval:.1f} m at {transit.speed:g} m/s, less the climb"
+        every = f"when_secs(sec) {_interval(transit)} # {length}"
+        surfacings[first] = [*_surface(transit, after, _RESUME_AFTER_KEY), every]
         written[f"plan{first}.mi"] = _mission(plan, transit, first, list(surfacings))
         written[f"goto_l{first}.ma"] = _behaviour(plan, "goto_list", f"goto_l{first}.ma", *_goto(points))
         for at, arguments in surfacings.items():
@@ -235,12 +238,6 @@ def _interval(transit: PlannedTransit) -> int:
     rule = transit.surfacing
     climb = min(transit.depth / math.tan(_CLIMB_ANGLE), 0.5 * rule.interval) / transit.speed
     return math.floor(rule.interval_time - climb)
-
-
-def _every(transit: PlannedTransit) -> list[str]:
-    when = f"{_BAW_WHEN_SECS} # BAW_WHEN_SECS, from the end of the last surfacing"
-    length = f"{transit.surfacing.interval:.1f} m at {transit.speed:g} m/s, less the climb"
-    return [*_surface(transit, when, _RESUME_AFTER_KEY), f"when_secs(sec) {_interval(transit)} # {length}"]
 
 
 def _surface(transit: PlannedTransit, when: str, then: int) -> list[str]:

@@ -215,7 +215,8 @@ def _recognised(
     for path in paths:
         if path.suffix.lower() in _COMPANIONS or path.name in _OF_BAGS:
             continue
-        name = _format_of(path, importers, format_name)
+        head, asked = _head(path), [format_name] if format_name else [k for k, v in importers.items() if v.is_guessed]
+        name = next((each for each in asked if importers[each].recognises(path, head)), None)
         if name is None and format_name is not None and (path in given or is_mapped):
             name = format_name
         if name is None:
@@ -224,13 +225,6 @@ def _recognised(
         else:
             chosen.setdefault(name, []).append(path)
     return chosen, passed_over
-
-
-def _format_of(path: Path, importers: Mapping[str, Importer], format_name: str | None) -> str | None:
-    head = _head(path)
-    if format_name is not None:
-        return format_name if importers[format_name].recognises(path, head) else None
-    return next((name for name, each in importers.items() if each.is_guessed and each.recognises(path, head)), None)
 
 
 def _head(path: Path) -> bytes:

@@ -110,7 +110,7 @@ def mission_text(name: str, found: LegNumbers) -> str:
 # Written by missionplan import from a log: the same legs again, with the errors that they had. Change what you know
 # better, then
 #   missionplan diagnose mission.yaml .        what do the legs show that this mission lacks?
-name: {_quoted(name)}
+name: '{name.replace("'", "''")}'
 start: {found.start}     # of the first leg: times of the data set count from it
 site:
   origin: {{latitude: {found.latitude:.6f} deg, longitude: {found.longitude:.6f} deg}}     # the first fix
@@ -128,10 +128,6 @@ phases:
       arrival_radius: {_rounded(radius)} m
 monte_carlo: {{trials: 5000, seed: 1}}
 """
-
-
-def _quoted(text: str) -> str:
-    return "'" + text.replace("'", "''") + "'"
 
 
 def _rounded(value: float) -> str:

@@ -119,10 +119,6 @@ _LONGEST_EDGE = 0.01
 """Of a polygon in degrees, before it is placed: longer edges are cut, since parallels bend [deg]."""
 
 
-_HALF_TURN, _WHOLE_TURN = 180.0, 360.0
-"""Steps of longitude between which an edge crosses the date line [deg]."""
-
-
 def features(chart: Chart) -> tuple[list[Feature], str]:
     """Return geometries with their properties, and the reference system of their coordinates.
 
@@ -246,7 +242,7 @@ def _across_date_line(geometry: "Geometry") -> "Geometry":
         return shapely.GeometryCollection([_across_date_line(part) for part in parts])
     rings = [shapely.get_coordinates(ring) for ring in shapely.get_rings(geometry)]
     steps = np.abs(np.diff(np.concatenate([np.zeros((0, 2)), *rings])[:, 0]))
-    if not np.any((steps > _HALF_TURN) & (steps < _WHOLE_TURN)):
+    if not np.any((steps > 180.0) & (steps < 360.0)):
         return geometry
     start = rings[0][0, 0]
     moved = [np.unwrap(np.append(start, ring[:, 0]), period=360.0)[1:] - ring[:, 0] for ring in rings]
