@@ -262,3 +262,21 @@ def test_a_current_s_deviation_is_that_of_its_length() -> None:
     )
     finding = findings.CATALOGUE["mean-current"].finding
     assert "0.300 ± 0.010 m/s toward 90°" in plain(findings.sized_clause(finding, {"east": east, "north": north}))
+
+
+@pytest.mark.parametrize(
+    ("changed", "what"),
+    [
+        ((), "drag bias and added mass"),
+        (("drag-bias",), "drag bias and added mass"),
+        (("drag-bias", "added-mass", "speed-scale"), "a change of drag bias and added mass"),
+    ],
+)
+def test_a_change_is_claimed_where_the_mission_has_each_of_the_causes(monkeypatch, changed, what) -> None:
+    monkeypatch.setattr(page, "finding_in_words", lambda _: "")
+    readings = SimpleNamespace(families=((("drag-bias", "added-mass"), ("speed-scale",)),))
+    found = diagnosed(ranked("drag-bias", "added-mass"), changed=changed, readings=readings)
+    assert plain(page._claim(found)) == f"The misfit is explained by {what}."
+    found.ranking = (*found.ranking, ranked("speed-scale", posterior=0.2))
+    turns = " Whether this current turns, the record cannot show: drag bias and added mass 75.0 %, speed scale 20.0 %."
+    assert plain(page._claim(found)) == f"The misfit is explained by {what}.{turns}"

@@ -191,3 +191,11 @@ def test_dives_of_a_depth_record_have_their_times_and_depths():
         table = imported._dives_table(found)
         assert table.columns[-1] == "greatest depth (ft)"
         assert [float(row[-1]) for row in table.rows] == pytest.approx([20.04 / 0.3048, 30.0 / 0.3048], abs=0.6)
+
+
+def test_points_are_shown_within_what_is_drawn_and_as_far_again():
+    shown = np.array([[100.0, 104.0], [-7.0, -5.0]])
+    points = np.array([[96.0, 95.9, 108.0, 108.1, 102.0, 102.0], [-9.0, -6.0, -3.0, -6.0, -9.1, -6.0]])
+    assert leg_basis.inside(points, shown).tolist() == [[96.0, 108.0, 102.0], [-9.0, -3.0, -6.0]]
+    assert leg_basis.inside(points, shown, margin=0.0).tolist() == [[102.0], [-6.0]]
+    assert leg_basis.inside(points, np.empty((2, 0))).shape == (2, 0)

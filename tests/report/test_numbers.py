@@ -5,7 +5,7 @@ import math
 import pytest
 
 from missionplan.montecarlo.statistics import Probability, Statistic, wilson
-from missionplan.report.quantities import Unit, span, time_in_words, unit_for, with_error
+from missionplan.report.quantities import Unit, length_in_words, span, time_in_words, unit_for, with_error
 from missionplan.report.wording import (
     in_words,
     number,
@@ -178,3 +178,10 @@ def test_a_phase_is_called_what_the_mission_calls_it_where_that_reads_well():
         assert in_words("phases[1].arrival_time_s") == "arrival time (phase 2)"
         assert phase_in_words("phases[2]") == "phase 3"
     assert in_words("phases[0].arrival_time_s") == "arrival time (phase 1)"
+
+
+@pytest.mark.parametrize(
+    ("metres", "words"), [(746.6, "747 m"), (999.0, "999 m"), (1000.0, "1.00 km"), (1264.0, "1.26 km")]
+)
+def test_a_length_is_in_kilometres_from_one_on(metres, words):
+    assert length_in_words(metres).replace("\u00a0", " ") == words

@@ -5,7 +5,7 @@ import pytest
 
 from missionplan.datasets.records import TransitData
 from missionplan.diagnosis.legs.kind import with_fix_share
-from missionplan.diagnosis.legs.likelihood.fix_gaps import fix_gaps, share_of_fix_errors
+from missionplan.diagnosis.legs.likelihood.fix_gaps import FixGaps, fix_gaps, share_of_fix_errors
 from missionplan.diagnosis.legs.model import TransitModel
 
 LEGS, SPEED, SIGMA, FIX = 240, 0.5, 0.02, 20.0
@@ -110,3 +110,15 @@ def test_poor_fixes_on_one_heading_are_no_speed_scale(rng):
     assert gains[0] > 4.0
     assert gains[1] < 0.0
     assert any("gaps between the fix after a leg" in notice for notice in told.data.notices)
+
+
+def test_the_share_weighs_each_leg_by_its_own_variance_with_a_fix_on_either_side():
+    before = np.array([[0.0, 30.0, -20.0, 25.0], [0.0, 10.0, 15.0, -12.0]])
+    gaps = FixGaps(before, np.array([False, True, True, True]))
+    under_way = np.array([300.0, 3000.0, 400.0, 2500.0])
+    column = gaps.velocity_error(under_way)
+    error = 0.5 * column + np.array([[0.002, -0.001, 0.003, 0.001], [0.001, 0.002, -0.002, 0.001]])
+    weight = 1.0 / (0.01**2 + 2.0 * 3.0**2 / under_way**2)
+    share = np.sum(weight * column * error) / np.sum(weight * column**2)
+    assert share_of_fix_errors(gaps, error, under_way, 0.01, 3.0) == pytest.approx(share, rel=1e-9)
+    assert 0.3 < share < 0.7

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from missionplan.diagnosis.inference.marginal_likelihood import SCALES
+from missionplan.diagnosis.legs.fitting import CLEARLY, TransitFitting
 from missionplan.diagnosis.legs.likelihood.mean import TransitMean
 from missionplan.diagnosis.legs.posterior import LegPosterior
 from missionplan.diagnosis.legs.set_density import MeanSet
@@ -91,3 +92,18 @@ def test_a_leg_s_velocity_error_has_the_drift_at_the_surface_then_and_there(monk
     self: Any = SimpleNamespace(data=data, leg=None, site_current=None)
     found = TransitMean.velocity_error(self, [Drifting()])
     assert found == pytest.approx(7.0 + np.array([[606.0 * 0.1, 1309.0 * 0.3], [5.0 * 0.1, 6.0 * 0.3]]))
+
+
+@pytest.mark.parametrize(("gain", "likeliest"), [(0.9, 0), (1.1, 1)])
+def test_a_plainer_state_is_taken_where_another_is_hardly_likelier(gain, likeliest):
+    evidences = {"steady": -50.0, "slow": -50.0 + gain * CLEARLY}
+    self: Any = SimpleNamespace(
+        _variants=lambda causes: [("steady", 0.5), ("slow", 0.5)],
+        _fitted=lambda causes, forms, *_, **__: SimpleNamespace(
+            posterior=SimpleNamespace(log_evidence=evidences[forms]), forms=forms
+        ),
+    )
+    together, added, state = TransitFitting.over_forms(self, ("a",))
+    assert state.forms == list(evidences)[likeliest]
+    assert together == pytest.approx(np.log(0.5 * np.exp(-50.0) + 0.5 * np.exp(-50.0 + gain * CLEARLY)))
+    assert added == pytest.approx(together + 50.0)

@@ -16,7 +16,7 @@ from missionplan.phases.grids import RegularGrid
 from missionplan.scenario.currents import regular as regular_grids
 from missionplan.scenario.currents.area import SKIN, Area, _deepest
 from missionplan.scenario.currents.reading import read_field
-from missionplan.scenario.currents.unstructured import _sigma_levels
+from missionplan.scenario.currents.unstructured import _coordinates, _sigma_levels
 from missionplan.scenario.currents.vertical import good_down_to
 
 netcdf = pytest.importorskip("netCDF4")
@@ -520,3 +520,21 @@ def test_a_staggered_node_has_the_mean_of_its_faces_and_none_where_all_are_dry(m
     monkeypatch.setattr(regular_grids, "velocities", lambda files, names, parts: parts[0] + 1j * parts[1])
     found = regular_grids._unstaggered(files, ("u", "v"), None, SimpleNamespace(rows=slice(0, 4), columns=slice(0, 4)))
     np.testing.assert_array_equal(found, [[[2.0j, 1.5], [1.0 + 1.0j, nan]]])
+
+
+@pytest.mark.parametrize(
+    ("named", "longitude", "taken"),
+    [
+        ({"lon", "lat"}, [0.0, 0.0], ("lon", "lat")),
+        ({"lon", "lat", "x", "y"}, [0.0, 3.0], ("lon", "lat")),
+        ({"lon", "lat", "x", "y"}, [0.0, 0.0], ("x", "y")),
+        ({"x", "y"}, [0.0, 3.0], ("x", "y")),
+    ],
+)
+def test_nodes_lie_at_x_and_y_where_longitudes_are_missing_or_all_nil(named, longitude, taken):
+    files = SimpleNamespace(
+        named=lambda name: name if name in named else None,
+        fixed=lambda _: np.array(longitude),
+        required=lambda what, *names: next(name for name in reversed(names) if name in named),
+    )
+    assert _coordinates(files, "lon", "lat", "x", "y") == taken

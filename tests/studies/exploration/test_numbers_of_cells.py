@@ -22,7 +22,7 @@ from missionplan.results.optimisation import Optimised, RuledOut, Tried
 from missionplan.results.simulation import RequirementOutcome
 from missionplan.studies.exploration import _times, cells, explore, first_start, steps
 from missionplan.studies.exploration.cells import CellTrials, MissionTask, _joined, _numbered
-from missionplan.studies.exploration.explore import _misses, _to_run_after_all
+from missionplan.studies.exploration.explore import _last, _misses, _to_run_after_all
 from missionplan.studies.exploration.result import (
     NOT_RUN,
     Cell,
@@ -330,3 +330,12 @@ def test_the_requirement_that_rules_out_the_cheapest(others, found):
     assert result.ruled_out == expected
     object.__setattr__(result, "aim", "duration")  # where less energy takes more time it rules out nothing
     assert result.ruled_out is None or min(each.energy for each in others) > 10.0
+
+
+def test_where_every_cell_misses_a_requirement_all_that_run_may_still_be_the_best():
+    missing = SimpleNamespace(met=False, undecided=False)
+    open_ = SimpleNamespace(met=False, undecided=True)
+    bad, maybe = (SimpleNamespace(reason="", requirements=(each,), meets_all=False) for each in (missing, open_))
+    failed = SimpleNamespace(reason="too long", requirements=(), meets_all=False)
+    assert _last([bad, failed, bad], [None] * 3, [0, 1, 2], "success") == [0, 2]
+    assert _last([bad, failed, maybe], [None] * 3, [0, 1, 2], "success") == [2]
