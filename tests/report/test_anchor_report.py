@@ -16,7 +16,7 @@ from missionplan.report.anchor.sections import drag
 from missionplan.report.page import draw, drawing_by
 from missionplan.report.render import terminal_view
 from missionplan.report.wording import percent
-from missionplan.results.anchor_sizing import ProbableAnchor
+from missionplan.results.anchor_sizing import ExplainedAnchor, ProbableAnchor
 from missionplan.studies.anchor import size_anchor
 
 MISSIONS = Path(__file__).parents[2] / "missions"
@@ -54,6 +54,15 @@ def test_the_sentence_that_a_field_engineer_wants(sizing):
         "of dives stay within 22.9 m and clear of the bottom. With an assumed holding factor of 0.4 the anchor to build "
         "would drag in the mean current, 0.90 m/s, which is not counted."
     )
+
+
+@pytest.mark.parametrize(("heavier", "verdict"), [(1.3, "undecided"), (1.01, "good")])
+def test_an_anchor_that_another_explanation_would_have_heavier_is_none_to_build_yet(sizing, heavier, verdict):
+    good, weight = sizing.to_build.probabilities.good, sizing.to_build.wet_weight
+    doubts = tuple(ExplainedAnchor((), 0.5, good, needed) for needed in (weight, heavier * weight))
+    found = replace(sizing, explanations=doubts, judged=None, held=None)
+    assert page(found).verdict == verdict
+    assert answer(found).startswith("Nothing to build yet: first find out which holds;") == (verdict != "good")
 
 
 def test_an_anchor_that_misses_the_radius_is_no_good_news(sizing):
