@@ -20,7 +20,7 @@ from missionplan.moments import EPOCH_SCALE, is_since, utc
 from missionplan.results import Provenance, Result, to_csv, to_yaml
 from missionplan.results.entries import Entry, Record
 from missionplan.scenario.currents.attributes import FieldAttributeError, depths, moments, speed_factor
-from missionplan.scenario.currents.files import FieldFiles
+from missionplan.scenario.currents.files import FieldFiles, undeclared_fill
 from missionplan.scenario.currents.reading import CURRENT_LIMITS, MAX_BYTES, opened
 
 if TYPE_CHECKING:
@@ -242,7 +242,9 @@ def _check_cells(
     path: Path, cells: pd.DataFrame, times: "pd.Series[float]", numbers: dict[str, "pd.Series[float]"]
 ) -> None:
     shown, depth = str(path), numbers["depth_m"]
-    fast = (numbers["east_m_s"].abs() > FASTEST) | (numbers["north_m_s"].abs() > FASTEST)
+    velocity = pd.DataFrame({each: numbers[each] for each in COLUMNS[2:]})
+    filled = undeclared_fill(*velocity.to_numpy(dtype=float).T)
+    fast = (velocity.abs() > FASTEST).any(axis=1) | (velocity == filled).all(axis=1)
     words = f"is impossible; expected a depth of 0 to {DEEPEST:g} m and a current of at most {FASTEST:g} m/s"
     hint = "a fill value, or another unit? leave the cell empty where nothing was measured"
     wrong = [
@@ -270,10 +272,16 @@ def _of_files(files: FieldFiles) -> CurrentRecord:
     seconds = (moments(time) - np.datetime64(0, "s")) / np.timedelta64(1, "s")
     order, down = np.argsort(seconds), np.argsort(depth)
     dims = (time.dims[0], *others)
+    written = [each.transpose(*dims).to_numpy().astype(float).reshape(len(seconds), -1) for each in (east, north)]
+    both = (written[0] == written[1]) & (written[0] == undeclared_fill(*written))
     values = [
-        speed_factor(each) * each.transpose(*dims).to_numpy().astype(float).reshape(len(seconds), -1)
-        for each in (east, north)
+        speed_factor(name) * np.where(both, math.nan, each) for name, each in zip((east, north), written, strict=True)
     ]
+    for each in values:
+        fast = np.abs(each) > FASTEST
+        if fast.sum() > 0.5 * np.isfinite(each).sum() and np.ptp(np.abs(each[fast])) > 0.0:
+            hint = "is its attribute `units` right?"
+            raise files.problem(f"most of its currents are faster than {FASTEST:g} m/s", hint)
     if values[0].shape[1] != depth.size:
         raise files.problem(f"has {values[0].shape[1]} bins and {depth.size} depths")
     u, v = (np.where(np.abs(each) <= FASTEST, each, math.nan)[order][:, down] for each in values)

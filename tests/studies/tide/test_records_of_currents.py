@@ -59,6 +59,21 @@ def test_profilers_in_netcdf_written_otherwise_say_the_same(tmp_path):
     filled = profiler(path, factor=20.0)  # faster than any sea: a fill value
     expected = np.where(np.abs(20.0 * EAST) <= 12.0, 20.0 * EAST, math.nan)
     np.testing.assert_allclose(filled.east, expected)
+    with pytest.raises(InputError, match="most of its currents are faster than 12 m/s"):
+        profiler(path, factor=100.0)
+
+
+def test_what_stands_for_none_in_both_components_is_no_current(tmp_path, monkeypatch):
+    spoiled = [np.where(np.arange(12).reshape(4, 3) % 4 == 0, 9.99, whole) for whole in (EAST, NORTH)]
+    rows = pd.DataFrame({"t_s": np.repeat(TIME, 3), "depth_m": np.tile(DEPTH, 4), "east_m_s": spoiled[0].ravel(),
+                         "north_m_s": spoiled[1].ravel()})  # fmt: skip
+    rows.to_csv(tmp_path / "record.csv", index=False)
+    with pytest.raises(InputError, match=r"record\.csv:2: is impossible"):
+        read_current_record(tmp_path / "record.csv")
+    for name, whole in zip(("EAST", "NORTH"), spoiled, strict=True):
+        monkeypatch.setitem(globals(), name, whole)
+    found = profiler(tmp_path / "adcp.nc")
+    assert np.isnan(found.east).sum() == np.isnan(found.north).sum() == 4
 
 
 def test_a_csv_in_any_order_of_rows_with_gaps(tmp_path):
