@@ -228,27 +228,16 @@ def test_several_data_sets_are_told_with_what_they_share_and_what_stays_in_doubt
     assert campaign.answer(found).endswith("adequate for all 2 data sets: none asks for a cause.")
 
 
-@pytest.mark.parametrize(
-    ("confirmed", "explanations", "words"),
-    [
-        ((), (), page._KEEP),
-        (("a",), (), page._KEEP_KNOWN),
-        ((), ("b",), page._KEEP_KNOWN),
-        (("a",), ("b",), page._KEEP_KNOWN),
-    ],
-)
-def test_a_mission_that_is_adequate_is_kept_with_what_is_known_of_it(
-    monkeypatch, confirmed, explanations, words
-) -> None:
+def test_a_mission_that_is_adequate_is_planned_on_with_what_is_known_of_it(monkeypatch) -> None:
     for name in ("_plan_on", "next_trial_pointer"):
         monkeypatch.setattr(page, name, lambda _: [])
     found = diagnosed(
         None, learned_from=("a",), next_trial=None, next_measurements=(), outlying_groups=(("leg 3", 0.0012),),
-        verdict="adequate", confirmed=confirmed, explanations=explanations,
+        verdict="adequate",
     )  # fmt: skip
     check, keep = page._next_words(found)
     assert "does not predict: leg 3 (p = 0.001)." in check
-    assert keep == words
+    assert keep == page._KEEP
     found.verdict = "unexplained"
     assert page._next_words(found)[1].startswith("Look for what changed")
     found.learned_from = ()
