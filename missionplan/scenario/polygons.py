@@ -286,19 +286,21 @@ def _placed(
     return [each for part in parts for each in _polygons(shapely.transform(shapely.force_2d(part), moved))]
 
 
+_BLANKS = ("", "None", "nan", "NaT")
+"""Properties that a feature of a table has none of."""
+
+
 def _limits(
     chart: Chart, properties: Mapping[str, object], name: str, start: datetime | None
 ) -> list[dict[str, float]]:
     """Read when and at which depths a zone holds; two, where it forbids both what is above and what is below."""
-    given = {str(key).lower(): value for key, value in properties.items() if value is not None and value != ""}
+    given = {str(key).lower(): value for key, value in properties.items() if str(value) not in _BLANKS}
     times: dict[str, float] = {}
     for key, field in (("from", "since"), ("to", "until")):
-        value = given.get(key)
-        if value is not None and not (isinstance(value, float) and math.isnan(value)):
-            times[field] = _since_start(chart, value, f"{name}: {key}", start)
+        if key in given:
+            times[field] = _since_start(chart, given[key], f"{name}: {key}", start)
     keys = [key for key in ("above", "below") if key in given]
     depths: dict[str, float] = {key: _depth(chart, given[key], f"{name}: {key}") for key in keys}
-    depths = {key: depth for key, depth in depths.items() if not math.isnan(depth)}
     if times.get("since", -math.inf) > times.get("until", math.inf):
         raise chart.problem(f"{name}: `from` is after `to`")
     if len(depths) == 2 and depths["above"] <= depths["below"]:

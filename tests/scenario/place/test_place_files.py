@@ -459,6 +459,19 @@ def test_what_stands_for_no_depth_is_none(filled):
     assert np.isfinite(without_fills(-np.arange(0.0, 12_000.0))).all()
 
 
+def test_a_blank_date_or_depth_of_a_table_is_none(write, tmp_path):
+    pyogrio = pytest.importorskip("pyogrio")
+    areas = shapely.to_wkb(
+        [shapely.box(LONGITUDE + x, LATITUDE, LONGITUDE + x + 0.01, LATITUDE + 0.01) for x in (0, 0.02)]
+    )
+    columns = {"from": np.array(["2026-06-01T08:00", "NaT"], dtype="datetime64[ms]"), "above": np.array([np.nan, 5.0])}
+    pyogrio.raw.write(
+        tmp_path / "a.gpkg", areas, list(columns.values()), list(columns), crs="EPSG:4326", geometry_type="Polygon"
+    )
+    zones = placed(write("m", start="2026-06-01T00:00Z", keep_out={"file": "a.gpkg"})).zones
+    assert [(zone.since, zone.above) for zone in zones] == [(28_800.0, np.inf), (-np.inf, 5.0)]
+
+
 @pytest.mark.parametrize("key", ["above", "below"])
 def test_a_zones_depths_count_down(write, tmp_path, key):
     ring = [[LONGITUDE + x, LATITUDE + y] for x, y in ((0, 0), (0.01, 0), (0, 0.01), (0, 0))]
