@@ -58,7 +58,7 @@ class Variables:
     """
 
     def __init__(self, data: "Dataset") -> None:
-        self._data = data
+        self._data, self._variables = data, data.variables  # a DataArray with its coordinates takes a millisecond
         self._by_name = {str(name).lower(): str(name) for name in data.variables}
 
     def find(self, *names: str, standard: Sequence[str] = ()) -> str | None:
@@ -72,7 +72,8 @@ class Variables:
         fitting = [
             name
             for name in self._by_name.values()
-            if self._data[name].size > 1 and str(self._data[name].attrs.get("standard_name", "")).lower() in standard
+            if self._variables[name].size > 1
+            and str(self._variables[name].attrs.get("standard_name", "")).lower() in standard
         ]
         return min(fitting, key=len, default=None)
 
@@ -80,7 +81,7 @@ class Variables:
         """Values as floats in one row; none where the file lacks the variable."""
         if name is None:
             return np.empty(0)
-        values = np.atleast_1d(self._data[name].values)
+        values = np.atleast_1d(self._variables[name].values)
         if values.dtype.kind in "SU":  # flags are often characters
             words = values.astype(str).ravel()
             return np.array([float(word) if word.strip().isdigit() else np.nan for word in words])
@@ -95,17 +96,17 @@ class Variables:
 
     def unit(self, name: str | None) -> str:
         """Unit that a variable states; nothing where it states none."""
-        return str(self._data[name].attrs.get("units", "")).strip() if name else ""
+        return str(self._variables[name].attrs.get("units", "")).strip() if name else ""
 
     def like(self, name: str | None, other: str, wanted: str = "") -> Array:
         """Values in a unit where another variable stands; nan where missing, or along another dimension."""
         if name is None or self.dimension(name) != self.dimension(other):
-            return np.full(self._data[other].size, np.nan)
+            return np.full(self._variables[other].size, np.nan)
         return self.in_unit(name, wanted)
 
     def dimension(self, name: str) -> str:
         """Dimension of a variable: the longest one, as those of length 1 are no axis."""
-        sizes = {str(each): size for each, size in self._data[name].sizes.items()}
+        sizes = {str(each): size for each, size in self._variables[name].sizes.items()}
         return max(sizes, key=lambda each: sizes[each], default="")
 
     def clock(self, name: str) -> Array:
@@ -118,7 +119,9 @@ class Variables:
         clocks = [
             each
             for each in self._by_name.values()
-            if self.dimension(each) == along and self._data[each].size == self._data[name].size and self._is_time(each)
+            if self.dimension(each) == along
+            and self._variables[each].size == self._variables[name].size
+            and self._is_time(each)
         ]
         if not clocks:
             raise ValueError(f"no time lies along the dimension {along} of {name}")
@@ -126,7 +129,7 @@ class Variables:
 
     def epoch(self, name: str) -> Array:
         """Times of a variable since 1970 [s], by its units (``days since 2010-01-01``)."""
-        attributes = self._data[name].attrs
+        attributes = self._variables[name].attrs
         zero, length = since(str(attributes.get("units", "")), str(attributes.get("calendar", "")))
         return np.asarray(zero + self.numbers(name) * length)
 
@@ -144,15 +147,15 @@ class Variables:
         """1 where the quality flag of a variable calls it good, 0 where bad, nan where it says neither."""
         flag = self.find(f"{name}_qc") if name else None
         if name is None or flag is None:
-            return np.full(self._data[name].size if name else 0, np.nan)
+            return np.full(self._variables[name].size if name else 0, np.nan)
         values = self.like(flag, name)
         return np.where(np.isin(values, _GOOD_FLAGS), 1.0, np.where(np.isin(values, _BAD_FLAGS), 0.0, np.nan))
 
     def text(self, *names: str) -> str:
         """Text of a variable or, failing that, of an attribute of the file; nothing where it has neither."""
         found = self.find(*names)
-        if found is not None and self._data[found].size:
-            value = self._data[found].values.ravel()
+        if found is not None and self._variables[found].size:
+            value = self._variables[found].values.ravel()
             word = value[0] if len(value) == 1 else b"".join(value) if value.dtype.kind == "S" else value[0]
             return (word.decode("utf-8", "replace") if isinstance(word, bytes) else str(word)).strip()
         attributes = {str(key).lower(): value for key, value in self._data.attrs.items()}
@@ -163,7 +166,7 @@ class Variables:
 
     def attribute(self, name: str, of: str) -> str:
         """An attribute of a variable; nothing where it has none."""
-        return str(self._data[name].attrs.get(of, "")) if name else ""
+        return str(self._variables[name].attrs.get(of, "")) if name else ""
 
     def _is_time(self, name: str) -> bool:
         return " since " in self.unit(name)
