@@ -97,6 +97,7 @@ def test_the_first_current_in_which_it_drags_is_told_where_its_holding_is_assume
 
 
 def test_the_heaviest_of_the_anchors_that_turn_out_otherwise_is_told_where_it_misses(monkeypatch):
+    monkeypatch.setattr(page, "_hangs", lambda _: False)
     for name in ("_which", "judged_in_words", "_drags_in_words"):
         monkeypatch.setattr(page, name, lambda *_: "")
     margins = [SimpleNamespace(weight=11.0, misses=("x",)), SimpleNamespace(weight=13.2, misses=("90 %", "95 %"))]
