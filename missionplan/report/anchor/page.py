@@ -48,6 +48,8 @@ def _hangs(sizing: AnchorSizing) -> bool:
     """Whether an explanation or a member of the ensemble would have another anchor, or spoils its dives."""
     doubts = [(each.probability, each.good) for each in sizing.explanations]
     doubts += [(each.probability, each.good) for each in sizing.members]
+    if not doubts:
+        return False
     required = sizing.probable.required if sizing.probable is not None else None
     needed = [each.needed for each in sizing.explanations if each.needed is not None]
     return hangs_on_doubt(sizing.to_build.probabilities.good, doubts, required) or (
