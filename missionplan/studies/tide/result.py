@@ -275,21 +275,26 @@ def _of_files(files: FieldFiles) -> CurrentRecord:
     written = [each.transpose(*dims).to_numpy().astype(float).reshape(len(seconds), -1) for each in (east, north)]
     both = (written[0] == written[1]) & (written[0] == undeclared_fill(*written))
     values = [
-        speed_factor(name) * np.where(both, math.nan, each) for name, each in zip((east, north), written, strict=True)
+        _speeds(files, np.where(both, math.nan, each) * speed_factor(name))
+        for each, name in zip(written, (east, north), strict=True)
     ]
-    for each in values:
-        fast = np.abs(each) > FASTEST
-        if fast.sum() > 0.5 * np.isfinite(each).sum() and np.ptp(np.abs(each[fast])) > 0.0:
-            hint = "is its attribute `units` right?"
-            raise files.problem(f"most of its currents are faster than {FASTEST:g} m/s", hint)
     if values[0].shape[1] != depth.size:
         raise files.problem(f"has {values[0].shape[1]} bins and {depth.size} depths")
-    u, v = (np.where(np.abs(each) <= FASTEST, each, math.nan)[order][:, down] for each in values)
+    u, v = (each[order][:, down] for each in values)
     latitude = math.nan
     if files.named(*_NAMES["latitude"]):
         places = _variable(files, "latitude").to_numpy().astype(float).ravel()
         latitude = math.radians(float(places[0])) if places.size == 1 else math.nan
     return CurrentRecord(np.asarray(seconds, dtype=float)[order], depth[down], u, v, latitude)
+
+
+def _speeds(files: FieldFiles, found: Array) -> Array:
+    """Values of a component that are possible [m/s]; the file is refused where most are not, unless all are alike."""
+    fast = np.abs(found) > FASTEST
+    if fast.sum() > 0.5 * np.isfinite(found).sum() and np.ptp(np.abs(found[fast])) > 0.0:
+        hint = "is its attribute `units` right?"
+        raise files.problem(f"most of its currents are faster than {FASTEST:g} m/s", hint)
+    return np.where(fast, math.nan, found)
 
 
 def _variable(files: FieldFiles, key: str) -> "DataArray":
