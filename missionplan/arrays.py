@@ -52,6 +52,17 @@ def take_trials(value: Value, trials: NDArray[np.intp], *, alike: bool = False) 
     return value
 
 
+_NINES = [sign * float(f"{'9' * digits}{rest}") for digits in (3, 4, 5, 6) for rest in ("", ".9", ".99")
+          for sign in (-1.0, 1.0) if digits > 3 or sign < 0.0]  # fmt: skip
+_FILLED = 1e19
+"""Size from which on a number stands for none."""
+
+
+def without_nines(values: Array) -> Array:
+    """Put nan for -999, -9999, 9999, 1e20 and the like, by which loggers write that they have no value."""
+    return np.where(np.isin(values, _NINES) | (np.abs(values) >= _FILLED), np.nan, values)
+
+
 _MOST = 90
 """Evaluations after which the search ends: thirty of them halve the bracket."""
 

@@ -18,7 +18,6 @@ from zipfile import BadZipFile, ZipFile
 import numpy as np
 import pandas as pd
 
-from missionplan.arrays import Array
 from missionplan.errors import InputError, Problem, did_you_mean
 from missionplan.store.folder import check_name
 
@@ -78,16 +77,6 @@ def _unpacked(path: Path) -> bytes:
 
 BLANKS = ("", "nan", "NaN", "NA", "N/A", "null")
 """What stands for a missing number."""
-
-_NINES = [sign * float(f"{'9' * digits}{rest}") for digits in (3, 4, 5, 6) for rest in ("", ".9", ".99")
-          for sign in (-1.0, 1.0) if digits > 3 or sign < 0.0]  # fmt: skip
-_FILLED = 1e19
-"""Size from which on a number stands for none."""
-
-
-def without_nines(values: Array) -> Array:
-    """Put nan for -999, -9999, 9999, 1e20 and the like, by which loggers write that they have no value."""
-    return np.where(np.isin(values, _NINES) | (np.abs(values) >= _FILLED), np.nan, values)
 
 
 def check_file(path: Path, max_bytes: int) -> None:

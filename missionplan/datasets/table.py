@@ -14,13 +14,13 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
+from missionplan.arrays import without_nines
 from missionplan.datasets.csv_cells import (
     BLANKS,
     check_file,
     long_rows,
     read_cells,
     read_header,
-    without_nines,
 )
 from missionplan.errors import UNPRINTABLE, InputError, Problem, counted
 from missionplan.moments import EPOCH_SCALE, epoch_seconds

@@ -12,8 +12,7 @@ from typing import TYPE_CHECKING, TypeAlias
 import numpy as np
 import pandas as pd
 
-from missionplan.arrays import Array
-from missionplan.datasets.csv_cells import without_nines
+from missionplan.arrays import Array, without_nines
 from missionplan.errors import InputError, Problem, did_you_mean, shown
 from missionplan.mission.documents import load_document
 from missionplan.mission.units import QuantityError, parse_number_with_unit

@@ -7,8 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from missionplan.arrays import Array
-from missionplan.datasets.csv_cells import without_nines
+from missionplan.arrays import Array, without_nines
 from missionplan.errors import did_you_mean
 from missionplan.scenario.currents.attributes import FieldAttributeError, counts_up, factor, word
 from missionplan.scenario.currents.files import FieldFiles, standard_name

@@ -10,8 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 import pandas as pd
 
-from missionplan.arrays import Array
-from missionplan.datasets.csv_cells import without_nines
+from missionplan.arrays import Array, without_nines
 from missionplan.errors import InputError
 from missionplan.importers.importer import needed_module
 from missionplan.importers.mapping import DDMM, QUANTITIES, MappedName, ddmm_to_degrees, times, unit_factor
