@@ -282,3 +282,13 @@ def test_a_profiler_in_netcdf_brings_its_latitude(tmp_path):
     np.testing.assert_allclose(result.measured, np.stack((wave, 0.5 * wave)))
     assert np.std(result.fitted - result.measured) < 0.1 * np.std(wave)
     assert math.degrees(result.latitude) == pytest.approx(37.2)
+
+
+def test_a_sample_counts_up_to_six_standard_deviations_of_what_the_tide_leaves():
+    """The deviation is that of normal numbers, whatever measures it: spikes of 5.2 of them stay, of 7 go."""
+    rng = np.random.default_rng(3)
+    hours = np.arange(24 * 20)
+    velocity = 0.05 * rng.standard_normal((2, hours.size))
+    velocity[0, [100, 200, 300]] = 0.05 * np.array([5.2, -7.0, 7.0])
+    fit = fit_tide(Samples(3600.0 * hours, velocity, 0.8))
+    assert sorted(set(hours) - set(np.round(fit.samples.time / 3600.0).astype(int))) == [200, 300]
