@@ -459,6 +459,7 @@ def test_what_stands_for_no_depth_is_none(filled):
     assert np.isfinite(without_fills(-np.arange(0.0, 12_000.0))).all()
 
 
+@pytest.mark.filterwarnings("ignore:The 'generic' unit")  # pyogrio's with numpy 2.5, where a date is blank
 def test_a_blank_date_or_depth_of_a_table_is_none(write, tmp_path):
     pyogrio = pytest.importorskip("pyogrio")
     areas = shapely.to_wkb(
