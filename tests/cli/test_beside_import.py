@@ -3,15 +3,28 @@
 import os
 import signal
 import sys
+import threading
 from pathlib import Path
 
 import pytest
 
 from missionplan.cli.running import beside_import
 from missionplan.errors import InputError, Problem, RunError
+from missionplan.montecarlo.pool import shut_down_pool
 
-pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="processes are copied on Linux alone")
+pytestmark = [
+    pytest.mark.skipif(sys.platform != "linux", reason="processes are copied on Linux alone"),
+    pytest.mark.filterwarnings("ignore:This process .* is multi-threaded"),
+]
 PAGE = "missionplan.report.wording"
+
+
+@pytest.fixture(autouse=True)
+def without_other_threads(monkeypatch):
+    """Tests before leave threads, of workers and of Dask, beside which no process is copied."""
+    shut_down_pool()
+    alive = threading.enumerate()
+    monkeypatch.setattr(threading, "active_count", lambda: 1 + len(set(threading.enumerate()) - set(alive)))
 
 
 def test_the_answer_is_that_of_another_process():
