@@ -145,6 +145,11 @@ def outcome_hangs_on_doubt(outcome: Outcome | None) -> bool:
     return hangs_on_doubt(outcome.total.events["success"], doubts, max(required, default=None))
 
 
+def what_would_tell(explanations: Sequence[object]) -> str:
+    """Say what settles a doubt: which explanation holds where there are some, else a forecast of one mind."""
+    return "find out which explanation holds" if explanations else "take a forecast whose members agree"
+
+
 def first_do(judged: Outcome | None, phase: str) -> str | None:
     """Say what is to be done before a choice for a phase is an order: None where it may be one, empty where unknown.
 

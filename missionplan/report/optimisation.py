@@ -13,6 +13,7 @@ from missionplan.report.explained import (
     members_in_words,
     members_section,
     outcome_hangs_on_doubt,
+    what_would_tell,
 )
 from missionplan.report.page import BLUE, GREY, ORANGE, Figure, Listing, Page, PageSection, Table, to_figure
 from missionplan.report.quantities import Unit, range_on, unit_for, value_on, with_error
@@ -105,7 +106,8 @@ def answer(found: Optimised) -> str:
         cost = with_error(statistic.mean, statistic.standard_error, _unit(found))
     sentences = [f"The least {least}, {cost}, is had with {values}."]
     first = next((each.first for each in found.assumed if each.turns), "")
-    first = first or "find out which explanation holds" * outcome_hangs_on_doubt(found.fresh)
+    if not first and found.fresh is not None and outcome_hangs_on_doubt(found.fresh):
+        first = what_would_tell(found.fresh.explanations)
     if first:
         sentences.insert(0, f"Nothing to choose yet: first {first}. As the mission stands:")
     if found.checked is not None and found.fresh is not None:

@@ -62,7 +62,9 @@ def test_an_anchor_that_another_explanation_would_have_heavier_is_none_to_build_
     doubts = tuple(ExplainedAnchor((), 0.5, good, needed) for needed in (weight, heavier * weight))
     found = replace(sizing, explanations=doubts, judged=None, held=None)
     assert page(found).verdict == verdict
-    assert answer(found).startswith("Nothing to build yet: first find out which holds;") == (verdict != "good")
+    assert answer(found).startswith("Nothing to build yet: first find out which explanation holds;") == (
+        verdict != "good"
+    )
 
 
 def test_an_anchor_that_misses_the_radius_is_no_good_news(sizing):

@@ -10,7 +10,14 @@ from missionplan.report.anchor.drawing import drawing, hold_section
 from missionplan.report.anchor.figures import descent_profile, draw_depths, draw_drag, mark_lowest_point
 from missionplan.report.anchor.sections import numbers_table
 from missionplan.report.axes import name_axis
-from missionplan.report.explained import first_do, hangs_on_doubt, judged_in_words, members_in_words, members_section
+from missionplan.report.explained import (
+    first_do,
+    hangs_on_doubt,
+    judged_in_words,
+    members_in_words,
+    members_section,
+    what_would_tell,
+)
 from missionplan.report.page import Page, PageSection, Table
 from missionplan.report.quantities import quantity, reader_unit
 from missionplan.report.wording import listed, percent, phase_in_words, share
@@ -132,7 +139,8 @@ def answer(sizing: AnchorSizing) -> str:
     if sizing.others:  # the mission moors elsewhere too
         names = [phase_in_words(name) for name in (sizing.phase, *sizing.others)]
         others = f" It is sized for {names[0]} alone, not for {listed(names[1:])}."
-    first = first_do(sizing.judged, sizing.phase) or (" first find out which holds;" if _hangs(sizing) else None)
+    settles = f" first {what_would_tell(sizing.explanations)};"
+    first = first_do(sizing.judged, sizing.phase) or (settles if _hangs(sizing) else None)
     if first is not None and sizing.succeeds:
         which = f"Nothing to build yet:{first} as the mission stands, {which[0].lower()}{which[1:]}"
     return f"{which}{doubts}{_drags_in_words(sizing)}{others}"

@@ -10,6 +10,7 @@ from missionplan.report.explained import (
     judged_in_words,
     members_in_words,
     members_section,
+    what_would_tell,
 )
 from missionplan.report.page import Page, PageSection, Table
 from missionplan.report.quantities import (
@@ -98,7 +99,8 @@ def answer(sweep: Sweep) -> str:
         chosen.arrived, [(each.probability, each.good) for each in sweep.members], curve.required_arrival
     )
     firm = first is None and not hangs and all(each.keeps_choice for each in sweep.explanations)
-    lead = "Choose" if firm else f"Nothing to choose yet:{first or ''} as the mission stands,"
+    settles = first or (f" first {what_would_tell(())};" if hangs else "")
+    lead = "Choose" if firm else f"Nothing to choose yet:{settles} as the mission stands,"
     lead = f"{lead} d_max = {d_max}{'' if firm else ' is best'}"
     return f"{lead} for {sigma}: {took}{_against_one_leg(sweep)}.{_doubt_in_words(sweep)}{members}{judged}"
 
