@@ -167,11 +167,10 @@ def layer_depths(files: FieldFiles, along: Sequence[str], at: At, times: int, co
 
     `along` has the dimensions of the layers; none where the field holds the surface alone.
     """
+    along = [dim for dim in along if files.size(dim) > 1] or list(along[:1])  # one run of a forecast is no axis
     if len(along) > 1:
         raise files.problem(f"cannot tell which of {', '.join(along)} is the depth")
-    if not along:
-        return np.zeros(1), np.full(columns, SKIN)
-    levels, bottom = level_depths(files, along[0], at, times)
+    levels, bottom = level_depths(files, along[0], at, times) if along else (files.one_depth(), None)
     if bottom is not None:
         return levels, bottom
     alone = levels.size == 1 and float(levels[0]) <= SKIN

@@ -17,7 +17,10 @@ if TYPE_CHECKING:
 PARAMETRIC = ("ocean_sigma_coordinate", "ocean_s_coordinate", "ocean_s_coordinate_g1", "ocean_s_coordinate_g2")
 """Vertical coordinates without dimension that are computed (CF 1.11, appendix D)."""
 _DIMENSIONLESS = (*PARAMETRIC, "ocean_sigma_z_coordinate", "ocean_double_sigma_coordinate")
-_KNOWN = ("units", "standard_name", "positive", "formula_terms", "axis", "calendar", "time_zone")
+_KNOWN = {
+    **{name: name for name in ("units", "standard_name", "positive", "formula_terms", "axis", "calendar", "time_zone")},
+    "timezone": "time_zone",
+}
 _ZONE = ("", "none")
 _LONGEST = 9.2e9
 """Times farther from 1970 than this do not fit into 64 bits of nanoseconds [s]."""
@@ -30,9 +33,8 @@ class FieldAttributeError(ValueError):
 def tidied(dataset: "Dataset") -> "Dataset":
     """Write the names of CF's attributes in lower case: files have `Units` and `UNITS` too; and let time come first."""
     for variable in dataset.variables.values():
-        names = {key: str(key).lower() if str(key).lower() in _KNOWN else str(key) for key in variable.attrs}
-        variable.attrs = {names[key]: value for key, value in variable.attrs.items()}
-    clocks = [dim for dim in dataset.dims if time_along(dataset, str(dim))]
+        variable.attrs = {_KNOWN.get(str(key).lower(), str(key)): value for key, value in variable.attrs.items()}
+    clocks = [dim for dim in dataset.dims if clocks_along(dataset, str(dim))]
     return dataset.transpose(*clocks, ...) if len(clocks) == 1 else dataset
 
 
@@ -149,7 +151,7 @@ def is_degrees(variable: "DataArray", east: bool) -> bool | None:
         return None
     if units.startswith("deg"):
         ending = units.removeprefix("degrees").removeprefix("degree").removeprefix("deg").strip("_ ")
-        if ending[:1] == ("n" if east else "e"):
+        if ending[:1] in tuple("nsw" if east else "sew"):
             raise FieldAttributeError(
                 f"{variable.name} is in {units!r}; expected degrees {'east' if east else 'north'}"
             )
@@ -158,8 +160,11 @@ def is_degrees(variable: "DataArray", east: bool) -> bool | None:
     return False
 
 
-def time_along(dataset: "Dataset", dim: str) -> str | None:
-    """Return the variable that holds the times along a dimension: units since a moment, the axis itself first."""
+def clocks_along(dataset: "Dataset", dim: str) -> list[str]:
+    """Return the variables that hold the times along a dimension: units since a moment.
+
+    The axis itself before others, and what its standard name calls the time before what nothing does.
+    """
     found = [
         str(name)
         for name, variable in dataset.variables.items()
@@ -167,7 +172,38 @@ def time_along(dataset: "Dataset", dim: str) -> str | None:
         and is_since(variable.attrs.get("units"))
         and str(variable.attrs.get("standard_name", "time")).strip().lower() == "time"
     ]
-    return dim if dim in found else next(iter(found), None)
+    return [dim] if dim in found else [name for name in found if "standard_name" in dataset[name].attrs] or found
+
+
+def times_along(variable: "DataArray", dataset: "Dataset") -> NDArray[np.datetime64] | None:
+    """Return the times along the first dimension of a variable; None where these are no dates.
+
+    Those of a mean are the middles of its intervals (CF 1.11, 7.1 and 7.3). Raises FieldAttributeError when there are
+    several, or as `moments` does.
+    """
+    clocks = clocks_along(dataset, str(variable.dims[0]))
+    if not clocks:
+        return None
+    if len(clocks) > 1:
+        raise FieldAttributeError(f"which of {', '.join(clocks)} is the time? Its attribute `standard_name` says it")
+    clock = dataset[clocks[0]]
+    ends = dataset.variables.get(word(clock, "bounds"))
+    if ends is None or not re.search(rf"\b{clocks[0]}: mean\b", word(variable, "cell_methods")):
+        return moments(clock)
+    return moments(clock.copy(data=np.asarray(ends, dtype=float).mean(axis=-1)))
+
+
+def valid(variable: "DataArray") -> NDArray[np.floating]:
+    """Return values, nan where they are beyond the valid ones; of packed numbers these are packed too (NUG, app. A)."""
+    values, said, packed = variable.to_numpy(), variable.attrs, variable.encoding
+    written = np.ravel(said.get("valid_range", (said.get("valid_min", -np.inf), said.get("valid_max", np.inf))))
+    low, high = (float(each) for each in written)
+    if written.dtype.kind in "iu" and "scale_factor" in packed:
+        low, high = sorted(packed["scale_factor"] * each + packed.get("add_offset", 0.0) for each in (low, high))
+    if not np.isfinite([low, high]).any() or "_Unsigned" in packed:
+        return np.asarray(values)
+    slack = 1e-6 * np.abs(values)
+    return np.where((values >= low - slack) & (values <= high + slack), values, np.nan)
 
 
 def moments(variable: "DataArray") -> NDArray[np.datetime64]:

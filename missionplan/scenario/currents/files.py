@@ -15,10 +15,10 @@ from missionplan.scenario.currents.attributes import (
     FieldAttributeError,
     depths,
     is_vertical,
-    moments,
     scale,
     speed_factor,
-    time_along,
+    times_along,
+    valid,
     word,
 )
 
@@ -144,7 +144,7 @@ class FieldFiles:
             first, last = min(steps), max(steps)
             part = {found.dims[0]: slice(first, last + 1)}
             part |= {dim: kept for dim, kept in window.items() if dim in found.dims}
-            block = found.isel(part).transpose(found.dims[0], *order).to_numpy()
+            block = valid(found.isel(part).transpose(found.dims[0], *order))
             rows.append(np.asarray(block[np.array(steps) - first], dtype=np.float32))
         return np.concatenate(rows) if len(rows) > 1 else rows[0]
 
@@ -177,8 +177,7 @@ class FieldFiles:
             except (ValueError, OverflowError) as error:
                 raise FieldAttributeError(f"Times: {error}") from None
             return np.array(found, dtype="datetime64[ns]")
-        name = time_along(dataset, str(dim))
-        return None if name is None else moments(dataset[name])
+        return times_along(variable, dataset)
 
     def height_factor(self, name: str, otherwise: str = "") -> float:
         """Return what turns a height's unit into m; `otherwise` is that of a model whose files lack `units`.
@@ -217,6 +216,18 @@ class FieldFiles:
                 raise self.problem(f"has several heights along {several[0]}; expected the wind 10 m above the sea")
             chosen.append(dataset.isel(dict.fromkeys(axes, 0)))
         return replace(self, datasets=chosen)
+
+    def size(self, dim: str) -> int:
+        """Return the length of a dimension."""
+        return next(int(dataset.sizes[dim]) for dataset in self.datasets if dim in dataset.sizes)
+
+    def one_depth(self) -> Array:
+        """Return the depth that a field without a vertical axis is of: a scalar coordinate (CF 1.11, 5.7), else 0."""
+        for dataset in self.datasets if self.carries is SEA else ():
+            for name, coordinate in dataset.coords.items():
+                if coordinate.ndim == 0 and is_vertical(coordinate):
+                    return np.atleast_1d(self.depths(str(name)))
+        return np.zeros(1)
 
     def member(self, dimension: str, number: int) -> "FieldFiles":
         """Return one member of an ensemble."""

@@ -16,7 +16,7 @@ from missionplan.phases.grids import CurvedGrid, RegularGrid
 from missionplan.phases.lattice import Indices
 from missionplan.scenario.currents.area import Area, assembled, at_columns, in_degrees, layer_depths, window_of
 from missionplan.scenario.currents.attributes import word
-from missionplan.scenario.currents.files import FieldFiles, Moments, Window, velocities
+from missionplan.scenario.currents.files import FieldFiles, Moments, Window, standard_name, velocities
 
 LATITUDE = ("latitude", "lat", "Latitude")
 LONGITUDE = ("longitude", "lon", "Longitude")
@@ -188,12 +188,14 @@ def _coordinates(files: FieldFiles, u: str, *, staggered: bool) -> tuple[str, st
     if staggered or files.named("lon_rho"):
         where = ("lon_rho", "lat_rho") if files.named("lon_rho") else ("x_rho", "y_rho")
         return files.required("the longitude of its nodes", where[0]), files.required("the latitude", where[1])
-    longitude = files.required(
-        "the longitude", "lon", "longitude", "nav_lon", "Longitude", "x", standard=("longitude",)
+    said = [name for name in files.variable(u).encoding.get("coordinates", "").split() if files.named(name)]
+    usual = {"longitude": (*LONGITUDE, "nav_lon", "x"), "latitude": (*LATITUDE, "nav_lat", "y")}
+    own = [[name for name in said if standard_name(files.variable(name)) == kind][:1] for kind in usual]
+    first, second = (
+        files.required(f"the {kind}", *its, *usual[kind], standard=(kind,))
+        for kind, its in zip(usual, own, strict=True)
     )
-    return longitude, files.required(
-        "the latitude", "lat", "latitude", "nav_lat", "Latitude", "y", standard=("latitude",)
-    )
+    return first, second
 
 
 def _unstaggered(files: FieldFiles, names: tuple[str, str], moments: Moments, part: _Part) -> NDArray[np.complex64]:
@@ -226,7 +228,7 @@ def _is_along_rows(files: FieldFiles, u: str, part: _Part) -> bool:
     Raises InputError when none says it of rows that do not run east.
     """
     standard = word(files.variable(u), "standard_name").lower()
-    if re.search(r"(^|_)x_(wind|velocity)", standard):
+    if re.search(r"(^|_)x_(wind|velocity|sea_water)|^grid_east", standard):
         return True
     if "east" in standard + u.lower() or u == "water_u":
         return False

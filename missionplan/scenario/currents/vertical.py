@@ -121,7 +121,7 @@ def _fixed_levels(files: FieldFiles, name: str, along: str) -> Array:
     depth = files.depths(name)
     if depth.ndim != 1 or depth.size == 0 or not np.isfinite(depth).all():
         raise files.problem("expected one-dimensional time, depth, latitude and longitude")
-    if depth.size != files.variable(along).size:
+    if depth.size != files.size(along):
         raise files.problem(f"the depths along {along} are not one a layer")
     if depth.min() < 0.0:
         hint = "does its attribute `positive` say the right way?"

@@ -5,12 +5,12 @@ import pytest
 
 from missionplan.scenario.currents.attributes import (
     FieldAttributeError,
+    clocks_along,
     depths,
     factor,
     is_degrees,
     is_vertical,
     moments,
-    time_along,
 )
 
 xarray = pytest.importorskip("xarray", reason="xarray is not installed")
@@ -100,11 +100,11 @@ def test_times_along_a_dimension_are_no_others():
         "issued": variable(dim="time", standard_name="forecast_reference_time", **since),
         "run": variable(dim="run", **since),
     }
-    assert time_along(xarray.Dataset(others), "time") is None
-    assert time_along(xarray.Dataset({**others, "valid": variable(dim="time", **since)}), "time") == "valid"
+    assert clocks_along(xarray.Dataset(others), "time") == []
+    assert clocks_along(xarray.Dataset({**others, "valid": variable(dim="time", **since)}), "time") == ["valid"]
     valid, axis = (variable(dim="time", **since) for _ in range(2))
-    assert time_along(xarray.Dataset({**others, "valid": valid}, coords={"time": axis}), "time") == "time"
-    assert time_along(xarray.Dataset({"t": variable(dim="time", standard_name=" TIME ", **since)}), "time") == "t"
+    assert clocks_along(xarray.Dataset({**others, "valid": valid}, coords={"time": axis}), "time") == ["time"]
+    assert clocks_along(xarray.Dataset({"t": variable(dim="time", standard_name=" TIME ", **since)}), "time") == ["t"]
 
 
 @pytest.mark.parametrize(

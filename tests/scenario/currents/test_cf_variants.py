@@ -43,6 +43,7 @@ def write(path, *, time=(HOURS, {"units": "hours since 2026-06-01 00:00:00"}), l
     level, north, east, *components = names
     axes = {"time": time, level: lev, north: lat, east: lon}
     with netcdf.Dataset(path, "w") as file:
+        file.createDimension("lat2", 2)
         for name, (values, attributes) in axes.items():
             file.createDimension(name, len(values))
             variable = file.createVariable(name, "f8", (name,))
@@ -167,6 +168,9 @@ SAME = {
         (("seconds", "1970-01-01T00:00:00Z", {}), {"days": -20605}), (("days", "1950-01-01", {}), {"days": -27910}),
         (("hours", "2026-06-01 00:00 UTC", {"calendar": "Gregorian"}), {}), (("hours", "2026-6-1 0:0:0.0", {"calendar": "proleptic_gregorian"}), {}),
         (("days", "0001-01-01", {"calendar": "proleptic_gregorian"}), {"days": -739767}), (("days", "0001-01-01", {"calendar": "standard"}), {"days": -739769})]},
+    "timezone for time_zone": {"time": (HOURS - 7.0, {"units": "hours since 2026-06-01", "TimeZone": "-07:00"})},
+    "means named by their starts": {"time": (HOURS - 0.5, {"units": "hours since 2026-06-01", "bounds": "ends"}),
+        "speed": (1.0, {"units": "m s-1", "cell_methods": "area: mean time: mean"}), "deep": deep(), "zeta": zeta(0.0), "more": {"ends": (np.stack((HOURS - 0.5, HOURS + 0.5), 1), {}, ("time", "lat2"))}},
     "sigma": {"lev": (-DEPTHS / FLOOR, SIGMA), "deep": deep(), "zeta": zeta(0.0)},
     "sigma, seafloor in km": {"lev": (-DEPTHS / FLOOR, SIGMA), "deep": deep(1000.0, units="km"), "zeta": zeta(0.0)},
     "sigma, seafloor as a height": {"lev": (-DEPTHS / FLOOR, SIGMA), "deep": deep(-1.0, positive="up"), "zeta": zeta(0.0)},
@@ -197,6 +201,8 @@ REFUSED = {
     "no date": ({"time": (HOURS, {"units": "hours"})}, "its times are no dates"),
     "a zone by its name": ({"time": (HOURS, {"units": "hours since 2026-06-01", "time_zone": "US/Pacific"})}, "US/Pacific"),
     "radians": ({"lat": (np.radians(LATITUDE), {"units": "radian"})}, "lat is in 'radian'; expected degrees"),
+    "two clocks": ({"time": (HOURS, {"units": "1"}), "deep": deep(), "zeta": zeta(0.0), "more": {name: (HOURS, {"units": "hours since 2026-06-01"}, ("time",)) for name in ("run", "valid")}}, "which of run, valid is the time"),
+    "degrees_west": ({"lon": (-LONGITUDE, {"units": "degrees_west"})}, "lon is in 'degrees_west'; expected degrees east"),
     "swapped": ({"lat": (LATITUDE, {"units": "degrees_east"})}, "lat is in 'degrees_east'; expected degrees north"),
     "another pole": ({"lat": (LATITUDE, {"units": "degrees", "standard_name": "grid_latitude"})}, "about another pole"),
     "rows in km": ({"lat": (LATITUDE, {"units": "km"}), "lon": (LONGITUDE, {"units": "km"})}, "in metres; expected rows"),
@@ -233,7 +239,7 @@ def bent(path, kind, angle=0.5, names=("u", "v"), more=None):
     y, x = np.meshgrid(np.linspace(-25e3, 25e3, 11), np.linspace(-25e3, 25e3, 12), indexing="ij")
     place = to_geographic(x * np.cos(angle) - y * np.sin(angle), x * np.sin(angle) + y * np.cos(angle), ORIGIN)
     east, north = (each[..., :1, :1] * np.ones(x.shape) for each in speeds())
-    along = (east + 1j * north) * np.exp(-1j * angle * ("_x_" in kind[0]))
+    along = (east + 1j * north) * np.exp(-1j * angle * (kind[0] != "" and not kind[0].startswith("east")))
     axes = {"time": (HOURS, {"units": "hours since 2026-06-01"}, ("time",)), "lev": (DEPTHS, DOWN, ("lev",))}
     axes |= {name: (np.degrees(each), {}, ("j", "i")) for name, each in zip(("lat", "lon"), place, strict=True)}
     of_velocity = [{"units": "m s-1"} | ({"standard_name": each} if each else {}) for each in kind]
@@ -252,9 +258,11 @@ def test_velocities_on_rows_that_do_not_run_east_say_along_what_they_are(tmp_pat
     path = tmp_path / "field.nc"
     turned = {"angle": (np.full((11, 12), 0.5), {"units": "radian"}, ("j", "i"))}
     ways = [tuple(f"{each}_sea_water_velocity" for each in ("eastward", "northward")),
-            tuple(f"sea_water_{each}_velocity" for each in "xy")]  # fmt: skip
+            tuple(f"sea_water_{each}_velocity" for each in "xy"), ("x_sea_water_velocity", "y_sea_water_velocity"),
+            ("grid_eastward_sea_water_velocity", "grid_northward_sea_water_velocity")]  # fmt: skip
     for kind, names, more in [(ways[0], ("u", "v"), {}), (ways[0], ("u", "v"), turned), (ways[1], ("u", "v"), {}),
-                              (ways[1], ("uo", "vo"), {}), (("", ""), ("u_eastward", "v_northward"), turned)]:  # fmt: skip
+                              (ways[1], ("uo", "vo"), {}), (ways[2], ("u", "v"), {}), (ways[3], ("u", "v"), {}),
+                              (("", ""), ("u_eastward", "v_northward"), turned)]:  # fmt: skip
         bent(path, kind, names=names, more=more)
         assert drift(path) == pytest.approx(plain, rel=2e-3)
     bent(path, ("", ""), angle=0.01)
@@ -318,6 +326,61 @@ def test_a_number_that_stands_for_none_is_no_current(tmp_path, filled, unit, siz
         InputError, match=rf"u and v are both {filled:g} at many places, which is no current .*_FillValue"
     ):
         drift(path)
+
+
+@pytest.mark.parametrize("packed", [False, True])
+def test_what_is_beyond_the_valid_range_is_none(tmp_path, plain, packed):
+    """9.5 and 8.5 m/s, in a land's column of 5 m/s and more that no fill value declares."""
+    path = tmp_path / "a.nc"
+    write(path)
+    with netcdf.Dataset(path, "a") as file:
+        for name, filled in (("u", 9.5), ("v", 8.5)):
+            file.renameVariable(name, f"old_{name}")
+            variable = file.createVariable(name, "i4" if packed else "f8", file[f"old_{name}"].dimensions)
+            variable.setncatts(
+                {"units": "m s-1", "valid_range": np.array([-5e5, 5e5], "i4") if packed else [-5.0, 5.0]}
+            )
+            if packed:
+                variable.scale_factor = 1e-5
+            variable[:] = file[f"old_{name}"][:]
+            variable[:, :, 2, 2] = filled
+    assert drift(path) == pytest.approx(plain, rel=1e-3)
+
+
+def test_a_scalar_coordinate_is_the_depth_of_a_field_without_a_vertical_axis(tmp_path):
+    xarray = pytest.importorskip("xarray")
+    write(tmp_path / "plain.nc")
+    area = Area(ORIGIN, np.datetime64("2026-06-01T00:30", "ns"), np.zeros((2, 1)))
+    with xarray.open_dataset(tmp_path / "plain.nc", decode_times=False) as field:
+        field.isel(lev=4).to_netcdf(tmp_path / "field.nc")  # 40 m
+        field.isel(lev=0).drop_vars("lev").to_netcdf(tmp_path / "surface.nc")
+    assert read_field([str(tmp_path / "field.nc")], area, "field.nc").depth == pytest.approx([40.0, 48.0])
+    assert read_field([str(tmp_path / "surface.nc")], area, "surface.nc").depth == pytest.approx([0.0, 1.0])
+
+
+def test_a_run_of_a_forecast_is_no_vertical_axis_and_levels_may_lie_beside_it(tmp_path, plain):
+    xarray = pytest.importorskip("xarray")
+    write(tmp_path / "plain.nc")
+    with xarray.open_dataset(tmp_path / "plain.nc", decode_times=False) as field:
+        field.expand_dims("run").rename_dims(lev="k").reset_index("lev").reset_coords("lev").to_netcdf(tmp_path / "field.nc")
+    assert drift(tmp_path / "field.nc") == pytest.approx(plain, rel=2e-5)
+
+
+def test_velocities_lie_where_their_own_coordinates_say(tmp_path, plain):
+    """Corners half a cell away stand first, as in files of POP."""
+    path = tmp_path / "field.nc"
+    kind = [f"{each}_sea_water_velocity" for each in ("eastward", "northward")]
+    bent(path, kind)
+    with netcdf.Dataset(path, "a") as file:
+        for old, new in (("lat", "place_n"), ("lon", "place_e")):
+            file.renameVariable(old, new)
+            file[new].units = "degrees_north" if old == "lat" else "degrees_east"
+            corner = file.createVariable(old, "f8", ("j", "i"))
+            corner.units = file[new].units
+            corner[:] = file[new][:] + 0.05
+        for name in ("u", "v"):
+            file[name].coordinates = "place_e place_n"
+    assert drift(path) == pytest.approx(plain, rel=2e-3)
 
 
 def test_components_that_agree_by_chance_are_a_current(tmp_path, plain):
