@@ -362,7 +362,9 @@ def test_a_run_of_a_forecast_is_no_vertical_axis_and_levels_may_lie_beside_it(tm
     xarray = pytest.importorskip("xarray")
     write(tmp_path / "plain.nc")
     with xarray.open_dataset(tmp_path / "plain.nc", decode_times=False) as field:
-        field.expand_dims("run").rename_dims(lev="k").reset_index("lev").reset_coords("lev").to_netcdf(tmp_path / "field.nc")
+        field.expand_dims("run").rename_dims(lev="k").reset_index("lev").reset_coords("lev").to_netcdf(
+            tmp_path / "field.nc"
+        )
     assert drift(tmp_path / "field.nc") == pytest.approx(plain, rel=2e-5)
 
 
