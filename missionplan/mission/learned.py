@@ -221,8 +221,9 @@ def at_date(
 
 
 def drifted(draws: WeightedDraws, seen: Sequence[Seen], ahead: float, missions: float = 1.0) -> WeightedDraws:
-    """Return draws at a date: moved and widened as the levels since the last record.
+    """Return draws at a date: moved and widened to the levels then, in which every record counts, whatever came last.
 
+    What records tell of a level is read from the first set that has it: the others keep what they differ by from that.
     In each set of effects, what is added to a level is independent of the others.
 
     Parameters as of `at_date`.
@@ -232,10 +233,11 @@ def drifted(draws: WeightedDraws, seen: Sequence[Seen], ahead: float, missions: 
         if (key[0], key[1]) not in columns:
             continue
         found, then = series.levels(ahead, missions)
-        mean, sd = found.at(np.array([found.measured.times[-1], then]))
-        shift, added = float(mean[1] - mean[0]), float(sd[1] ** 2 - sd[0] ** 2)
-        for rows in _rows_of_sets(draws, columns[key[0], key[1]]):
-            _move(columns, key, rows, draws.weights[rows], shift, added)
+        mean, sd = (float(each[0]) for each in found.at(np.array([then])))
+        sets = list(_rows_of_sets(draws, columns[key[0], key[1]]))
+        before, variance = _moments(_coordinate(columns, key, sets[0]), draws.weights[sets[0]])
+        for rows in sets:
+            _move(columns, key, rows, draws.weights[rows], mean - before, sd**2 - variance)
     return _with_columns(draws, columns)
 
 
@@ -254,9 +256,7 @@ def faded(draws: WeightedDraws, alike: Mapping[str, float]) -> WeightedDraws:
         for kind in ("cosine", "sine") if name in dict(info.polar) else ("strength",):
             for rows in _rows_of_sets(draws, columns[effect, name]):
                 weights, key = draws.weights[rows], (effect, name, kind)
-                own = _coordinate(columns, key, rows)
-                mean = float(np.average(own, weights=weights))
-                variance = float(np.average(np.square(own - mean), weights=weights))
+                mean, variance = _moments(_coordinate(columns, key, rows), weights)
                 _move(columns, key, rows, weights, (share - 1.0) * mean, (1.0 - share**2) * (wide - variance))
     return _with_columns(draws, columns)
 
@@ -281,6 +281,12 @@ def _rows_of_sets(draws: WeightedDraws, values: Array) -> Iterator[NDArray[np.in
         rows = np.flatnonzero((draws.which == number) & np.isfinite(values))
         if len(rows):
             yield rows
+
+
+def _moments(own: Array, weights: Array) -> tuple[float, float]:
+    """Mean and variance of weighted draws."""
+    mean = float(np.average(own, weights=weights))
+    return mean, float(np.average(np.square(own - mean), weights=weights))
 
 
 def _coordinate(columns: Mapping[tuple[str, str], Array], key: LevelKey, rows: NDArray[np.int_]) -> Array:
