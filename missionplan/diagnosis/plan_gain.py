@@ -13,15 +13,13 @@ from missionplan.montecarlo.distributions import mean_of
 from missionplan.montecarlo.posterior import NOWHERE
 from missionplan.results.failures import SUCCESS, Counted
 from missionplan.results.learned import Plan, PlanGain
-from missionplan.results.learned.levels import ParameterLevels
+from missionplan.results.learned.levels import AHEAD, ParameterLevels
 from missionplan.studies.leg_length.sweep_result import SweepCurve, SweepPoint
 
 Choice = Callable[[Mission, Mission, int, int], PlanGain]
 """Of base and extended mission, seed and processes."""
 
 TRIALS = 1000
-AHEAD = (1, 2, 4, 8, 16)
-"""Missions from now that are simulated to see when a trend matters."""
 TRIALS_AHEAD, MATTERS = 2000, 0.01
 """Trials of each, and fall of the probability of success from which it does."""
 GRID = {"from": 0.1, "to": 1.0, "points": 10, "of": "distance"}

@@ -1,6 +1,7 @@
 """What was learned of the vehicle has the level of the mission's date."""
 
 import copy
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -115,17 +116,20 @@ def test_a_trend_is_told_with_when_it_will_matter(trend, ahead):
     mission = Mission.from_data({**data, "posterior": posterior})
     (found,) = with_urgency(parameter_levels(posterior.seen), mission, 1)
     assert found.matters_in == ahead
-    (words,) = trends_in_words([found])
+    (words,) = trends_in_words([found], simulated=True)
     cleaned = ("clean the hull" in words, "check the log's calibration" in words)
     assert cleaned == ((True, False) if trend < 0.0 else (False, True))
     assert ("In 16 missions it costs success." in words) == (ahead == 16)
+    assert ("Within 16 missions it costs no success." in words) == (ahead is None)
+    (words,) = trends_in_words([replace(found, matters_in=None)], simulated=False)
+    assert "success" not in words
 
 
 @pytest.mark.parametrize(("trend", "said"), [(0.1, "clean the hull"), (-0.1, "that no fitting is lost")])
 def test_less_drag_from_mission_to_mission_is_no_fouling(trend, said):
     key = ("drag-bias", "fraction", "strength")
     posterior = learned(trend * np.arange(1, 6), START + 30.0 * DAY * np.arange(5), key, columns=(key[:2],))
-    (words,) = trends_in_words(parameter_levels(posterior.seen))
+    (words,) = trends_in_words(parameter_levels(posterior.seen), simulated=False)
     assert said in words
 
 

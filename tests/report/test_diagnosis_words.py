@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from matplotlib.figure import Figure
 
+from missionplan.mission.includes import hash_of
 from missionplan.report.diagnosis import campaign, evidence, findings, kind_report, page
 from missionplan.results.learned.evidence import (
     Alias,
@@ -93,12 +94,12 @@ def test_a_jump_and_a_trend_are_told_with_their_own_values() -> None:
         for name, value, jumped in (("a", 0.01, 0.0), ("b", 0.02, 0.49), ("c", 0.065, 0.51))
     )
     found = ParameterLevels("speed-scale", "fraction", "", missions, -0.02, 0.002, 0.95, 0.09, 0.004, 16)
-    (jump,) = findings.jumps_in_words([found])
-    assert plain(jump) == "Fraction of speed scale jumped before c, to 6.5 ± 0.2 %."
-    (trend,) = map(plain, findings.trends_in_words([found]))
+    _, jump = findings.ageing_in_words([found], {"c": "the third"})
+    assert plain(jump) == "Fraction of speed scale jumped before the third, to 6.5 ± 0.2 %."
+    (trend,) = map(plain, findings.trends_in_words([found], simulated=True))
     assert "2.0 ± 0.2 %" in trend
     assert trend.endswith("The next mission is planned with 9.0 ± 0.4 %. In 16 missions it costs success.")
-    assert not list(findings.trends_in_words([replace(found, trend_sd=0.007)]))
+    assert not list(findings.trends_in_words([replace(found, trend_sd=0.007)], simulated=True))
 
 
 def test_what_is_left_is_told_with_its_least_p_values_and_both_bayes_factors(monkeypatch) -> None:
@@ -207,24 +208,32 @@ def test_probabilities_of_explanations_are_told_beside_what_they_were() -> None:
 def test_several_data_sets_are_told_with_what_they_share_and_what_stays_in_doubt(monkeypatch) -> None:
     monkeypatch.setattr(campaign, "finding_in_words", lambda each: each.words)
     one, two = (
-        diagnosed(None, words=words, causes=causes, changed=("drag-bias",), borne_out=confirmed)
-        for words, causes, confirmed in (("Same.", ("drag-bias", "lift-bias"), ()), ("Same.", (), ("fix-error",)))
+        diagnosed(
+            None, words=words, causes=causes, changed=("drag-bias",), borne_out=confirmed, learned_from=new, levels=()
+        )
+        for words, causes, confirmed, new in (
+            ("Same.", ("drag-bias", "lift-bias"), (), ("1", "2")),
+            ("Same.", (), ("fix-error",), ("3",)),
+        )
     )
+    missions = tuple(Level(hash_of(each.learned_from), None, 0.0, 0.01, 0.9 * (each is two)) for each in (one, two))
+    two.levels = (ParameterLevels("speed-scale", "fraction", "", missions, 0.0, 0.01, 0.1, 0.0, 0.01),)
     chances = {"drag-bias": 0.94, "lift-bias": 0.96, "fix-error": 0.04, "leeway": 0.06}
     found: Any = SimpleNamespace(
-        diagnoses=(one, two), names=("a", "b"), informed_by={"drag-bias": ("a", "b"), "leeway": ("b",)}, shared=("drag-bias",),
+        provenance=SimpleNamespace(options={"plan": True}), diagnoses=(one, two), names=("a", "b"), informed_by={"drag-bias": ("a", "b"), "leeway": ("b",)}, shared=("drag-bias",),
         extended={"posterior": {"summary": {name: {"probability": chance} for name, chance in chances.items()}}},
     )  # fmt: skip
     assert plain(campaign.answer(found)) == (
         "Same. Together 2 data sets tell of drag bias, leeway; one extended mission carries it all. More than one of them "
-        "bore on drag bias. Still in doubt: drag bias 94.0 %, leeway 6.0 %."
+        "bore on drag bias. Fraction of speed scale jumped before b, to 0.0 ± 1.0 %. Still in doubt: drag bias 94.0 %, "
+        "leeway 6.0 %."
     )
     assert campaign._rows(found) == [
         ["a", "transit", "explained", "drag bias (changed), lift bias", "–"], ["b", "transit", "explained", "–", "fix error"],
     ]  # fmt: skip
     found.shared = ()
     assert " No two of them bore on the same effect." in campaign.answer(found)
-    found.informed_by = {}
+    found.informed_by, two.levels = {}, ()
     assert campaign.answer(found).endswith("adequate for all 2 data sets: none asks for a cause.")
 
 

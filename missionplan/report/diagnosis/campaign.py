@@ -7,8 +7,9 @@ from dataclasses import replace
 from matplotlib.axes import Axes
 
 from missionplan.errors import InputError, Problem, shown
+from missionplan.mission.includes import hash_of
 from missionplan.report.diagnosis.evidence import draw_ranking
-from missionplan.report.diagnosis.findings import finding_in_words
+from missionplan.report.diagnosis.findings import ageing_in_words, finding_in_words
 from missionplan.report.diagnosis.kind_report import names, percent
 from missionplan.report.diagnosis.page import answer as answer_of
 from missionplan.report.diagnosis.page import page as page_of
@@ -65,9 +66,15 @@ def _sections(campaign: Campaign) -> list[PageSection]:
 
 def answer(campaign: Campaign) -> str:
     """Say what the data sets showed: what was found with its size, as each diagnosis tells it, and what they share."""
-    found = campaign.informed_by
+    found, last = campaign.informed_by, campaign.diagnoses[-1]
+    names_of = {hash_of(each.learned_from): name for each, name in zip(campaign.diagnoses, campaign.names, strict=True)}
+    simulated = bool(campaign.provenance.options.get("plan") and last.learned_from)
+    aged = ageing_in_words(last.levels, names_of, simulated=simulated)
     if not found:
-        return f"The mission's model is adequate for all {len(campaign.diagnoses)} data sets: none asks for a cause."
+        adequate = (
+            f"The mission's model is adequate for all {len(campaign.diagnoses)} data sets: none asks for a cause."
+        )
+        return " ".join([adequate, *aged])
     named = ", ".join(effect.replace("-", " ") for effect in found)
     shared = ", ".join(effect.replace("-", " ") for effect in campaign.shared)
     more = f" More than one of them bore on {shared}." if shared else " No two of them bore on the same effect."
@@ -75,7 +82,7 @@ def answer(campaign: Campaign) -> str:
     together = (
         f"Together {len(campaign.diagnoses)} data sets tell of {named}; one extended mission carries it all.{more}"
     )
-    return " ".join([*told, together, *_doubts(campaign.extended)])
+    return " ".join([*told, together, *aged, *_doubts(campaign.extended)])
 
 
 def _doubts(extended: Mapping[str, object]) -> list[str]:

@@ -13,7 +13,7 @@ from missionplan.report.quantities import quantity
 from missionplan.report.wording import capitalised, listed, parameter_in_words
 from missionplan.results.learned import Diagnosis
 from missionplan.results.learned.evidence import SURE, Coverage, ParameterEstimate, WrongFix
-from missionplan.results.learned.levels import ParameterLevels
+from missionplan.results.learned.levels import AHEAD, ParameterLevels
 
 _PERCENT, _HOUR = 100.0, 3600.0
 UNLIKELY = 0.05
@@ -229,26 +229,37 @@ def intervals_that_miss(coverage: Coverage | None) -> str:
     )
 
 
-def trends_in_words(levels: Iterable[ParameterLevels]) -> Iterator[str]:
-    """Tell each trend as one: ``A trend: with each mission the vehicle goes 2.0 ± 0.2 % slower …: clean the hull``."""
+def trends_in_words(levels: Iterable[ParameterLevels], *, simulated: bool) -> Iterator[str]:
+    """Tell each trend as one: ``A trend: with each mission the vehicle goes 2.0 ± 0.2 % slower …: clean the hull``.
+
+    `simulated`: whether missions ahead were, to see when it matters.
+    """
     for each in levels:
         if not each.has_trend:
             continue
         info, trend = CATALOGUE[each.effect], _estimate(each, each.trend, each.trend_sd)
         own = sized_clause(info.finding, {each.name: trend}) if info.finding is not None else ""
         told = own or f"{parameter_in_words(each.effect, each.name)} changes by {sized(trend)}"
-        urgent = "" if each.matters_in is None else f" In {each.matters_in} missions it costs success."
+        urgent = f" In {each.matters_in} missions it costs success."
+        if each.matters_in is None:
+            urgent = f" Within {AHEAD[-1]} missions it costs no success." if simulated else ""
         upkeep = info.upkeep[each.trend < 0.0]
         coming = _sized(each, each.next_value, each.next_sd)
         yield f"A trend: with each mission {told}: {upkeep}. The next mission is planned with {coming}.{urgent}"
 
 
-def jumps_in_words(levels: Iterable[ParameterLevels]) -> Iterator[str]:
-    """Tell where a parameter jumped."""
+def ageing_in_words(
+    levels: Sequence[ParameterLevels], records: Mapping[str, str], *, simulated: bool = False
+) -> Iterator[str]:
+    """Tell each trend, and before which record a parameter jumped, by the name of the record where one is given."""
+    yield from trends_in_words(levels, simulated=simulated)
     for each in levels:
         for jump in each.jumps:
-            name = capitalised(parameter_in_words(each.effect, each.name))
-            yield f"{name} jumped before {jump.record}, to {_sized(each, jump.value, jump.sd)}."
+            name, before = (
+                capitalised(parameter_in_words(each.effect, each.name)),
+                records.get(jump.record, jump.record),
+            )
+            yield f"{name} jumped before {before}, to {_sized(each, jump.value, jump.sd)}."
 
 
 def _estimate(each: ParameterLevels, value: float, sd: float) -> ParameterEstimate:

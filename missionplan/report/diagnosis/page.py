@@ -113,7 +113,8 @@ def answer(diagnosis: Diagnosis) -> str:
     verdict = " ".join(
         filter(None, (_verdict_words(diagnosis), intervals_that_miss(diagnosis.coverage), diagnosis.misfit))
     )
-    aged = "".join(f" {words}" for words in trends_in_words(diagnosis.levels))
+    simulated = bool(diagnosis.provenance.options.get("plan") and diagnosis.learned_from)
+    aged = "".join(f" {words}" for words in trends_in_words(diagnosis.levels, simulated=simulated))
     last, kept = diagnosis.last_part, ""
     if last is not None:
         many = "legs" if last.kind == "transit" else "dives"

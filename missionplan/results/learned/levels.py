@@ -7,6 +7,8 @@ from missionplan.results.entries import Entry, Record
 
 LIKELY, SDS, FEWEST = 0.9, 3.0, 3
 """Probability of a trend from which it is told, standard deviations that it has at least, and missions."""
+AHEAD = (1, 2, 4, 8, 16)
+"""Missions from now that are simulated to see when a trend matters."""
 LIKELY_JUMP = 0.5
 """Probability of a jump from which it is told."""
 

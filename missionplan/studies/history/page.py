@@ -9,7 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure as MatplotlibFigure
 
 from missionplan.errors import InputError, Problem, did_you_mean, shown
-from missionplan.report.diagnosis.findings import jumps_in_words, trends_in_words
+from missionplan.report.diagnosis.findings import ageing_in_words
 from missionplan.report.page import BLUE, GREY, ORANGE, Cells, Figure, Page, PageSection, Table, to_figure
 from missionplan.report.quantities import Unit, reader_unit
 from missionplan.report.wording import capitalised, listed, parameter_in_words
@@ -66,7 +66,7 @@ def _cells(history: History) -> Cells:
 
 def answer(history: History) -> str:
     """Say how many diagnoses there are, what changed last, and what held still; and what fails how often."""
-    told = [*trends_in_words(history.levels), *jumps_in_words(history.levels)]
+    told = [*ageing_in_words(history.levels, {})]
     for rate in history.rates:
         counted = capitalised(f"{rate.failures:g} failures in {rate.exposure:g} {rate.unit}")
         unlike = ", unlike the mission's rate" if rate.surprise < SURPRISING else ""
