@@ -11,7 +11,7 @@ of linear Gaussian models (Harrison & Stevens 1976, *J. R. Stat. Soc. B* 38, 205
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import product
 
@@ -89,32 +89,18 @@ class _Models:
     """Linear Gaussian models that were weighed, m of them."""
 
     log_weights: Array
-    """Shape (m,)."""
-    variances: Array
-    """Of what is drawn anew, of a walk and of a trend, shape (3, m)."""
+    redrawn: Array
+    walk: Array
+    trend: Array
+    """Variances of what is drawn anew, of a walk in one mission and of a trend; shape (m,), as the weights."""
     jumps: NDArray[np.bool_]
     """At which measurement each jumps, shape (m, n)."""
-
-    @property
-    def redrawn(self) -> Array:
-        """Variance of what is drawn anew, shape (m,)."""
-        return np.asarray(self.variances[0])
-
-    @property
-    def walk(self) -> Array:
-        """Variance of a walk in one mission, shape (m,)."""
-        return np.asarray(self.variances[1])
-
-    @property
-    def trend(self) -> Array:
-        """Variance of a trend, shape (m,)."""
-        return np.asarray(self.variances[2])
 
     @property
     def likely(self) -> "_Models":
         """Those that are not far below the best."""
         own = self.log_weights > self.log_weights.max() - APART
-        return _Models(self.log_weights[own], self.variances[:, own], self.jumps[own])
+        return _Models(*(each[own] for each in vars(self).values()))
 
 
 @dataclass(frozen=True)
@@ -154,13 +140,6 @@ class Levels:
         mean, variance = self.under_each(times)
         return _mixed(self.weights, mean, variance)
 
-    def log_density(self, time: float, value: float, sd: float = 0.0) -> float:
-        """Log density of a measurement to come, with its error."""
-        mean, variance = (each[:, 0] for each in self.under_each(np.array([time])))
-        spread = variance + sd * sd
-        logs = np.log(self.weights) - 0.5 * (np.square(value - mean) / spread + np.log(2.0 * np.pi * spread))
-        return float(np.logaddexp.reduce(logs))
-
     @property
     def jumps(self) -> Array:
         """Probability that the level jumped between each measurement and the one before, shape (n,)."""
@@ -196,11 +175,7 @@ def levels(measured: Measured, ageing: Ageing) -> Levels:
         found.append(_weighed(measured, ageing, sets))
         if found[-1].log_weights.max() < max(each.log_weights.max() for each in found) - APART:
             break
-    models = _Models(
-        np.concatenate([each.log_weights for each in found]),
-        np.concatenate([each.variances for each in found], axis=1),
-        np.concatenate([each.jumps for each in found]),
-    )
+    models = _Models(*map(np.concatenate, zip(*(vars(each).values() for each in found), strict=True)))
     return Levels(measured, ageing, models.likely)
 
 
@@ -219,12 +194,13 @@ def _weighed(measured: Measured, ageing: Ageing, sets: NDArray[np.bool_]) -> _Mo
     else:
         chances = np.zeros(len(sets))
     log_priors = np.repeat(chances, count) + np.tile(priors, len(sets))
-    each = _Models(log_priors, np.tile(variances, len(sets)), np.repeat(sets, count, axis=0))
+    redrawn, walk, trend = np.tile(variances, len(sets))
+    each = _Models(log_priors, redrawn, walk, trend, np.repeat(sets, count, axis=0))
     factor = np.linalg.cholesky(_of_measurements(measured, ageing, each))
     white = np.linalg.solve(factor, np.broadcast_to((measured.values - measured.first)[:, None], (len(factor), n, 1)))
     logs = np.log(np.diagonal(factor, axis1=1, axis2=2)).sum(axis=1)
     evidence = -0.5 * np.square(white).sum(axis=(1, 2)) - logs
-    return _Models(log_priors + evidence, each.variances, each.jumps)
+    return replace(each, log_weights=log_priors + evidence)
 
 
 def _covariance(first: Array, second: Array, measured: Measured, ageing: Ageing, models: _Models) -> Array:

@@ -24,10 +24,10 @@ COLUMNS = ("Data set", "Kind", "Verdict", "Causes", "Confirmed")
 _PASSED_ON = (
     "An effect passes from one data set to the next through the mission: what one leaves of its parameters is what "
     "the next begins with. Dives, summaries of dives and the drag of the tank share the vehicle's effects; legs "
-    "share theirs with other legs. Legs and dives have no effect of the catalogue in common, so that neither "
-    "changes what the other shows. σ_v is that of the last record of legs. The order is that of the kinds (tank, "
-    "dives, legs), then of the names, however they are given. Another order could change what is claimed where an "
-    "effect is weak in each record: one record alone must show it clearly (55 to 1) for it to be claimed."
+    "share theirs with other legs, and have none in common with dives. σ_v is that of the last record of legs. The "
+    "order is that of the kinds (tank, dives, legs), then of the names; what the vehicle has is planned with at the "
+    "mission's date all the same. Another order could change what is claimed where an effect is weak in each record: "
+    "one record alone must show it clearly (55 to 1) for it to be claimed."
 )
 
 
